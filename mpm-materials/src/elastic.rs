@@ -1,0 +1,241 @@
+//! Elastic laws: linear (Jaumann rate) and compressible neo-Hookean.
+
+use crate::lane::{Lane, Real};
+use crate::parameter::{Check, ParameterError};
+use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update, finite_stress};
+use crate::rate::{Jaumann, ObjectiveRate};
+use crate::state;
+use crate::tensor::{Mat3, Sym3};
+
+/// The two constants of isotropic elasticity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moduli<T> {
+    /// Bulk modulus K, Pa.
+    pub bulk: T,
+    /// Shear modulus G, Pa.
+    pub shear: T,
+}
+
+impl<T: Real> Moduli<T> {
+    /// From bulk and shear modulus, Pa.
+    ///
+    /// # Errors
+    /// A modulus that is not positive and finite.
+    pub fn bulk_shear(bulk: T, shear: T) -> Result<Self, ParameterError> {
+        let check = Check("elastic moduli");
+        Ok(Moduli {
+            bulk: check.positive("bulk modulus", bulk)?,
+            shear: check.positive("shear modulus", shear)?,
+        })
+    }
+    /// From Young's modulus, Pa, and Poisson's ratio: K = E / 3(1 - 2 nu), G = E / 2(1 + nu).
+    ///
+    /// # Errors
+    /// E not positive, or nu outside (-1, 1/2).
+    pub fn young_poisson(young: T, poisson: T) -> Result<Self, ParameterError> {
+        let check = Check("elastic moduli");
+        let (one, two, three) = (T::of(1.0), T::of(2.0), T::of(3.0));
+        let young = check.positive("Young's modulus", young)?;
+        let inside = poisson > -one && poisson < T::of(0.5);
+        let poisson = check.that(inside, "Poisson's ratio", poisson, "between -1 and 1/2, both excluded")?;
+        Ok(Moduli { bulk: young / (three * (one - two * poisson)), shear: young / (two * (one + poisson)) })
+    }
+    /// Lame's first constant, K - 2G/3, Pa.
+    pub fn lambda(&self) -> T {
+        self.bulk - self.shear * T::of(2.0 / 3.0)
+    }
+    /// P-wave modulus, K + 4G/3, Pa.
+    pub fn p_wave(&self) -> T {
+        self.bulk + self.shear * T::of(4.0 / 3.0)
+    }
+}
+
+state! {
+    /// What a hypoelastic point remembers.
+    pub struct HypoelasticState<L> {
+        /// Cauchy stress, Pa.
+        pub stress: Sym3<L>,
+        /// Volume over reference volume.
+        pub volume_ratio: L,
+    }
+}
+
+/// Linear elasticity in rate form: sigma' = lambda tr(d) I + 2 G d with an objective rate sigma'
+/// (\[Ma2010\] section 1.2). For small strains; it does not conserve energy exactly on finite closed paths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearElastic<T, R = Jaumann> {
+    density: T,
+    moduli: Moduli<T>,
+    rate: R,
+}
+
+impl<T: Real> LinearElastic<T> {
+    /// With reference density, kg/m^3, and the Jaumann rate.
+    ///
+    /// # Errors
+    /// A density that is not positive.
+    pub fn new(density: T, moduli: Moduli<T>) -> Result<Self, ParameterError> {
+        Ok(LinearElastic {
+            density: Check("linear elastic").positive("density", density)?,
+            moduli,
+            rate: Jaumann,
+        })
+    }
+}
+
+impl<T: Real, R: ObjectiveRate> LinearElastic<T, R> {
+    /// The same law with another objective rate.
+    pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> LinearElastic<T, Q> {
+        LinearElastic { density: self.density, moduli: self.moduli, rate }
+    }
+    /// The elastic constants.
+    pub fn moduli(&self) -> Moduli<T> {
+        self.moduli
+    }
+}
+
+impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
+    type State<L: Lane<Real = T>> = HypoelasticState<L>;
+
+    fn name(&self) -> &'static str {
+        "linear elastic"
+    }
+    fn density(&self) -> T {
+        self.density
+    }
+    fn virgin(&self) -> HypoelasticState<T::Single> {
+        HypoelasticState { stress: Sym3::zero(), volume_ratio: T::Single::one() }
+    }
+    #[inline(always)]
+    fn update<L: Lane<Real = T>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &HypoelasticState<L>,
+    ) -> Update<L, HypoelasticState<L>> {
+        let strain = kinematics.strain();
+        let lambda = L::splat(self.moduli.lambda());
+        let two_g = L::splat(self.moduli.shear * T::of(2.0));
+        let rotated = self.rate.rotate(kinematics, &old.stress);
+        let stress = (rotated + strain * two_g).plus_isotropic(lambda * strain.trace());
+        let factor = kinematics.volume_factor();
+        let state = HypoelasticState { stress, volume_ratio: old.volume_ratio * factor };
+        let fault = Fault::none()
+            .require(factor.gt(L::zero()), Breakdown::InvertedVolume)
+            .require(finite_stress(&stress), Breakdown::NotFinite);
+        Update { state, stress, fault }
+    }
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> Sym3<L> {
+        now.stress
+    }
+    #[inline(always)]
+    fn volume_ratio<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
+        now.volume_ratio
+    }
+    /// sqrt((K + 4G/3) J / rho0).
+    #[inline(always)]
+    fn wave_speed<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
+        (L::splat(self.moduli.p_wave() / self.density) * now.volume_ratio).sqrt()
+    }
+    /// Complementary energy of the stress, J (s:s / 4G + p^2 / 2K).
+    #[inline(always)]
+    fn energy<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
+        let (mean, dev) = (now.stress.mean(), now.stress.deviator());
+        let shear = dev.dot(&dev) * L::splat(T::of(0.25) / self.moduli.shear);
+        let bulk = mean * mean * L::splat(T::of(0.5) / self.moduli.bulk);
+        now.volume_ratio * (shear + bulk)
+    }
+}
+
+state! {
+    /// What a hyperelastic point remembers.
+    pub struct HyperelasticState<L> {
+        /// Deformation gradient.
+        pub deformation: Mat3<L>,
+    }
+}
+
+/// Compressible neo-Hookean solid: sigma = \[G (b - I) + lambda ln J I\] / J with b = F F^T (equations.md 3.3),
+/// from the energy W = G/2 (tr b - 3) - G ln J + lambda/2 (ln J)^2 per reference volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NeoHookean<T> {
+    density: T,
+    moduli: Moduli<T>,
+}
+
+impl<T: Real> NeoHookean<T> {
+    /// With reference density, kg/m^3.
+    ///
+    /// # Errors
+    /// A density that is not positive, or a negative Lame constant K - 2G/3.
+    pub fn new(density: T, moduli: Moduli<T>) -> Result<Self, ParameterError> {
+        let check = Check("neo-Hookean");
+        check.not_negative("Lame's first constant K - 2G/3", moduli.lambda())?;
+        Ok(NeoHookean { density: check.positive("density", density)?, moduli })
+    }
+    /// The elastic constants at small strain.
+    pub fn moduli(&self) -> Moduli<T> {
+        self.moduli
+    }
+}
+
+impl<T: Real> Constitutive<T> for NeoHookean<T> {
+    type State<L: Lane<Real = T>> = HyperelasticState<L>;
+
+    fn name(&self) -> &'static str {
+        "neo-Hookean"
+    }
+    fn density(&self) -> T {
+        self.density
+    }
+    fn virgin(&self) -> HyperelasticState<T::Single> {
+        HyperelasticState { deformation: Mat3::identity() }
+    }
+    #[inline(always)]
+    fn update<L: Lane<Real = T>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &HyperelasticState<L>,
+    ) -> Update<L, HyperelasticState<L>> {
+        let deformation = old.deformation + kinematics.increment.times(&old.deformation);
+        let state = HyperelasticState { deformation };
+        let stress = self.stress(&state);
+        let fault = Fault::none()
+            .require(deformation.determinant().gt(L::zero()), Breakdown::InvertedVolume)
+            .require(finite_stress(&stress), Breakdown::NotFinite);
+        Update { state, stress, fault }
+    }
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> Sym3<L> {
+        let j = now.deformation.determinant();
+        let per_volume = j.recip();
+        let g = L::splat(self.moduli.shear);
+        let b = now.deformation.times_transpose();
+        (b * g).plus_isotropic(L::splat(self.moduli.lambda()) * j.ln() - g) * per_volume
+    }
+    #[inline(always)]
+    fn volume_ratio<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {
+        now.deformation.determinant()
+    }
+    /// A bound: the P-wave modulus along the largest stretch, with tr b for the largest eigenvalue of b:
+    /// rho c^2 = \[lambda (1 - ln J) + G (1 + tr b)\] / J, never below the modulus at rest.
+    #[inline(always)]
+    fn wave_speed<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {
+        let f = &now.deformation;
+        let j = f.determinant();
+        let (lambda, g) = (L::splat(self.moduli.lambda()), L::splat(self.moduli.shear));
+        // tr b >= 2 J^(2/3) + largest eigenvalue would be sharper; two of three unit eigenvalues are taken off.
+        let largest = (f.times_transpose().trace() - L::of(2.0)).max(L::one());
+        let modulus = lambda * (L::one() - j.ln()).max(L::zero()) + g * (L::one() + largest);
+        // c^2 = modulus / (J rho) and rho = rho0 / J.
+        (modulus / L::splat(self.density)).sqrt()
+    }
+    #[inline(always)]
+    fn energy<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {
+        let log_j = now.deformation.determinant().ln();
+        let trace = now.deformation.times_transpose().trace();
+        let (lambda, g) = (L::splat(self.moduli.lambda()), L::splat(self.moduli.shear));
+        let half = L::of(0.5);
+        half * g * (trace - L::of(3.0)) - g * log_j + half * lambda * log_j * log_j
+    }
+}

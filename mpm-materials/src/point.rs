@@ -1,0 +1,436 @@
+//! One material point: how it moves in a step, what it remembers, what a law makes of it, and how it breaks.
+
+use std::fmt;
+
+use crate::lane::{Lane, Mask, Real};
+use crate::tensor::{Mat3, Sym3};
+
+/// How a point moves during one step.
+#[derive(Clone, Copy, Debug)]
+pub struct Kinematics<L> {
+    /// Displacement-gradient increment, dt grad v (dimensionless): row `i`, column `j` is dt dv_i/dx_j.
+    pub increment: Mat3<L>,
+    /// Time step dt > 0, s. (A lane that must not change has `increment` zero.)
+    pub dt: L,
+    /// Size of the element or cell the point stands in, m: the length in bulk viscosity and in the
+    /// regularisation of softening.
+    pub length: L,
+}
+
+impl<L: Lane> Kinematics<L> {
+    /// Strain increment, the symmetric part of `increment` (eq. 18 of [Ma2010]).
+    #[inline(always)]
+    pub fn strain(&self) -> Sym3<L> {
+        self.increment.symmetric()
+    }
+    /// Axial vector of the spin increment, the antisymmetric part of `increment` (eq. 19 of [Ma2010]).
+    #[inline(always)]
+    pub fn spin(&self) -> [L; 3] {
+        self.increment.axial()
+    }
+    /// Relative change of volume, exact for the increment: det(I + increment). Positive unless the step turns
+    /// the point inside out.
+    #[inline(always)]
+    pub fn volume_factor(&self) -> L {
+        (self.increment + Mat3::identity()).determinant()
+    }
+}
+
+/// What a point remembers between steps: a fixed list of numbers with names.
+///
+/// Implemented for a single number, [`Sym3`], [`Mat3`], pairs, and `()` which takes no memory at all; the
+/// [`state!`](crate::state) macro makes a named record of these.
+pub trait State<L: Lane>: Copy + fmt::Debug {
+    /// How many numbers.
+    const LEN: usize;
+    /// Read all numbers, in order.
+    fn read(from: &mut impl Source<L>) -> Self;
+    /// Write all numbers, in the same order.
+    fn write(&self, to: &mut impl Sink<L>);
+    /// Append the `LEN` names, in the same order, to `list`; `name` is what the owner calls this part.
+    fn names(name: &str, list: &mut Vec<String>);
+}
+
+/// Where a [`State`] is read from.
+pub trait Source<L> {
+    /// The next number.
+    fn take(&mut self) -> L;
+}
+
+/// Where a [`State`] is written to.
+pub trait Sink<L> {
+    /// Append a number.
+    fn put(&mut self, value: L);
+}
+
+impl<L: Lane> State<L> for () {
+    const LEN: usize = 0;
+    #[inline(always)]
+    fn read(_: &mut impl Source<L>) {}
+    #[inline(always)]
+    fn write(&self, _: &mut impl Sink<L>) {}
+    fn names(_: &str, _: &mut Vec<String>) {}
+}
+
+impl<L: Lane> State<L> for L {
+    const LEN: usize = 1;
+    #[inline(always)]
+    fn read(from: &mut impl Source<L>) -> Self {
+        from.take()
+    }
+    #[inline(always)]
+    fn write(&self, to: &mut impl Sink<L>) {
+        to.put(*self);
+    }
+    fn names(name: &str, list: &mut Vec<String>) {
+        list.push(name.into());
+    }
+}
+
+impl<L: Lane> State<L> for Sym3<L> {
+    const LEN: usize = 6;
+    #[inline(always)]
+    fn read(from: &mut impl Source<L>) -> Self {
+        Sym3([from.take(), from.take(), from.take(), from.take(), from.take(), from.take()])
+    }
+    #[inline(always)]
+    fn write(&self, to: &mut impl Sink<L>) {
+        for i in 0..6 {
+            to.put(self.0[i]);
+        }
+    }
+    fn names(name: &str, list: &mut Vec<String>) {
+        list.extend(["xx", "yy", "zz", "yz", "xz", "xy"].map(|c| format!("{name}_{c}")));
+    }
+}
+
+impl<L: Lane> State<L> for Mat3<L> {
+    const LEN: usize = 9;
+    #[inline(always)]
+    fn read(from: &mut impl Source<L>) -> Self {
+        Mat3([
+            [from.take(), from.take(), from.take()],
+            [from.take(), from.take(), from.take()],
+            [from.take(), from.take(), from.take()],
+        ])
+    }
+    #[inline(always)]
+    fn write(&self, to: &mut impl Sink<L>) {
+        for i in 0..3 {
+            for j in 0..3 {
+                to.put(self.0[i][j]);
+            }
+        }
+    }
+    fn names(name: &str, list: &mut Vec<String>) {
+        for i in ["x", "y", "z"] {
+            list.extend(["x", "y", "z"].map(|j| format!("{name}_{i}{j}")));
+        }
+    }
+}
+
+impl<L: Lane, A: State<L>, B: State<L>> State<L> for (A, B) {
+    const LEN: usize = A::LEN + B::LEN;
+    #[inline(always)]
+    fn read(from: &mut impl Source<L>) -> Self {
+        let a = A::read(from);
+        (a, B::read(from))
+    }
+    #[inline(always)]
+    fn write(&self, to: &mut impl Sink<L>) {
+        self.0.write(to);
+        self.1.write(to);
+    }
+    fn names(name: &str, list: &mut Vec<String>) {
+        A::names(name, list);
+        B::names(name, list);
+    }
+}
+
+/// Declare what a law remembers: a record of parts that are themselves [`State`]s, generic over the lane `L`.
+///
+/// ```
+/// use mpm_materials::{Sym3, state};
+/// state! {
+///     /// State of a hardening solid.
+///     pub struct Hardening<L> {
+///         /// Cauchy stress, Pa.
+///         pub stress: Sym3<L>,
+///         /// Accumulated plastic strain.
+///         pub plastic_strain: L,
+///     }
+/// }
+/// ```
+#[macro_export]
+macro_rules! state {
+    ($(#[$meta:meta])* $vis:vis struct $name:ident<$l:ident $(, $g:ident)*> {
+        $($(#[$fmeta:meta])* $fvis:vis $field:ident: $t:ty),* $(,)?
+    }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $vis struct $name<$l $(, $g)*> { $($(#[$fmeta])* $fvis $field: $t),* }
+        impl<$l: $crate::Lane $(, $g: $crate::State<$l>)*> $crate::State<$l> for $name<$l $(, $g)*> {
+            const LEN: usize = 0 $(+ <$t as $crate::State<$l>>::LEN)*;
+            #[inline(always)]
+            fn read(from: &mut impl $crate::Source<$l>) -> Self {
+                // Fields of a struct expression are evaluated in the order written.
+                Self { $($field: <$t as $crate::State<$l>>::read(from)),* }
+            }
+            #[inline(always)]
+            fn write(&self, to: &mut impl $crate::Sink<$l>) {
+                $(<$t as $crate::State<$l>>::write(&self.$field, to);)*
+            }
+            fn names(_: &str, list: &mut Vec<String>) {
+                $(<$t as $crate::State<$l>>::names(stringify!($field), list);)*
+            }
+        }
+    };
+}
+
+/// Why a point can no longer be computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[repr(u8)]
+pub enum Breakdown {
+    /// The step turns the point inside out: det(I + dt grad v) <= 0, or det F <= 0.
+    #[error("the volume became zero or negative")]
+    InvertedVolume = 1,
+    /// A stress, energy or velocity is infinite or not a number.
+    #[error("a value became infinite or not a number")]
+    NotFinite = 2,
+    /// The equation of state has no pressure at this density (its Hugoniot is singular).
+    #[error("compressed beyond the range of the equation of state")]
+    OverCompressed = 3,
+    /// The squared sound speed is negative: the state is unstable.
+    #[error("the squared sound speed became negative")]
+    NoSoundSpeed = 4,
+    /// A law's own iteration found no solution.
+    #[error("the law's iteration did not converge")]
+    NotConverged = 5,
+    /// A cause that belongs to one law; its documentation says which.
+    #[error("the law reported a breakdown of its own")]
+    Law = 6,
+}
+
+impl Breakdown {
+    const ALL: [Breakdown; 6] = [
+        Breakdown::InvertedVolume,
+        Breakdown::NotFinite,
+        Breakdown::OverCompressed,
+        Breakdown::NoSoundSpeed,
+        Breakdown::NotConverged,
+        Breakdown::Law,
+    ];
+}
+
+/// The first [`Breakdown`] of each lane, if any. Costs one selection a check and no branch.
+#[derive(Clone, Copy, Debug)]
+pub struct Fault<L>(L);
+
+impl<L: Lane> Fault<L> {
+    /// No breakdown in any lane.
+    #[inline(always)]
+    pub fn none() -> Self {
+        Fault(L::zero())
+    }
+    /// `cause` in the lanes where `holds` is false and nothing broke before. Write the condition so that it is
+    /// false for a value that is not a number.
+    #[inline(always)]
+    pub fn require(self, holds: L::Mask, cause: Breakdown) -> Self {
+        let first = L::select(self.0.gt(L::zero()), self.0, L::of(cause as u8 as f64));
+        Fault(L::select(holds, self.0, first))
+    }
+    /// The earlier fault where there is one, else `later`.
+    #[inline(always)]
+    pub fn or(self, later: Self) -> Self {
+        Fault(L::select(self.0.gt(L::zero()), self.0, later.0))
+    }
+    /// Did some lane break?
+    #[inline(always)]
+    pub fn any(self) -> bool {
+        self.0.gt(L::zero()).any()
+    }
+    /// What broke in lane `i`.
+    pub fn cause(self, i: usize) -> Option<Breakdown> {
+        let code = self.0.lane(i).to_double() as usize;
+        Breakdown::ALL.get(code.wrapping_sub(1)).copied()
+    }
+}
+
+/// The result of a law at a point: what it now remembers, and the Cauchy stress that goes into the forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Update<L, S> {
+    /// The new state.
+    pub state: S,
+    /// Cauchy stress, Pa, tension positive.
+    pub stress: Sym3<L>,
+    /// The lanes that broke down; their state and stress mean nothing.
+    pub fault: Fault<L>,
+}
+
+/// A constitutive law: pure, three-dimensional, one point at a time.
+///
+/// `update` maps (law, kinematics, old state) to the new state and stress. It keeps nothing and reads nothing
+/// else, so that the same call gives the same bits, and a step can be tried and rejected. What the law needs
+/// to remember is its own typed [`State`]: a hypoelastic law keeps the stress and the volume ratio, a
+/// hyperelastic one the deformation gradient.
+pub trait Constitutive<T: Real>: Clone + Send + Sync + 'static {
+    /// What a point remembers.
+    type State<L: Lane<Real = T>>: State<L>;
+
+    /// The law's name, for messages.
+    fn name(&self) -> &'static str;
+
+    /// Reference density rho0, kg/m^3; a point of mass `m` has reference volume `m / rho0`.
+    fn density(&self) -> T;
+
+    /// The state of a stress-free point at reference density.
+    fn virgin(&self) -> Self::State<T::Single>;
+
+    /// One step.
+    fn update<L: Lane<Real = T>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Self::State<L>,
+    ) -> Update<L, Self::State<L>>;
+
+    /// Cauchy stress of a state, Pa.
+    fn stress<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> Sym3<L>;
+
+    /// Volume over reference volume, J = rho0 / rho.
+    fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
+
+    /// Speed of the fastest (longitudinal) wave, m/s: a bound for the time step.
+    fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
+
+    /// Internal energy per reference volume, J/m^3: stored and dissipated work since the virgin state.
+    fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
+}
+
+/// The result of a law written for a single point.
+pub type PointResult<T, S> = Result<(S, Sym3<T>), Breakdown>;
+
+/// Run a law's single-point text on every lane in turn: what `update` calls in a law whose branches or
+/// iterations cannot be written with [`Lane::select`].
+///
+/// `one` gets the kinematics and state of one point and returns the new state and stress, or what broke.
+pub fn pointwise<T, L, S1, SL>(
+    kinematics: &Kinematics<L>,
+    old: &SL,
+    mut one: impl FnMut(&Kinematics<T::Single>, &S1) -> PointResult<T::Single, S1>,
+) -> Update<L, SL>
+where
+    T: Real,
+    L: Lane<Real = T>,
+    S1: State<T::Single>,
+    SL: State<L>,
+{
+    let mut state = Buffer { values: flatten(old), at: 0 };
+    let mut stress: Sym3<L> = Sym3::zero();
+    let mut fault = Fault::none();
+    for i in 0..L::WIDTH {
+        let increment = Mat3(std::array::from_fn(|r| {
+            std::array::from_fn(|c| kinematics.increment.0[r][c].lane(i).into())
+        }));
+        let point = Kinematics {
+            increment,
+            dt: kinematics.dt.lane(i).into(),
+            length: kinematics.length.lane(i).into(),
+        };
+        match one(&point, &lane_of(old, i)) {
+            Ok((new, sigma)) => {
+                let numbers: Vec<T::Single> = flatten(&new);
+                for (k, v) in numbers.into_iter().enumerate() {
+                    state.values[k] = state.values[k].with_lane(i, v.into());
+                }
+                for k in 0..6 {
+                    stress.0[k] = stress.0[k].with_lane(i, sigma.0[k].into());
+                }
+            }
+            Err(cause) => {
+                let healthy = L::one().with_lane(i, T::default());
+                fault = fault.require(healthy.gt(L::zero()), cause);
+            }
+        }
+    }
+    Update { state: SL::read(&mut state), stress, fault }
+}
+
+/// The state of lane `i`.
+pub fn lane_of<T, L, S1, SL>(state: &SL, i: usize) -> S1
+where
+    T: Real,
+    L: Lane<Real = T>,
+    S1: State<T::Single>,
+    SL: State<L>,
+{
+    let values = flatten(state).into_iter().map(|v| v.lane(i).into()).collect();
+    S1::read(&mut Buffer { values, at: 0 })
+}
+
+/// The same single-point state in every lane.
+pub fn spread<T, L, S1, SL>(state: &S1) -> SL
+where
+    T: Real,
+    L: Lane<Real = T>,
+    S1: State<T::Single>,
+    SL: State<L>,
+{
+    let values = flatten(state).into_iter().map(|v: T::Single| L::splat(v.into())).collect();
+    SL::read(&mut Buffer { values, at: 0 })
+}
+
+/// The numbers of a state, in order.
+pub fn flatten<L: Lane, S: State<L>>(state: &S) -> Vec<L> {
+    let mut list = Buffer { values: Vec::with_capacity(S::LEN), at: 0 };
+    state.write(&mut list);
+    list.values
+}
+
+/// The state with these numbers; `values` must hold `S::LEN` of them.
+///
+/// # Errors
+/// The number of values given, if it is not `S::LEN`.
+pub fn unflatten<L: Lane, S: State<L>>(values: &[L]) -> Result<S, usize> {
+    if values.len() != S::LEN {
+        return Err(values.len());
+    }
+    Ok(S::read(&mut Buffer { values: values.to_vec(), at: 0 }))
+}
+
+struct Buffer<L> {
+    values: Vec<L>,
+    at: usize,
+}
+impl<L: Lane> Source<L> for Buffer<L> {
+    fn take(&mut self) -> L {
+        self.at += 1;
+        self.values[self.at - 1]
+    }
+}
+impl<L> Sink<L> for Buffer<L> {
+    fn put(&mut self, value: L) {
+        self.values.push(value);
+    }
+}
+
+/// A point whose law broke down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Broken {
+    /// Which lane.
+    pub lane: usize,
+    /// Why.
+    pub cause: Breakdown,
+}
+
+/// The first broken lane of an update, if any.
+pub fn first_broken<L: Lane, S>(update: &Update<L, S>) -> Option<Broken> {
+    (0..L::WIDTH).find_map(|lane| update.fault.cause(lane).map(|cause| Broken { lane, cause }))
+}
+
+/// Is every component of the stress a finite number?
+#[inline(always)]
+pub fn finite_stress<L: Lane>(stress: &Sym3<L>) -> L::Mask {
+    // One infinity or NaN spoils the sum.
+    let s = &stress.0;
+    (s[0] + s[1] + s[2] + s[3] + s[4] + s[5]).is_finite()
+}
