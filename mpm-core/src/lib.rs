@@ -1,1 +1,25 @@
-//! x
+//! The material point method as parts that compose: particles, sparse grids, shape functions, transfers.
+
+pub mod boundary;
+pub mod dim;
+pub mod embedding;
+pub mod geometry;
+pub mod grid;
+pub mod method;
+pub mod parallel;
+pub mod particles;
+pub mod scheme;
+pub mod shape;
+pub mod step;
+pub mod transfer;
+
+pub use boundary::{Boundary, Side};
+pub use dim::Dim;
+pub use embedding::{Axisymmetric, Embedding, FullSpace, PlaneStrain};
+pub use grid::{BlockGrid, DenseGrid, GridStorage};
+pub use method::{Composition, Method};
+pub use parallel::{Float, Team};
+pub use scheme::{StressUpdate, Musl, Usf, Usl};
+pub use shape::{AffineShape, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction};
+pub use step::{Body, Mpm, Particle, StepError, Stopped, TimeControl, Totals};
+pub use transfer::{Apic, Blend, Flip, Fmpm, Pic, Transfer};

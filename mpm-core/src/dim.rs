@@ -1,0 +1,68 @@
+//! Dimension as a const generic, and the array sizes that stable Rust cannot compute from it.
+
+use std::ops::{Index, IndexMut};
+
+/// Space of `D` dimensions, as a type: `Dim<2>` or `Dim<3>`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Dim<const D: usize>;
+
+/// Nodes a block of the grid has along an axis.
+pub const BLOCK: usize = 4;
+
+/// Nodes (and bins) in a block: 4^D.
+pub const fn block_nodes(d: usize) -> usize {
+    BLOCK.pow(d as u32)
+}
+
+/// Blocks around and including a block: 3^D.
+pub const fn neighbours(d: usize) -> usize {
+    3usize.pow(d as u32)
+}
+
+/// An array whose length a trait knows.
+pub trait Array<X>: Copy + Send + Index<usize, Output = X> + IndexMut<usize> + AsRef<[X]> + AsMut<[X]> {
+    /// Every element `x`.
+    fn filled(x: X) -> Self;
+}
+impl<X: Copy + Send, const N: usize> Array<X> for [X; N] {
+    #[inline(always)]
+    fn filled(x: X) -> Self {
+        [x; N]
+    }
+}
+
+/// Sizes of a stencil of `N` nodes an axis in `D` dimensions; implemented by `Dim<D>` as `Stencil<N>` for
+/// N = 2, 3, 4. A shape function names the one it needs: `type Extent = Extent<D, N>`.
+pub trait Stencil: Copy + Send + Sync + 'static {
+    /// Nodes along an axis.
+    const NODES: usize;
+    /// Layers of nodes along the third axis: `NODES` in three dimensions, 1 in two.
+    const LAYERS: usize;
+    /// Nodes that the particles of one block of bins reach, along an axis: `BLOCK + NODES - 1`.
+    const TILE: usize = BLOCK + Self::NODES - 1;
+    /// Node of the stencil with the smallest index, relative to the bin, along an axis.
+    const BASE: i32 = -((Self::NODES as i32 - 1) / 2);
+    /// A value a node of the stencil along one axis.
+    type Axis<X: Copy + Send>: Array<X>;
+    /// A value a node of the stencil.
+    type Nodes<X: Copy + Send>: Array<X>;
+    /// A value a node that a block's particles reach: `TILE` an axis.
+    type Tile<X: Copy + Send>: Array<X>;
+}
+
+/// The [`Stencil`] of `N` nodes an axis in `D` dimensions.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extent<const D: usize, const N: usize>;
+
+macro_rules! stencil {
+    ($($d:literal $n:literal $layers:literal $all:literal $tile:literal),*) => {$(
+        impl Stencil for Extent<$d, $n> {
+            const NODES: usize = $n;
+            const LAYERS: usize = $layers;
+            type Axis<X: Copy + Send> = [X; $n];
+            type Nodes<X: Copy + Send> = [X; $all];
+            type Tile<X: Copy + Send> = [X; $tile];
+        }
+    )*};
+}
+stencil!(2 2 1 4 25, 2 3 1 9 36, 2 4 1 16 49, 3 2 2 8 125, 3 3 3 27 216, 3 4 4 64 343);

@@ -1,0 +1,34 @@
+//! How a problem in `D` dimensions lies in space: laws are always three-dimensional.
+
+/// An embedding of `D` coordinates in three dimensions. It lifts a velocity gradient to a 3 x 3 tensor and
+/// brings the force of a 3 x 3 stress back.
+pub trait Embedding<const D: usize>: Copy + Send + Sync + 'static {
+    /// The name in tables and messages.
+    const NAME: &'static str;
+    /// Is the third direction a hoop around the axis x = 0? Then its strain rate is v_x / x, its stress
+    /// pushes along x, and masses and volumes are per radian.
+    const HOOP: bool = false;
+}
+
+/// Three dimensions as they are.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FullSpace;
+impl Embedding<3> for FullSpace {
+    const NAME: &'static str = "3D";
+}
+
+/// Two dimensions with no strain along the third; masses and forces are per metre of depth.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PlaneStrain;
+impl Embedding<2> for PlaneStrain {
+    const NAME: &'static str = "plane strain";
+}
+
+/// Coordinates (r, z) of a body of revolution without swirl; masses, volumes and forces are per radian.
+/// Tensor components: x is r, y is z, z is the hoop direction.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Axisymmetric;
+impl Embedding<2> for Axisymmetric {
+    const NAME: &'static str = "axisymmetric";
+    const HOOP: bool = true;
+}

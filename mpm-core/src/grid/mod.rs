@@ -1,0 +1,71 @@
+//! The background grid: node records in blocks of 4^D.
+
+mod dense;
+mod sparse;
+
+use mpm_materials::Real;
+
+use crate::dim::block_nodes;
+use crate::geometry::Lattice;
+use crate::parallel::Float;
+
+pub use dense::DenseGrid;
+pub use sparse::BlockGrid;
+
+/// A node: two records of four numbers, `[scalar, x, y, z]` (z unused in two dimensions).
+///
+/// In the course of a step the first record is mass and momentum, then mass and velocity; the second is
+/// force, then acceleration, then what the stress update reads (see [`crate::scheme::Nodal`]).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub struct Node<T> {
+    /// Mass (kg), then momentum (kg m/s) or velocity (m/s).
+    pub first: [T; 4],
+    /// Unused, then force (N), acceleration (m/s^2) or a second velocity (m/s).
+    pub second: [T; 4],
+}
+
+impl<T: Real> Default for Node<T> {
+    fn default() -> Self {
+        Node { first: [T::default(); 4], second: [T::default(); 4] }
+    }
+}
+
+/// Where the nodes are kept. Blocks are named by their coordinates and stored in some order; results do not
+/// depend on that order, so any two grids give the same bits.
+pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
+    /// The lattice of nodes.
+    fn lattice(&self) -> &Lattice<D>;
+    /// Have (at least) these blocks, sorted and without repetition. All nodes are zero afterwards if the set
+    /// of blocks changed.
+    ///
+    /// # Errors
+    /// The first block that this grid cannot hold.
+    fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid>;
+    /// Coordinates of the blocks, in the order of storage.
+    fn blocks(&self) -> &[[i32; D]];
+    /// Place of a block in that order.
+    fn find(&self, coordinates: &[i32; D]) -> Option<usize>;
+    /// All nodes: 4^D a block, x fastest.
+    fn nodes(&self) -> &[Node<T>];
+    /// All nodes.
+    fn nodes_mut(&mut self) -> &mut [Node<T>];
+    /// Bytes of its memory.
+    fn bytes(&self) -> usize {
+        std::mem::size_of_val(self.nodes()) + std::mem::size_of_val(self.blocks())
+    }
+}
+
+/// A particle came to where the grid has no nodes.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("the grid has no block {coordinates:?}; {hint}")]
+pub struct OutsideGrid {
+    /// Coordinates of the block, in units of four cells.
+    pub coordinates: Vec<i32>,
+    /// What to do.
+    pub hint: &'static str,
+}
+
+fn zeroed<T: Float, const D: usize>(blocks: usize) -> Vec<Node<T>> {
+    vec![Node::default(); blocks * block_nodes(D)]
+}

@@ -1,0 +1,47 @@
+//! Blocks where the particles are.
+
+use super::{GridStorage, Node, OutsideGrid, zeroed};
+use crate::geometry::Lattice;
+use crate::parallel::Float;
+
+/// A grid without bounds that holds only the blocks it is asked for: the dynamic and the moving grid of
+/// \[Ma2010\] 1.5 at once, with the cell size kept.
+#[derive(Clone, Debug)]
+pub struct BlockGrid<T, const D: usize> {
+    lattice: Lattice<D>,
+    blocks: Vec<[i32; D]>,
+    nodes: Vec<Node<T>>,
+}
+
+impl<T: Float, const D: usize> BlockGrid<T, D> {
+    /// An empty grid on a lattice.
+    pub fn new(lattice: Lattice<D>) -> Self {
+        BlockGrid { lattice, blocks: Vec::new(), nodes: Vec::new() }
+    }
+}
+
+impl<T: Float, const D: usize> GridStorage<T, D> for BlockGrid<T, D> {
+    fn lattice(&self) -> &Lattice<D> {
+        &self.lattice
+    }
+    fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid> {
+        if wanted != self.blocks {
+            self.blocks.clear();
+            self.blocks.extend_from_slice(wanted);
+            self.nodes = zeroed::<T, D>(wanted.len());
+        }
+        Ok(())
+    }
+    fn blocks(&self) -> &[[i32; D]] {
+        &self.blocks
+    }
+    fn find(&self, coordinates: &[i32; D]) -> Option<usize> {
+        self.blocks.binary_search(coordinates).ok()
+    }
+    fn nodes(&self) -> &[Node<T>] {
+        &self.nodes
+    }
+    fn nodes_mut(&mut self) -> &mut [Node<T>] {
+        &mut self.nodes
+    }
+}

@@ -1,0 +1,95 @@
+//! A method: the shape function, transfer, stress update and embedding that make a solver together.
+
+use std::marker::PhantomData;
+
+use mpm_materials::Real;
+
+use crate::embedding::Embedding;
+use crate::scheme::StressUpdate;
+use crate::shape::ShapeFunction;
+use crate::transfer::{Allows, Suits, Transfer};
+
+/// The ingredients of a material point method, chosen at compile time.
+///
+/// Combinations that would break are refused by the compiler, with the reason:
+/// ```compile_fail
+/// use mpm_core::{Apic, FullSpace, Linear, Method, Usl};
+/// fn check<M: mpm_core::Composition<f64, 3>>(_: M) {}
+/// check(Method::new(Linear, Apic, Usl, FullSpace)); // the hat's second moment vanishes at a node
+/// ```
+/// ```compile_fail
+/// use mpm_core::{Apic, FullSpace, Method, Musl, QuadraticBSpline};
+/// fn check<M: mpm_core::Composition<f64, 3>>(_: M) {}
+/// check(Method::new(QuadraticBSpline, Apic, Musl, FullSpace)); // filters the velocity twice
+/// ```
+/// ```compile_fail
+/// use mpm_core::{Axisymmetric, Flip, Linear, Method, Musl};
+/// fn check<M: mpm_core::Composition<f64, 3>>(_: M) {}
+/// check(Method::new(Linear, Flip, Musl, Axisymmetric)); // an embedding of two dimensions
+/// ```
+/// ```
+/// use mpm_core::{Apic, FullSpace, Method, QuadraticBSpline, Usl};
+/// fn check<M: mpm_core::Composition<f64, 3>>(_: M) {}
+/// check(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Method<S, X, U, E> {
+    shape: S,
+    transfer: X,
+    ingredients: PhantomData<(U, E)>,
+}
+
+impl<S, X, U, E> Method<S, X, U, E> {
+    /// A method from its ingredients.
+    pub fn new(shape: S, transfer: X, _stress_update: U, _embedding: E) -> Self {
+        Method { shape, transfer, ingredients: PhantomData }
+    }
+}
+
+/// What a solver asks of a method; implemented by every legal [`Method`].
+pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
+    /// Shape function.
+    type Shape: ShapeFunction<T, D>;
+    /// Transfer.
+    type Transfer: Transfer<T>;
+    /// Stress update.
+    type Update: StressUpdate;
+    /// Embedding.
+    type Embedding: Embedding<D>;
+    /// The shape function.
+    fn shape(&self) -> &Self::Shape;
+    /// The transfer.
+    fn transfer(&self) -> &Self::Transfer;
+    /// A line that names the ingredients.
+    fn describe(&self) -> String {
+        format!(
+            "{}, {}-{}, {}",
+            Self::Embedding::NAME,
+            Self::Update::NAME,
+            Self::Transfer::NAME,
+            Self::Shape::NAME
+        )
+    }
+}
+
+impl<T, const D: usize, S, X, U, E> Composition<T, D> for Method<S, X, U, E>
+where
+    T: Real,
+    S: ShapeFunction<T, D> + Suits<T, D, X>,
+    X: Transfer<T>,
+    U: StressUpdate + Allows<X>,
+    E: Embedding<D>,
+{
+    type Shape = S;
+    type Transfer = X;
+    type Update = U;
+    type Embedding = E;
+    #[inline(always)]
+    fn shape(&self) -> &S {
+        &self.shape
+    }
+    #[inline(always)]
+    fn transfer(&self) -> &X {
+        &self.transfer
+    }
+}

@@ -1,0 +1,184 @@
+//! Vector instructions and threads: how a kernel is run. The only module of the project with `unsafe`.
+//!
+//! # Vector instructions
+//! A kernel is generic text over an [`Arch`]: the pack of lanes it computes particles with and the quad it
+//! adds node records with. [`Float::dispatch`] looks at the processor once and runs the kernel compiled for
+//! AVX2 and FMA, or the portable one. The invariant behind every `unsafe` here and in `lanes`:
+//! **a value of a vector type exists only inside a kernel that `dispatch` entered after it saw the processor
+//! has AVX2 and FMA.** It holds because the types are private to this module, their values are made only by
+//! methods of [`Lane`] on a type that a kernel receives as `A: Arch`, and only `dispatch` names
+//! [`Arch`] implementations.
+//!
+//! # Threads
+//! [`Team`] runs a loop over blocks on a chosen number of threads. Each task owns what it writes (Rust checks
+//! that), so results do not depend on the number of threads.
+
+#![allow(unsafe_code)]
+
+mod lanes;
+mod team;
+
+use mpm_materials::{Lane, Real, Wide};
+
+pub use team::Team;
+
+/// Vectors of the lanes of a group of particles: one row of storage each.
+pub trait Pack<T: Float>: Lane<Real = T> {
+    /// Read a row.
+    fn load(row: &T::Row) -> Self;
+    /// Write a row.
+    fn store(self, row: &mut T::Row);
+    /// Bit `i` set where lane `i` of the mask is.
+    fn bits(mask: Self::Mask) -> u32;
+    /// `out[i]` becomes lane `i` of `a`, `b`, `c` and `d`: from four columns of a group to one record a
+    /// particle. `out` has [`Lane::WIDTH`] records.
+    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[T; 4]]);
+}
+
+/// A vector over the four numbers of a node record.
+pub trait Quad<T>: Lane<Real = T> {
+    /// Read a record.
+    fn load(record: &[T; 4]) -> Self;
+    /// Write a record.
+    fn store(self, record: &mut [T; 4]);
+}
+
+/// The vector types of a kind of processor.
+pub trait Arch<T: Float>: 'static {
+    /// Lanes over particles.
+    type Pack: Pack<T>;
+    /// Lanes over the numbers of a node record.
+    type Quad: Quad<T>;
+}
+
+/// Plain Rust, any processor.
+#[derive(Debug)]
+pub struct Portable;
+
+/// Text compiled once for each [`Arch`]. Mark `run` and all it calls `#[inline(always)]`.
+pub trait Kernel<T: Float> {
+    /// What it returns.
+    type Output;
+    /// Run it.
+    fn run<A: Arch<T>>(self) -> Self::Output;
+}
+
+/// A scalar that particles are stored in: `f32` or `f64`.
+pub trait Float: Real {
+    /// Lanes of a row; particles of a group.
+    const GROUP: usize;
+    /// The unit of particle storage: 32 bytes, one number of [`Float::GROUP`] particles.
+    type Row: Copy + Default + Send + Sync + std::fmt::Debug + AsRef<[Self]> + AsMut<[Self]>;
+
+    /// Run the kernel with the best vectors this processor has.
+    fn dispatch<K: Kernel<Self>>(kernel: K) -> K::Output;
+    /// Run the kernel in plain Rust: the reference that the vector kernels are tested against.
+    fn portable<K: Kernel<Self>>(kernel: K) -> K::Output;
+}
+
+/// A 32-byte row of numbers.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(32))]
+pub struct Row<T, const N: usize>([T; N]);
+
+impl<T: Real, const N: usize> Default for Row<T, N> {
+    fn default() -> Self {
+        Row([T::default(); N])
+    }
+}
+impl<T, const N: usize> AsRef<[T]> for Row<T, N> {
+    #[inline(always)]
+    fn as_ref(&self) -> &[T] {
+        &self.0
+    }
+}
+impl<T, const N: usize> AsMut<[T]> for Row<T, N> {
+    #[inline(always)]
+    fn as_mut(&mut self) -> &mut [T] {
+        &mut self.0
+    }
+}
+
+macro_rules! float {
+    ($t:ty, $n:literal) => {
+        impl Float for $t {
+            const GROUP: usize = $n;
+            type Row = Row<$t, $n>;
+            #[inline]
+            fn dispatch<K: Kernel<$t>>(kernel: K) -> K::Output {
+                #[cfg(target_arch = "x86_64")]
+                if lanes::available() {
+                    #[target_feature(enable = "avx2,fma")]
+                    fn with_avx2<K: Kernel<$t>>(kernel: K) -> K::Output {
+                        kernel.run::<lanes::Avx2>()
+                    }
+                    // SAFETY: the processor has AVX2 and FMA.
+                    return unsafe { with_avx2(kernel) };
+                }
+                kernel.run::<Portable>()
+            }
+            #[inline]
+            fn portable<K: Kernel<$t>>(kernel: K) -> K::Output {
+                kernel.run::<Portable>()
+            }
+        }
+        impl Pack<$t> for Wide<$t, $n> {
+            #[inline(always)]
+            fn load(row: &Row<$t, $n>) -> Self {
+                Wide(row.0)
+            }
+            #[inline(always)]
+            fn store(self, row: &mut Row<$t, $n>) {
+                row.0 = self.0;
+            }
+            #[inline(always)]
+            fn bits(mask: Self::Mask) -> u32 {
+                let mut r = 0;
+                for i in 0..$n {
+                    r |= u32::from(mask.0[i]) << i;
+                }
+                r
+            }
+            #[inline(always)]
+            fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[$t; 4]]) {
+                for i in 0..$n {
+                    out[i] = [a.0[i], b.0[i], c.0[i], d.0[i]];
+                }
+            }
+        }
+        impl Quad<$t> for Wide<$t, 4> {
+            #[inline(always)]
+            fn load(record: &[$t; 4]) -> Self {
+                Wide(*record)
+            }
+            #[inline(always)]
+            fn store(self, record: &mut [$t; 4]) {
+                *record = self.0;
+            }
+        }
+        impl Arch<$t> for Portable {
+            type Pack = Wide<$t, $n>;
+            type Quad = Wide<$t, 4>;
+        }
+    };
+}
+float!(f64, 4);
+float!(f32, 8);
+
+/// Ask for memory that will be read soon. Never faults, changes no result.
+#[inline(always)]
+pub fn prefetch<T>(near: &[T]) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let first = near.as_ptr().cast::<i8>();
+        let mut at = 0;
+        while at < size_of_val(near) {
+            // SAFETY: the address is inside a live slice (and prefetching is harmless for any address).
+            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
+            at += 64;
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = near;
+}

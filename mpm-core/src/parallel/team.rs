@@ -1,0 +1,75 @@
+//! A chosen number of threads.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+/// The threads that the stages of a step run on. One thread runs in the caller, without a pool.
+#[derive(Clone, Debug, Default)]
+pub struct Team(Option<Arc<rayon::ThreadPool>>);
+
+/// Why a team could not be made.
+#[derive(Debug, thiserror::Error)]
+#[error("could not start {threads} threads: {cause}")]
+pub struct TeamError {
+    threads: usize,
+    cause: String,
+}
+
+impl Team {
+    /// The caller's thread alone.
+    pub fn one() -> Self {
+        Team(None)
+    }
+
+    /// `threads` threads, at least one.
+    ///
+    /// # Errors
+    /// Zero threads, or the operating system refuses.
+    pub fn new(threads: usize) -> Result<Self, TeamError> {
+        match threads {
+            0 => Err(TeamError { threads, cause: "at least one is needed".into() }),
+            1 => Ok(Team(None)),
+            _ => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .build()
+                .map(|pool| Team(Some(Arc::new(pool))))
+                .map_err(|e| TeamError { threads, cause: e.to_string() }),
+        }
+    }
+
+    /// Number of threads.
+    pub fn threads(&self) -> usize {
+        self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
+    }
+
+    /// `task` on every element, in any order: a task must touch only what it is given.
+    pub fn each<X: Send>(&self, items: &mut [X], task: impl Fn(usize, &mut X) + Send + Sync) {
+        match &self.0 {
+            None => items.iter_mut().enumerate().for_each(|(i, x)| task(i, x)),
+            Some(pool) => {
+                pool.install(|| items.par_iter_mut().enumerate().for_each(|(i, x)| task(i, x)));
+            }
+        }
+    }
+
+    /// `task` on every piece of `length` elements of `items`, with the matching element of `with`.
+    pub fn each_piece<X: Send, Y: Send>(
+        &self,
+        items: &mut [X],
+        length: usize,
+        with: &mut [Y],
+        task: impl Fn(usize, &mut [X], &mut Y) + Send + Sync,
+    ) {
+        match &self.0 {
+            None => {
+                let pairs = items.chunks_mut(length).zip(with.iter_mut());
+                pairs.enumerate().for_each(|(i, (x, y))| task(i, x, y));
+            }
+            Some(pool) => pool.install(|| {
+                let pairs = items.par_chunks_mut(length).zip(with.par_iter_mut());
+                pairs.enumerate().for_each(|(i, (x, y))| task(i, x, y));
+            }),
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Particles: kept by bin, in groups of lanes, in blocks of bins.
+//!
+//! A **group** is one [`Float::GROUP`]-wide set of particles of one bin: a row of storage for each of their
+//! numbers. A **run** is the groups of a bin; a [`Block`] is the 4^D bins whose stencils start at the same
+//! node block, with all their runs in one piece of memory. Lanes without a particle have mass zero and a
+//! virgin state, so that kernels need not look at them.
+//!
+//! Only the store moves particles, and it moves all columns at once; a column cannot be forgotten.
+
+mod block;
+
+pub use block::{Block, Outbox, split};
+
+/// Where the columns of a particle are: rows of a group, in order.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Columns {
+    dimension: usize,
+    state: usize,
+    domain: usize,
+    names: Vec<String>,
+}
+
+impl Columns {
+    /// Columns of a body: `state` numbers of its law with these `names`, and domain half sizes if `domain`.
+    pub fn new(dimension: usize, state: Vec<String>, domain: bool) -> Self {
+        Columns { dimension, state: state.len(), domain: if domain { dimension } else { 0 }, names: state }
+    }
+    /// Rows of a group; numbers of a particle.
+    #[inline(always)]
+    pub fn count(&self) -> usize {
+        self.number() + 1
+    }
+    /// First row of the position: offset from the bin's centre in units of h.
+    #[inline(always)]
+    pub const fn position() -> usize {
+        0
+    }
+    /// First row of the velocity, m/s.
+    #[inline(always)]
+    pub const fn velocity(dimension: usize) -> usize {
+        dimension
+    }
+    /// Row of the mass, kg.
+    #[inline(always)]
+    pub const fn mass(dimension: usize) -> usize {
+        2 * dimension
+    }
+    /// First row of the law's state.
+    #[inline(always)]
+    pub const fn state(dimension: usize) -> usize {
+        2 * dimension + 1
+    }
+    /// First row of the domain half sizes, in units of h (if carried).
+    #[inline(always)]
+    pub fn domain(&self) -> usize {
+        Self::state(self.dimension) + self.state
+    }
+    /// Row of the particle's number, by which it can be told all its life.
+    #[inline(always)]
+    pub fn number(&self) -> usize {
+        self.domain() + self.domain
+    }
+    /// Names of the law's state columns.
+    pub fn state_names(&self) -> &[String] {
+        &self.names
+    }
+}

@@ -1,0 +1,79 @@
+//! Generalised interpolation: the hat averaged over the particle's box (equations.md section 2).
+
+use mpm_materials::{Lane, Real};
+
+use super::{AffineShape, ShapeFunction, Weights};
+use crate::dim::{Extent, Stencil};
+
+/// Uniform GIMP: the particle's box keeps its first size, as long as half of it is at most half a cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gimp;
+
+/// Contiguous-particle GIMP: the box follows the stretch along each axis, so that boxes keep tiling while
+/// the deformation stays axis-aligned. Half sizes are clamped to \[0.05 h, 0.5 h\].
+///
+/// The half size is integrated, l <- l (1 + d_eps_dd), so that it turns with the material: a rigid rotation
+/// leaves it as it is, where a box scaled by the diagonal of F would vanish at 90 degrees.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CpGimp;
+
+#[inline(always)]
+fn weights<L: Lane, E: Stencil>(xi: L, half: L) -> Weights<L, E> {
+    let one = L::one();
+    let per_half = half.recip();
+    let mut w: Weights<L, E> = Weights::zero();
+    // Node of the bin: inside the box the hat's tip is rounded.
+    let r = xi.abs();
+    let tip = r.le(half);
+    w.value[1] = L::select(tip, one - (xi * xi + half * half) * per_half * L::of(0.5), one - r);
+    let away = L::select(xi.lt(L::zero()), one, -one);
+    w.slope[1] = L::select(tip, -(xi * per_half), away);
+    // Outer nodes: the hat, or the square tail where the box reaches past the hat's foot.
+    for (node, toward) in [(0, -one), (2, one)] {
+        let distance = one - toward * xi;
+        let reach = (one + half - distance).max(L::zero());
+        let tail = (one - half).lt(distance);
+        let t = reach * per_half * L::of(0.5);
+        w.value[node] = L::select(tail, t * reach * L::of(0.5), one - distance);
+        w.slope[node] = toward * L::select(tail, t, one);
+    }
+    w
+}
+
+impl<T: Real, const D: usize> ShapeFunction<T, D> for Gimp
+where
+    Extent<D, 3>: Stencil,
+{
+    type Extent = Extent<D, 3>;
+    const USL_LIMIT: f64 = 0.5;
+    const NAME: &'static str = "uGIMP";
+
+    #[inline(always)]
+    fn weights<L: Lane<Real = T>>(&self, xi: L, half: L) -> Weights<L, Self::Extent> {
+        weights(xi, half)
+    }
+}
+
+impl<T: Real, const D: usize> AffineShape<T, D> for Gimp where Extent<D, 3>: Stencil {}
+
+impl<T: Real, const D: usize> ShapeFunction<T, D> for CpGimp
+where
+    Extent<D, 3>: Stencil,
+{
+    type Extent = Extent<D, 3>;
+    const CARRIES_DOMAIN: bool = true;
+    const USL_LIMIT: f64 = 0.5;
+    const NAME: &'static str = "cpGIMP";
+
+    #[inline(always)]
+    fn weights<L: Lane<Real = T>>(&self, xi: L, half: L) -> Weights<L, Self::Extent> {
+        weights(xi, half)
+    }
+
+    #[inline(always)]
+    fn stretch<L: Lane<Real = T>>(&self, half: L, strain: L) -> L {
+        strain.mul_add(half, half).clamp(L::of(0.05), L::of(0.5))
+    }
+}
+
+impl<T: Real, const D: usize> AffineShape<T, D> for CpGimp where Extent<D, 3>: Stencil {}

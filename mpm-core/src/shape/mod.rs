@@ -1,0 +1,94 @@
+//! Shape functions: how a particle's domain weighs on the nodes around it.
+//!
+//! All are tensor products of a function along each axis, in units of the node spacing h. Particles are kept
+//! by **bin**: the set of points with the same stencil. Along an axis a bin is one h wide; it lies between
+//! two nodes when the stencil has an even number of them, and around a node when it has an odd number.
+//! Within a bin a particle's place is its offset xi from the bin's centre, -1/2 <= xi < 1/2.
+
+mod bspline;
+mod gimp;
+mod linear;
+
+use mpm_materials::{Lane, Real};
+
+use crate::dim::{Array, Stencil};
+
+pub use bspline::{CubicBSpline, QuadraticBSpline};
+pub use gimp::{CpGimp, Gimp};
+pub use linear::Linear;
+
+/// Weights along one axis on the nodes of the stencil, smallest index first.
+#[derive(Clone, Copy)]
+pub struct Weights<L: Lane, E: Stencil> {
+    /// N: the weight of each node.
+    pub value: E::Axis<L>,
+    /// h dN/dx: its derivative with respect to xi.
+    pub slope: E::Axis<L>,
+}
+
+impl<L: Lane, E: Stencil> Weights<L, E> {
+    /// All zero.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Weights { value: Array::filled(L::zero()), slope: Array::filled(L::zero()) }
+    }
+}
+
+/// A shape function in `D` dimensions.
+///
+/// Written once for a lane: the same text gives the weights of one particle and of a vector of them. Mark
+/// the implementation `#[inline(always)]`.
+pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
+    /// Stencil size: `Extent<D, 2>`, `Extent<D, 3>` or `Extent<D, 4>`.
+    type Extent: Stencil;
+    /// Does each particle carry its own domain half sizes (one column an axis), which follow the strain?
+    const CARRIES_DOMAIN: bool = false;
+    /// Smallest limit of dt c / h measured with USL in three dimensions, 2 particles an axis and cell
+    /// (accuracy.md 1.9); 0.7 of it is the default.
+    const USL_LIMIT: f64;
+    /// The name in tables and messages.
+    const NAME: &'static str;
+
+    /// Weights along one axis of a particle at offset `xi` from its bin's centre, whose domain reaches `half`
+    /// to each side (both in units of h).
+    fn weights<L: Lane<Real = T>>(&self, xi: L, half: L) -> Weights<L, Self::Extent>;
+
+    /// Second moment of the weights along one axis, sum_i N_i (i - xi)^2, in units of h^2.
+    #[inline(always)]
+    fn inertia<L: Lane<Real = T>>(&self, xi: L, half: L) -> L {
+        let w = self.weights(xi, half);
+        let mut sum = L::zero();
+        for a in 0..Self::Extent::NODES {
+            let d = L::of(node_offset::<Self::Extent>(a)) - xi;
+            sum = (w.value[a] * d).mul_add(d, sum);
+        }
+        sum
+    }
+
+    /// The half size after a relative elongation `strain` along the axis, for shape functions that carry it.
+    #[inline(always)]
+    fn stretch<L: Lane<Real = T>>(&self, half: L, _strain: L) -> L {
+        half
+    }
+}
+
+/// Shape functions whose second moment ([`ShapeFunction::inertia`]) stays away from zero, as affine transfers
+/// (APIC) need it. The linear hat's vanishes at a node.
+#[diagnostic::on_unimplemented(
+    message = "affine transfers (APIC) cannot be used with `{Self}`",
+    note = "the second moment of its weights vanishes when a particle sits on a node, so the affine matrix \
+            is undefined there; use a B-spline or GIMP, or the FLIP transfer"
+)]
+pub trait AffineShape<T: Real, const D: usize>: ShapeFunction<T, D> {}
+
+/// Position of node `a` of the stencil relative to the bin's centre, in units of h.
+#[inline(always)]
+pub fn node_offset<E: Stencil>(a: usize) -> f64 {
+    a as f64 - 0.5 * (E::NODES as f64 - 1.0)
+}
+
+/// Where the bins' centres lie between the nodes, in units of h: 1/2 for even stencils, 0 for odd ones.
+#[inline(always)]
+pub fn bin_centre<E: Stencil>() -> f64 {
+    if E::NODES % 2 == 0 { 0.5 } else { 0.0 }
+}

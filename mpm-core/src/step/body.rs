@@ -1,0 +1,635 @@
+//! Bodies: particles of one law. Dynamic between bodies, static inside the loops.
+
+use std::collections::BTreeMap;
+use std::marker::PhantomData;
+
+use mpm_materials::{Constitutive, Lane, State};
+
+use super::nodes::Sums;
+use super::sweep::{Cause, Common, Report, Slot, Sweep, TakeIn, place, tile_nodes};
+use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
+use crate::geometry::{Lattice, Seeds};
+use crate::grid::Node;
+use crate::method::Composition;
+use crate::parallel::{Float, Team};
+use crate::particles::{Block, Columns, Outbox, split};
+use crate::scheme::{PassKind, Smooth, StressUpdate};
+use crate::shape::{ShapeFunction, bin_centre};
+
+/// Which pass of a method to make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Which {
+    /// The map at the start of a run.
+    Map,
+    /// The first of a step.
+    First,
+    /// The second of a step.
+    Second,
+    /// A smoothing of FMPM.
+    Smooth,
+}
+
+/// Totals over the particles of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Particles.
+    pub particles: usize,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Momentum, kg m/s.
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin, kg m^2/s.
+    pub angular_momentum: [f64; 3],
+    /// Sum of m |v|, kg m/s: the scale for errors of the momentum.
+    pub momentum_scale: f64,
+    /// Kinetic energy of the particles, J.
+    pub kinetic: f64,
+    /// Internal energy, J.
+    pub internal: f64,
+}
+
+impl Totals {
+    /// Sum with another body's.
+    pub fn plus(mut self, o: &Totals) -> Totals {
+        self.particles += o.particles;
+        self.mass += o.mass;
+        for d in 0..3 {
+            self.momentum[d] += o.momentum[d];
+            self.angular_momentum[d] += o.angular_momentum[d];
+        }
+        self.momentum_scale += o.momentum_scale;
+        self.kinetic += o.kinetic;
+        self.internal += o.internal;
+        self
+    }
+}
+
+/// A particle as others see it, in SI units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Particle {
+    /// Its number in the body, by the order of seeding.
+    pub number: usize,
+    /// Position, m.
+    pub position: [f64; 3],
+    /// Velocity, m/s.
+    pub velocity: [f64; 3],
+    /// Mass, kg.
+    pub mass: f64,
+    /// Volume, m^3 (per radian or metre of depth in two dimensions).
+    pub volume: f64,
+    /// Cauchy stress xx, yy, zz, yz, xz, xy, Pa.
+    pub stress: [f64; 6],
+    /// The law's state, by [`Body::state_names`].
+    pub state: Vec<f64>,
+}
+
+/// What broke in a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyTrouble {
+    /// Number of the particle.
+    pub particle: usize,
+    /// Its position, m.
+    pub position: [f64; 3],
+    /// What happened.
+    pub cause: Cause,
+}
+
+/// A body as the solver and observers see it.
+pub trait Body<T: Float, const D: usize>: Send + Sync {
+    /// The body's name.
+    fn name(&self) -> &str;
+    /// Its law's name.
+    fn law(&self) -> &'static str;
+    /// Number of particles.
+    fn len(&self) -> usize;
+    /// Has it no particles?
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Names of the numbers in [`Particle::state`].
+    fn state_names(&self) -> Vec<String>;
+    /// Smallest particle mass, kg.
+    fn lightest(&self) -> T;
+
+    /// Largest (c + |v|) / h of the particles as they stand, 1/s, for cells of `spacing`, m.
+    fn rate(&self, spacing: f64) -> T;
+
+    /// One pass over the particles. Returns the largest (c + |v|) / h seen, 1/s.
+    ///
+    /// # Errors
+    /// The first particle that cannot go on.
+    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: T, team: &Team) -> Result<T, BodyTrouble>;
+    /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
+    /// blocks that are empty. Returns whether the set of blocks changed.
+    fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool;
+    /// Append the node blocks that the particles reach.
+    fn node_blocks(&self, list: &mut Vec<[i32; D]>);
+    /// Note where the node blocks are now.
+    fn link(&mut self, blocks: &[[i32; D]], find: &dyn Fn(&[i32; D]) -> Option<usize>);
+    /// Add what this body's particles map to the nodes of a block.
+    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]);
+
+    /// Totals over the particles.
+    fn totals(&self) -> Totals;
+    /// Call `visit` for every particle, blocks in order of coordinates.
+    fn for_each(&self, visit: &mut dyn FnMut(&Particle));
+    /// Bytes of memory held, all scratch included.
+    fn bytes(&self) -> usize;
+    /// Numbers stored a particle.
+    fn columns(&self) -> usize;
+}
+
+/// A body of the law `C` in a method `M`.
+pub struct ParticleBody<T: Float, const D: usize, C, M> {
+    name: String,
+    law: C,
+    method: M,
+    lattice: Lattice<D>,
+    columns: Columns,
+    slots: Vec<Slot<T, D>>,
+    /// Slot of each neighbour (3^D, x fastest) of each node block, `NONE` where there is none.
+    contributors: Vec<u32>,
+    /// Half sizes of the particles in units of h.
+    half: [T; 3],
+    lightest: T,
+}
+
+const NONE: u32 = u32::MAX;
+type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
+type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
+
+/// Offset -1, 0 or 1 along each axis of neighbour `index`.
+fn offset<const D: usize>(index: usize) -> [i32; D] {
+    let mut o = [0; D];
+    let mut rest = index;
+    for x in &mut o {
+        *x = (rest % 3) as i32 - 1;
+        rest /= 3;
+    }
+    o
+}
+
+fn shifted<const D: usize>(c: &[i32; D], by: &[i32; D]) -> [i32; D] {
+    let mut r = *c;
+    for d in 0..D {
+        r[d] += by[d];
+    }
+    r
+}
+
+impl<T, const D: usize, C, M> ParticleBody<T, D, C, M>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+{
+    /// Particles of a law at `seeds`, with a velocity (m/s) by position (m).
+    pub fn new(
+        name: &str,
+        law: C,
+        method: M,
+        lattice: Lattice<D>,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+    ) -> Self {
+        let mut names = Vec::new();
+        C::State::<T::Single>::names("state", &mut names);
+        let columns = Columns::new(D, names, ShapeOf::<M, T, D>::CARRIES_DOMAIN);
+        let virgin: Vec<T> =
+            mpm_materials::point::flatten(&law.virgin()).into_iter().map(|x: T::Single| x.into()).collect();
+        let mut half = [T::of(0.5); 3];
+        for d in 0..D {
+            half[d] = T::of(seeds.half_size[d] / lattice.spacing());
+        }
+        let mut dummy = vec![T::default(); Columns::state(D)];
+        dummy.extend_from_slice(&virgin);
+        if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+            dummy.extend_from_slice(&half[..D]);
+        }
+        dummy.push(T::default());
+        let mut body = ParticleBody {
+            name: name.into(),
+            law,
+            method,
+            lattice,
+            columns,
+            slots: Vec::new(),
+            contributors: Vec::new(),
+            half,
+            lightest: T::of(f64::MAX),
+        };
+        body.seed(seeds, &dummy, velocity);
+        body
+    }
+
+    fn seed(&mut self, seeds: &Seeds<D>, dummy: &[T], velocity: impl Fn([f64; D]) -> [f64; D]) {
+        let centre = bin_centre::<ExtentOf<M, T, D>>();
+        let density = self.law.density();
+        let mut index: BTreeMap<[i32; D], usize> = BTreeMap::new();
+        let mut numbers = dummy.to_vec();
+        for (n, (&x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
+            let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
+            let v = velocity(x);
+            for d in 0..D {
+                let u = (x[d] - self.lattice.origin()[d]) / self.lattice.spacing() - centre;
+                let nearest = (u + 0.5).floor();
+                let (b, place) = split(nearest as i32);
+                block[d] = b;
+                bin += place * stride;
+                stride *= BLOCK;
+                numbers[Columns::position() + d] = T::of(u - nearest);
+                numbers[Columns::velocity(D) + d] = T::of(v[d]);
+            }
+            let mass = density * T::of(volume);
+            self.lightest = self.lightest.min(mass);
+            numbers[Columns::mass(D)] = mass;
+            numbers[self.columns.number()] = T::of(n as f64);
+            let slots = &mut self.slots;
+            let slot = *index.entry(block).or_insert_with(|| {
+                slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(block, dummy));
+                slots.len() - 1
+            });
+            self.slots[slot].block.push(bin, &numbers);
+        }
+        for slot in &mut self.slots {
+            slot.block.tidy();
+        }
+        self.slots.sort_by_key(|s| s.block.coordinates);
+        self.link_slots();
+    }
+
+    /// Note which slots lie around each.
+    fn link_slots(&mut self) {
+        let index: BTreeMap<[i32; D], u32> =
+            self.slots.iter().enumerate().map(|(i, s)| (s.block.coordinates, i as u32)).collect();
+        for slot in &mut self.slots {
+            let c = slot.block.coordinates;
+            for (n, around) in slot.slots_around.iter_mut().enumerate() {
+                *around = index.get(&shifted(&c, &offset(n))).copied().unwrap_or(NONE);
+            }
+        }
+    }
+
+    fn common(&self, dt: T) -> Common<T> {
+        Common {
+            dt,
+            spacing: T::of(self.lattice.spacing()),
+            origin: T::of(self.lattice.origin()[0]),
+            half: self.half,
+        }
+    }
+
+    fn sweep<K: PassKind>(&mut self, nodes: &[Node<T>], dt: T, team: &Team) -> Result<T, BodyTrouble> {
+        let common = self.common(dt);
+        let (law, method) = (&self.law, &self.method);
+        team.each(&mut self.slots, |_, slot| {
+            let sweep: Sweep<'_, T, D, C, M, K> =
+                Sweep { law, method, nodes, slot, common, pass: PhantomData };
+            T::dispatch(sweep);
+        });
+        let mut rate = T::default();
+        for slot in &self.slots {
+            rate = rate.max(slot.report.rate);
+            if let Some(trouble) = slot.report.trouble {
+                return Err(self.describe(slot, trouble.bin, trouble.index, trouble.cause));
+            }
+        }
+        Ok(rate)
+    }
+
+    /// Which particle, and where. A particle that already left its bin is named by what took its place: the
+    /// first of the block's outbox.
+    fn describe(&self, slot: &Slot<T, D>, bin: usize, index: usize, cause: Cause) -> BodyTrouble {
+        let columns = self.columns.count();
+        let number = self.columns.number();
+        if index < slot.block.bin_len(bin) && cause != Cause::TooFast {
+            let p = self.particle(&slot.block, bin, index);
+            return BodyTrouble { particle: p.number, position: p.position, cause };
+        }
+        // A runaway is in the outbox: the one whose place within its new bin is off it.
+        let half = T::of(0.5);
+        let numbers = slot
+            .outbox
+            .numbers
+            .chunks_exact(columns)
+            .find(|n| (0..D).any(|d| !(n[d] >= -half && n[d] <= half)))
+            .or_else(|| slot.outbox.numbers.chunks_exact(columns).last());
+        let particle = numbers.map_or(0, |n| n[number].to_double() as usize);
+        let mut position = [0.0; 3];
+        let coordinates = slot.block.bin_coordinates(bin);
+        for d in 0..D {
+            position[d] = self.lattice.origin()[d] + f64::from(coordinates[d]) * self.lattice.spacing();
+        }
+        BodyTrouble { particle, position, cause }
+    }
+
+    fn take_in<K: PassKind>(&mut self, outboxes: &[Outbox<T>], team: &Team) {
+        if !K::DOES.moves {
+            return;
+        }
+        let common = self.common(T::default());
+        let (method, domain) = (&self.method, self.columns.domain());
+        team.each(&mut self.slots, |_, slot| {
+            let near = |&s: &u32| outboxes.get(s as usize).is_some_and(|o| o.directions != 0);
+            if slot.slots_around.iter().any(near) {
+                let take: TakeIn<'_, T, D, M, K> =
+                    TakeIn { method, slot, outboxes, common, domain, pass: PhantomData };
+                T::dispatch(take);
+            }
+        });
+    }
+
+    /// Make the blocks that particles left for and that are not there yet.
+    fn make_blocks(&mut self) -> bool {
+        let mut wanted: Vec<[i32; D]> = Vec::new();
+        for slot in &self.slots {
+            let mut directions = slot.outbox.directions;
+            while directions != 0 {
+                let to = directions.trailing_zeros() as usize;
+                directions &= directions - 1;
+                if slot.slots_around[to] == NONE {
+                    wanted.push(shifted(&slot.block.coordinates, &offset(to)));
+                }
+            }
+        }
+        wanted.sort_unstable();
+        wanted.dedup();
+        let Some(dummy) = self.slots.first().map(|s| s.block.dummy().to_vec()) else { return false };
+        for &c in &wanted {
+            self.slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(c, &dummy));
+        }
+        !wanted.is_empty()
+    }
+
+    fn particle(&self, block: &Block<T, D>, bin: usize, index: usize) -> Particle {
+        let (numbers, state) = self.point(block, bin, index);
+        let centre = bin_centre::<ExtentOf<M, T, D>>();
+        let coordinates = block.bin_coordinates(bin);
+        let mut p = Particle {
+            number: numbers[self.columns.number()].to_double() as usize,
+            position: [0.0; 3],
+            velocity: [0.0; 3],
+            mass: numbers[Columns::mass(D)].to_double(),
+            volume: 0.0,
+            stress: [0.0; 6],
+            state: Vec::new(),
+        };
+        for d in 0..D {
+            let cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
+            p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells;
+            p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
+        }
+        p.state = numbers[Columns::state(D)..self.columns.domain()].iter().map(|x| x.to_double()).collect();
+        if let Ok(state) = state {
+            let stress = self.law.stress(&state);
+            for i in 0..6 {
+                p.stress[i] = stress.0[i].lane(0).to_double();
+            }
+            let j: T = self.law.volume_ratio(&state).into();
+            p.volume = p.mass / self.law.density().to_double() * j.to_double();
+        }
+        p
+    }
+
+    /// The numbers of a particle, and its law's state.
+    #[allow(clippy::type_complexity)]
+    fn point(
+        &self,
+        block: &Block<T, D>,
+        bin: usize,
+        index: usize,
+    ) -> (Vec<T>, Result<C::State<T::Single>, usize>) {
+        let mut numbers = Vec::with_capacity(self.columns.count());
+        block.read(bin, index, &mut numbers);
+        let state: Vec<T::Single> = numbers[Columns::state(D)..self.columns.domain()]
+            .iter()
+            .map(|&x| T::Single::from(x))
+            .collect();
+        let state = mpm_materials::point::unflatten(&state);
+        (numbers, state)
+    }
+
+    fn energy(&self, block: &Block<T, D>, bin: usize, index: usize) -> f64 {
+        let (numbers, state) = self.point(block, bin, index);
+        state.map_or(0.0, |state| {
+            let per_volume: T = self.law.energy(&state).into();
+            let volume = numbers[Columns::mass(D)] / self.law.density();
+            (per_volume * volume).to_double()
+        })
+    }
+}
+
+fn new_slot<T: Float, const D: usize, E: Stencil>(coordinates: [i32; D], dummy: &[T]) -> Slot<T, D> {
+    Slot {
+        block: Block::new(coordinates, dummy.to_vec()),
+        tile: vec![Node::default(); tile_nodes::<E>(D)],
+        outbox: Outbox::default(),
+        nodes_around: vec![NONE; neighbours(D)],
+        slots_around: vec![NONE; neighbours(D)],
+        report: Report::default(),
+        leaving: Vec::new(),
+    }
+}
+
+impl<T, const D: usize, C, M> Body<T, D> for ParticleBody<T, D, C, M>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+{
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn law(&self) -> &'static str {
+        self.law.name()
+    }
+    fn len(&self) -> usize {
+        self.slots.iter().map(|s| s.block.len()).sum()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.columns.state_names().to_vec()
+    }
+    fn lightest(&self) -> T {
+        self.lightest
+    }
+
+    fn rate(&self, spacing: f64) -> T {
+        let mut fastest = T::default();
+        for slot in &self.slots {
+            for (bin, index) in slot.block.places() {
+                let (numbers, state) = self.point(&slot.block, bin, index);
+                let mut square = T::default();
+                for d in 0..D {
+                    square += numbers[Columns::velocity(D) + d] * numbers[Columns::velocity(D) + d];
+                }
+                if let Ok(state) = state {
+                    let c: T = self.law.wave_speed(&state).into();
+                    fastest = fastest.max(c + square.sqrt());
+                }
+            }
+        }
+        fastest / T::of(spacing)
+    }
+
+    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: T, team: &Team) -> Result<T, BodyTrouble> {
+        match which {
+            Which::Map => self.sweep::<<M::Update as StressUpdate>::Map>(nodes, dt, team),
+            Which::First => self.sweep::<<M::Update as StressUpdate>::First>(nodes, dt, team),
+            Which::Second => self.sweep::<<M::Update as StressUpdate>::Second>(nodes, dt, team),
+            Which::Smooth => self.sweep::<Smooth>(nodes, dt, team),
+        }
+    }
+
+    fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
+        let mut changed = self.make_blocks();
+        if changed {
+            self.link_slots();
+        }
+        let outboxes: Vec<Outbox<T>> =
+            self.slots.iter_mut().map(|s| std::mem::take(&mut s.outbox)).collect();
+        match which {
+            Which::First => self.take_in::<<M::Update as StressUpdate>::First>(&outboxes, team),
+            _ => self.take_in::<<M::Update as StressUpdate>::Second>(&outboxes, team),
+        }
+        for (slot, outbox) in self.slots.iter_mut().zip(outboxes) {
+            slot.outbox = outbox;
+        }
+        if prune && self.slots.iter().any(|s| s.block.is_empty()) {
+            // A block that particles left still holds what they mapped before: none, since they map where
+            // they arrive.
+            self.slots.retain(|s| !s.block.is_empty());
+            self.link_slots();
+            changed = true;
+        }
+        changed
+    }
+
+    fn node_blocks(&self, list: &mut Vec<[i32; D]>) {
+        for slot in &self.slots {
+            for n in 0..neighbours(D) {
+                let o = offset::<D>(n);
+                if ExtentOf::<M, T, D>::BASE == 0 && o.iter().any(|&x| x < 0) {
+                    continue;
+                }
+                list.push(shifted(&slot.block.coordinates, &o));
+            }
+        }
+    }
+
+    fn link(&mut self, blocks: &[[i32; D]], find: &dyn Fn(&[i32; D]) -> Option<usize>) {
+        self.contributors.clear();
+        self.contributors.resize(blocks.len() * neighbours(D), NONE);
+        for (s, slot) in self.slots.iter_mut().enumerate() {
+            for n in 0..neighbours(D) {
+                let o = offset::<D>(n);
+                let found = find(&shifted(&slot.block.coordinates, &o));
+                slot.nodes_around[n] = found.map_or(NONE, |b| b as u32);
+                if let Some(block) = found {
+                    // Seen from the node block, this slot lies in the opposite direction.
+                    self.contributors[block * neighbours(D) + neighbours(D) - 1 - n] = s as u32;
+                }
+            }
+        }
+    }
+
+    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
+        let side = ExtentOf::<M, T, D>::TILE;
+        for n in 0..neighbours(D) {
+            let Some(slot) = self.slots.get(self.contributors[block * neighbours(D) + n] as usize) else {
+                continue;
+            };
+            // The node block lies in direction -o of the slot's; tile nodes of that third of the tile.
+            let o = offset::<D>(n);
+            let range = |d: usize| thirds::<ExtentOf<M, T, D>>((1 - o[d]) as usize);
+            let (x, y) = (range(0), range(1));
+            let z = if D == 3 { range(2) } else { 0..1 };
+            for k in z {
+                let nz = if D == 3 { place::<ExtentOf<M, T, D>>(k).1 } else { 0 };
+                for j in y.clone() {
+                    let ny = place::<ExtentOf<M, T, D>>(j).1;
+                    for i in x.clone() {
+                        let nx = place::<ExtentOf<M, T, D>>(i).1;
+                        let node = &mut nodes[(nz * BLOCK + ny) * BLOCK + nx];
+                        let add = &slot.tile[(k * side + j) * side + i];
+                        add_node(node, add, sums);
+                    }
+                }
+            }
+        }
+    }
+
+    fn totals(&self) -> Totals {
+        let mut sum = Totals::default();
+        for slot in &self.slots {
+            let mut part = Totals::default();
+            for (bin, index) in slot.block.places() {
+                let p = self.particle(&slot.block, bin, index);
+                part.particles += 1;
+                part.mass += p.mass;
+                let ([x, y, z], [u, v, w]) = (p.position, p.velocity);
+                let moment = [y * w - z * v, z * u - x * w, x * v - y * u];
+                for d in 0..3 {
+                    part.momentum[d] += p.mass * p.velocity[d];
+                    part.angular_momentum[d] += p.mass * moment[d];
+                }
+                let square = u * u + v * v + w * w;
+                part.momentum_scale += p.mass * square.sqrt();
+                part.kinetic += 0.5 * p.mass * square;
+                part.internal += self.energy(&slot.block, bin, index);
+            }
+            sum = sum.plus(&part);
+        }
+        sum
+    }
+
+    fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
+        let mut order: Vec<&Slot<T, D>> = self.slots.iter().collect();
+        order.sort_by_key(|s| s.block.coordinates);
+        for slot in order {
+            for (bin, index) in slot.block.places() {
+                visit(&self.particle(&slot.block, bin, index));
+            }
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        let slot = |s: &Slot<T, D>| {
+            s.block.bytes()
+                + s.tile.capacity() * size_of::<Node<T>>()
+                + s.outbox.numbers.capacity() * size_of::<T>()
+                + s.outbox.records.capacity() * size_of::<[T; 4]>()
+                + (s.nodes_around.len() + s.slots_around.len()) * size_of::<u32>()
+                + size_of::<Slot<T, D>>()
+        };
+        self.slots.iter().map(slot).sum::<usize>() + self.contributors.capacity() * size_of::<u32>()
+    }
+    fn columns(&self) -> usize {
+        self.columns.count()
+    }
+}
+
+/// The tile coordinates that lie in the left, same or right block (0, 1, 2) along an axis.
+fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
+    let before = (-E::BASE) as usize;
+    match which {
+        0 => 0..before,
+        1 => before..before + BLOCK,
+        _ => before + BLOCK..E::TILE,
+    }
+}
+
+#[inline(always)]
+fn add_node<T: Float>(node: &mut Node<T>, add: &Node<T>, sums: Sums) {
+    for i in 0..4 {
+        match sums {
+            Sums::All => {
+                node.first[i] += add.first[i];
+                node.second[i] += add.second[i];
+            }
+            Sums::Force => node.second[i] += add.second[i],
+            Sums::Again => node.second[i] += add.first[i],
+        }
+    }
+}
+
+const _: () = assert!(block_nodes(3) <= u8::MAX as usize + 1, "bins are numbered by bytes");

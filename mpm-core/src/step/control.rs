@@ -1,0 +1,71 @@
+//! The time step.
+
+use mpm_materials::Real;
+
+use crate::method::Composition;
+use crate::scheme::StressUpdate;
+use crate::shape::ShapeFunction;
+
+/// How the time step is chosen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TimeControl {
+    /// dt = factor * min over particles of h / (c + |v|), with the current wave speed c; at most `growth`
+    /// times the last step (accuracy.md 1.9).
+    Courant {
+        /// Safety factor.
+        factor: f64,
+        /// Largest ratio of one step to the last.
+        growth: f64,
+    },
+    /// The same dt always, s.
+    Fixed(f64),
+}
+
+/// A control that no run can use.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("time control: {field} = {value} is not allowed; it must be {allowed}")]
+pub struct ControlError {
+    field: &'static str,
+    value: f64,
+    allowed: &'static str,
+}
+
+impl TimeControl {
+    /// The default for a method: half of h / (c + |v|) for MUSL and USF, whose limit is 1.4 and more; for
+    /// USL 0.7 of the smallest limit measured in three dimensions for the shape function (accuracy.md 1.9).
+    pub fn default_for<T: Real, const D: usize, M: Composition<T, D>>() -> Self {
+        let symplectic = M::Update::REMAP || M::Update::BEFORE_FORCES;
+        let factor = if symplectic { 0.5 } else { 0.7 * M::Shape::USL_LIMIT };
+        TimeControl::Courant { factor, growth: 1.1 }
+    }
+
+    /// Refuse what cannot be.
+    ///
+    /// # Errors
+    /// A factor or step that is not positive, or a growth not above 1.
+    pub fn check(&self) -> Result<(), ControlError> {
+        match *self {
+            TimeControl::Fixed(dt) if !(dt > 0.0 && dt.is_finite()) => {
+                Err(ControlError { field: "dt", value: dt, allowed: "positive and finite" })
+            }
+            TimeControl::Courant { factor, .. } if !(factor > 0.0 && factor.is_finite()) => {
+                Err(ControlError { field: "factor", value: factor, allowed: "positive and finite" })
+            }
+            TimeControl::Courant { growth, .. } if growth.is_nan() || growth <= 1.0 => {
+                Err(ControlError { field: "growth", value: growth, allowed: "above 1" })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// The step, from the largest (c + |v|) / h of the particles, 1/s, and the last step, s.
+    pub(crate) fn next(&self, rate: f64, last: Option<f64>) -> f64 {
+        match *self {
+            TimeControl::Fixed(dt) => dt,
+            TimeControl::Courant { factor, growth } => {
+                let dt = factor / rate;
+                last.map_or(dt, |last| dt.min(growth * last))
+            }
+        }
+    }
+}

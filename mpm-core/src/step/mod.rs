@@ -1,0 +1,13 @@
+//! The step: a list of stages, in the order of the flow chart of \[Ma2010\] 1.4.
+
+pub mod body;
+pub mod control;
+mod gather;
+pub mod nodes;
+mod scatter;
+mod solver;
+pub mod sweep;
+
+pub use body::{Body, Particle, ParticleBody, Totals};
+pub use control::TimeControl;
+pub use solver::{Mpm, SceneError, StepError, Stopped};

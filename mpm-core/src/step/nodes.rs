@@ -1,0 +1,362 @@
+//! The grid stages: sums of the tiles, momentum update, boundaries, re-mapped velocities.
+
+use crate::boundary::{BodyForce, Boundary, Mirror};
+use crate::dim::{BLOCK, block_nodes};
+use crate::grid::{GridStorage, Node};
+use crate::parallel::{Float, Team};
+
+use super::body::Body;
+
+/// Which records of the bodies' tiles to sum, and where to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sums {
+    /// Both records: mass, momentum and force.
+    All,
+    /// The second into the second: force (USF).
+    Force,
+    /// The first into the second: momentum mapped again (MUSL, FMPM).
+    Again,
+}
+
+/// What the grid stages of a step took from or gave to the momentum, a block of nodes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NodeLedger {
+    /// Impulse of the boundaries on the material, N s.
+    pub impulse: [f64; 3],
+    /// Impulse of body forces, N s.
+    pub load: [f64; 3],
+    /// Work of boundaries and body forces on the material, J.
+    pub work: f64,
+    /// Momentum at nodes too light to carry it, dropped, kg m/s.
+    pub dropped: [f64; 3],
+}
+
+impl NodeLedger {
+    /// Add another one.
+    pub fn add(&mut self, o: &NodeLedger) {
+        for d in 0..3 {
+            self.impulse[d] += o.impulse[d];
+            self.load[d] += o.load[d];
+            self.dropped[d] += o.dropped[d];
+        }
+        self.work += o.work;
+    }
+}
+
+/// The conditions that act on the nodes of a scene.
+#[derive(Clone, Default)]
+pub struct Conditions<const D: usize> {
+    /// Boundaries, applied in this order.
+    pub boundaries: Vec<Boundary<D>>,
+    /// Acceleration of all material.
+    pub gravity: Option<BodyForce<D>>,
+}
+
+/// A node counts as massless below this part of the smallest particle mass.
+pub const MASS_CUTOFF: f64 = 1e-14;
+
+/// One step's view of the grid for its stages.
+pub struct Stage<'a, T: Float, const D: usize, G> {
+    /// The grid.
+    pub grid: &'a mut G,
+    /// Its bodies.
+    pub bodies: &'a [Box<dyn Body<T, D>>],
+    /// Threads.
+    pub team: &'a Team,
+    /// Conditions.
+    pub conditions: &'a Conditions<D>,
+    /// Ledgers, one a block.
+    pub ledgers: &'a mut Vec<NodeLedger>,
+    /// Time at the start of the step, s.
+    pub time: f64,
+    /// Mass below which a node carries no momentum, kg.
+    pub cutoff: T,
+    /// Do stencils reach behind a plane that particles touch?
+    pub wide: bool,
+}
+
+impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
+    /// Sum the bodies' tiles (eqs. 2, 3, 9 of \[Ma2010\]): for each node block, bodies in order, the blocks
+    /// around in order. The sums are the same for any number of threads and any grid.
+    pub fn collect(&mut self, sums: Sums) {
+        let bodies = self.bodies;
+        self.ledgers.clear();
+        self.ledgers.resize(self.grid.blocks().len(), NodeLedger::default());
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
+            for node in nodes.iter_mut() {
+                match sums {
+                    Sums::All => *node = Node::default(),
+                    Sums::Force | Sums::Again => node.second = [T::default(); 4],
+                }
+            }
+            for body in bodies {
+                body.add_tiles(block, sums, nodes);
+            }
+        });
+        if self.wide {
+            let lattice = *self.grid.lattice();
+            let mirrors = self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice));
+            for mirror in mirrors.collect::<Vec<_>>() {
+                self.fold(mirror, sums);
+            }
+        }
+    }
+
+    /// Add the layer of nodes behind a symmetry plane, mirrored, to the layer in front, and the other way
+    /// round: what the other half of the body would have given.
+    fn fold(&mut self, mirror: Mirror, sums: Sums) {
+        let Mirror { axis, node: plane, sign } = mirror;
+        let (front, back) = (plane + sign, plane - sign);
+        let (front_block, back_block) = (front.div_euclid(BLOCK as i32), back.div_euclid(BLOCK as i32));
+        let stride = BLOCK.pow(axis as u32);
+        let blocks = self.grid.blocks().to_vec();
+        for (f, coordinates) in blocks.iter().enumerate() {
+            if coordinates[axis] != front_block {
+                continue;
+            }
+            let mut other = *coordinates;
+            other[axis] = back_block;
+            let Some(b) = self.grid.find(&other) else { continue };
+            let nodes = self.grid.nodes_mut();
+            for n in 0..block_nodes(D) {
+                if n / stride % BLOCK != 0 {
+                    continue;
+                }
+                let at = |block: usize, index: i32| {
+                    block * block_nodes(D) + n + index.rem_euclid(BLOCK as i32) as usize * stride
+                };
+                let (i, j) = (at(f, front), at(b, back));
+                let reflect = |record: [T; 4]| {
+                    let mut r = record;
+                    r[1 + axis] = -r[1 + axis];
+                    r
+                };
+                let sum = |a: [T; 4], b: [T; 4]| {
+                    let b = reflect(b);
+                    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+                };
+                if sums == Sums::All {
+                    nodes[i].first = sum(nodes[i].first, nodes[j].first);
+                    nodes[j].first = reflect(nodes[i].first);
+                }
+                nodes[i].second = sum(nodes[i].second, nodes[j].second);
+                nodes[j].second = reflect(nodes[i].second);
+            }
+        }
+    }
+
+    /// Velocity of the mapped momentum, with boundaries, into the first record (USF).
+    pub fn velocities(&mut self) {
+        let (cutoff, time) = (self.cutoff, self.time);
+        self.each_node(move |node, constrain, ledger| {
+            let mass = node.first[0];
+            if mass > cutoff {
+                let mut v = [0.0; 3];
+                for d in 0..D {
+                    v[d] = (node.first[d + 1] / mass).to_double();
+                }
+                constrain(&mut v, time);
+                for d in 0..D {
+                    node.first[d + 1] = T::of(v[d]);
+                }
+            } else {
+                drop_momentum::<T, D>(node, ledger, T::default());
+            }
+        });
+    }
+
+    /// Momentum update (eq. 8 of \[Ma2010\]): v = p/m + dt f/m with loads and boundaries. Leaves the new
+    /// velocity in the first record, the acceleration in the second.
+    pub fn integrate_momentum(&mut self, dt: T, from_velocity: bool) {
+        let (cutoff, time) = (self.cutoff, self.time);
+        let end = time + dt.to_double();
+        let gravity = self.conditions.gravity.as_ref().map(|g| g(time));
+        let per_dt = T::of(1.0) / dt;
+        self.each_node(move |node, constrain, ledger| {
+            let mass = node.first[0];
+            if mass <= cutoff {
+                drop_momentum::<T, D>(node, ledger, dt);
+                return;
+            }
+            let per_mass = T::of(1.0) / mass;
+            let (mut old, mut new) = ([T::default(); 3], [T::default(); 3]);
+            for d in 0..D {
+                old[d] = if from_velocity { node.first[d + 1] } else { node.first[d + 1] * per_mass };
+                let mut a = node.second[d + 1] * per_mass;
+                if let Some(g) = gravity {
+                    a += T::of(g[d]);
+                    ledger.load[d] += (mass * dt).to_double() * g[d];
+                    let middle = (old[d] + a * dt * T::of(0.5)).to_double();
+                    ledger.work += (mass * dt).to_double() * g[d] * middle;
+                }
+                new[d] = old[d] + a * dt;
+                node.second[d + 1] = a;
+            }
+            let mut v = new.map(T::to_double);
+            if constrain(&mut v, end) {
+                for d in 0..D {
+                    let impulse = mass.to_double() * (v[d] - new[d].to_double());
+                    ledger.impulse[d] += impulse;
+                    ledger.work += impulse * 0.5 * (v[d] + old[d].to_double());
+                    new[d] = T::of(v[d]);
+                    node.second[d + 1] = (new[d] - old[d]) * per_dt;
+                }
+            }
+            node.first[1..=D].copy_from_slice(&new[..D]);
+        });
+    }
+
+    /// Velocity of the momentum mapped a second time, with boundaries, into the second record (MUSL).
+    pub fn remap_velocities(&mut self, dt: T) {
+        let (cutoff, end) = (self.cutoff, self.time + dt.to_double());
+        self.each_node(move |node, constrain, _| {
+            let mass = node.first[0];
+            let mut v = [0.0; 3];
+            if mass > cutoff {
+                for d in 0..D {
+                    v[d] = (node.second[d + 1] / mass).to_double();
+                }
+                constrain(&mut v, end);
+            }
+            for d in 0..D {
+                node.second[d + 1] = T::of(v[d]);
+            }
+        });
+    }
+
+    /// The next term of the FMPM series, d <- d - S~ d, added to the velocity. `terms` holds d, one a node.
+    pub fn refine_velocities(&mut self, terms: &mut [[T; 3]]) {
+        let cutoff = self.cutoff;
+        let conditions = self.conditions;
+        let time = self.time;
+        let lattice = *self.grid.lattice();
+        let blocks = self.grid.blocks().to_vec();
+        let mut pieces: Vec<&mut [[T; 3]]> = terms.chunks_mut(block_nodes(D)).collect();
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, terms| {
+            let place = BlockPlace::new(&lattice, &blocks[block]);
+            for (n, (node, term)) in nodes.iter_mut().zip(terms.iter_mut()).enumerate() {
+                let mass = node.first[0];
+                if mass <= cutoff {
+                    continue;
+                }
+                let x = place.node(n);
+                let free = free_directions(conditions, &x, time, lattice.spacing());
+                for d in 0..D {
+                    let smoothed = node.second[d + 1] / mass;
+                    term[d] = if free[d] { term[d] - smoothed } else { T::default() };
+                    node.first[d + 1] += term[d];
+                    node.second[d + 1] = term[d];
+                }
+            }
+        });
+    }
+
+    /// Start the FMPM series: d = v.
+    pub fn first_terms(&mut self, terms: &mut Vec<[T; 3]>) {
+        terms.clear();
+        for node in self.grid.nodes_mut() {
+            let v = [node.first[1], node.first[2], node.first[3]];
+            node.second[1..].copy_from_slice(&v);
+            terms.push(v);
+        }
+    }
+
+    /// `update` every node; it gets a function that makes a velocity obey the boundaries at a time and says
+    /// whether any applies there.
+    fn each_node<F>(&mut self, update: F)
+    where
+        F: Fn(&mut Node<T>, &dyn Fn(&mut [f64; 3], f64) -> bool, &mut NodeLedger) + Send + Sync,
+    {
+        let lattice = *self.grid.lattice();
+        let blocks = self.grid.blocks().to_vec();
+        let (conditions, time) = (self.conditions, self.time);
+        let tolerance = 1e-6 * lattice.spacing();
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
+            let place = BlockPlace::new(&lattice, &blocks[block]);
+            let reach = 2.0 * lattice.spacing();
+            let near: Vec<&Boundary<D>> = conditions
+                .boundaries
+                .iter()
+                .filter(|b| b.reaches(&place.low, &place.high, time, reach))
+                .collect();
+            for (n, node) in nodes.iter_mut().enumerate() {
+                if near.is_empty() {
+                    update(node, &|_, _| false, ledger);
+                } else {
+                    let x = place.node(n);
+                    let constrain = |v: &mut [f64; 3], time: f64| {
+                        let before = *v;
+                        for b in &near {
+                            b.constrain(&x, v, time, tolerance);
+                        }
+                        *v != before
+                    };
+                    update(node, &constrain, ledger);
+                }
+            }
+        });
+    }
+}
+
+/// A node too light to divide by: its momentum leaves with a note.
+fn drop_momentum<T: Float, const D: usize>(node: &mut Node<T>, ledger: &mut NodeLedger, dt: T) {
+    for d in 0..D {
+        ledger.dropped[d] += (node.first[d + 1] + dt * node.second[d + 1]).to_double();
+        node.first[d + 1] = T::default();
+        node.second[d + 1] = T::default();
+    }
+}
+
+/// Directions in which no boundary holds the node.
+fn free_directions<const D: usize>(
+    conditions: &Conditions<D>,
+    x: &[f64; D],
+    time: f64,
+    spacing: f64,
+) -> [bool; 3] {
+    let mut free = [true; 3];
+    // A boundary that changes neither of two opposite probes in a direction leaves it free.
+    for probe in [1.0, -1.0] {
+        let before = [probe; 3];
+        let mut v = before;
+        for b in &conditions.boundaries {
+            b.constrain(x, &mut v, time, 1e-6 * spacing);
+        }
+        for d in 0..3 {
+            free[d] &= v[d] == before[d];
+        }
+    }
+    free
+}
+
+/// Positions of the nodes of a block.
+struct BlockPlace<const D: usize> {
+    low: [f64; D],
+    high: [f64; D],
+    first: [i32; D],
+    origin: [f64; D],
+    spacing: f64,
+}
+
+impl<const D: usize> BlockPlace<D> {
+    fn new(lattice: &crate::geometry::Lattice<D>, block: &[i32; D]) -> Self {
+        let (origin, spacing) = (lattice.origin(), lattice.spacing());
+        let first = block.map(|b| b * BLOCK as i32);
+        let mut low = origin;
+        let mut high = origin;
+        for d in 0..D {
+            low[d] += f64::from(first[d]) * spacing;
+            high[d] += f64::from(first[d] + BLOCK as i32 - 1) * spacing;
+        }
+        BlockPlace { low, high, first, origin, spacing }
+    }
+    fn node(&self, n: usize) -> [f64; D] {
+        let mut x = self.origin;
+        let mut rest = n;
+        for d in 0..D {
+            x[d] += f64::from(self.first[d] + (rest % BLOCK) as i32) * self.spacing;
+            rest /= BLOCK;
+        }
+        x
+    }
+}

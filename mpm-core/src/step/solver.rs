@@ -1,0 +1,451 @@
+//! The solver: bodies on a grid, and the step.
+
+use mpm_materials::Constitutive;
+
+use super::body::{Body, BodyTrouble, ParticleBody, Totals, Which};
+use super::control::{ControlError, TimeControl};
+use super::nodes::{Conditions, MASS_CUTOFF, NodeLedger, Stage, Sums};
+use super::sweep::Cause;
+use crate::boundary::{Boundary, BoundaryError};
+use crate::dim::Stencil;
+use crate::geometry::Seeds;
+use crate::grid::{GridStorage, OutsideGrid};
+use crate::method::Composition;
+use crate::parallel::{Float, Team};
+use crate::scheme::StressUpdate;
+use crate::shape::ShapeFunction;
+use crate::transfer::Transfer;
+
+/// A step that could not be made. The run stands where the step broke off.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("step {step} at t = {time:.6e} s: {what}")]
+pub struct StepError {
+    /// Number of the step.
+    pub step: u64,
+    /// Time at its start, s.
+    pub time: f64,
+    /// What stopped it.
+    pub what: Stopped,
+}
+
+/// What stops a step.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Stopped {
+    /// A particle cannot go on.
+    #[error("particle {particle} of body `{body}` (law: {law}) near {position:?} m: {cause}")]
+    Particle {
+        /// Its body.
+        body: String,
+        /// Its number.
+        particle: usize,
+        /// Its position, m.
+        position: [f64; 3],
+        /// The body's law.
+        law: &'static str,
+        /// What happened.
+        cause: Cause,
+    },
+    /// A particle came to where the grid has no nodes.
+    #[error("a particle of body `{body}` left the grid: {outside}")]
+    Outside {
+        /// The body.
+        body: String,
+        /// Where.
+        outside: OutsideGrid,
+    },
+    /// The wave speeds give no usable time step.
+    #[error("the time step became {0} s; a wave speed is infinite, zero or not a number")]
+    NoTimeStep(f64),
+}
+
+/// A scene that cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A boundary.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
+    /// The time control.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// A body without particles.
+    #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
+    Empty(String),
+    /// A body's particles are too large for the shape function.
+    #[error("body `{body}`: particle half size {half} h along axis {axis} is not allowed; it must be in (0, 0.5]")]
+    HalfSize {
+        /// The body.
+        body: String,
+        /// The axis.
+        axis: usize,
+        /// Half size in units of h.
+        half: f64,
+    },
+    /// A body reaches outside the grid.
+    #[error("body `{0}`: {1}")]
+    Outside(String, OutsideGrid),
+    /// A body of revolution across its axis.
+    #[error("body `{body}`: a seed at r = {r} m is not allowed in axisymmetric coordinates; r must be positive")]
+    BehindAxis {
+        /// The body.
+        body: String,
+        /// Radius, m.
+        r: f64,
+    },
+    /// More particles than their numbers can count in this precision.
+    #[error("body `{body}`: {count} particles are too many; numbers are exact up to {most} in this precision")]
+    TooMany {
+        /// The body.
+        body: String,
+        /// How many.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
+}
+
+/// Material point method: bodies of particles on a background grid.
+///
+/// `M` names the ingredients ([`crate::Method`]), `G` the grid. Bodies may have different laws; without a
+/// contact algorithm they move in one velocity field, that is, they stick where they meet.
+pub struct Mpm<T: Float, const D: usize, M, G> {
+    method: M,
+    grid: G,
+    bodies: Vec<Box<dyn Body<T, D>>>,
+    conditions: Conditions<D>,
+    control: TimeControl,
+    team: Team,
+    time: f64,
+    steps: u64,
+    last_dt: Option<f64>,
+    /// Largest (c + |v|) / h of the particles, 1/s.
+    rate: T,
+    /// Do the tiles hold the map of the particles as they stand?
+    mapped: bool,
+    ledgers: Vec<NodeLedger>,
+    ledger: NodeLedger,
+    /// Terms of the FMPM series, one a node; empty for other transfers.
+    terms: Vec<[T; 3]>,
+}
+
+/// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii).
+const PRUNE_EVERY: u64 = 10;
+
+impl<T, const D: usize, M, G> Mpm<T, D, M, G>
+where
+    T: Float,
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+{
+    /// An empty scene.
+    pub fn new(method: M, grid: G) -> Self {
+        Mpm {
+            method,
+            grid,
+            bodies: Vec::new(),
+            conditions: Conditions { boundaries: Vec::new(), gravity: None },
+            control: TimeControl::default_for::<T, D, M>(),
+            team: Team::one(),
+            time: 0.0,
+            steps: 0,
+            last_dt: None,
+            rate: T::default(),
+            mapped: false,
+            ledgers: Vec::new(),
+            ledger: NodeLedger::default(),
+            terms: Vec::new(),
+        }
+    }
+
+    /// Add a body of one law, its particles at `seeds` with an initial velocity (m/s) by position (m).
+    ///
+    /// # Errors
+    /// No particles, particles larger than a cell, or outside the grid.
+    pub fn add<C: Constitutive<T>>(
+        &mut self,
+        name: &str,
+        law: C,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+    ) -> Result<(), SceneError> {
+        self.check_seeds(name, seeds)?;
+        let lattice = *self.grid.lattice();
+        let body = ParticleBody::<T, D, C, M>::new(name, law, self.method, lattice, seeds, velocity);
+        self.bodies.push(Box::new(body));
+        self.mapped = false;
+        self.arrange().map_err(|outside| {
+            self.bodies.pop();
+            SceneError::Outside(name.into(), outside)
+        })
+    }
+
+    fn check_seeds(&self, name: &str, seeds: &Seeds<D>) -> Result<(), SceneError> {
+        let body = name.to_string();
+        let count = seeds.positions.len();
+        let most = if size_of::<T>() == 4 { 1 << 24 } else { 1 << 53 };
+        if count == 0 {
+            return Err(SceneError::Empty(body));
+        }
+        if count > most {
+            return Err(SceneError::TooMany { body, count, most });
+        }
+        for axis in 0..D {
+            let half = seeds.half_size[axis] / self.grid.lattice().spacing();
+            if !(half > 0.0 && half <= 0.5 + 1e-12) {
+                return Err(SceneError::HalfSize { body, axis, half });
+            }
+        }
+        if <M::Embedding as crate::Embedding<D>>::HOOP
+            && let Some(x) = seeds.positions.iter().find(|x| x[0] <= 0.0)
+        {
+            return Err(SceneError::BehindAxis { body, r: x[0] });
+        }
+        Ok(())
+    }
+
+    /// Add a boundary condition; conditions act in the order they were added.
+    ///
+    /// # Errors
+    /// An axis that does not exist, a symmetry plane between nodes, numbers that are not finite.
+    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
+        boundary.check(self.grid.lattice())?;
+        self.conditions.boundaries.push(boundary);
+        Ok(())
+    }
+
+    /// Accelerate all material, m/s^2 over time.
+    pub fn set_body_force(&mut self, acceleration: impl Fn(f64) -> [f64; D] + Send + Sync + 'static) {
+        self.conditions.gravity = Some(std::sync::Arc::new(acceleration));
+    }
+
+    /// Choose how the time step is found.
+    ///
+    /// # Errors
+    /// Numbers out of range.
+    pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), SceneError> {
+        control.check()?;
+        self.control = control;
+        self.last_dt = None;
+        Ok(())
+    }
+
+    /// Run the stages on these threads. Results do not depend on their number.
+    pub fn set_team(&mut self, team: Team) {
+        self.team = team;
+    }
+
+    /// Make one step, and return its size in seconds.
+    ///
+    /// # Errors
+    /// Names body, particle, place and cause of what stopped it.
+    pub fn step(&mut self) -> Result<T, StepError> {
+        self.step_at_most(f64::INFINITY)
+    }
+
+    /// Make one step of at most `most` seconds.
+    ///
+    /// The stages are those of \[Ma2010\] 1.4 (i - xii). The map of mass, momentum and force that opens a
+    /// step (iii, vi) was made by the last pass of the step before, while the particles were at hand.
+    ///
+    /// # Errors
+    /// As [`Mpm::step`].
+    pub fn step_at_most(&mut self, most: f64) -> Result<T, StepError> {
+        self.map_particles()?; // iii, vi (only where nothing was mapped before)
+        let dt = self.time_step(most)?;
+        self.stage().collect(Sums::All); // iii: eqs. 2, 3 (and 9)
+
+        if M::Update::BEFORE_FORCES {
+            self.stage().velocities(); // boundaries
+            self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
+            self.stage().collect(Sums::Force);
+            self.stage().integrate_momentum(dt, true); // viii: eq. 8
+            self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
+        } else {
+            self.stage().integrate_momentum(dt, false); // viii: eq. 8
+            self.invert_full_mass(dt)?; // FMPM
+            self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
+            if M::Update::REMAP {
+                self.stage().collect(Sums::Again); // x: eq. 3 again
+                self.stage().remap_velocities(dt);
+                self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
+            }
+        }
+
+        self.close_step(dt)
+    }
+
+    /// Book the step, bring particles to their new bins, define the new grid (xii, ii).
+    fn close_step(&mut self, dt: T) -> Result<T, StepError> {
+        for part in &self.ledgers {
+            self.ledger.add(part);
+        }
+        let last = if M::Update::BEFORE_FORCES || M::Update::REMAP { Which::Second } else { Which::First };
+        let prune = self.steps % PRUNE_EVERY == PRUNE_EVERY - 1;
+        let mut changed = false;
+        for body in &mut self.bodies {
+            changed |= body.locate(last, prune, &self.team);
+        }
+        if changed {
+            self.arrange().map_err(|outside| {
+                self.stopped(Stopped::Outside { body: self.names(), outside })
+            })?;
+        }
+        self.time += dt.to_double();
+        self.steps += 1;
+        self.last_dt = Some(dt.to_double());
+        Ok(dt)
+    }
+
+    /// Map the particles as they stand, where no pass did so.
+    fn map_particles(&mut self) -> Result<(), StepError> {
+        if !self.mapped {
+            self.rate = T::default();
+            self.particle_pass(Which::Map, T::default())?;
+            if M::Update::BEFORE_FORCES {
+                // The USF map has no stress, and so no wave speed: ask once.
+                self.rate = self.first_rate();
+            }
+            self.mapped = true;
+        }
+        Ok(())
+    }
+
+    fn first_rate(&mut self) -> T {
+        let rates = self.bodies.iter().map(|b| b.rate(self.grid.lattice().spacing()));
+        rates.fold(T::default(), |a, b| if b > a { b } else { a })
+    }
+
+    /// FMPM: add the terms of the series for the inverse of the full mass matrix to the velocity.
+    fn invert_full_mass(&mut self, dt: T) -> Result<(), StepError> {
+        if M::Transfer::ORDER < 2 {
+            return Ok(());
+        }
+        let mut terms = std::mem::take(&mut self.terms);
+        self.stage().first_terms(&mut terms);
+        for _ in 1..M::Transfer::ORDER {
+            self.particle_pass(Which::Smooth, dt)?;
+            self.stage().collect(Sums::Again);
+            self.stage().refine_velocities(&mut terms);
+        }
+        self.terms = terms;
+        Ok(())
+    }
+
+    fn particle_pass(&mut self, which: Which, dt: T) -> Result<(), StepError> {
+        let mut rate = T::default();
+        for b in 0..self.bodies.len() {
+            match self.bodies[b].pass(which, self.grid.nodes(), dt, &self.team) {
+                Ok(r) => rate = if r > rate { r } else { rate },
+                Err(BodyTrouble { particle, position, cause }) => {
+                    let (body, law) = (self.bodies[b].name().to_string(), self.bodies[b].law());
+                    return Err(self.stopped(Stopped::Particle { body, particle, position, law, cause }));
+                }
+            }
+        }
+        if rate > T::default() {
+            self.rate = rate;
+        }
+        Ok(())
+    }
+
+    fn time_step(&self, most: f64) -> Result<T, StepError> {
+        let dt = self.control.next(self.rate.to_double(), self.last_dt);
+        if !(dt > 0.0 && dt.is_finite()) {
+            return Err(self.stopped(Stopped::NoTimeStep(dt)));
+        }
+        Ok(T::of(dt.min(most)))
+    }
+
+    fn stage(&mut self) -> Stage<'_, T, D, G> {
+        let lightest = self.bodies.iter().map(|b| b.lightest()).fold(T::of(f64::MAX), |a, b| a.min(b));
+        Stage {
+            grid: &mut self.grid,
+            bodies: &self.bodies,
+            team: &self.team,
+            conditions: &self.conditions,
+            ledgers: &mut self.ledgers,
+            time: self.time,
+            cutoff: lightest * T::of(MASS_CUTOFF),
+            wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
+        }
+    }
+
+    /// Have the node blocks that the particles reach, and tell the bodies where they are.
+    fn arrange(&mut self) -> Result<(), OutsideGrid> {
+        let mut wanted = Vec::new();
+        for body in &self.bodies {
+            body.node_blocks(&mut wanted);
+        }
+        wanted.sort_unstable();
+        wanted.dedup();
+        self.grid.arrange(&wanted)?;
+        let grid = &self.grid;
+        for body in &mut self.bodies {
+            body.link(grid.blocks(), &|c| grid.find(c));
+        }
+        Ok(())
+    }
+
+    fn names(&self) -> String {
+        self.bodies.iter().map(|b| b.name()).collect::<Vec<_>>().join(", ")
+    }
+
+    fn stopped(&self, what: Stopped) -> StepError {
+        StepError { step: self.steps + 1, time: self.time, what }
+    }
+
+    /// Step until `end`, s; the last step is shortened to arrive there.
+    ///
+    /// # Errors
+    /// As [`Mpm::step`].
+    pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
+        while self.time < end * (1.0 - 1e-12) {
+            let last = self.last_dt;
+            self.step_at_most(end - self.time)?;
+            // A step cut short to arrive says nothing about the next one.
+            if self.time >= end * (1.0 - 1e-12) {
+                self.last_dt = last.or(self.last_dt);
+            }
+        }
+        Ok(())
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+    /// Steps made.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+    /// The bodies.
+    pub fn bodies(&self) -> &[Box<dyn Body<T, D>>] {
+        &self.bodies
+    }
+    /// The grid.
+    pub fn grid(&self) -> &G {
+        &self.grid
+    }
+    /// The method.
+    pub fn method(&self) -> &M {
+        &self.method
+    }
+    /// Number of particles.
+    pub fn particles(&self) -> usize {
+        self.bodies.iter().map(|b| b.len()).sum()
+    }
+    /// Totals over all particles.
+    pub fn totals(&self) -> Totals {
+        self.bodies.iter().map(|b| b.totals()).fold(Totals::default(), |a, b| a.plus(&b))
+    }
+    /// What boundaries and loads gave to the material since the start.
+    pub fn ledger(&self) -> NodeLedger {
+        self.ledger
+    }
+    /// Bytes of particles, grid and all scratch.
+    pub fn bytes(&self) -> usize {
+        self.bodies.iter().map(|b| b.bytes()).sum::<usize>()
+            + self.grid.bytes()
+            + self.ledgers.capacity() * size_of::<NodeLedger>()
+            + self.terms.capacity() * size_of::<[T; 3]>()
+    }
+}

@@ -1,0 +1,656 @@
+//! One pass over the particles of a block: the particle stages of a step, fused.
+//!
+//! The nodes that the block's particles reach are copied once into a tile; each bin reads its stencil from
+//! there, each group of lanes is gathered, updated and scattered while it is in registers and cache, and the
+//! sums go to the block's own output tile. No other block writes it, so that threads never meet; the grid
+//! adds the tiles up in a fixed order ([`super::nodes`]).
+
+use std::marker::PhantomData;
+
+use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
+
+use super::gather::{AxisWeights, gather};
+use super::scatter::{AFFINE, FORCE, HOOP, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
+use crate::dim::{Array, BLOCK, Stencil, block_nodes};
+use crate::embedding::Embedding;
+use crate::grid::Node;
+use crate::method::Composition;
+use crate::parallel::{Arch, Float, Kernel, Pack, Quad, prefetch};
+use crate::particles::{Block, Columns, Outbox};
+use crate::scheme::{Nodal, PassKind};
+use crate::shape::{ShapeFunction, bin_centre};
+use crate::transfer::Transfer;
+
+/// A block of particles with what its passes need and leave behind.
+#[derive(Clone, Debug)]
+pub struct Slot<T: Float, const D: usize> {
+    /// The particles.
+    pub block: Block<T, D>,
+    /// What they add to the nodes they reach: `TILE` nodes an axis, x fastest.
+    pub tile: Vec<Node<T>>,
+    /// Particles that left their bins.
+    pub outbox: Outbox<T>,
+    /// Node blocks around, 3^D, x fastest; `u32::MAX` where there is none.
+    pub nodes_around: Vec<u32>,
+    /// Slots around, likewise.
+    pub slots_around: Vec<u32>,
+    /// What the last pass found.
+    pub report: Report<T>,
+    /// Particles leaving the bin at work.
+    pub leaving: Vec<u32>,
+}
+
+/// What a pass found out.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Report<T> {
+    /// Largest (c + |v|) / h, 1/s.
+    pub rate: T,
+    /// The first particle that cannot go on.
+    pub trouble: Option<Trouble>,
+}
+
+/// A particle that cannot go on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trouble {
+    /// Its bin in the block.
+    pub bin: usize,
+    /// Its index in the bin.
+    pub index: usize,
+    /// What happened.
+    pub cause: Cause,
+}
+
+/// What happens to particles.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum Cause {
+    /// Its law broke down.
+    #[error("{0}")]
+    Law(mpm_materials::Breakdown),
+    /// It would move further than one cell in a step, or its velocity is not a number.
+    #[error("it would move more than one cell in the step, or its velocity is not a finite number")]
+    TooFast,
+}
+
+/// The numbers every block of a body shares in a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Common<T> {
+    /// Time step, s.
+    pub dt: T,
+    /// Node spacing h, m.
+    pub spacing: T,
+    /// x of node zero, m (the axis of revolution is x = 0).
+    pub origin: T,
+    /// Domain half sizes of particles that do not carry their own, in units of h.
+    pub half: [T; 3],
+}
+
+/// The pass `K` over one block.
+pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
+    /// The body's law.
+    pub law: &'a C,
+    /// The method.
+    pub method: &'a M,
+    /// All nodes of the grid.
+    pub nodes: &'a [Node<T>],
+    /// The block.
+    pub slot: &'a mut Slot<T, D>,
+    /// Shared numbers.
+    pub common: Common<T>,
+    /// The pass.
+    pub pass: PhantomData<K>,
+}
+
+/// Reads a law's state from the rows of a group.
+struct Rows<'a, R, P> {
+    rows: &'a [R],
+    at: usize,
+    lanes: PhantomData<P>,
+}
+impl<T: Float, P: Pack<T>> Source<P> for Rows<'_, T::Row, P>
+where
+    P: Lane<Real = T>,
+{
+    #[inline(always)]
+    fn take(&mut self) -> P {
+        self.at += 1;
+        P::load(&self.rows[self.at - 1])
+    }
+}
+/// Writes a law's state to the rows of a group.
+struct RowsMut<'a, R, P> {
+    rows: &'a mut [R],
+    at: usize,
+    lanes: PhantomData<P>,
+}
+impl<T: Float, P: Pack<T>> Sink<P> for RowsMut<'_, T::Row, P>
+where
+    P: Lane<Real = T>,
+{
+    #[inline(always)]
+    fn put(&mut self, value: P) {
+        value.store(&mut self.rows[self.at]);
+        self.at += 1;
+    }
+}
+
+/// Nodes that the particles of a block reach, along an axis and in all, for a method.
+pub fn tile_nodes<E: Stencil>(d: usize) -> usize {
+    E::TILE.pow(d as u32)
+}
+
+type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
+type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
+
+impl<T, const D: usize, C, M, K> Kernel<T> for Sweep<'_, T, D, C, M, K>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+    K: PassKind,
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let Sweep { law, method, nodes, slot, common, .. } = self;
+        let does = K::DOES;
+        let maps = Maps {
+            momentum: does.momentum,
+            affine: does.velocity && does.momentum && M::Transfer::AFFINE,
+            force: does.force,
+            hoop: does.force && M::Embedding::HOOP,
+        };
+        let tile_in = load_tile::<T, D, ExtentOf<M, T, D>>(nodes, &slot.nodes_around);
+        slot.tile.fill(Node::default());
+        slot.outbox.clear();
+        slot.report = Report::default();
+        let columns = slot.block.dummy().len();
+        let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
+
+        // Constants of the pass, on lanes.
+        let (zero, half) = (A::Pack::zero(), A::Pack::of(0.5));
+        let spacing = A::Pack::splat(common.spacing);
+        let per_spacing = spacing.recip();
+        let dt = A::Pack::splat(common.dt);
+        let per_density = A::Pack::splat(law.density()).recip();
+        let mut lane_index = zero;
+        for i in 0..A::Pack::WIDTH {
+            lane_index = lane_index.with_lane(i, T::of(i as f64));
+        }
+        let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
+        let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
+        let mut rate = zero;
+
+        for bin in 0..block_nodes(D) {
+            let particles = slot.block.bin_len(bin);
+            if particles == 0 {
+                continue;
+            }
+            if bin + 2 < block_nodes(D) {
+                prefetch(slot.block.bin_rows(bin + 2));
+            }
+            let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
+            let stencil = load_stencil::<T, D, ExtentOf<M, T, D>>(&tile_in, corner);
+            let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
+                Array::filled([A::Quad::zero(); 2]);
+            // x of the bin's centre, for the distance to the axis of revolution.
+            let bin_x = T::of(
+                f64::from(slot.block.coordinates[0]) * BLOCK as f64
+                    + (bin % BLOCK) as f64
+                    + bin_centre::<ExtentOf<M, T, D>>(),
+            );
+            let bin_x = A::Pack::splat(common.origin + common.spacing * bin_x);
+
+            for (g, group) in slot.block.bin_rows_mut(bin).chunks_exact_mut(columns).enumerate() {
+                let first = g * T::GROUP;
+                let alive = lane_index.lt(A::Pack::of((particles - first) as f64));
+                let (motion, rest) = group.split_at_mut(2 * D + 1);
+                let (state, rest) = rest.split_at_mut(state_rows);
+
+                let mut xi = [zero; 3];
+                let mut v = [zero; 3];
+                for d in 0..D {
+                    xi[d] = A::Pack::load(&motion[Columns::position() + d]);
+                    v[d] = A::Pack::load(&motion[Columns::velocity(D) + d]);
+                }
+                let mass = A::Pack::load(&motion[Columns::mass(D)]);
+                let mut domain = [half; 3];
+                for d in 0..D {
+                    domain[d] = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                        A::Pack::load(&rest[d])
+                    } else {
+                        A::Pack::splat(common.half[d])
+                    };
+                }
+                let mut at: AxisWeights<A::Pack, ExtentOf<M, T, D>> = AxisWeights::zero();
+                for d in 0..D {
+                    at.weights[d] = method.shape().weights(xi[d], domain[d]);
+                    if maps.affine {
+                        at.fill_moments(d, xi[d]);
+                    }
+                }
+
+                // Grid to particles: first nodal vector (velocity) with what is wanted of it.
+                let strain_first = matches!(does.strain, Some(Nodal::First));
+                let strain_second = matches!(does.strain, Some(Nodal::Second));
+                let mut nodal = [zero; 3];
+                let mut gradient = Mat3::<A::Pack>::zero();
+                let mut affine = [[zero; 3]; 3];
+                let mut hoop_velocity = zero;
+                if does.velocity || does.moves || strain_first {
+                    for c in 0..D {
+                        let found = gather::<T, A::Pack, ExtentOf<M, T, D>>(
+                            &stencil,
+                            &at,
+                            false,
+                            c,
+                            strain_first,
+                            maps.affine,
+                        );
+                        nodal[c] = found.value;
+                        if strain_first {
+                            gradient.0[c] = found.slope;
+                            if c == 0 {
+                                hoop_velocity = found.value;
+                            }
+                        }
+                        if maps.affine {
+                            for d in 0..D {
+                                affine[c][d] = found.moment[d] / method.shape().inertia(xi[d], domain[d]);
+                            }
+                        }
+                    }
+                }
+                // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
+                let mut increment = [zero; 3];
+                if (does.velocity && M::Transfer::READS_INCREMENT) || strain_second || does.smooth {
+                    for c in 0..D {
+                        let found = gather::<T, A::Pack, ExtentOf<M, T, D>>(
+                            &stencil,
+                            &at,
+                            true,
+                            c,
+                            strain_second,
+                            false,
+                        );
+                        increment[c] = found.value;
+                        if strain_second {
+                            gradient.0[c] = found.slope;
+                            if c == 0 {
+                                hoop_velocity = found.value;
+                            }
+                        }
+                    }
+                }
+                if does.velocity {
+                    for d in 0..D {
+                        v[d] = method.transfer().velocity(v[d], nodal[d], dt * increment[d], dt);
+                        v[d].store(&mut motion[Columns::velocity(D) + d]);
+                    }
+                }
+
+                // Lanes without a particle do not deform and do not move.
+                let step = A::Pack::select(alive, dt, zero);
+                let cells = step * per_spacing;
+                let radius = xi[0].mul_add(spacing, bin_x);
+
+                // Stress update, at the old position.
+                let mut stress = Sym3::<A::Pack>::zero();
+                let mut volume = zero;
+                if does.strain.is_some() {
+                    let mut deformation = gradient * cells;
+                    if M::Embedding::HOOP {
+                        deformation.0[2][2] = step * hoop_velocity / radius;
+                    }
+                    let kinematics = Kinematics { increment: deformation, dt, length: spacing };
+                    let old = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
+                    let new = law.update(&kinematics, &old);
+                    new.state.write(&mut RowsMut { rows: state, at: 0, lanes: PhantomData });
+                    stress = new.stress;
+                    volume = law.volume_ratio(&new.state) * mass * per_density;
+                    if new.fault.any() {
+                        note_fault(&mut slot.report, bin, first, particles, new.fault);
+                    }
+                    if does.force {
+                        rate = rate.max(A::Pack::select(alive, speed(law, &new.state, &v), zero));
+                    }
+                    if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                        for d in 0..D {
+                            domain[d] = method.shape().stretch(domain[d], deformation.0[d][d]);
+                            domain[d].store(&mut rest[d]);
+                        }
+                    }
+                } else if does.force {
+                    let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
+                    stress = law.stress(&now);
+                    volume = law.volume_ratio(&now) * mass * per_density;
+                    rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
+                } else if does.moves {
+                    let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
+                    rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
+                }
+
+                // Position.
+                let mut stays = !0;
+                if does.moves {
+                    let mut inside = <A::Pack as Lane>::Mask::splat(true);
+                    for d in 0..D {
+                        xi[d] = cells.mul_add(nodal[d], xi[d]);
+                        xi[d].store(&mut motion[Columns::position() + d]);
+                        inside = inside & (-half).le(xi[d]) & xi[d].lt(half);
+                    }
+                    stays = A::Pack::bits(inside);
+                    for d in 0..D {
+                        at.weights[d] = method.shape().weights(xi[d], domain[d]);
+                    }
+                }
+
+                // Particles to grid, at the new position.
+                let momentum = if does.smooth { increment } else { v };
+                fill_records::<T, A, D>(
+                    &mut records,
+                    mass,
+                    &momentum,
+                    &affine,
+                    &xi,
+                    stress * (volume * per_spacing),
+                    maps,
+                );
+                if maps.hoop {
+                    // The radius of the new position, like the weights.
+                    let hoop = volume * stress.0[2] / xi[0].mul_add(spacing, bin_x);
+                    A::Pack::records(zero, -hoop, zero, zero, &mut records[HOOP]);
+                }
+                spread.fill(&at, maps.force);
+                let here = (particles - first).min(T::GROUP);
+                for lane in 0..here {
+                    if does.moves && stays >> lane & 1 == 0 {
+                        let index = first + lane;
+                        slot.leaving.push(index as u32);
+                        for record in &records {
+                            slot.outbox.records.push(record[lane]);
+                        }
+                        continue;
+                    }
+                    scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, lane, maps);
+                }
+            }
+            add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &sums, maps);
+            if does.moves && !slot.leaving.is_empty() {
+                send_away::<T, D>(slot, bin);
+            }
+        }
+        for i in 0..A::Pack::WIDTH {
+            slot.report.rate = slot.report.rate.max(rate.lane(i));
+        }
+        slot.report.rate /= common.spacing;
+    }
+}
+
+/// Speed of signals past a particle, c + |v|, m/s.
+#[inline(always)]
+fn speed<T, P, C>(law: &C, now: &C::State<P>, v: &[P; 3]) -> P
+where
+    T: Float,
+    P: Pack<T>,
+    C: Constitutive<T>,
+{
+    law.wave_speed(now) + (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+}
+
+/// The records of a group; see [`super::scatter`]. `force` is V sigma / h.
+#[inline(always)]
+fn fill_records<T: Float, A: Arch<T>, const D: usize>(
+    records: &mut Records<T>,
+    mass: A::Pack,
+    v: &[A::Pack; 3],
+    affine: &[[A::Pack; 3]; 3],
+    xi: &[A::Pack; 3],
+    force: Sym3<A::Pack>,
+    maps: Maps,
+) {
+    let zero = A::Pack::zero();
+    if maps.momentum {
+        let mut p = [mass * v[0], mass * v[1], mass * v[2]];
+        if maps.affine {
+            for d in 0..D {
+                let a = [mass * affine[0][d], mass * affine[1][d], mass * affine[2][d]];
+                for c in 0..D {
+                    p[c] = p[c] - a[c] * xi[d];
+                }
+                A::Pack::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);
+            }
+        }
+        A::Pack::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
+    }
+    if maps.force {
+        for d in 0..D {
+            let third = if D == 3 { -force.at(2, d) } else { zero };
+            A::Pack::records(zero, -force.at(0, d), -force.at(1, d), third, &mut records[FORCE + d]);
+        }
+    }
+}
+
+#[cold]
+fn note_fault<T: Float, L: Lane<Real = T>>(
+    report: &mut Report<T>,
+    bin: usize,
+    first: usize,
+    particles: usize,
+    fault: Fault<L>,
+) {
+    for lane in 0..L::WIDTH.min(particles - first) {
+        if let (None, Some(cause)) = (report.trouble, fault.cause(lane)) {
+            report.trouble = Some(Trouble { bin, index: first + lane, cause: Cause::Law(cause) });
+        }
+    }
+}
+
+/// Take the particles in `slot.leaving` out of a bin and put them, last first, into the outbox. Their records
+/// lie there already, first first.
+#[cold]
+fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: usize) {
+    let Slot { block, outbox, leaving, report, .. } = slot;
+    let records = outbox.records.len() - leaving.len() * RECORDS;
+    reverse_records(&mut outbox.records[records..]);
+    let columns = block.dummy().len();
+    let half = T::of(0.5);
+    for (n, index) in leaving.drain(..).rev().enumerate() {
+        let index = index as usize;
+        let numbers = outbox.numbers.len();
+        block.read(bin, index, &mut outbox.numbers);
+        let numbers = &mut outbox.numbers[numbers..numbers + columns];
+        let records = &mut outbox.records[records + n * RECORDS..][..RECORDS];
+        let (mut to, mut to_bin, mut weight, mut bin_weight, mut rest) = (0, 0, 1, 1, bin);
+        for d in 0..D {
+            let xi = numbers[Columns::position() + d];
+            let shift = (xi + half).floor();
+            if !(shift.abs() <= T::of(1.0)) {
+                let trouble = Trouble { bin, index, cause: Cause::TooFast };
+                report.trouble = report.trouble.or(Some(trouble));
+            }
+            // Rounding may leave xi - shift at 1/2 where xi was just below -1/2: that is the bin's far edge.
+            let local = xi - shift;
+            numbers[Columns::position() + d] = local;
+            // R = [m, m v] - sum A xi refers to the bin's centre.
+            for c in 0..4 {
+                let a = records[AFFINE + d][c];
+                records[MOMENTUM][c] += a * shift;
+            }
+            let at = (rest % BLOCK) as i32 + if shift > half { 1 } else if shift < -half { -1 } else { 0 };
+            rest /= BLOCK;
+            let (block_shift, place) = crate::particles::split(at);
+            to += (block_shift + 1) as usize * weight;
+            to_bin += place * bin_weight;
+            weight *= 3;
+            bin_weight *= BLOCK;
+        }
+        outbox.to.push(to as u8);
+        outbox.bin.push(to_bin as u8);
+        outbox.directions |= 1 << to;
+        block.remove(bin, index);
+    }
+}
+
+fn reverse_records<T>(records: &mut [[T; 4]]) {
+    let n = records.len() / RECORDS;
+    for i in 0..n / 2 {
+        for k in 0..RECORDS {
+            records.swap(i * RECORDS + k, (n - 1 - i) * RECORDS + k);
+        }
+    }
+}
+
+/// Take in the particles that the blocks around sent here: append them to their bins, and scatter them.
+pub struct TakeIn<'a, T: Float, const D: usize, M, K> {
+    /// The method.
+    pub method: &'a M,
+    /// The block that takes in.
+    pub slot: &'a mut Slot<T, D>,
+    /// Outboxes of all slots.
+    pub outboxes: &'a [Outbox<T>],
+    /// Shared numbers.
+    pub common: Common<T>,
+    /// Column of the domain half sizes, where particles carry them.
+    pub domain: usize,
+    /// The pass that sent them.
+    pub pass: PhantomData<K>,
+}
+
+impl<T, const D: usize, M, K> Kernel<T> for TakeIn<'_, T, D, M, K>
+where
+    T: Float,
+    M: Composition<T, D>,
+    K: PassKind,
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let TakeIn { method, slot, outboxes, common, domain, .. } = self;
+        let does = K::DOES;
+        let maps = Maps {
+            momentum: does.momentum,
+            affine: does.velocity && does.momentum && M::Transfer::AFFINE,
+            force: does.force,
+            hoop: does.force && M::Embedding::HOOP,
+        };
+        let columns = slot.block.dummy().len();
+        let directions = crate::dim::neighbours(D);
+        let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
+        let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
+        for from in 0..directions {
+            // What lies in direction `from` of here sent towards the opposite direction.
+            let to = directions - 1 - from;
+            let Some(outbox) = outboxes.get(slot.slots_around[from] as usize) else { continue };
+            if outbox.directions >> to & 1 == 0 {
+                continue;
+            }
+            for n in 0..outbox.to.len() {
+                if outbox.to[n] as usize != to {
+                    continue;
+                }
+                let bin = outbox.bin[n] as usize;
+                let numbers = &outbox.numbers[n * columns..][..columns];
+                slot.block.push(bin, numbers);
+                for k in 0..RECORDS {
+                    records[k][0] = outbox.records[n * RECORDS + k];
+                }
+                let mut at: AxisWeights<A::Pack, ExtentOf<M, T, D>> = AxisWeights::zero();
+                for d in 0..D {
+                    let half = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                        numbers[domain + d]
+                    } else {
+                        common.half[d]
+                    };
+                    let xi = A::Pack::splat(numbers[Columns::position() + d]);
+                    at.weights[d] = method.shape().weights(xi, A::Pack::splat(half));
+                }
+                spread.fill(&at, maps.force);
+                let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
+                    Array::filled([A::Quad::zero(); 2]);
+                scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, 0, maps);
+                let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
+                add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &sums, maps);
+            }
+        }
+        slot.block.tidy();
+    }
+}
+
+/// Index in the tile of the first node of a bin's stencil.
+#[inline(always)]
+fn tile_corner<E: Stencil, const D: usize>(bin: usize) -> usize {
+    let (x, y, z) = (bin % BLOCK, bin / BLOCK % BLOCK, bin / (BLOCK * BLOCK));
+    if D == 3 { (z * E::TILE + y) * E::TILE + x } else { y * E::TILE + x }
+}
+
+/// Copy the nodes that a block's particles reach out of the blocks of the grid.
+#[inline(always)]
+fn load_tile<T: Float, const D: usize, E: Stencil>(nodes: &[Node<T>], around: &[u32]) -> E::Tile<Node<T>> {
+    let mut tile = E::Tile::<Node<T>>::filled(Node::default());
+    let layers = if D == 3 { E::TILE } else { 1 };
+    for z in 0..layers {
+        let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
+        for y in 0..E::TILE {
+            let (by, ny) = place::<E>(y);
+            for x in 0..E::TILE {
+                let (bx, nx) = place::<E>(x);
+                let block = around[(bz * 3 + by) * 3 + bx];
+                let node = (nz * BLOCK + ny) * BLOCK + nx;
+                if let Some(found) = nodes.get(block as usize * block_nodes(D) + node) {
+                    tile[(z * E::TILE + y) * E::TILE + x] = *found;
+                }
+            }
+        }
+    }
+    tile
+}
+
+/// Which of the three blocks along an axis a tile coordinate lies in, and where.
+#[inline(always)]
+pub fn place<E: Stencil>(tile: usize) -> (usize, usize) {
+    let node = tile + BLOCK - (-E::BASE) as usize;
+    (node / BLOCK, node % BLOCK)
+}
+
+#[inline(always)]
+fn load_stencil<T: Float, const D: usize, E: Stencil>(
+    tile: &E::Tile<Node<T>>,
+    corner: usize,
+) -> E::Nodes<Node<T>> {
+    let mut nodes = E::Nodes::<Node<T>>::filled(Node::default());
+    let tile = tile.as_ref();
+    for k in 0..E::LAYERS {
+        for j in 0..E::NODES {
+            let row = &tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
+            for i in 0..E::NODES {
+                nodes[(k * E::NODES + j) * E::NODES + i] = row[i];
+            }
+        }
+    }
+    nodes
+}
+
+#[inline(always)]
+fn add_to_tile<T: Float, A: Arch<T>, E: Stencil>(
+    tile: &mut [Node<T>],
+    corner: usize,
+    sums: &E::Nodes<[A::Quad; 2]>,
+    maps: Maps,
+) {
+    for k in 0..E::LAYERS {
+        for j in 0..E::NODES {
+            let row = &mut tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
+            for i in 0..E::NODES {
+                let sum = &sums[(k * E::NODES + j) * E::NODES + i];
+                if maps.momentum {
+                    (A::Quad::load(&row[i].first) + sum[0]).store(&mut row[i].first);
+                }
+                if maps.force {
+                    (A::Quad::load(&row[i].second) + sum[1]).store(&mut row[i].second);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Transfers: what a particle's velocity becomes from the grid's.
+
+use mpm_materials::{Lane, Real};
+
+use crate::scheme::{Musl, Usf, Usl};
+use crate::shape::{AffineShape, ShapeFunction};
+
+/// Grid-to-particle rule for the velocity.
+pub trait Transfer<T: Real>: Copy + Send + Sync + 'static {
+    /// The name in tables and messages.
+    const NAME: &'static str;
+    /// Does it read the nodal acceleration?
+    const READS_INCREMENT: bool;
+    /// Does it carry the affine velocity field of APIC from the gather to the next scatter?
+    const AFFINE: bool = false;
+    /// Order k of the approximate inverse of the full mass matrix (FMPM); 1 is the lumped one.
+    const ORDER: usize = 1;
+
+    /// The new velocity, from the `old` one, the grid's velocity `nodal` and its change over the step
+    /// `increment`, both interpolated at the particle.
+    fn velocity<L: Lane<Real = T>>(&self, old: L, nodal: L, increment: L, dt: L) -> L;
+}
+
+/// FLIP: v <- v + dt sum N a (eq. 17 of \[Ma2010\]). No dissipation of its own.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Flip;
+impl<T: Real> Transfer<T> for Flip {
+    const NAME: &'static str = "FLIP";
+    const READS_INCREMENT: bool = true;
+    #[inline(always)]
+    fn velocity<L: Lane<Real = T>>(&self, old: L, _nodal: L, increment: L, _dt: L) -> L {
+        old + increment
+    }
+}
+
+/// PIC: v <- sum N v. Removes all that the grid cannot see; viscosity (p + 1) h^2 / 12 dt.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Pic;
+impl<T: Real> Transfer<T> for Pic {
+    const NAME: &'static str = "PIC";
+    const READS_INCREMENT: bool = false;
+    #[inline(always)]
+    fn velocity<L: Lane<Real = T>>(&self, _old: L, nodal: L, _increment: L, _dt: L) -> L {
+        nodal
+    }
+}
+
+/// FLIP that relaxes towards PIC with a time constant tau: the PIC share of a step is dt / tau (at most 1),
+/// so that the damping does not depend on the step size, as it does with a constant share.
+#[derive(Clone, Copy, Debug)]
+pub struct Blend<T> {
+    tau: T,
+}
+impl<T: Real> Blend<T> {
+    /// Time constant tau, s.
+    ///
+    /// # Errors
+    /// A time constant that is not positive.
+    pub fn new(tau: T) -> Result<Self, mpm_materials::ParameterError> {
+        Ok(Blend { tau: mpm_materials::Check("FLIP/PIC blend").positive("time constant", tau)? })
+    }
+}
+impl<T: Real> Transfer<T> for Blend<T> {
+    const NAME: &'static str = "FLIP/PIC blend";
+    const READS_INCREMENT: bool = true;
+    #[inline(always)]
+    fn velocity<L: Lane<Real = T>>(&self, old: L, nodal: L, increment: L, dt: L) -> L {
+        let share = (dt / L::splat(self.tau)).min(L::one());
+        let flip = old + increment;
+        share.mul_add(nodal - flip, flip)
+    }
+}
+
+/// APIC (Jiang, Schroeder, Teran 2017): PIC that carries the local affine velocity field, so that angular
+/// momentum is conserved. The affine matrix lives only from the gather to the scatter that follows it in the
+/// same pass, and takes no memory.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Apic;
+impl<T: Real> Transfer<T> for Apic {
+    const NAME: &'static str = "APIC";
+    const READS_INCREMENT: bool = false;
+    const AFFINE: bool = true;
+    #[inline(always)]
+    fn velocity<L: Lane<Real = T>>(&self, _old: L, nodal: L, _increment: L, _dt: L) -> L {
+        nodal
+    }
+}
+
+/// FMPM(K), also XPIC(K) (Nairn 2021; Hammerquist and Nairn 2017): PIC with the grid velocity multiplied by K
+/// terms of the series sum_j (I - S~)^j for the inverse of the full mass matrix. K = 1 is PIC; each further
+/// order maps once more to the particles and back.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Fmpm<const K: usize>;
+impl<T: Real, const K: usize> Transfer<T> for Fmpm<K> {
+    const NAME: &'static str = match K {
+        2 => "FMPM(2)",
+        3 => "FMPM(3)",
+        4 => "FMPM(4)",
+        _ => "FMPM",
+    };
+    const READS_INCREMENT: bool = false;
+    const ORDER: usize = {
+        assert!(K >= 1, "FMPM needs an order of at least 1");
+        K
+    };
+    #[inline(always)]
+    fn velocity<L: Lane<Real = T>>(&self, _old: L, nodal: L, _increment: L, _dt: L) -> L {
+        nodal
+    }
+}
+
+/// Which transfers a stress-update order can be used with.
+#[diagnostic::on_unimplemented(
+    message = "the stress update `{Self}` cannot be combined with the transfer `{X}`",
+    note = "MUSL maps the particle velocities to the grid a second time; with PIC, APIC or FMPM that would \
+            filter the velocity twice in a step and blow up (accuracy.md 1.1, finding 8); use USL or USF"
+)]
+pub trait Allows<X> {}
+impl Allows<Flip> for Musl {}
+impl<T> Allows<Blend<T>> for Musl {}
+impl<X> Allows<X> for Usl {}
+impl<X> Allows<X> for Usf {}
+
+/// Which shape functions a transfer can be used with: APIC needs an [`AffineShape`], the others take any.
+#[diagnostic::on_unimplemented(
+    message = "the transfer `{X}` cannot be used with the shape function `{Self}`",
+    note = "APIC needs a shape function whose second moment never vanishes: a B-spline or GIMP"
+)]
+pub trait Suits<T, const D: usize, X> {}
+impl<T: Real, const D: usize, S: ShapeFunction<T, D>> Suits<T, D, Flip> for S {}
+impl<T: Real, const D: usize, S: ShapeFunction<T, D>> Suits<T, D, Pic> for S {}
+impl<T: Real, const D: usize, S: ShapeFunction<T, D>> Suits<T, D, Blend<T>> for S {}
+impl<T: Real, const D: usize, S: ShapeFunction<T, D>, const K: usize> Suits<T, D, Fmpm<K>> for S {}
+impl<T: Real, const D: usize, S: AffineShape<T, D>> Suits<T, D, Apic> for S {}
