@@ -5,9 +5,11 @@
 //! stress ([`Constitutive::update`]). Units are SI; stress is tension-positive, pressure compression-positive.
 
 pub mod capability;
+pub mod driver;
 pub mod elastic;
 pub mod eos;
 pub mod failure;
+pub mod fluid;
 pub mod lane;
 pub mod parameter;
 pub mod point;
@@ -21,6 +23,7 @@ pub use capability::{Fails, Hyperelastic, Yields};
 pub use elastic::{LinearElastic, Moduli, NeoHookean};
 pub use eos::{Eos, IdealGas, KeepEnergy, LinearDensity, LogarithmicBulk, MieGruneisen, Tait};
 pub use failure::{Failure, NoFailure, PlasticStrainLimit, PrincipalStress, TensilePressure};
+pub use fluid::{Fluid, FluidState, Inviscid, Newtonian};
 pub use lane::{Lane, Mask, Real, Wide};
 pub use parameter::{Check, ParameterError};
 pub use point::{
@@ -30,8 +33,8 @@ pub use point::{
 pub use rate::{HughesWinget, Jaumann, ObjectiveRate};
 pub use solid::{Solid, SolidState};
 pub use strength::{
-    Adiabatic, Elastic, Heat, Isothermal, J2, JohnsonCook, Logarithmic, RateIndependent, SmoothLogarithmic,
-    Strength,
+    Adiabatic, AdiabaticJohnsonCook, Elastic, Heat, Isothermal, J2, JohnsonCook, Logarithmic,
+    RateIndependent, SmoothLogarithmic, Strength,
 };
 pub use tensor::{Mat3, Sym3};
 pub use viscosity::{BulkViscosity, NoViscosity, ShockViscosity};

@@ -121,7 +121,7 @@ where
         let energy = T::Single::splat(self.eos.initial_energy());
         let volume_ratio = T::Single::one();
         SolidState {
-            stress: Sym3::isotropic(-self.eos.pressure(volume_ratio, energy)),
+            stress: Sym3::isotropic(T::Single::zero() - self.eos.pressure(volume_ratio, energy)),
             volume_ratio,
             energy,
             strength: self.strength.virgin(),

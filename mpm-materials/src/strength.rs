@@ -9,8 +9,8 @@ pub use elastic::Elastic;
 pub use hardening::{Hardening, LinearHardening, PowerHardening};
 pub use j2::J2;
 pub use johnson_cook::{
-    Adiabatic, Heat, Isothermal, JohnsonCook, Logarithmic, RateFactor, RateIndependent, SmoothLogarithmic,
-    Thermal,
+    Adiabatic, AdiabaticJohnsonCook, Heat, Isothermal, JohnsonCook, Logarithmic, RateFactor, RateIndependent,
+    SmoothLogarithmic, Thermal,
 };
 
 use crate::lane::{Lane, Real};

@@ -26,6 +26,9 @@ pub struct JohnsonCook<T, R = RateIndependent, H = Isothermal> {
     thermal: H,
 }
 
+/// With the standard rate factor, heating and softening.
+pub type AdiabaticJohnsonCook<T> = JohnsonCook<T, Logarithmic<T>, Adiabatic<T>>;
+
 impl<T: Real> JohnsonCook<T> {
     /// sigma_y = A + B eps_p^n with shear modulus G; G, A, B in Pa. Rate and temperature are added by
     /// [`JohnsonCook::with_rate`] and [`JohnsonCook::with_heat`].
@@ -50,33 +53,30 @@ impl<T: Real> JohnsonCook<T> {
         Self::known([22.4e9 / 2.84, 12e6, 125e6, 1.0])
     }
 
-    fn known([shear, initial, coefficient, exponent]: [f64; 4]) -> Self {
-        let hardening = PowerHardening::known(T::of(initial), T::of(coefficient), T::of(exponent));
-        JohnsonCook { shear: T::of(shear), hardening, rate: RateIndependent, thermal: Isothermal }
-    }
-}
-
-impl<T: Real> JohnsonCook<T, Logarithmic<T>, Adiabatic<T>> {
     /// OFHC copper, the standard set: A 90 MPa, B 292 MPa, n 0.31, C 0.025 at 1 /s, m 1.09, T_melt 1356 K,
     /// T_room 294 K, c_p 383 J/(kg K), Taylor-Quinney 0.9, G 47.7 GPa (Steinberg). Sources: cases-mpm.md 7.3,
     /// cases-pcmm.md 3.2. Ambient 294 K is the lower of the range given there.
-    pub fn copper() -> Self {
+    pub fn copper() -> AdiabaticJohnsonCook<T> {
         Self::adiabatic([47.7e9, 90e6, 292e6, 0.31], 0.025, [294.0, 1356.0, 1.09, 383.0])
     }
 
     /// 6061-T6 aluminium: A 324 MPa, B 114 MPa, n 0.42, C 0.002 at 1 /s, m 1.34, T_melt 925 K, T_room 294 K,
     /// c 896 J/(kg K), G 26 GPa (Uintah; cases-mpm.md 1.4); Taylor-Quinney 0.9.
-    pub fn aluminium_6061() -> Self {
+    pub fn aluminium_6061() -> AdiabaticJohnsonCook<T> {
         Self::adiabatic([26.0e9, 324e6, 114e6, 0.42], 0.002, [294.0, 925.0, 1.34, 896.0])
     }
 
     /// 4340 steel: A 792 MPa, B 510 MPa, n 0.26, C 0.014 at 1 /s, m 1.03, T_melt 1793 K, c 477 J/(kg K),
     /// G 80 GPa (Uintah; cases-mpm.md 1.4); T_room 294 K, Taylor-Quinney 0.9.
-    pub fn steel_4340() -> Self {
+    pub fn steel_4340() -> AdiabaticJohnsonCook<T> {
         Self::adiabatic([80.0e9, 792e6, 510e6, 0.26], 0.014, [294.0, 1793.0, 1.03, 477.0])
     }
 
-    fn adiabatic(curve: [f64; 4], c: f64, [room, melt, exponent, heat_capacity]: [f64; 4]) -> Self {
+    fn adiabatic(
+        curve: [f64; 4],
+        c: f64,
+        [room, melt, exponent, heat_capacity]: [f64; 4],
+    ) -> AdiabaticJohnsonCook<T> {
         let JohnsonCook { shear, hardening, .. } = JohnsonCook::known(curve);
         let heat = Heat {
             room: T::of(room),
@@ -87,6 +87,11 @@ impl<T: Real> JohnsonCook<T, Logarithmic<T>, Adiabatic<T>> {
         };
         let rate = Logarithmic { c: T::of(c), reference: T::of(1.0) };
         JohnsonCook { shear, hardening, rate, thermal: Adiabatic { heat } }
+    }
+
+    fn known([shear, initial, coefficient, exponent]: [f64; 4]) -> Self {
+        let hardening = PowerHardening::known(T::of(initial), T::of(coefficient), T::of(exponent));
+        JohnsonCook { shear: T::of(shear), hardening, rate: RateIndependent, thermal: Isothermal }
     }
 }
 
