@@ -1,5 +1,6 @@
 //! Elastic laws: linear (Jaumann rate) and compressible neo-Hookean.
 
+use crate::capability::Hyperelastic;
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update, finite_stress};
@@ -237,5 +238,12 @@ impl<T: Real> Constitutive<T> for NeoHookean<T> {
         let (lambda, g) = (L::splat(self.moduli.lambda()), L::splat(self.moduli.shear));
         let half = L::of(0.5);
         half * g * (trace - L::of(3.0)) - g * log_j + half * lambda * log_j * log_j
+    }
+}
+
+impl<T: Real> Hyperelastic<T> for NeoHookean<T> {
+    #[inline(always)]
+    fn deformed<L: Lane<Real = T>>(&self, deformation: &Mat3<L>) -> HyperelasticState<L> {
+        HyperelasticState { deformation: *deformation }
     }
 }

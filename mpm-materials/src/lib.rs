@@ -4,18 +4,37 @@
 //! point moves in a step ([`Kinematics`]) and what it remembers ([`State`]) to the new state and the Cauchy
 //! stress ([`Constitutive::update`]). Units are SI; stress is tension-positive, pressure compression-positive.
 
+pub mod capability;
+pub mod driver;
 pub mod elastic;
+pub mod eos;
+pub mod failure;
+pub mod fluid;
 pub mod lane;
 pub mod parameter;
 pub mod point;
 pub mod rate;
+pub mod solid;
+pub mod strength;
 pub mod tensor;
+pub mod viscosity;
 
+pub use capability::{Fails, Hyperelastic, Yields};
 pub use elastic::{LinearElastic, Moduli, NeoHookean};
+pub use eos::{Eos, IdealGas, KeepEnergy, LinearDensity, LogarithmicBulk, MieGruneisen, Tait};
+pub use failure::{Failure, NoFailure, PlasticStrainLimit, PrincipalStress, TensilePressure};
+pub use fluid::{Fluid, FluidState, Inviscid, Newtonian};
 pub use lane::{Lane, Mask, Real, Wide};
 pub use parameter::{Check, ParameterError};
 pub use point::{
-    Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, Update, lane_of, pointwise, spread,
+    Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, Update, lane_of, named, pointwise,
+    spread,
 };
 pub use rate::{HughesWinget, Jaumann, ObjectiveRate};
+pub use solid::{Solid, SolidState};
+pub use strength::{
+    Adiabatic, AdiabaticJohnsonCook, Elastic, Heat, Isothermal, J2, JohnsonCook, Logarithmic,
+    RateIndependent, SmoothLogarithmic, Strength,
+};
 pub use tensor::{Mat3, Sym3};
+pub use viscosity::{BulkViscosity, NoViscosity, ShockViscosity};

@@ -434,3 +434,28 @@ pub fn finite_stress<L: Lane>(stress: &Sym3<L>) -> L::Mask {
     let s = &stress.0;
     (s[0] + s[1] + s[2] + s[3] + s[4] + s[5]).is_finite()
 }
+
+/// Is every number of the state finite?
+#[inline(always)]
+pub fn finite_state<L: Lane, S: State<L>>(state: &S) -> L::Mask {
+    // One infinity or NaN spoils the sum.
+    let mut sum = Sum(L::zero());
+    state.write(&mut sum);
+    sum.0.is_finite()
+}
+
+struct Sum<L>(L);
+impl<L: Lane> Sink<L> for Sum<L> {
+    #[inline(always)]
+    fn put(&mut self, value: L) {
+        self.0 = self.0 + value;
+    }
+}
+
+/// The number of a state that bears this name, see [`State::names`].
+pub fn named<L: Lane, S: State<L>>(state: &S, name: &str) -> Option<L> {
+    let mut names = Vec::with_capacity(S::LEN);
+    S::names("", &mut names);
+    let at = names.iter().position(|n| n == name)?;
+    flatten(state).get(at).copied()
+}

@@ -1,0 +1,89 @@
+//! Failure: when a point stops carrying shear and tension.
+//!
+//! A failed point has no deviator and no tension; compression is still carried (equations.md 4). It never
+//! heals. Its volume ratio goes on following the motion, so that a closing gap carries load again only when
+//! the density is back.
+
+pub mod plastic_strain;
+pub mod principal;
+pub mod tensile;
+
+pub use plastic_strain::PlasticStrainLimit;
+pub use principal::PrincipalStress;
+pub use tensile::TensilePressure;
+
+use crate::lane::{Lane, Mask, Real};
+use crate::point::State;
+use crate::state;
+use crate::tensor::Sym3;
+
+/// What a criterion looks at: the admissible stress at the end of the step.
+#[derive(Clone, Copy, Debug)]
+pub struct Observed<L> {
+    /// Stress deviator, Pa.
+    pub deviator: Sym3<L>,
+    /// Pressure of the equation of state, Pa, compression positive; viscous pressure left out.
+    pub pressure: L,
+    /// Accumulated plastic strain.
+    pub plastic_strain: L,
+}
+
+/// A failure criterion.
+pub trait Failure<T: Real>: Clone + Send + Sync + 'static {
+    /// Can a point fail at all? With `false` nothing of failure is compiled.
+    const POSSIBLE: bool = true;
+
+    /// What a point remembers of its failure.
+    type History<L: Lane<Real = T>>: State<L>;
+
+    /// The history of an intact point.
+    fn intact(&self) -> Self::History<T::Single>;
+
+    /// Has the point failed? `plastic_strain` belongs to the same instant as the history.
+    fn failed<L: Lane<Real = T>>(&self, history: &Self::History<L>, plastic_strain: L) -> L::Mask;
+
+    /// The history after a step. A failed point stays failed.
+    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Self::History<L>) -> Self::History<L>;
+}
+
+/// A point that cannot fail: no memory, no code.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NoFailure;
+
+impl<T: Real> Failure<T> for NoFailure {
+    const POSSIBLE: bool = false;
+    type History<L: Lane<Real = T>> = ();
+    fn intact(&self) {}
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, _: &(), _: L) -> L::Mask {
+        L::Mask::splat(false)
+    }
+    #[inline(always)]
+    fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, _: &()) {}
+}
+
+state! {
+    /// Memory of a criterion that cannot be told from the rest of the state.
+    pub struct Flag<L> {
+        /// One where the point has failed, else zero.
+        pub failed: L,
+    }
+}
+
+impl<L: Lane> Flag<L> {
+    /// Intact.
+    #[inline(always)]
+    pub fn intact() -> Self {
+        Flag { failed: L::zero() }
+    }
+    /// Where is it set?
+    #[inline(always)]
+    pub fn is_set(&self) -> L::Mask {
+        self.failed.gt(L::of(0.5))
+    }
+    /// Set where it was set or `now` holds.
+    #[inline(always)]
+    pub fn or(&self, now: L::Mask) -> Self {
+        Flag { failed: L::select(now, L::one(), self.failed) }
+    }
+}

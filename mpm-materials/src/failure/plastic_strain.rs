@@ -1,0 +1,33 @@
+//! Failure at a limit of plastic strain.
+
+use crate::failure::{Failure, Observed};
+use crate::lane::{Lane, Real};
+use crate::parameter::{Check, ParameterError};
+
+/// Fails at eps_p >= eps_f (equations.md 4; 1.5 to 3 in the public decks). Plastic strain never falls, so no
+/// memory is needed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlasticStrainLimit<T> {
+    limit: T,
+}
+
+impl<T: Real> PlasticStrainLimit<T> {
+    /// With failure strain eps_f.
+    ///
+    /// # Errors
+    /// eps_f not positive.
+    pub fn new(limit: T) -> Result<Self, ParameterError> {
+        Ok(PlasticStrainLimit { limit: Check("plastic strain limit").positive("failure strain", limit)? })
+    }
+}
+
+impl<T: Real> Failure<T> for PlasticStrainLimit<T> {
+    type History<L: Lane<Real = T>> = ();
+    fn intact(&self) {}
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, _: &(), plastic_strain: L) -> L::Mask {
+        plastic_strain.ge(L::splat(self.limit))
+    }
+    #[inline(always)]
+    fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, _: &()) {}
+}

@@ -1,0 +1,222 @@
+//! A compressible fluid from any equation of state.
+
+use crate::eos::{EnergyColumn, Eos, balance};
+use crate::lane::{Lane, Real};
+use crate::parameter::{Check, ParameterError};
+use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, finite_state};
+use crate::state;
+use crate::tensor::Sym3;
+use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
+
+state! {
+    /// What a point of a fluid remembers: one number when the pressure depends on the volume alone, two with
+    /// internal energy; six more with Newtonian viscosity, one more with bulk viscosity.
+    pub struct FluidState<L, E, N, Q> {
+        /// Volume over reference volume, J.
+        pub volume_ratio: L,
+        /// Internal energy e per reference volume, J/m^3, where the equation of state keeps it.
+        pub energy: E,
+        /// Viscous deviator of the last step, Pa, where the fluid is viscous.
+        pub viscous_stress: N,
+        /// Viscous pressure of the last step, Pa, where there is bulk viscosity.
+        pub viscous_pressure: Q,
+    }
+}
+
+/// How a fluid resists shear.
+pub trait ShearViscosity<T: Real>: Copy + Send + Sync + 'static {
+    /// The remembered viscous deviator, or nothing.
+    type Memory<L: Lane<Real = T>>: State<L>;
+    /// Viscous deviator of a step.
+    fn deviator<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>) -> Self::Memory<L>;
+    /// The deviator as a tensor, Pa.
+    fn stress<L: Lane<Real = T>>(&self, memory: &Self::Memory<L>) -> Sym3<L>;
+}
+
+/// No shear viscosity.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inviscid;
+
+impl<T: Real> ShearViscosity<T> for Inviscid {
+    type Memory<L: Lane<Real = T>> = ();
+    #[inline(always)]
+    fn deviator<L: Lane<Real = T>>(&self, _: &Kinematics<L>) {}
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, _: &()) -> Sym3<L> {
+        Sym3::zero()
+    }
+}
+
+/// s = 2 eta dev(d), d the rate of deformation (equations.md 3.7).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Newtonian<T> {
+    viscosity: T,
+}
+
+impl<T: Real> Newtonian<T> {
+    /// With dynamic viscosity eta, Pa s.
+    ///
+    /// # Errors
+    /// A viscosity that is not positive; [`Inviscid`] is the fluid without.
+    pub fn new(viscosity: T) -> Result<Self, ParameterError> {
+        Ok(Newtonian { viscosity: Check("Newtonian fluid").positive("dynamic viscosity eta", viscosity)? })
+    }
+}
+
+impl<T: Real> ShearViscosity<T> for Newtonian<T> {
+    type Memory<L: Lane<Real = T>> = Sym3<L>;
+    #[inline(always)]
+    fn deviator<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>) -> Sym3<L> {
+        kinematics.strain().deviator() * (L::splat(self.viscosity * T::of(2.0)) / kinematics.dt)
+    }
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, memory: &Sym3<L>) -> Sym3<L> {
+        *memory
+    }
+}
+
+/// Compressible fluid, sigma = -(p + q) I + 2 eta dev(d).
+///
+/// The energy takes in pressure, bulk-viscous and shear-viscous work. A fluid whose equation of state keeps
+/// no energy reports the energy stored in its volume; its viscous heat is lost to the ledger unless the
+/// equation is wrapped in [`KeepEnergy`](crate::eos::KeepEnergy).
+///
+/// ```
+/// use mpm_materials::{Fluid, IdealGas, Newtonian, Tait};
+/// # fn main() -> Result<(), mpm_materials::ParameterError> {
+/// let air = Fluid::new(IdealGas::<f64>::air()).with_bulk_viscosity(0.06, 1.5)?;
+/// let water = Fluid::new(Tait::new(1000.0, 50.0)?).with_shear_viscosity(Newtonian::new(1.0e-3)?);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fluid<E, N = Inviscid, V = NoViscosity> {
+    eos: E,
+    shear: N,
+    viscosity: V,
+}
+
+impl<E> Fluid<E> {
+    /// Without viscosity.
+    pub fn new(eos: E) -> Self {
+        Fluid { eos, shear: Inviscid, viscosity: NoViscosity }
+    }
+}
+
+impl<E, N, V> Fluid<E, N, V> {
+    /// The same fluid with shear viscosity.
+    pub fn with_shear_viscosity<M>(self, shear: M) -> Fluid<E, M, V> {
+        Fluid { eos: self.eos, shear, viscosity: self.viscosity }
+    }
+    /// The same fluid with artificial bulk viscosity: linear coefficient b1, quadratic b0, and the sound speed
+    /// of its equation of state at rest.
+    ///
+    /// # Errors
+    /// A negative coefficient, or an equation of state without sound speed at rest.
+    pub fn with_bulk_viscosity<T: Real>(
+        self,
+        linear: T,
+        quadratic: T,
+    ) -> Result<Fluid<E, N, BulkViscosity<T>>, ParameterError>
+    where
+        E: Eos<T>,
+    {
+        let viscosity = BulkViscosity::new(linear, quadratic, self.eos.rest_speed())?;
+        Ok(Fluid { eos: self.eos, shear: self.shear, viscosity })
+    }
+    /// The equation of state.
+    pub fn eos(&self) -> &E {
+        &self.eos
+    }
+}
+
+impl<T, E, N, V> Constitutive<T> for Fluid<E, N, V>
+where
+    T: Real,
+    E: Eos<T>,
+    N: ShearViscosity<T>,
+    V: ShockViscosity<T>,
+{
+    type State<L: Lane<Real = T>> = FluidState<L, E::Energy<L>, N::Memory<L>, V::Memory<L>>;
+
+    fn name(&self) -> &'static str {
+        self.eos.name()
+    }
+    fn density(&self) -> T {
+        self.eos.density()
+    }
+    /// At reference density; a gas has its initial pressure there.
+    fn virgin(&self) -> Self::State<T::Single> {
+        let still =
+            Kinematics { increment: crate::Mat3::zero(), dt: T::Single::one(), length: T::Single::one() };
+        FluidState {
+            volume_ratio: T::Single::one(),
+            energy: E::Energy::keep(T::Single::splat(self.eos.initial_energy())),
+            viscous_stress: self.shear.deviator(&still),
+            viscous_pressure: self.viscosity.memory(T::Single::zero()),
+        }
+    }
+    #[inline(always)]
+    fn update<L: Lane<Real = T>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Self::State<L>,
+    ) -> Update<L, Self::State<L>> {
+        let half = L::of(0.5);
+        let volume_factor = kinematics.volume_factor();
+        let volume_ratio = old.volume_ratio * volume_factor;
+        let density = L::splat(self.eos.density()) / volume_ratio;
+        let viscous_stress = self.shear.deviator(kinematics);
+        let viscous_pressure = self.viscosity.pressure(kinematics, density);
+
+        // Work of the step but for that of the new pressure.
+        let old_energy = old.energy.recall();
+        let volume_change = volume_ratio - old.volume_ratio;
+        let middle_volume = old.volume_ratio + volume_change * half;
+        let shear = self.shear.stress(&old.viscous_stress) + self.shear.stress(&viscous_stress);
+        let shear_work = middle_volume * shear.dot(&kinematics.strain()) * half;
+        let old_pressure = self.eos.pressure(old.volume_ratio, old_energy)
+            + self.viscosity.remembered(&old.viscous_pressure);
+        let worked = old_energy + shear_work - (old_pressure + viscous_pressure) * volume_change * half;
+
+        let balanced = balance(self.eos.terms(volume_ratio), worked, volume_change);
+        let state = FluidState {
+            volume_ratio,
+            energy: E::Energy::keep(balanced.energy),
+            viscous_stress,
+            viscous_pressure: self.viscosity.memory(viscous_pressure),
+        };
+        let total_pressure = balanced.pressure + viscous_pressure;
+        let stress = self.shear.stress(&viscous_stress).plus_isotropic(-total_pressure);
+        let fault = Fault::none()
+            .require(volume_factor.gt(L::zero()), Breakdown::InvertedVolume)
+            .or(self.eos.range(volume_ratio))
+            .or(balanced.fault)
+            .require(finite_state(&state), Breakdown::NotFinite)
+            .require(total_pressure.is_finite(), Breakdown::NotFinite);
+        Update { state, stress, fault }
+    }
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> Sym3<L> {
+        let pressure = self.eos.pressure(now.volume_ratio, now.energy.recall())
+            + self.viscosity.remembered(&now.viscous_pressure);
+        self.shear.stress(&now.viscous_stress).plus_isotropic(-pressure)
+    }
+    #[inline(always)]
+    fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        now.volume_ratio
+    }
+    /// sqrt((dp/drho)_s); viscosity left out.
+    #[inline(always)]
+    fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        self.eos.speed_squared(now.volume_ratio, now.energy.recall()).max(L::zero()).sqrt()
+    }
+    #[inline(always)]
+    fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        if <E::Energy<L> as EnergyColumn<L>>::KEPT {
+            now.energy.recall() - L::splat(self.eos.initial_energy())
+        } else {
+            self.eos.stored_energy(now.volume_ratio)
+        }
+    }
+}

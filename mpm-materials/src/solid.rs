@@ -1,0 +1,259 @@
+//! A solid composed of strength, equation of state and failure.
+
+use crate::capability::{Fails, Yields};
+use crate::eos::{Eos, balance};
+use crate::failure::{Failure, NoFailure, Observed};
+use crate::lane::{Lane, Mask, Real};
+use crate::parameter::ParameterError;
+use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update, finite_state};
+use crate::rate::{Jaumann, ObjectiveRate};
+use crate::state;
+use crate::strength::{FlowStress, Loading, Strength};
+use crate::tensor::Sym3;
+use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
+
+state! {
+    /// What a point of a composed solid remembers. Elastic without failure: 8 numbers; Johnson-Cook
+    /// isothermal: 9; adiabatic: 10; a failure flag: one more.
+    pub struct SolidState<L, S, F> {
+        /// Total Cauchy stress, viscous pressure included, Pa.
+        pub stress: Sym3<L>,
+        /// Volume over reference volume, J.
+        pub volume_ratio: L,
+        /// Internal energy e per reference volume, J/m^3: all stress work since the virgin state.
+        pub energy: L,
+        /// History of the strength.
+        pub strength: S,
+        /// History of the failure.
+        pub failure: F,
+    }
+}
+
+/// Strength, equation of state and failure as one law: sigma = s - (p + q) I.
+///
+/// A step: rotate the old stress with the material ([`ObjectiveRate`]), return the trial deviator to the yield
+/// surface ([`Strength`]), compute the viscous pressure ([`ShockViscosity`]), solve pressure and energy
+/// together ([`Eos`], equations.md 5.1), and judge ([`Failure`]). The energy takes in the whole stress work:
+/// J s : d dt with s the mean over the step, -(p + q) dJ likewise.
+///
+/// Ingredients left at their defaults cost neither memory nor instructions.
+///
+/// ```
+/// use mpm_materials::{JohnsonCook, MieGruneisen, Solid};
+/// let copper = Solid::new(JohnsonCook::<f64>::copper_taylor(), MieGruneisen::copper());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid<S, E, F = NoFailure, V = NoViscosity, R = Jaumann> {
+    strength: S,
+    eos: E,
+    failure: F,
+    viscosity: V,
+    rate: R,
+}
+
+impl<S, E> Solid<S, E> {
+    /// Without failure and bulk viscosity, with the Jaumann rate.
+    pub fn new(strength: S, eos: E) -> Self {
+        Solid { strength, eos, failure: NoFailure, viscosity: NoViscosity, rate: Jaumann }
+    }
+}
+
+impl<S, E, F, V, R> Solid<S, E, F, V, R> {
+    /// The same solid with a failure criterion.
+    pub fn with_failure<G>(self, failure: G) -> Solid<S, E, G, V, R> {
+        let Solid { strength, eos, viscosity, rate, .. } = self;
+        Solid { strength, eos, failure, viscosity, rate }
+    }
+    /// The same solid with bulk viscosity: linear coefficient b1 and quadratic b0 (0.06 and 1.5 in the public
+    /// decks), and the sound speed of its equation of state at rest.
+    ///
+    /// # Errors
+    /// A negative coefficient.
+    pub fn with_bulk_viscosity<T: Real>(
+        self,
+        linear: T,
+        quadratic: T,
+    ) -> Result<Solid<S, E, F, BulkViscosity<T>, R>, ParameterError>
+    where
+        E: Eos<T>,
+    {
+        let Solid { strength, eos, failure, rate, .. } = self;
+        let viscosity = BulkViscosity::new(linear, quadratic, eos.rest_speed())?;
+        Ok(Solid { strength, eos, failure, viscosity, rate })
+    }
+    /// The same solid with another objective rate.
+    pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> Solid<S, E, F, V, Q> {
+        let Solid { strength, eos, failure, viscosity, .. } = self;
+        Solid { strength, eos, failure, viscosity, rate }
+    }
+    /// The strength.
+    pub fn strength(&self) -> &S {
+        &self.strength
+    }
+    /// The equation of state.
+    pub fn eos(&self) -> &E {
+        &self.eos
+    }
+    /// The failure criterion.
+    pub fn failure(&self) -> &F {
+        &self.failure
+    }
+}
+
+impl<T, S, E, F, V, R> Constitutive<T> for Solid<S, E, F, V, R>
+where
+    T: Real,
+    S: Strength<T>,
+    E: Eos<T>,
+    F: Failure<T>,
+    V: ShockViscosity<T>,
+    R: ObjectiveRate,
+{
+    type State<L: Lane<Real = T>> = SolidState<L, S::History<L>, F::History<L>>;
+
+    fn name(&self) -> &'static str {
+        self.strength.name()
+    }
+    fn density(&self) -> T {
+        self.eos.density()
+    }
+    fn virgin(&self) -> Self::State<T::Single> {
+        let energy = T::Single::splat(self.eos.initial_energy());
+        let volume_ratio = T::Single::one();
+        SolidState {
+            stress: Sym3::isotropic(T::Single::zero() - self.eos.pressure(volume_ratio, energy)),
+            volume_ratio,
+            energy,
+            strength: self.strength.virgin(),
+            failure: self.failure.intact(),
+        }
+    }
+    #[inline(always)]
+    fn update<L: Lane<Real = T>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Self::State<L>,
+    ) -> Update<L, Self::State<L>> {
+        let (zero, half) = (L::zero(), L::of(0.5));
+        let volume_factor = kinematics.volume_factor();
+        let volume_ratio = old.volume_ratio * volume_factor;
+        let specific_volume = volume_ratio * L::splat(T::of(1.0) / self.eos.density());
+
+        // Rotation and elastic trial.
+        let rotated = self.rate.rotate(kinematics, &old.stress);
+        let old_mean = rotated.mean();
+        let old_deviator = rotated.plus_isotropic(-old_mean);
+        let loading = Loading::of(kinematics, -old_mean, specific_volume);
+        let two_g = L::splat(self.strength.shear_modulus() * T::of(2.0));
+        let mut trial = old_deviator + loading.strain_deviator * two_g;
+        if F::POSSIBLE {
+            let failed = self.failure.failed(&old.failure, self.strength.plastic_strain(&old.strength));
+            trial = trial * L::select(failed, zero, L::one());
+        }
+
+        // Return to the yield surface.
+        let returned = self.strength.return_map(&trial, &loading, &old.strength);
+
+        // Viscous pressure, then pressure and energy together.
+        let viscous = self.viscosity.pressure(kinematics, specific_volume.recip());
+        let volume_change = volume_ratio - old.volume_ratio;
+        let middle_volume = old.volume_ratio + volume_change * half;
+        let deviatoric_power = (old_deviator + returned.deviator).dot(&loading.strain_deviator) * half;
+        let push = (viscous - old_mean) * half;
+        let worked = old.energy + middle_volume * deviatoric_power - push * volume_change;
+        let balanced = balance(self.eos.terms(volume_ratio), worked, volume_change);
+
+        // Failure: what the point lost in this step, it did no work with.
+        let mut deviator = returned.deviator;
+        let mut pressure = balanced.pressure;
+        let mut energy = balanced.energy;
+        let mut failure = old.failure;
+        if F::POSSIBLE {
+            let plastic_strain = self.strength.plastic_strain(&returned.history);
+            let observed = Observed { deviator, pressure, plastic_strain };
+            failure = self.failure.judge(&observed, &old.failure);
+            let failed = self.failure.failed(&failure, plastic_strain);
+            if failed.any() {
+                let lost = middle_volume * deviator.dot(&loading.strain_deviator) * half;
+                let again = balance(self.eos.terms(volume_ratio), worked - lost, volume_change);
+                let tension = again.pressure.lt(zero);
+                let carried = L::select(tension, zero, again.pressure);
+                let kept = L::select(tension, worked - lost, again.energy);
+                deviator = deviator * L::select(failed, zero, L::one());
+                pressure = L::select(failed, carried, pressure);
+                energy = L::select(failed, kept, energy);
+            }
+        }
+
+        let stress = deviator.plus_isotropic(-(pressure + viscous));
+        let state = SolidState { stress, volume_ratio, energy, strength: returned.history, failure };
+        let fault = Fault::none()
+            .require(volume_factor.gt(zero), Breakdown::InvertedVolume)
+            .or(self.eos.range(volume_ratio))
+            .or(returned.fault)
+            .or(balanced.fault)
+            .require(finite_state(&state), Breakdown::NotFinite);
+        Update { state, stress, fault }
+    }
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> Sym3<L> {
+        now.stress
+    }
+    #[inline(always)]
+    fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        now.volume_ratio
+    }
+    /// c^2 = (dp/drho)_s + 4 G/(3 rho), the bulk part floored at zero. Neither plastic flow nor failure lowers
+    /// it. Bulk viscosity is left out; see [`BulkViscosity`] for what it does to the step.
+    #[inline(always)]
+    fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        let bulk = self.eos.speed_squared(now.volume_ratio, now.energy).max(L::zero());
+        let shear = L::splat(self.strength.shear_modulus() * T::of(4.0 / 3.0) / self.eos.density());
+        shear.mul_add(now.volume_ratio, bulk).sqrt()
+    }
+    #[inline(always)]
+    fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        now.energy - L::splat(self.eos.initial_energy())
+    }
+}
+
+impl<T, S, E, F, V, R> Yields<T> for Solid<S, E, F, V, R>
+where
+    T: Real,
+    S: FlowStress<T>,
+    E: Eos<T>,
+    F: Failure<T>,
+    V: ShockViscosity<T>,
+    R: ObjectiveRate,
+{
+    #[inline(always)]
+    fn flow_stress<L: Lane<Real = T>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Self::State<L>,
+        new: &Self::State<L>,
+    ) -> L {
+        let specific_volume = new.volume_ratio * L::splat(T::of(1.0) / self.eos.density());
+        let loading = Loading::of(kinematics, -old.stress.mean(), specific_volume);
+        self.strength.flow_stress(&loading, &old.strength, &new.strength)
+    }
+    #[inline(always)]
+    fn plastic_strain<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        self.strength.plastic_strain(&now.strength)
+    }
+}
+
+impl<T, S, E, F, V, R> Fails<T> for Solid<S, E, F, V, R>
+where
+    T: Real,
+    S: Strength<T>,
+    E: Eos<T>,
+    F: Failure<T>,
+    V: ShockViscosity<T>,
+    R: ObjectiveRate,
+{
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.failure.failed(&now.failure, self.strength.plastic_strain(&now.strength))
+    }
+}

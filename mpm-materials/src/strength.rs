@@ -1,0 +1,110 @@
+//! Strength: what a solid's deviatoric stress may be, and what it remembers of having flowed.
+
+pub mod elastic;
+pub mod hardening;
+pub mod j2;
+pub mod johnson_cook;
+
+pub use elastic::Elastic;
+pub use hardening::{Hardening, LinearHardening, PowerHardening};
+pub use j2::J2;
+pub use johnson_cook::{
+    Adiabatic, AdiabaticJohnsonCook, Heat, Isothermal, JohnsonCook, Logarithmic, RateFactor, RateIndependent,
+    SmoothLogarithmic, Thermal,
+};
+
+use crate::lane::{Lane, Real};
+use crate::point::{Fault, Kinematics, State};
+use crate::state;
+use crate::tensor::Sym3;
+
+/// The circumstances of a step in which a deviator is returned to the yield surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Loading<L> {
+    /// Deviator of the strain increment.
+    pub strain_deviator: Sym3<L>,
+    /// Time step, s.
+    pub dt: L,
+    /// Size of the element or cell, m.
+    pub length: L,
+    /// Mean pressure at the start of the step, Pa, compression positive, viscous pressure included.
+    pub pressure: L,
+    /// Volume per mass at the end of the step, 1/rho, m^3/kg.
+    pub specific_volume: L,
+}
+
+impl<L: Lane> Loading<L> {
+    /// Equivalent total strain rate of the step, sqrt(2/3 e:e), 1/s, with e the deviatoric rate.
+    #[inline(always)]
+    pub fn equivalent_rate(&self) -> L {
+        let e = &self.strain_deviator;
+        (e.dot(e) * L::of(2.0 / 3.0)).sqrt() / self.dt
+    }
+    /// The loading of a step, for laws tried outside a solid.
+    #[inline(always)]
+    pub fn of(kinematics: &Kinematics<L>, pressure: L, specific_volume: L) -> Self {
+        let strain_deviator = kinematics.strain().deviator();
+        Loading { strain_deviator, dt: kinematics.dt, length: kinematics.length, pressure, specific_volume }
+    }
+}
+
+/// A deviator on or inside the yield surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Return<L, H> {
+    /// Stress deviator at the end of the step, Pa.
+    pub deviator: Sym3<L>,
+    /// What is remembered.
+    pub history: H,
+    /// Plastic work of the step per current volume, sigma_y d_eps_p, J/m^3.
+    pub plastic_work: L,
+    /// Lanes in which the return failed.
+    pub fault: Fault<L>,
+}
+
+/// A law for the stress deviator.
+pub trait Strength<T: Real>: Clone + Send + Sync + 'static {
+    /// What a point remembers of its flow.
+    type History<L: Lane<Real = T>>: State<L>;
+
+    /// The law's name, for messages.
+    fn name(&self) -> &'static str;
+
+    /// Shear modulus G, Pa.
+    fn shear_modulus(&self) -> T;
+
+    /// The history of a virgin point.
+    fn virgin(&self) -> Self::History<T::Single>;
+
+    /// From the elastic trial deviator (rotated old deviator + 2 G times the strain deviator) to the deviator
+    /// at the end of the step.
+    fn return_map<L: Lane<Real = T>>(
+        &self,
+        trial: &Sym3<L>,
+        loading: &Loading<L>,
+        old: &Self::History<L>,
+    ) -> Return<L, Self::History<L>>;
+
+    /// Accumulated equivalent plastic strain; zero for a law without.
+    fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L;
+}
+
+/// A strength with a flow stress that its deviator never exceeds. Used to test it.
+pub trait FlowStress<T: Real>: Strength<T> {
+    /// The flow stress, Pa, that bounded sqrt(3/2 s:s) at the end of the step from `old` to `new`.
+    fn flow_stress<L: Lane<Real = T>>(
+        &self,
+        loading: &Loading<L>,
+        old: &Self::History<L>,
+        new: &Self::History<L>,
+    ) -> L;
+}
+
+state! {
+    /// What an isotropically hardening law remembers; `H` is the temperature or nothing.
+    pub struct Hardened<L, H> {
+        /// Accumulated equivalent plastic strain, the sum of sqrt(2/3 d_ep:d_ep).
+        pub plastic_strain: L,
+        /// Temperature, K, if the law heats.
+        pub temperature: H,
+    }
+}

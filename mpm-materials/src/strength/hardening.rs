@@ -1,0 +1,209 @@
+//! Isotropic hardening sigma_h(eps_p), and the plastic strain increment that it allows.
+
+use crate::lane::{Lane, Mask, Real};
+use crate::parameter::{Check, ParameterError};
+use crate::point::{Breakdown, Fault};
+
+/// The solution of the consistency equation.
+#[derive(Clone, Copy, Debug)]
+pub struct Increment<L> {
+    /// Plastic strain increment d >= 0; zero in the lanes that do not yield.
+    pub value: L,
+    /// Lanes without a solution.
+    pub fault: Fault<L>,
+}
+
+/// A hardening curve sigma_h(eps_p), Pa.
+pub trait Hardening<T: Real>: Copy + Send + Sync + 'static {
+    /// sigma_h, Pa.
+    fn stress<L: Lane<Real = T>>(&self, strain: L) -> L;
+
+    /// A cheap lower bound of sigma_h, Pa: where the trial stress stays below it nothing else is computed.
+    fn lower_bound<L: Lane<Real = T>>(&self, strain: L) -> L;
+
+    /// The increment d with `trial` - `three_g` d = `factor` sigma_h(`strain` + d), where the trial stress
+    /// exceeds `factor` sigma_h(`strain`); `factor` holds rate and temperature and is not negative.
+    fn increment<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L>;
+}
+
+/// sigma_h = Y0 + H eps_p (equations.md 3.2), returned in closed form.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearHardening<T> {
+    initial: T,
+    modulus: T,
+}
+
+impl<T: Real> LinearHardening<T> {
+    /// From initial yield stress Y0 and plastic modulus H, Pa. H = 0 is perfect plasticity; from a tangent
+    /// modulus E_t, H = E E_t / (E - E_t).
+    ///
+    /// # Errors
+    /// Y0 not positive, or H negative.
+    pub fn new(initial: T, modulus: T) -> Result<Self, ParameterError> {
+        let check = Check("linear hardening");
+        Ok(LinearHardening {
+            initial: check.positive("yield stress Y0", initial)?,
+            modulus: check.not_negative("plastic modulus H", modulus)?,
+        })
+    }
+}
+
+impl<T: Real> Hardening<T> for LinearHardening<T> {
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, strain: L) -> L {
+        L::splat(self.modulus).mul_add(strain, L::splat(self.initial))
+    }
+    #[inline(always)]
+    fn lower_bound<L: Lane<Real = T>>(&self, strain: L) -> L {
+        self.stress(strain)
+    }
+    #[inline(always)]
+    fn increment<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L> {
+        let over = trial - factor * self.stress(strain);
+        let value = over.max(L::zero()) / factor.mul_add(L::splat(self.modulus), three_g);
+        Increment { value, fault: Fault::none() }
+    }
+}
+
+/// sigma_h = A + B eps_p^n (Ludwik), also the hardening of Johnson and Cook (equations.md 3.1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PowerHardening<T> {
+    initial: T,
+    coefficient: T,
+    exponent: T,
+    /// B where eps^n >= eps on \[0, 1\], else zero.
+    chord: T,
+}
+
+/// Below this strain the power is taken as zero: the logarithm needs a positive argument, in `f32` too.
+const TINY: f64 = 1e-30;
+/// Increments below this fraction of the strain are polished by the binomial series.
+const SMALL: f64 = 1.0 / 64.0;
+/// Newton converges from below and quadratically; more steps than this mean that a number is broken.
+const STEPS: usize = 60;
+
+impl<T: Real> PowerHardening<T> {
+    /// From initial yield stress A and hardening coefficient B, Pa, and exponent n.
+    ///
+    /// # Errors
+    /// A not positive, B negative, or n not positive.
+    pub fn new(initial: T, coefficient: T, exponent: T) -> Result<Self, ParameterError> {
+        let check = Check("power hardening");
+        let initial = check.positive("yield stress A", initial)?;
+        let coefficient = check.not_negative("hardening coefficient B", coefficient)?;
+        let exponent = check.positive("hardening exponent n", exponent)?;
+        Ok(Self::known(initial, coefficient, exponent))
+    }
+
+    pub(crate) fn known(initial: T, coefficient: T, exponent: T) -> Self {
+        let chord = if exponent <= T::of(1.0) { coefficient } else { T::of(0.0) };
+        PowerHardening { initial, coefficient, exponent, chord }
+    }
+
+    /// Is the curve a straight line? The same for all points, so worth a branch.
+    #[inline(always)]
+    fn is_straight(&self) -> bool {
+        self.exponent == T::of(1.0) || self.coefficient == T::of(0.0)
+    }
+
+    /// strain^n, zero at zero strain.
+    #[inline(always)]
+    fn power<L: Lane<Real = T>>(&self, strain: L) -> L {
+        let tiny = L::of(TINY);
+        let power = strain.max(tiny).powf(L::splat(self.exponent));
+        L::select(strain.gt(tiny), power, L::zero())
+    }
+
+    /// (1 + x)^n - 1 for 0 <= x <= [`SMALL`], to 1e-12.
+    #[inline(always)]
+    fn binomial<L: Lane<Real = T>>(&self, x: L) -> L {
+        let (n, one) = (L::splat(self.exponent), L::one());
+        let mut sum = one;
+        for k in [5.0, 4.0, 3.0, 2.0] {
+            sum = (x * sum * (n - L::of(k - 1.0))).mul_add(L::of(1.0 / k), one);
+        }
+        n * x * sum
+    }
+
+    /// Monotone Newton iteration for increments that are not small against the strain, and for the first one,
+    /// where the slope of the curve is infinite.
+    #[inline(always)]
+    fn iterate<L: Lane<Real = T>>(&self, start: Start<L>) -> Increment<L> {
+        let Start { trial, three_g, factor, strain, over, yields } = start;
+        let (tiny, zero, one, n) = (L::of(TINY), L::zero(), L::one(), L::splat(self.exponent));
+        let tolerance = trial * L::splat(T::default_epsilon() * T::of(64.0));
+        let b = factor * L::splat(self.coefficient);
+        let a = factor * L::splat(self.initial);
+        // For n <= 1 the consistency function is convex and falls, and (eps + d)^n <= eps^n + d^n: this start
+        // lies left of the root, where its tangents cannot overshoot. For n > 1 one overshoot comes first.
+        let half = over.max(zero) * L::of(0.5);
+        let share = (half / b.max(tiny)).clamp(tiny, one);
+        let mut value = (half / three_g).min(share.powf(n.recip()));
+        for _ in 0..STEPS {
+            let total = (strain + value).max(tiny);
+            let power = total.powf(n);
+            let rest = trial - three_g * value - a - b * power;
+            let open = yields & rest.abs().gt(tolerance);
+            if !open.any() {
+                return Increment { value, fault: Fault::none() };
+            }
+            let next = value + rest / (b * n * power / total + three_g);
+            value = L::select(open, next, value);
+        }
+        Increment { value, fault: Fault::none().require(!yields, Breakdown::NotConverged) }
+    }
+}
+
+struct Start<L: Lane> {
+    trial: L,
+    three_g: L,
+    factor: L,
+    strain: L,
+    over: L,
+    yields: L::Mask,
+}
+
+impl<T: Real> Hardening<T> for PowerHardening<T> {
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, strain: L) -> L {
+        let (a, b) = (L::splat(self.initial), L::splat(self.coefficient));
+        if self.is_straight() { b.mul_add(strain, a) } else { b.mul_add(self.power(strain), a) }
+    }
+    #[inline(always)]
+    fn lower_bound<L: Lane<Real = T>>(&self, strain: L) -> L {
+        L::splat(self.chord).mul_add(strain.min(L::one()), L::splat(self.initial))
+    }
+    #[inline(always)]
+    fn increment<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L> {
+        let (zero, one) = (L::zero(), L::one());
+        let (a, b) = (L::splat(self.initial), L::splat(self.coefficient));
+        if self.is_straight() {
+            let over = trial - factor * b.mul_add(strain, a);
+            let slope = if self.coefficient == T::of(0.0) { zero } else { factor * b };
+            return Increment { value: over.max(zero) / (slope + three_g), fault: Fault::none() };
+        }
+        let n = L::splat(self.exponent);
+        let power = self.power(strain);
+        let over = trial - factor * b.mul_add(power, a);
+        let yields = over.gt(zero);
+        if !yields.any() {
+            return Increment { value: zero, fault: Fault::none() };
+        }
+        let per_strain = strain.max(L::of(TINY)).recip();
+        let hardened = factor * b * power;
+        let slope = n * hardened * per_strain;
+        let compliance = (slope + three_g).recip();
+        let first = over * compliance;
+        let relative = first * per_strain;
+        if (relative.le(L::of(SMALL)) | !yields).all() {
+            // One Newton step more, with the power by series and the slope at the first estimate.
+            let x = L::select(yields, relative, zero);
+            let rest = over - three_g * first - hardened * self.binomial(x);
+            let bend = slope * (one - n) * x * compliance;
+            let value = rest.mul_add(compliance * (one + bend), first);
+            return Increment { value: L::select(yields, value, zero), fault: Fault::none() };
+        }
+        let found = self.iterate(Start { trial, three_g, factor, strain, over, yields });
+        Increment { value: L::select(yields, found.value, zero), fault: found.fault }
+    }
+}

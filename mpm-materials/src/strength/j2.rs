@@ -1,0 +1,111 @@
+//! Von Mises plasticity with isotropic hardening.
+
+use crate::lane::{Lane, Mask, Real};
+use crate::parameter::{Check, ParameterError};
+use crate::point::Fault;
+use crate::strength::{
+    FlowStress, Hardened, Hardening, LinearHardening, Loading, PowerHardening, Return, Strength,
+};
+use crate::tensor::Sym3;
+
+/// J2 flow, rate and temperature independent: sqrt(3/2 s:s) <= sigma_h(eps_p), radial return.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct J2<T, H = LinearHardening<T>> {
+    shear: T,
+    hardening: H,
+}
+
+impl<T: Real> J2<T> {
+    /// sigma_y = Y0 + H eps_p, with shear modulus G, all Pa.
+    ///
+    /// # Errors
+    /// G or Y0 not positive, H negative.
+    pub fn linear(shear: T, initial: T, modulus: T) -> Result<Self, ParameterError> {
+        J2::new(shear, LinearHardening::new(initial, modulus)?)
+    }
+}
+
+impl<T: Real> J2<T, PowerHardening<T>> {
+    /// sigma_y = A + B eps_p^n (Ludwik), with shear modulus G; G, A, B in Pa.
+    ///
+    /// # Errors
+    /// G, A or n not positive, B negative.
+    pub fn ludwik(shear: T, initial: T, coefficient: T, exponent: T) -> Result<Self, ParameterError> {
+        J2::new(shear, PowerHardening::new(initial, coefficient, exponent)?)
+    }
+}
+
+impl<T: Real, H: Hardening<T>> J2<T, H> {
+    /// With shear modulus G, Pa, and any hardening.
+    ///
+    /// # Errors
+    /// G not positive.
+    pub fn new(shear: T, hardening: H) -> Result<Self, ParameterError> {
+        Ok(J2 { shear: Check("J2 plasticity").positive("shear modulus G", shear)?, hardening })
+    }
+}
+
+impl<T: Real, H: Hardening<T>> Strength<T> for J2<T, H> {
+    type History<L: Lane<Real = T>> = Hardened<L, ()>;
+
+    fn name(&self) -> &'static str {
+        "J2 plasticity"
+    }
+    fn shear_modulus(&self) -> T {
+        self.shear
+    }
+    fn virgin(&self) -> Hardened<T::Single, ()> {
+        Hardened { plastic_strain: T::Single::zero(), temperature: () }
+    }
+    #[inline(always)]
+    fn return_map<L: Lane<Real = T>>(
+        &self,
+        trial: &Sym3<L>,
+        _: &Loading<L>,
+        old: &Hardened<L, ()>,
+    ) -> Return<L, Hardened<L, ()>> {
+        let squared = trial.dot(trial) * L::of(1.5);
+        let bound = self.hardening.lower_bound(old.plastic_strain);
+        if !(bound * bound).lt(squared).any() {
+            return Return { deviator: *trial, history: *old, plastic_work: L::zero(), fault: Fault::none() };
+        }
+        let equivalent = squared.sqrt();
+        let three_g = L::splat(self.shear * T::of(3.0));
+        let strain = old.plastic_strain;
+        let increment = self.hardening.increment(equivalent, three_g, L::one(), strain);
+        let (deviator, plastic_work) = radial_return(trial, equivalent, three_g, increment.value);
+        let history = Hardened { plastic_strain: strain + increment.value, temperature: () };
+        Return { deviator, history, plastic_work, fault: increment.fault }
+    }
+    #[inline(always)]
+    fn plastic_strain<L: Lane<Real = T>>(&self, history: &Hardened<L, ()>) -> L {
+        history.plastic_strain
+    }
+}
+
+impl<T: Real, H: Hardening<T>> FlowStress<T> for J2<T, H> {
+    #[inline(always)]
+    fn flow_stress<L: Lane<Real = T>>(
+        &self,
+        _: &Loading<L>,
+        _: &Hardened<L, ()>,
+        new: &Hardened<L, ()>,
+    ) -> L {
+        self.hardening.stress(new.plastic_strain)
+    }
+}
+
+/// Shrink the trial deviator of equivalent stress `equivalent` by 3 G times the plastic strain increment;
+/// also the plastic work per current volume.
+#[inline(always)]
+pub(crate) fn radial_return<L: Lane>(
+    trial: &Sym3<L>,
+    equivalent: L,
+    three_g: L,
+    increment: L,
+) -> (Sym3<L>, L) {
+    let relaxed = three_g * increment;
+    // Where nothing flows `equivalent` may be zero; the quotient is not used there.
+    let shrink = L::select(increment.gt(L::zero()), L::one() - relaxed / equivalent, L::one());
+    (*trial * shrink, (equivalent - relaxed) * increment)
+}

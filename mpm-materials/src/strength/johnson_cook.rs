@@ -1,0 +1,352 @@
+//! Johnson-Cook strength.
+
+use crate::lane::{Lane, Mask, Real};
+use crate::parameter::{Check, ParameterError};
+use crate::point::{Fault, State};
+use crate::strength::j2::radial_return;
+use crate::strength::{FlowStress, Hardened, Hardening, Loading, PowerHardening, Return, Strength};
+use crate::tensor::Sym3;
+
+/// Johnson-Cook flow stress sigma_y = (A + B eps_p^n) R(rate) S(T) (equations.md 3.1).
+///
+/// The rate factor R is a type: [`RateIndependent`] (C = 0, costs nothing), [`Logarithmic`] or
+/// [`SmoothLogarithmic`]. So is the temperature: [`Isothermal`] keeps none and has S = 1, [`Adiabatic`] heats.
+///
+/// The return is radial. Hardening is implicit: the yield condition holds at the new plastic strain to the
+/// rounding of the hardening curve (1e-9 of the flow stress or better). The rate is the total deviatoric rate
+/// of the step, the temperature that at its start, so both are explicit.
+///
+/// Limits: the rate factor is an extrapolation above 1e4 to 1e5 per second; at the melting temperature the
+/// strength is zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JohnsonCook<T, R = RateIndependent, H = Isothermal> {
+    shear: T,
+    hardening: PowerHardening<T>,
+    rate: R,
+    thermal: H,
+}
+
+/// With the standard rate factor, heating and softening.
+pub type AdiabaticJohnsonCook<T> = JohnsonCook<T, Logarithmic<T>, Adiabatic<T>>;
+
+impl<T: Real> JohnsonCook<T> {
+    /// sigma_y = A + B eps_p^n with shear modulus G; G, A, B in Pa. Rate and temperature are added by
+    /// [`JohnsonCook::with_rate`] and [`JohnsonCook::with_heat`].
+    ///
+    /// # Errors
+    /// G, A or n not positive, B negative.
+    pub fn new(shear: T, initial: T, coefficient: T, exponent: T) -> Result<Self, ParameterError> {
+        let shear = Check("Johnson-Cook").positive("shear modulus G", shear)?;
+        let hardening = PowerHardening::new(initial, coefficient, exponent)?;
+        Ok(JohnsonCook { shear, hardening, rate: RateIndependent, thermal: Isothermal })
+    }
+
+    /// OFHC copper as fitted to the Taylor tests of Johnson and Holmquist 1988: A 157 MPa, B 425 MPa, n 1,
+    /// C 0; G = E/2(1 + nu) from E 117 GPa, nu 0.35 (MPM3D-F90 `Taylor.mpm`; cases-mpm.md 7.3).
+    pub fn copper_taylor() -> Self {
+        Self::known([117e9 / 2.7, 157e6, 425e6, 1.0])
+    }
+
+    /// Lead: A 12 MPa, B 125 MPa, n 1, C 0; G from E 22.4 GPa, nu 0.42 (MPM3D-F90
+    /// `LeadHypervelocityImpact.mpm`; cases-mpm.md 7.1).
+    pub fn lead() -> Self {
+        Self::known([22.4e9 / 2.84, 12e6, 125e6, 1.0])
+    }
+
+    /// OFHC copper, the standard set: A 90 MPa, B 292 MPa, n 0.31, C 0.025 at 1 /s, m 1.09, T_melt 1356 K,
+    /// T_room 294 K, c_p 383 J/(kg K), Taylor-Quinney 0.9, G 47.7 GPa (Steinberg). Sources: cases-mpm.md 7.3,
+    /// cases-pcmm.md 3.2. Ambient 294 K is the lower of the range given there.
+    pub fn copper() -> AdiabaticJohnsonCook<T> {
+        Self::adiabatic([47.7e9, 90e6, 292e6, 0.31], 0.025, [294.0, 1356.0, 1.09, 383.0])
+    }
+
+    /// 6061-T6 aluminium: A 324 MPa, B 114 MPa, n 0.42, C 0.002 at 1 /s, m 1.34, T_melt 925 K, T_room 294 K,
+    /// c 896 J/(kg K), G 26 GPa (Uintah; cases-mpm.md 1.4); Taylor-Quinney 0.9.
+    pub fn aluminium_6061() -> AdiabaticJohnsonCook<T> {
+        Self::adiabatic([26.0e9, 324e6, 114e6, 0.42], 0.002, [294.0, 925.0, 1.34, 896.0])
+    }
+
+    /// 4340 steel: A 792 MPa, B 510 MPa, n 0.26, C 0.014 at 1 /s, m 1.03, T_melt 1793 K, c 477 J/(kg K),
+    /// G 80 GPa (Uintah; cases-mpm.md 1.4); T_room 294 K, Taylor-Quinney 0.9.
+    pub fn steel_4340() -> AdiabaticJohnsonCook<T> {
+        Self::adiabatic([80.0e9, 792e6, 510e6, 0.26], 0.014, [294.0, 1793.0, 1.03, 477.0])
+    }
+
+    fn adiabatic(
+        curve: [f64; 4],
+        c: f64,
+        [room, melt, exponent, heat_capacity]: [f64; 4],
+    ) -> AdiabaticJohnsonCook<T> {
+        let JohnsonCook { shear, hardening, .. } = JohnsonCook::known(curve);
+        let heat = Heat {
+            room: T::of(room),
+            melt: T::of(melt),
+            exponent: T::of(exponent),
+            heat_capacity: T::of(heat_capacity),
+            taylor_quinney: T::of(0.9),
+        };
+        let rate = Logarithmic { c: T::of(c), reference: T::of(1.0) };
+        JohnsonCook { shear, hardening, rate, thermal: Adiabatic { heat } }
+    }
+
+    fn known([shear, initial, coefficient, exponent]: [f64; 4]) -> Self {
+        let hardening = PowerHardening::known(T::of(initial), T::of(coefficient), T::of(exponent));
+        JohnsonCook { shear: T::of(shear), hardening, rate: RateIndependent, thermal: Isothermal }
+    }
+}
+
+impl<T: Real, R, H> JohnsonCook<T, R, H> {
+    /// The same law with another rate factor.
+    pub fn with_rate<Q: RateFactor<T>>(self, rate: Q) -> JohnsonCook<T, Q, H> {
+        JohnsonCook { shear: self.shear, hardening: self.hardening, rate, thermal: self.thermal }
+    }
+    /// The same law with another temperature.
+    pub fn with_heat<K: Thermal<T>>(self, thermal: K) -> JohnsonCook<T, R, K> {
+        JohnsonCook { shear: self.shear, hardening: self.hardening, rate: self.rate, thermal }
+    }
+    /// The same law with another shear modulus G, Pa.
+    ///
+    /// # Errors
+    /// G not positive.
+    pub fn with_shear_modulus(self, shear: T) -> Result<Self, ParameterError> {
+        Ok(JohnsonCook { shear: Check("Johnson-Cook").positive("shear modulus G", shear)?, ..self })
+    }
+}
+
+impl<T: Real, R: RateFactor<T>, H: Thermal<T>> Strength<T> for JohnsonCook<T, R, H> {
+    type History<L: Lane<Real = T>> = Hardened<L, H::Temperature<L>>;
+
+    fn name(&self) -> &'static str {
+        "Johnson-Cook"
+    }
+    fn shear_modulus(&self) -> T {
+        self.shear
+    }
+    fn virgin(&self) -> Self::History<T::Single> {
+        Hardened { plastic_strain: T::Single::zero(), temperature: self.thermal.virgin() }
+    }
+    #[inline(always)]
+    fn return_map<L: Lane<Real = T>>(
+        &self,
+        trial: &Sym3<L>,
+        loading: &Loading<L>,
+        old: &Self::History<L>,
+    ) -> Return<L, Self::History<L>> {
+        // The rate factor is at least one, so this bounds the flow stress without ln or exp.
+        let cold = self.hardening.lower_bound(old.plastic_strain);
+        let bound = cold * self.thermal.softening_bound(&old.temperature);
+        let squared = trial.dot(trial) * L::of(1.5);
+        if !(bound * bound).lt(squared).any() {
+            return Return { deviator: *trial, history: *old, plastic_work: L::zero(), fault: Fault::none() };
+        }
+        let equivalent = squared.sqrt();
+        let factor = self.rate.factor(loading) * self.thermal.softening(&old.temperature);
+        let three_g = L::splat(self.shear * T::of(3.0));
+        let increment = self.hardening.increment(equivalent, three_g, factor, old.plastic_strain);
+        let (deviator, plastic_work) = radial_return(trial, equivalent, three_g, increment.value);
+        let history = Hardened {
+            plastic_strain: old.plastic_strain + increment.value,
+            temperature: self.thermal.heated(&old.temperature, plastic_work * loading.specific_volume),
+        };
+        Return { deviator, history, plastic_work, fault: increment.fault }
+    }
+    #[inline(always)]
+    fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        history.plastic_strain
+    }
+}
+
+impl<T: Real, R: RateFactor<T>, H: Thermal<T>> FlowStress<T> for JohnsonCook<T, R, H> {
+    #[inline(always)]
+    fn flow_stress<L: Lane<Real = T>>(
+        &self,
+        loading: &Loading<L>,
+        old: &Self::History<L>,
+        new: &Self::History<L>,
+    ) -> L {
+        let factor = self.rate.factor(loading) * self.thermal.softening(&old.temperature);
+        factor * self.hardening.stress(new.plastic_strain)
+    }
+}
+
+/// The rate factor R of the flow stress.
+pub trait RateFactor<T: Real>: Copy + Send + Sync + 'static {
+    /// R >= 1, dimensionless.
+    fn factor<L: Lane<Real = T>>(&self, loading: &Loading<L>) -> L;
+}
+
+/// R = 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RateIndependent;
+
+impl<T: Real> RateFactor<T> for RateIndependent {
+    #[inline(always)]
+    fn factor<L: Lane<Real = T>>(&self, _: &Loading<L>) -> L {
+        L::one()
+    }
+}
+
+/// The standard factor R = 1 + C ln max(rate/rate0, 1).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Logarithmic<T> {
+    c: T,
+    reference: T,
+}
+
+impl<T: Real> Logarithmic<T> {
+    /// From C and the reference rate rate0, 1/s.
+    ///
+    /// # Errors
+    /// C negative or rate0 not positive.
+    pub fn new(c: T, reference: T) -> Result<Self, ParameterError> {
+        let (c, reference) = rate_constants(c, reference)?;
+        Ok(Logarithmic { c, reference })
+    }
+}
+
+impl<T: Real> RateFactor<T> for Logarithmic<T> {
+    #[inline(always)]
+    fn factor<L: Lane<Real = T>>(&self, loading: &Loading<L>) -> L {
+        let relative = loading.equivalent_rate() * L::splat(T::of(1.0) / self.reference);
+        L::splat(self.c).mul_add(relative.max(L::one()).ln(), L::one())
+    }
+}
+
+/// R = 1 + C ln(1 + rate/rate0), smooth at rest (Feng 2014); above the standard factor by at most C ln 2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SmoothLogarithmic<T> {
+    c: T,
+    reference: T,
+}
+
+impl<T: Real> SmoothLogarithmic<T> {
+    /// From C and the reference rate rate0, 1/s.
+    ///
+    /// # Errors
+    /// C negative or rate0 not positive.
+    pub fn new(c: T, reference: T) -> Result<Self, ParameterError> {
+        let (c, reference) = rate_constants(c, reference)?;
+        Ok(SmoothLogarithmic { c, reference })
+    }
+}
+
+impl<T: Real> RateFactor<T> for SmoothLogarithmic<T> {
+    #[inline(always)]
+    fn factor<L: Lane<Real = T>>(&self, loading: &Loading<L>) -> L {
+        let relative = loading.equivalent_rate() * L::splat(T::of(1.0) / self.reference);
+        L::splat(self.c).mul_add((relative + L::one()).ln(), L::one())
+    }
+}
+
+fn rate_constants<T: Real>(c: T, reference: T) -> Result<(T, T), ParameterError> {
+    let check = Check("Johnson-Cook rate factor");
+    Ok((check.not_negative("rate coefficient C", c)?, check.positive("reference rate", reference)?))
+}
+
+/// The temperature of a point and how it softens.
+pub trait Thermal<T: Real>: Copy + Send + Sync + 'static {
+    /// The temperature column, or `()`.
+    type Temperature<L: Lane<Real = T>>: State<L>;
+    /// The temperature of a virgin point.
+    fn virgin(&self) -> Self::Temperature<T::Single>;
+    /// The factor S in \[0, 1\].
+    fn softening<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>) -> L;
+    /// A cheap lower bound of S, not below zero.
+    fn softening_bound<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>) -> L;
+    /// The temperature after `work` J/kg of plastic work.
+    fn heated<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>, work: L) -> Self::Temperature<L>;
+}
+
+/// No temperature: S = 1, no column.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Isothermal;
+
+impl<T: Real> Thermal<T> for Isothermal {
+    type Temperature<L: Lane<Real = T>> = ();
+    fn virgin(&self) {}
+    #[inline(always)]
+    fn softening<L: Lane<Real = T>>(&self, _: &()) -> L {
+        L::one()
+    }
+    #[inline(always)]
+    fn softening_bound<L: Lane<Real = T>>(&self, _: &()) -> L {
+        L::one()
+    }
+    #[inline(always)]
+    fn heated<L: Lane<Real = T>>(&self, _: &(), _: L) {}
+}
+
+/// The constants of heating and thermal softening.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Heat<T> {
+    /// Room temperature, K; also that of a virgin point.
+    pub room: T,
+    /// Melting temperature, K.
+    pub melt: T,
+    /// Softening exponent m.
+    pub exponent: T,
+    /// Specific heat capacity c_p, J/(kg K).
+    pub heat_capacity: T,
+    /// Taylor-Quinney coefficient chi: the part of the plastic work that heats.
+    pub taylor_quinney: T,
+}
+
+/// Adiabatic heating dT = chi sigma_y d_eps_p / (rho c_p) and softening S = 1 - T*^m with
+/// T* = (T - T_room)/(T_melt - T_room) clipped to \[0, 1\]. The softening of a step is that of the temperature
+/// at its start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adiabatic<T> {
+    heat: Heat<T>,
+}
+
+impl<T: Real> Adiabatic<T> {
+    /// With these constants.
+    ///
+    /// # Errors
+    /// Room temperature negative, melting temperature not above it, m or c_p not positive, chi outside \[0, 1\].
+    pub fn new(heat: Heat<T>) -> Result<Self, ParameterError> {
+        let check = Check("Johnson-Cook heat");
+        let chi = heat.taylor_quinney;
+        check.not_negative("room temperature", heat.room)?;
+        check.that(heat.melt > heat.room, "melting temperature", heat.melt, "above room temperature")?;
+        check.positive("softening exponent m", heat.exponent)?;
+        check.positive("heat capacity", heat.heat_capacity)?;
+        check.that(chi >= T::of(0.0) && chi <= T::of(1.0), "Taylor-Quinney coefficient", chi, "in [0, 1]")?;
+        Ok(Adiabatic { heat })
+    }
+
+    /// T*, clipped to \[0, 1\].
+    #[inline(always)]
+    fn homologous<L: Lane<Real = T>>(&self, temperature: L) -> L {
+        let per_range = L::splat(T::of(1.0) / (self.heat.melt - self.heat.room));
+        ((temperature - L::splat(self.heat.room)) * per_range).clamp(L::zero(), L::one())
+    }
+}
+
+impl<T: Real> Thermal<T> for Adiabatic<T> {
+    type Temperature<L: Lane<Real = T>> = L;
+    fn virgin(&self) -> T::Single {
+        T::Single::splat(self.heat.room)
+    }
+    #[inline(always)]
+    fn softening<L: Lane<Real = T>>(&self, temperature: &L) -> L {
+        let t = self.homologous(*temperature);
+        if self.heat.exponent == T::of(1.0) {
+            return L::one() - t;
+        }
+        // Far below one kelvin the power is nothing, and its logarithm would need a positive argument.
+        let tiny = L::of(1e-12);
+        let softened = L::one() - t.max(tiny).powf(L::splat(self.heat.exponent));
+        L::select(t.gt(tiny), softened, L::one())
+    }
+    /// 1 - t^m >= min(1, m) (1 - t): the chord for m >= 1, the tangent at t = 1 for m < 1.
+    #[inline(always)]
+    fn softening_bound<L: Lane<Real = T>>(&self, temperature: &L) -> L {
+        let slope = if self.heat.exponent < T::of(1.0) { self.heat.exponent } else { T::of(1.0) };
+        (L::one() - self.homologous(*temperature)) * L::splat(slope)
+    }
+    #[inline(always)]
+    fn heated<L: Lane<Real = T>>(&self, temperature: &L, work: L) -> L {
+        L::splat(self.heat.taylor_quinney / self.heat.heat_capacity).mul_add(work, *temperature)
+    }
+}

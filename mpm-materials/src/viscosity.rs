@@ -1,0 +1,83 @@
+//! Artificial bulk viscosity: spreads a shock over a few cells.
+
+use crate::lane::{Lane, Real};
+use crate::parameter::{Check, ParameterError};
+use crate::point::{Kinematics, State};
+
+/// A viscous pressure in compression.
+pub trait ShockViscosity<T: Real>: Copy + Send + Sync + 'static {
+    /// What a law must remember when its stress is not part of its state: the viscous pressure, or nothing.
+    type Memory<L: Lane<Real = T>>: State<L>;
+    /// The memory of a given viscous pressure.
+    fn memory<L: Lane<Real = T>>(&self, pressure: L) -> Self::Memory<L>;
+    /// The remembered viscous pressure, Pa.
+    fn remembered<L: Lane<Real = T>>(&self, memory: &Self::Memory<L>) -> L;
+    /// Viscous pressure q >= 0, Pa, at density rho, kg/m^3.
+    fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, density: L) -> L;
+}
+
+/// None: no memory, no code.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NoViscosity;
+
+impl<T: Real> ShockViscosity<T> for NoViscosity {
+    type Memory<L: Lane<Real = T>> = ();
+    #[inline(always)]
+    fn memory<L: Lane<Real = T>>(&self, _: L) {}
+    #[inline(always)]
+    fn remembered<L: Lane<Real = T>>(&self, _: &()) -> L {
+        L::zero()
+    }
+    #[inline(always)]
+    fn pressure<L: Lane<Real = T>>(&self, _: &Kinematics<L>, _: L) -> L {
+        L::zero()
+    }
+}
+
+/// q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d = tr grad v < 0, else 0 (equations.md 6); l is the
+/// size of the cell and c the bulk sound speed **at rest**, which saves a square root a point.
+///
+/// It stiffens the point: with it a stable step is shorter, about l / \[Q + sqrt(Q^2 + c^2)\],
+/// Q = b1 c + b0 l |d|. `wave_speed` leaves this out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BulkViscosity<T> {
+    linear: T,
+    quadratic: T,
+    sound_speed: T,
+}
+
+impl<T: Real> BulkViscosity<T> {
+    /// From the linear coefficient b1 (0.06 in the public decks), the quadratic b0 (1.5), and the bulk sound
+    /// speed at rest, m/s.
+    ///
+    /// # Errors
+    /// A negative coefficient or a sound speed that is not positive.
+    pub fn new(linear: T, quadratic: T, sound_speed: T) -> Result<Self, ParameterError> {
+        let check = Check("bulk viscosity");
+        Ok(BulkViscosity {
+            linear: check.not_negative("linear coefficient b1", linear)?,
+            quadratic: check.not_negative("quadratic coefficient b0", quadratic)?,
+            sound_speed: check.positive("sound speed", sound_speed)?,
+        })
+    }
+}
+
+impl<T: Real> ShockViscosity<T> for BulkViscosity<T> {
+    type Memory<L: Lane<Real = T>> = L;
+    #[inline(always)]
+    fn memory<L: Lane<Real = T>>(&self, pressure: L) -> L {
+        pressure
+    }
+    #[inline(always)]
+    fn remembered<L: Lane<Real = T>>(&self, memory: &L) -> L {
+        *memory
+    }
+    #[inline(always)]
+    fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, density: L) -> L {
+        // Compared with zero the other way round `min` would lose a rate that is not a number.
+        let rate = (kinematics.increment.trace() / kinematics.dt).min(L::zero());
+        let closing = -(rate * kinematics.length);
+        let linear = L::splat(self.linear * self.sound_speed);
+        density * closing * L::splat(self.quadratic).mul_add(closing, linear)
+    }
+}
