@@ -80,8 +80,10 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// around in order. The sums are the same for any number of threads and any grid.
     pub fn collect(&mut self, sums: Sums) {
         let bodies = self.bodies;
-        self.ledgers.clear();
-        self.ledgers.resize(self.grid.blocks().len(), NodeLedger::default());
+        if sums == Sums::All {
+            self.ledgers.clear();
+            self.ledgers.resize(self.grid.blocks().len(), NodeLedger::default());
+        }
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
             for node in nodes.iter_mut() {
                 match sums {
@@ -271,6 +273,9 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let blocks = self.grid.blocks().to_vec();
         let (conditions, time) = (self.conditions, self.time);
         let tolerance = 1e-6 * lattice.spacing();
+        // Nodes behind a mirror are copies: what happens to them is booked at their originals.
+        let boundaries = if self.wide { &conditions.boundaries[..] } else { &[] };
+        let mirrors: Vec<Mirror> = boundaries.iter().filter_map(|b| b.mirror(&lattice)).collect();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
             let place = BlockPlace::new(&lattice, &blocks[block]);
             let reach = 2.0 * lattice.spacing();
@@ -291,7 +296,11 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                         }
                         *v != before
                     };
-                    update(node, &constrain, ledger);
+                    if place.is_copy(n, &mirrors) {
+                        update(node, &constrain, &mut NodeLedger::default());
+                    } else {
+                        update(node, &constrain, ledger);
+                    }
                 }
             }
         });
@@ -349,6 +358,12 @@ impl<const D: usize> BlockPlace<D> {
             high[d] += f64::from(first[d] + BLOCK as i32 - 1) * spacing;
         }
         BlockPlace { low, high, first, origin, spacing }
+    }
+    fn is_copy(&self, n: usize, mirrors: &[Mirror]) -> bool {
+        mirrors.iter().any(|m| {
+            let index = self.first[m.axis] + (n / BLOCK.pow(m.axis as u32) % BLOCK) as i32;
+            (index - m.node) * m.sign < 0
+        })
     }
     fn node(&self, n: usize) -> [f64; D] {
         let mut x = self.origin;
