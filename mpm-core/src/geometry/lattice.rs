@@ -1,0 +1,92 @@
+//! The uniform background lattice.
+
+use super::bounds::Bounds;
+use super::error::{Check, GeometryError};
+
+/// The uniform background of cubic cells: where the nodes are, without an extent.
+///
+/// Node `i` sits at `origin + i h`; cell `i` lies between the nodes `i` and `i + 1` of every axis.
+///
+/// ```
+/// use mpm_core::geometry::Lattice;
+/// let lattice = Lattice::new([0.0, -1.0], 0.25)?;
+/// assert_eq!(lattice.cell_of([0.6, -1.0]), [2, 0]);
+/// assert_eq!(lattice.node([2, 0]), [0.5, -1.0]);
+/// # Ok::<(), mpm_core::geometry::GeometryError>(())
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lattice<const D: usize> {
+    origin: [f64; D],
+    spacing: f64,
+}
+
+impl<const D: usize> Lattice<D> {
+    /// A lattice with node zero at `origin` (m) and cells of edge `spacing` (m).
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless `spacing` is positive and everything is finite.
+    pub fn new(origin: [f64; D], spacing: f64) -> Result<Self, GeometryError> {
+        let check = Check("Lattice");
+        Ok(Self { origin: check.point("origin", origin)?, spacing: check.positive("spacing", spacing)? })
+    }
+    /// Position of node zero (m).
+    pub fn origin(&self) -> [f64; D] {
+        self.origin
+    }
+    /// Edge of a cell (m).
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+    /// Volume (3D, m3), area (2D, m2) or length (1D, m) of a cell.
+    pub fn cell_measure(&self) -> f64 {
+        self.spacing.powi(D as i32)
+    }
+    /// Position of a node (m).
+    pub fn node(&self, index: [i64; D]) -> [f64; D] {
+        let mut x = self.origin;
+        for i in 0..D {
+            x[i] += index[i] as f64 * self.spacing;
+        }
+        x
+    }
+    /// Centre of a cell (m).
+    pub fn cell_centre(&self, cell: [i64; D]) -> [f64; D] {
+        let mut x = [0.0; D];
+        for i in 0..D {
+            x[i] = self.site(i, cell[i], 0, 1);
+        }
+        x
+    }
+    /// The cell that holds `x`: a point on a face belongs to the cell above it.
+    pub fn cell_of(&self, x: [f64; D]) -> [i64; D] {
+        let mut cell = [0; D];
+        for i in 0..D {
+            cell[i] = self.coordinate(i, x[i]).floor() as i64;
+        }
+        cell
+    }
+    /// Position within its cell, in cells, each component in `[0, 1)` up to rounding.
+    pub fn local(&self, x: [f64; D]) -> [f64; D] {
+        let mut u = [0.0; D];
+        for i in 0..D {
+            let c = self.coordinate(i, x[i]);
+            u[i] = c - c.floor();
+        }
+        u
+    }
+    /// Bounds of a cell (m).
+    pub fn cell_bounds(&self, cell: [i64; D]) -> Bounds<D> {
+        Bounds { min: self.node(cell), max: self.node(cell.map(|i| i + 1)) }
+    }
+    /// Coordinate along `axis` (m) of the centre of part `part` of `parts` equal parts of a cell's edge:
+    /// `origin + (cell + (part + 1/2) / parts) h`, free of accumulated rounding.
+    #[inline]
+    pub fn site(&self, axis: usize, cell: i64, part: usize, parts: usize) -> f64 {
+        self.origin[axis] + (cell as f64 + (part as f64 + 0.5) / parts as f64) * self.spacing
+    }
+    /// `(x - origin) / h` along one axis.
+    #[inline]
+    pub(super) fn coordinate(&self, axis: usize, x: f64) -> f64 {
+        (x - self.origin[axis]) / self.spacing
+    }
+}

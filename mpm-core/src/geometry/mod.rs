@@ -1,0 +1,41 @@
+//! Shapes, and particles seeded from them.
+//!
+//! A [`Shape`] is a signed distance with bounds and, where known, an exact measure. Shapes combine by method
+//! chaining; [`fill`] seeds particles on a [`Lattice`] and makes their mass exact.
+//!
+//! ```
+//! use mpm_core::geometry::{Cuboid, Cylinder, Filling, Lattice, Shape, fill};
+//! // A plate of 26.3 mm with a bore of 10 mm, in metres.
+//! let plate = Cuboid::new([-0.05, -0.05, 0.0], [0.05, 0.05, 0.0263])?;
+//! let bore = Cylinder::new([0.0, 0.0, -0.01], [0.0, 0.0, 1.0], 0.05, 0.005)?;
+//! let lattice = Lattice::new([0.0; 3], 0.005)?;
+//! let seeds = fill(&plate.minus(bore), &lattice, 2, &Filling::new())?;
+//! assert_eq!(seeds.positions.len(), seeds.volumes.len());
+//! println!("volumes multiplied by {}", seeds.correction);
+//! # Ok::<(), mpm_core::geometry::GeometryError>(())
+//! ```
+
+mod bounds;
+mod combine;
+mod error;
+mod lattice;
+mod mesh;
+mod polygon;
+mod primitives;
+mod seed;
+mod shape;
+mod transform;
+mod vector;
+
+pub use bounds::Bounds;
+pub use combine::{Difference, Intersection, Union};
+pub use error::GeometryError;
+pub use lattice::Lattice;
+pub use mesh::TriangleMesh;
+pub use polygon::Polygon;
+pub use primitives::{
+    Ball, Cuboid, Cylinder, Disc, Frustum, HalfSpace, Implicit, OgiveRod, Ring, Shell, Sphere, Tube,
+};
+pub use seed::{Filling, Seeds, fill, sampled_measure};
+pub use shape::{Metric, Shape};
+pub use transform::{Rotated, Scaled, Translated};

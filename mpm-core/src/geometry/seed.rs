@@ -1,0 +1,719 @@
+//! Particles from shapes.
+
+use rayon::prelude::*;
+
+use super::error::{Check, GeometryError};
+use super::lattice::Lattice;
+use super::shape::{Metric, Shape};
+use super::vector::{norm, sum};
+
+/// The most particle sites that a filling looks at.
+const MOST_SITES: f64 = 1e12;
+/// Columns of cells handled by one task. Fixed, so that nothing depends on the number of threads.
+const COLUMNS_PER_TASK: usize = 16;
+
+/// Which sites become particles, and with what volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Edge {
+    /// A site whose particle's centre is inside, with its whole volume.
+    Centre,
+    /// Every site the shape reaches into, with the part of its volume that is inside.
+    Partial { subsamples: usize, drop_below: f64 },
+}
+
+/// How to fill a shape. The default is the plain one: Cartesian, one particle at every site whose centre is
+/// inside, volumes corrected to the exact measure of the shape.
+///
+/// ```
+/// use mpm_core::geometry::Filling;
+/// let filling = Filling::new().axisymmetric().partial(8, 0.1);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Filling {
+    metric: Metric,
+    edge: Edge,
+    jitter: Option<(u64, f64)>,
+    correct: bool,
+}
+
+impl Default for Filling {
+    fn default() -> Self {
+        Self { metric: Metric::Cartesian, edge: Edge::Centre, jitter: None, correct: true }
+    }
+}
+
+impl Filling {
+    /// The plain filling.
+    pub fn new() -> Self {
+        Self::default()
+    }
+    /// Counts volume in this metric.
+    pub fn metric(mut self, metric: Metric) -> Self {
+        self.metric = metric;
+        self
+    }
+    /// Coordinates are (r, z); volumes are per radian (m3). Only r > 0 is filled.
+    pub fn axisymmetric(self) -> Self {
+        self.metric(Metric::Axisymmetric)
+    }
+    /// Particles at the surface get the part of their volume that is inside, found with `subsamples` points
+    /// per axis. Those with less than the part `drop_below` of a whole particle are left out and their volume
+    /// is given to the fullest neighbour. Particles stay at their sites, even if the site is outside.
+    pub fn partial(mut self, subsamples: usize, drop_below: f64) -> Self {
+        self.edge = Edge::Partial { subsamples, drop_below };
+        self
+    }
+    /// Moves each particle at random by up to `amount` (0 to 1) of half its edge along every axis, before it is
+    /// asked whether it is inside. The same `seed` gives the same particles; a site draws the same displacement
+    /// whatever the shape.
+    pub fn jittered(mut self, seed: u64, amount: f64) -> Self {
+        self.jitter = Some((seed, amount));
+        self
+    }
+    /// Leaves the volumes as they are, instead of scaling them to the measure of the shape.
+    pub fn uncorrected(mut self) -> Self {
+        self.correct = false;
+        self
+    }
+}
+
+/// Particles ready to become a body.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Seeds<const D: usize> {
+    /// Positions (m), sorted by cell and by site within a cell, the first axis varying slowest in both.
+    pub positions: Vec<[f64; D]>,
+    /// Volumes: m3 in 3D, m2 in 2D, m3 per radian in axisymmetric use.
+    pub volumes: Vec<f64>,
+    /// Half the edge of a particle along each axis (m).
+    pub half_size: [f64; D],
+    /// The sum of the volumes before correction.
+    pub raw_measure: f64,
+    /// The exact measure of the shape, where known.
+    pub exact_measure: Option<f64>,
+    /// The finely sampled measure of the shape, where the exact one is unknown and a correction was asked for.
+    pub sampled_measure: Option<f64>,
+    /// The factor by which the volumes were multiplied; one if no correction was asked for.
+    pub correction: f64,
+}
+
+impl<const D: usize> Seeds<D> {
+    /// Number of particles.
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+    /// Are there none?
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+    /// The sum of the volumes.
+    pub fn measure(&self) -> f64 {
+        sum(self.volumes.iter().copied())
+    }
+    /// The centroid of the particles (m).
+    pub fn centroid(&self) -> [f64; D] {
+        let total = self.measure();
+        let mut c = [0.0; D];
+        for i in 0..D {
+            c[i] = sum(self.positions.iter().zip(&self.volumes).map(|(x, v)| x[i] * v)) / total;
+        }
+        c
+    }
+}
+
+/// A range of cells, and how each is divided.
+struct Sites<'a, const D: usize> {
+    lattice: &'a Lattice<D>,
+    parts: usize,
+    low: [i64; D],
+    count: [usize; D],
+}
+
+impl<const D: usize> Sites<'_, D> {
+    /// Number of columns of cells along the last axis.
+    fn columns(&self) -> usize {
+        self.count.iter().take(D.saturating_sub(1)).product()
+    }
+    /// Number of rows of sites in a column.
+    fn rows(&self) -> usize {
+        self.parts.pow(D.saturating_sub(1) as u32)
+    }
+    /// Cell of the column, its last index that of the lowest cell.
+    fn column_cell(&self, column: usize) -> [i64; D] {
+        let (mut cell, mut rest) = (self.low, column);
+        for i in (0..D.saturating_sub(1)).rev() {
+            cell[i] += (rest % self.count[i]) as i64;
+            rest /= self.count[i];
+        }
+        cell
+    }
+    /// Part of the cell's edge along each axis but the last.
+    fn row_part(&self, row: usize) -> [usize; D] {
+        let (mut part, mut rest) = ([0; D], row);
+        for i in (0..D.saturating_sub(1)).rev() {
+            part[i] = rest % self.parts;
+            rest /= self.parts;
+        }
+        part
+    }
+    fn site(&self, cell: [i64; D], part: [usize; D]) -> [f64; D] {
+        let mut x = [0.0; D];
+        for i in 0..D {
+            x[i] = self.lattice.site(i, cell[i], part[i], self.parts);
+        }
+        x
+    }
+}
+
+/// A particle that keeps only a sliver of its volume.
+struct Sliver<const D: usize> {
+    cell: [i64; D],
+    part: [usize; D],
+    volume: f64,
+}
+
+/// What a task found.
+struct Found<const D: usize> {
+    positions: Vec<[f64; D]>,
+    volumes: Vec<f64>,
+    /// Cell and part of each particle, if slivers are to find their neighbours.
+    keys: Vec<([i64; D], [usize; D])>,
+    slivers: Vec<Sliver<D>>,
+}
+
+impl<const D: usize> Found<D> {
+    fn new() -> Self {
+        Self { positions: Vec::new(), volumes: Vec::new(), keys: Vec::new(), slivers: Vec::new() }
+    }
+}
+
+/// One step of the splitmix64 generator: a good mix of the 64 bits.
+fn mix(x: u64) -> u64 {
+    let mut z = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+/// Displacements in (-1, 1), fixed by seed, cell and part.
+fn displacement<const D: usize>(seed: u64, cell: [i64; D], part: [usize; D]) -> [f64; D] {
+    let mut state = mix(seed);
+    for i in 0..D {
+        state = mix(state ^ cell[i] as u64);
+        state = mix(state ^ part[i] as u64);
+    }
+    let mut u = [0.0; D];
+    for c in &mut u {
+        state = mix(state);
+        // The middle of one of 2^52 equal intervals.
+        *c = ((state >> 12) as f64 + 0.5) / (1u64 << 51) as f64 - 1.0;
+    }
+    u
+}
+
+/// Fills a shape with particles: `per_axis` of them along each axis of a cell of the lattice, at the centres
+/// of equal parts of the cell.
+///
+/// Volumes are those of the parts (times r in axisymmetric use), then all scaled by one factor so that their
+/// sum is the exact measure of the shape, or a finely sampled one where that is unknown; the factor is
+/// reported. Positions are free of accumulated rounding, and everything is the same for any number of threads.
+///
+/// ```
+/// use mpm_core::geometry::{Disc, Filling, Lattice, fill};
+/// let lattice = Lattice::new([0.0, 0.0], 0.02)?;
+/// let seeds = fill(&Disc::new([0.3, 0.5], 0.1)?, &lattice, 2, &Filling::new())?;
+/// assert!((seeds.measure() - 0.0314159265).abs() < 1e-10);
+/// assert!((seeds.correction - 1.0).abs() < 0.02);
+/// # Ok::<(), mpm_core::geometry::GeometryError>(())
+/// ```
+///
+/// # Errors
+/// [`GeometryError`] if an option is out of range, the shape is unbounded, or nothing comes out.
+pub fn fill<const D: usize>(
+    shape: &(impl Shape<D> + ?Sized),
+    lattice: &Lattice<D>,
+    per_axis: usize,
+    filling: &Filling,
+) -> Result<Seeds<D>, GeometryError> {
+    let check = Check("Filling");
+    check.that((1..=64).contains(&per_axis), "per_axis", per_axis as f64, "from 1 to 64")?;
+    if let Edge::Partial { subsamples, drop_below } = filling.edge {
+        check.that((2..=64).contains(&subsamples), "subsamples", subsamples as f64, "from 2 to 64")?;
+        check.that(
+            (0.0..=0.5).contains(&drop_below),
+            "drop_below",
+            drop_below,
+            "from 0 to 1/2 of a particle",
+        )?;
+    }
+    if let Some((_, amount)) = filling.jitter {
+        check.that((0.0..=1.0).contains(&amount), "amount of jitter", amount, "from 0 to 1")?;
+    }
+    let sites = find_sites(shape, lattice, per_axis, filling.metric)?;
+    let edge = lattice.spacing() / per_axis as f64;
+    let last: Vec<f64> = (0..sites.count.last().copied().unwrap_or(0) * per_axis)
+        .map(|i| lattice.site(D - 1, sites.low[D - 1] + (i / per_axis) as i64, i % per_axis, per_axis))
+        .collect();
+
+    let columns = sites.columns();
+    let tasks: Vec<Found<D>> = (0..columns.div_ceil(COLUMNS_PER_TASK))
+        .into_par_iter()
+        .map(|task| {
+            let mut found = Found::new();
+            let mut parts = vec![0.0; sites.rows() * last.len()];
+            let mut inside = vec![false; last.len()];
+            for column in task * COLUMNS_PER_TASK..((task + 1) * COLUMNS_PER_TASK).min(columns) {
+                column_parts(shape, &sites, column, &last, filling, &mut inside, &mut parts);
+                emit(&sites, column, &parts, filling, edge, &mut found);
+            }
+            found
+        })
+        .collect();
+
+    let total = tasks.iter().map(|t| t.positions.len()).sum();
+    let (mut positions, mut volumes) = (Vec::with_capacity(total), Vec::with_capacity(total));
+    let (mut keys, mut slivers) = (Vec::new(), Vec::new());
+    for task in tasks {
+        positions.extend(task.positions);
+        volumes.extend(task.volumes);
+        keys.extend(task.keys);
+        slivers.extend(task.slivers);
+    }
+    if positions.is_empty() {
+        return Err(GeometryError::NoParticles { particle_edge: edge });
+    }
+    let raw_measure = sum(volumes.iter().copied().chain(slivers.iter().map(|s| s.volume)));
+    let homeless = merge(&slivers, &keys, &mut volumes, per_axis);
+
+    let exact_measure = filling.metric.measure(shape);
+    let mut sampled = None;
+    // What slivers without neighbours lost is spread over all particles.
+    let kept = raw_measure - homeless;
+    let (correction, scale) = if filling.correct {
+        let target = match exact_measure {
+            Some(exact) => exact,
+            None => {
+                let fine = sampled_measure(shape, filling.metric, 0.125 * edge)?;
+                sampled = Some(fine);
+                fine
+            }
+        };
+        (target / raw_measure, target / kept)
+    } else {
+        (1.0, raw_measure / kept)
+    };
+    if scale != 1.0 {
+        for v in &mut volumes {
+            *v *= scale;
+        }
+    }
+    Ok(Seeds {
+        positions,
+        volumes,
+        half_size: [0.5 * edge; D],
+        raw_measure,
+        exact_measure,
+        sampled_measure: sampled,
+        correction,
+    })
+}
+
+/// The cells within the bounds of the shape.
+fn find_sites<'a, const D: usize>(
+    shape: &(impl Shape<D> + ?Sized),
+    lattice: &'a Lattice<D>,
+    parts: usize,
+    metric: Metric,
+) -> Result<Sites<'a, D>, GeometryError> {
+    let edge = lattice.spacing() / parts as f64;
+    let mut bounds = shape.bounds();
+    for axis in 0..D {
+        if bounds.min[axis].is_nan() || bounds.max[axis].is_nan() {
+            return Err(GeometryError::Unbounded { axis });
+        }
+    }
+    if metric == Metric::Axisymmetric {
+        let check = Check("Filling");
+        check.that(D == 2, "dimension of an axisymmetric filling", D as f64, "2, the coordinates (r, z)")?;
+        if bounds.min[0] < 0.5 * edge {
+            let offset = lattice.origin()[0] / edge;
+            check.that(
+                (offset - offset.round()).abs() < 1e-9 * offset.abs().max(1.0),
+                "origin[0] of the lattice",
+                lattice.origin()[0],
+                "a whole number of particle edges away from the axis r = 0 that the shape touches",
+            )?;
+        }
+        bounds.min[0] = bounds.min[0].max(0.0);
+    }
+    if D == 0 || bounds.is_empty() {
+        return Err(GeometryError::NoParticles { particle_edge: edge });
+    }
+    let (mut low, mut count, mut points) = ([0; D], [0; D], 1.0);
+    for i in 0..D {
+        if !(bounds.min[i].is_finite() && bounds.max[i].is_finite()) {
+            return Err(GeometryError::Unbounded { axis: i });
+        }
+        let first = lattice.coordinate(i, bounds.min[i]).floor();
+        let cells = lattice.coordinate(i, bounds.max[i]).floor() - first + 1.0;
+        points *= cells * parts as f64;
+        // Beyond this, a cell's number and a position within it no longer fit one floating-point number.
+        let furthest = first.abs().max((first + cells).abs());
+        if !(points <= MOST_SITES && furthest <= 1e12) {
+            return Err(GeometryError::TooFine { points: points.max(furthest), allowed: MOST_SITES });
+        }
+        low[i] = first as i64;
+        count[i] = cells as usize;
+    }
+    Ok(Sites { lattice, parts, low, count })
+}
+
+/// The part of each site of a column that is inside, row by row.
+fn column_parts<const D: usize>(
+    shape: &(impl Shape<D> + ?Sized),
+    sites: &Sites<'_, D>,
+    column: usize,
+    last: &[f64],
+    filling: &Filling,
+    inside: &mut [bool],
+    parts: &mut [f64],
+) {
+    let cell = sites.column_cell(column);
+    let edge = sites.lattice.spacing() / sites.parts as f64;
+    let diagonal = 0.5 * edge * (D as f64).sqrt();
+    for (row, out) in parts.chunks_mut(last.len()).enumerate() {
+        let part = sites.row_part(row);
+        let mut x = sites.site(cell, part);
+        if filling.metric == Metric::Axisymmetric && x[0] <= 0.0 {
+            out.fill(0.0);
+            continue;
+        }
+        match (filling.edge, filling.jitter) {
+            (Edge::Centre, None) => {
+                shape.contains_row(x, last, inside);
+                for (o, i) in out.iter_mut().zip(inside.iter()) {
+                    *o = if *i { 1.0 } else { 0.0 };
+                }
+            }
+            (Edge::Centre, Some((seed, amount))) => {
+                for i in 0..last.len() {
+                    let (at, within) = (site_cell(sites, cell, i), site_part(sites, part, i));
+                    x = jitter(sites.site(at, within), seed, amount, at, within, edge);
+                    out[i] = if shape.contains(x) { 1.0 } else { 0.0 };
+                }
+            }
+            (Edge::Partial { subsamples, .. }, _) => {
+                let mut i = 0;
+                while i < last.len() {
+                    x[D - 1] = last[i];
+                    let distance = shape.signed_distance(x);
+                    let sure = distance.abs() - diagonal;
+                    if sure < 0.0 {
+                        out[i] = part_inside(shape, x, edge, subsamples, filling.metric);
+                        i += 1;
+                        continue;
+                    }
+                    // The surface keeps at least this far from the centres of the next particles, too.
+                    let value = if distance < 0.0 { 1.0 } else { 0.0 };
+                    let leap = last[i] + sure * (1.0 - 1e-9);
+                    out[i] = value;
+                    i += 1;
+                    while i < last.len() && last[i] < leap {
+                        out[i] = value;
+                        i += 1;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Cell of site `i` of a row.
+fn site_cell<const D: usize>(sites: &Sites<'_, D>, mut cell: [i64; D], i: usize) -> [i64; D] {
+    cell[D - 1] += (i / sites.parts) as i64;
+    cell
+}
+
+/// Part of site `i` of a row.
+fn site_part<const D: usize>(sites: &Sites<'_, D>, mut part: [usize; D], i: usize) -> [usize; D] {
+    part[D - 1] = i % sites.parts;
+    part
+}
+
+fn jitter<const D: usize>(
+    mut x: [f64; D],
+    seed: u64,
+    amount: f64,
+    cell: [i64; D],
+    part: [usize; D],
+    edge: f64,
+) -> [f64; D] {
+    let u = displacement(seed, cell, part);
+    for i in 0..D {
+        x[i] += 0.5 * edge * amount * u[i];
+    }
+    x
+}
+
+/// The part of the cube of this edge about `x` that is inside the shape, from `n^D` points.
+fn part_inside<const D: usize>(
+    shape: &(impl Shape<D> + ?Sized),
+    x: [f64; D],
+    edge: f64,
+    n: usize,
+    metric: Metric,
+) -> f64 {
+    let offset = |k: usize| ((k as f64 + 0.5) / n as f64 - 0.5) * edge;
+    let mut last = [0.0; 64];
+    let mut inside = [false; 64];
+    let (last, inside) = (&mut last[..n], &mut inside[..n]);
+    for (k, c) in last.iter_mut().enumerate() {
+        *c = x[D - 1] + offset(k);
+    }
+    let (mut hits, mut all) = (0.0, 0.0);
+    for row in 0..n.pow(D as u32 - 1) {
+        let (mut y, mut rest) = (x, row);
+        for i in 0..D - 1 {
+            y[i] += offset(rest % n);
+            rest /= n;
+        }
+        let weight = if metric == Metric::Axisymmetric { y[0].max(0.0) } else { 1.0 };
+        shape.contains_row(y, last, inside);
+        hits += weight * inside.iter().filter(|i| **i).count() as f64;
+        all += weight * n as f64;
+    }
+    if all > 0.0 { hits / all } else { 0.0 }
+}
+
+/// Turns the parts of a column into particles, cell by cell.
+fn emit<const D: usize>(
+    sites: &Sites<'_, D>,
+    column: usize,
+    parts: &[f64],
+    filling: &Filling,
+    edge: f64,
+    found: &mut Found<D>,
+) {
+    let (n, cells) = (sites.parts, sites.count[D - 1]);
+    let mut cell = sites.column_cell(column);
+    let whole = edge.powi(D as i32);
+    let drop_below = match filling.edge {
+        Edge::Centre => 0.0,
+        Edge::Partial { drop_below, .. } => drop_below,
+    };
+    let rows: Vec<[usize; D]> = (0..sites.rows()).map(|row| sites.row_part(row)).collect();
+    for k in 0..cells {
+        for (row, row_part) in rows.iter().enumerate() {
+            for within in 0..n {
+                let inside = parts[row * cells * n + k * n + within];
+                if inside <= 0.0 {
+                    continue;
+                }
+                let mut part = *row_part;
+                part[D - 1] = within;
+                let mut x = sites.site(cell, part);
+                let mut volume = whole * inside;
+                if filling.metric == Metric::Axisymmetric {
+                    // The integral of r over the part, wherever in it the particle ends up.
+                    volume *= x[0];
+                }
+                if inside < drop_below {
+                    found.slivers.push(Sliver { cell, part, volume });
+                    continue;
+                }
+                if let Some((seed, amount)) = filling.jitter {
+                    x = jitter(x, seed, amount, cell, part, edge);
+                }
+                found.positions.push(x);
+                found.volumes.push(volume);
+                if drop_below > 0.0 {
+                    found.keys.push((cell, part));
+                }
+            }
+        }
+        cell[D - 1] += 1;
+    }
+}
+
+/// Gives each sliver's volume to the neighbour with the largest volume, a face's neighbour if there is one,
+/// else one at an edge or corner; returns the volume that found no neighbour.
+fn merge<const D: usize>(
+    slivers: &[Sliver<D>],
+    keys: &[([i64; D], [usize; D])],
+    volumes: &mut [f64],
+    parts: usize,
+) -> f64 {
+    let neighbour = |s: &Sliver<D>, offset: [i64; D]| {
+        let mut key = (s.cell, s.part);
+        for i in 0..D {
+            let global = s.part[i] as i64 + offset[i];
+            key.0[i] += global.div_euclid(parts as i64);
+            key.1[i] = global.rem_euclid(parts as i64) as usize;
+        }
+        keys.binary_search(&key).ok()
+    };
+    // Chosen by the volumes before anything is given, so that the order of giving does not matter.
+    let mut gifts = Vec::with_capacity(slivers.len());
+    let mut homeless = 0.0;
+    for s in slivers {
+        let (mut best, mut fewest) = (None, usize::MAX);
+        for code in 0..3usize.pow(D as u32) {
+            let (mut offset, mut rest, mut steps) = ([0; D], code, 0);
+            for o in &mut offset {
+                *o = (rest % 3) as i64 - 1;
+                steps += usize::from(*o != 0);
+                rest /= 3;
+            }
+            // All face neighbours are tried before any other.
+            let rank = if steps <= 1 { 1 } else { 2 };
+            if steps == 0 || rank > fewest {
+                continue;
+            }
+            if let Some(index) = neighbour(s, offset) {
+                let better = match best {
+                    None => true,
+                    Some(b) => rank < fewest || volumes[index] > volumes[b],
+                };
+                if better {
+                    (best, fewest) = (Some(index), rank);
+                }
+            }
+        }
+        match best {
+            Some(index) => gifts.push((index, s.volume)),
+            None => homeless += s.volume,
+        }
+    }
+    for (index, volume) in gifts {
+        volumes[index] += volume;
+    }
+    homeless
+}
+
+/// The measure of a bounded shape by sampling its signed distance, for shapes whose exact measure is unknown.
+///
+/// Boxes that the distance proves to be wholly inside or outside are never divided; the others are, down to
+/// an edge of about `resolution` (m) or less (but not more than about a million of them). The error of second
+/// order in that edge is extrapolated away. The result is the same for any number of threads.
+///
+/// # Errors
+/// [`GeometryError`] if the shape is unbounded or empty, or `resolution` is not positive.
+pub fn sampled_measure<const D: usize>(
+    shape: &(impl Shape<D> + ?Sized),
+    metric: Metric,
+    resolution: f64,
+) -> Result<f64, GeometryError> {
+    let check = Check("sampled_measure");
+    check.positive("resolution", resolution)?;
+    let mut b = shape.bounds();
+    if metric == Metric::Axisymmetric {
+        check.that(D == 2, "dimension of an axisymmetric measure", D as f64, "2, the coordinates (r, z)")?;
+        b.min[0] = b.min[0].max(0.0);
+    }
+    let (mut longest, mut shortest) = (0.0f64, f64::INFINITY);
+    for axis in 0..D {
+        let extent = b.max[axis] - b.min[axis];
+        if !extent.is_finite() && extent != f64::NEG_INFINITY {
+            return Err(GeometryError::Unbounded { axis });
+        }
+        if extent <= 0.0 {
+            return Ok(0.0);
+        }
+        longest = longest.max(extent);
+        shortest = shortest.min(extent);
+    }
+    // Fine against the lattice and the shape, but with a bound on the number of boxes at the surface.
+    let mut leaf = resolution.min(longest / 256.0).min(shortest / 64.0);
+    let most = 1e6;
+    let mut faces = 0.0;
+    for i in 0..D {
+        faces += 2.0 * (0..D).filter(|j| *j != i).map(|j| b.max[j] - b.min[j]).product::<f64>();
+    }
+    if D > 1 {
+        leaf = leaf.max((faces / most).powf(1.0 / (D as f64 - 1.0)));
+    }
+    // A first division into nearly cubic boxes, about 16 along the longest side.
+    let (mut count, mut size) = ([1usize; D], [0.0; D]);
+    for i in 0..D {
+        let extent = b.max[i] - b.min[i];
+        count[i] = (16.0 * extent / longest).ceil().max(1.0) as usize;
+        size[i] = extent / count[i] as f64;
+    }
+    let depth = (longest / 16.0 / leaf).log2().ceil().clamp(1.0, 30.0) as u32;
+    let boxes: usize = count.iter().product();
+    let measures: Vec<[f64; 2]> = (0..boxes)
+        .into_par_iter()
+        .map(|index| {
+            let (mut centre, mut rest) = ([0.0; D], index);
+            for i in 0..D {
+                centre[i] = b.min[i] + ((rest % count[i]) as f64 + 0.5) * size[i];
+                rest /= count[i];
+            }
+            box_measure(shape, centre, size, depth, metric)
+        })
+        .collect();
+    let [fine, coarse] = [0, 1].map(|i| sum(measures.iter().map(|m| m[i])));
+    Ok(fine + (fine - coarse) / 3.0)
+}
+
+/// The measure of the shape within a box, from boxes `depth` divisions smaller and from those twice as large.
+fn box_measure<const D: usize>(
+    shape: &(impl Shape<D> + ?Sized),
+    centre: [f64; D],
+    size: [f64; D],
+    depth: u32,
+    metric: Metric,
+) -> [f64; 2] {
+    let distance = shape.signed_distance(centre);
+    let diagonal = norm(size);
+    if distance >= 0.5 * diagonal {
+        return [0.0; 2];
+    }
+    let mut whole = size.iter().product::<f64>();
+    if metric == Metric::Axisymmetric {
+        whole *= centre[0];
+    }
+    if distance <= -0.5 * diagonal {
+        return [whole; 2];
+    }
+    if depth == 0 {
+        return [whole * part_below(shape, centre, size, distance); 2];
+    }
+    let half = size.map(|s| 0.5 * s);
+    let [mut fine, mut coarse] = [0.0; 2];
+    for bits in 0..1usize << D {
+        let mut c = centre;
+        for i in 0..D {
+            c[i] += if bits >> i & 1 == 1 { 0.5 * half[i] } else { -0.5 * half[i] };
+        }
+        let parts = box_measure(shape, c, half, depth - 1, metric);
+        fine += parts[0];
+        coarse += parts[1];
+    }
+    if depth == 1 {
+        coarse = whole * part_below(shape, centre, size, distance);
+    }
+    [fine, coarse]
+}
+
+/// The part of a small box that is inside, taking the surface for the plane at this distance from its centre.
+/// Exact for planes along the faces; else its errors cancel along the surface.
+fn part_below<const D: usize>(
+    shape: &(impl Shape<D> + ?Sized),
+    centre: [f64; D],
+    size: [f64; D],
+    distance: f64,
+) -> f64 {
+    let mut normal = [0.0; D];
+    for i in 0..D {
+        let (mut x, step) = (centre, 1e-3 * size[i]);
+        x[i] += step;
+        normal[i] = (shape.signed_distance(x) - distance) / step;
+    }
+    let length = norm(normal);
+    // How far the box extends along the normal. On a ridge, where there is none, any guess will do.
+    let mut extent = norm(size) / (D as f64).sqrt();
+    if length > 0.1 {
+        extent = (0..D).map(|i| normal[i].abs() / length * size[i]).sum();
+    }
+    (0.5 - distance / extent).clamp(0.0, 1.0)
+}

@@ -1,0 +1,189 @@
+//! What a shape is, and how shapes combine.
+
+use std::sync::Arc;
+
+use nalgebra::Rotation;
+
+use super::bounds::Bounds;
+use super::combine::{Difference, Intersection, Union};
+use super::error::GeometryError;
+use super::transform::{Rotated, Scaled, Translated};
+
+/// A solid in D dimensions, given by its signed distance. Coordinates in metres.
+///
+/// A shape of your own needs [`Shape::signed_distance`] and [`Shape::bounds`]; the rest sharpens results or
+/// speed. In axisymmetric use D is 2, the first coordinate is the radius r and the second the axial z.
+pub trait Shape<const D: usize>: Send + Sync {
+    /// Signed distance to the surface (m): negative inside, positive outside.
+    ///
+    /// Its magnitude never exceeds the true distance to the surface: a ball of that radius about `x` is
+    /// wholly inside or wholly outside. It is the true distance where [`Shape::exact_distance`] says so.
+    fn signed_distance(&self, x: [f64; D]) -> f64;
+
+    /// A box that holds the shape.
+    fn bounds(&self) -> Bounds<D>;
+
+    /// Is the signed distance the true distance everywhere (rather than a lower bound of it)?
+    fn exact_distance(&self) -> bool {
+        false
+    }
+
+    /// Exact volume (3D, m3), area (2D, m2) or length (1D, m), where known.
+    fn measure(&self) -> Option<f64> {
+        None
+    }
+
+    /// Centroid (m), where known exactly.
+    fn centroid(&self) -> Option<[f64; D]> {
+        None
+    }
+
+    /// Volume per radian (m3) of the body that the part with r > 0 sweeps out about the axis r = 0, that is
+    /// the integral of r over that part, where known exactly. By default from area and centroid (Pappus) if
+    /// the shape lies on the side r >= 0.
+    fn revolved_measure(&self) -> Option<f64> {
+        if D == 2 && self.bounds().min[0] >= 0.0 { Some(self.measure()? * self.centroid()?[0]) } else { None }
+    }
+
+    /// Is it known to be convex?
+    fn convex(&self) -> bool {
+        false
+    }
+
+    /// Is `x` inside? (The surface is not.)
+    fn contains(&self, x: [f64; D]) -> bool {
+        self.signed_distance(x) < 0.0
+    }
+
+    /// Tells which points of a row are inside: point `i` is `first` with its last coordinate replaced by
+    /// `last[i]`. `last` increases; `inside` has its length. The default leaps as far as the signed distance
+    /// allows.
+    fn contains_row(&self, first: [f64; D], last: &[f64], inside: &mut [bool]) {
+        let mut x = first;
+        let mut i = 0;
+        while i < last.len() {
+            if D > 0 {
+                x[D - 1] = last[i];
+            }
+            let distance = self.signed_distance(x);
+            let within = distance < 0.0;
+            // The margin keeps points that are on the surface but for rounding out of the leap.
+            let safe = last[i] + (distance.abs() * (1.0 - 1e-9) - 1e-12 * last[i].abs());
+            inside[i] = within;
+            i += 1;
+            while i < last.len() && last[i] < safe {
+                inside[i] = within;
+                i += 1;
+            }
+        }
+    }
+
+    /// What is in this shape or in `other`.
+    fn or<B: Shape<D>>(self, other: B) -> Union<Self, B>
+    where
+        Self: Sized,
+    {
+        Union::new(self, other)
+    }
+    /// What is in this shape and in `other`.
+    fn and<B: Shape<D>>(self, other: B) -> Intersection<Self, B>
+    where
+        Self: Sized,
+    {
+        Intersection::new(self, other)
+    }
+    /// What is in this shape but not in `other`.
+    fn minus<B: Shape<D>>(self, other: B) -> Difference<Self, B>
+    where
+        Self: Sized,
+    {
+        Difference::new(self, other)
+    }
+    /// The shape moved by `offset` (m).
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless the offset is finite.
+    fn translated(self, offset: [f64; D]) -> Result<Translated<Self, D>, GeometryError>
+    where
+        Self: Sized,
+    {
+        Translated::new(self, offset)
+    }
+    /// The shape rotated about the point `pivot` (m).
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless the rotation is one (orthogonal, finite) and the pivot finite.
+    fn rotated(self, rotation: Rotation<f64, D>, pivot: [f64; D]) -> Result<Rotated<Self, D>, GeometryError>
+    where
+        Self: Sized,
+    {
+        Rotated::new(self, rotation, pivot)
+    }
+    /// The shape made `factor` times as large, the point `pivot` (m) staying where it is.
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless the factor is positive and all is finite.
+    fn scaled(self, factor: f64, pivot: [f64; D]) -> Result<Scaled<Self, D>, GeometryError>
+    where
+        Self: Sized,
+    {
+        Scaled::new(self, factor, pivot)
+    }
+}
+
+macro_rules! forward {
+    ($pointer:ty) => {
+        impl<S: Shape<D> + ?Sized, const D: usize> Shape<D> for $pointer {
+            fn signed_distance(&self, x: [f64; D]) -> f64 {
+                (**self).signed_distance(x)
+            }
+            fn bounds(&self) -> Bounds<D> {
+                (**self).bounds()
+            }
+            fn exact_distance(&self) -> bool {
+                (**self).exact_distance()
+            }
+            fn measure(&self) -> Option<f64> {
+                (**self).measure()
+            }
+            fn centroid(&self) -> Option<[f64; D]> {
+                (**self).centroid()
+            }
+            fn revolved_measure(&self) -> Option<f64> {
+                (**self).revolved_measure()
+            }
+            fn convex(&self) -> bool {
+                (**self).convex()
+            }
+            fn contains(&self, x: [f64; D]) -> bool {
+                (**self).contains(x)
+            }
+            fn contains_row(&self, first: [f64; D], last: &[f64], inside: &mut [bool]) {
+                (**self).contains_row(first, last, inside);
+            }
+        }
+    };
+}
+forward!(&S);
+forward!(Box<S>);
+forward!(Arc<S>);
+
+/// How volume is counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Metric {
+    /// Volume in 3D (m3), area in 2D (m2: volume per metre of depth), length in 1D (m).
+    #[default]
+    Cartesian,
+    /// Coordinates (r, z); volume per radian (m3), the integral of r over the area with r > 0.
+    Axisymmetric,
+}
+
+impl Metric {
+    /// The exact measure of a shape in this metric, where known.
+    pub fn measure<const D: usize>(self, shape: &(impl Shape<D> + ?Sized)) -> Option<f64> {
+        match self {
+            Metric::Cartesian => shape.measure(),
+            Metric::Axisymmetric => shape.revolved_measure(),
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! Closed triangle meshes: volume, inside, distance, files, and what is refused.
+
+use std::f64::consts::PI;
+
+use mpm_core::geometry::*;
+
+struct Points(u64);
+
+impl Points {
+    fn within(&mut self, b: &Bounds<3>, margin: f64) -> [f64; 3] {
+        let mut x = [0.0; 3];
+        for i in 0..3 {
+            self.0 ^= self.0 << 13;
+            self.0 ^= self.0 >> 7;
+            self.0 ^= self.0 << 17;
+            let u = (self.0 >> 11) as f64 / (1u64 << 53) as f64;
+            let extent = b.max[i] - b.min[i];
+            x[i] = b.min[i] - margin * extent + u * (1.0 + 2.0 * margin) * extent;
+        }
+        x
+    }
+}
+
+type Raw = (Vec<[f64; 3]>, Vec<[usize; 3]>);
+
+/// A box as twelve triangles.
+fn raw_box(min: [f64; 3], max: [f64; 3]) -> Raw {
+    let corners = Bounds { min, max }.corners().collect();
+    // Corner k has bit i set where coordinate i is the larger one.
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    (corners, triangles)
+}
+
+/// The surface swept by a profile (z, r) about the third axis, first and last point on the axis.
+fn raw_revolved(profile: &[[f64; 2]], around: usize) -> Raw {
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for [z, r] in profile {
+        for k in 0..around {
+            let a = 2.0 * PI * k as f64 / around as f64;
+            vertices.push([r * a.cos(), r * a.sin(), *z]);
+        }
+    }
+    for i in 0..profile.len() - 1 {
+        for k in 0..around {
+            let (p, q) = (i * around + k, i * around + (k + 1) % around);
+            // Where the radius is zero one of the two lacks an area and is dropped.
+            triangles.push([p, q, q + around]);
+            triangles.push([p, q + around, p + around]);
+        }
+    }
+    (vertices, triangles)
+}
+
+fn sphere_profile(n: usize) -> Vec<[f64; 2]> {
+    (0..=n)
+        .map(|i| {
+            let a = PI * i as f64 / n as f64;
+            [-a.cos(), if i == 0 || i == n { 0.0 } else { a.sin() }]
+        })
+        .collect()
+}
+
+fn mesh((vertices, triangles): Raw) -> TriangleMesh {
+    TriangleMesh::new(&vertices, &triangles).unwrap()
+}
+
+#[test]
+fn a_box_of_triangles_is_the_box() {
+    let (min, max) = ([0.1, -0.2, 0.3], [1.1, 0.3, 0.9]);
+    let solid = mesh(raw_box(min, max));
+    let exact = Cuboid::new(min, max).unwrap();
+    assert_eq!(solid.triangles().len(), 12);
+    assert!((solid.measure().unwrap() - 0.3).abs() < 1e-15);
+    assert!((solid.area() - 2.0 * (0.5 + 0.6 + 0.3)).abs() < 1e-14);
+    let c = solid.centroid().unwrap();
+    assert!((0..3).all(|i| (c[i] - exact.centroid().unwrap()[i]).abs() < 1e-15));
+    assert_eq!(solid.bounds(), exact.bounds());
+    let mut points = Points(1);
+    for _ in 0..20000 {
+        let x = points.within(&exact.bounds(), 0.4);
+        assert_eq!(solid.contains(x), exact.contains(x));
+        assert!((solid.signed_distance(x) - exact.signed_distance(x)).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn lines_through_edges_and_corners_do_no_harm() {
+    // Every line of the lattice runs through edges, diagonals, corners and walls.
+    let solid = mesh(raw_box([0.0; 3], [1.0; 3]));
+    let last: Vec<f64> = (0..=40).map(|k| -0.5 + k as f64 * 0.05).collect();
+    let mut inside = vec![false; last.len()];
+    let mut count = 0;
+    for i in 0..=8 {
+        for j in 0..=8 {
+            let first = [i as f64 * 0.25 - 0.5, j as f64 * 0.25 - 0.5, 0.0];
+            solid.contains_row(first, &last, &mut inside);
+            assert!(!inside[0] && !inside[40]);
+            for (z, i) in last.iter().zip(&inside) {
+                assert_eq!(*i, solid.contains([first[0], first[1], *z]));
+                assert!(!i || (0.0..=1.0 + 1e-15).contains(z));
+            }
+            count += usize::from(inside.iter().any(|i| *i));
+        }
+    }
+    // The walls belong to one side: four of the five lines along each axis count.
+    assert_eq!(count, 16);
+    // A pole of a globe, where dozens of triangles meet, and its meridians.
+    let globe = mesh(raw_revolved(&sphere_profile(24), 48));
+    for x in [[0.0; 3], [0.0, 0.0, 0.99], [0.0, 0.0, -0.99], [0.5, 0.0, 0.0], [0.0, -0.7, 0.3]] {
+        assert!(globe.contains(x), "{x:?}");
+    }
+    for x in [[0.0, 0.0, 1.01], [0.0, 0.0, -1.01], [1.0001, 0.0, 0.0], [0.0, 1.0001, 0.0]] {
+        assert!(!globe.contains(x), "{x:?}");
+    }
+}
+
+#[test]
+fn a_fine_sphere_and_rod_agree_with_the_analytic_ones() {
+    let globe = mesh(raw_revolved(&sphere_profile(100), 200));
+    let ball = Sphere::new([0.0; 3], 1.0).unwrap();
+    assert!((globe.measure().unwrap() / ball.measure().unwrap() - 1.0).abs() < 1e-3);
+    let (d, length, crh) = (12.9e-3, 88.9e-3, 3.0);
+    let rod = OgiveRod::new([0.0; 3], [0.0, 0.0, 1.0], d, length, crh).unwrap();
+    let shank = length - rod.nose_length();
+    let mut profile = vec![[0.0, 0.0], [0.0, d / 2.0]];
+    for i in 0..=150 {
+        let s = rod.nose_length() * i as f64 / 150.0;
+        let r = ((crh * d).powi(2) - s * s).sqrt() - (crh - 0.5) * d;
+        profile.push([shank + s, if i == 150 { 0.0 } else { r }]);
+    }
+    let ogive = mesh(raw_revolved(&profile, 200));
+    assert!((ogive.measure().unwrap() - 1.0352e-5).abs() < 3e-9);
+    assert!((ogive.measure().unwrap() / rod.measure().unwrap() - 1.0).abs() < 3e-4);
+    let pairs: [(&TriangleMesh, &dyn Shape<3>, f64); 2] = [(&globe, &ball, 6e-4), (&ogive, &rod, 3e-6)];
+    for (solid, exact, gap) in pairs {
+        let c = [solid.centroid().unwrap(), exact.centroid().unwrap()];
+        assert!((0..3).all(|i| (c[0][i] - c[1][i]).abs() < gap));
+        let mut points = Points(5);
+        for _ in 0..10000 {
+            let x = points.within(&exact.bounds(), 0.3);
+            let (a, b) = (solid.signed_distance(x), exact.signed_distance(x));
+            assert!((a - b).abs() < gap, "{a} {b} at {x:?}");
+            if b.abs() > gap {
+                assert_eq!(solid.contains(x), b < 0.0);
+            }
+            // Lipschitz, and the surface is nowhere nearer.
+            let y = points.within(&exact.bounds(), 0.3);
+            let between = (0..3).map(|i| (x[i] - y[i]).powi(2)).sum::<f64>().sqrt();
+            assert!((a - solid.signed_distance(y)).abs() <= between * (1.0 + 1e-12));
+        }
+    }
+}
+
+#[test]
+fn a_mesh_is_filled_like_the_shape_it_stands_for() {
+    let (min, max) = ([0.1, -0.2, 0.3], [1.1, 0.3, 0.9]);
+    let lattice = Lattice::new([0.013, 0.02, 0.0], 0.07).unwrap();
+    let knife = HalfSpace::new([0.6, 0.0, 0.6], [1.0, 0.3, -0.5]).unwrap();
+    for filling in [Filling::new(), Filling::new().partial(4, 0.1), Filling::new().jittered(1, 1.0)] {
+        let a = fill(&mesh(raw_box(min, max)), &lattice, 2, &filling).unwrap();
+        let b = fill(&Cuboid::new(min, max).unwrap(), &lattice, 2, &filling).unwrap();
+        assert_eq!(a.positions, b.positions);
+        assert!((a.measure() / 0.3 - 1.0).abs() < 1e-12);
+        assert!(a.volumes.iter().zip(&b.volumes).all(|(x, y)| (x / y - 1.0).abs() < 1e-12));
+        let a = fill(&mesh(raw_box(min, max)).and(knife), &lattice, 2, &filling).unwrap();
+        let b = fill(&Cuboid::new(min, max).unwrap().and(knife), &lattice, 2, &filling).unwrap();
+        assert_eq!(a.positions, b.positions);
+        assert!((a.correction / b.correction - 1.0).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn pieces_and_cavities_are_told_apart() {
+    let join = |parts: &[Raw]| {
+        let (mut vertices, mut triangles): Raw = (Vec::new(), Vec::new());
+        for (v, t) in parts {
+            let first = vertices.len();
+            triangles.extend(t.iter().map(|t| t.map(|i| first + i)));
+            vertices.extend(v);
+        }
+        (vertices, triangles)
+    };
+    let inside_out = |(v, t): Raw| (v, t.into_iter().map(|[a, b, c]| [a, c, b]).collect());
+    let outer = raw_box([0.0; 3], [3.0; 3]);
+    let cavity = raw_box([1.0; 3], [2.0; 3]);
+    let core = raw_box([1.4; 3], [1.6; 3]);
+    let aside = raw_box([5.0; 3], [6.0; 3]);
+    // However the pieces are oriented.
+    for parts in [
+        [outer.clone(), cavity.clone(), core.clone(), aside.clone()],
+        [inside_out(outer.clone()), cavity.clone(), inside_out(core.clone()), inside_out(aside.clone())],
+    ] {
+        let solid = mesh(join(&parts));
+        assert!((solid.measure().unwrap() - (27.0 - 1.0 + 0.008 + 1.0)).abs() < 1e-12);
+        for (x, inside) in [([0.5; 3], true), ([1.2; 3], false), ([1.5; 3], true), ([5.5; 3], true)] {
+            assert_eq!(solid.contains(x), inside);
+        }
+        assert!((solid.signed_distance([1.2, 1.5, 1.5]) - 0.2).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn bad_meshes_are_refused() {
+    let (vertices, mut triangles) = raw_box([0.0; 3], [1.0; 3]);
+    let build = |t: &[[usize; 3]]| TriangleMesh::new(&vertices, t).unwrap_err();
+    assert_eq!(build(&triangles[1..]), GeometryError::OpenMesh { open_edges: 3 });
+    assert_eq!(build(&triangles[2..]), GeometryError::OpenMesh { open_edges: 4 });
+    let text = build(&triangles[2..]).to_string();
+    assert!(text.contains("4 of its edges"), "{text}");
+    assert_eq!(build(&[]), GeometryError::EmptyMesh);
+    assert_eq!(build(&[[0, 0, 1]]), GeometryError::EmptyMesh);
+    assert_eq!(build(&[[0, 1, 8]]), GeometryError::VertexOutOfRange { triangle: 0, vertex: 8, vertices: 8 });
+    triangles[3].swap(0, 1);
+    assert_eq!(build(&triangles), GeometryError::InconsistentMesh { edges: 3 });
+    let flat = build(&[[0, 1, 2], [0, 2, 1]]);
+    assert!(matches!(flat, GeometryError::NoVolume { .. }), "{flat}");
+    let nan = TriangleMesh::from_soup(&[[[0.0, 0.0, f64::NAN]; 3]]).unwrap_err();
+    assert!(matches!(nan, GeometryError::Parameter { field: "vertices", .. }));
+}
+
+#[cfg(feature = "mesh")]
+mod files {
+    use super::*;
+    use std::fmt::Write;
+    use std::path::PathBuf;
+
+    fn file(name: &str, content: &[u8]) -> PathBuf {
+        let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+        std::fs::write(&path, content).unwrap();
+        path
+    }
+
+    #[test]
+    fn stl_files_of_all_kinds_are_read() {
+        let (v, t) = raw_box([0.0; 3], [2.0, 3.0, 4.0]);
+        let mut ascii = String::from("solid\n");
+        let mut binary = vec![0u8; 80];
+        binary[..6].copy_from_slice(b"solid ");
+        binary.extend((t.len() as u32).to_le_bytes());
+        for corners in &t {
+            ascii.push_str(" facet normal 0 0 0\n  outer loop\n");
+            binary.extend([0u8; 12]);
+            for c in corners {
+                let x = v[*c];
+                writeln!(ascii, "   vertex {} {} {}", x[0], x[1], x[2]).unwrap();
+                binary.extend(x.iter().flat_map(|c| (*c as f32).to_le_bytes()));
+            }
+            ascii.push_str("  endloop\n endfacet\n");
+            binary.extend([0u8; 2]);
+        }
+        ascii.push_str("endsolid\n");
+        let named = ascii.replace("solid\n", "solid a box\n");
+        for (name, content) in [
+            ("nameless.stl", ascii.as_bytes()),
+            ("named.stl", named.as_bytes()),
+            ("binary.stl", binary.as_slice()),
+        ] {
+            let solid = TriangleMesh::read_stl(file(name, content), 1e-3).unwrap();
+            assert_eq!((solid.vertices().len(), solid.triangles().len()), (8, 12), "{name}");
+            assert!((solid.measure().unwrap() / 24e-9 - 1.0).abs() < 1e-12, "{name}");
+        }
+        for (name, content) in [("short.stl", &binary[..300]), ("text.stl", b"hello"), ("none.stl", b"")] {
+            let refused = TriangleMesh::read_stl(file(name, content), 1.0);
+            assert!(matches!(refused, Err(GeometryError::File { .. })), "{name}: {refused:?}");
+        }
+        let missing = TriangleMesh::read_stl("/nowhere/at/all.stl", 1.0).unwrap_err();
+        assert!(missing.to_string().starts_with("cannot read /nowhere/at/all.stl: "));
+        let unit = TriangleMesh::read_stl("any", 0.0).unwrap_err();
+        assert!(matches!(unit, GeometryError::Parameter { field: "unit", .. }));
+    }
+
+    #[test]
+    fn obj_files_with_quads_and_groups_are_read() {
+        let (v, _) = raw_box([0.0; 3], [2.0, 3.0, 4.0]);
+        let mut text = String::from("# a box\n");
+        for x in &v {
+            writeln!(text, "v {} {} {}", x[0], x[1], x[2]).unwrap();
+        }
+        text.push_str("vn 0 0 1\ng bottom\nf 1//1 3//1 4//1 2//1\ng rest\nf 5 6 8 7\nf 1 2 6 5\n");
+        text.push_str("f 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n");
+        let solid = TriangleMesh::read_obj(file("box.obj", text.as_bytes()), 1e-3).unwrap();
+        assert_eq!((solid.vertices().len(), solid.triangles().len()), (8, 12));
+        assert!((solid.measure().unwrap() / 24e-9 - 1.0).abs() < 1e-12);
+        let open = text.replace("f 2 4 8 6\n", "");
+        let refused = TriangleMesh::read_obj(file("open.obj", open.as_bytes()), 1.0).unwrap_err();
+        assert_eq!(refused, GeometryError::OpenMesh { open_edges: 4 });
+        let bad = TriangleMesh::read_obj(file("bad.obj", b"v 1 2\nf 1 2 3\n"), 1.0);
+        assert!(matches!(bad, Err(GeometryError::File { .. })));
+    }
+}
+
+/// Three million particles in a mesh: `cargo test --release -- --ignored`.
+#[test]
+#[ignore = "a matter of time"]
+fn three_million_particles_are_quick_in_a_mesh() {
+    let start = std::time::Instant::now();
+    let globe = mesh(raw_revolved(&sphere_profile(200), 400));
+    println!("{} triangles prepared in {:?}", globe.triangles().len(), start.elapsed());
+    let lattice = Lattice::new([0.001, 0.002, 0.0], 2.0 / 90.0).unwrap();
+    let knife = HalfSpace::new([0.3, 0.0, 0.6], [1.0, 0.3, -0.5]).unwrap();
+    for filling in [Filling::new(), Filling::new().partial(4, 0.1), Filling::new().jittered(1, 1.0)] {
+        for shape in [&globe as &dyn Shape<3>, &(&globe).and(knife)] {
+            let start = std::time::Instant::now();
+            let seeds = fill(shape, &lattice, 2, &filling).unwrap();
+            println!("{} particles in {:?}: {filling:?}", seeds.len(), start.elapsed());
+        }
+    }
+}
