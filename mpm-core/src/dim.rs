@@ -20,7 +20,9 @@ pub const fn neighbours(d: usize) -> usize {
 }
 
 /// An array whose length a trait knows.
-pub trait Array<X>: Copy + Send + Index<usize, Output = X> + IndexMut<usize> + AsRef<[X]> + AsMut<[X]> {
+pub trait Array<X>:
+    Copy + Send + Index<usize, Output = X> + IndexMut<usize> + AsRef<[X]> + AsMut<[X]>
+{
     /// Every element `x`.
     fn filled(x: X) -> Self;
 }

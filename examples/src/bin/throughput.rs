@@ -47,7 +47,11 @@ fn main() {
         run(mpm, threads, steps);
     }
 }
-fn run<M: Composition<f64, 3>, G: GridStorage<f64, 3>>(mut mpm: Mpm<f64, 3, M, G>, threads: usize, steps: usize) {
+fn run<M: Composition<f64, 3>, G: GridStorage<f64, 3>>(
+    mut mpm: Mpm<f64, 3, M, G>,
+    threads: usize,
+    steps: usize,
+) {
     mpm.set_team(Team::new(threads).unwrap());
     mpm.set_time_control(TimeControl::Fixed(0.19)).unwrap();
     let before = mpm.totals();

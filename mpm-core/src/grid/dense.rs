@@ -18,7 +18,9 @@ pub struct DenseGrid<T, const D: usize> {
 
 /// A box that is no box.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("the box of a dense grid needs `low` < `high` along axis {axis}; got {low} and {high} (node indices)")]
+#[error(
+    "the box of a dense grid needs `low` < `high` along axis {axis}; got {low} and {high} (node indices)"
+)]
 pub struct EmptyBox {
     axis: usize,
     low: i32,

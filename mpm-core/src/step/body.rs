@@ -401,10 +401,8 @@ where
     ) -> (Vec<T>, Result<C::State<T::Single>, usize>) {
         let mut numbers = Vec::with_capacity(self.columns.count());
         block.read(bin, index, &mut numbers);
-        let state: Vec<T::Single> = numbers[Columns::state(D)..self.columns.domain()]
-            .iter()
-            .map(|&x| T::Single::from(x))
-            .collect();
+        let state: Vec<T::Single> =
+            numbers[Columns::state(D)..self.columns.domain()].iter().map(|&x| T::Single::from(x)).collect();
         let state = mpm_materials::point::unflatten(&state);
         (numbers, state)
     }
@@ -485,8 +483,7 @@ where
         if changed {
             self.link_slots();
         }
-        let outboxes: Vec<Outbox<T>> =
-            self.slots.iter_mut().map(|s| std::mem::take(&mut s.outbox)).collect();
+        let outboxes: Vec<Outbox<T>> = self.slots.iter_mut().map(|s| std::mem::take(&mut s.outbox)).collect();
         match which {
             Which::First => self.take_in::<<M::Update as StressUpdate>::First>(&outboxes, team),
             _ => self.take_in::<<M::Update as StressUpdate>::Second>(&outboxes, team),

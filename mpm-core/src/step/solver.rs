@@ -71,7 +71,9 @@ pub enum SceneError {
     #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
     Empty(String),
     /// A body's particles are too large for the shape function.
-    #[error("body `{body}`: particle half size {half} h along axis {axis} is not allowed; it must be in (0, 0.5]")]
+    #[error(
+        "body `{body}`: particle half size {half} h along axis {axis} is not allowed; it must be in (0, 0.5]"
+    )]
     HalfSize {
         /// The body.
         body: String,
@@ -84,7 +86,9 @@ pub enum SceneError {
     #[error("body `{0}`: {1}")]
     Outside(String, OutsideGrid),
     /// A body of revolution across its axis.
-    #[error("body `{body}`: a seed at r = {r} m is not allowed in axisymmetric coordinates; r must be positive")]
+    #[error(
+        "body `{body}`: a seed at r = {r} m is not allowed in axisymmetric coordinates; r must be positive"
+    )]
     BehindAxis {
         /// The body.
         body: String,
@@ -92,7 +96,9 @@ pub enum SceneError {
         r: f64,
     },
     /// More particles than their numbers can count in this precision.
-    #[error("body `{body}`: {count} particles are too many; numbers are exact up to {most} in this precision")]
+    #[error(
+        "body `{body}`: {count} particles are too many; numbers are exact up to {most} in this precision"
+    )]
     TooMany {
         /// The body.
         body: String,
@@ -285,9 +291,8 @@ where
             changed |= body.locate(last, prune, &self.team);
         }
         if changed {
-            self.arrange().map_err(|outside| {
-                self.stopped(Stopped::Outside { body: self.names(), outside })
-            })?;
+            self.arrange()
+                .map_err(|outside| self.stopped(Stopped::Outside { body: self.names(), outside }))?;
         }
         self.time += dt.to_double();
         self.steps += 1;

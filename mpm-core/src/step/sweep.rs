@@ -477,7 +477,14 @@ fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: usize) {
                 let a = records[AFFINE + d][c];
                 records[MOMENTUM][c] += a * shift;
             }
-            let at = (rest % BLOCK) as i32 + if shift > half { 1 } else if shift < -half { -1 } else { 0 };
+            let at = (rest % BLOCK) as i32
+                + if shift > half {
+                    1
+                } else if shift < -half {
+                    -1
+                } else {
+                    0
+                };
             rest /= BLOCK;
             let (block_shift, place) = crate::particles::split(at);
             to += (block_shift + 1) as usize * weight;
@@ -558,11 +565,8 @@ where
                 }
                 let mut at: AxisWeights<A::Pack, ExtentOf<M, T, D>> = AxisWeights::zero();
                 for d in 0..D {
-                    let half = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                        numbers[domain + d]
-                    } else {
-                        common.half[d]
-                    };
+                    let half =
+                        if ShapeOf::<M, T, D>::CARRIES_DOMAIN { numbers[domain + d] } else { common.half[d] };
                     let xi = A::Pack::splat(numbers[Columns::position() + d]);
                     at.weights[d] = method.shape().weights(xi, A::Pack::splat(half));
                 }

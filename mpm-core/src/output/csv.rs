@@ -1,0 +1,144 @@
+//! Histories: a row of numbers an instant, in a CSV file that anything reads.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::{OutputError, check_name};
+
+/// A column of a [`History`]: what it is and its unit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Column {
+    /// What it is, such as "length".
+    pub name: String,
+    /// Its unit, such as "m"; "" or "-" if it has none.
+    pub unit: String,
+}
+
+impl Column {
+    /// A column called `name` in `unit` ("-" if it has none).
+    #[must_use]
+    pub fn new(name: impl Into<String>, unit: impl Into<String>) -> Self {
+        Self { name: name.into(), unit: unit.into() }
+    }
+
+    /// As in the header: `length [m]`.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let unit = if self.unit.is_empty() { "-" } else { &self.unit };
+        format!("{} [{unit}]", self.name)
+    }
+}
+
+impl From<(&str, &str)> for Column {
+    fn from((name, unit): (&str, &str)) -> Self {
+        Self::new(name, unit)
+    }
+}
+
+/// A CSV file that grows by a row an instant and is flushed after each, so that it can be watched while the
+/// run goes on. Numbers are written in the shortest form that reads back to the same bits.
+///
+/// ```
+/// use mpm_core::output::History;
+/// # let folder = std::env::temp_dir().join("impactite-doc-history");
+/// # std::fs::create_dir_all(&folder)?;
+/// # let path = folder.join("bar.csv");
+/// let mut history = History::create(&path, [("time", "s"), ("length", "m")])?;
+/// history.push(&[0.0, 0.0324])?;
+/// history.push(&[1.0e-6, 0.0322])?;
+/// assert_eq!(std::fs::read_to_string(&path)?, "time [s],length [m]\n0,0.0324\n1e-6,0.0322\n");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct History {
+    path: PathBuf,
+    columns: Vec<Column>,
+    file: BufWriter<File>,
+    rows: usize,
+}
+
+impl History {
+    /// Create (or replace) the file at `path` and write its header.
+    ///
+    /// # Errors
+    /// No column, a name that is empty or used twice, or a file that cannot be created.
+    pub fn create<C: Into<Column>>(
+        path: impl AsRef<Path>,
+        columns: impl IntoIterator<Item = C>,
+    ) -> Result<Self, OutputError> {
+        let path = path.as_ref().to_path_buf();
+        let columns: Vec<Column> = columns.into_iter().map(Into::into).collect();
+        if columns.is_empty() {
+            return Err(OutputError::value("number of columns", 0, "at least 1"));
+        }
+        for (i, column) in columns.iter().enumerate() {
+            check_name("a column", &column.name)?;
+            if columns[..i].iter().any(|c| c.name == column.name) {
+                let name = column.name.clone();
+                return Err(OutputError::Name { what: "a column", name, why: "each name may be used once" });
+            }
+        }
+        let file = File::create(&path).map_err(OutputError::file("create", &path))?;
+        let mut history = Self { path, columns, file: BufWriter::new(file), rows: 0 };
+        let header: Vec<String> = history.columns.iter().map(|c| quoted(&c.title())).collect();
+        history.write_line(&header.join(","))?;
+        Ok(history)
+    }
+
+    /// Append a row, one number a column, and flush.
+    ///
+    /// # Errors
+    /// A row of the wrong length (nothing is written), or a full disk.
+    pub fn push(&mut self, row: &[f64]) -> Result<(), OutputError> {
+        if row.len() != self.columns.len() {
+            return Err(OutputError::Length {
+                what: format!("row {} of `{}`", self.rows, self.path.display()),
+                found: row.len(),
+                expected: self.columns.len(),
+            });
+        }
+        let line: Vec<String> = row.iter().map(|x| number(*x)).collect();
+        self.write_line(&line.join(","))?;
+        self.rows += 1;
+        Ok(())
+    }
+
+    /// The columns.
+    #[must_use]
+    pub fn columns(&self) -> &[Column] {
+        &self.columns
+    }
+
+    /// How many rows were written.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Where the file is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn write_line(&mut self, line: &str) -> Result<(), OutputError> {
+        let written = writeln!(self.file, "{line}").and_then(|()| self.file.flush());
+        written.map_err(OutputError::file("write", &self.path))
+    }
+}
+
+/// The shortest text that reads back to the same bits: `0.0324`, `1e-6`, `NaN`.
+fn number(x: f64) -> String {
+    let size = x.abs();
+    if x == 0.0 || (1.0e-4..1.0e7).contains(&size) || !x.is_finite() {
+        format!("{x}")
+    } else {
+        format!("{x:e}")
+    }
+}
+
+/// Quote a header that holds a comma or a quotation mark.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_string() }
+}

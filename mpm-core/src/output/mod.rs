@@ -1,0 +1,128 @@
+//! What leaves a run: pictures, ParaView files and histories.
+//!
+//! Everything here works on a [`Snapshot`] (or plain columns of numbers) and knows nothing of solvers, so that
+//! any particle method can draw itself:
+//!
+//! | module | writes | read by |
+//! |---|---|---|
+//! | [`vtk`] | one `.vtp` file an instant and a `.pvd` time series | ParaView, VisIt, PyVista |
+//! | [`csv`] | histories, one row an instant | everything |
+//! | [`picture`] | shaded particles, flat fields, line charts and panels of them as PNG | people |
+//! | [`progress`] | a progress bar on the terminal | people who wait |
+//!
+//! All numbers are SI; pictures and tables convert at the last moment through [`picture::Quantity`] or an
+//! [`picture::Axis`] that names its unit. Bad input is refused with an [`OutputError`] that says which field
+//! was wrong, what it was and what would have been allowed.
+
+use std::path::{Path, PathBuf};
+
+pub mod csv;
+pub mod picture;
+pub mod progress;
+mod snapshot;
+pub mod vtk;
+
+pub use csv::{Column, History};
+pub use progress::Progress;
+pub use snapshot::{FieldValues, ParticleSize, Snapshot};
+pub use vtk::{Precision, VtkOptions, VtkSeries};
+
+/// Why something could not be drawn or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum OutputError {
+    /// The operating system refused to create, write, flush or rename a file.
+    #[error("cannot {action} `{}`: {source}", path.display())]
+    File {
+        /// What was tried: "create", "write", "rename to".
+        action: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// The PNG encoder failed.
+    #[error("cannot encode `{}` as PNG: {source}", path.display())]
+    Png {
+        /// The picture's file.
+        path: PathBuf,
+        /// What the encoder said.
+        source: png::EncodingError,
+    },
+    /// A column is not as long as there are particles, points or columns.
+    #[error("{what} has {found} values, expected {expected}")]
+    Length {
+        /// Which column.
+        what: String,
+        /// Its length.
+        found: usize,
+        /// The length it must have.
+        expected: usize,
+    },
+    /// A name that is empty, used twice or holds a forbidden character.
+    #[error("name {name:?} of {what} is not allowed: {why}")]
+    Name {
+        /// What was named.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// What would have been allowed.
+        why: &'static str,
+    },
+    /// A field that the snapshot does not hold.
+    #[error("no {kind} field {name:?} in the snapshot; it has {available}")]
+    NoSuchField {
+        /// "scalar", "vector" or "tensor".
+        kind: &'static str,
+        /// The name asked for.
+        name: String,
+        /// The names of that kind that exist.
+        available: String,
+    },
+    /// A number outside what makes sense.
+    #[error("{what} = {value} is not allowed: {allowed}")]
+    Value {
+        /// Which number.
+        what: String,
+        /// The number as given.
+        value: String,
+        /// What would have been allowed.
+        allowed: &'static str,
+    },
+}
+
+impl OutputError {
+    /// A number outside what makes sense.
+    pub(crate) fn value(what: impl Into<String>, value: impl ToString, allowed: &'static str) -> Self {
+        Self::Value { what: what.into(), value: value.to_string(), allowed }
+    }
+
+    /// For `map_err`: the operating system refused `action` on `path`.
+    pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        move |source| Self::File { action, path: path.to_path_buf(), source }
+    }
+}
+
+/// Check a name that ends up in a file: not empty, no control characters, no surrounding blanks.
+pub(crate) fn check_name(what: &'static str, name: &str) -> Result<(), OutputError> {
+    let refuse = |why| Err(OutputError::Name { what, name: name.to_string(), why });
+    if name.trim().is_empty() {
+        refuse("it must not be empty")
+    } else if name.trim() != name {
+        refuse("it must not begin or end with a blank")
+    } else if name.chars().any(char::is_control) {
+        refuse("it must not hold control characters")
+    } else {
+        Ok(())
+    }
+}
+
+/// Write a whole file so that readers see the old one or the new one, never half: through a temporary file
+/// beside it and a rename.
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
+    let mut name = path.file_name().unwrap_or_default().to_os_string();
+    name.push(".part");
+    let part = path.with_file_name(name);
+    std::fs::write(&part, bytes).map_err(OutputError::file("write", &part))?;
+    std::fs::rename(&part, path).map_err(OutputError::file("rename to", path))
+}

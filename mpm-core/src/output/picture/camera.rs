@@ -1,0 +1,213 @@
+//! Where one looks from, mirrors and cuts.
+
+use super::super::{OutputError, Snapshot};
+
+/// A symmetry plane normal to an axis, across which a picture repeats the particles.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mirror {
+    /// The axis normal to the plane: 0 is x, 1 is y, 2 is z.
+    pub axis: usize,
+    /// Where the plane cuts that axis, m.
+    pub at: f64,
+}
+
+impl Mirror {
+    /// The plane x = `at` (m).
+    #[must_use]
+    pub fn x(at: f64) -> Self {
+        Self { axis: 0, at }
+    }
+    /// The plane y = `at` (m).
+    #[must_use]
+    pub fn y(at: f64) -> Self {
+        Self { axis: 1, at }
+    }
+    /// The plane z = `at` (m).
+    #[must_use]
+    pub fn z(at: f64) -> Self {
+        Self { axis: 2, at }
+    }
+
+    /// All copies of a point under a list of planes, itself first.
+    pub(crate) fn copies(mirrors: &[Self], point: [f64; 3], copies: &mut Vec<[f64; 3]>) {
+        copies.clear();
+        copies.push(point);
+        for mirror in mirrors {
+            for i in 0..copies.len() {
+                let mut copy = copies[i];
+                copy[mirror.axis] = 2.0 * mirror.at - copy[mirror.axis];
+                copies.push(copy);
+            }
+        }
+    }
+
+    pub(crate) fn check(mirrors: &[Self]) -> Result<(), OutputError> {
+        for mirror in mirrors {
+            if mirror.axis > 2 {
+                return Err(OutputError::value("axis of a mirror", mirror.axis, "0, 1 or 2"));
+            }
+            if !mirror.at.is_finite() {
+                return Err(OutputError::value("place of a mirror", mirror.at, "a finite length in m"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A plane that cuts the picture open: particles beyond it, on the side its normal points to, are left out.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cut {
+    /// The normal, pointing to what is taken away; any length.
+    pub normal: [f64; 3],
+    /// A point of the plane, m.
+    pub through: [f64; 3],
+}
+
+impl Cut {
+    pub(crate) fn removes(&self, x: [f64; 3]) -> bool {
+        dot(self.normal, sub(x, self.through)) > 0.0
+    }
+}
+
+/// Where one looks from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    from: [f64; 3],
+    at: [f64; 3],
+    up: [f64; 3],
+    width: f64,
+    height: f64,
+    perspective: bool,
+}
+
+impl Camera {
+    /// Look from a point at another (m), with `up` (any length) upwards on the picture; `width` (m) of the plane
+    /// through `at` is seen. Lines of sight are parallel until
+    /// [`with_perspective`](Self::with_perspective).
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a width that is not positive, `from` equal to `at`, or `up` along the line
+    /// of sight.
+    pub fn looking(from: [f64; 3], at: [f64; 3], up: [f64; 3], width: f64) -> Result<Self, OutputError> {
+        if from.iter().chain(&at).chain(&up).any(|x| !x.is_finite()) {
+            return Err(OutputError::value("camera", format!("{from:?}, {at:?}, {up:?}"), "finite numbers"));
+        }
+        if !(width.is_finite() && width > 0.0) {
+            return Err(OutputError::value("camera width", width, "a finite, positive length in m"));
+        }
+        let toward = sub(from, at);
+        let side = cross(up, toward);
+        if dot(side, side) <= 1e-20 * dot(up, up) * dot(toward, toward) {
+            let given = format!("from {from:?} at {at:?}, up {up:?}");
+            return Err(OutputError::value(
+                "camera",
+                given,
+                "two different points, and up not along their line",
+            ));
+        }
+        Ok(Self { from, at, up, width, height: 0.0, perspective: false })
+    }
+
+    /// Frame a snapshot and its mirror copies, seen from the direction `toward` (from the matter to the eye, any
+    /// length).
+    ///
+    /// # Errors
+    /// A snapshot without particles at finite places, or directions as refused by [`looking`](Self::looking).
+    pub fn fit(
+        snapshot: &Snapshot,
+        mirrors: &[Mirror],
+        toward: [f64; 3],
+        up: [f64; 3],
+    ) -> Result<Self, OutputError> {
+        Mirror::check(mirrors)?;
+        let draft = Self::looking(toward, [0.0; 3], up, 1.0)?;
+        let [right, top, out] = draft.basis();
+        let mut lo = [f64::INFINITY; 3];
+        let mut hi = [f64::NEG_INFINITY; 3];
+        let mut copies = Vec::new();
+        for (i, x) in snapshot.positions().iter().enumerate() {
+            if x.iter().any(|c| !c.is_finite()) {
+                continue;
+            }
+            let half = 0.75 * snapshot.size_of(i);
+            Mirror::copies(mirrors, *x, &mut copies);
+            for x in &copies {
+                for (d, axis) in [right, top, out].into_iter().enumerate() {
+                    let place = dot(axis, *x);
+                    lo[d] = lo[d].min(place - half);
+                    hi[d] = hi[d].max(place + half);
+                }
+            }
+        }
+        if lo[0] > hi[0] {
+            return Err(OutputError::value(
+                "number of particles to frame",
+                0,
+                "at least 1, at a finite place",
+            ));
+        }
+        let mid = [0, 1, 2].map(|d| 0.5 * (lo[d] + hi[d]));
+        let at = [0, 1, 2].map(|c| right[c] * mid[0] + top[c] * mid[1] + out[c] * mid[2]);
+        let span = (0..3).map(|d| hi[d] - lo[d]).fold(0.0, f64::max);
+        let from = [0, 1, 2].map(|c| at[c] + 3.5 * span * out[c]);
+        let (width, height) = (hi[0] - lo[0], hi[1] - lo[1]);
+        Ok(Self { from, at, up, width, height, perspective: false })
+    }
+
+    /// Lines of sight meet at `from`: what is near is larger.
+    #[must_use]
+    pub fn with_perspective(self) -> Self {
+        Self { perspective: true, ..self }
+    }
+
+    /// Show more (`factor` < 1) or less (> 1) of the scene.
+    #[must_use]
+    pub fn zoomed(self, factor: f64) -> Self {
+        Self { width: self.width / factor, height: self.height / factor, ..self }
+    }
+
+    /// Whether lines of sight meet.
+    pub(crate) fn is_perspective(&self) -> bool {
+        self.perspective
+    }
+
+    /// Unit vectors to the right, upwards and to the eye.
+    pub(crate) fn basis(&self) -> [[f64; 3]; 3] {
+        let out = unit(sub(self.from, self.at));
+        let right = unit(cross(self.up, out));
+        [right, cross(out, right), out]
+    }
+
+    pub(crate) fn target(&self) -> [f64; 3] {
+        self.at
+    }
+
+    /// Distance from the eye to the plane that is seen in true size, m.
+    pub(crate) fn distance(&self) -> f64 {
+        let d = sub(self.from, self.at);
+        dot(d, d).sqrt()
+    }
+
+    /// Pixels a metre in a view of that many pixels.
+    pub(crate) fn pixels_per_metre(&self, width: f64, height: f64) -> f64 {
+        let across = width / self.width;
+        if self.height > 0.0 { across.min(height / self.height) } else { across }
+    }
+}
+
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+pub(crate) fn unit(a: [f64; 3]) -> [f64; 3] {
+    let length = dot(a, a).sqrt();
+    a.map(|x| x / length)
+}

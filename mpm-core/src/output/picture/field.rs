@@ -1,0 +1,293 @@
+//! Flat fields: particles in the plane, true to scale, between numbered axes.
+
+use super::super::{OutputError, Snapshot};
+use super::axis::{FAINT, Frame, INK, PAPER, Scale, axis_title};
+use super::camera::Mirror;
+use super::canvas::{Pen, Picture};
+use super::colour::Rgb;
+use super::quantity::{Quantity, colours_of};
+
+/// How a particle in the plane is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Mark {
+    /// A square of the particle's size; where neighbours have moved apart or together, each point belongs to
+    /// the nearest of them, so that matter looks like matter.
+    #[default]
+    Cell,
+    /// A square of the particle's size.
+    Square,
+    /// A disc whose diameter is the particle's size.
+    Disc,
+}
+
+/// A picture of a two-dimensional snapshot: one unit of length is the same along both axes.
+///
+/// ```no_run
+/// # fn main() -> Result<(), mpm_core::output::OutputError> {
+/// # let axisymmetric: mpm_core::output::Snapshot = todo!();
+/// use mpm_core::output::picture::{ColourMap, FieldPicture, Mirror, Quantity};
+/// FieldPicture::new(900, 900)
+///     .title("Axisymmetric bar")
+///     .colour_by(Quantity::scalar("pressure").unit("GPa", 1.0e-9).map(ColourMap::CoolWarm))
+///     .mirrored([Mirror::x(0.0)]) // both halves
+///     .axes("r", "z")
+///     .draw(&axisymmetric)?
+///     .save("bar.png")
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct FieldPicture {
+    width: usize,
+    height: usize,
+    title: String,
+    caption: String,
+    quantity: Option<Quantity>,
+    mirrors: Vec<Mirror>,
+    mark: Mark,
+    scale: f64,
+    axes: [String; 2],
+    bounds: Option<[[f64; 2]; 2]>,
+    letters: Option<f32>,
+}
+
+impl FieldPicture {
+    /// A picture of that many pixels, framed to fit, in colour by body.
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
+        Self {
+            width,
+            height,
+            title: String::new(),
+            caption: String::new(),
+            quantity: None,
+            mirrors: Vec::new(),
+            mark: Mark::Cell,
+            scale: 1.0,
+            axes: ["x".to_string(), "y".to_string()],
+            bounds: None,
+            letters: None,
+        }
+    }
+
+    /// A title at the top.
+    #[must_use]
+    pub fn title(self, title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..self }
+    }
+
+    /// A line at the bottom.
+    #[must_use]
+    pub fn caption(self, caption: impl Into<String>) -> Self {
+        Self { caption: caption.into(), ..self }
+    }
+
+    /// What gives the colour.
+    #[must_use]
+    pub fn colour_by(self, quantity: Quantity) -> Self {
+        Self { quantity: Some(quantity), ..self }
+    }
+
+    /// Repeat the particles across symmetry lines (planes normal to x or y).
+    #[must_use]
+    pub fn mirrored(self, mirrors: impl IntoIterator<Item = Mirror>) -> Self {
+        Self { mirrors: mirrors.into_iter().collect(), ..self }
+    }
+
+    /// How a particle is drawn.
+    #[must_use]
+    pub fn mark(self, mark: Mark) -> Self {
+        Self { mark, ..self }
+    }
+
+    /// Particles are drawn this much larger than they are.
+    #[must_use]
+    pub fn particle_scale(self, scale: f64) -> Self {
+        Self { scale, ..self }
+    }
+
+    /// What the axes are called.
+    #[must_use]
+    pub fn axes(self, x: impl Into<String>, y: impl Into<String>) -> Self {
+        Self { axes: [x.into(), y.into()], ..self }
+    }
+
+    /// Show the box between two corners (m), for series of pictures that must not move.
+    #[must_use]
+    pub fn bounds(self, low: [f64; 2], high: [f64; 2]) -> Self {
+        Self { bounds: Some([low, high]), ..self }
+    }
+
+    /// The size of letters, pixels; without this it follows the picture's.
+    #[must_use]
+    pub fn letters(self, size: f32) -> Self {
+        Self { letters: Some(size), ..self }
+    }
+
+    /// Draw a snapshot.
+    ///
+    /// # Errors
+    /// A three-dimensional snapshot, a field that does not exist, a snapshot without particles at finite places
+    /// (unless bounds are given), or bounds and ranges that make no sense.
+    pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
+        if snapshot.dimension() != 2 {
+            let allowed = "2; a snapshot in space is drawn by ParticlePicture";
+            return Err(OutputError::value("dimension", snapshot.dimension(), allowed));
+        }
+        Mirror::check(&self.mirrors)?;
+        if let Some(mirror) = self.mirrors.iter().find(|m| m.axis > 1) {
+            return Err(OutputError::value("axis of a mirror", mirror.axis, "0 or 1 in a flat picture"));
+        }
+        if !(self.scale.is_finite() && self.scale > 0.0) {
+            return Err(OutputError::value("particle scale", self.scale, "finite and positive"));
+        }
+        let mut picture = Picture::new(self.width, self.height, PAPER)?;
+        let (colours, range) = colours_of(self.quantity.as_ref(), snapshot)?;
+        let [low, high] = self.shown(snapshot)?;
+
+        // Room for titles, axes and the colour bar.
+        let size = self.letters.unwrap_or_else(|| super::letters(self.width, self.height));
+        let (w, h) = (self.width as f32, self.height as f32);
+        let (mut top, mut bottom, mut right) = (1.1 * size, h - 0.9 * size, w - 1.1 * size);
+        let title_at = top + 1.1 * size;
+        if !self.title.is_empty() {
+            top += 2.2 * size;
+        }
+        let caption_at = bottom - 0.1 * size;
+        if !self.caption.is_empty() {
+            bottom -= 1.7 * size;
+        }
+        let (unit, factor) = super::length_unit((high[0] - low[0]).max(high[1] - low[1]));
+        let scale = |d: usize| Scale::new(low[d] * factor, high[d] * factor, false);
+        let (sx, sy) = (scale(0), scale(1));
+        bottom -= Frame::bottom_room(size);
+        let y_ticks = sy.ticks(7);
+        let left = 0.9 * size + Frame::left_room(&y_ticks, size);
+        let bar = self.quantity.as_ref().zip(range).map(|(quantity, scale)| quantity.bar(scale));
+        let bar_room = bar.as_ref().map_or(0.0, |bar| bar.room(size) + 0.8 * size);
+        right -= bar_room;
+
+        // The same scale both ways, centred in what room there is.
+        let spans = [(sx.high - sx.low) as f32, (sy.high - sy.low) as f32];
+        let (room_x, room_y) = ((right - left).max(8.0), (bottom - top).max(8.0));
+        let per_unit = (room_x / spans[0]).min(room_y / spans[1]);
+        let (across, down) = ((spans[0] * per_unit).round(), (spans[1] * per_unit).round());
+        let x0 = (left + 0.5 * (room_x - across)).round();
+        let y0 = (top + 0.5 * (room_y - down)).round();
+        let frame = Frame { left: x0, top: y0, right: x0 + across, bottom: y0 + down, x: sx, y: sy };
+        let x_ticks = sx.ticks(((across / (4.5 * size)) as usize).clamp(2, 8));
+        let y_ticks = if down < 12.0 * size { sy.ticks(3) } else { y_ticks };
+
+        self.fill(snapshot, &colours, &frame, factor, &mut picture);
+        let titles =
+            [axis_title(&self.axes[0], unit, x_ticks.power), axis_title(&self.axes[1], unit, y_ticks.power)];
+        frame.draw(&mut picture, [&x_ticks, &y_ticks], [&titles[0], &titles[1]], size);
+        if let Some(bar) = bar {
+            let middle = 0.5 * (frame.top + frame.bottom);
+            let half = (0.5 * down).max(5.0 * size).min(0.5 * (bottom - top));
+            bar.draw(&mut picture, frame.right + 1.0 * size, middle - half, middle + half, size);
+        }
+        let middle = 0.5
+            * (frame.left + frame.right + if bar_room > 0.0 { bar_room } else { 0.0 } - left + 1.1 * size);
+        let middle = if bar_room > 0.0 { middle } else { 0.5 * (frame.left + frame.right) };
+        if !self.title.is_empty() {
+            let pen = Pen::new(1.3 * size, INK).bold().centred();
+            let half = 0.5 * pen.width(&self.title) + 0.4 * size;
+            picture.text(&self.title, [middle.max(half).min(w - half), title_at], &pen);
+        }
+        if !self.caption.is_empty() {
+            let pen = Pen::new(size, FAINT).centred();
+            let half = 0.5 * pen.width(&self.caption) + 0.4 * size;
+            picture.text(&self.caption, [middle.max(half).min(w - half), caption_at], &pen);
+        }
+        Ok(picture)
+    }
+
+    /// The box to show, m.
+    fn shown(&self, snapshot: &Snapshot) -> Result<[[f64; 2]; 2], OutputError> {
+        if let Some([low, high]) = self.bounds {
+            let good = (0..2).all(|d| low[d].is_finite() && high[d].is_finite() && low[d] < high[d]);
+            return if good {
+                Ok([low, high])
+            } else {
+                let given = format!("{low:?} to {high:?}");
+                Err(OutputError::value("bounds of the picture", given, "finite corners, low < high"))
+            };
+        }
+        let Some((low, high)) = snapshot.bounds() else {
+            let allowed = "at least 1, at a finite place (or give bounds)";
+            return Err(OutputError::value("number of particles to frame", 0, allowed));
+        };
+        let mut corners = Vec::new();
+        let (mut lo, mut hi) = ([low[0], low[1]], [high[0], high[1]]);
+        for corner in [low, high] {
+            Mirror::copies(&self.mirrors, corner, &mut corners);
+            for copy in &corners {
+                for d in 0..2 {
+                    lo[d] = lo[d].min(copy[d]);
+                    hi[d] = hi[d].max(copy[d]);
+                }
+            }
+        }
+        let pad = 0.03 * (hi[0] - lo[0]).max(hi[1] - lo[1]);
+        Ok([lo.map(|x| x - pad), hi.map(|x| x + pad)])
+    }
+
+    /// Draw the particles at twice the resolution and average.
+    fn fill(&self, snapshot: &Snapshot, colours: &[Rgb], frame: &Frame, factor: f64, picture: &mut Picture) {
+        const FINE: usize = 3;
+        let columns = (frame.right - frame.left).max(0.0) as usize * FINE;
+        let rows = (frame.bottom - frame.top).max(0.0) as usize * FINE;
+        let mut nearest = vec![f32::INFINITY; columns * rows];
+        let mut colour = vec![PAPER; columns * rows];
+        let per_metre = factor * columns as f64 / (frame.x.high - frame.x.low);
+        let mut copies = Vec::new();
+        for (i, x) in snapshot.positions().iter().enumerate() {
+            if !(x[0].is_finite() && x[1].is_finite()) {
+                continue;
+            }
+            let half = (0.5 * snapshot.size_of(i) * self.scale * per_metre).max(0.5) as f32;
+            // Cells reach over to their neighbours; the nearest wins.
+            let reach = if self.mark == Mark::Cell { 1.3 * half } else { half };
+            Mirror::copies(&self.mirrors, *x, &mut copies);
+            for x in &copies {
+                let cx = ((x[0] * factor - frame.x.low) / factor * per_metre) as f32;
+                let cy = ((frame.y.high - x[1] * factor) / factor * per_metre) as f32;
+                let range = |c: f32, n: usize| {
+                    let low = (c - reach + 0.5).floor().max(0.0) as usize;
+                    low..((c + reach + 0.5).floor().max(0.0) as usize).min(n)
+                };
+                for y in range(cy, rows) {
+                    let dy = y as f32 + 0.5 - cy;
+                    for x in range(cx, columns) {
+                        let dx = x as f32 + 0.5 - cx;
+                        let distance = dx * dx + dy * dy;
+                        let at = y * columns + x;
+                        if distance < nearest[at] && (self.mark != Mark::Disc || distance <= half * half) {
+                            nearest[at] = distance;
+                            colour[at] = colours[i];
+                        }
+                    }
+                }
+            }
+        }
+        let (left, top) = (frame.left as usize, frame.top as usize);
+        let width = picture.width();
+        let pixels = picture.pixels_mut();
+        for py in 0..rows / FINE {
+            for px in 0..columns / FINE {
+                let mut sum = [0_u32; 3];
+                for y in py * FINE..(py + 1) * FINE {
+                    for sample in &colour[y * columns + px * FINE..][..FINE] {
+                        for c in 0..3 {
+                            sum[c] += u32::from(sample[c]);
+                        }
+                    }
+                }
+                let all = (FINE * FINE) as u32;
+                if let Some(pixel) = pixels.get_mut((top + py) * width + left + px) {
+                    *pixel = sum.map(|s| ((s + all / 2) / all) as u8);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,69 @@
+//! Pictures as PNG: shaded particles in space, flat fields, line charts, and panels of them.
+//!
+//! Nothing but the processor is needed: no window, no graphics card, no font files. Letters are those of the
+//! typeface Inter (SIL Open Font License, see `fonts/OFL.txt`).
+//!
+//! ```
+//! use mpm_core::output::picture::{ColourMap, ParticlePicture, Quantity};
+//! use mpm_core::output::{ParticleSize, Snapshot};
+//! # let folder = std::env::temp_dir().join("impactite-doc-picture");
+//! # std::fs::create_dir_all(&folder)?;
+//! let positions = (0..8).map(|i| [(i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64]).collect();
+//! let cube = Snapshot::new(3, 0.0, 0, positions, ParticleSize::Uniform(1.0))?
+//!     .with_scalar("temperature", (0..8).map(|i| 300.0 + 10.0 * f64::from(i)).collect())?;
+//! ParticlePicture::new(400, 300)
+//!     .title("Eight particles")
+//!     .colour_by(Quantity::scalar("temperature").unit("K", 1.0).map(ColourMap::Inferno))
+//!     .draw(&cube)?
+//!     .save(folder.join("cube.png"))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod axis;
+mod camera;
+mod canvas;
+mod chart;
+mod colour;
+mod field;
+mod panels;
+mod particles;
+mod quantity;
+
+pub use camera::{Camera, Cut, Mirror};
+pub use canvas::Picture;
+pub use chart::{Axis, Chart, Marker, Series, Stroke};
+pub use colour::{ColourMap, Rgb, hex, palette};
+pub use field::{FieldPicture, Mark};
+pub use panels::Panels;
+pub use particles::ParticlePicture;
+pub use quantity::Quantity;
+
+/// The unit in which a length (m) reads best, and how many of it make a metre.
+#[must_use]
+pub fn length_unit(length: f64) -> (&'static str, f64) {
+    match length.abs() {
+        l if l >= 2.0e3 => ("km", 1e-3),
+        l if l >= 0.9 => ("m", 1.0),
+        l if l >= 1.0e-3 => ("mm", 1e3),
+        l if l >= 1.0e-6 => ("µm", 1e6),
+        l if l > 0.0 => ("nm", 1e9),
+        _ => ("m", 1.0),
+    }
+}
+
+/// The unit in which a time (s) reads best, and how many of it make a second.
+#[must_use]
+pub fn time_unit(time: f64) -> (&'static str, f64) {
+    match time.abs() {
+        t if t >= 1.0 => ("s", 1.0),
+        t if t >= 1.0e-3 => ("ms", 1e3),
+        t if t >= 1.0e-6 => ("µs", 1e6),
+        t if t > 0.0 => ("ns", 1e9),
+        _ => ("s", 1.0),
+    }
+}
+
+/// The size of letters that suits a picture, pixels.
+fn letters(width: usize, height: usize) -> f32 {
+    ((width as f32 * 0.75).min(height as f32) / 44.0).clamp(10.0, 60.0)
+}

@@ -1,0 +1,714 @@
+//! Shaded particles in space.
+//!
+//! Each particle is a small ball. Depth decides per pixel which ball is seen (a z-buffer at twice the
+//! resolution); light falls on a mixture of the ball's own normal and that of the body's surface, which comes
+//! from the gradient of the smoothed density of particles. The same density, smoothed wider, says how much open
+//! sky a place sees and darkens corners; and particles with matter all around are not drawn at all.
+
+use super::super::{OutputError, Snapshot};
+use super::axis::{FAINT, INK, PAPER};
+use super::camera::{Camera, Cut, Mirror, dot, sub};
+use super::canvas::{Pen, Picture};
+use super::colour::{Rgb, hex};
+use super::quantity::{Quantity, colours_of};
+
+/// A picture of particles in space, in colour by a field or by body.
+///
+/// ```no_run
+/// # fn main() -> Result<(), mpm_core::output::OutputError> {
+/// # let quarter: mpm_core::output::Snapshot = todo!();
+/// use mpm_core::output::picture::{Cut, Mirror, ParticlePicture, Quantity};
+/// ParticlePicture::new(1200, 900)
+///     .title("Taylor bar, copper, 190 m/s")
+///     .caption("80 µs after impact")
+///     .colour_by(Quantity::scalar("plastic_strain"))
+///     .mirrored([Mirror::x(0.0), Mirror::y(0.0)]) // a quarter becomes the whole
+///     .cut(Cut { normal: [1.0, -1.0, 0.0], through: [0.0; 3] }) // and is cut open
+///     .seen_from([1.0, -1.6, 0.7], [0.0, 0.0, 1.0])
+///     .draw(&quarter)?
+///     .save("bar.png")
+/// # }
+/// ```
+#[derive(Debug, Clone)]
+pub struct ParticlePicture {
+    width: usize,
+    height: usize,
+    title: String,
+    caption: String,
+    quantity: Option<Quantity>,
+    view: View,
+    perspective: bool,
+    mirrors: Vec<Mirror>,
+    cuts: Vec<Cut>,
+    revolved: Option<f64>,
+    scale: f64,
+    letters: Option<f32>,
+    marks: bool,
+}
+
+#[derive(Debug, Clone)]
+enum View {
+    Fit { toward: [f64; 3], up: [f64; 3] },
+    Fixed(Camera),
+}
+
+impl ParticlePicture {
+    /// A picture of that many pixels, seen obliquely from above (from the front in two dimensions), framed to
+    /// fit, in colour by body.
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
+        Self {
+            width,
+            height,
+            title: String::new(),
+            caption: String::new(),
+            quantity: None,
+            view: View::Fit { toward: [1.0, -1.7, 0.8], up: [0.0, 0.0, 1.0] },
+            perspective: false,
+            mirrors: Vec::new(),
+            cuts: Vec::new(),
+            revolved: None,
+            scale: 1.0,
+            letters: None,
+            marks: true,
+        }
+    }
+
+    /// A title at the top.
+    #[must_use]
+    pub fn title(self, title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..self }
+    }
+
+    /// A line at the bottom.
+    #[must_use]
+    pub fn caption(self, caption: impl Into<String>) -> Self {
+        Self { caption: caption.into(), ..self }
+    }
+
+    /// What gives the colour.
+    #[must_use]
+    pub fn colour_by(self, quantity: Quantity) -> Self {
+        Self { quantity: Some(quantity), ..self }
+    }
+
+    /// Look from the direction `toward` (from the matter to the eye), `up` upwards, framed to fit.
+    #[must_use]
+    pub fn seen_from(self, toward: [f64; 3], up: [f64; 3]) -> Self {
+        Self { view: View::Fit { toward, up }, ..self }
+    }
+
+    /// Look through this camera (for series of pictures that must not move).
+    #[must_use]
+    pub fn camera(self, camera: Camera) -> Self {
+        Self { view: View::Fixed(camera), ..self }
+    }
+
+    /// What is near is larger (for the framed view; a camera says so itself). There is no scale bar then.
+    #[must_use]
+    pub fn perspective(self) -> Self {
+        Self { perspective: true, ..self }
+    }
+
+    /// Repeat the particles across symmetry planes, one after the other: two planes make four copies.
+    #[must_use]
+    pub fn mirrored(self, mirrors: impl IntoIterator<Item = Mirror>) -> Self {
+        Self { mirrors: mirrors.into_iter().collect(), ..self }
+    }
+
+    /// Leave out what lies beyond a plane; with several, what lies beyond all of them (a wedge).
+    #[must_use]
+    pub fn cut(mut self, cut: Cut) -> Self {
+        self.cuts.push(cut);
+        self
+    }
+
+    /// Turn an axisymmetric snapshot (x is the radius, y the axis) about its axis through `degrees`, the axis
+    /// becoming z. Particles are repeated at distances of their size.
+    #[must_use]
+    pub fn revolved(self, degrees: f64) -> Self {
+        Self { revolved: Some(degrees), ..self }
+    }
+
+    /// Balls are drawn this much larger (default 1: large enough to close the surface of a lattice).
+    #[must_use]
+    pub fn particle_scale(self, scale: f64) -> Self {
+        Self { scale, ..self }
+    }
+
+    /// The size of letters, pixels; without this it follows the picture's.
+    #[must_use]
+    pub fn letters(self, size: f32) -> Self {
+        Self { letters: Some(size), ..self }
+    }
+
+    /// Leave out the scale bar and the cross of axes.
+    #[must_use]
+    pub fn without_marks(self) -> Self {
+        Self { marks: false, ..self }
+    }
+
+    /// Draw a snapshot.
+    ///
+    /// # Errors
+    /// A field that does not exist, a snapshot without particles at finite places (unless the camera is given),
+    /// or sizes, directions and ranges that make no sense.
+    pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
+        Mirror::check(&self.mirrors)?;
+        if !(self.scale.is_finite() && self.scale > 0.0) {
+            return Err(OutputError::value("particle scale", self.scale, "finite and positive"));
+        }
+        let turned;
+        let snapshot = match self.revolved {
+            Some(degrees) => {
+                turned = revolved(snapshot, degrees, self.quantity.as_ref())?;
+                &turned
+            }
+            None => snapshot,
+        };
+        let mut picture = Picture::new(self.width, self.height, PAPER)?;
+        let (colours, range) = colours_of(self.quantity.as_ref(), snapshot)?;
+        let camera = match &self.view {
+            View::Fixed(camera) => *camera,
+            View::Fit { toward, up } => {
+                let flat = snapshot.dimension() == 2;
+                let (toward, up) = if flat { ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]) } else { (*toward, *up) };
+                let fit = Camera::fit(snapshot, &self.mirrors, toward, up)?;
+                if self.perspective { fit.with_perspective().zoomed(0.85) } else { fit }
+            }
+        };
+
+        let size = self.letters.unwrap_or_else(|| super::letters(self.width, self.height));
+        let (w, h) = (self.width as f32, self.height as f32);
+        let pad = 1.1 * size;
+        let mut top = pad;
+        let mut bottom = h - pad;
+        if !self.title.is_empty() {
+            picture.text(
+                &self.title,
+                [0.5 * w, top + 1.1 * size],
+                &Pen::new(1.3 * size, INK).bold().centred(),
+            );
+            top += 2.0 * size;
+        }
+        if !self.caption.is_empty() {
+            picture.text(&self.caption, [0.5 * w, bottom - 0.2 * size], &Pen::new(size, FAINT).centred());
+            bottom -= 1.6 * size;
+        }
+        let mut right = w - pad;
+        if let (Some(quantity), Some(scale)) = (&self.quantity, range) {
+            let bar = quantity.bar(scale);
+            right -= bar.room(size);
+            let middle = 0.5 * (top + bottom);
+            let half = (0.36 * (bottom - top)).max(2.0 * size).min(0.5 * (bottom - top));
+            bar.draw(&mut picture, right + 0.6 * size, middle - half, middle + half, size);
+        }
+        let view = Viewport {
+            left: pad,
+            top,
+            width: (right - pad).max(1.0),
+            height: (bottom - top).max(1.0),
+            camera,
+            pixels_per_metre: camera
+                .pixels_per_metre(f64::from((right - pad).max(1.0)), f64::from((bottom - top).max(1.0)))
+                * 0.97,
+        };
+        let balls = self.balls(snapshot, &colours);
+        view.render(&balls, &mut picture);
+        if self.marks {
+            view.marks(&mut picture, size, snapshot.dimension());
+        }
+        Ok(picture)
+    }
+
+    /// All balls to draw, mirrored and cut.
+    fn balls(&self, snapshot: &Snapshot, colours: &[Rgb]) -> Vec<Ball> {
+        let radius = 0.75 * self.scale;
+        let mut balls = Vec::with_capacity(snapshot.len() << self.mirrors.len().min(3));
+        let mut copies = Vec::new();
+        for (i, x) in snapshot.positions().iter().enumerate() {
+            if x.iter().any(|c| !c.is_finite()) {
+                continue;
+            }
+            Mirror::copies(&self.mirrors, *x, &mut copies);
+            for x in &copies {
+                if self.cuts.is_empty() || !self.cuts.iter().all(|cut| cut.removes(*x)) {
+                    balls.push(Ball { x: *x, radius: radius * snapshot.size_of(i), colour: colours[i] });
+                }
+            }
+        }
+        balls
+    }
+}
+
+/// The particles of an axisymmetric snapshot repeated around its axis, with the one field that gives colour.
+fn revolved(snapshot: &Snapshot, degrees: f64, quantity: Option<&Quantity>) -> Result<Snapshot, OutputError> {
+    if snapshot.dimension() != 2 {
+        let allowed = "2: only axisymmetric snapshots can be revolved";
+        return Err(OutputError::value("dimension", snapshot.dimension(), allowed));
+    }
+    if !(degrees > 0.0 && degrees <= 360.0) {
+        return Err(OutputError::value(
+            "angle of revolution",
+            degrees,
+            "more than 0 and at most 360 degrees",
+        ));
+    }
+    let (mut positions, mut sizes, mut from) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, x) in snapshot.positions().iter().enumerate() {
+        let (r, size) = (x[0].abs(), snapshot.size_of(i));
+        if !(r.is_finite() && x[1].is_finite()) {
+            continue;
+        }
+        let angle = degrees.to_radians();
+        // At most a few thousand copies, however far out a particle flew.
+        let count = (angle * r / size).ceil().clamp(1.0, 4096.0);
+        for k in 0..count as usize {
+            let phi = angle * (k as f64 + 0.5) / count;
+            positions.push([r * phi.cos(), r * phi.sin(), x[1]]);
+            sizes.push(size);
+            from.push(i);
+        }
+    }
+    let bodies = from.iter().map(|i| snapshot.bodies()[*i]).collect();
+    let mut turned = Snapshot::new(
+        3,
+        snapshot.time(),
+        snapshot.step(),
+        positions,
+        super::super::ParticleSize::Each(sizes),
+    )?
+    .with_bodies(bodies)?;
+    if quantity.is_some() {
+        for (name, values) in snapshot.fields() {
+            use super::super::FieldValues::{Scalar, Tensor, Vector};
+            match values {
+                Scalar(v) => turned = turned.with_scalar(name, from.iter().map(|i| v[*i]).collect())?,
+                Vector(v) => turned = turned.with_vector(name, from.iter().map(|i| v[*i]).collect())?,
+                Tensor(_) => {}
+            }
+        }
+    }
+    Ok(turned)
+}
+
+struct Ball {
+    x: [f64; 3],
+    radius: f64,
+    colour: Rgb,
+}
+
+/// Samples a pixel side.
+const FINE: usize = 2;
+
+/// The part of the picture that shows the scene.
+struct Viewport {
+    left: f32,
+    top: f32,
+    width: f32,
+    height: f32,
+    camera: Camera,
+    pixels_per_metre: f64,
+}
+
+/// A ball as it is seen: centre and radius in samples, depth (towards the eye) in samples, light already
+/// decided but for the ball's own roundness.
+#[derive(Clone, Copy)]
+struct Seen {
+    x: f32,
+    y: f32,
+    depth: f32,
+    radius: f32,
+    normal: [f32; 3],
+    sky: f32,
+    colour: [f32; 3],
+}
+
+impl Viewport {
+    fn render(&self, balls: &[Ball], picture: &mut Picture) {
+        let [right, up, out] = self.camera.basis();
+        let at = self.camera.target();
+        let fine = FINE as f64;
+        let scale = self.pixels_per_metre * fine;
+        let distance = self.camera.distance();
+        let (px0, py0) = (self.left.floor() as usize, self.top.floor() as usize);
+        let columns = ((self.width as usize).min(picture.width().saturating_sub(px0))) * FINE;
+        let rows = ((self.height as usize).min(picture.height().saturating_sub(py0))) * FINE;
+        let (cx, cy) = (0.5 * columns as f64, 0.5 * rows as f64);
+
+        let matter = Matter::of(balls);
+        let mut seen = Vec::with_capacity(balls.len() / 4);
+        for (i, ball) in balls.iter().enumerate() {
+            if matter.hides(i) {
+                continue;
+            }
+            let d = sub(ball.x, at);
+            let toward = dot(d, out);
+            let zoom = if self.camera.is_perspective() {
+                if toward > 0.95 * distance {
+                    continue;
+                }
+                distance / (distance - toward)
+            } else {
+                1.0
+            };
+            let x = cx + dot(d, right) * scale * zoom;
+            let y = cy - dot(d, up) * scale * zoom;
+            let radius = (ball.radius * scale * zoom).max(0.75);
+            if x + radius < 0.0 || y + radius < 0.0 || x - radius > columns as f64 || y - radius > rows as f64
+            {
+                continue;
+            }
+            let (g, sky) = matter.surface(ball.x);
+            let normal = [dot(g, right) as f32, dot(g, up) as f32, dot(g, out) as f32];
+            let colour = ball.colour.map(f32::from);
+            let (x, y, radius, depth) = (x as f32, y as f32, radius as f32, (toward * scale) as f32);
+            seen.push(Seen { x, y, depth, radius, normal, sky, colour });
+        }
+
+        let mut depth = vec![f32::NEG_INFINITY; columns * rows];
+        let mut who = vec![u32::MAX; columns * rows];
+        for (i, ball) in seen.iter().enumerate() {
+            splat(ball, i as u32, &mut depth, &mut who, columns, rows);
+        }
+        shade(&seen, &depth, &who, columns, rows, picture, [px0, py0]);
+    }
+
+    /// The cross of axes and, if lengths are true, a scale bar.
+    fn marks(&self, picture: &mut Picture, size: f32, dimension: usize) {
+        let [right, up, out] = self.camera.basis();
+        let length = 2.1 * size;
+        let origin = [self.left + 2.0 * length * 0.72, self.top + self.height - 1.1 * length];
+        let mut axes: Vec<(usize, f64)> = (0..dimension).map(|d| (d, out[d])).collect();
+        axes.sort_by(|a, b| a.1.total_cmp(&b.1));
+        for (d, _) in axes {
+            let colour = [hex(0xb5383b), hex(0x3a7d44), hex(0x2f62a8)][d];
+            let (dx, dy) = (right[d] as f32, -up[d] as f32);
+            let long = dx.hypot(dy);
+            if long < 0.12 {
+                continue;
+            }
+            let tip = [origin[0] + length * dx, origin[1] + length * dy];
+            picture.line(origin, tip, (size / 8.0).max(1.5), colour);
+            let (ux, uy) = (dx / long, dy / long);
+            let (a, b) = (0.42 * size, 0.17 * size);
+            picture.polygon(
+                &[
+                    [tip[0] + a * ux, tip[1] + a * uy],
+                    [tip[0] - b * uy, tip[1] + b * ux],
+                    [tip[0] + b * uy, tip[1] - b * ux],
+                ],
+                colour,
+            );
+            let far = length * long + 1.05 * size;
+            let at = [origin[0] + far * ux, origin[1] + far * uy + 0.33 * size];
+            picture.text(["x", "y", "z"][d], at, &Pen::new(size, colour).bold().centred());
+        }
+        if self.camera.is_perspective() {
+            return;
+        }
+        let wanted = f64::from(self.width) * 0.16 / self.pixels_per_metre;
+        let decade = 10.0_f64.powf(wanted.log10().floor());
+        let metres = [5.0, 2.0, 1.0].into_iter().map(|m| m * decade).find(|l| *l <= wanted).unwrap_or(decade);
+        let (unit, factor) = super::length_unit(metres);
+        let pixels = (metres * self.pixels_per_metre) as f32;
+        let x1 = self.left + self.width - 0.6 * size;
+        let y = self.top + self.height - 0.5 * size;
+        let thick = (size / 6.0).max(2.0);
+        picture.fill([x1 - pixels, y - thick], [x1, y], INK);
+        let text = format!("{} {unit}", (metres * factor * 1e6).round() / 1e6);
+        picture.text(&text, [x1 - 0.5 * pixels, y - thick - 0.45 * size], &Pen::new(size, INK).centred());
+    }
+}
+
+/// Let a ball claim the samples where it is nearest. Its front is a paraboloid, so neighbours meet in straight
+/// lines.
+fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usize, rows: usize) {
+    let r = ball.radius;
+    let y0 = (ball.y - r).floor().max(0.0) as usize;
+    let y1 = ((ball.y + r).ceil().max(0.0) as usize).min(rows);
+    let front = ball.depth + r;
+    for y in y0..y1 {
+        let dy = y as f32 + 0.5 - ball.y;
+        let half = r * r - dy * dy;
+        if half <= 0.0 {
+            continue;
+        }
+        let half = half.sqrt();
+        let x0 = (ball.x - half + 0.5).floor().max(0.0) as usize;
+        let x1 = ((ball.x + half + 0.5).floor().max(0.0) as usize).min(columns);
+        if x0 >= x1 {
+            continue;
+        }
+        let row = y * columns;
+        let depths = &mut depth[row + x0..row + x1];
+        let names = &mut who[row + x0..row + x1];
+        let base = front - dy * dy / r;
+        let mut dx = x0 as f32 + 0.5 - ball.x;
+        for (d, name) in depths.iter_mut().zip(names) {
+            let here = base - dx * dx / r;
+            let nearer = here > *d;
+            *d = if nearer { here } else { *d };
+            *name = if nearer { id } else { *name };
+            dx += 1.0;
+        }
+    }
+}
+
+/// Light, outlines and the average of the samples of each pixel.
+fn shade(
+    seen: &[Seen],
+    depth: &[f32],
+    who: &[u32],
+    columns: usize,
+    rows: usize,
+    picture: &mut Picture,
+    [px0, py0]: [usize; 2],
+) {
+    let key = normalised([-0.50, 0.62, 0.60]);
+    let half = normalised([key[0], key[1], key[2] + 1.0]);
+    let fill = normalised([0.75, -0.10, 0.55]);
+    let width = picture.width();
+    let pixels = picture.pixels_mut();
+    for py in 0..rows / FINE {
+        for px in 0..columns / FINE {
+            let mut sum = [0.0_f32; 3];
+            let mut covered = 0.0_f32;
+            for sy in 0..FINE {
+                for sx in 0..FINE {
+                    let (x, y) = (px * FINE + sx, py * FINE + sy);
+                    let at = y * columns + x;
+                    let id = who[at];
+                    if id == u32::MAX {
+                        continue;
+                    }
+                    let ball = &seen[id as usize];
+                    let (dx, dy) =
+                        ((x as f32 + 0.5 - ball.x) / ball.radius, (y as f32 + 0.5 - ball.y) / ball.radius);
+                    let dz = (1.0 - dx * dx - dy * dy).max(0.0).sqrt();
+                    let own = 0.30;
+                    let n = normalised([
+                        ball.normal[0] + own * dx,
+                        ball.normal[1] - own * dy,
+                        ball.normal[2] + own * dz,
+                    ]);
+                    let lit = dot3(n, key).max(0.0);
+                    let gloss = dot3(n, half).max(0.0);
+                    let gloss = gloss * gloss;
+                    let gloss = gloss * gloss;
+                    let gloss = gloss * gloss * gloss;
+                    let sky = 0.5 + 0.5 * n[1];
+                    let mut light =
+                        ball.sky * (0.50 + 0.14 * sky + 0.12 * dot3(n, fill).max(0.0)) + 0.42 * lit;
+                    // An edge where the surface behind is far away.
+                    let mut behind = 0.0_f32;
+                    for (bx, by) in [(1_i64, 0_i64), (-1, 0), (0, 1), (0, -1)] {
+                        let (qx, qy) = (x as i64 + bx, y as i64 + by);
+                        if qx >= 0 && qy >= 0 && (qx as usize) < columns && (qy as usize) < rows {
+                            let other = depth[qy as usize * columns + qx as usize];
+                            behind = behind.max((depth[at] - other) / (6.0 * ball.radius));
+                        }
+                    }
+                    light *= 1.0 - 0.38 * (behind - 0.35).clamp(0.0, 1.0);
+                    let shine = 16.0 * gloss;
+                    for c in 0..3 {
+                        sum[c] += (ball.colour[c] * light + shine).min(255.0);
+                    }
+                    covered += 1.0;
+                }
+            }
+            if covered > 0.0 {
+                let pixel = &mut pixels[(py0 + py) * width + px0 + px];
+                let all = (FINE * FINE) as f32;
+                for c in 0..3 {
+                    let under = f32::from(pixel[c]) * (all - covered);
+                    pixel[c] = ((sum[c] + under) / all + 0.5) as u8;
+                }
+            }
+        }
+    }
+}
+
+/// The density of balls on a coarse lattice.
+struct Matter {
+    low: [f64; 3],
+    per_metre: f64,
+    n: [usize; 3],
+    fine: Vec<f32>,
+    wide: Vec<f32>,
+    usual: f32,
+    home: Vec<u32>,
+    deep: Vec<bool>,
+}
+
+/// The lattice has at most this many cells; scattered debris makes its cells larger.
+const CELLS: f64 = 2.0e6;
+
+impl Matter {
+    fn of(balls: &[Ball]) -> Self {
+        let mut low = [f64::INFINITY; 3];
+        let mut high = [f64::NEG_INFINITY; 3];
+        let mut radius = 0.0;
+        for ball in balls {
+            for d in 0..3 {
+                low[d] = low[d].min(ball.x[d]);
+                high[d] = high[d].max(ball.x[d]);
+            }
+            radius += ball.radius / balls.len() as f64;
+        }
+        if balls.is_empty() {
+            (low, high, radius) = ([0.0; 3], [0.0; 3], 1.0);
+        }
+        // A ball's radius is 0.75 of a particle's size; a cell is 1.6 sizes.
+        let mut cell = radius * (1.6 / 0.75);
+        let count = |cell: f64| (0..3).map(|d| (high[d] - low[d]) / cell + 8.0).product::<f64>();
+        while count(cell) > CELLS {
+            cell *= 1.2;
+        }
+        let n = [0, 1, 2].map(|d| ((high[d] - low[d]) / cell) as usize + 8);
+        let low = low.map(|x| x - 3.5 * cell);
+        let per_metre = 1.0 / cell;
+        let total = n[0] * n[1] * n[2];
+        let mut fine = vec![0.0_f32; total];
+        let mut taken = vec![false; total];
+        let mut home = Vec::with_capacity(balls.len());
+        for ball in balls {
+            let mut base = [0; 3];
+            let mut part = [0.0_f32; 3];
+            let mut own = [0; 3];
+            for d in 0..3 {
+                let place = (ball.x[d] - low[d]) * per_metre;
+                own[d] = place as usize;
+                base[d] = (place - 0.5) as usize;
+                part[d] = (place - 0.5) as f32 - base[d] as f32;
+            }
+            let cell = (own[2] * n[1] + own[1]) * n[0] + own[0];
+            taken[cell] = true;
+            home.push(cell as u32);
+            for k in 0..8 {
+                let bit = [k & 1, (k >> 1) & 1, k >> 2];
+                let weight: f32 = (0..3).map(|d| if bit[d] == 1 { part[d] } else { 1.0 - part[d] }).product();
+                fine[((base[2] + bit[2]) * n[1] + base[1] + bit[1]) * n[0] + base[0] + bit[0]] += weight;
+            }
+        }
+        let mut usual: Vec<f32> =
+            home.iter().step_by(home.len() / 2000 + 1).map(|c| fine[*c as usize]).collect();
+        usual.sort_by(f32::total_cmp);
+        let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(1.0).max(1e-6);
+        // What is denser than usual is just full, so that crowds of particles do not cast shadows.
+        for value in &mut fine {
+            *value = value.min(1.3 * usual);
+        }
+        let strides = [1, n[0], n[0] * n[1]];
+        for stride in strides {
+            blur(&mut fine, stride);
+        }
+        let mut wide = fine.clone();
+        for _ in 0..3 {
+            for stride in strides {
+                blur(&mut wide, stride);
+            }
+        }
+        let mut deep = taken;
+        for stride in strides {
+            erode(&mut deep, stride);
+        }
+        Self { low, per_metre, n, fine, wide, usual, home, deep }
+    }
+
+    /// Whether ball `i` has matter all around.
+    fn hides(&self, i: usize) -> bool {
+        self.deep[self.home[i] as usize]
+    }
+
+    /// Outward unit normal of the matter at a point (zero far inside), and how open the sky is there (about 1 on
+    /// a flat surface, less in corners).
+    fn surface(&self, x: [f64; 3]) -> ([f64; 3], f32) {
+        // Quadratic B-splines: smooth slopes from 27 values.
+        let mut base = [0; 3];
+        let mut w = [[0.0_f32; 3]; 3];
+        let mut g = [[0.0_f32; 3]; 3];
+        for d in 0..3 {
+            let place = (x[d] - self.low[d]) * self.per_metre;
+            base[d] = place as usize - 1;
+            let t = (place - place.floor()) as f32;
+            w[d] = [0.5 * (1.0 - t) * (1.0 - t), 0.5 + t * (1.0 - t), 0.5 * t * t];
+            g[d] = [t - 1.0, 1.0 - 2.0 * t, t];
+        }
+        let (mut slope, mut around) = ([0.0_f32; 3], 0.0);
+        for k in 0..3 {
+            for j in 0..3 {
+                let row = ((base[2] + k) * self.n[1] + base[1] + j) * self.n[0] + base[0];
+                for i in 0..3 {
+                    let value = self.fine[row + i];
+                    slope[0] -= g[0][i] * w[1][j] * w[2][k] * value;
+                    slope[1] -= w[0][i] * g[1][j] * w[2][k] * value;
+                    slope[2] -= w[0][i] * w[1][j] * g[2][k] * value;
+                    around += w[0][i] * w[1][j] * w[2][k] * self.wide[row + i];
+                }
+            }
+        }
+        let length = (slope[0] * slope[0] + slope[1] * slope[1] + slope[2] * slope[2]).sqrt();
+        let full = 0.04 * self.usual;
+        let normal = slope.map(|s| f64::from(s / length.max(full)));
+        let crowd = around / self.usual;
+        (normal, (1.0 - 1.1 * (crowd - 0.52)).clamp(0.45, 1.12))
+    }
+}
+
+/// Smooth along one direction by 1/4, 1/2, 1/4. The lattice has empty margins, so that rows may run on.
+fn blur(values: &mut [f32], stride: usize) {
+    if stride == 1 {
+        let mut before = 0.0;
+        for i in 0..values.len().saturating_sub(1) {
+            let here = values[i];
+            values[i] = 0.25 * (before + values[i + 1]) + 0.5 * here;
+            before = here;
+        }
+        return;
+    }
+    let mut before = vec![0.0_f32; stride];
+    let mut start = 0;
+    while start + 2 * stride <= values.len() {
+        let (head, tail) = values[start..].split_at_mut(stride);
+        for ((value, before), after) in head.iter_mut().zip(&mut before).zip(tail) {
+            let here = *value;
+            *value = 0.25 * (*before + *after) + 0.5 * here;
+            *before = here;
+        }
+        start += stride;
+    }
+}
+
+/// Keep only cells whose two neighbours along one direction are kept.
+fn erode(kept: &mut [bool], stride: usize) {
+    if stride == 1 {
+        let mut before = false;
+        for i in 0..kept.len().saturating_sub(1) {
+            let here = kept[i];
+            kept[i] = before & here & kept[i + 1];
+            before = here;
+        }
+        return;
+    }
+    let mut before = vec![false; stride];
+    let mut start = 0;
+    while start + 2 * stride <= kept.len() {
+        let (head, tail) = kept[start..].split_at_mut(stride);
+        for ((value, before), after) in head.iter_mut().zip(&mut before).zip(tail) {
+            let here = *value;
+            *value = *before & here & *after;
+            *before = here;
+        }
+        start += stride;
+    }
+}
+
+fn dot3(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn normalised(a: [f32; 3]) -> [f32; 3] {
+    let scale = 1.0 / dot3(a, a).sqrt().max(1e-6);
+    [a[0] * scale, a[1] * scale, a[2] * scale]
+}

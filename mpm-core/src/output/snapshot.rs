@@ -1,0 +1,295 @@
+//! What one instant of a particle simulation looks like, whatever the solver.
+
+use super::{OutputError, check_name};
+
+/// Edge length of the cube (square in 2D) of matter that a particle stands for, m.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ParticleSize {
+    /// The same for all, m.
+    Uniform(f64),
+    /// One a particle, m.
+    Each(Vec<f64>),
+}
+
+/// The values of one named field, one entry a particle, SI units.
+#[derive(Debug, Clone, PartialEq)]
+pub enum FieldValues {
+    /// One number a particle.
+    Scalar(Vec<f64>),
+    /// A vector `[x, y, z]` a particle; z is 0 in two dimensions.
+    Vector(Vec<[f64; 3]>),
+    /// A symmetric tensor `[xx, yy, zz, yz, xz, xy]` a particle (the order of
+    /// [`Sym3`](mpm_materials::tensor::Sym3), true components, shear not doubled).
+    Tensor(Vec<[f64; 6]>),
+}
+
+impl FieldValues {
+    /// The number of entries.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Scalar(v) => v.len(),
+            Self::Vector(v) => v.len(),
+            Self::Tensor(v) => v.len(),
+        }
+    }
+
+    /// Whether there are no entries.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Scalar(_) => "scalar",
+            Self::Vector(_) => "vector",
+            Self::Tensor(_) => "tensor",
+        }
+    }
+}
+
+/// One instant: where the particles are and what they carry. Lengths and names are checked once, when it is
+/// made, so that writers need not look again.
+///
+/// ```
+/// use mpm_core::output::{ParticleSize, Snapshot};
+/// let snapshot = Snapshot::new(3, 1.0e-6, 42, vec![[0.0; 3], [1.0e-3, 0.0, 0.0]], ParticleSize::Uniform(1.0e-3))?
+///     .with_bodies(vec![0, 1])?
+///     .with_scalar("pressure", vec![1.0e9, 2.0e9])?
+///     .with_vector("velocity", vec![[0.0, 0.0, -227.0]; 2])?;
+/// assert_eq!(snapshot.scalar("pressure")?[1], 2.0e9);
+/// assert!(snapshot.scalar("temperature").is_err());
+/// # Ok::<(), mpm_core::output::OutputError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Snapshot {
+    dimension: usize,
+    time: f64,
+    step: u64,
+    positions: Vec<[f64; 3]>,
+    size: ParticleSize,
+    bodies: Vec<u32>,
+    fields: Vec<(String, FieldValues)>,
+}
+
+impl Snapshot {
+    /// Particles at `positions` (m; z is 0 when `dimension` is 2) at `time` (s) after `step` steps. All belong
+    /// to body 0 until [`with_bodies`](Self::with_bodies) says otherwise.
+    ///
+    /// # Errors
+    /// A dimension other than 2 or 3, a time or size that is not finite, a size that is not positive, z that is
+    /// not 0 in two dimensions, or a list of sizes of the wrong length. Positions that are not finite are
+    /// accepted (one wants to see a run that went wrong) and left out of pictures.
+    pub fn new(
+        dimension: usize,
+        time: f64,
+        step: u64,
+        positions: Vec<[f64; 3]>,
+        size: ParticleSize,
+    ) -> Result<Self, OutputError> {
+        if dimension != 2 && dimension != 3 {
+            return Err(OutputError::value("dimension", dimension, "2 or 3"));
+        }
+        if !time.is_finite() {
+            return Err(OutputError::value("time", time, "a finite number of seconds"));
+        }
+        if dimension == 2
+            && let Some((i, x)) = positions.iter().enumerate().find(|(_, x)| x[2] != 0.0)
+        {
+            let what = format!("z of particle {i}");
+            return Err(OutputError::value(what, x[2], "0 in two dimensions"));
+        }
+        let good = |h: &f64| h.is_finite() && *h > 0.0;
+        let allowed = "a finite, positive length in m";
+        match &size {
+            ParticleSize::Uniform(h) if !good(h) => {
+                return Err(OutputError::value("particle size", h, allowed));
+            }
+            ParticleSize::Each(list) => {
+                check_length("particle size", list.len(), positions.len())?;
+                if let Some((i, h)) = list.iter().enumerate().find(|(_, h)| !good(h)) {
+                    return Err(OutputError::value(format!("size of particle {i}"), h, allowed));
+                }
+            }
+            ParticleSize::Uniform(_) => {}
+        }
+        let bodies = vec![0; positions.len()];
+        Ok(Self { dimension, time, step, positions, size, bodies, fields: Vec::new() })
+    }
+
+    /// Say which body each particle belongs to.
+    ///
+    /// # Errors
+    /// A list that is not as long as there are particles.
+    pub fn with_bodies(mut self, bodies: Vec<u32>) -> Result<Self, OutputError> {
+        check_length("body", bodies.len(), self.len())?;
+        self.bodies = bodies;
+        Ok(self)
+    }
+
+    /// Add a field of any kind.
+    ///
+    /// # Errors
+    /// A list that is not as long as there are particles; a name that is empty, taken, reserved (`body`,
+    /// `size`), or holds control characters.
+    pub fn with_field(mut self, name: impl Into<String>, values: FieldValues) -> Result<Self, OutputError> {
+        let name = name.into();
+        check_name("a field", &name)?;
+        if name == "body" || name == "size" {
+            let why = "`body` and `size` are written by the snapshot itself";
+            return Err(OutputError::Name { what: "a field", name, why });
+        }
+        if self.fields.iter().any(|(taken, _)| *taken == name) {
+            return Err(OutputError::Name { what: "a field", name, why: "each name may be used once" });
+        }
+        check_length(&format!("field {name:?}"), values.len(), self.len())?;
+        self.fields.push((name, values));
+        Ok(self)
+    }
+
+    /// Add a scalar field, SI units.
+    ///
+    /// # Errors
+    /// As [`with_field`](Self::with_field).
+    pub fn with_scalar(self, name: impl Into<String>, values: Vec<f64>) -> Result<Self, OutputError> {
+        self.with_field(name, FieldValues::Scalar(values))
+    }
+
+    /// Add a vector field, SI units.
+    ///
+    /// # Errors
+    /// As [`with_field`](Self::with_field).
+    pub fn with_vector(self, name: impl Into<String>, values: Vec<[f64; 3]>) -> Result<Self, OutputError> {
+        self.with_field(name, FieldValues::Vector(values))
+    }
+
+    /// Add a symmetric tensor field `[xx, yy, zz, yz, xz, xy]`, SI units.
+    ///
+    /// # Errors
+    /// As [`with_field`](Self::with_field).
+    pub fn with_tensor(self, name: impl Into<String>, values: Vec<[f64; 6]>) -> Result<Self, OutputError> {
+        self.with_field(name, FieldValues::Tensor(values))
+    }
+
+    /// The number of particles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether there are no particles.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+
+    /// 2 or 3.
+    #[must_use]
+    pub fn dimension(&self) -> usize {
+        self.dimension
+    }
+
+    /// Time, s.
+    #[must_use]
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+
+    /// The number of steps taken.
+    #[must_use]
+    pub fn step(&self) -> u64 {
+        self.step
+    }
+
+    /// Where the particles are, m.
+    #[must_use]
+    pub fn positions(&self) -> &[[f64; 3]] {
+        &self.positions
+    }
+
+    /// The edge length of particle `i`, m; that of the last one beyond the end of a list.
+    #[must_use]
+    pub fn size_of(&self, i: usize) -> f64 {
+        match &self.size {
+            ParticleSize::Uniform(h) => *h,
+            ParticleSize::Each(list) => list.get(i).or(list.last()).copied().unwrap_or(0.0),
+        }
+    }
+
+    /// The particles' sizes, m.
+    #[must_use]
+    pub fn size(&self) -> &ParticleSize {
+        &self.size
+    }
+
+    /// The body of each particle.
+    #[must_use]
+    pub fn bodies(&self) -> &[u32] {
+        &self.bodies
+    }
+
+    /// All fields in the order they were added.
+    pub fn fields(&self) -> impl Iterator<Item = (&str, &FieldValues)> {
+        self.fields.iter().map(|(name, values)| (name.as_str(), values))
+    }
+
+    /// A scalar field by name.
+    ///
+    /// # Errors
+    /// There is none of that name; the error lists those there are.
+    pub fn scalar(&self, name: &str) -> Result<&[f64], OutputError> {
+        match self.fields.iter().find(|(n, _)| n == name) {
+            Some((_, FieldValues::Scalar(values))) => Ok(values),
+            _ => Err(self.no_such("scalar", name)),
+        }
+    }
+
+    /// A vector field by name.
+    ///
+    /// # Errors
+    /// There is none of that name; the error lists those there are.
+    pub fn vector(&self, name: &str) -> Result<&[[f64; 3]], OutputError> {
+        match self.fields.iter().find(|(n, _)| n == name) {
+            Some((_, FieldValues::Vector(values))) => Ok(values),
+            _ => Err(self.no_such("vector", name)),
+        }
+    }
+
+    /// The smallest box around the particles that are at finite places, particle sizes included, m; `None` if
+    /// there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
+        let mut lo = [f64::INFINITY; 3];
+        let mut hi = [f64::NEG_INFINITY; 3];
+        for (i, x) in self.positions.iter().enumerate() {
+            if x.iter().all(|c| c.is_finite()) {
+                let half = 0.5 * self.size_of(i);
+                for d in 0..self.dimension {
+                    lo[d] = lo[d].min(x[d] - half);
+                    hi[d] = hi[d].max(x[d] + half);
+                }
+            }
+        }
+        for d in self.dimension..3 {
+            lo[d] = 0.0;
+            hi[d] = 0.0;
+        }
+        (lo[0] <= hi[0]).then_some((lo, hi))
+    }
+
+    fn no_such(&self, kind: &'static str, name: &str) -> OutputError {
+        let names: Vec<String> =
+            self.fields.iter().filter(|(_, v)| v.kind() == kind).map(|(n, _)| format!("{n:?}")).collect();
+        let available = if names.is_empty() { "none".to_string() } else { names.join(", ") };
+        OutputError::NoSuchField { kind, name: name.to_string(), available }
+    }
+}
+
+fn check_length(what: &str, found: usize, expected: usize) -> Result<(), OutputError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(OutputError::Length { what: what.to_string(), found, expected })
+    }
+}

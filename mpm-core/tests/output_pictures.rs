@@ -1,0 +1,287 @@
+//! Pictures: what is drawn is where it should be, in the colour it should have, fast enough.
+//!
+//! `IMPACTITE_PICTURES=folder cargo test --release -p mpm-core --test output_pictures` keeps the pictures.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use mpm_core::output::picture::{
+    Axis, Camera, Chart, ColourMap, Cut, FieldPicture, Mark, Marker, Mirror, Panels, ParticlePicture,
+    Picture, Quantity, Series, Stroke,
+};
+use mpm_core::output::{OutputError, ParticleSize, Snapshot};
+
+/// Radius and length of the undeformed bar, m.
+const RADIUS: f64 = 3.2e-3;
+const LENGTH: f64 = 32.4e-3;
+
+/// Where a point of the undeformed bar (radius r, height z) ends, and its plastic strain: a made-up Taylor bar,
+/// shorter, with a mushroomed foot.
+fn deformed(r: f64, z: f64) -> (f64, f64, f64) {
+    let s = z / LENGTH;
+    let flare = 1.0 + 1.15 * (-(s / 0.10).powf(1.25)).exp() + 0.22 * (-(s / 0.42).powi(2)).exp();
+    let height = LENGTH * (0.68 * s + 0.32 * s * s * s * (1.0 - 0.35 * s)) * 0.86;
+    let strain = 1.9 * (-(s / 0.11).powf(1.2)).exp() * (0.75 + 0.25 * (1.0 - (r / RADIUS).powi(2)))
+        + 0.32 * (-(s / 0.4).powi(2)).exp();
+    (r * flare, height, strain)
+}
+
+/// The bar in space, whole or its quarter x, y > 0, with particles of edge `h` (m).
+fn bar(h: f64, quarter: bool) -> Snapshot {
+    let n = (RADIUS / h).ceil() as i64;
+    let layers = (LENGTH / h).round() as i64;
+    let (mut positions, mut strain, mut velocity) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..layers {
+        for j in (if quarter { 0 } else { -n })..n {
+            for i in (if quarter { 0 } else { -n })..n {
+                let [x, y, z] = [i, j, k].map(|a| (a as f64 + 0.5) * h);
+                let r = x.hypot(y);
+                if r < RADIUS {
+                    let (q, height, e) = deformed(r, z);
+                    positions.push([x * q / r, y * q / r, height]);
+                    strain.push(e);
+                    velocity.push([0.0, 0.0, -190.0 * z / LENGTH]);
+                }
+            }
+        }
+    }
+    Snapshot::new(3, 8.0e-5, 1234, positions, ParticleSize::Uniform(h))
+        .and_then(|s| s.with_scalar("plastic_strain", strain))
+        .and_then(|s| s.with_vector("velocity", velocity))
+        .expect("a good snapshot")
+}
+
+/// The bar as an axisymmetric model.
+fn axisymmetric(h: f64) -> Snapshot {
+    let (mut positions, mut strain, mut pressure) = (Vec::new(), Vec::new(), Vec::new());
+    for k in 0..(LENGTH / h) as usize {
+        for i in 0..(RADIUS / h) as usize {
+            let (r, z) = ((i as f64 + 0.5) * h, (k as f64 + 0.5) * h);
+            let (q, height, e) = deformed(r, z);
+            positions.push([q, height, 0.0]);
+            strain.push(e);
+            pressure.push(4.0e8 * (40.0 * z / LENGTH).sin() * (-(z / LENGTH) * 2.0).exp());
+        }
+    }
+    Snapshot::new(2, 8.0e-5, 1234, positions, ParticleSize::Uniform(h))
+        .and_then(|s| s.with_scalar("plastic_strain", strain))
+        .and_then(|s| s.with_scalar("pressure", pressure))
+        .expect("a good snapshot")
+}
+
+fn strain() -> Quantity {
+    Quantity::scalar("plastic_strain").label("equivalent plastic strain")
+}
+
+/// Keep a picture to look at, if asked.
+fn keep(picture: &Picture, name: &str) {
+    if let Some(folder) = std::env::var_os("IMPACTITE_PICTURES") {
+        picture.save(PathBuf::from(folder).join(name)).expect("the picture is written");
+    }
+}
+
+fn ink(picture: &Picture) -> usize {
+    let all = (0..picture.height()).flat_map(|y| (0..picture.width()).map(move |x| (x, y)));
+    all.filter(|(x, y)| picture.pixel(*x, *y) != Some([255; 3])).count()
+}
+
+#[test]
+fn a_bar_of_a_hundred_thousand_particles() {
+    let fine = !cfg!(debug_assertions);
+    let snapshot = bar(if fine { 2.2e-4 } else { 5.0e-4 }, false);
+    let start = Instant::now();
+    let picture = ParticlePicture::new(1200, 900)
+        .title("Taylor bar, copper, 190 m/s")
+        .caption("80 µs after impact")
+        .colour_by(strain())
+        .draw(&snapshot)
+        .expect("drawn");
+    println!("{} particles: {:?}", snapshot.len(), start.elapsed());
+    assert!(ink(&picture) > 60_000);
+    keep(&picture, "bar.png");
+    let picture = ParticlePicture::new(1200, 900)
+        .colour_by(Quantity::magnitude("velocity").label("speed").unit("m/s", 1.0).map(ColourMap::Inferno))
+        .perspective()
+        .cut(Cut { normal: [1.0, 0.0, 0.0], through: [0.0; 3] })
+        .cut(Cut { normal: [0.0, -1.0, 0.0], through: [0.0; 3] })
+        .seen_from([0.8, -1.0, 0.9], [0.0, 0.0, 1.0])
+        .draw(&snapshot)
+        .expect("drawn");
+    keep(&picture, "bar_cut.png");
+}
+
+#[test]
+fn a_quarter_is_drawn_as_the_whole() {
+    let (whole, quarter) = (bar(4.0e-4, false), bar(4.0e-4, true));
+    let mirrors = [Mirror::x(0.0), Mirror::y(0.0)];
+    let camera = Camera::fit(&quarter, &mirrors, [1.0, -1.0, 0.5], [0.0, 0.0, 1.0]).expect("framed");
+    let picture = ParticlePicture::new(300, 400).colour_by(strain()).camera(camera);
+    let one = picture.clone().draw(&whole).expect("drawn");
+    let four = picture.mirrored(mirrors).draw(&quarter).expect("drawn");
+    let pixels = (0..400).flat_map(|y| (0..300).map(move |x| (x, y)));
+    let different = pixels
+        .filter(|(x, y)| {
+            let (a, b) = (one.pixel(*x, *y).expect("inside"), four.pixel(*x, *y).expect("inside"));
+            (0..3).any(|c| a[c].abs_diff(b[c]) > 24)
+        })
+        .count();
+    assert!(different < 1200, "{different} of 120000 pixels differ");
+    keep(&four, "quarter.png");
+}
+
+#[test]
+fn two_halves_of_an_axisymmetric_field() {
+    let snapshot = axisymmetric(1.6e-4);
+    let field = FieldPicture::new(700, 900).mirrored([Mirror::x(0.0)]).axes("r", "z");
+    let picture = field
+        .clone()
+        .title("Axisymmetric bar")
+        .caption("80 µs after impact")
+        .colour_by(Quantity::scalar("pressure").unit("MPa", 1.0e-6).map(ColourMap::CoolWarm))
+        .draw(&snapshot)
+        .expect("drawn");
+    keep(&picture, "field.png");
+    let discs = field.mark(Mark::Disc).colour_by(strain()).draw(&snapshot).expect("drawn");
+    keep(&discs, "field_discs.png");
+    let turned =
+        ParticlePicture::new(700, 900).revolved(270.0).colour_by(strain()).draw(&snapshot).expect("drawn");
+    keep(&turned, "revolved.png");
+}
+
+#[test]
+fn a_square_lies_where_its_axes_say() {
+    let one = Snapshot::new(2, 0.0, 0, vec![[1.0, 1.0, 0.0]], ParticleSize::Uniform(2.0)).expect("good");
+    let picture = FieldPicture::new(400, 400).bounds([0.0, 0.0], [4.0, 4.0]).draw(&one).expect("drawn");
+    let blue = mpm_core::output::picture::palette(0);
+    let all = (0..400).flat_map(|y| (0..400).map(move |x| (x, y)));
+    let area: Vec<_> = all.filter(|(x, y)| picture.pixel(*x, *y) == Some(blue)).collect();
+    let (x0, x1) = (area.iter().map(|p| p.0).min().unwrap(), area.iter().map(|p| p.0).max().unwrap());
+    let (y0, y1) = (area.iter().map(|p| p.1).min().unwrap(), area.iter().map(|p| p.1).max().unwrap());
+    assert_eq!(x1 - x0, y1 - y0, "a square is square");
+    assert!(y0 > 200 && x1 < 250, "it fills the lower left, not {x0}..{x1} {y0}..{y1}");
+}
+
+#[test]
+fn curves() {
+    let h: Vec<f64> = (0..5).map(|i| 1.0e-3 / 2.0_f64.powi(i)).collect();
+    let error = |c: f64, p: f64| h.iter().map(|h| c * (h / 1.0e-3).powf(p)).collect::<Vec<_>>();
+    let convergence = Chart::new(900, 700)
+        .title("Convergence of the foot's radius")
+        .x(Axis::new("cell size").unit("mm", 1.0e3).logarithmic())
+        .y(Axis::new("relative error").logarithmic())
+        .series(Series::new("linear hats", &h, &error(3.0e-2, 1.1)).unwrap().marker(Marker::Circle))
+        .series(Series::new("GIMP", &h, &error(1.6e-2, 1.8)).unwrap().marker(Marker::Square))
+        .series(Series::new("B-splines", &h, &error(8.0e-3, 2.1)).unwrap().marker(Marker::Triangle))
+        .series(Series::slope("second order", 2.0, (1.0e-3, 5.0e-3), (1.0e-3, 6.25e-5)))
+        .draw()
+        .expect("drawn");
+    keep(&convergence, "convergence.png");
+    let t: Vec<f64> = (0..400).map(|i| f64::from(i) * 2.0e-7).collect();
+    let length: Vec<f64> = t.iter().map(|t| LENGTH * (0.66 + 0.34 * (-t / 2.5e-5).exp())).collect();
+    let other: Vec<f64> = t.iter().map(|t| LENGTH * (0.68 + 0.32 * (-t / 2.2e-5).exp())).collect();
+    let measured = Series::new("measured", &[8.0e-5], &[2.14e-2]).unwrap();
+    let history = Chart::new(900, 700)
+        .title("Length of the bar")
+        .x(Axis::new("time").unit("µs", 1.0e6).range(0.0, 8.2e-5))
+        .y(Axis::new("length").unit("mm", 1.0e3))
+        .series(Series::new("3D", &t, &length).unwrap())
+        .series(Series::new("axisymmetric", &t, &other).unwrap().stroke(Stroke::Dashed))
+        .series(measured.stroke(Stroke::None).marker(Marker::Diamond).colour([40; 3]))
+        .draw()
+        .expect("drawn");
+    keep(&history, "history.png");
+    let both = Panels::new(2).panel("(a)", convergence).panel("(b)", history).compose().expect("composed");
+    keep(&both, "charts.png");
+    assert_eq!(both.width(), 1800);
+    // No point, one point, and points that are no numbers do no harm.
+    Chart::new(200, 100).draw().expect("empty");
+    let odd = Series::new("odd", &[1.0, f64::NAN, -1.0], &[f64::INFINITY, 1.0, 0.0]).unwrap();
+    Chart::new(200, 100).x(Axis::new("x").logarithmic()).series(odd).draw().expect("odd");
+}
+
+#[test]
+fn panels_of_three_and_two_dimensions() {
+    let (solid, flat) = (bar(4.0e-4, true), axisymmetric(2.0e-4));
+    let mirrors = [Mirror::x(0.0), Mirror::y(0.0)];
+    let left = ParticlePicture::new(800, 800)
+        .colour_by(strain().range(0.0, 2.0))
+        .mirrored(mirrors)
+        .cut(Cut { normal: [1.0, 0.0, 0.0], through: [0.0; 3] })
+        .cut(Cut { normal: [0.0, -1.0, 0.0], through: [0.0; 3] })
+        .draw(&solid)
+        .expect("drawn");
+    let right = FieldPicture::new(600, 800)
+        .colour_by(strain().range(0.0, 2.0))
+        .mirrored([Mirror::x(0.0)])
+        .axes("r", "z")
+        .draw(&flat)
+        .expect("drawn");
+    let both = Panels::new(2)
+        .title("Taylor bar, copper, 190 m/s, 80 µs")
+        .panel("(a) three dimensions, a quarter computed", left)
+        .panel("(b) axisymmetric", right)
+        .compose()
+        .expect("composed");
+    assert_eq!(both.width(), 1400);
+    keep(&both, "panels.png");
+}
+
+#[test]
+fn a_png_reads_back_to_the_same_pixels() {
+    let folder = std::env::temp_dir().join(format!("impactite-png-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let path = folder.join("square.png");
+    let one = Snapshot::new(2, 0.0, 0, vec![[1.0, 1.0, 0.0]], ParticleSize::Uniform(2.0)).expect("good");
+    let picture = FieldPicture::new(120, 90).draw(&one).expect("drawn");
+    picture.save(&path).expect("saved");
+    let file = std::io::BufReader::new(std::fs::File::open(&path).expect("there"));
+    let mut reader = png::Decoder::new(file).read_info().expect("a PNG");
+    let mut bytes = vec![0; reader.output_buffer_size().expect("small")];
+    reader.next_frame(&mut bytes).expect("a frame");
+    for (i, rgb) in bytes.chunks(3).enumerate() {
+        assert_eq!(picture.pixel(i % 120, i / 120).expect("inside"), rgb);
+    }
+    std::fs::remove_dir_all(&folder).expect("removed");
+}
+
+#[test]
+fn bad_input_is_refused_by_name() {
+    let snapshot = bar(1.6e-3, true);
+    let said = |result: Result<Picture, OutputError>| result.expect_err("refused").to_string();
+    let picture = ParticlePicture::new(100, 100);
+    let missing = said(picture.clone().colour_by(Quantity::scalar("heat")).draw(&snapshot));
+    assert_eq!(missing, "no scalar field \"heat\" in the snapshot; it has \"plastic_strain\"");
+    let range = said(picture.clone().colour_by(strain().range(2.0, 1.0)).draw(&snapshot));
+    assert!(range.contains("range of \"plastic_strain\" = 2 to 1"), "{range}");
+    let up = said(picture.clone().seen_from([0.0, 0.0, 1.0], [0.0, 0.0, 2.0]).draw(&snapshot));
+    assert!(up.contains("up not along their line"), "{up}");
+    assert!(said(FieldPicture::new(100, 100).draw(&snapshot)).starts_with("dimension = 3"));
+    assert!(said(ParticlePicture::new(0, 100).draw(&snapshot)).starts_with("picture width = 0"));
+    assert!(said(Panels::new(2).compose()).starts_with("number of panels = 0"));
+    assert!(said(picture.revolved(360.0).draw(&snapshot)).starts_with("dimension = 3"));
+    let lost = Snapshot::new(3, 0.0, 0, vec![[f64::NAN; 3]], ParticleSize::Uniform(1.0)).expect("accepted");
+    assert!(said(ParticlePicture::new(100, 100).draw(&lost)).starts_with("number of particles to frame = 0"));
+    assert!(Series::new("short", &[1.0, 2.0], &[1.0]).is_err());
+}
+
+#[test]
+fn hostile_scenes_are_drawn_without_a_panic() {
+    // Debris far apart, sizes far from each other, one particle, none at a finite place beside one that is.
+    let scenes: [(Vec<[f64; 3]>, ParticleSize); 4] = [
+        (vec![[0.0; 3], [1.0e3, 2.0e3, -1.0e3]], ParticleSize::Uniform(1.0e-6)),
+        (vec![[0.0; 3], [1.0e-3, 0.0, 0.0]], ParticleSize::Each(vec![1.0, 1.0e-9])),
+        (vec![[1.0e9; 3]], ParticleSize::Uniform(1.0e-3)),
+        (vec![[f64::NAN; 3], [1.0, 0.0, f64::INFINITY], [0.0; 3]], ParticleSize::Uniform(1.0)),
+    ];
+    for (positions, size) in scenes {
+        let n = positions.len();
+        let snapshot = Snapshot::new(3, 0.0, 0, positions, size)
+            .and_then(|s| s.with_scalar("odd", vec![f64::NAN; n]))
+            .expect("accepted");
+        for perspective in [false, true] {
+            let picture = ParticlePicture::new(160, 120).colour_by(Quantity::scalar("odd").logarithmic());
+            let picture = if perspective { picture.perspective() } else { picture };
+            picture.mirrored([Mirror::z(0.0)]).draw(&snapshot).expect("drawn");
+        }
+    }
+}
