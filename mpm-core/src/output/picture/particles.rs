@@ -342,9 +342,15 @@ impl Viewport {
 
         let matter = Matter::of(balls);
         let mut seen = Vec::with_capacity(balls.len() / 4);
-        let grown = matter.grown(balls);
+        let neighbours = matter.neighbours(balls);
         for (i, ball) in balls.iter().enumerate() {
             if matter.hides(i) {
+                continue;
+            }
+            let (g, sky) = matter.surface(i, ball.x);
+            let normal = [dot(g, right) as f32, dot(g, up) as f32, dot(g, out) as f32];
+            // What faces away is behind the matter it belongs to.
+            if normal[2] < -0.5 && !matter.coarse {
                 continue;
             }
             let d = sub(ball.x, at);
@@ -360,13 +366,11 @@ impl Viewport {
             let x = cx + dot(d, right) * scale * zoom;
             let y = cy - dot(d, up) * scale * zoom;
             let front = (ball.radius * scale * zoom).max(0.75);
-            let radius = front * f64::from(grown[i]);
+            let radius = front * f64::from(matter.growth(i, ball, &neighbours));
             if x + radius < 0.0 || y + radius < 0.0 || x - radius > columns as f64 || y - radius > rows as f64
             {
                 continue;
             }
-            let (g, sky) = matter.surface(i, ball.x);
-            let normal = [dot(g, right) as f32, dot(g, up) as f32, dot(g, out) as f32];
             let colour = ball.colour.map(f32::from);
             let (x, y, radius, depth) = (x as f32, y as f32, radius as f32, (toward * scale) as f32);
             seen.push(Seen { x, y, depth, radius, front: front as f32, normal, sky, colour });
@@ -431,8 +435,9 @@ impl Viewport {
 /// lines.
 fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usize, rows: usize) {
     let r = ball.radius;
-    let y0 = (ball.y - r).floor().max(0.0) as usize;
-    let y1 = ((ball.y + r).ceil().max(0.0) as usize).min(rows);
+    // Casts to usize cut off the fraction and send negative numbers to 0.
+    let y0 = (ball.y - r) as usize;
+    let y1 = ((ball.y + r) as usize + 1).min(rows);
     let front = ball.depth + ball.front;
     for y in y0..y1 {
         let dy = y as f32 + 0.5 - ball.y;
@@ -441,8 +446,8 @@ fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usiz
             continue;
         }
         let half = half.sqrt();
-        let x0 = (ball.x - half + 0.5).floor().max(0.0) as usize;
-        let x1 = ((ball.x + half + 0.5).floor().max(0.0) as usize).min(columns);
+        let x0 = (ball.x - half + 0.5) as usize;
+        let x1 = ((ball.x + half + 0.5) as usize).min(columns);
         if x0 >= x1 {
             continue;
         }
@@ -480,8 +485,17 @@ fn shade(
         for px in 0..columns / FINE {
             let mut sum = [0.0_f32; 3];
             let mut covered = 0.0_f32;
-            for sy in 0..FINE {
-                for sx in 0..FINE {
+            let corner = py * FINE * columns + px * FINE;
+            let first = who[corner];
+            let alone =
+                (0..FINE).all(|sy| who[corner + sy * columns..][..FINE].iter().all(|other| *other == first));
+            if alone && first == u32::MAX {
+                continue;
+            }
+            // A pixel that is all one ball's needs light once.
+            let (samples, weight) = if alone { (1, (FINE * FINE) as f32) } else { (FINE, 1.0) };
+            for sy in 0..samples {
+                for sx in 0..samples {
                     let (x, y) = (px * FINE + sx, py * FINE + sy);
                     let at = y * columns + x;
                     let id = who[at];
@@ -518,9 +532,9 @@ fn shade(
                     light *= 1.0 - 0.38 * (behind - 0.35).clamp(0.0, 1.0);
                     let shine = ball.sky * (26.0 * gloss + 30.0 * rim * rim + 5.0);
                     for c in 0..3 {
-                        sum[c] += (ball.colour[c] * light + shine).min(255.0);
+                        sum[c] += weight * (ball.colour[c] * light + shine).min(255.0);
                     }
-                    covered += 1.0;
+                    covered += weight;
                 }
             }
             if covered > 0.0 {
@@ -548,6 +562,12 @@ struct Matter {
     deep: Vec<bool>,
     /// Cells are too large to tell from them what hides what.
     coarse: bool,
+}
+
+/// Where balls are, by the cells of [`Matter`]: those of cell c are `places[start[c]..start[c + 1]]`.
+struct Neighbours {
+    start: Vec<u32>,
+    places: Vec<[f32; 3]>,
 }
 
 /// The lattice has at most about this many cells; if the bulk needs more, they are larger.
@@ -658,16 +678,8 @@ impl Matter {
         !self.coarse && self.deep.get(self.home[i] as usize).is_some_and(|deep| *deep)
     }
 
-    /// How much larger each ball must be drawn to meet its neighbours where matter was stretched: the nearest
-    /// neighbour is sought in each of the eight octants, and the ball reaches 0.4 of the way to the farthest of
-    /// those within reach, which leaves a cubic lattice as it is. Balls that are hidden keep 1.
-    fn grown(&self, balls: &[Ball]) -> Vec<f32> {
-        const MOST: f32 = 1.7;
-        let mut grown = vec![1.0_f32; balls.len()];
-        if self.coarse {
-            return grown;
-        }
-        // Balls in the order of their cells: `order[start[c]..start[c + 1]]` are those of cell c.
+    /// The balls in the order of their cells.
+    fn neighbours(&self, balls: &[Ball]) -> Neighbours {
         let mut start = vec![0_u32; self.fine.len() + 1];
         for cell in self.home.iter().filter(|cell| **cell != NOWHERE) {
             start[*cell as usize + 1] += 1;
@@ -676,41 +688,51 @@ impl Matter {
             start[c + 1] += start[c];
         }
         let mut next = start.clone();
-        let mut order = vec![[0.0_f32; 3]; balls.len()];
+        let mut places = vec![[0.0_f32; 3]; balls.len()];
         for (ball, cell) in balls.iter().zip(&self.home).filter(|(_, cell)| **cell != NOWHERE) {
             let at = &mut next[*cell as usize];
-            order[*at as usize] = [0, 1, 2].map(|d| (ball.x[d] - self.low[d]) as f32);
+            places[*at as usize] = [0, 1, 2].map(|d| (ball.x[d] - self.low[d]) as f32);
             *at += 1;
         }
-        for (i, ball) in balls.iter().enumerate() {
-            if self.hides(i) || self.home[i] == NOWHERE {
-                continue;
-            }
-            let reach = 4.0 * ball.radius as f32;
-            let x = [0, 1, 2].map(|d| (ball.x[d] - self.low[d]) as f32);
-            let mut nearest = [f32::INFINITY; 8];
-            let home = self.home[i] as usize;
-            for k in 0..3 {
-                for j in 0..3 {
-                    let row = home + k * self.n[0] * self.n[1] + j * self.n[0];
-                    let first = row - self.n[0] * self.n[1] - self.n[0] - 1;
-                    for other in &order[start[first] as usize..start[first + 3] as usize] {
-                        let d = [other[0] - x[0], other[1] - x[1], other[2] - x[2]];
-                        let square = dot3(d, d);
-                        let octant = usize::from(d[0] > 0.0)
-                            | usize::from(d[1] > 0.0) << 1
-                            | usize::from(d[2] > 0.0) << 2;
-                        if square > 0.0 && square < nearest[octant] {
-                            nearest[octant] = square;
-                        }
+        Neighbours { start, places }
+    }
+
+    /// How much larger a ball must be drawn to meet its neighbours where matter was stretched: the nearest
+    /// neighbour is sought in each of the eight octants, and the ball reaches 0.4 of the way to the third
+    /// farthest of those within reach, which leaves a cubic lattice as it is and does not follow one stray.
+    fn growth(&self, i: usize, ball: &Ball, neighbours: &Neighbours) -> f32 {
+        const MOST: f32 = 1.7;
+        if self.coarse || self.home[i] == NOWHERE {
+            return 1.0;
+        }
+        let radius = ball.radius as f32;
+        let reach = 4.0 * radius;
+        let x = [0, 1, 2].map(|d| (ball.x[d] - self.low[d]) as f32);
+        let mut nearest = [f32::INFINITY; 8];
+        let (row, layer) = (self.n[0], self.n[0] * self.n[1]);
+        let corner = self.home[i] as usize - layer - row - 1;
+        for k in 0..3 {
+            for j in 0..3 {
+                let first = corner + k * layer + j * row;
+                let (from, to) = (neighbours.start[first], neighbours.start[first + 3]);
+                for other in &neighbours.places[from as usize..to as usize] {
+                    let d = [other[0] - x[0], other[1] - x[1], other[2] - x[2]];
+                    let square = dot3(d, d);
+                    let octant =
+                        usize::from(d[0] > 0.0) | usize::from(d[1] > 0.0) << 1 | usize::from(d[2] > 0.0) << 2;
+                    if square > 0.0 && square < nearest[octant] {
+                        nearest[octant] = square;
                     }
                 }
             }
-            let farthest =
-                nearest.iter().filter(|s| **s < reach * reach).fold(0.0_f32, |m, s| m.max(*s)).sqrt();
-            grown[i] = (0.40 * farthest / ball.radius as f32).clamp(1.0, MOST);
         }
-        grown
+        for square in &mut nearest {
+            if *square > reach * reach {
+                *square = 0.0;
+            }
+        }
+        nearest.sort_by(f32::total_cmp);
+        (0.40 * nearest[5].sqrt() / radius).clamp(1.0, MOST)
     }
 
     /// Outward unit normal of the matter at a point (zero far inside), and how open the sky is there (about 1 on
