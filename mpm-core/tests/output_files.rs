@@ -186,6 +186,7 @@ fn a_series_is_valid_after_every_frame() {
         assert!(index.contains(&format!("file=\"two &amp; two_{frame:06}.vtp\"")));
     }
     assert_eq!(series.frames(), 13);
+    write_vtp(place.join("none.vtp"), &awkward(0, 0.0, false), VtkOptions::default()).expect("written");
     let left: Vec<_> = std::fs::read_dir(&place).unwrap().map(|e| e.unwrap().path()).collect();
     assert!(left.iter().all(|p| p.extension().is_some_and(|e| e == "vtp" || e == "pvd")), "{left:?}");
 }

@@ -270,6 +270,8 @@ fn bad_input_is_refused_by_name() {
     assert!(said(picture.revolved(360.0).draw(&snapshot)).starts_with("dimension = 3"));
     let lost = Snapshot::new(3, 0.0, 0, vec![[f64::NAN; 3]], ParticleSize::Uniform(1.0)).expect("accepted");
     assert!(said(ParticlePicture::new(100, 100).draw(&lost)).starts_with("number of particles to frame = 0"));
+    let hall = said(ParticlePicture::new(100, 100).mirrored([Mirror::x(0.0); 7]).draw(&snapshot));
+    assert!(hall.starts_with("number of mirrors = 7"), "{hall}");
     assert!(Series::new("short", &[1.0, 2.0], &[1.0]).is_err());
 }
 
