@@ -23,4 +23,4 @@ pub use parallel::{Float, Team};
 pub use scheme::{Musl, StressUpdate, Usf, Usl};
 pub use shape::{AffineShape, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction};
 pub use step::{Body, Mpm, Particle, StepError, Stopped, TimeControl, Totals};
-pub use transfer::{Apic, Blend, Flip, Fmpm, Pic, Transfer};
+pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

@@ -25,7 +25,8 @@ pub struct NodeLedger {
     pub impulse: [f64; 3],
     /// Impulse of body forces, N s.
     pub load: [f64; 3],
-    /// Work of boundaries and body forces on the material, J.
+    /// Work of boundaries (impulse times the boundary's velocity: none where it rests) and of body forces on
+    /// the material, J.
     pub work: f64,
     /// Momentum at nodes too light to carry it, dropped, kg m/s.
     pub dropped: [f64; 3],
@@ -188,7 +189,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 if let Some(g) = gravity {
                     a += T::of(g[d]);
                     ledger.load[d] += (mass * dt).to_double() * g[d];
-                    let middle = (old[d] + a * dt * T::of(0.5)).to_double();
+                    let middle = (old[d] + a * dt).to_double() - 0.5 * dt.to_double() * g[d];
                     ledger.work += (mass * dt).to_double() * g[d] * middle;
                 }
                 new[d] = old[d] + a * dt;
@@ -199,7 +200,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 for d in 0..D {
                     let impulse = mass.to_double() * (v[d] - new[d].to_double());
                     ledger.impulse[d] += impulse;
-                    ledger.work += impulse * 0.5 * (v[d] + old[d].to_double());
+                    ledger.work += impulse * v[d];
                     new[d] = T::of(v[d]);
                     node.second[d + 1] = (new[d] - old[d]) * per_dt;
                 }
