@@ -6,6 +6,7 @@
 //! Within a bin a particle's place is its offset xi from the bin's centre, -1/2 <= xi < 1/2.
 
 mod bspline;
+mod edge;
 mod gimp;
 mod linear;
 
@@ -14,6 +15,7 @@ use mpm_materials::{Lane, Real};
 use crate::dim::{Array, Stencil};
 
 pub use bspline::{CubicBSpline, QuadraticBSpline};
+pub use edge::BoundaryModified;
 pub use gimp::{CpGimp, Gimp};
 pub use linear::Linear;
 
@@ -63,6 +65,8 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     type Extent: Stencil;
     /// Does each particle carry its own domain half sizes (one column an axis), which follow the strain?
     const CARRIES_DOMAIN: bool = false;
+    /// Does the basis end at walls and fixed planes ([`BoundaryModified`])?
+    const BOUNDARY_MODIFIED: bool = false;
     /// Smallest limit of dt c / h measured with USL in three dimensions, 2 particles an axis and cell
     /// (accuracy.md 1.9); 0.7 of it is the default.
     const USL_LIMIT: f64;

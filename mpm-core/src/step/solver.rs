@@ -385,6 +385,7 @@ where
             time: self.time,
             cutoff: lightest * T::of(MASS_CUTOFF),
             wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
+            modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
         }
     }
 
