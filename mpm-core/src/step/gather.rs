@@ -3,7 +3,6 @@
 use mpm_materials::Lane;
 
 use crate::dim::{Array, Stencil};
-use crate::grid::Node;
 use crate::parallel::Float;
 use crate::shape::{Weights, node_offset};
 
@@ -42,14 +41,13 @@ impl<P: Lane, E: Stencil> AxisWeights<P, E> {
     }
 }
 
-/// Component `c` of the first (or second) nodal vector, with slopes and moments if asked for.
+/// Component `c` of a nodal vector (of records `[scalar, x, y, z]`), with slopes and moments if asked for.
 ///
 /// The flags are constants at every call, so that what is not asked for is not computed.
 #[inline(always)]
 pub fn gather<T: Float, P: Lane<Real = T>, E: Stencil>(
-    nodes: &E::Nodes<Node<T>>,
+    nodes: &E::Nodes<[T; 4]>,
     at: &AxisWeights<P, E>,
-    second: bool,
     c: usize,
     slopes: bool,
     moments: bool,
@@ -63,8 +61,7 @@ pub fn gather<T: Float, P: Lane<Real = T>, E: Stencil>(
         for j in 0..E::NODES {
             let (mut row, mut row_dx, mut row_mx) = (zero, zero, zero);
             for i in 0..E::NODES {
-                let node = &nodes[(k * E::NODES + j) * E::NODES + i];
-                let v = P::splat(if second { node.second[c + 1] } else { node.first[c + 1] });
+                let v = P::splat(nodes[(k * E::NODES + j) * E::NODES + i][c + 1]);
                 row = x.value[i].mul_add(v, row);
                 if slopes {
                     row_dx = x.slope[i].mul_add(v, row_dx);

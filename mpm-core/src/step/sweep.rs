@@ -160,7 +160,19 @@ where
             force: does.force,
             hoop: does.force && M::Embedding::HOOP,
         };
-        let tile_in = load_tile::<T, D, ExtentOf<M, T, D>>(nodes, &slot.nodes_around);
+        let strain_first = matches!(does.strain, Some(Nodal::First));
+        let strain_second = matches!(does.strain, Some(Nodal::Second));
+        let reads = Reads {
+            first: does.velocity || does.moves || strain_first,
+            second: (does.velocity && M::Transfer::READS_INCREMENT) || strain_second || does.smooth,
+        };
+        let mut tile_in = <ExtentOf<M, T, D> as Stencil>::Tile::<Node<T>>::filled(Node::default());
+        if reads.first || reads.second {
+            load_tile::<T, D, ExtentOf<M, T, D>>(nodes, &slot.nodes_around, &mut tile_in);
+        }
+        let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
+        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
+            Array::filled([A::Quad::zero(); 2]);
         slot.tile.fill(Node::default());
         slot.outbox.clear();
         slot.report = Report::default();
@@ -190,9 +202,7 @@ where
                 prefetch(slot.block.bin_rows(bin + 2));
             }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-            let stencil = load_stencil::<T, D, ExtentOf<M, T, D>>(&tile_in, corner);
-            let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
-                Array::filled([A::Quad::zero(); 2]);
+            stencil.load(&tile_in, corner, reads);
             // x of the bin's centre, for the distance to the axis of revolution.
             let bin_x = T::of(
                 f64::from(slot.block.coordinates[0]) * BLOCK as f64
@@ -231,18 +241,15 @@ where
                 }
 
                 // Grid to particles: first nodal vector (velocity) with what is wanted of it.
-                let strain_first = matches!(does.strain, Some(Nodal::First));
-                let strain_second = matches!(does.strain, Some(Nodal::Second));
                 let mut nodal = [zero; 3];
                 let mut gradient = Mat3::<A::Pack>::zero();
                 let mut affine = [[zero; 3]; 3];
                 let mut hoop_velocity = zero;
-                if does.velocity || does.moves || strain_first {
+                if reads.first {
                     for c in 0..D {
                         let found = gather::<T, A::Pack, ExtentOf<M, T, D>>(
-                            &stencil,
+                            &stencil.first,
                             &at,
-                            false,
                             c,
                             strain_first,
                             maps.affine,
@@ -263,12 +270,11 @@ where
                 }
                 // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
                 let mut increment = [zero; 3];
-                if (does.velocity && M::Transfer::READS_INCREMENT) || strain_second || does.smooth {
+                if reads.second {
                     for c in 0..D {
                         let found = gather::<T, A::Pack, ExtentOf<M, T, D>>(
-                            &stencil,
+                            &stencil.second,
                             &at,
-                            true,
                             c,
                             strain_second,
                             false,
@@ -375,7 +381,7 @@ where
                     scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, lane, maps);
                 }
             }
-            add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &sums, maps);
+            add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
             if does.moves && !slot.leaving.is_empty() {
                 send_away::<T, D>(slot, bin);
             }
@@ -543,6 +549,8 @@ where
             hoop: does.force && M::Embedding::HOOP,
         };
         let columns = slot.block.dummy().len();
+        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
+            Array::filled([A::Quad::zero(); 2]);
         let directions = crate::dim::neighbours(D);
         let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
@@ -571,11 +579,9 @@ where
                     at.weights[d] = method.shape().weights(xi, A::Pack::splat(half));
                 }
                 spread.fill(&at, maps.force);
-                let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
-                    Array::filled([A::Quad::zero(); 2]);
                 scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, 0, maps);
                 let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-                add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &sums, maps);
+                add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
             }
         }
         slot.block.tidy();
@@ -591,24 +597,32 @@ fn tile_corner<E: Stencil, const D: usize>(bin: usize) -> usize {
 
 /// Copy the nodes that a block's particles reach out of the blocks of the grid.
 #[inline(always)]
-fn load_tile<T: Float, const D: usize, E: Stencil>(nodes: &[Node<T>], around: &[u32]) -> E::Tile<Node<T>> {
-    let mut tile = E::Tile::<Node<T>>::filled(Node::default());
+fn load_tile<T: Float, const D: usize, E: Stencil>(
+    nodes: &[Node<T>],
+    around: &[u32],
+    tile: &mut E::Tile<Node<T>>,
+) {
+    let tile = tile.as_mut();
     let layers = if D == 3 { E::TILE } else { 1 };
     for z in 0..layers {
         let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
         for y in 0..E::TILE {
             let (by, ny) = place::<E>(y);
-            for x in 0..E::TILE {
+            let row = &mut tile[(z * E::TILE + y) * E::TILE..][..E::TILE];
+            let mut x = 0;
+            while x < E::TILE {
+                // A piece of the row inside one block.
                 let (bx, nx) = place::<E>(x);
-                let block = around[(bz * 3 + by) * 3 + bx];
-                let node = (nz * BLOCK + ny) * BLOCK + nx;
-                if let Some(found) = nodes.get(block as usize * block_nodes(D) + node) {
-                    tile[(z * E::TILE + y) * E::TILE + x] = *found;
+                let length = (BLOCK - nx).min(E::TILE - x);
+                let block = around[(bz * 3 + by) * 3 + bx] as usize;
+                let first = block * block_nodes(D) + (nz * BLOCK + ny) * BLOCK + nx;
+                if let Some(found) = nodes.get(first..first + length) {
+                    row[x..x + length].copy_from_slice(found);
                 }
+                x += length;
             }
         }
     }
-    tile
 }
 
 /// Which of the three blocks along an axis a tile coordinate lies in, and where.
@@ -618,41 +632,64 @@ pub fn place<E: Stencil>(tile: usize) -> (usize, usize) {
     (node / BLOCK, node % BLOCK)
 }
 
-#[inline(always)]
-fn load_stencil<T: Float, const D: usize, E: Stencil>(
-    tile: &E::Tile<Node<T>>,
-    corner: usize,
-) -> E::Nodes<Node<T>> {
-    let mut nodes = E::Nodes::<Node<T>>::filled(Node::default());
-    let tile = tile.as_ref();
-    for k in 0..E::LAYERS {
-        for j in 0..E::NODES {
-            let row = &tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
-            for i in 0..E::NODES {
-                nodes[(k * E::NODES + j) * E::NODES + i] = row[i];
+/// Which nodal vectors a pass reads.
+#[derive(Clone, Copy)]
+struct Reads {
+    first: bool,
+    second: bool,
+}
+
+/// The nodal records of one bin's stencil.
+struct Stencilled<T: Float, E: Stencil> {
+    first: E::Nodes<[T; 4]>,
+    second: E::Nodes<[T; 4]>,
+}
+
+impl<T: Float, E: Stencil> Stencilled<T, E> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Stencilled { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
+    }
+    #[inline(always)]
+    fn load(&mut self, tile: &E::Tile<Node<T>>, corner: usize, reads: Reads) {
+        let tile = tile.as_ref();
+        for k in 0..E::LAYERS {
+            for j in 0..E::NODES {
+                let row = &tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
+                for i in 0..E::NODES {
+                    let at = (k * E::NODES + j) * E::NODES + i;
+                    if reads.first {
+                        self.first[at] = row[i].first;
+                    }
+                    if reads.second {
+                        self.second[at] = row[i].second;
+                    }
+                }
             }
         }
     }
-    nodes
 }
 
+/// Add a bin's sums to its block's tile and clear them for the next bin.
 #[inline(always)]
 fn add_to_tile<T: Float, A: Arch<T>, E: Stencil>(
     tile: &mut [Node<T>],
     corner: usize,
-    sums: &E::Nodes<[A::Quad; 2]>,
+    sums: &mut E::Nodes<[A::Quad; 2]>,
     maps: Maps,
 ) {
     for k in 0..E::LAYERS {
         for j in 0..E::NODES {
             let row = &mut tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
             for i in 0..E::NODES {
-                let sum = &sums[(k * E::NODES + j) * E::NODES + i];
+                let sum = &mut sums[(k * E::NODES + j) * E::NODES + i];
                 if maps.momentum {
                     (A::Quad::load(&row[i].first) + sum[0]).store(&mut row[i].first);
+                    sum[0] = A::Quad::zero();
                 }
                 if maps.force {
                     (A::Quad::load(&row[i].second) + sum[1]).store(&mut row[i].second);
+                    sum[1] = A::Quad::zero();
                 }
             }
         }
