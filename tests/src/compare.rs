@@ -54,7 +54,12 @@ impl Difference {
 }
 
 /// A scene in the fast step, bodies of one law.
-pub fn fast<T: Float, const D: usize, M, G, C>(method: M, grid: G, scene: &Scene<D>, law: &C) -> Mpm<T, D, M, G>
+pub fn fast<T: Float, const D: usize, M, G, C>(
+    method: M,
+    grid: G,
+    scene: &Scene<D>,
+    law: &C,
+) -> Mpm<T, D, M, G>
 where
     M: Composition<T, D>,
     G: GridStorage<T, D>,

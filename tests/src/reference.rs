@@ -58,8 +58,7 @@ pub trait Law {
     /// State at rest.
     fn virgin(&self) -> Vec<f64>;
     /// New state and stress.
-    fn update(&self, increment: [[f64; 3]; 3], dt: f64, length: f64, state: &[f64])
-    -> (Vec<f64>, [f64; 6]);
+    fn update(&self, increment: [[f64; 3]; 3], dt: f64, length: f64, state: &[f64]) -> (Vec<f64>, [f64; 6]);
     /// Stress of a state.
     fn stress(&self, state: &[f64]) -> [f64; 6];
     /// Volume over reference volume.
@@ -73,13 +72,7 @@ impl<C: Constitutive<f64>> Law for C {
     fn virgin(&self) -> Vec<f64> {
         flatten(&Constitutive::virgin(self))
     }
-    fn update(
-        &self,
-        increment: [[f64; 3]; 3],
-        dt: f64,
-        length: f64,
-        state: &[f64],
-    ) -> (Vec<f64>, [f64; 6]) {
+    fn update(&self, increment: [[f64; 3]; 3], dt: f64, length: f64, state: &[f64]) -> (Vec<f64>, [f64; 6]) {
         let old: C::State<f64> = unflatten(state).expect("length of the state");
         let new = Constitutive::update(self, &Kinematics { increment: Mat3(increment), dt, length }, &old);
         assert!(!new.fault.any(), "the law broke down in the reference");
@@ -195,7 +188,12 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 
     /// Add a body.
-    pub fn add(&mut self, law: impl Law + 'static, seeds: &Seeds<D>, velocity: impl Fn([f64; D]) -> [f64; D]) {
+    pub fn add(
+        &mut self,
+        law: impl Law + 'static,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+    ) {
         let body = self.laws.len();
         for (number, (&x, volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
             self.points.push(Point {

@@ -73,6 +73,10 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub cutoff: T,
     /// Do stencils reach behind a plane that particles touch?
     pub wide: bool,
+    /// Do particles keep their velocity and add its change (FLIP)? Else they take the nodes' velocity.
+    pub keeps: bool,
+    /// Time step, s.
+    pub dt: T,
 }
 
 impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
@@ -95,11 +99,43 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 body.add_tiles(block, sums, nodes);
             }
         });
-        if self.wide {
-            let lattice = *self.grid.lattice();
-            let mirrors = self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice));
-            for mirror in mirrors.collect::<Vec<_>>() {
+        let lattice = *self.grid.lattice();
+        let mirrors = self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice));
+        for mirror in mirrors.collect::<Vec<_>>() {
+            self.still(mirror, sums);
+            if self.wide {
                 self.fold(mirror, sums);
+            }
+        }
+    }
+
+    /// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
+    /// vanish there before anything is divided or differenced. The force it cancels is the plane's impulse.
+    fn still(&mut self, mirror: Mirror, sums: Sums) {
+        let Mirror { axis, node: plane, .. } = mirror;
+        let dt = self.dt;
+        let stride = BLOCK.pow(axis as u32);
+        let blocks = self.grid.blocks().to_vec();
+        for (b, coordinates) in blocks.iter().enumerate() {
+            if coordinates[axis] != plane.div_euclid(BLOCK as i32) {
+                continue;
+            }
+            let nodes = &mut self.grid.nodes_mut()[b * block_nodes(D)..][..block_nodes(D)];
+            let impulse = &mut self.ledgers[b].impulse[axis];
+            for (n, node) in nodes.iter_mut().enumerate() {
+                if n / stride % BLOCK != plane.rem_euclid(BLOCK as i32) as usize {
+                    continue;
+                }
+                if sums == Sums::All {
+                    if !self.keeps {
+                        *impulse -= node.first[1 + axis].to_double();
+                    }
+                    node.first[1 + axis] = T::default();
+                }
+                if sums != Sums::Again {
+                    *impulse -= (node.second[1 + axis] * dt).to_double();
+                }
+                node.second[1 + axis] = T::default();
             }
         }
     }
@@ -138,8 +174,21 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                     [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
                 };
                 if sums == Sums::All {
-                    nodes[i].first = sum(nodes[i].first, nodes[j].first);
+                    let (front, back) = (nodes[i], nodes[j]);
+                    nodes[i].first = sum(front.first, back.first);
                     nodes[j].first = reflect(nodes[i].first);
+                    // The plane's impulse: what both layers give to the particles less what they had.
+                    let [mass, force] = [nodes[i].first[0], sum(front.second, back.second)[1 + axis]];
+                    if mass > self.cutoff {
+                        let (mut had, mut has) = (T::default(), force * self.dt);
+                        if !self.keeps {
+                            had = front.first[1 + axis] + back.first[1 + axis];
+                            has += nodes[i].first[1 + axis];
+                        }
+                        had += (front.second[1 + axis] + back.second[1 + axis]) * self.dt;
+                        let given = (front.first[0] - back.first[0]) / mass * has;
+                        self.ledgers[f].impulse[axis] += (given - had).to_double();
+                    }
                 }
                 nodes[i].second = sum(nodes[i].second, nodes[j].second);
                 nodes[j].second = reflect(nodes[i].second);
@@ -232,6 +281,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let conditions = self.conditions;
         let time = self.time;
         let lattice = *self.grid.lattice();
+        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let blocks = self.grid.blocks().to_vec();
         let mut pieces: Vec<&mut [[T; 3]]> = terms.chunks_mut(block_nodes(D)).collect();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, terms| {
@@ -242,7 +292,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                     continue;
                 }
                 let x = place.node(n);
-                let free = free_directions(conditions, &x, time, lattice.spacing());
+                let free = free_directions(conditions, &x, time, lattice.spacing(), copies);
                 for d in 0..D {
                     let smoothed = node.second[d + 1] / mass;
                     term[d] = if free[d] { term[d] - smoothed } else { T::default() };
@@ -273,6 +323,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let blocks = self.grid.blocks().to_vec();
         let (conditions, time) = (self.conditions, self.time);
         let tolerance = 1e-6 * lattice.spacing();
+        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         // Nodes behind a mirror are copies: what happens to them is booked at their originals.
         let boundaries = if self.wide { &conditions.boundaries[..] } else { &[] };
         let mirrors: Vec<Mirror> = boundaries.iter().filter_map(|b| b.mirror(&lattice)).collect();
@@ -292,7 +343,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                     let constrain = |v: &mut [f64; 3], time: f64| {
                         let before = *v;
                         for b in &near {
-                            b.constrain(&x, v, time, tolerance);
+                            b.constrain(&x, v, time, tolerance, copies);
                         }
                         *v != before
                     };
@@ -322,6 +373,7 @@ fn free_directions<const D: usize>(
     x: &[f64; D],
     time: f64,
     spacing: f64,
+    copies: f64,
 ) -> [bool; 3] {
     let mut free = [true; 3];
     // A boundary that changes neither of two opposite probes in a direction leaves it free.
@@ -329,7 +381,7 @@ fn free_directions<const D: usize>(
         let before = [probe; 3];
         let mut v = before;
         for b in &conditions.boundaries {
-            b.constrain(x, &mut v, time, 1e-6 * spacing);
+            b.constrain(x, &mut v, time, 1e-6 * spacing, copies);
         }
         for d in 0..3 {
             free[d] &= v[d] == before[d];
