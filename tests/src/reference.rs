@@ -220,8 +220,10 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.update_stress(dt, |node| node.velocity);
                 self.forces();
                 self.integrate_momentum(dt);
+                self.sharpen_velocity();
                 self.particle_velocities(dt);
                 self.move_particles(dt);
+                self.stretch_domains(dt, |node| node.velocity);
             }
             Order::Usl => {
                 self.forces();
@@ -231,6 +233,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.particle_velocities(dt);
                 self.move_particles(dt);
                 self.update_stress(dt, |node| node.velocity);
+                self.stretch_domains(dt, |node| node.velocity);
             }
             Order::Musl => {
                 self.forces();
@@ -240,6 +243,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.move_particles(dt);
                 self.map_momentum_again(dt);
                 self.update_stress(dt, |node| node.remapped);
+                self.stretch_domains(dt, |node| node.remapped);
             }
         }
         self.time += dt;
@@ -501,7 +505,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// (18), (19), and the constitutive law; then the domains follow.
+    /// (18), (19), and the constitutive law.
     fn update_stress(&mut self, dt: f64, velocity: impl Fn(&Node<D>) -> [f64; D]) {
         let h = self.lattice.spacing();
         for (point, images) in self.points.iter_mut().zip(&self.images) {
@@ -522,8 +526,16 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 increment[2][2] = hoop / r;
             }
             (point.state, _) = self.laws[point.body].update(increment, dt, h, &point.state);
+        }
+    }
+
+    /// Domains follow the motion, for shape functions that carry them.
+    fn stretch_domains(&mut self, dt: f64, velocity: impl Fn(&Node<D>) -> [f64; D]) {
+        for (point, images) in self.points.iter_mut().zip(&self.images) {
             for d in 0..D {
-                point.half[d] = self.shape.stretch(point.half[d], increment[d][d]);
+                let rate: f64 =
+                    images[0].weights.iter().map(|w| velocity(&self.nodes[&w.node])[d] * w.gradient[d]).sum();
+                point.half[d] = self.shape.stretch(point.half[d], dt * rate);
             }
         }
     }

@@ -264,6 +264,7 @@ where
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
             self.stage(dt).collect(Sums::Force);
             self.stage(dt).integrate_momentum(dt, true); // viii: eq. 8
+            self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // viii: eq. 8

@@ -161,6 +161,8 @@ where
             hoop: does.force && M::Embedding::HOOP,
         };
         let strain_first = matches!(does.strain, Some(Nodal::First));
+        let stretches = ShapeOf::<M, T, D>::CARRIES_DOMAIN && does.moves;
+        let slopes_first = strain_first || (stretches && does.strain.is_none());
         let strain_second = matches!(does.strain, Some(Nodal::Second));
         let reads = Reads {
             first: does.velocity || does.moves || strain_first,
@@ -251,11 +253,11 @@ where
                             &stencil.first,
                             &at,
                             c,
-                            strain_first,
+                            slopes_first,
                             maps.affine,
                         );
                         nodal[c] = found.value;
-                        if strain_first {
+                        if slopes_first {
                             gradient.0[c] = found.slope;
                             if c == 0 {
                                 hoop_velocity = found.value;
@@ -320,12 +322,6 @@ where
                     if does.force {
                         rate = rate.max(A::Pack::select(alive, speed(law, &new.state, &v), zero));
                     }
-                    if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                        for d in 0..D {
-                            domain[d] = method.shape().stretch(domain[d], deformation.0[d][d]);
-                            domain[d].store(&mut rest[d]);
-                        }
-                    }
                 } else if does.force {
                     let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
                     stress = law.stress(&now);
@@ -334,6 +330,15 @@ where
                 } else if does.moves {
                     let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
                     rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
+                }
+
+                // Domains keep their sizes until the particles move, so that all passes of a step use the same
+                // weights.
+                if stretches {
+                    for d in 0..D {
+                        domain[d] = method.shape().stretch(domain[d], gradient.0[d][d] * cells);
+                        domain[d].store(&mut rest[d]);
+                    }
                 }
 
                 // Position.
