@@ -321,12 +321,12 @@ pub fn purity<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
 pub fn lanes<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     let four = proptest::array::uniform4(strategies::path(options));
     for_all("lanes", law, options, four, |paths| {
-        let options = with_steps(options, 50);
+        let part = 1.0 / options.steps as f64;
         let mut pack: M::State<Wide<f64, 4>> = spread(&law.virgin());
         let mut alone = [law.virgin(); 4];
         for leg in 0..options.legs {
             // The last lane rests in the first leg: packs of flowing and idle points must not mix.
-            let share = [0.02, 0.02, 0.002, if leg == 0 { 0.0 } else { 0.02 }];
+            let share = [part, part, 0.1 * part, if leg == 0 { 0.0 } else { part }];
             let mut increment: Mat3<Wide<f64, 4>> = Mat3::zero();
             for lane in 0..4 {
                 for (r, c) in positions() {
@@ -334,15 +334,15 @@ pub fn lanes<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
                     increment.0[r][c] = increment.0[r][c].with_lane(lane, value);
                 }
             }
-            for _ in 0..50 {
-                let kinematics = still(&increment, &options);
+            for _ in 0..options.steps {
+                let kinematics = still(&increment, options);
                 let update = law.update(&kinematics, &pack);
                 if let Some(broken) = first_broken(&update) {
                     return fail("lanes", law, format!("lane {} broke down: {}", broken.lane, broken.cause));
                 }
                 pack = update.state;
                 for lane in 0..4 {
-                    alone[lane] = step(law, &alone[lane], &(paths[lane][leg] * share[lane]), &options)?.state;
+                    alone[lane] = step(law, &alone[lane], &(paths[lane][leg] * share[lane]), options)?.state;
                 }
             }
         }
