@@ -144,6 +144,8 @@ fn a_fine_sphere_and_rod_agree_with_the_analytic_ones() {
             if b.abs() > gap {
                 assert_eq!(solid.contains(x), b < 0.0);
             }
+            let near = solid.signed_distance_within(x, 3.0 * gap);
+            assert_eq!(near, a.clamp(-3.0 * gap, 3.0 * gap));
             // Lipschitz, and the surface is nowhere nearer.
             let y = points.within(&exact.bounds(), 0.3);
             let between = (0..3).map(|i| (x[i] - y[i]).powi(2)).sum::<f64>().sqrt();

@@ -19,7 +19,7 @@ const LENGTH: f64 = 32.4e-3;
 /// shorter, with a mushroomed foot.
 fn deformed(r: f64, z: f64) -> (f64, f64, f64) {
     let s = z / LENGTH;
-    let flare = 1.0 + 1.15 * (-(s / 0.10).powf(1.25)).exp() + 0.22 * (-(s / 0.42).powi(2)).exp();
+    let flare = 1.0 + 0.80 * (-(s / 0.10).powf(1.25)).exp() + 0.22 * (-(s / 0.42).powi(2)).exp();
     let height = LENGTH * (0.68 * s + 0.32 * s * s * s * (1.0 - 0.35 * s)) * 0.86;
     let strain = 1.9 * (-(s / 0.11).powf(1.2)).exp() * (0.75 + 0.25 * (1.0 - (r / RADIUS).powi(2)))
         + 0.32 * (-(s / 0.4).powi(2)).exp();
@@ -85,18 +85,29 @@ fn ink(picture: &Picture) -> usize {
     all.filter(|(x, y)| picture.pixel(*x, *y) != Some([255; 3])).count()
 }
 
+/// How many pixels of two pictures of one size differ by more than a tenth of full scale.
+fn different(a: &Picture, b: &Picture) -> usize {
+    assert_eq!((a.width(), a.height()), (b.width(), b.height()));
+    let all = (0..a.height()).flat_map(|y| (0..a.width()).map(move |x| (x, y)));
+    let far = |(a, b): (u8, u8)| a.abs_diff(b) > 25;
+    let pair = |x, y| (a.pixel(x, y).expect("inside"), b.pixel(x, y).expect("inside"));
+    all.map(|(x, y)| pair(x, y)).filter(|(a, b)| a.iter().copied().zip(b.iter().copied()).any(far)).count()
+}
+
 #[test]
 fn a_bar_of_a_hundred_thousand_particles() {
     let fine = !cfg!(debug_assertions);
     let snapshot = bar(if fine { 2.2e-4 } else { 5.0e-4 }, false);
-    let start = Instant::now();
     let picture = ParticlePicture::new(1200, 900)
         .title("Taylor bar, copper, 190 m/s")
         .caption("80 µs after impact")
-        .colour_by(strain())
-        .draw(&snapshot)
-        .expect("drawn");
-    println!("{} particles: {:?}", snapshot.len(), start.elapsed());
+        .colour_by(strain());
+    for _ in 0..if fine { 5 } else { 1 } {
+        let start = Instant::now();
+        picture.draw(&snapshot).expect("drawn");
+        println!("{} particles: {:?}", snapshot.len(), start.elapsed());
+    }
+    let picture = picture.draw(&snapshot).expect("drawn");
     assert!(ink(&picture) > 60_000);
     keep(&picture, "bar.png");
     let picture = ParticlePicture::new(1200, 900)
@@ -118,13 +129,7 @@ fn a_quarter_is_drawn_as_the_whole() {
     let picture = ParticlePicture::new(300, 400).colour_by(strain()).camera(camera);
     let one = picture.clone().draw(&whole).expect("drawn");
     let four = picture.mirrored(mirrors).draw(&quarter).expect("drawn");
-    let pixels = (0..400).flat_map(|y| (0..300).map(move |x| (x, y)));
-    let different = pixels
-        .filter(|(x, y)| {
-            let (a, b) = (one.pixel(*x, *y).expect("inside"), four.pixel(*x, *y).expect("inside"));
-            (0..3).any(|c| a[c].abs_diff(b[c]) > 24)
-        })
-        .count();
+    let different = different(&one, &four);
     assert!(different < 1200, "{different} of 120000 pixels differ");
     keep(&four, "quarter.png");
 }
@@ -151,14 +156,18 @@ fn two_halves_of_an_axisymmetric_field() {
 #[test]
 fn a_square_lies_where_its_axes_say() {
     let one = Snapshot::new(2, 0.0, 0, vec![[1.0, 1.0, 0.0]], ParticleSize::Uniform(2.0)).expect("good");
-    let picture = FieldPicture::new(400, 400).bounds([0.0, 0.0], [4.0, 4.0]).draw(&one).expect("drawn");
+    let picture = FieldPicture::new(400, 400).bounds([0.0, 0.0], [4.0, 4.0]);
+    // A cell that is alone ends where the square ends.
+    let square = picture.clone().mark(Mark::Square).draw(&one).expect("drawn");
+    let picture = picture.draw(&one).expect("drawn");
+    assert_eq!(square, picture);
     let blue = mpm_core::output::picture::palette(0);
     let all = (0..400).flat_map(|y| (0..400).map(move |x| (x, y)));
     let area: Vec<_> = all.filter(|(x, y)| picture.pixel(*x, *y) == Some(blue)).collect();
     let (x0, x1) = (area.iter().map(|p| p.0).min().unwrap(), area.iter().map(|p| p.0).max().unwrap());
     let (y0, y1) = (area.iter().map(|p| p.1).min().unwrap(), area.iter().map(|p| p.1).max().unwrap());
     assert_eq!(x1 - x0, y1 - y0, "a square is square");
-    assert!(y0 > 200 && x1 < 250, "it fills the lower left, not {x0}..{x1} {y0}..{y1}");
+    assert!(y0 > 160 && x1 < 220, "it fills the lower left, not {x0}..{x1} {y0}..{y1}");
 }
 
 #[test]
@@ -261,7 +270,21 @@ fn bad_input_is_refused_by_name() {
     assert!(said(picture.revolved(360.0).draw(&snapshot)).starts_with("dimension = 3"));
     let lost = Snapshot::new(3, 0.0, 0, vec![[f64::NAN; 3]], ParticleSize::Uniform(1.0)).expect("accepted");
     assert!(said(ParticlePicture::new(100, 100).draw(&lost)).starts_with("number of particles to frame = 0"));
+    let hall = said(ParticlePicture::new(100, 100).mirrored([Mirror::x(0.0); 7]).draw(&snapshot));
+    assert!(hall.starts_with("number of mirrors = 7"), "{hall}");
     assert!(Series::new("short", &[1.0, 2.0], &[1.0]).is_err());
+}
+
+#[test]
+fn far_debris_changes_neither_speed_nor_looks_of_the_bulk() {
+    let near = bar(8.0e-4, false);
+    let camera = Camera::fit(&near, &[], [1.0, -1.0, 0.5], [0.0, 0.0, 1.0]).expect("framed");
+    let mut positions = near.positions().to_vec();
+    positions.extend([[1.0e4, 0.0, 0.0], [0.0, -3.0e5, 0.0], [0.0, 0.0, 1.0e7]]);
+    let far = Snapshot::new(3, 0.0, 0, positions, near.size().clone()).expect("good");
+    let picture = ParticlePicture::new(200, 200).camera(camera);
+    let different = different(&picture.draw(&far).expect("drawn"), &picture.draw(&near).expect("drawn"));
+    assert!(different < 400, "{different} of 40000 pixels differ");
 }
 
 #[test]

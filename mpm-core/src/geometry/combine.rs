@@ -122,6 +122,9 @@ impl<const D: usize, A: Shape<D>, B: Shape<D>> Shape<D> for Union<A, B> {
     fn signed_distance(&self, x: [f64; D]) -> f64 {
         self.a.signed_distance(x).min(self.b.signed_distance(x))
     }
+    fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
+        self.a.signed_distance_within(x, limit).min(self.b.signed_distance_within(x, limit))
+    }
     fn bounds(&self) -> Bounds<D> {
         self.a.bounds().union(&self.b.bounds())
     }
@@ -173,6 +176,9 @@ impl<A, B> Intersection<A, B> {
 impl<const D: usize, A: Shape<D>, B: Shape<D>> Shape<D> for Intersection<A, B> {
     fn signed_distance(&self, x: [f64; D]) -> f64 {
         self.a.signed_distance(x).max(self.b.signed_distance(x))
+    }
+    fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
+        self.a.signed_distance_within(x, limit).max(self.b.signed_distance_within(x, limit))
     }
     fn bounds(&self) -> Bounds<D> {
         self.a.bounds().intersection(&self.b.bounds())
@@ -227,6 +233,9 @@ impl<A, B> Difference<A, B> {
 impl<const D: usize, A: Shape<D>, B: Shape<D>> Shape<D> for Difference<A, B> {
     fn signed_distance(&self, x: [f64; D]) -> f64 {
         self.a.signed_distance(x).max(-self.b.signed_distance(x))
+    }
+    fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
+        self.a.signed_distance_within(x, limit).max(-self.b.signed_distance_within(x, limit))
     }
     fn bounds(&self) -> Bounds<D> {
         self.a.bounds()

@@ -178,7 +178,10 @@ impl TriangleMesh {
 
 impl Shape<3> for TriangleMesh {
     fn signed_distance(&self, x: [f64; 3]) -> f64 {
-        let distance = self.tree.distance(&self.vertices, &self.triangles, x);
+        self.signed_distance_within(x, f64::INFINITY)
+    }
+    fn signed_distance_within(&self, x: [f64; 3], limit: f64) -> f64 {
+        let distance = self.tree.distance(&self.vertices, &self.triangles, x, limit);
         if self.contains(x) { -distance } else { distance }
     }
     fn bounds(&self) -> Bounds<3> {
@@ -474,9 +477,9 @@ impl Tree {
         }
         tree
     }
-    /// Distance from `x` to the nearest triangle.
-    fn distance(&self, vertices: &[[f64; 3]], triangles: &[[u32; 3]], x: [f64; 3]) -> f64 {
-        let mut best = f64::INFINITY;
+    /// Distance from `x` to the nearest triangle, or `limit` if that is less.
+    fn distance(&self, vertices: &[[f64; 3]], triangles: &[[u32; 3]], x: [f64; 3], limit: f64) -> f64 {
+        let mut best = limit;
         // Depth is at most log2 of 2^32 triangles, and each level leaves one node behind.
         let mut stack = [(0.0, 0u32); 64];
         let mut height = 1;

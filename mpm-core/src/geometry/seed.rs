@@ -405,7 +405,7 @@ fn column_parts<const D: usize>(
                 let mut i = 0;
                 while i < last.len() {
                     x[D - 1] = last[i];
-                    let distance = shape.signed_distance(x);
+                    let distance = shape.signed_distance_within(x, 8.0 * diagonal);
                     let sure = distance.abs() - diagonal;
                     if sure < 0.0 {
                         out[i] = part_inside(shape, x, edge, subsamples, filling.metric);
@@ -622,7 +622,9 @@ pub fn sampled_measure<const D: usize>(
         shortest = shortest.min(extent);
     }
     // Fine against the lattice and the shape, but with a bound on the number of boxes at the surface.
-    let mut leaf = resolution.min(longest / 256.0).min(shortest / 64.0);
+    // In the plane, where boxes at the surface are few, finer still.
+    let finest = if D <= 2 { 2048.0 } else { 256.0 };
+    let mut leaf = resolution.min(longest / finest).min(shortest / 64.0);
     let most = 1e6;
     let mut faces = 0.0;
     for i in 0..D {
@@ -663,8 +665,8 @@ fn box_measure<const D: usize>(
     depth: u32,
     metric: Metric,
 ) -> [f64; 2] {
-    let distance = shape.signed_distance(centre);
     let diagonal = norm(size);
+    let distance = shape.signed_distance_within(centre, diagonal);
     if distance >= 0.5 * diagonal {
         return [0.0; 2];
     }
@@ -707,7 +709,7 @@ fn part_below<const D: usize>(
     for i in 0..D {
         let (mut x, step) = (centre, 1e-3 * size[i]);
         x[i] += step;
-        normal[i] = (shape.signed_distance(x) - distance) / step;
+        normal[i] = (shape.signed_distance_within(x, norm(size)) - distance) / step;
     }
     let length = norm(normal);
     // How far the box extends along the normal. On a ridge, where there is none, any guess will do.

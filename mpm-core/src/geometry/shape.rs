@@ -20,6 +20,14 @@ pub trait Shape<const D: usize>: Send + Sync {
     /// wholly inside or wholly outside. It is the true distance where [`Shape::exact_distance`] says so.
     fn signed_distance(&self, x: [f64; D]) -> f64;
 
+    /// The signed distance where its magnitude is below `limit` (m, positive); elsewhere any value of the right
+    /// sign and a magnitude from `limit` up to that of the signed distance. For shapes that find out sooner
+    /// that a point is far off than how far.
+    fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
+        let _ = limit;
+        self.signed_distance(x)
+    }
+
     /// A box that holds the shape.
     fn bounds(&self) -> Bounds<D>;
 
@@ -61,11 +69,15 @@ pub trait Shape<const D: usize>: Send + Sync {
     fn contains_row(&self, first: [f64; D], last: &[f64], inside: &mut [bool]) {
         let mut x = first;
         let mut i = 0;
+        let limit = match last {
+            [a, b, ..] => 16.0 * (b - a),
+            _ => f64::INFINITY,
+        };
         while i < last.len() {
             if D > 0 {
                 x[D - 1] = last[i];
             }
-            let distance = self.signed_distance(x);
+            let distance = self.signed_distance_within(x, limit);
             let within = distance < 0.0;
             // The margin keeps points that are on the surface but for rounding out of the leap.
             let safe = last[i] + (distance.abs() * (1.0 - 1e-9) - 1e-12 * last[i].abs());
@@ -136,6 +148,9 @@ macro_rules! forward {
         impl<S: Shape<D> + ?Sized, const D: usize> Shape<D> for $pointer {
             fn signed_distance(&self, x: [f64; D]) -> f64 {
                 (**self).signed_distance(x)
+            }
+            fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
+                (**self).signed_distance_within(x, limit)
             }
             fn bounds(&self) -> Bounds<D> {
                 (**self).bounds()

@@ -29,6 +29,9 @@ impl<S: Shape<D>, const D: usize> Shape<D> for Translated<S, D> {
     fn signed_distance(&self, x: [f64; D]) -> f64 {
         self.shape.signed_distance(sub(x, self.offset))
     }
+    fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
+        self.shape.signed_distance_within(sub(x, self.offset), limit)
+    }
     fn bounds(&self) -> Bounds<D> {
         let b = self.shape.bounds();
         Bounds { min: add(b.min, self.offset), max: add(b.max, self.offset) }
@@ -99,6 +102,9 @@ impl<S: Shape<D>, const D: usize> Shape<D> for Rotated<S, D> {
     fn signed_distance(&self, x: [f64; D]) -> f64 {
         self.shape.signed_distance(self.to_shape(x))
     }
+    fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
+        self.shape.signed_distance_within(self.to_shape(x), limit)
+    }
     fn bounds(&self) -> Bounds<D> {
         let b = self.shape.bounds();
         if b.is_empty() {
@@ -152,6 +158,9 @@ impl<S, const D: usize> Scaled<S, D> {
 impl<S: Shape<D>, const D: usize> Shape<D> for Scaled<S, D> {
     fn signed_distance(&self, x: [f64; D]) -> f64 {
         self.shape.signed_distance(self.to_shape(x)) * self.factor
+    }
+    fn signed_distance_within(&self, x: [f64; D], limit: f64) -> f64 {
+        self.shape.signed_distance_within(self.to_shape(x), limit / self.factor) * self.factor
     }
     fn bounds(&self) -> Bounds<D> {
         let b = self.shape.bounds();

@@ -9,16 +9,16 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
-use super::gather::{AxisWeights, gather};
+use super::gather::{Wanted, gather, to_coefficients};
 use super::scatter::{AFFINE, FORCE, HOOP, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::embedding::Embedding;
 use crate::grid::Node;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, Pack, Quad, prefetch};
+use crate::parallel::{Arch, Float, Kernel, Pack, Quad};
 use crate::particles::{Block, Columns, Outbox};
 use crate::scheme::{Nodal, PassKind};
-use crate::shape::{ShapeFunction, bin_centre};
+use crate::shape::{Basis, ShapeFunction, Weights, bin_centre};
 use crate::transfer::Transfer;
 
 /// A block of particles with what its passes need and leave behind.
@@ -49,6 +49,20 @@ pub struct Report<T> {
     pub trouble: Option<Trouble>,
 }
 
+/// What the pass `K` of the method `M` maps.
+#[inline(always)]
+fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Maps {
+    let does = K::DOES;
+    Maps {
+        momentum: does.momentum,
+        affine: does.velocity && does.momentum && M::Transfer::AFFINE,
+        force: does.force,
+        hoop: does.force && M::Embedding::HOOP,
+        together: does.force && does.momentum && M::MAPS_TOGETHER,
+        least_squares: does.force && M::Transfer::LEAST_SQUARES,
+    }
+}
+
 /// A particle that cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trouble {
@@ -76,6 +90,8 @@ pub enum Cause {
 pub struct Common<T> {
     /// Time step, s.
     pub dt: T,
+    /// The step after it, s, which impulses mapped together with momentum are for.
+    pub next_dt: T,
     /// Node spacing h, m.
     pub spacing: T,
     /// x of node zero, m (the axis of revolution is x = 0).
@@ -154,13 +170,20 @@ where
     fn run<A: Arch<T>>(self) {
         let Sweep { law, method, nodes, slot, common, .. } = self;
         let does = K::DOES;
-        let maps = Maps {
-            momentum: does.momentum,
-            affine: does.velocity && does.momentum && M::Transfer::AFFINE,
-            force: does.force,
-            hoop: does.force && M::Embedding::HOOP,
+        let maps = maps::<T, D, M, K>();
+        let strain_first = matches!(does.strain, Some(Nodal::First));
+        let strain_second = matches!(does.strain, Some(Nodal::Second));
+        let reads = Reads {
+            first: does.velocity || does.moves || strain_first,
+            second: (does.velocity && M::Transfer::READS_INCREMENT) || strain_second || does.smooth,
         };
-        let tile_in = load_tile::<T, D, ExtentOf<M, T, D>>(nodes, &slot.nodes_around);
+        let mut tile_in = <ExtentOf<M, T, D> as Stencil>::Tile::<Node<T>>::filled(Node::default());
+        if reads.first || reads.second {
+            load_tile::<T, D, ExtentOf<M, T, D>>(nodes, &slot.nodes_around, &mut tile_in);
+        }
+        let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
+        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
+            Array::filled([A::Quad::zero(); 2]);
         slot.tile.fill(Node::default());
         slot.outbox.clear();
         slot.report = Report::default();
@@ -186,13 +209,8 @@ where
             if particles == 0 {
                 continue;
             }
-            if bin + 2 < block_nodes(D) {
-                prefetch(slot.block.bin_rows(bin + 2));
-            }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-            let stencil = load_stencil::<T, D, ExtentOf<M, T, D>>(&tile_in, corner);
-            let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
-                Array::filled([A::Quad::zero(); 2]);
+            stencil.load::<D, A::Quad, ShapeOf<M, T, D>>(&tile_in, corner, reads);
             // x of the bin's centre, for the distance to the axis of revolution.
             let bin_x = T::of(
                 f64::from(slot.block.coordinates[0]) * BLOCK as f64
@@ -222,64 +240,53 @@ where
                         A::Pack::splat(common.half[d])
                     };
                 }
-                let mut at: AxisWeights<A::Pack, ExtentOf<M, T, D>> = AxisWeights::zero();
-                for d in 0..D {
-                    at.weights[d] = method.shape().weights(xi[d], domain[d]);
-                    if maps.affine {
-                        at.fill_moments(d, xi[d]);
+                let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+                if !does.moves {
+                    for d in 0..D {
+                        at[d] = method.shape().weights(xi[d], domain[d]);
+                    }
+                }
+                let mut basis = [Basis::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+                if reads.first || reads.second {
+                    for d in 0..D {
+                        basis[d] = method.shape().basis(xi[d], domain[d], maps.affine);
                     }
                 }
 
-                // Grid to particles: first nodal vector (velocity) with what is wanted of it.
-                let strain_first = matches!(does.strain, Some(Nodal::First));
-                let strain_second = matches!(does.strain, Some(Nodal::Second));
+                // Grid to particles: first nodal vector (velocity) with what is wanted of it. In the
+                // moving-least-squares form the gradient is the affine fit.
                 let mut nodal = [zero; 3];
                 let mut gradient = Mat3::<A::Pack>::zero();
                 let mut affine = [[zero; 3]; 3];
                 let mut hoop_velocity = zero;
-                if does.velocity || does.moves || strain_first {
+                if reads.first {
+                    let slope = strain_first && !M::Transfer::LEAST_SQUARES;
+                    let wanted = Wanted { slope, fit: maps.affine };
                     for c in 0..D {
-                        let found = gather::<T, A::Pack, ExtentOf<M, T, D>>(
-                            &stencil,
-                            &at,
-                            false,
-                            c,
-                            strain_first,
-                            maps.affine,
-                        );
+                        let found =
+                            gather::<T, D, A::Pack, ShapeOf<M, T, D>>(&stencil.first, &basis, c, wanted);
                         nodal[c] = found.value;
+                        affine[c] = found.fit;
                         if strain_first {
-                            gradient.0[c] = found.slope;
-                            if c == 0 {
-                                hoop_velocity = found.value;
-                            }
-                        }
-                        if maps.affine {
-                            for d in 0..D {
-                                affine[c][d] = found.moment[d] / method.shape().inertia(xi[d], domain[d]);
-                            }
+                            gradient.0[c] = if slope { found.slope } else { found.fit };
                         }
                     }
+                    hoop_velocity = nodal[0];
                 }
                 // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
                 let mut increment = [zero; 3];
-                if (does.velocity && M::Transfer::READS_INCREMENT) || strain_second || does.smooth {
+                if reads.second {
+                    let wanted = Wanted { slope: strain_second, fit: false };
                     for c in 0..D {
-                        let found = gather::<T, A::Pack, ExtentOf<M, T, D>>(
-                            &stencil,
-                            &at,
-                            true,
-                            c,
-                            strain_second,
-                            false,
-                        );
+                        let found =
+                            gather::<T, D, A::Pack, ShapeOf<M, T, D>>(&stencil.second, &basis, c, wanted);
                         increment[c] = found.value;
                         if strain_second {
                             gradient.0[c] = found.slope;
-                            if c == 0 {
-                                hoop_velocity = found.value;
-                            }
                         }
+                    }
+                    if strain_second {
+                        hoop_velocity = increment[0];
                     }
                 }
                 if does.velocity {
@@ -341,27 +348,42 @@ where
                     }
                     stays = A::Pack::bits(inside);
                     for d in 0..D {
-                        at.weights[d] = method.shape().weights(xi[d], domain[d]);
+                        at[d] = method.shape().weights(xi[d], domain[d]);
                     }
                 }
 
                 // Particles to grid, at the new position.
                 let momentum = if does.smooth { increment } else { v };
-                fill_records::<T, A, D>(
-                    &mut records,
-                    mass,
-                    &momentum,
-                    &affine,
-                    &xi,
-                    stress * (volume * per_spacing),
-                    maps,
-                );
+                let mut force_scale = volume * per_spacing;
+                if maps.together {
+                    force_scale = force_scale * A::Pack::splat(common.next_dt);
+                }
+                let mut force = stress * -force_scale;
+                let mut momenta = [[zero; 3]; 3];
+                for d in 0..D {
+                    for c in 0..D {
+                        if maps.affine {
+                            momenta[c][d] = mass * affine[c][d];
+                        }
+                        if maps.least_squares {
+                            momenta[c][d] = momenta[c][d]
+                                + force.at(c, d) * method.shape().inertia(xi[d], domain[d]).recip();
+                        }
+                    }
+                }
+                if maps.least_squares {
+                    force = Sym3::zero();
+                }
+                fill_records::<T, A, D>(&mut records, mass, &momentum, &momenta, &xi, &force, maps);
                 if maps.hoop {
                     // The radius of the new position, like the weights.
-                    let hoop = volume * stress.0[2] / xi[0].mul_add(spacing, bin_x);
-                    A::Pack::records(zero, -hoop, zero, zero, &mut records[HOOP]);
+                    let mut hoop = -(volume * stress.0[2]) / xi[0].mul_add(spacing, bin_x);
+                    if maps.together {
+                        hoop = hoop * A::Pack::splat(common.next_dt);
+                    }
+                    A::Pack::records(zero, hoop, zero, zero, &mut records[HOOP]);
                 }
-                spread.fill(&at, maps.force);
+                spread.fill(&at, maps.slopes());
                 let here = (particles - first).min(T::GROUP);
                 for lane in 0..here {
                     if does.moves && stays >> lane & 1 == 0 {
@@ -375,7 +397,7 @@ where
                     scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, lane, maps);
                 }
             }
-            add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &sums, maps);
+            add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
             if does.moves && !slot.leaving.is_empty() {
                 send_away::<T, D>(slot, bin);
             }
@@ -398,7 +420,7 @@ where
     law.wave_speed(now) + (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// The records of a group; see [`super::scatter`]. `force` is V sigma / h.
+/// The records of a group; see [`super::scatter`].
 #[inline(always)]
 fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     records: &mut Records<T>,
@@ -406,27 +428,27 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     v: &[A::Pack; 3],
     affine: &[[A::Pack; 3]; 3],
     xi: &[A::Pack; 3],
-    force: Sym3<A::Pack>,
+    force: &Sym3<A::Pack>,
     maps: Maps,
 ) {
     let zero = A::Pack::zero();
     if maps.momentum {
         let mut p = [mass * v[0], mass * v[1], mass * v[2]];
-        if maps.affine {
+        if maps.has_affine() {
             for d in 0..D {
-                let a = [mass * affine[0][d], mass * affine[1][d], mass * affine[2][d]];
                 for c in 0..D {
-                    p[c] = p[c] - a[c] * xi[d];
+                    p[c] = p[c] - affine[c][d] * xi[d];
                 }
+                let a = [affine[0][d], affine[1][d], affine[2][d]];
                 A::Pack::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);
             }
         }
         A::Pack::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
     }
-    if maps.force {
+    if maps.slopes() {
         for d in 0..D {
-            let third = if D == 3 { -force.at(2, d) } else { zero };
-            A::Pack::records(zero, -force.at(0, d), -force.at(1, d), third, &mut records[FORCE + d]);
+            let third = if D == 3 { force.at(2, d) } else { zero };
+            A::Pack::records(zero, force.at(0, d), force.at(1, d), third, &mut records[FORCE + d]);
         }
     }
 }
@@ -535,14 +557,10 @@ where
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
         let TakeIn { method, slot, outboxes, common, domain, .. } = self;
-        let does = K::DOES;
-        let maps = Maps {
-            momentum: does.momentum,
-            affine: does.velocity && does.momentum && M::Transfer::AFFINE,
-            force: does.force,
-            hoop: does.force && M::Embedding::HOOP,
-        };
+        let maps = maps::<T, D, M, K>();
         let columns = slot.block.dummy().len();
+        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
+            Array::filled([A::Quad::zero(); 2]);
         let directions = crate::dim::neighbours(D);
         let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
@@ -563,19 +581,17 @@ where
                 for k in 0..RECORDS {
                     records[k][0] = outbox.records[n * RECORDS + k];
                 }
-                let mut at: AxisWeights<A::Pack, ExtentOf<M, T, D>> = AxisWeights::zero();
+                let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
                 for d in 0..D {
                     let half =
                         if ShapeOf::<M, T, D>::CARRIES_DOMAIN { numbers[domain + d] } else { common.half[d] };
                     let xi = A::Pack::splat(numbers[Columns::position() + d]);
-                    at.weights[d] = method.shape().weights(xi, A::Pack::splat(half));
+                    at[d] = method.shape().weights(xi, A::Pack::splat(half));
                 }
-                spread.fill(&at, maps.force);
-                let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
-                    Array::filled([A::Quad::zero(); 2]);
+                spread.fill(&at, maps.slopes());
                 scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, 0, maps);
                 let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-                add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &sums, maps);
+                add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
             }
         }
         slot.block.tidy();
@@ -591,24 +607,32 @@ fn tile_corner<E: Stencil, const D: usize>(bin: usize) -> usize {
 
 /// Copy the nodes that a block's particles reach out of the blocks of the grid.
 #[inline(always)]
-fn load_tile<T: Float, const D: usize, E: Stencil>(nodes: &[Node<T>], around: &[u32]) -> E::Tile<Node<T>> {
-    let mut tile = E::Tile::<Node<T>>::filled(Node::default());
+fn load_tile<T: Float, const D: usize, E: Stencil>(
+    nodes: &[Node<T>],
+    around: &[u32],
+    tile: &mut E::Tile<Node<T>>,
+) {
+    let tile = tile.as_mut();
     let layers = if D == 3 { E::TILE } else { 1 };
     for z in 0..layers {
         let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
         for y in 0..E::TILE {
             let (by, ny) = place::<E>(y);
-            for x in 0..E::TILE {
+            let row = &mut tile[(z * E::TILE + y) * E::TILE..][..E::TILE];
+            let mut x = 0;
+            while x < E::TILE {
+                // A piece of the row inside one block.
                 let (bx, nx) = place::<E>(x);
-                let block = around[(bz * 3 + by) * 3 + bx];
-                let node = (nz * BLOCK + ny) * BLOCK + nx;
-                if let Some(found) = nodes.get(block as usize * block_nodes(D) + node) {
-                    tile[(z * E::TILE + y) * E::TILE + x] = *found;
+                let length = (BLOCK - nx).min(E::TILE - x);
+                let block = around[(bz * 3 + by) * 3 + bx] as usize;
+                let first = block * block_nodes(D) + (nz * BLOCK + ny) * BLOCK + nx;
+                if let Some(found) = nodes.get(first..first + length) {
+                    row[x..x + length].copy_from_slice(found);
                 }
+                x += length;
             }
         }
     }
-    tile
 }
 
 /// Which of the three blocks along an axis a tile coordinate lies in, and where.
@@ -618,41 +642,75 @@ pub fn place<E: Stencil>(tile: usize) -> (usize, usize) {
     (node / BLOCK, node % BLOCK)
 }
 
-#[inline(always)]
-fn load_stencil<T: Float, const D: usize, E: Stencil>(
-    tile: &E::Tile<Node<T>>,
-    corner: usize,
-) -> E::Nodes<Node<T>> {
-    let mut nodes = E::Nodes::<Node<T>>::filled(Node::default());
-    let tile = tile.as_ref();
-    for k in 0..E::LAYERS {
-        for j in 0..E::NODES {
-            let row = &tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
-            for i in 0..E::NODES {
-                nodes[(k * E::NODES + j) * E::NODES + i] = row[i];
-            }
-        }
-    }
-    nodes
+/// Which nodal vectors a pass reads.
+#[derive(Clone, Copy)]
+struct Reads {
+    first: bool,
+    second: bool,
 }
 
+/// The nodal records of one bin's stencil.
+struct Stencilled<T: Float, E: Stencil> {
+    first: E::Nodes<[T; 4]>,
+    second: E::Nodes<[T; 4]>,
+}
+
+impl<T: Float, E: Stencil> Stencilled<T, E> {
+    #[inline(always)]
+    fn zero() -> Self {
+        Stencilled { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
+    }
+    #[inline(always)]
+    fn load<const D: usize, Q: Quad<T>, S: ShapeFunction<T, D, Extent = E>>(
+        &mut self,
+        tile: &E::Tile<Node<T>>,
+        corner: usize,
+        reads: Reads,
+    ) {
+        let tile = tile.as_ref();
+        for k in 0..E::LAYERS {
+            for j in 0..E::NODES {
+                let row = &tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
+                for i in 0..E::NODES {
+                    let at = (k * E::NODES + j) * E::NODES + i;
+                    if reads.first {
+                        self.first[at] = row[i].first;
+                    }
+                    if reads.second {
+                        self.second[at] = row[i].second;
+                    }
+                }
+            }
+        }
+        if S::POLYNOMIAL && reads.first {
+            to_coefficients::<T, D, Q, S>(&mut self.first);
+        }
+        if S::POLYNOMIAL && reads.second {
+            to_coefficients::<T, D, Q, S>(&mut self.second);
+        }
+    }
+}
+
+/// Add a bin's sums to its block's tile and clear them for the next bin.
 #[inline(always)]
 fn add_to_tile<T: Float, A: Arch<T>, E: Stencil>(
     tile: &mut [Node<T>],
     corner: usize,
-    sums: &E::Nodes<[A::Quad; 2]>,
+    sums: &mut E::Nodes<[A::Quad; 2]>,
     maps: Maps,
 ) {
     for k in 0..E::LAYERS {
         for j in 0..E::NODES {
             let row = &mut tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
             for i in 0..E::NODES {
-                let sum = &sums[(k * E::NODES + j) * E::NODES + i];
+                let sum = &mut sums[(k * E::NODES + j) * E::NODES + i];
                 if maps.momentum {
                     (A::Quad::load(&row[i].first) + sum[0]).store(&mut row[i].first);
+                    sum[0] = A::Quad::zero();
                 }
-                if maps.force {
+                if maps.slopes() && !maps.together {
                     (A::Quad::load(&row[i].second) + sum[1]).store(&mut row[i].second);
+                    sum[1] = A::Quad::zero();
                 }
             }
         }

@@ -75,8 +75,6 @@ pub struct PowerHardening<T> {
     chord: T,
 }
 
-/// Below this strain the power is taken as zero: the logarithm needs a positive argument, in `f32` too.
-const TINY: f64 = 1e-30;
 /// Increments below this fraction of the strain are polished by the binomial series.
 const SMALL: f64 = 1.0 / 64.0;
 /// Newton converges from below and quadratically; more steps than this mean that a number is broken.
@@ -106,12 +104,18 @@ impl<T: Real> PowerHardening<T> {
         self.exponent == T::of(1.0) || self.coefficient == T::of(0.0)
     }
 
-    /// strain^n, zero at zero strain.
+    /// The strain at which the curve starts: the logarithm needs a positive argument, and the slope a finite
+    /// value. Small enough that B eps^n is nothing there unless n is very small, and then the curve simply
+    /// starts flat.
+    #[inline(always)]
+    fn start<L: Lane<Real = T>>(&self) -> L {
+        if size_of::<T>() < size_of::<f64>() { L::of(1e-26) } else { L::of(1e-280) }
+    }
+
+    /// strain^n.
     #[inline(always)]
     fn power<L: Lane<Real = T>>(&self, strain: L) -> L {
-        let tiny = L::of(TINY);
-        let power = strain.max(tiny).powf(L::splat(self.exponent));
-        L::select(strain.gt(tiny), power, L::zero())
+        strain.max(self.start()).powf(L::splat(self.exponent))
     }
 
     /// (1 + x)^n - 1 for 0 <= x <= [`SMALL`], to 1e-12.
@@ -130,7 +134,7 @@ impl<T: Real> PowerHardening<T> {
     #[inline(always)]
     fn iterate<L: Lane<Real = T>>(&self, start: Start<L>) -> Increment<L> {
         let Start { trial, three_g, factor, strain, over, yields } = start;
-        let (tiny, zero, one, n) = (L::of(TINY), L::zero(), L::one(), L::splat(self.exponent));
+        let (tiny, zero, one, n) = (self.start::<L>(), L::zero(), L::one(), L::splat(self.exponent));
         let tolerance = trial * L::splat(T::default_epsilon() * T::of(64.0));
         let b = factor * L::splat(self.coefficient);
         let a = factor * L::splat(self.initial);
@@ -138,7 +142,7 @@ impl<T: Real> PowerHardening<T> {
         // lies left of the root, where its tangents cannot overshoot. For n > 1 one overshoot comes first.
         let half = over.max(zero) * L::of(0.5);
         let share = (half / b.max(tiny)).clamp(tiny, one);
-        let mut value = (half / three_g).min(share.powf(n.recip()));
+        let mut value = (half / three_g).min(share.powf(n.recip())).max(tiny);
         for _ in 0..STEPS {
             let total = (strain + value).max(tiny);
             let power = total.powf(n);
@@ -189,7 +193,7 @@ impl<T: Real> Hardening<T> for PowerHardening<T> {
         if !yields.any() {
             return Increment { value: zero, fault: Fault::none() };
         }
-        let per_strain = strain.max(L::of(TINY)).recip();
+        let per_strain = strain.max(self.start()).recip();
         let hardened = factor * b * power;
         let slope = n * hardened * per_strain;
         let compliance = (slope + three_g).recip();

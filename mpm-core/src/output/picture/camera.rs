@@ -42,6 +42,9 @@ impl Mirror {
     }
 
     pub(crate) fn check(mirrors: &[Self]) -> Result<(), OutputError> {
+        if mirrors.len() > 6 {
+            return Err(OutputError::value("number of mirrors", mirrors.len(), "at most 6 (64 copies)"));
+        }
         for mirror in mirrors {
             if mirror.axis > 2 {
                 return Err(OutputError::value("axis of a mirror", mirror.axis, "0, 1 or 2"));

@@ -9,11 +9,17 @@ use super::super::{OutputError, write_whole};
 use super::colour::Rgb;
 
 /// A finished picture, which can be saved or put into [`Panels`](super::Panels).
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct Picture {
     width: usize,
     height: usize,
     pixels: Vec<Rgb>,
+}
+
+impl std::fmt::Debug for Picture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Picture({} x {})", self.width, self.height)
+    }
 }
 
 /// The largest side of a picture, pixels.

@@ -10,8 +10,9 @@ use super::quantity::{Quantity, colours_of};
 /// How a particle in the plane is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Mark {
-    /// A square of the particle's size; where neighbours have moved apart or together, each point belongs to
-    /// the nearest of them, so that matter looks like matter.
+    /// Matter looks like matter: each point belongs to the nearest particle, and gaps up to 1.2 particle sizes
+    /// wide between neighbours that were drawn apart are closed; outlines stay where squares of the particles'
+    /// size would end. (Look at [`Square`](Self::Square) too before speaking of cracks.)
     #[default]
     Cell,
     /// A square of the particle's size.
@@ -232,7 +233,7 @@ impl FieldPicture {
         Ok([lo.map(|x| x - pad), hi.map(|x| x + pad)])
     }
 
-    /// Draw the particles at twice the resolution and average.
+    /// Draw the particles at three times the resolution and average.
     fn fill(&self, snapshot: &Snapshot, colours: &[Rgb], frame: &Frame, factor: f64, picture: &mut Picture) {
         const FINE: usize = 3;
         let columns = (frame.right - frame.left).max(0.0) as usize * FINE;
@@ -241,13 +242,17 @@ impl FieldPicture {
         let mut colour = vec![PAPER; columns * rows];
         let per_metre = factor * columns as f64 / (frame.x.high - frame.x.low);
         let mut copies = Vec::new();
+        // How far cells reach out before the outside is taken away again, samples.
+        let sizes =
+            (0..snapshot.len()).map(|i| snapshot.size_of(i)).sum::<f64>() / snapshot.len().max(1) as f64;
+        let margin = (0.6 * sizes * self.scale * per_metre).round().clamp(0.0, 60.0) as usize;
         for (i, x) in snapshot.positions().iter().enumerate() {
             if !(x[0].is_finite() && x[1].is_finite()) {
                 continue;
             }
             let half = (0.5 * snapshot.size_of(i) * self.scale * per_metre).max(0.5) as f32;
             // Cells reach over to their neighbours; the nearest wins.
-            let reach = if self.mark == Mark::Cell { 1.3 * half } else { half };
+            let reach = if self.mark == Mark::Cell { half + margin as f32 } else { half };
             Mirror::copies(&self.mirrors, *x, &mut copies);
             for x in &copies {
                 let cx = ((x[0] * factor - frame.x.low) / factor * per_metre) as f32;
@@ -270,6 +275,15 @@ impl FieldPicture {
                 }
             }
         }
+        if self.mark == Mark::Cell {
+            let mut kept: Vec<bool> = nearest.iter().map(|d| d.is_finite()).collect();
+            shrink(&mut kept, columns, rows, margin);
+            for (colour, kept) in colour.iter_mut().zip(kept) {
+                if !kept {
+                    *colour = PAPER;
+                }
+            }
+        }
         let (left, top) = (frame.left as usize, frame.top as usize);
         let width = picture.width();
         let pixels = picture.pixels_mut();
@@ -286,6 +300,28 @@ impl FieldPicture {
                 let all = (FINE * FINE) as u32;
                 if let Some(pixel) = pixels.get_mut((top + py) * width + left + px) {
                     *pixel = sum.map(|s| ((s + all / 2) / all) as u8);
+                }
+            }
+        }
+    }
+}
+
+/// Take away what lies within `margin` samples (along rows or columns) of the outside. Beyond the edges of the
+/// picture lies no outside.
+fn shrink(kept: &mut [bool], columns: usize, rows: usize, margin: usize) {
+    let mut line = Vec::new();
+    for (lines, length, step, stride) in [(rows, columns, 1, columns), (columns, rows, columns, 1)] {
+        for l in 0..lines {
+            line.clear();
+            line.extend((0..length).map(|i| kept[l * stride + i * step]));
+            let mut gone_until = 0;
+            for i in 0..length {
+                if !line[i] {
+                    // Wipe the margin before and after, each sample at most once in each direction.
+                    for j in i.saturating_sub(margin).max(gone_until)..(i + margin + 1).min(length) {
+                        kept[l * stride + j * step] = false;
+                    }
+                    gone_until = (i + margin + 1).min(length);
                 }
             }
         }

@@ -65,5 +65,5 @@ pub fn time_unit(time: f64) -> (&'static str, f64) {
 
 /// The size of letters that suits a picture, pixels.
 fn letters(width: usize, height: usize) -> f32 {
-    ((width as f32 * 0.75).min(height as f32) / 44.0).clamp(10.0, 60.0)
+    ((width as f32 * height as f32).sqrt() / 48.0).clamp(10.0, 60.0)
 }

@@ -183,16 +183,11 @@ impl ParticlePicture {
         let pad = 1.1 * size;
         let mut top = pad;
         let mut bottom = h - pad;
+        let (title_at, caption_at) = (top + 1.1 * size, bottom - 0.2 * size);
         if !self.title.is_empty() {
-            picture.text(
-                &self.title,
-                [0.5 * w, top + 1.1 * size],
-                &Pen::new(1.3 * size, INK).bold().centred(),
-            );
             top += 2.0 * size;
         }
         if !self.caption.is_empty() {
-            picture.text(&self.caption, [0.5 * w, bottom - 0.2 * size], &Pen::new(size, FAINT).centred());
             bottom -= 1.6 * size;
         }
         let mut right = w - pad;
@@ -203,6 +198,13 @@ impl ParticlePicture {
             let half = (0.36 * (bottom - top)).max(2.0 * size).min(0.5 * (bottom - top));
             bar.draw(&mut picture, right + 0.6 * size, middle - half, middle + half, size);
         }
+        // Title and caption stand over the middle of the scene, if they fit there.
+        let mut centred = |text: &str, y: f32, pen: Pen| {
+            let half = 0.5 * pen.width(text) + 0.4 * size;
+            picture.text(text, [(0.5 * (pad + right)).max(half).min(w - half), y], &pen.centred());
+        };
+        centred(&self.title, title_at, Pen::new(1.3 * size, INK).bold());
+        centred(&self.caption, caption_at, Pen::new(size, FAINT));
         let view = Viewport {
             left: pad,
             top,
@@ -319,6 +321,8 @@ struct Seen {
     y: f32,
     depth: f32,
     radius: f32,
+    /// How far the front stands out of the centre: the radius before it grew to meet the neighbours.
+    front: f32,
     normal: [f32; 3],
     sky: f32,
     colour: [f32; 3],
@@ -338,8 +342,15 @@ impl Viewport {
 
         let matter = Matter::of(balls);
         let mut seen = Vec::with_capacity(balls.len() / 4);
+        let neighbours = matter.neighbours(balls);
         for (i, ball) in balls.iter().enumerate() {
             if matter.hides(i) {
+                continue;
+            }
+            let (g, sky) = matter.surface(i, ball.x);
+            let normal = [dot(g, right) as f32, dot(g, up) as f32, dot(g, out) as f32];
+            // What faces away is behind the matter it belongs to.
+            if normal[2] < -0.5 && !matter.coarse {
                 continue;
             }
             let d = sub(ball.x, at);
@@ -354,16 +365,15 @@ impl Viewport {
             };
             let x = cx + dot(d, right) * scale * zoom;
             let y = cy - dot(d, up) * scale * zoom;
-            let radius = (ball.radius * scale * zoom).max(0.75);
+            let front = (ball.radius * scale * zoom).max(0.75);
+            let radius = front * f64::from(matter.growth(i, ball, &neighbours));
             if x + radius < 0.0 || y + radius < 0.0 || x - radius > columns as f64 || y - radius > rows as f64
             {
                 continue;
             }
-            let (g, sky) = matter.surface(ball.x);
-            let normal = [dot(g, right) as f32, dot(g, up) as f32, dot(g, out) as f32];
             let colour = ball.colour.map(f32::from);
             let (x, y, radius, depth) = (x as f32, y as f32, radius as f32, (toward * scale) as f32);
-            seen.push(Seen { x, y, depth, radius, normal, sky, colour });
+            seen.push(Seen { x, y, depth, radius, front: front as f32, normal, sky, colour });
         }
 
         let mut depth = vec![f32::NEG_INFINITY; columns * rows];
@@ -425,9 +435,10 @@ impl Viewport {
 /// lines.
 fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usize, rows: usize) {
     let r = ball.radius;
-    let y0 = (ball.y - r).floor().max(0.0) as usize;
-    let y1 = ((ball.y + r).ceil().max(0.0) as usize).min(rows);
-    let front = ball.depth + r;
+    // Casts to usize cut off the fraction and send negative numbers to 0.
+    let y0 = (ball.y - r) as usize;
+    let y1 = ((ball.y + r) as usize + 1).min(rows);
+    let front = ball.depth + ball.front;
     for y in y0..y1 {
         let dy = y as f32 + 0.5 - ball.y;
         let half = r * r - dy * dy;
@@ -435,8 +446,8 @@ fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usiz
             continue;
         }
         let half = half.sqrt();
-        let x0 = (ball.x - half + 0.5).floor().max(0.0) as usize;
-        let x1 = ((ball.x + half + 0.5).floor().max(0.0) as usize).min(columns);
+        let x0 = (ball.x - half + 0.5) as usize;
+        let x1 = ((ball.x + half + 0.5) as usize).min(columns);
         if x0 >= x1 {
             continue;
         }
@@ -474,8 +485,17 @@ fn shade(
         for px in 0..columns / FINE {
             let mut sum = [0.0_f32; 3];
             let mut covered = 0.0_f32;
-            for sy in 0..FINE {
-                for sx in 0..FINE {
+            let corner = py * FINE * columns + px * FINE;
+            let first = who[corner];
+            let alone =
+                (0..FINE).all(|sy| who[corner + sy * columns..][..FINE].iter().all(|other| *other == first));
+            if alone && first == u32::MAX {
+                continue;
+            }
+            // A pixel that is all one ball's needs light once.
+            let (samples, weight) = if alone { (1, (FINE * FINE) as f32) } else { (FINE, 1.0) };
+            for sy in 0..samples {
+                for sx in 0..samples {
                     let (x, y) = (px * FINE + sx, py * FINE + sy);
                     let at = y * columns + x;
                     let id = who[at];
@@ -496,25 +516,25 @@ fn shade(
                     let gloss = dot3(n, half).max(0.0);
                     let gloss = gloss * gloss;
                     let gloss = gloss * gloss;
-                    let gloss = gloss * gloss * gloss;
-                    let sky = 0.5 + 0.5 * n[1];
-                    let mut light =
-                        ball.sky * (0.50 + 0.14 * sky + 0.12 * dot3(n, fill).max(0.0)) + 0.42 * lit;
+                    let gloss = gloss * gloss;
+                    let rim = (1.0 - n[2]).clamp(0.0, 1.0);
+                    let around = 0.60 + 0.07 * n[1] + 0.12 * dot3(n, fill).max(0.0);
+                    let mut light = ball.sky * around + 0.38 * lit;
                     // An edge where the surface behind is far away.
                     let mut behind = 0.0_f32;
                     for (bx, by) in [(1_i64, 0_i64), (-1, 0), (0, 1), (0, -1)] {
                         let (qx, qy) = (x as i64 + bx, y as i64 + by);
                         if qx >= 0 && qy >= 0 && (qx as usize) < columns && (qy as usize) < rows {
                             let other = depth[qy as usize * columns + qx as usize];
-                            behind = behind.max((depth[at] - other) / (6.0 * ball.radius));
+                            behind = behind.max((depth[at] - other) / (6.0 * ball.front));
                         }
                     }
                     light *= 1.0 - 0.38 * (behind - 0.35).clamp(0.0, 1.0);
-                    let shine = 16.0 * gloss;
+                    let shine = ball.sky * (26.0 * gloss + 30.0 * rim * rim + 5.0);
                     for c in 0..3 {
-                        sum[c] += (ball.colour[c] * light + shine).min(255.0);
+                        sum[c] += weight * (ball.colour[c] * light + shine).min(255.0);
                     }
-                    covered += 1.0;
+                    covered += weight;
                 }
             }
             if covered > 0.0 {
@@ -537,12 +557,24 @@ struct Matter {
     fine: Vec<f32>,
     wide: Vec<f32>,
     usual: f32,
+    /// The cell of each ball, [`NOWHERE`] for those far from the bulk.
     home: Vec<u32>,
     deep: Vec<bool>,
+    /// Cells are too large to tell from them what hides what.
+    coarse: bool,
 }
 
-/// The lattice has at most this many cells; scattered debris makes its cells larger.
-const CELLS: f64 = 2.0e6;
+/// Where balls are, by the cells of [`Matter`]: those of cell c are `places[start[c]..start[c + 1]]`.
+struct Neighbours {
+    start: Vec<u32>,
+    places: Vec<[f32; 3]>,
+}
+
+/// The lattice has at most about this many cells; if the bulk needs more, they are larger.
+const CELLS: f64 = 3.0e6;
+
+/// The cell of balls outside the lattice.
+const NOWHERE: u32 = u32::MAX;
 
 impl Matter {
     fn of(balls: &[Ball]) -> Self {
@@ -560,19 +592,41 @@ impl Matter {
             (low, high, radius) = ([0.0; 3], [0.0; 3], 1.0);
         }
         // A ball's radius is 0.75 of a particle's size; a cell is 1.6 sizes.
-        let mut cell = radius * (1.6 / 0.75);
-        let count = |cell: f64| (0..3).map(|d| (high[d] - low[d]) / cell + 8.0).product::<f64>();
-        while count(cell) > CELLS {
+        let usual_cell = radius * (1.6 / 0.75);
+        let count = |cell: f64, low: [f64; 3], high: [f64; 3]| {
+            (0..3).map(|d| (high[d] - low[d]) / cell + 8.0).product::<f64>()
+        };
+        if count(usual_cell, low, high) > CELLS {
+            // Look at the bulk: leave out the farthest hundredth on each side, but what lies near it.
+            for d in 0..3 {
+                let mut sample: Vec<f64> =
+                    balls.iter().step_by(balls.len() / 4000 + 1).map(|ball| ball.x[d]).collect();
+                sample.sort_by(f64::total_cmp);
+                let (first, last) =
+                    (sample[sample.len() / 100], sample[sample.len() - 1 - sample.len() / 100]);
+                let near = 0.2 * (last - first);
+                (low[d], high[d]) = (low[d].max(first - near), high[d].min(last + near));
+            }
+        }
+        let mut cell = usual_cell;
+        while count(cell, low, high) > CELLS {
             cell *= 1.2;
         }
+        let coarse = cell > 1.3 * usual_cell;
         let n = [0, 1, 2].map(|d| ((high[d] - low[d]) / cell) as usize + 8);
+        let inside = |x: &[f64; 3]| (0..3).all(|d| x[d] >= low[d] && x[d] <= high[d]);
+        let outside: Vec<bool> = balls.iter().map(|ball| !inside(&ball.x)).collect();
         let low = low.map(|x| x - 3.5 * cell);
         let per_metre = 1.0 / cell;
         let total = n[0] * n[1] * n[2];
         let mut fine = vec![0.0_f32; total];
         let mut taken = vec![false; total];
         let mut home = Vec::with_capacity(balls.len());
-        for ball in balls {
+        for (ball, outside) in balls.iter().zip(outside) {
+            if outside {
+                home.push(NOWHERE);
+                continue;
+            }
             let mut base = [0; 3];
             let mut part = [0.0_f32; 3];
             let mut own = [0; 3];
@@ -591,8 +645,11 @@ impl Matter {
                 fine[((base[2] + bit[2]) * n[1] + base[1] + bit[1]) * n[0] + base[0] + bit[0]] += weight;
             }
         }
-        let mut usual: Vec<f32> =
-            home.iter().step_by(home.len() / 2000 + 1).map(|c| fine[*c as usize]).collect();
+        let mut usual: Vec<f32> = home
+            .iter()
+            .step_by(home.len() / 2000 + 1)
+            .filter_map(|c| fine.get(*c as usize).copied())
+            .collect();
         usual.sort_by(f32::total_cmp);
         let usual = usual.get(usual.len() * 3 / 4).copied().unwrap_or(1.0).max(1e-6);
         // What is denser than usual is just full, so that crowds of particles do not cast shadows.
@@ -613,17 +670,77 @@ impl Matter {
         for stride in strides {
             erode(&mut deep, stride);
         }
-        Self { low, per_metre, n, fine, wide, usual, home, deep }
+        Self { low, per_metre, n, fine, wide, usual, home, deep, coarse }
     }
 
     /// Whether ball `i` has matter all around.
     fn hides(&self, i: usize) -> bool {
-        self.deep[self.home[i] as usize]
+        !self.coarse && self.deep.get(self.home[i] as usize).is_some_and(|deep| *deep)
+    }
+
+    /// The balls in the order of their cells.
+    fn neighbours(&self, balls: &[Ball]) -> Neighbours {
+        let mut start = vec![0_u32; self.fine.len() + 1];
+        for cell in self.home.iter().filter(|cell| **cell != NOWHERE) {
+            start[*cell as usize + 1] += 1;
+        }
+        for c in 0..self.fine.len() {
+            start[c + 1] += start[c];
+        }
+        let mut next = start.clone();
+        let mut places = vec![[0.0_f32; 3]; balls.len()];
+        for (ball, cell) in balls.iter().zip(&self.home).filter(|(_, cell)| **cell != NOWHERE) {
+            let at = &mut next[*cell as usize];
+            places[*at as usize] = [0, 1, 2].map(|d| (ball.x[d] - self.low[d]) as f32);
+            *at += 1;
+        }
+        Neighbours { start, places }
+    }
+
+    /// How much larger a ball must be drawn to meet its neighbours where matter was stretched: the nearest
+    /// neighbour is sought in each of the eight octants, and the ball reaches 0.4 of the way to the third
+    /// farthest of those within reach, which leaves a cubic lattice as it is and does not follow one stray.
+    fn growth(&self, i: usize, ball: &Ball, neighbours: &Neighbours) -> f32 {
+        const MOST: f32 = 1.7;
+        if self.coarse || self.home[i] == NOWHERE {
+            return 1.0;
+        }
+        let radius = ball.radius as f32;
+        let reach = 4.0 * radius;
+        let x = [0, 1, 2].map(|d| (ball.x[d] - self.low[d]) as f32);
+        let mut nearest = [f32::INFINITY; 8];
+        let (row, layer) = (self.n[0], self.n[0] * self.n[1]);
+        let corner = self.home[i] as usize - layer - row - 1;
+        for k in 0..3 {
+            for j in 0..3 {
+                let first = corner + k * layer + j * row;
+                let (from, to) = (neighbours.start[first], neighbours.start[first + 3]);
+                for other in &neighbours.places[from as usize..to as usize] {
+                    let d = [other[0] - x[0], other[1] - x[1], other[2] - x[2]];
+                    let square = dot3(d, d);
+                    let octant =
+                        usize::from(d[0] > 0.0) | usize::from(d[1] > 0.0) << 1 | usize::from(d[2] > 0.0) << 2;
+                    if square > 0.0 && square < nearest[octant] {
+                        nearest[octant] = square;
+                    }
+                }
+            }
+        }
+        for square in &mut nearest {
+            if *square > reach * reach {
+                *square = 0.0;
+            }
+        }
+        nearest.sort_by(f32::total_cmp);
+        (0.40 * nearest[5].sqrt() / radius).clamp(1.0, MOST)
     }
 
     /// Outward unit normal of the matter at a point (zero far inside), and how open the sky is there (about 1 on
     /// a flat surface, less in corners).
-    fn surface(&self, x: [f64; 3]) -> ([f64; 3], f32) {
+    fn surface(&self, i: usize, x: [f64; 3]) -> ([f64; 3], f32) {
+        if self.home[i] == NOWHERE {
+            return ([0.0; 3], 1.0);
+        }
         // Quadratic B-splines: smooth slopes from 27 values.
         let mut base = [0; 3];
         let mut w = [[0.0_f32; 3]; 3];
@@ -652,7 +769,7 @@ impl Matter {
         let full = 0.04 * self.usual;
         let normal = slope.map(|s| f64::from(s / length.max(full)));
         let crowd = around / self.usual;
-        (normal, (1.0 - 1.1 * (crowd - 0.52)).clamp(0.45, 1.12))
+        (normal, (1.0 - 0.9 * (crowd - 0.52)).clamp(0.55, 1.10))
     }
 }
 
