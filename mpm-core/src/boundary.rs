@@ -54,7 +54,7 @@ pub enum Boundary<const D: usize> {
     Fixed {
         /// Normal axis, `0..D`.
         axis: usize,
-        /// Position, m.
+        /// Position, m; with [`crate::BoundaryModified`] best on a plane of nodes.
         at: f64,
         /// Where the material is.
         side: Side,
@@ -112,11 +112,14 @@ pub enum BoundaryError {
     },
 }
 
-/// A plane of nodes with a boundary, in node indices.
+/// A plane of nodes that a boundary lies on.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Mirror {
+pub(crate) struct Plane {
+    /// Normal axis.
     pub axis: usize,
+    /// Node index along it.
     pub node: i32,
+    /// +1 if the material is at larger indices, else -1.
     pub sign: i32,
 }
 
@@ -139,8 +142,10 @@ impl<const D: usize> Boundary<D> {
                 return Err(BoundaryError::NotFinite { field, value });
             }
         }
-        let node = (at - lattice.origin()[axis]) / lattice.spacing();
-        if matches!(self, Boundary::Symmetry { .. }) && (node - node.round()).abs() > ON_NODE {
+        if let Boundary::Symmetry { side, .. } = self
+            && plane(lattice, axis, at, *side).is_none()
+        {
+            let node = (at - lattice.origin()[axis]) / lattice.spacing();
             let nearest = lattice.origin()[axis] + node.round() * lattice.spacing();
             return Err(BoundaryError::OffNode { at, nearest });
         }
@@ -148,12 +153,18 @@ impl<const D: usize> Boundary<D> {
     }
 
     /// The plane of nodes to mirror at, if this is a symmetry.
-    pub(crate) fn mirror(&self, lattice: &Lattice<D>) -> Option<Mirror> {
+    pub(crate) fn mirror(&self, lattice: &Lattice<D>) -> Option<Plane> {
         match *self {
-            Boundary::Symmetry { axis, at, side } => {
-                let node = (at - lattice.origin()[axis]) / lattice.spacing();
-                Some(Mirror { axis, node: node.round() as i32, sign: side.sign() as i32 })
-            }
+            Boundary::Symmetry { axis, at, side } => plane(lattice, axis, at, side),
+            _ => None,
+        }
+    }
+
+    /// The plane of nodes where material ends, if this is a resting wall or a fixed plane that lies on one.
+    pub(crate) fn edge(&self, lattice: &Lattice<D>) -> Option<Plane> {
+        match *self {
+            Boundary::Fixed { axis, at, side } => plane(lattice, axis, at, side),
+            Boundary::Wall { axis, at, side, velocity: 0.0 } => plane(lattice, axis, at, side),
             _ => None,
         }
     }
@@ -209,6 +220,13 @@ impl<const D: usize> Boundary<D> {
             }
         }
     }
+}
+
+/// The plane of nodes at `at`, if there is one.
+fn plane<const D: usize>(lattice: &Lattice<D>, axis: usize, at: f64, side: Side) -> Option<Plane> {
+    let node = (at - lattice.origin()[axis]) / lattice.spacing();
+    let on_node = (node - node.round()).abs() <= ON_NODE;
+    on_node.then(|| Plane { axis, node: node.round() as i32, sign: side.sign() as i32 })
 }
 
 fn behind(low: f64, high: f64, at: f64, side: Side, tolerance: f64) -> bool {

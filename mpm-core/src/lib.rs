@@ -23,6 +23,8 @@ pub use grid::{BlockGrid, DenseGrid, GridStorage};
 pub use method::{Composition, Method};
 pub use parallel::{Float, Team};
 pub use scheme::{Musl, StressUpdate, Usf, Usl};
-pub use shape::{AffineShape, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction};
+pub use shape::{
+    AffineShape, BoundaryModified, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction,
+};
 pub use step::{Body, Mpm, Particle, StepError, Stopped, TimeControl, Totals};
-pub use transfer::{Apic, Blend, Flip, Fmpm, Pic, Transfer};
+pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

@@ -56,6 +56,11 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     type Update: StressUpdate;
     /// Embedding.
     type Embedding: Embedding<D>;
+    /// Does a step need only the sum of momentum and impulse at the nodes? So it is with USL and a transfer
+    /// that does not read the acceleration: then force goes to the nodes as the impulse of the step to come,
+    /// whose size is planned one step ahead.
+    const MAPS_TOGETHER: bool =
+        !Self::Update::REMAP && !Self::Update::BEFORE_FORCES && !Self::Transfer::READS_INCREMENT;
     /// The shape function.
     fn shape(&self) -> &Self::Shape;
     /// The transfer.

@@ -13,6 +13,8 @@ pub trait Transfer<T: Real>: Copy + Send + Sync + 'static {
     const READS_INCREMENT: bool;
     /// Does it carry the affine velocity field of APIC from the gather to the next scatter?
     const AFFINE: bool = false;
+    /// Is its affine fit also the velocity gradient, and the force its adjoint (MLS-MPM)?
+    const LEAST_SQUARES: bool = false;
     /// Order k of the approximate inverse of the full mass matrix (FMPM); 1 is the lumped one.
     const ORDER: usize = 1;
 
@@ -86,6 +88,22 @@ impl<T: Real> Transfer<T> for Apic {
     }
 }
 
+/// APIC in moving-least-squares form (Hu et al. 2018): the affine fit serves as the velocity gradient, and its
+/// adjoint carries the force, f_i = -V sigma D^-1 N_i (x_i - x_p). No gradients of weights: the cheapest affine
+/// step; as accurate as [`Apic`] in the bulk, first order where the fit is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mls;
+impl<T: Real> Transfer<T> for Mls {
+    const NAME: &'static str = "MLS-APIC";
+    const READS_INCREMENT: bool = false;
+    const AFFINE: bool = true;
+    const LEAST_SQUARES: bool = true;
+    #[inline(always)]
+    fn velocity<L: Lane<Real = T>>(&self, _old: L, nodal: L, _increment: L, _dt: L) -> L {
+        nodal
+    }
+}
+
 /// FMPM(K), also XPIC(K) (Nairn 2021; Hammerquist and Nairn 2017): PIC with the grid velocity multiplied by K
 /// terms of the series sum_j (I - S~)^j for the inverse of the full mass matrix. K = 1 is PIC; each further
 /// order maps once more to the particles and back.
@@ -113,13 +131,18 @@ impl<T: Real, const K: usize> Transfer<T> for Fmpm<K> {
 #[diagnostic::on_unimplemented(
     message = "the stress update `{Self}` cannot be combined with the transfer `{X}`",
     note = "MUSL maps the particle velocities to the grid a second time; with PIC, APIC or FMPM that would \
-            filter the velocity twice in a step and blow up (accuracy.md 1.1, finding 8); use USL or USF"
+            filter the velocity twice in a step and blow up (accuracy.md 1.1, finding 8); use USL or USF. \
+            MLS-APIC maps force and momentum together and needs USL"
 )]
 pub trait Allows<X> {}
 impl Allows<Flip> for Musl {}
 impl<T> Allows<Blend<T>> for Musl {}
 impl<X> Allows<X> for Usl {}
-impl<X> Allows<X> for Usf {}
+impl Allows<Flip> for Usf {}
+impl Allows<Pic> for Usf {}
+impl Allows<Apic> for Usf {}
+impl<T> Allows<Blend<T>> for Usf {}
+impl<const K: usize> Allows<Fmpm<K>> for Usf {}
 
 /// Which shape functions a transfer can be used with: APIC needs an [`AffineShape`], the others take any.
 #[diagnostic::on_unimplemented(
@@ -132,3 +155,4 @@ impl<T: Real, const D: usize, S: ShapeFunction<T, D>> Suits<T, D, Pic> for S {}
 impl<T: Real, const D: usize, S: ShapeFunction<T, D>> Suits<T, D, Blend<T>> for S {}
 impl<T: Real, const D: usize, S: ShapeFunction<T, D>, const K: usize> Suits<T, D, Fmpm<K>> for S {}
 impl<T: Real, const D: usize, S: AffineShape<T, D>> Suits<T, D, Apic> for S {}
+impl<T: Real, const D: usize, S: AffineShape<T, D>> Suits<T, D, Mls> for S {}

@@ -3,7 +3,7 @@
 use crate::capability::Hyperelastic;
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
-use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update, finite_stress};
+use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update, finite_state, finite_stress};
 use crate::rate::{Jaumann, ObjectiveRate};
 use crate::state;
 use crate::tensor::{Mat3, Sym3};
@@ -122,7 +122,7 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
         let state = HypoelasticState { stress, volume_ratio: old.volume_ratio * factor };
         let fault = Fault::none()
             .require(factor.gt(L::zero()), Breakdown::InvertedVolume)
-            .require(finite_stress(&stress), Breakdown::NotFinite);
+            .require(finite_state(&state), Breakdown::NotFinite);
         Update { state, stress, fault }
     }
     #[inline(always)]
@@ -218,15 +218,16 @@ impl<T: Real> Constitutive<T> for NeoHookean<T> {
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {
         now.deformation.determinant()
     }
-    /// A bound: the P-wave modulus along the largest stretch, with tr b for the largest eigenvalue of b:
-    /// rho c^2 = \[lambda (1 - ln J) + G (1 + tr b)\] / J, never below the modulus at rest.
+    /// A bound: the P-wave modulus along the largest stretch, rho c^2 = \[lambda (1 - ln J) + G (1 + b1)\] / J
+    /// with the largest eigenvalue of b bounded by b1 <= tr b/3 + sqrt(2/3 b':b'); never below the modulus at
+    /// rest.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {
         let f = &now.deformation;
         let j = f.determinant();
         let (lambda, g) = (L::splat(self.moduli.lambda()), L::splat(self.moduli.shear));
-        // tr b >= 2 J^(2/3) + largest eigenvalue would be sharper; two of three unit eigenvalues are taken off.
-        let largest = (f.times_transpose().trace() - L::of(2.0)).max(L::one());
+        let b = f.times_transpose();
+        let largest = (b.mean() + b.deviator().equivalent() * L::of(2.0 / 3.0)).max(L::one());
         let modulus = lambda * (L::one() - j.ln()).max(L::zero()) + g * (L::one() + largest);
         // c^2 = modulus / (J rho) and rho = rho0 / J.
         (modulus / L::splat(self.density)).sqrt()

@@ -5,6 +5,8 @@
 //! stress ([`Constitutive::update`]). Units are SI; stress is tension-positive, pressure compression-positive.
 
 pub mod capability;
+#[cfg(feature = "conformance")]
+pub mod conformance;
 pub mod driver;
 pub mod elastic;
 pub mod eos;

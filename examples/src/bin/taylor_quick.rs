@@ -83,6 +83,19 @@ fn main() {
             laws!(go, |e| Method::new(QuadraticBSpline, Apic, Usl, e));
             laws!(go3, |e| Method::new(QuadraticBSpline, Apic, Usl, e))
         }
+        "bgimp" => {
+            laws!(go, |e| Method::new(BoundaryModified(Gimp), Flip, Usl, e));
+            laws!(go3, |e| Method::new(BoundaryModified(Gimp), Flip, Usl, e))
+        }
+        "bqmusl" => {
+            laws!(go, |e| Method::new(BoundaryModified(QuadraticBSpline), Flip, Musl, e));
+        }
+        "qmusl" => {
+            laws!(go, |e| Method::new(QuadraticBSpline, Flip, Musl, e));
+        }
+        "bqusl" => {
+            laws!(go, |e| Method::new(BoundaryModified(QuadraticBSpline), Flip, Usl, e));
+        }
         _ => panic!(),
     }
 }

@@ -40,7 +40,7 @@ fn main() {
         run(mpm, threads, steps);
     } else {
         let mut mpm = Mpm::<f64, 3, _, _>::new(
-            Method::new(QuadraticBSpline, Apic, Usl, FullSpace),
+            Method::new(QuadraticBSpline, Mls, Usl, FullSpace),
             BlockGrid::new(lattice),
         );
         mpm.add("cube", NeoHookean::new(1.0, moduli).unwrap(), &seeds, vel).unwrap();

@@ -164,21 +164,3 @@ macro_rules! float {
 }
 float!(f64, 4);
 float!(f32, 8);
-
-/// Ask for memory that will be read soon. Never faults, changes no result.
-#[inline(always)]
-pub fn prefetch<T>(near: &[T]) {
-    #[cfg(target_arch = "x86_64")]
-    {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-        let first = near.as_ptr().cast::<i8>();
-        let mut at = 0;
-        while at < size_of_val(near) {
-            // SAFETY: the address is inside a live slice (and prefetching is harmless for any address).
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(at)) };
-            at += 64;
-        }
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    let _ = near;
-}

@@ -166,6 +166,11 @@ impl<T: Float, const D: usize> Block<T, D> {
         let run = self.runs[bin];
         let used = run.room as usize * self.columns;
         let at_end = run.start as usize + used == self.rows.len();
+        let wanted = self.rows.len() + used + self.columns;
+        if wanted > self.rows.capacity() {
+            // A little ahead, not twice: most of a block's memory never grows again.
+            self.rows.reserve_exact(wanted - self.rows.len() + self.rows.len() / 8);
+        }
         if !at_end || used == 0 {
             let start = self.rows.len();
             self.rows.extend_from_within(run.start as usize..run.start as usize + used);

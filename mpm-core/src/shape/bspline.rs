@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Real};
 
-use super::{AffineShape, ShapeFunction, Weights};
+use super::{AffineShape, Basis, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
 /// Quadratic B-spline: three nodes an axis, continuous gradient.
@@ -14,6 +14,7 @@ where
     Extent<D, 3>: Stencil,
 {
     type Extent = Extent<D, 3>;
+    const POLYNOMIAL: bool = true;
     const USL_LIMIT: f64 = 0.59;
     const NAME: &'static str = "quadratic B-spline";
 
@@ -29,6 +30,29 @@ where
         w.slope[1] = -(xi + xi);
         w.slope[2] = right;
         w
+    }
+
+    #[inline(always)]
+    fn coefficients<L: Lane<Real = T>>(
+        nodes: <Self::Extent as Stencil>::Axis<L>,
+    ) -> <Self::Extent as Stencil>::Axis<L> {
+        let (sides, half) = (nodes[0] + nodes[2], L::of(0.5));
+        let mut c = nodes;
+        c[0] = sides.mul_add(L::of(0.125), nodes[1] * L::of(0.75));
+        c[1] = (nodes[2] - nodes[0]) * half;
+        c[2] = sides.mul_add(half, -nodes[1]);
+        c
+    }
+
+    #[inline(always)]
+    fn basis<L: Lane<Real = T>>(&self, xi: L, _half: L, _fit: bool) -> Basis<L, Self::Extent> {
+        let square = xi * xi;
+        let mut basis: Basis<L, Extent<D, 3>> = Basis::zero();
+        basis.value[1] = xi;
+        basis.value[2] = square;
+        basis.slope[2] = xi + xi;
+        basis.fit[2] = xi * (L::of(3.0) - L::of(4.0) * square);
+        basis
     }
 
     #[inline(always)]
@@ -48,6 +72,7 @@ where
     Extent<D, 4>: Stencil,
 {
     type Extent = Extent<D, 4>;
+    const POLYNOMIAL: bool = true;
     const USL_LIMIT: f64 = 0.9;
     const NAME: &'static str = "cubic B-spline";
 
@@ -66,6 +91,36 @@ where
         w.slope[2] = -((L::of(1.5) * r - L::of(2.0)) * r);
         w.slope[3] = half * l * l;
         w
+    }
+
+    #[inline(always)]
+    fn coefficients<L: Lane<Real = T>>(
+        nodes: <Self::Extent as Stencil>::Axis<L>,
+    ) -> <Self::Extent as Stencil>::Axis<L> {
+        // The weights expanded about the middle of the bin, e.g. (1/2 - xi)^3 / 6 for the first node.
+        let (outer, inner) = (nodes[0] + nodes[3], nodes[1] + nodes[2]);
+        let (across, between) = (nodes[3] - nodes[0], nodes[2] - nodes[1]);
+        let mut c = nodes;
+        c[0] = outer.mul_add(L::of(1.0 / 48.0), inner * L::of(23.0 / 48.0));
+        c[1] = across.mul_add(L::of(1.0 / 8.0), between * L::of(5.0 / 8.0));
+        c[2] = (outer - inner) * L::of(0.25);
+        c[3] = across.mul_add(L::of(1.0 / 6.0), between * L::of(-0.5));
+        c
+    }
+
+    #[inline(always)]
+    fn basis<L: Lane<Real = T>>(&self, xi: L, _half: L, _fit: bool) -> Basis<L, Self::Extent> {
+        let square = xi * xi;
+        let mut basis: Basis<L, Extent<D, 4>> = Basis::zero();
+        basis.value[1] = xi;
+        basis.value[2] = square;
+        basis.value[3] = square * xi;
+        basis.slope[2] = xi + xi;
+        basis.slope[3] = square * L::of(3.0);
+        // 3 sum_a N_a (a - xi) p_a, with p the nodal numbers of xi^2 and of xi^3.
+        basis.fit[2] = xi + xi;
+        basis.fit[3] = (L::of(4.5) - L::of(3.0) * square) * square - L::of(3.0 / 16.0);
+        basis
     }
 
     #[inline(always)]

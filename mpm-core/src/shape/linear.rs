@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Real};
 
-use super::{ShapeFunction, Weights};
+use super::{Basis, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
 /// Linear hat functions: the classic material point method. Two nodes an axis; the slope jumps when a particle
@@ -16,6 +16,7 @@ where
     Extent<D, 2>: Stencil,
 {
     type Extent = Extent<D, 2>;
+    const POLYNOMIAL: bool = true;
     const USL_LIMIT: f64 = 0.5;
     const NAME: &'static str = "linear";
 
@@ -28,5 +29,22 @@ where
         w.slope[0] = -one;
         w.slope[1] = one;
         w
+    }
+
+    #[inline(always)]
+    fn coefficients<L: Lane<Real = T>>(
+        nodes: <Self::Extent as Stencil>::Axis<L>,
+    ) -> <Self::Extent as Stencil>::Axis<L> {
+        let mut c = nodes;
+        c[0] = (nodes[0] + nodes[1]) * L::of(0.5);
+        c[1] = nodes[1] - nodes[0];
+        c
+    }
+
+    #[inline(always)]
+    fn basis<L: Lane<Real = T>>(&self, xi: L, _half: L, _fit: bool) -> Basis<L, Self::Extent> {
+        let mut basis: Basis<L, Extent<D, 2>> = Basis::zero();
+        basis.value[1] = xi;
+        basis
     }
 }

@@ -6,6 +6,7 @@
 //! Within a bin a particle's place is its offset xi from the bin's centre, -1/2 <= xi < 1/2.
 
 mod bspline;
+mod edge;
 mod gimp;
 mod linear;
 
@@ -14,6 +15,7 @@ use mpm_materials::{Lane, Real};
 use crate::dim::{Array, Stencil};
 
 pub use bspline::{CubicBSpline, QuadraticBSpline};
+pub use edge::BoundaryModified;
 pub use gimp::{CpGimp, Gimp};
 pub use linear::Linear;
 
@@ -34,6 +36,26 @@ impl<L: Lane, E: Stencil> Weights<L, E> {
     }
 }
 
+/// What a gather multiplies the numbers of a bin with, along one axis.
+#[derive(Clone, Copy)]
+pub struct Basis<L: Lane, E: Stencil> {
+    /// For the value: N.
+    pub value: E::Axis<L>,
+    /// For the derivative with respect to xi.
+    pub slope: E::Axis<L>,
+    /// For the slope of the affine fit of APIC: N_a (a - xi) / sum_b N_b (b - xi)^2.
+    pub fit: E::Axis<L>,
+}
+
+impl<L: Lane, E: Stencil> Basis<L, E> {
+    /// All zero.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        let zero = Array::filled(L::zero());
+        Basis { value: zero, slope: zero, fit: zero }
+    }
+}
+
 /// A shape function in `D` dimensions.
 ///
 /// Written once for a lane: the same text gives the weights of one particle and of a vector of them. Mark
@@ -43,6 +65,8 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     type Extent: Stencil;
     /// Does each particle carry its own domain half sizes (one column an axis), which follow the strain?
     const CARRIES_DOMAIN: bool = false;
+    /// Does the basis end at walls and fixed planes ([`BoundaryModified`])?
+    const BOUNDARY_MODIFIED: bool = false;
     /// Smallest limit of dt c / h measured with USL in three dimensions, 2 particles an axis and cell
     /// (accuracy.md 1.9); 0.7 of it is the default.
     const USL_LIMIT: f64;
@@ -63,6 +87,38 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
             sum = (w.value[a] * d).mul_add(d, sum);
         }
         sum
+    }
+
+    /// Does it have a **polynomial form**: are its functions, within a bin, polynomials in xi?
+    ///
+    /// Then the nodal numbers of a bin are turned once into the coefficients of 1, xi, xi^2, ... by
+    /// [`ShapeFunction::coefficients`], and each particle evaluates those, for which
+    /// [`ShapeFunction::basis`] gives the powers of xi: fewer operations than weights, and the same numbers but
+    /// for rounding. Without it a bin's numbers stay as they are and the basis is the weights.
+    const POLYNOMIAL: bool = false;
+
+    /// Coefficients of 1, xi, xi^2, ... along one axis, from the nodal numbers.
+    #[inline(always)]
+    fn coefficients<L: Lane<Real = T>>(
+        nodes: <Self::Extent as Stencil>::Axis<L>,
+    ) -> <Self::Extent as Stencil>::Axis<L> {
+        nodes
+    }
+
+    /// The basis along one axis at offset `xi`. In polynomial form the first function is 1 and the second xi;
+    /// their values, slopes (0, 1) and fits (0, 1) are not read.
+    #[inline(always)]
+    fn basis<L: Lane<Real = T>>(&self, xi: L, half: L, fit: bool) -> Basis<L, Self::Extent> {
+        let w = self.weights(xi, half);
+        let mut basis: Basis<L, Self::Extent> = Basis { value: w.value, slope: w.slope, fit: w.value };
+        if fit {
+            let per_inertia = self.inertia(xi, half).recip();
+            for a in 0..Self::Extent::NODES {
+                let d = L::of(node_offset::<Self::Extent>(a)) - xi;
+                basis.fit[a] = w.value[a] * d * per_inertia;
+            }
+        }
+        basis
     }
 
     /// The half size after a relative elongation `strain` along the axis, for shape functions that carry it.

@@ -29,6 +29,15 @@ pub enum Which {
     Smooth,
 }
 
+/// The time step, and the one after it, s.
+#[derive(Clone, Copy, Debug)]
+pub struct Steps<T> {
+    /// This step.
+    pub this: T,
+    /// The next.
+    pub next: T,
+}
+
 /// Totals over the particles of a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
@@ -118,7 +127,7 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     ///
     /// # Errors
     /// The first particle that cannot go on.
-    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: T, team: &Team) -> Result<T, BodyTrouble>;
+    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble>;
     /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
     /// blocks that are empty. Returns whether the set of blocks changed.
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool;
@@ -270,16 +279,17 @@ where
         }
     }
 
-    fn common(&self, dt: T) -> Common<T> {
+    fn common(&self, steps: Steps<T>) -> Common<T> {
         Common {
-            dt,
+            dt: steps.this,
+            next_dt: steps.next,
             spacing: T::of(self.lattice.spacing()),
             origin: T::of(self.lattice.origin()[0]),
             half: self.half,
         }
     }
 
-    fn sweep<K: PassKind>(&mut self, nodes: &[Node<T>], dt: T, team: &Team) -> Result<T, BodyTrouble> {
+    fn sweep<K: PassKind>(&mut self, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble> {
         let common = self.common(dt);
         let (law, method) = (&self.law, &self.method);
         team.each(&mut self.slots, |_, slot| {
@@ -327,7 +337,7 @@ where
         if !K::DOES.moves {
             return;
         }
-        let common = self.common(T::default());
+        let common = self.common(Steps { this: T::default(), next: T::default() });
         let (method, domain) = (&self.method, self.columns.domain());
         team.each(&mut self.slots, |_, slot| {
             let near = |&s: &u32| outboxes.get(s as usize).is_some_and(|o| o.directions != 0);
@@ -469,7 +479,7 @@ where
         fastest / T::of(spacing)
     }
 
-    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: T, team: &Team) -> Result<T, BodyTrouble> {
+    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble> {
         match which {
             Which::Map => self.sweep::<<M::Update as StressUpdate>::Map>(nodes, dt, team),
             Which::First => self.sweep::<<M::Update as StressUpdate>::First>(nodes, dt, team),

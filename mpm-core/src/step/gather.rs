@@ -3,8 +3,8 @@
 use mpm_materials::Lane;
 
 use crate::dim::{Array, Stencil};
-use crate::parallel::Float;
-use crate::shape::{Weights, node_offset};
+use crate::parallel::{Float, Quad};
+use crate::shape::{Basis, ShapeFunction};
 
 /// One component of a nodal vector at the particles.
 #[derive(Clone, Copy)]
@@ -13,91 +13,161 @@ pub struct Gathered<P> {
     pub value: P,
     /// sum_i v_i dN_i/dxi_d.
     pub slope: [P; 3],
-    /// sum_i N_i v_i (i - xi)_d: the affine moment of APIC.
-    pub moment: [P; 3],
+    /// Slope of the affine fit, sum_i N_i v_i (i - xi)_d / sum_i N_i (i - xi)_d^2 (APIC).
+    pub fit: [P; 3],
 }
 
-/// Weights of a group along all axes, and first moments N_a (a - xi) where asked for.
+/// Sums along one axis: of values, slopes and fits.
 #[derive(Clone, Copy)]
-pub struct AxisWeights<P: Lane, E: Stencil> {
-    /// N and its derivative along each axis.
-    pub weights: [Weights<P, E>; 3],
-    /// N_a (a - xi) along each axis.
-    pub moments: [E::Axis<P>; 3],
+struct Line<P> {
+    value: P,
+    slope: P,
+    fit: P,
 }
 
-impl<P: Lane, E: Stencil> AxisWeights<P, E> {
-    /// To be filled in.
-    #[inline(always)]
-    pub fn zero() -> Self {
-        AxisWeights { weights: [Weights::zero(); 3], moments: [Array::filled(P::zero()); 3] }
-    }
-    /// First moments from the weights, for particles at `xi`.
-    #[inline(always)]
-    pub fn fill_moments(&mut self, d: usize, xi: P) {
-        for a in 0..E::NODES {
-            self.moments[d][a] = self.weights[d].value[a] * (P::of(node_offset::<E>(a)) - xi);
-        }
-    }
+/// What a gather is asked for beside the values. Constants at every call: the rest is not computed.
+#[derive(Clone, Copy)]
+pub struct Wanted {
+    /// Slopes.
+    pub slope: bool,
+    /// Fits.
+    pub fit: bool,
 }
 
-/// Component `c` of a nodal vector (of records `[scalar, x, y, z]`), with slopes and moments if asked for.
-///
-/// The flags are constants at every call, so that what is not asked for is not computed.
+/// Sums of `numbers` along an axis. In polynomial form the first two basis functions are 1 and xi, with slopes
+/// and fits 0 and 1.
 #[inline(always)]
-pub fn gather<T: Float, P: Lane<Real = T>, E: Stencil>(
-    nodes: &E::Nodes<[T; 4]>,
-    at: &AxisWeights<P, E>,
-    c: usize,
-    slopes: bool,
-    moments: bool,
-) -> Gathered<P> {
-    let zero = P::zero();
-    let [x, y, z] = &at.weights;
-    let mut sum = Gathered { value: zero, slope: [zero; 3], moment: [zero; 3] };
-    for k in 0..E::LAYERS {
-        let (mut plane, mut plane_dx, mut plane_dy) = (zero, zero, zero);
-        let (mut plane_mx, mut plane_my) = (zero, zero);
-        for j in 0..E::NODES {
-            let (mut row, mut row_dx, mut row_mx) = (zero, zero, zero);
-            for i in 0..E::NODES {
-                let v = P::splat(nodes[(k * E::NODES + j) * E::NODES + i][c + 1]);
-                row = x.value[i].mul_add(v, row);
-                if slopes {
-                    row_dx = x.slope[i].mul_add(v, row_dx);
-                }
-                if moments {
-                    row_mx = at.moments[0][i].mul_add(v, row_mx);
-                }
-            }
-            plane = y.value[j].mul_add(row, plane);
-            if slopes {
-                plane_dx = y.value[j].mul_add(row_dx, plane_dx);
-                plane_dy = y.slope[j].mul_add(row, plane_dy);
-            }
-            if moments {
-                plane_mx = y.value[j].mul_add(row_mx, plane_mx);
-                plane_my = at.moments[1][j].mul_add(row, plane_my);
-            }
+fn line<P: Lane, E: Stencil>(
+    numbers: &E::Axis<P>,
+    basis: &Basis<P, E>,
+    polynomial: bool,
+    slope: bool,
+    fit: bool,
+) -> Line<P> {
+    let (mut sum, first);
+    if polynomial {
+        let second = numbers[1];
+        sum = Line { value: basis.value[1].mul_add(second, numbers[0]), slope: second, fit: second };
+        first = 2;
+    } else {
+        let zeroth = numbers[0];
+        sum = Line {
+            value: basis.value[0] * zeroth,
+            slope: basis.slope[0] * zeroth,
+            fit: basis.fit[0] * zeroth,
+        };
+        first = 1;
+    }
+    for i in first..E::NODES {
+        sum.value = basis.value[i].mul_add(numbers[i], sum.value);
+        if slope {
+            sum.slope = basis.slope[i].mul_add(numbers[i], sum.slope);
         }
-        if E::LAYERS == 1 {
-            return Gathered {
-                value: plane,
-                slope: [plane_dx, plane_dy, zero],
-                moment: [plane_mx, plane_my, zero],
-            };
-        }
-        sum.value = z.value[k].mul_add(plane, sum.value);
-        if slopes {
-            sum.slope[0] = z.value[k].mul_add(plane_dx, sum.slope[0]);
-            sum.slope[1] = z.value[k].mul_add(plane_dy, sum.slope[1]);
-            sum.slope[2] = z.slope[k].mul_add(plane, sum.slope[2]);
-        }
-        if moments {
-            sum.moment[0] = z.value[k].mul_add(plane_mx, sum.moment[0]);
-            sum.moment[1] = z.value[k].mul_add(plane_my, sum.moment[1]);
-            sum.moment[2] = at.moments[2][k].mul_add(plane, sum.moment[2]);
+        if fit {
+            sum.fit = basis.fit[i].mul_add(numbers[i], sum.fit);
         }
     }
     sum
+}
+
+/// Component `c` of a nodal vector (of records `[scalar, x, y, z]`, turned into coefficients where the shape
+/// function has a polynomial form).
+#[inline(always)]
+pub fn gather<T: Float, const D: usize, P: Lane<Real = T>, S: ShapeFunction<T, D>>(
+    nodes: &<S::Extent as Stencil>::Nodes<[T; 4]>,
+    at: &[Basis<P, S::Extent>; 3],
+    c: usize,
+    wanted: Wanted,
+) -> Gathered<P> {
+    let n = <S::Extent as Stencil>::NODES;
+    let Wanted { slope, fit } = wanted;
+    let empty = <S::Extent as Stencil>::Axis::<P>::filled(P::zero());
+    let (mut planes, mut planes_dx, mut planes_dy) = (empty, empty, empty);
+    let (mut planes_fx, mut planes_fy) = (empty, empty);
+    let mut last = Gathered { value: P::zero(), slope: [P::zero(); 3], fit: [P::zero(); 3] };
+    for k in 0..<S::Extent as Stencil>::LAYERS {
+        let (mut rows, mut rows_dx, mut rows_fx) = (empty, empty, empty);
+        for j in 0..n {
+            let mut numbers = empty;
+            for i in 0..n {
+                numbers[i] = P::splat(nodes[(k * n + j) * n + i][c + 1]);
+            }
+            let row = line(&numbers, &at[0], S::POLYNOMIAL, slope, fit);
+            rows[j] = row.value;
+            rows_dx[j] = row.slope;
+            rows_fx[j] = row.fit;
+        }
+        let plane = line(&rows, &at[1], S::POLYNOMIAL, slope, fit);
+        let (mut dx, mut fx) = (P::zero(), P::zero());
+        if slope {
+            dx = line(&rows_dx, &at[1], S::POLYNOMIAL, false, false).value;
+        }
+        if fit {
+            fx = line(&rows_fx, &at[1], S::POLYNOMIAL, false, false).value;
+        }
+        planes[k] = plane.value;
+        planes_dx[k] = dx;
+        planes_dy[k] = plane.slope;
+        planes_fx[k] = fx;
+        planes_fy[k] = plane.fit;
+        last = Gathered {
+            value: plane.value,
+            slope: [dx, plane.slope, P::zero()],
+            fit: [fx, plane.fit, P::zero()],
+        };
+    }
+    if D == 2 {
+        return last;
+    }
+    let all = line(&planes, &at[2], S::POLYNOMIAL, slope, fit);
+    let mut sum = Gathered { value: all.value, slope: [all.slope; 3], fit: [all.fit; 3] };
+    if slope {
+        sum.slope[0] = line(&planes_dx, &at[2], S::POLYNOMIAL, false, false).value;
+        sum.slope[1] = line(&planes_dy, &at[2], S::POLYNOMIAL, false, false).value;
+    }
+    if fit {
+        sum.fit[0] = line(&planes_fx, &at[2], S::POLYNOMIAL, false, false).value;
+        sum.fit[1] = line(&planes_fy, &at[2], S::POLYNOMIAL, false, false).value;
+    }
+    sum
+}
+
+/// Turn nodal records into coefficients, axis by axis.
+#[inline(always)]
+pub fn to_coefficients<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
+    nodes: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
+) {
+    let n = <S::Extent as Stencil>::NODES;
+    let layers = <S::Extent as Stencil>::LAYERS;
+    for a in 0..n {
+        for k in 0..layers {
+            along::<T, D, Q, S>(nodes, (k * n + a) * n, 1);
+        }
+    }
+    for a in 0..n {
+        for k in 0..layers {
+            along::<T, D, Q, S>(nodes, k * n * n + a, n);
+        }
+    }
+    if D == 3 {
+        for a in 0..n * n {
+            along::<T, D, Q, S>(nodes, a, n * n);
+        }
+    }
+}
+
+#[inline(always)]
+fn along<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
+    nodes: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
+    first: usize,
+    stride: usize,
+) {
+    let mut numbers = <S::Extent as Stencil>::Axis::<Q>::filled(Q::zero());
+    for i in 0..<S::Extent as Stencil>::NODES {
+        numbers[i] = Q::load(&nodes[first + i * stride]);
+    }
+    let coefficients = S::coefficients(numbers);
+    for i in 0..<S::Extent as Stencil>::NODES {
+        coefficients[i].store(&mut nodes[first + i * stride]);
+    }
 }

@@ -1,6 +1,6 @@
 //! The grid stages: sums of the tiles, momentum update, boundaries, re-mapped velocities.
 
-use crate::boundary::{BodyForce, Boundary, Mirror};
+use crate::boundary::{BodyForce, Boundary, Plane};
 use crate::dim::{BLOCK, block_nodes};
 use crate::grid::{GridStorage, Node};
 use crate::parallel::{Float, Team};
@@ -25,7 +25,8 @@ pub struct NodeLedger {
     pub impulse: [f64; 3],
     /// Impulse of body forces, N s.
     pub load: [f64; 3],
-    /// Work of boundaries and body forces on the material, J.
+    /// Work of boundaries (impulse times the boundary's velocity: none where it rests) and of body forces on
+    /// the material, J.
     pub work: f64,
     /// Momentum at nodes too light to carry it, dropped, kg m/s.
     pub dropped: [f64; 3],
@@ -73,6 +74,8 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub cutoff: T,
     /// Do stencils reach behind a plane that particles touch?
     pub wide: bool,
+    /// Is what lies behind a wall or fixed plane extrapolated ([`crate::BoundaryModified`])?
+    pub modified: bool,
     /// Do particles keep their velocity and add its change (FLIP)? Else they take the nodes' velocity.
     pub keeps: bool,
     /// Time step, s.
@@ -100,99 +103,94 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             }
         });
         let lattice = *self.grid.lattice();
-        let mirrors = self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice));
-        for mirror in mirrors.collect::<Vec<_>>() {
-            self.still(mirror, sums);
+        let (cutoff, keeps, dt) = (self.cutoff, self.keeps, self.dt);
+        for mirror in self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice)) {
+            let axis = mirror.axis;
+            let mut impulse = 0.0;
+            self.columns(mirror, |nodes, [_, on, _]| {
+                let Some(on) = on else { return };
+                impulse += still(&mut nodes[on], axis, sums, keeps, dt);
+            });
             if self.wide {
-                self.fold(mirror, sums);
-            }
-        }
-    }
-
-    /// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
-    /// vanish there before anything is divided or differenced. The force it cancels is the plane's impulse.
-    fn still(&mut self, mirror: Mirror, sums: Sums) {
-        let Mirror { axis, node: plane, .. } = mirror;
-        let dt = self.dt;
-        let stride = BLOCK.pow(axis as u32);
-        let blocks = self.grid.blocks().to_vec();
-        for (b, coordinates) in blocks.iter().enumerate() {
-            if coordinates[axis] != plane.div_euclid(BLOCK as i32) {
-                continue;
-            }
-            let nodes = &mut self.grid.nodes_mut()[b * block_nodes(D)..][..block_nodes(D)];
-            let impulse = &mut self.ledgers[b].impulse[axis];
-            for (n, node) in nodes.iter_mut().enumerate() {
-                if n / stride % BLOCK != plane.rem_euclid(BLOCK as i32) as usize {
-                    continue;
-                }
-                if sums == Sums::All {
-                    if !self.keeps {
-                        *impulse -= node.first[1 + axis].to_double();
+                self.columns(mirror, |nodes, [front, _, back]| {
+                    let (Some(front), Some(back)) = (front, back) else { return };
+                    let before = [nodes[front], nodes[back]];
+                    fold_mirrored(nodes, front, back, axis, sums);
+                    if sums == Sums::All && nodes[front].first[0] > cutoff {
+                        impulse += mirrored_impulse(&before, &nodes[front], axis, keeps, dt);
                     }
-                    node.first[1 + axis] = T::default();
-                }
-                if sums != Sums::Again {
-                    *impulse -= (node.second[1 + axis] * dt).to_double();
-                }
-                node.second[1 + axis] = T::default();
+                });
             }
+            if let Some(ledger) = self.ledgers.first_mut() {
+                ledger.impulse[axis] += impulse;
+            }
+        }
+        for edge in self.edges() {
+            self.columns(edge, |nodes, column| fold_extrapolated(nodes, column, sums));
         }
     }
 
-    /// Add the layer of nodes behind a symmetry plane, mirrored, to the layer in front, and the other way
-    /// round: what the other half of the body would have given.
-    fn fold(&mut self, mirror: Mirror, sums: Sums) {
-        let Mirror { axis, node: plane, sign } = mirror;
-        let (front, back) = (plane + sign, plane - sign);
-        let (front_block, back_block) = (front.div_euclid(BLOCK as i32), back.div_euclid(BLOCK as i32));
+    /// Symmetry planes that stencils reach behind.
+    fn mirrors(&self) -> Vec<Plane> {
+        let lattice = self.grid.lattice();
+        let boundaries = if self.wide { &self.conditions.boundaries[..] } else { &[] };
+        boundaries.iter().filter_map(|b| b.mirror(lattice)).collect()
+    }
+
+    /// Walls and fixed planes behind which velocities are extrapolated.
+    fn edges(&self) -> Vec<Plane> {
+        let lattice = self.grid.lattice();
+        let boundaries = if self.wide && self.modified { &self.conditions.boundaries[..] } else { &[] };
+        boundaries.iter().filter_map(|b| b.edge(lattice)).collect()
+    }
+
+    /// Visit the columns of three nodes in front of, on and behind a plane (where they exist, by index).
+    fn columns(&mut self, plane: Plane, mut visit: impl FnMut(&mut [Node<T>], [Option<usize>; 3])) {
+        let Plane { axis, node, sign } = plane;
+        let layers = [node + sign, node, node - sign];
+        let block_of = |layer: i32| layer.div_euclid(BLOCK as i32);
         let stride = BLOCK.pow(axis as u32);
-        let blocks = self.grid.blocks().to_vec();
-        for (f, coordinates) in blocks.iter().enumerate() {
-            if coordinates[axis] != front_block {
-                continue;
+        // Each column once: by the block on the plane, or in front where that one does not exist.
+        let mut places: Vec<[i32; D]> = Vec::new();
+        for c in self.grid.blocks() {
+            if layers.iter().any(|&l| block_of(l) == c[axis]) {
+                let mut place = *c;
+                place[axis] = 0;
+                places.push(place);
             }
-            let mut other = *coordinates;
-            other[axis] = back_block;
-            let Some(b) = self.grid.find(&other) else { continue };
+        }
+        places.sort_unstable();
+        places.dedup();
+        for place in places {
+            let blocks = layers.map(|layer| {
+                let mut c = place;
+                c[axis] = block_of(layer);
+                self.grid.find(&c)
+            });
             let nodes = self.grid.nodes_mut();
-            for n in 0..block_nodes(D) {
-                if n / stride % BLOCK != 0 {
-                    continue;
+            for n in (0..block_nodes(D)).filter(|n| (n / stride).is_multiple_of(BLOCK)) {
+                let mut column = [None; 3];
+                for i in 0..3 {
+                    let within = layers[i].rem_euclid(BLOCK as i32) as usize * stride;
+                    column[i] = blocks[i].map(|b| b * block_nodes(D) + n + within);
                 }
-                let at = |block: usize, index: i32| {
-                    block * block_nodes(D) + n + index.rem_euclid(BLOCK as i32) as usize * stride
-                };
-                let (i, j) = (at(f, front), at(b, back));
-                let reflect = |record: [T; 4]| {
-                    let mut r = record;
-                    r[1 + axis] = -r[1 + axis];
-                    r
-                };
-                let sum = |a: [T; 4], b: [T; 4]| {
-                    let b = reflect(b);
-                    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
-                };
-                if sums == Sums::All {
-                    let (front, back) = (nodes[i], nodes[j]);
-                    nodes[i].first = sum(front.first, back.first);
-                    nodes[j].first = reflect(nodes[i].first);
-                    // The plane's impulse: what both layers give to the particles less what they had.
-                    let [mass, force] = [nodes[i].first[0], sum(front.second, back.second)[1 + axis]];
-                    if mass > self.cutoff {
-                        let (mut had, mut has) = (T::default(), force * self.dt);
-                        if !self.keeps {
-                            had = front.first[1 + axis] + back.first[1 + axis];
-                            has += nodes[i].first[1 + axis];
-                        }
-                        had += (front.second[1 + axis] + back.second[1 + axis]) * self.dt;
-                        let given = (front.first[0] - back.first[0]) / mass * has;
-                        self.ledgers[f].impulse[axis] += (given - had).to_double();
+                visit(nodes, column);
+            }
+        }
+    }
+
+    /// Give the nodes behind walls and fixed planes what the others extrapolate to.
+    fn extrapolate(&mut self) {
+        for edge in self.edges() {
+            self.columns(edge, |nodes, column| {
+                if let [Some(front), Some(on), Some(back)] = column {
+                    let two = T::of(2.0);
+                    for d in 1..4 {
+                        nodes[back].first[d] = two * nodes[on].first[d] - nodes[front].first[d];
+                        nodes[back].second[d] = two * nodes[on].second[d] - nodes[front].second[d];
                     }
                 }
-                nodes[i].second = sum(nodes[i].second, nodes[j].second);
-                nodes[j].second = reflect(nodes[i].second);
-            }
+            });
         }
     }
 
@@ -214,6 +212,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 drop_momentum::<T, D>(node, ledger, T::default());
             }
         });
+        self.extrapolate();
     }
 
     /// Momentum update (eq. 8 of \[Ma2010\]): v = p/m + dt f/m with loads and boundaries. Leaves the new
@@ -237,7 +236,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 if let Some(g) = gravity {
                     a += T::of(g[d]);
                     ledger.load[d] += (mass * dt).to_double() * g[d];
-                    let middle = (old[d] + a * dt * T::of(0.5)).to_double();
+                    let middle = (old[d] + a * dt).to_double() - 0.5 * dt.to_double() * g[d];
                     ledger.work += (mass * dt).to_double() * g[d] * middle;
                 }
                 new[d] = old[d] + a * dt;
@@ -248,13 +247,14 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 for d in 0..D {
                     let impulse = mass.to_double() * (v[d] - new[d].to_double());
                     ledger.impulse[d] += impulse;
-                    ledger.work += impulse * 0.5 * (v[d] + old[d].to_double());
+                    ledger.work += impulse * v[d];
                     new[d] = T::of(v[d]);
                     node.second[d + 1] = (new[d] - old[d]) * per_dt;
                 }
             }
             node.first[1..=D].copy_from_slice(&new[..D]);
         });
+        self.extrapolate();
     }
 
     /// Velocity of the momentum mapped a second time, with boundaries, into the second record (MUSL).
@@ -273,6 +273,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 node.second[d + 1] = T::of(v[d]);
             }
         });
+        self.extrapolate();
     }
 
     /// The next term of the FMPM series, d <- d - S~ d, added to the velocity. `terms` holds d, one a node.
@@ -301,6 +302,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 }
             }
         });
+        self.extrapolate();
     }
 
     /// Start the FMPM series: d = v.
@@ -325,8 +327,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let tolerance = 1e-6 * lattice.spacing();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         // Nodes behind a mirror are copies: what happens to them is booked at their originals.
-        let boundaries = if self.wide { &conditions.boundaries[..] } else { &[] };
-        let mirrors: Vec<Mirror> = boundaries.iter().filter_map(|b| b.mirror(&lattice)).collect();
+        let mirrors = self.mirrors();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
             let place = BlockPlace::new(&lattice, &blocks[block]);
             let reach = 2.0 * lattice.spacing();
@@ -355,6 +356,76 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 }
             }
         });
+    }
+}
+
+/// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
+/// vanish there before anything is divided or differenced. Returns the plane's impulse, what it cancelled, N s.
+fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, keeps: bool, dt: T) -> f64 {
+    let mut impulse = 0.0;
+    if sums == Sums::All {
+        if !keeps {
+            impulse -= node.first[1 + axis].to_double();
+        }
+        node.first[1 + axis] = T::default();
+    }
+    if sums != Sums::Again {
+        impulse -= (node.second[1 + axis] * dt).to_double();
+    }
+    node.second[1 + axis] = T::default();
+    impulse
+}
+
+/// The impulse of a symmetry plane through the nodes beside it, N s: what both layers give to the particles
+/// less what the particles gave to them.
+fn mirrored_impulse<T: Float>(
+    [front, back]: &[Node<T>; 2],
+    folded: &Node<T>,
+    axis: usize,
+    keeps: bool,
+    dt: T,
+) -> f64 {
+    let mut had = (front.second[1 + axis] + back.second[1 + axis]) * dt;
+    let mut has = folded.second[1 + axis] * dt;
+    if !keeps {
+        had += front.first[1 + axis] + back.first[1 + axis];
+        has += folded.first[1 + axis];
+    }
+    let share = (front.first[0] - back.first[0]) / folded.first[0];
+    (share * has - had).to_double()
+}
+
+/// Add the node behind a symmetry plane, mirrored, to the one in front, and the other way round: what the
+/// other half of the body would have given.
+fn fold_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
+    let reflect = |mut record: [T; 4]| {
+        record[1 + axis] = -record[1 + axis];
+        record
+    };
+    let sum = |a: [T; 4], b: [T; 4]| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]];
+    if sums == Sums::All {
+        nodes[front].first = sum(nodes[front].first, reflect(nodes[back].first));
+        nodes[back].first = reflect(nodes[front].first);
+    }
+    nodes[front].second = sum(nodes[front].second, reflect(nodes[back].second));
+    nodes[back].second = reflect(nodes[front].second);
+}
+
+/// Give what was mapped behind an edge to the nodes that its velocity is extrapolated from: the adjoint of
+/// v_back = 2 v_on - v_front. The basis then ends at the edge: at the edge's nodes it interpolates
+/// (Steffen, Kirby, Berzins 2008).
+fn fold_extrapolated<T: Float>(nodes: &mut [Node<T>], column: [Option<usize>; 3], sums: Sums) {
+    let [Some(front), Some(on), Some(back)] = column else { return };
+    let two = T::of(2.0);
+    for i in 0..4 {
+        if sums == Sums::All {
+            let behind = std::mem::take(&mut nodes[back].first[i]);
+            nodes[on].first[i] += two * behind;
+            nodes[front].first[i] -= behind;
+        }
+        let behind = std::mem::take(&mut nodes[back].second[i]);
+        nodes[on].second[i] += two * behind;
+        nodes[front].second[i] -= behind;
     }
 }
 
@@ -411,7 +482,7 @@ impl<const D: usize> BlockPlace<D> {
         }
         BlockPlace { low, high, first, origin, spacing }
     }
-    fn is_copy(&self, n: usize, mirrors: &[Mirror]) -> bool {
+    fn is_copy(&self, n: usize, mirrors: &[Plane]) -> bool {
         mirrors.iter().any(|m| {
             let index = self.first[m.axis] + (n / BLOCK.pow(m.axis as u32) % BLOCK) as i32;
             (index - m.node) * m.sign < 0

@@ -1,20 +1,22 @@
 //! From the particles of a bin to the nodes of its stencil: the adjoint of the gather.
 //!
-//! What a particle adds to node i is, with N_i its weight and grad N_i its gradient (per xi),
+//! What a particle adds to node i is, with N_i its weight and dN_i its derivative with respect to xi,
 //!
 //! ```text
 //! first:   N_i (R + sum_d A_d i_d)                R = [m, m v] - sum_d A_d xi_d,  A_d = m h C e_d  (APIC)
 //! second:  sum_d G_d dN_i/dxi_d + N_i H           G_d = -V sigma e_d / h,  H the hoop force
 //! ```
 //!
+//! Where a step needs only their sum, momentum plus the impulse of the force, both go to the first record with
+//! G and H multiplied by the step; in the moving-least-squares form the force is part of A.
+//!
 //! Lanes here are the four numbers of a node record, one particle at a time.
 
 use mpm_materials::Lane;
 
-use super::gather::AxisWeights;
 use crate::dim::{Array, Stencil};
 use crate::parallel::{Arch, Float, Pack, Quad};
-use crate::shape::node_offset;
+use crate::shape::{Weights, node_offset};
 
 /// The records of the particles of a group. `R` and `H` come first, then `A_d`, then `G_d`.
 pub const RECORDS: usize = 8;
@@ -44,6 +46,23 @@ pub struct Maps {
     pub force: bool,
     /// The hoop force.
     pub hoop: bool,
+    /// Forces go to the first record, as impulses.
+    pub together: bool,
+    /// Forces have the affine form and need no slopes.
+    pub least_squares: bool,
+}
+
+impl Maps {
+    /// Are slopes of the weights needed?
+    #[inline(always)]
+    pub fn slopes(self) -> bool {
+        self.force && !self.least_squares
+    }
+    /// Is there an affine part in the first record?
+    #[inline(always)]
+    pub fn has_affine(self) -> bool {
+        self.affine || (self.force && self.least_squares)
+    }
 }
 
 /// Products of the weights along y and z, and those along x, where single lanes can be read.
@@ -66,8 +85,8 @@ impl<T: Float, E: Stencil> Spread<T, E> {
 
     /// The products for particles with these weights.
     #[inline(always)]
-    pub fn fill<P: Pack<T>>(&mut self, at: &AxisWeights<P, E>, force: bool) {
-        let [x, y, z] = &at.weights;
+    pub fn fill<P: Pack<T>>(&mut self, at: &[Weights<P, E>; 3], force: bool) {
+        let [x, y, z] = at;
         for i in 0..E::NODES {
             x.value[i].store(&mut self.x[i]);
             if force {
@@ -115,22 +134,31 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil>(
         A::Quad::load(&records[FORCE + 1][lane]),
         A::Quad::load(&records[FORCE + 2][lane]),
     ];
+    let mut x = E::Axis::<A::Quad>::filled(A::Quad::zero());
+    let mut dx = x;
+    for i in 0..E::NODES {
+        x[i] = A::Quad::splat(spread.x[i].as_ref()[lane]);
+        if maps.slopes() {
+            dx[i] = A::Quad::splat(spread.dx[i].as_ref()[lane]);
+        }
+    }
     for k in 0..E::LAYERS {
+        let mut layer = r;
+        if maps.has_affine() && E::LAYERS > 1 {
+            layer = times_offset(a[2], node_offset::<E>(k), layer);
+        }
         for j in 0..E::NODES {
             let jk = k * E::NODES + j;
             let yz = A::Quad::splat(spread.yz[jk].as_ref()[lane]);
-            let mut momentum = r;
+            let mut momentum = layer;
             let mut affine = a[0];
-            if maps.affine {
-                momentum = a[1].mul_add(A::Quad::of(node_offset::<E>(j)), momentum);
-                if E::LAYERS > 1 {
-                    momentum = a[2].mul_add(A::Quad::of(node_offset::<E>(k)), momentum);
-                }
+            if maps.has_affine() {
+                momentum = times_offset(a[1], node_offset::<E>(j), momentum);
                 affine = affine * yz;
             }
             momentum = momentum * yz;
             let (mut along, mut across) = (g[0], g[1]);
-            if maps.force {
+            if maps.slopes() {
                 along = along * yz;
                 across = across * A::Quad::splat(spread.dy[jk].as_ref()[lane]);
                 if E::LAYERS > 1 {
@@ -139,22 +167,40 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil>(
                 if maps.hoop {
                     across = hoop.mul_add(yz, across);
                 }
+                if maps.together {
+                    momentum = momentum + across;
+                }
             }
             for i in 0..E::NODES {
                 let sum = &mut sums[jk * E::NODES + i];
-                let x = A::Quad::splat(spread.x[i].as_ref()[lane]);
                 if maps.momentum {
                     let mut here = momentum;
-                    if maps.affine {
-                        here = affine.mul_add(A::Quad::of(node_offset::<E>(i)), here);
+                    if maps.has_affine() {
+                        here = times_offset(affine, node_offset::<E>(i), here);
                     }
-                    sum[0] = x.mul_add(here, sum[0]);
+                    sum[0] = x[i].mul_add(here, sum[0]);
+                    if maps.slopes() && maps.together {
+                        sum[0] = dx[i].mul_add(along, sum[0]);
+                    }
                 }
-                if maps.force {
-                    let dx = A::Quad::splat(spread.dx[i].as_ref()[lane]);
-                    sum[1] = dx.mul_add(along, x.mul_add(across, sum[1]));
+                if maps.slopes() && !maps.together {
+                    sum[1] = dx[i].mul_add(along, x[i].mul_add(across, sum[1]));
                 }
             }
         }
+    }
+}
+
+/// `a * offset + b` for an offset known when compiling.
+#[inline(always)]
+fn times_offset<Q: Lane>(a: Q, offset: f64, b: Q) -> Q {
+    if offset == 0.0 {
+        b
+    } else if offset == 1.0 {
+        b + a
+    } else if offset == -1.0 {
+        b - a
+    } else {
+        a.mul_add(Q::of(offset), b)
     }
 }

@@ -2,7 +2,7 @@
 
 use mpm_materials::Constitutive;
 
-use super::body::{Body, BodyTrouble, ParticleBody, Totals, Which};
+use super::body::{Body, BodyTrouble, ParticleBody, Steps, Totals, Which};
 use super::control::{ControlError, TimeControl};
 use super::nodes::{Conditions, MASS_CUTOFF, NodeLedger, Stage, Sums};
 use super::sweep::Cause;
@@ -123,6 +123,8 @@ pub struct Mpm<T: Float, const D: usize, M, G> {
     time: f64,
     steps: u64,
     last_dt: Option<f64>,
+    /// The step that impulses on the grid are for, s.
+    planned: T,
     /// Largest (c + |v|) / h of the particles, 1/s.
     rate: T,
     /// Do the tiles hold the map of the particles as they stand?
@@ -154,6 +156,7 @@ where
             time: 0.0,
             steps: 0,
             last_dt: None,
+            planned: T::default(),
             rate: T::default(),
             mapped: false,
             ledgers: Vec::new(),
@@ -231,6 +234,7 @@ where
         control.check()?;
         self.control = control;
         self.last_dt = None;
+        self.mapped = false;
         Ok(())
     }
 
@@ -247,16 +251,19 @@ where
         self.step_at_most(f64::INFINITY)
     }
 
-    /// Make one step of at most `most` seconds.
+    /// Make one step, of at most `left` seconds if it can still be shortened.
+    ///
+    /// A step that maps momentum and impulse together ([`Composition::MAPS_TOGETHER`]) was planned by the step
+    /// before it, whose `left` it respects; only its successor follows the `left` given here.
     ///
     /// The stages are those of \[Ma2010\] 1.4 (i - xii). The map of mass, momentum and force that opens a
     /// step (iii, vi) was made by the last pass of the step before, while the particles were at hand.
     ///
     /// # Errors
     /// As [`Mpm::step`].
-    pub fn step_at_most(&mut self, most: f64) -> Result<T, StepError> {
-        self.map_particles()?; // iii, vi (only where nothing was mapped before)
-        let dt = self.time_step(most)?;
+    pub fn step_at_most(&mut self, left: f64) -> Result<T, StepError> {
+        self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
+        let dt = self.time_step(left)?;
         self.stage(dt).collect(Sums::All); // iii: eqs. 2, 3 (and 9)
 
         if M::Update::BEFORE_FORCES {
@@ -302,22 +309,16 @@ where
     }
 
     /// Map the particles as they stand, where no pass did so.
-    fn map_particles(&mut self) -> Result<(), StepError> {
+    fn map_particles(&mut self, left: f64) -> Result<(), StepError> {
         if !self.mapped {
-            self.rate = T::default();
+            let spacing = self.grid.lattice().spacing();
+            let rates = self.bodies.iter().map(|b| b.rate(spacing));
+            self.rate = rates.fold(T::default(), |a, b| if b > a { b } else { a });
+            self.planned = self.plan(left)?;
             self.particle_pass(Which::Map, T::default())?;
-            if M::Update::BEFORE_FORCES {
-                // The USF map has no stress, and so no wave speed: ask once.
-                self.rate = self.first_rate();
-            }
             self.mapped = true;
         }
         Ok(())
-    }
-
-    fn first_rate(&mut self) -> T {
-        let rates = self.bodies.iter().map(|b| b.rate(self.grid.lattice().spacing()));
-        rates.fold(T::default(), |a, b| if b > a { b } else { a })
     }
 
     /// FMPM: add the terms of the series for the inverse of the full mass matrix to the velocity.
@@ -337,6 +338,7 @@ where
     }
 
     fn particle_pass(&mut self, which: Which, dt: T) -> Result<(), StepError> {
+        let dt = Steps { this: dt, next: self.planned };
         let mut rate = T::default();
         for b in 0..self.bodies.len() {
             match self.bodies[b].pass(which, self.grid.nodes(), dt, &self.team) {
@@ -353,12 +355,24 @@ where
         Ok(())
     }
 
-    fn time_step(&self, most: f64) -> Result<T, StepError> {
+    /// The step to make now; where momentum and impulse are mapped together, plan the next one, too.
+    fn time_step(&mut self, left: f64) -> Result<T, StepError> {
+        if !M::MAPS_TOGETHER {
+            return self.plan(left);
+        }
+        let dt = self.planned;
+        self.last_dt = Some(dt.to_double());
+        let then = left - dt.to_double();
+        self.planned = self.plan(if then > 1e-9 * left.abs() { then } else { f64::INFINITY })?;
+        Ok(dt)
+    }
+
+    fn plan(&self, left: f64) -> Result<T, StepError> {
         let dt = self.control.next(self.rate.to_double(), self.last_dt);
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(self.stopped(Stopped::NoTimeStep(dt)));
         }
-        Ok(T::of(dt.min(most)))
+        Ok(T::of(dt.min(left)))
     }
 
     fn stage(&mut self, dt: T) -> Stage<'_, T, D, G> {
@@ -372,6 +386,7 @@ where
             time: self.time,
             cutoff: lightest * T::of(MASS_CUTOFF),
             wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
+            modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
             keeps: M::Transfer::READS_INCREMENT,
             dt,
         }

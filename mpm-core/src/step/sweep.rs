@@ -9,16 +9,16 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
-use super::gather::{AxisWeights, gather};
+use super::gather::{Wanted, gather, to_coefficients};
 use super::scatter::{AFFINE, FORCE, HOOP, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::embedding::Embedding;
 use crate::grid::Node;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, Pack, Quad, prefetch};
+use crate::parallel::{Arch, Float, Kernel, Pack, Quad};
 use crate::particles::{Block, Columns, Outbox};
 use crate::scheme::{Nodal, PassKind};
-use crate::shape::{ShapeFunction, bin_centre};
+use crate::shape::{Basis, ShapeFunction, Weights, bin_centre};
 use crate::transfer::Transfer;
 
 /// A block of particles with what its passes need and leave behind.
@@ -49,6 +49,20 @@ pub struct Report<T> {
     pub trouble: Option<Trouble>,
 }
 
+/// What the pass `K` of the method `M` maps.
+#[inline(always)]
+fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Maps {
+    let does = K::DOES;
+    Maps {
+        momentum: does.momentum,
+        affine: does.velocity && does.momentum && M::Transfer::AFFINE,
+        force: does.force,
+        hoop: does.force && M::Embedding::HOOP,
+        together: does.force && does.momentum && M::MAPS_TOGETHER,
+        least_squares: does.force && M::Transfer::LEAST_SQUARES,
+    }
+}
+
 /// A particle that cannot go on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trouble {
@@ -76,6 +90,8 @@ pub enum Cause {
 pub struct Common<T> {
     /// Time step, s.
     pub dt: T,
+    /// The step after it, s, which impulses mapped together with momentum are for.
+    pub next_dt: T,
     /// Node spacing h, m.
     pub spacing: T,
     /// x of node zero, m (the axis of revolution is x = 0).
@@ -154,12 +170,7 @@ where
     fn run<A: Arch<T>>(self) {
         let Sweep { law, method, nodes, slot, common, .. } = self;
         let does = K::DOES;
-        let maps = Maps {
-            momentum: does.momentum,
-            affine: does.velocity && does.momentum && M::Transfer::AFFINE,
-            force: does.force,
-            hoop: does.force && M::Embedding::HOOP,
-        };
+        let maps = maps::<T, D, M, K>();
         let strain_first = matches!(does.strain, Some(Nodal::First));
         let stretches = ShapeOf::<M, T, D>::CARRIES_DOMAIN && does.moves;
         let slopes_first = strain_first || (stretches && does.strain.is_none());
@@ -200,11 +211,8 @@ where
             if particles == 0 {
                 continue;
             }
-            if bin + 2 < block_nodes(D) {
-                prefetch(slot.block.bin_rows(bin + 2));
-            }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-            stencil.load(&tile_in, corner, reads);
+            stencil.load::<D, A::Quad, ShapeOf<M, T, D>>(&tile_in, corner, reads);
             // x of the bin's centre, for the distance to the axis of revolution.
             let bin_x = T::of(
                 f64::from(slot.block.coordinates[0]) * BLOCK as f64
@@ -234,60 +242,53 @@ where
                         A::Pack::splat(common.half[d])
                     };
                 }
-                let mut at: AxisWeights<A::Pack, ExtentOf<M, T, D>> = AxisWeights::zero();
-                for d in 0..D {
-                    at.weights[d] = method.shape().weights(xi[d], domain[d]);
-                    if maps.affine {
-                        at.fill_moments(d, xi[d]);
+                let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+                if !does.moves {
+                    for d in 0..D {
+                        at[d] = method.shape().weights(xi[d], domain[d]);
+                    }
+                }
+                let mut basis = [Basis::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+                if reads.first || reads.second {
+                    for d in 0..D {
+                        basis[d] = method.shape().basis(xi[d], domain[d], maps.affine);
                     }
                 }
 
-                // Grid to particles: first nodal vector (velocity) with what is wanted of it.
+                // Grid to particles: first nodal vector (velocity) with what is wanted of it. In the
+                // moving-least-squares form the gradient is the affine fit.
                 let mut nodal = [zero; 3];
                 let mut gradient = Mat3::<A::Pack>::zero();
                 let mut affine = [[zero; 3]; 3];
                 let mut hoop_velocity = zero;
                 if reads.first {
+                    let slope = slopes_first && !M::Transfer::LEAST_SQUARES;
+                    let wanted = Wanted { slope, fit: maps.affine };
                     for c in 0..D {
-                        let found = gather::<T, A::Pack, ExtentOf<M, T, D>>(
-                            &stencil.first,
-                            &at,
-                            c,
-                            slopes_first,
-                            maps.affine,
-                        );
+                        let found =
+                            gather::<T, D, A::Pack, ShapeOf<M, T, D>>(&stencil.first, &basis, c, wanted);
                         nodal[c] = found.value;
+                        affine[c] = found.fit;
                         if slopes_first {
-                            gradient.0[c] = found.slope;
-                            if c == 0 {
-                                hoop_velocity = found.value;
-                            }
-                        }
-                        if maps.affine {
-                            for d in 0..D {
-                                affine[c][d] = found.moment[d] / method.shape().inertia(xi[d], domain[d]);
-                            }
+                            gradient.0[c] = if slope { found.slope } else { found.fit };
                         }
                     }
+                    hoop_velocity = nodal[0];
                 }
                 // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
                 let mut increment = [zero; 3];
                 if reads.second {
+                    let wanted = Wanted { slope: strain_second, fit: false };
                     for c in 0..D {
-                        let found = gather::<T, A::Pack, ExtentOf<M, T, D>>(
-                            &stencil.second,
-                            &at,
-                            c,
-                            strain_second,
-                            false,
-                        );
+                        let found =
+                            gather::<T, D, A::Pack, ShapeOf<M, T, D>>(&stencil.second, &basis, c, wanted);
                         increment[c] = found.value;
                         if strain_second {
                             gradient.0[c] = found.slope;
-                            if c == 0 {
-                                hoop_velocity = found.value;
-                            }
                         }
+                    }
+                    if strain_second {
+                        hoop_velocity = increment[0];
                     }
                 }
                 if does.velocity {
@@ -352,27 +353,42 @@ where
                     }
                     stays = A::Pack::bits(inside);
                     for d in 0..D {
-                        at.weights[d] = method.shape().weights(xi[d], domain[d]);
+                        at[d] = method.shape().weights(xi[d], domain[d]);
                     }
                 }
 
                 // Particles to grid, at the new position.
                 let momentum = if does.smooth { increment } else { v };
-                fill_records::<T, A, D>(
-                    &mut records,
-                    mass,
-                    &momentum,
-                    &affine,
-                    &xi,
-                    stress * (volume * per_spacing),
-                    maps,
-                );
+                let mut force_scale = volume * per_spacing;
+                if maps.together {
+                    force_scale = force_scale * A::Pack::splat(common.next_dt);
+                }
+                let mut force = stress * -force_scale;
+                let mut momenta = [[zero; 3]; 3];
+                for d in 0..D {
+                    for c in 0..D {
+                        if maps.affine {
+                            momenta[c][d] = mass * affine[c][d];
+                        }
+                        if maps.least_squares {
+                            momenta[c][d] = momenta[c][d]
+                                + force.at(c, d) * method.shape().inertia(xi[d], domain[d]).recip();
+                        }
+                    }
+                }
+                if maps.least_squares {
+                    force = Sym3::zero();
+                }
+                fill_records::<T, A, D>(&mut records, mass, &momentum, &momenta, &xi, &force, maps);
                 if maps.hoop {
                     // The radius of the new position, like the weights.
-                    let hoop = volume * stress.0[2] / xi[0].mul_add(spacing, bin_x);
-                    A::Pack::records(zero, -hoop, zero, zero, &mut records[HOOP]);
+                    let mut hoop = -(volume * stress.0[2]) / xi[0].mul_add(spacing, bin_x);
+                    if maps.together {
+                        hoop = hoop * A::Pack::splat(common.next_dt);
+                    }
+                    A::Pack::records(zero, hoop, zero, zero, &mut records[HOOP]);
                 }
-                spread.fill(&at, maps.force);
+                spread.fill(&at, maps.slopes());
                 let here = (particles - first).min(T::GROUP);
                 for lane in 0..here {
                     if does.moves && stays >> lane & 1 == 0 {
@@ -409,7 +425,7 @@ where
     law.wave_speed(now) + (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// The records of a group; see [`super::scatter`]. `force` is V sigma / h.
+/// The records of a group; see [`super::scatter`].
 #[inline(always)]
 fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     records: &mut Records<T>,
@@ -417,27 +433,27 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     v: &[A::Pack; 3],
     affine: &[[A::Pack; 3]; 3],
     xi: &[A::Pack; 3],
-    force: Sym3<A::Pack>,
+    force: &Sym3<A::Pack>,
     maps: Maps,
 ) {
     let zero = A::Pack::zero();
     if maps.momentum {
         let mut p = [mass * v[0], mass * v[1], mass * v[2]];
-        if maps.affine {
+        if maps.has_affine() {
             for d in 0..D {
-                let a = [mass * affine[0][d], mass * affine[1][d], mass * affine[2][d]];
                 for c in 0..D {
-                    p[c] = p[c] - a[c] * xi[d];
+                    p[c] = p[c] - affine[c][d] * xi[d];
                 }
+                let a = [affine[0][d], affine[1][d], affine[2][d]];
                 A::Pack::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);
             }
         }
         A::Pack::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
     }
-    if maps.force {
+    if maps.slopes() {
         for d in 0..D {
-            let third = if D == 3 { -force.at(2, d) } else { zero };
-            A::Pack::records(zero, -force.at(0, d), -force.at(1, d), third, &mut records[FORCE + d]);
+            let third = if D == 3 { force.at(2, d) } else { zero };
+            A::Pack::records(zero, force.at(0, d), force.at(1, d), third, &mut records[FORCE + d]);
         }
     }
 }
@@ -476,7 +492,8 @@ fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: usize) {
         for d in 0..D {
             let xi = numbers[Columns::position() + d];
             let shift = (xi + half).floor();
-            if !(shift.abs() <= T::of(1.0)) {
+            let one_cell = shift.abs() <= T::of(1.0); // false for a value that is not a number
+            if !one_cell {
                 let trouble = Trouble { bin, index, cause: Cause::TooFast };
                 report.trouble = report.trouble.or(Some(trouble));
             }
@@ -546,13 +563,7 @@ where
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
         let TakeIn { method, slot, outboxes, common, domain, .. } = self;
-        let does = K::DOES;
-        let maps = Maps {
-            momentum: does.momentum,
-            affine: does.velocity && does.momentum && M::Transfer::AFFINE,
-            force: does.force,
-            hoop: does.force && M::Embedding::HOOP,
-        };
+        let maps = maps::<T, D, M, K>();
         let columns = slot.block.dummy().len();
         let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
             Array::filled([A::Quad::zero(); 2]);
@@ -576,14 +587,14 @@ where
                 for k in 0..RECORDS {
                     records[k][0] = outbox.records[n * RECORDS + k];
                 }
-                let mut at: AxisWeights<A::Pack, ExtentOf<M, T, D>> = AxisWeights::zero();
+                let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
                 for d in 0..D {
                     let half =
                         if ShapeOf::<M, T, D>::CARRIES_DOMAIN { numbers[domain + d] } else { common.half[d] };
                     let xi = A::Pack::splat(numbers[Columns::position() + d]);
-                    at.weights[d] = method.shape().weights(xi, A::Pack::splat(half));
+                    at[d] = method.shape().weights(xi, A::Pack::splat(half));
                 }
-                spread.fill(&at, maps.force);
+                spread.fill(&at, maps.slopes());
                 scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, 0, maps);
                 let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
                 add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
@@ -656,7 +667,12 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
         Stencilled { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
     }
     #[inline(always)]
-    fn load(&mut self, tile: &E::Tile<Node<T>>, corner: usize, reads: Reads) {
+    fn load<const D: usize, Q: Quad<T>, S: ShapeFunction<T, D, Extent = E>>(
+        &mut self,
+        tile: &E::Tile<Node<T>>,
+        corner: usize,
+        reads: Reads,
+    ) {
         let tile = tile.as_ref();
         for k in 0..E::LAYERS {
             for j in 0..E::NODES {
@@ -671,6 +687,12 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
                     }
                 }
             }
+        }
+        if S::POLYNOMIAL && reads.first {
+            to_coefficients::<T, D, Q, S>(&mut self.first);
+        }
+        if S::POLYNOMIAL && reads.second {
+            to_coefficients::<T, D, Q, S>(&mut self.second);
         }
     }
 }
@@ -692,7 +714,7 @@ fn add_to_tile<T: Float, A: Arch<T>, E: Stencil>(
                     (A::Quad::load(&row[i].first) + sum[0]).store(&mut row[i].first);
                     sum[0] = A::Quad::zero();
                 }
-                if maps.force {
+                if maps.slopes() && !maps.together {
                     (A::Quad::load(&row[i].second) + sum[1]).store(&mut row[i].second);
                     sum[1] = A::Quad::zero();
                 }

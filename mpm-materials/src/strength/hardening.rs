@@ -75,8 +75,6 @@ pub struct PowerHardening<T> {
     chord: T,
 }
 
-/// Below this strain the power is taken as zero: the logarithm needs a positive argument, in `f32` too.
-const TINY: f64 = 1e-30;
 /// Increments below this fraction of the strain are polished by the binomial series.
 const SMALL: f64 = 1.0 / 64.0;
 /// Newton converges from below and quadratically; more steps than this mean that a number is broken.
@@ -106,23 +104,32 @@ impl<T: Real> PowerHardening<T> {
         self.exponent == T::of(1.0) || self.coefficient == T::of(0.0)
     }
 
-    /// strain^n, zero at zero strain.
+    /// The strain at which the curve starts: the logarithm needs a positive argument, and the slope a finite
+    /// value. Small enough that B eps^n is nothing there unless n is very small, and then the curve simply
+    /// starts flat.
     #[inline(always)]
-    fn power<L: Lane<Real = T>>(&self, strain: L) -> L {
-        let tiny = L::of(TINY);
-        let power = strain.max(tiny).powf(L::splat(self.exponent));
-        L::select(strain.gt(tiny), power, L::zero())
+    fn start<L: Lane<Real = T>>(&self) -> L {
+        if size_of::<T>() < size_of::<f64>() { L::of(1e-26) } else { L::of(1e-280) }
     }
 
-    /// (1 + x)^n - 1 for 0 <= x <= [`SMALL`], to 1e-12.
+    /// strain^n.
     #[inline(always)]
-    fn binomial<L: Lane<Real = T>>(&self, x: L) -> L {
-        let (n, one) = (L::splat(self.exponent), L::one());
+    fn power<L: Lane<Real = T>>(&self, strain: L) -> L {
+        strain.max(self.start()).powf(L::splat(self.exponent))
+    }
+
+    /// (1 + x)^n - 1 - n x for 0 <= x <= [`SMALL`], to 1e-12: what the tangent leaves out.
+    #[inline(always)]
+    fn beyond_tangent<L: Lane<Real = T>>(&self, x: L) -> L {
+        let one = L::one();
+        let n = self.exponent;
         let mut sum = one;
-        for k in [5.0, 4.0, 3.0, 2.0] {
-            sum = (x * sum * (n - L::of(k - 1.0))).mul_add(L::of(1.0 / k), one);
+        for k in [5.0, 4.0, 3.0] {
+            // x times a constant first: it does not wait for the sum.
+            let term = x * L::splat((n - T::of(k - 1.0)) * T::of(1.0 / k));
+            sum = term.mul_add(sum, one);
         }
-        n * x * sum
+        x * x * L::splat(n * (n - T::of(1.0)) * T::of(0.5)) * sum
     }
 
     /// Monotone Newton iteration for increments that are not small against the strain, and for the first one,
@@ -130,7 +137,7 @@ impl<T: Real> PowerHardening<T> {
     #[inline(always)]
     fn iterate<L: Lane<Real = T>>(&self, start: Start<L>) -> Increment<L> {
         let Start { trial, three_g, factor, strain, over, yields } = start;
-        let (tiny, zero, one, n) = (L::of(TINY), L::zero(), L::one(), L::splat(self.exponent));
+        let (tiny, zero, one, n) = (self.start::<L>(), L::zero(), L::one(), L::splat(self.exponent));
         let tolerance = trial * L::splat(T::default_epsilon() * T::of(64.0));
         let b = factor * L::splat(self.coefficient);
         let a = factor * L::splat(self.initial);
@@ -138,7 +145,7 @@ impl<T: Real> PowerHardening<T> {
         // lies left of the root, where its tangents cannot overshoot. For n > 1 one overshoot comes first.
         let half = over.max(zero) * L::of(0.5);
         let share = (half / b.max(tiny)).clamp(tiny, one);
-        let mut value = (half / three_g).min(share.powf(n.recip()));
+        let mut value = (half / three_g).min(share.powf(n.recip())).max(tiny);
         for _ in 0..STEPS {
             let total = (strain + value).max(tiny);
             let power = total.powf(n);
@@ -189,16 +196,17 @@ impl<T: Real> Hardening<T> for PowerHardening<T> {
         if !yields.any() {
             return Increment { value: zero, fault: Fault::none() };
         }
-        let per_strain = strain.max(L::of(TINY)).recip();
+        let per_strain = strain.max(self.start()).recip();
         let hardened = factor * b * power;
         let slope = n * hardened * per_strain;
         let compliance = (slope + three_g).recip();
         let first = over * compliance;
         let relative = first * per_strain;
         if (relative.le(L::of(SMALL)) | !yields).all() {
-            // One Newton step more, with the power by series and the slope at the first estimate.
+            // One Newton step more, with the power by series and the slope at the first estimate. The
+            // linear terms of what is left over cancel.
             let x = L::select(yields, relative, zero);
-            let rest = over - three_g * first - hardened * self.binomial(x);
+            let rest = -(hardened * self.beyond_tangent(x));
             let bend = slope * (one - n) * x * compliance;
             let value = rest.mul_add(compliance * (one + bend), first);
             return Increment { value: L::select(yields, value, zero), fault: Fault::none() };

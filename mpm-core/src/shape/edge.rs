@@ -1,0 +1,52 @@
+//! Boundary-modified variants.
+
+use mpm_materials::{Lane, Real};
+
+use super::{Basis, ShapeFunction, Weights};
+use crate::dim::Stencil;
+
+/// A wide shape function whose basis ends at resting walls and fixed planes that lie on planes of nodes.
+///
+/// Near such a plane the layer of nodes behind it carries no freedom of its own: its velocity is extrapolated
+/// from the plane and the layer in front, v_back = 2 v_on - v_front, and what particles map to it goes back to
+/// those two by the adjoint rule. For the quadratic and the cubic B-spline that is the modified basis of
+/// Steffen, Kirby and Berzins (2008), which interpolates on the plane, so that a condition there holds exactly.
+/// Partition of unity and linear reproduction are kept. Symmetry planes mirror with or without it.
+///
+/// It is no [`super::AffineShape`]: next to the plane the modified basis is a linear hat, whose second moment
+/// vanishes there. (Tried: with APIC a copper bar's foot jumped two cells off the wall and gained 5 % energy;
+/// with FLIP the bar's length came from 16.05 to 16.22 mm, where finite elements give 16.28 mm.)
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BoundaryModified<S>(pub S);
+
+impl<T: Real, const D: usize, S: ShapeFunction<T, D>> ShapeFunction<T, D> for BoundaryModified<S> {
+    type Extent = S::Extent;
+    const CARRIES_DOMAIN: bool = S::CARRIES_DOMAIN;
+    const POLYNOMIAL: bool = S::POLYNOMIAL;
+    const BOUNDARY_MODIFIED: bool = true;
+    const USL_LIMIT: f64 = S::USL_LIMIT;
+    const NAME: &'static str = S::NAME;
+
+    #[inline(always)]
+    fn weights<L: Lane<Real = T>>(&self, xi: L, half: L) -> Weights<L, S::Extent> {
+        self.0.weights(xi, half)
+    }
+    #[inline(always)]
+    fn inertia<L: Lane<Real = T>>(&self, xi: L, half: L) -> L {
+        self.0.inertia(xi, half)
+    }
+    #[inline(always)]
+    fn coefficients<L: Lane<Real = T>>(
+        nodes: <S::Extent as Stencil>::Axis<L>,
+    ) -> <S::Extent as Stencil>::Axis<L> {
+        S::coefficients(nodes)
+    }
+    #[inline(always)]
+    fn basis<L: Lane<Real = T>>(&self, xi: L, half: L, fit: bool) -> Basis<L, S::Extent> {
+        self.0.basis(xi, half, fit)
+    }
+    #[inline(always)]
+    fn stretch<L: Lane<Real = T>>(&self, half: L, strain: L) -> L {
+        self.0.stretch(half, strain)
+    }
+}
