@@ -1,8 +1,8 @@
 //! Every member of the families passes the suites that are exported for others.
 
 use mpm_core::{
-    Apic, Blend, BlockGrid, CpGimp, CubicBSpline, DenseGrid, Flip, Fmpm, FullSpace, Gimp, Linear, Method,
-    Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl, conforms,
+    Apic, Blend, BlockGrid, BoundaryModified, CpGimp, CubicBSpline, DenseGrid, Flip, Fmpm, FullSpace, Gimp,
+    Linear, Method, Mls, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl, conforms,
 };
 
 conforms! {
@@ -11,6 +11,7 @@ conforms! {
     shape_gimp: smooth::<_, 2>(&Gimp);
     shape_cpgimp: smooth::<_, 3>(&CpGimp);
     shape_quadratic: smooth::<_, 2>(&QuadraticBSpline);
+    shape_modified: smooth::<_, 2>(&BoundaryModified(Gimp));
     shape_cubic: smooth::<_, 3>(&CubicBSpline);
     affine_gimp: affine_shape::<_, 2>(&Gimp);
     affine_cpgimp: affine_shape::<_, 2>(&CpGimp);
@@ -26,15 +27,13 @@ conforms! {
     transfer_pic: transfer(Pic);
     transfer_blend: transfer(Blend::new(0.5).expect("time constant"));
     transfer_apic: transfer(Apic);
+    transfer_mls: transfer(Mls);
     transfer_fmpm: transfer(Fmpm::<3>);
 
     method_linear_musl: method::<_, 3>(Method::new(Linear, Flip, Musl, FullSpace));
-    method_linear_usf: method::<_, 2>(Method::new(Linear, Flip, Usf, PlaneStrain));
     method_gimp_usl: method::<_, 3>(Method::new(Gimp, Flip, Usl, FullSpace));
     method_cpgimp_usf: method::<_, 2>(Method::new(CpGimp, Flip, Usf, PlaneStrain));
     method_cpgimp_apic: method::<_, 2>(Method::new(CpGimp, Apic, Usl, PlaneStrain));
     method_quadratic_apic: method::<_, 3>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
-    method_quadratic_apic_usf: method::<_, 2>(Method::new(QuadraticBSpline, Apic, Usf, PlaneStrain));
     method_cubic_apic: method::<_, 2>(Method::new(CubicBSpline, Apic, Usl, PlaneStrain));
-    method_cubic_musl: method::<_, 2>(Method::new(CubicBSpline, Flip, Musl, PlaneStrain));
 }

@@ -49,6 +49,7 @@ pub fn shape_function<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Re
             within(S::NAME, "second moment of the weights", inertia, 4e-15, place)?;
             slopes(shape, xi, half)?;
             lanes(shape, xi, half)?;
+            basis(shape, xi, half)?;
         }
         edges(shape, half)?;
         domain(shape, half)?;
@@ -74,6 +75,48 @@ fn slopes<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f6
         within(S::NAME, "slope = derivative of the weight", error, allowed, || {
             format!("node {a}, xi = {xi}, half size {half}: {} against {difference}", here.slope[a])
         })?;
+    }
+    Ok(())
+}
+
+/// What a gather makes of a nodal vector by coefficients and basis is what the weights make of it: the value,
+/// the slope, and the slope of the affine fit. Unit vectors, a node at a time.
+fn basis<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64) -> Result<(), Broken> {
+    let nodes = S::Extent::NODES;
+    let w = at(shape, xi, half);
+    let mut basis = shape.basis(xi, half, true);
+    if S::POLYNOMIAL {
+        // Not read: the first function is 1, the second xi.
+        (basis.value[0], basis.slope[0], basis.fit[0]) = (1.0, 0.0, 0.0);
+        (basis.value[1], basis.slope[1], basis.fit[1]) = (xi, 1.0, 1.0);
+    }
+    let inertia: f64 = shape.inertia(xi, half);
+    for a in 0..nodes {
+        let mut unit = w.value;
+        for b in 0..nodes {
+            unit[b] = f64::from(u8::from(a == b));
+        }
+        let c = if S::POLYNOMIAL { S::coefficients(unit) } else { unit };
+        let (mut value, mut slope, mut fit) = (0.0, 0.0, 0.0);
+        for b in 0..nodes {
+            value += c[b] * basis.value[b];
+            slope += c[b] * basis.slope[b];
+            fit += c[b] * basis.fit[b];
+        }
+        let place = || format!("node {a}, xi = {xi}, half size {half}");
+        within(S::NAME, "basis = weights", (value - w.value[a]).abs(), 4e-15, place)?;
+        within(
+            S::NAME,
+            "slope of the basis = that of the weights",
+            (slope - w.slope[a]).abs(),
+            4e-14,
+            place,
+        )?;
+        // A shape for which no affine transfer is allowed need not have a fit.
+        let right = w.value[a] * (node_offset::<S::Extent>(a) - xi) / inertia;
+        if inertia > 0.02 && nodes > 2 {
+            within(S::NAME, "affine fit of the basis", (fit - right).abs(), 4e-14, place)?;
+        }
     }
     Ok(())
 }
