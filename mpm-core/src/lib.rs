@@ -1,6 +1,8 @@
 //! The material point method as parts that compose: particles, sparse grids, shape functions, transfers.
 
 pub mod boundary;
+#[cfg(feature = "conformance")]
+pub mod conformance;
 pub mod dim;
 pub mod embedding;
 pub mod geometry;

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use mpm_materials::{Constitutive, Lane, State};
 
 use super::nodes::Sums;
-use super::sweep::{Cause, Common, Report, Slot, Sweep, TakeIn, place, tile_nodes};
+use super::sweep::{Cause, Common, Report, Slot, Sweep, TakeIn, Trouble, place, tile_nodes};
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
 use crate::geometry::{Lattice, Seeds};
 use crate::grid::Node;
@@ -301,35 +301,30 @@ where
         for slot in &self.slots {
             rate = rate.max(slot.report.rate);
             if let Some(trouble) = slot.report.trouble {
-                return Err(self.describe(slot, trouble.bin, trouble.index, trouble.cause));
+                return Err(self.describe(slot, &trouble));
             }
         }
         Ok(rate)
     }
 
-    /// Which particle, and where. A particle that already left its bin is named by what took its place: the
-    /// first of the block's outbox.
-    fn describe(&self, slot: &Slot<T, D>, bin: usize, index: usize, cause: Cause) -> BodyTrouble {
-        let columns = self.columns.count();
-        let number = self.columns.number();
-        if index < slot.block.bin_len(bin) && cause != Cause::TooFast {
-            let p = self.particle(&slot.block, bin, index);
-            return BodyTrouble { particle: p.number, position: p.position, cause };
-        }
-        // A runaway is in the outbox: the one whose place within its new bin is off it.
-        let half = T::of(0.5);
-        let numbers = slot
-            .outbox
-            .numbers
-            .chunks_exact(columns)
-            .find(|n| (0..D).any(|d| !(n[d] >= -half && n[d] <= half)))
-            .or_else(|| slot.outbox.numbers.chunks_exact(columns).last());
-        let particle = numbers.map_or(0, |n| n[number].to_double() as usize);
-        let mut position = [0.0; 3];
-        let coordinates = slot.block.bin_coordinates(bin);
-        for d in 0..D {
-            position[d] = self.lattice.origin()[d] + f64::from(coordinates[d]) * self.lattice.spacing();
-        }
+    /// Which particle, and where: its position, or the centre of its bin if it is on its way to another.
+    fn describe(&self, slot: &Slot<T, D>, trouble: &Trouble) -> BodyTrouble {
+        let Trouble { bin, particle, cause } = *trouble;
+        let staying = (0..slot.block.bin_len(bin))
+            .map(|index| self.particle(&slot.block, bin, index))
+            .find(|p| p.number == particle);
+        let position = staying.map_or_else(
+            || {
+                let mut x = [0.0; 3];
+                let coordinates = slot.block.bin_coordinates(bin);
+                for d in 0..D {
+                    let cells = f64::from(coordinates[d]) + bin_centre::<ExtentOf<M, T, D>>();
+                    x[d] = self.lattice.origin()[d] + cells * self.lattice.spacing();
+                }
+                x
+            },
+            |p| p.position,
+        );
         BodyTrouble { particle, position, cause }
     }
 
