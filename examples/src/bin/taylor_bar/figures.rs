@@ -48,7 +48,7 @@ fn bars(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-/// Where the colours end: all but one particle in fifty are below, rounded up to a quarter. The corner and the
+/// Where the colours end: all but one particle in a hundred are below, rounded up to a quarter. The corner and the
 /// middle of the foot go beyond.
 fn most_strain(outcomes: &[Outcome]) -> f64 {
     let mut strains: Vec<f64> = outcomes
@@ -57,7 +57,7 @@ fn most_strain(outcomes: &[Outcome]) -> f64 {
         .copied()
         .collect();
     strains.sort_by(f64::total_cmp);
-    let most = strains.get(strains.len() * 49 / 50).copied().unwrap_or(1.0);
+    let most = strains.get(strains.len() * 99 / 100).copied().unwrap_or(1.0);
     (4.0 * most).ceil().max(1.0) / 4.0
 }
 
@@ -71,20 +71,20 @@ fn closed(outcome: &Outcome, stretch: f64) -> Result<Snapshot, OutputError> {
 }
 
 fn in_space(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError> {
-    ParticlePicture::new(720, 740)
+    ParticlePicture::new(640, 660)
         .colour_by(strain.clone())
         .mirrored([Mirror::x(0.0), Mirror::y(0.0)])
         .cut(Cut { normal: [1.0, 0.0, 0.0], through: [0.0; 3] })
         .cut(Cut { normal: [0.0, -1.0, 0.0], through: [0.0; 3] })
-        .draw(&closed(outcome, 1.3)?)
+        .draw(&outcome.snapshot)
 }
 
 fn section(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError> {
-    FieldPicture::new(720, 740)
+    FieldPicture::new(640, 660)
         .colour_by(strain.clone())
         .mirrored([Mirror::x(0.0)])
         .axes("r", "z")
-        .draw(&closed(outcome, 1.9)?)
+        .draw(&closed(outcome, 1.4)?)
 }
 
 /// Where the kinetic energy goes.
