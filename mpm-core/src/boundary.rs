@@ -185,11 +185,13 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
-    /// Make the velocity of a node at `x` obey, at `time`.
-    pub(crate) fn constrain(&self, x: &[f64; D], v: &mut [f64; 3], time: f64, tolerance: f64) {
+    /// Make the velocity of a node at `x` obey, at `time`. Nodes less than `copies` behind a symmetry plane
+    /// mirror those in front already.
+    pub(crate) fn constrain(&self, x: &[f64; D], v: &mut [f64; 3], time: f64, tolerance: f64, copies: f64) {
         match *self {
             Boundary::Symmetry { axis, at, side } => {
-                if (x[axis] - at) * side.sign() <= tolerance {
+                let depth = (at - x[axis]) * side.sign();
+                if depth >= -tolerance && !(tolerance < depth && depth < copies) {
                     v[axis] = 0.0;
                 }
             }

@@ -321,12 +321,12 @@ pub fn purity<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
 pub fn lanes<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     let four = proptest::array::uniform4(strategies::path(options));
     for_all("lanes", law, options, four, |paths| {
-        let options = with_steps(options, 50);
+        let part = 1.0 / options.steps as f64;
         let mut pack: M::State<Wide<f64, 4>> = spread(&law.virgin());
         let mut alone = [law.virgin(); 4];
         for leg in 0..options.legs {
             // The last lane rests in the first leg: packs of flowing and idle points must not mix.
-            let share = [0.02, 0.02, 0.002, if leg == 0 { 0.0 } else { 0.02 }];
+            let share = [part, part, 0.1 * part, if leg == 0 { 0.0 } else { part }];
             let mut increment: Mat3<Wide<f64, 4>> = Mat3::zero();
             for lane in 0..4 {
                 for (r, c) in positions() {
@@ -334,15 +334,15 @@ pub fn lanes<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
                     increment.0[r][c] = increment.0[r][c].with_lane(lane, value);
                 }
             }
-            for _ in 0..50 {
-                let kinematics = still(&increment, &options);
+            for _ in 0..options.steps {
+                let kinematics = still(&increment, options);
                 let update = law.update(&kinematics, &pack);
                 if let Some(broken) = first_broken(&update) {
                     return fail("lanes", law, format!("lane {} broke down: {}", broken.lane, broken.cause));
                 }
                 pack = update.state;
                 for lane in 0..4 {
-                    alone[lane] = step(law, &alone[lane], &(paths[lane][leg] * share[lane]), &options)?.state;
+                    alone[lane] = step(law, &alone[lane], &(paths[lane][leg] * share[lane]), options)?.state;
                 }
             }
         }
@@ -372,17 +372,21 @@ pub fn wave_speed<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
         let reached = walk(law, &path, options.steps, options)?.state;
         // Slow enough that viscosity plays no part.
         let slow = Options { duration: 1e3, steps: 1, ..*options };
-        for state in [law.virgin(), reached] {
+        for mut state in [law.virgin(), reached] {
+            // Viscous stress and what softens at rest go first.
+            for _ in 0..5 {
+                state = step(law, &state, &Mat3::zero(), &slow)?.state;
+            }
+            let base = step(law, &state, &Mat3::zero(), &slow)?;
+            let bound = modulus(law, &state);
             for axis in 0..3 {
                 let small = 1e-6;
                 let mut strain = Sym3::zero();
                 strain.0[axis] = small;
                 let pull = q.congruence(&strain).to_mat();
-                // Viscous pressure of the walk goes first.
-                let base = step(law, &state, &Mat3::zero(), &slow)?;
-                let pulled = step(law, &base.state, &pull, &slow)?;
+                let pulled = step(law, &state, &pull, &slow)?;
                 let change = q.transpose().congruence(&(pulled.stress - base.stress));
-                let (tangent, bound) = (change.0[axis] / small, modulus(law, &base.state));
+                let tangent = change.0[axis] / small;
                 if tangent > bound * (1.0 + options.wave_tolerance) {
                     let message =
                         format!("the tangent modulus {tangent:e} Pa exceeds rho c^2 = {bound:e} Pa");
@@ -630,7 +634,7 @@ pub fn eos<E: Eos<f64>>(eos: &E, range: std::ops::Range<f64>, energy: f64) -> Ve
         let (change, worked) = (-0.01 * j, e);
         let found = balance(eos.terms(j), worked, change);
         let residual = found.pressure - eos.pressure(j, worked - 0.5 * change * found.pressure);
-        if found.fault.any() || residual.abs() > 1e-10 * (p.abs() + bulk) {
+        if !found.solvable || residual.abs() > 1e-10 * (p.abs() + bulk) {
             return report(format!("the balance leaves {residual:e} Pa at J = {j}"));
         }
         Ok(())

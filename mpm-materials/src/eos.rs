@@ -60,11 +60,19 @@ pub trait Eos<T: Real>: Clone + Send + Sync + 'static {
         L::zero()
     }
 
+    /// The law holds for volume ratios above this: zero, or more where it is singular.
+    #[inline(always)]
+    fn smallest_volume_ratio(&self) -> T {
+        T::default()
+    }
+
     /// Reports the lanes whose volume ratio lies outside the range of the law:
-    /// [`Breakdown::InvertedVolume`] for J <= 0, [`Breakdown::OverCompressed`] where the law is singular.
+    /// [`Breakdown::InvertedVolume`] for J <= 0, else [`Breakdown::OverCompressed`].
     #[inline(always)]
     fn range<L: Lane<Real = T>>(&self, volume_ratio: L) -> Fault<L> {
-        Fault::none().require(volume_ratio.gt(L::zero()), Breakdown::InvertedVolume)
+        Fault::none()
+            .require(volume_ratio.gt(L::zero()), Breakdown::InvertedVolume)
+            .require(volume_ratio.gt(L::splat(self.smallest_volume_ratio())), Breakdown::OverCompressed)
     }
 
     /// Pressure p, Pa.
@@ -83,13 +91,13 @@ pub trait Eos<T: Real>: Clone + Send + Sync + 'static {
 
 /// Pressure and energy at the end of a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Balance<L> {
+pub struct Balance<L: Lane> {
     /// p, Pa, without viscous pressure.
     pub pressure: L,
     /// e, J per m^3 of reference volume.
     pub energy: L,
-    /// Lanes in which the step compresses so much that the implicit equation has no solution.
-    pub fault: Fault<L>,
+    /// False in the lanes where the step compresses so much that the implicit equation has no solution.
+    pub solvable: L::Mask,
 }
 
 /// The implicit energy half step: solves p = a + b e with e = `energy` - dJ/2 p, where `energy` already holds
@@ -98,9 +106,9 @@ pub struct Balance<L> {
 pub fn balance<L: Lane>(terms: Terms<L>, energy: L, volume_change: L) -> Balance<L> {
     let half = volume_change * L::of(0.5);
     let implicit = terms.thermal.mul_add(half, L::one());
-    let pressure = terms.thermal.mul_add(energy, terms.cold) / implicit;
-    let fault = Fault::none().require(implicit.gt(L::zero()), Breakdown::OverCompressed);
-    Balance { pressure, energy: energy - half * pressure, fault }
+    // The inverse does not wait for the energy.
+    let pressure = terms.thermal.mul_add(energy, terms.cold) * implicit.recip();
+    Balance { pressure, energy: energy - half * pressure, solvable: implicit.gt(L::zero()) }
 }
 
 /// A column for the internal energy, or none.
@@ -167,7 +175,7 @@ impl<T: Real, E: Eos<T>> Eos<T> for KeepEnergy<E> {
         self.0.stored_energy(volume_ratio)
     }
     #[inline(always)]
-    fn range<L: Lane<Real = T>>(&self, volume_ratio: L) -> Fault<L> {
-        self.0.range(volume_ratio)
+    fn smallest_volume_ratio(&self) -> T {
+        self.0.smallest_volume_ratio()
     }
 }

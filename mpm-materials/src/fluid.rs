@@ -165,7 +165,7 @@ where
         let half = L::of(0.5);
         let volume_factor = kinematics.volume_factor();
         let volume_ratio = old.volume_ratio * volume_factor;
-        let density = L::splat(self.eos.density()) / volume_ratio;
+        let density = volume_ratio.recip() * L::splat(self.eos.density());
         let viscous_stress = self.shear.deviator(kinematics);
         let viscous_pressure = self.viscosity.pressure(kinematics, density);
 
@@ -191,7 +191,7 @@ where
         let fault = Fault::none()
             .require(volume_factor.gt(L::zero()), Breakdown::InvertedVolume)
             .or(self.eos.range(volume_ratio))
-            .or(balanced.fault)
+            .require(balanced.solvable, Breakdown::OverCompressed)
             .require(finite_state(&state), Breakdown::NotFinite)
             .require(total_pressure.is_finite(), Breakdown::NotFinite);
         Update { state, stress, fault }

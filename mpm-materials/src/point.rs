@@ -18,12 +18,12 @@ pub struct Kinematics<L> {
 }
 
 impl<L: Lane> Kinematics<L> {
-    /// Strain increment, the symmetric part of `increment` (eq. 18 of [Ma2010]).
+    /// Strain increment, the symmetric part of `increment` (eq. 18 of \[Ma2010\]).
     #[inline(always)]
     pub fn strain(&self) -> Sym3<L> {
         self.increment.symmetric()
     }
-    /// Axial vector of the spin increment, the antisymmetric part of `increment` (eq. 19 of [Ma2010]).
+    /// Axial vector of the spin increment, the antisymmetric part of `increment` (eq. 19 of \[Ma2010\]).
     #[inline(always)]
     pub fn spin(&self) -> [L; 3] {
         self.increment.axial()

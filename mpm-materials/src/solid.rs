@@ -5,7 +5,7 @@ use crate::eos::{Eos, balance};
 use crate::failure::{Failure, NoFailure, Observed};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::ParameterError;
-use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update, finite_state};
+use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, finite_state};
 use crate::rate::{Jaumann, ObjectiveRate};
 use crate::state;
 use crate::strength::{FlowStress, Loading, Strength};
@@ -39,8 +39,14 @@ state! {
 /// Ingredients left at their defaults cost neither memory nor instructions.
 ///
 /// ```
-/// use mpm_materials::{JohnsonCook, MieGruneisen, Solid};
-/// let copper = Solid::new(JohnsonCook::<f64>::copper_taylor(), MieGruneisen::copper());
+/// use mpm_materials::{JohnsonCook, MieGruneisen, PlasticStrainLimit, Solid};
+/// # fn main() -> Result<(), mpm_materials::ParameterError> {
+/// let copper = Solid::new(JohnsonCook::<f64>::copper_taylor(), MieGruneisen::copper())
+///     .with_failure(PlasticStrainLimit::new(3.0)?)
+///     .with_bulk_viscosity(0.06, 1.5)?;
+/// # let _ = copper;
+/// # Ok(())
+/// # }
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid<S, E, F = NoFailure, V = NoViscosity, R = Jaumann> {
@@ -53,7 +59,11 @@ pub struct Solid<S, E, F = NoFailure, V = NoViscosity, R = Jaumann> {
 
 impl<S, E> Solid<S, E> {
     /// Without failure and bulk viscosity, with the Jaumann rate.
-    pub fn new(strength: S, eos: E) -> Self {
+    pub fn new<T: Real>(strength: S, eos: E) -> Self
+    where
+        S: Strength<T>,
+        E: Eos<T>,
+    {
         Solid { strength, eos, failure: NoFailure, viscosity: NoViscosity, rate: Jaumann }
     }
 }
@@ -100,6 +110,31 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
     }
 }
 
+impl<S, E, F, V, R> Solid<S, E, F, V, R> {
+    /// What broke in a step, if anything. Nearly always nothing did, and one test tells so.
+    #[inline(always)]
+    fn health<T, L, H, G>(&self, new: &SolidState<L, H, G>, volume_factor: L, solvable: L::Mask) -> Fault<L>
+    where
+        T: Real,
+        L: Lane<Real = T>,
+        E: Eos<T>,
+        H: State<L>,
+        G: State<L>,
+    {
+        let turned = volume_factor.gt(L::zero());
+        let in_range = new.volume_ratio.gt(L::splat(self.eos.smallest_volume_ratio()));
+        let finite = finite_state(new);
+        if (turned & in_range & solvable & finite).all() {
+            return Fault::none();
+        }
+        Fault::none()
+            .require(turned, Breakdown::InvertedVolume)
+            .or(self.eos.range(new.volume_ratio))
+            .require(solvable, Breakdown::OverCompressed)
+            .require(finite, Breakdown::NotFinite)
+    }
+}
+
 impl<T, S, E, F, V, R> Constitutive<T> for Solid<S, E, F, V, R>
 where
     T: Real,
@@ -138,6 +173,7 @@ where
         let volume_factor = kinematics.volume_factor();
         let volume_ratio = old.volume_ratio * volume_factor;
         let specific_volume = volume_ratio * L::splat(T::of(1.0) / self.eos.density());
+        let density = volume_ratio.recip() * L::splat(self.eos.density());
 
         // Rotation and elastic trial.
         let rotated = self.rate.rotate(kinematics, &old.stress);
@@ -155,7 +191,7 @@ where
         let returned = self.strength.return_map(&trial, &loading, &old.strength);
 
         // Viscous pressure, then pressure and energy together.
-        let viscous = self.viscosity.pressure(kinematics, specific_volume.recip());
+        let viscous = self.viscosity.pressure(kinematics, density);
         let volume_change = volume_ratio - old.volume_ratio;
         let middle_volume = old.volume_ratio + volume_change * half;
         let deviatoric_power = (old_deviator + returned.deviator).dot(&loading.strain_deviator) * half;
@@ -187,12 +223,7 @@ where
 
         let stress = deviator.plus_isotropic(-(pressure + viscous));
         let state = SolidState { stress, volume_ratio, energy, strength: returned.history, failure };
-        let fault = Fault::none()
-            .require(volume_factor.gt(zero), Breakdown::InvertedVolume)
-            .or(self.eos.range(volume_ratio))
-            .or(returned.fault)
-            .or(balanced.fault)
-            .require(finite_state(&state), Breakdown::NotFinite);
+        let fault = self.health(&state, volume_factor, balanced.solvable).or(returned.fault);
         Update { state, stress, fault }
     }
     #[inline(always)]

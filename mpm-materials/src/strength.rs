@@ -38,7 +38,7 @@ impl<L: Lane> Loading<L> {
     #[inline(always)]
     pub fn equivalent_rate(&self) -> L {
         let e = &self.strain_deviator;
-        (e.dot(e) * L::of(2.0 / 3.0)).sqrt() / self.dt
+        (e.dot(e) * L::of(2.0 / 3.0)).sqrt() * self.dt.recip()
     }
     /// The loading of a step, for laws tried outside a solid.
     #[inline(always)]

@@ -74,8 +74,9 @@ impl<T: Real> ShockViscosity<T> for BulkViscosity<T> {
     }
     #[inline(always)]
     fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, density: L) -> L {
-        // Compared with zero the other way round `min` would lose a rate that is not a number.
-        let rate = (kinematics.increment.trace() / kinematics.dt).min(L::zero());
+        // The time step is the same for all points: its inverse is computed once.
+        let per_time = kinematics.dt.recip();
+        let rate = (kinematics.increment.trace() * per_time).min(L::zero());
         let closing = -(rate * kinematics.length);
         let linear = L::splat(self.linear * self.sound_speed);
         density * closing * L::splat(self.quadratic).mul_add(closing, linear)

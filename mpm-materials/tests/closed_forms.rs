@@ -351,3 +351,13 @@ fn the_driver_reports_the_step_that_broke() {
     assert_relative_eq!(rows[50].strain.0[0], 0.5, max_relative = 1e-12);
     assert!(rows[100].strain.0[0].abs() < 1e-12);
 }
+
+#[test]
+fn one_elastic_step_stores_its_energy() {
+    // The work of a step is that of the mean stress: G e:e, however large the step.
+    let law = Solid::new(Elastic::new(30e9).unwrap(), MieGruneisen::copper());
+    let e = 1e-3;
+    let increment = Mat3([[0.0, e, 0.0], [e, 0.0, 0.0], [0.0; 3]]);
+    let new = law.update(&Kinematics { increment, dt: 1e-8, length: 1e-3 }, &law.virgin());
+    assert_relative_eq!(law.energy(&new.state), 30e9 * 2.0 * e * e, max_relative = 1e-5);
+}

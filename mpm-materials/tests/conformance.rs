@@ -10,7 +10,7 @@ fn steel() -> Moduli<f64> {
 
 /// Shear work heats: see [`Options::wave_tolerance`]. In strong tension the modulus it is compared with is low.
 fn metal(strain: f64) -> Options {
-    Options { wave_tolerance: 0.08, ..Options::strain(strain) }
+    Options { wave_tolerance: 0.05, ..Options::strain(strain) }
 }
 
 // Elastic laws.

@@ -119,6 +119,14 @@ fn rotations_are_orthogonal_and_rates_agree_with_them() {
 }
 
 #[test]
+fn volume_factor_is_exact_for_the_increment() {
+    let h = Mat3([[0.1, 0.2, -0.1], [0.3, -0.2, 0.4], [0.05, -0.3, 0.2]]);
+    let kinematics = Kinematics { increment: h, dt: 1.0, length: 1.0 };
+    let f = nalgebra::Matrix3::from_fn(|i, j| h.0[i][j] + if i == j { 1.0 } else { 0.0 });
+    assert_relative_eq!(kinematics.volume_factor(), f.determinant(), max_relative = 1e-14);
+}
+
+#[test]
 fn states_are_lists_with_names() {
     let law = Solid::new(JohnsonCook::<f64>::copper(), MieGruneisen::copper());
     let one = law.virgin();

@@ -1,6 +1,6 @@
 //! From the nodes of a stencil to the lanes of a group, by sum factorisation: along x, then y, then z.
 
-use mpm_materials::{Lane, Real};
+use mpm_materials::Lane;
 
 use crate::dim::{Array, Stencil};
 use crate::parallel::{Float, Quad};
@@ -136,9 +136,7 @@ pub fn gather<T: Float, const D: usize, P: Lane<Real = T>, S: ShapeFunction<T, D
 #[inline(always)]
 pub fn to_coefficients<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
     nodes: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
-) where
-    T: Real,
-{
+) {
     let n = <S::Extent as Stencil>::NODES;
     let layers = <S::Extent as Stencil>::LAYERS;
     for a in 0..n {

@@ -76,6 +76,10 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub wide: bool,
     /// Is what lies behind a wall or fixed plane extrapolated ([`crate::BoundaryModified`])?
     pub modified: bool,
+    /// Do particles keep their velocity and add its change (FLIP)? Else they take the nodes' velocity.
+    pub keeps: bool,
+    /// Time step, s.
+    pub dt: T,
 }
 
 impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
@@ -98,11 +102,28 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 body.add_tiles(block, sums, nodes);
             }
         });
-        for mirror in self.mirrors() {
-            self.columns(mirror, |nodes, [front, _, back]| {
-                let (Some(front), Some(back)) = (front, back) else { return };
-                fold_mirrored(nodes, front, back, mirror.axis, sums);
+        let lattice = *self.grid.lattice();
+        let (cutoff, keeps, dt) = (self.cutoff, self.keeps, self.dt);
+        for mirror in self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice)) {
+            let axis = mirror.axis;
+            let mut impulse = 0.0;
+            self.columns(mirror, |nodes, [_, on, _]| {
+                let Some(on) = on else { return };
+                impulse += still(&mut nodes[on], axis, sums, keeps, dt);
             });
+            if self.wide {
+                self.columns(mirror, |nodes, [front, _, back]| {
+                    let (Some(front), Some(back)) = (front, back) else { return };
+                    let before = [nodes[front], nodes[back]];
+                    fold_mirrored(nodes, front, back, axis, sums);
+                    if sums == Sums::All && nodes[front].first[0] > cutoff {
+                        impulse += mirrored_impulse(&before, &nodes[front], axis, keeps, dt);
+                    }
+                });
+            }
+            if let Some(ledger) = self.ledgers.first_mut() {
+                ledger.impulse[axis] += impulse;
+            }
         }
         for edge in self.edges() {
             self.columns(edge, |nodes, column| fold_extrapolated(nodes, column, sums));
@@ -147,7 +168,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 self.grid.find(&c)
             });
             let nodes = self.grid.nodes_mut();
-            for n in (0..block_nodes(D)).filter(|n| n / stride % BLOCK == 0) {
+            for n in (0..block_nodes(D)).filter(|n| (n / stride).is_multiple_of(BLOCK)) {
                 let mut column = [None; 3];
                 for i in 0..3 {
                     let within = layers[i].rem_euclid(BLOCK as i32) as usize * stride;
@@ -261,6 +282,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let conditions = self.conditions;
         let time = self.time;
         let lattice = *self.grid.lattice();
+        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let blocks = self.grid.blocks().to_vec();
         let mut pieces: Vec<&mut [[T; 3]]> = terms.chunks_mut(block_nodes(D)).collect();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, terms| {
@@ -271,7 +293,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                     continue;
                 }
                 let x = place.node(n);
-                let free = free_directions(conditions, &x, time, lattice.spacing());
+                let free = free_directions(conditions, &x, time, lattice.spacing(), copies);
                 for d in 0..D {
                     let smoothed = node.second[d + 1] / mass;
                     term[d] = if free[d] { term[d] - smoothed } else { T::default() };
@@ -303,6 +325,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let blocks = self.grid.blocks().to_vec();
         let (conditions, time) = (self.conditions, self.time);
         let tolerance = 1e-6 * lattice.spacing();
+        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         // Nodes behind a mirror are copies: what happens to them is booked at their originals.
         let mirrors = self.mirrors();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
@@ -321,7 +344,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                     let constrain = |v: &mut [f64; 3], time: f64| {
                         let before = *v;
                         for b in &near {
-                            b.constrain(&x, v, time, tolerance);
+                            b.constrain(&x, v, time, tolerance, copies);
                         }
                         *v != before
                     };
@@ -334,6 +357,42 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             }
         });
     }
+}
+
+/// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
+/// vanish there before anything is divided or differenced. Returns the plane's impulse, what it cancelled, N s.
+fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, keeps: bool, dt: T) -> f64 {
+    let mut impulse = 0.0;
+    if sums == Sums::All {
+        if !keeps {
+            impulse -= node.first[1 + axis].to_double();
+        }
+        node.first[1 + axis] = T::default();
+    }
+    if sums != Sums::Again {
+        impulse -= (node.second[1 + axis] * dt).to_double();
+    }
+    node.second[1 + axis] = T::default();
+    impulse
+}
+
+/// The impulse of a symmetry plane through the nodes beside it, N s: what both layers give to the particles
+/// less what the particles gave to them.
+fn mirrored_impulse<T: Float>(
+    [front, back]: &[Node<T>; 2],
+    folded: &Node<T>,
+    axis: usize,
+    keeps: bool,
+    dt: T,
+) -> f64 {
+    let mut had = (front.second[1 + axis] + back.second[1 + axis]) * dt;
+    let mut has = folded.second[1 + axis] * dt;
+    if !keeps {
+        had += front.first[1 + axis] + back.first[1 + axis];
+        has += folded.first[1 + axis];
+    }
+    let share = (front.first[0] - back.first[0]) / folded.first[0];
+    (share * has - had).to_double()
 }
 
 /// Add the node behind a symmetry plane, mirrored, to the one in front, and the other way round: what the
@@ -385,6 +444,7 @@ fn free_directions<const D: usize>(
     x: &[f64; D],
     time: f64,
     spacing: f64,
+    copies: f64,
 ) -> [bool; 3] {
     let mut free = [true; 3];
     // A boundary that changes neither of two opposite probes in a direction leaves it free.
@@ -392,7 +452,7 @@ fn free_directions<const D: usize>(
         let before = [probe; 3];
         let mut v = before;
         for b in &conditions.boundaries {
-            b.constrain(x, &mut v, time, 1e-6 * spacing);
+            b.constrain(x, &mut v, time, 1e-6 * spacing, copies);
         }
         for d in 0..3 {
             free[d] &= v[d] == before[d];

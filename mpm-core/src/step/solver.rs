@@ -264,21 +264,22 @@ where
     pub fn step_at_most(&mut self, left: f64) -> Result<T, StepError> {
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
-        self.stage().collect(Sums::All); // iii: eqs. 2, 3 (and 9)
+        self.stage(dt).collect(Sums::All); // iii: eqs. 2, 3 (and 9)
 
         if M::Update::BEFORE_FORCES {
-            self.stage().velocities(); // boundaries
+            self.stage(dt).velocities(); // boundaries
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
-            self.stage().collect(Sums::Force);
-            self.stage().integrate_momentum(dt, true); // viii: eq. 8
+            self.stage(dt).collect(Sums::Force);
+            self.stage(dt).integrate_momentum(dt, true); // viii: eq. 8
+            self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
-            self.stage().integrate_momentum(dt, false); // viii: eq. 8
+            self.stage(dt).integrate_momentum(dt, false); // viii: eq. 8
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if M::Update::REMAP {
-                self.stage().collect(Sums::Again); // x: eq. 3 again
-                self.stage().remap_velocities(dt);
+                self.stage(dt).collect(Sums::Again); // x: eq. 3 again
+                self.stage(dt).remap_velocities(dt);
                 self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
             }
         }
@@ -326,11 +327,11 @@ where
             return Ok(());
         }
         let mut terms = std::mem::take(&mut self.terms);
-        self.stage().first_terms(&mut terms);
+        self.stage(dt).first_terms(&mut terms);
         for _ in 1..M::Transfer::ORDER {
             self.particle_pass(Which::Smooth, dt)?;
-            self.stage().collect(Sums::Again);
-            self.stage().refine_velocities(&mut terms);
+            self.stage(dt).collect(Sums::Again);
+            self.stage(dt).refine_velocities(&mut terms);
         }
         self.terms = terms;
         Ok(())
@@ -374,7 +375,7 @@ where
         Ok(T::of(dt.min(left)))
     }
 
-    fn stage(&mut self) -> Stage<'_, T, D, G> {
+    fn stage(&mut self, dt: T) -> Stage<'_, T, D, G> {
         let lightest = self.bodies.iter().map(|b| b.lightest()).fold(T::of(f64::MAX), |a, b| a.min(b));
         Stage {
             grid: &mut self.grid,
@@ -386,6 +387,8 @@ where
             cutoff: lightest * T::of(MASS_CUTOFF),
             wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
             modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
+            keeps: M::Transfer::READS_INCREMENT,
+            dt,
         }
     }
 

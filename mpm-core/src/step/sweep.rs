@@ -172,6 +172,8 @@ where
         let does = K::DOES;
         let maps = maps::<T, D, M, K>();
         let strain_first = matches!(does.strain, Some(Nodal::First));
+        let stretches = ShapeOf::<M, T, D>::CARRIES_DOMAIN && does.moves;
+        let slopes_first = strain_first || (stretches && does.strain.is_none());
         let strain_second = matches!(does.strain, Some(Nodal::Second));
         let reads = Reads {
             first: does.velocity || does.moves || strain_first,
@@ -260,14 +262,14 @@ where
                 let mut affine = [[zero; 3]; 3];
                 let mut hoop_velocity = zero;
                 if reads.first {
-                    let slope = strain_first && !M::Transfer::LEAST_SQUARES;
+                    let slope = slopes_first && !M::Transfer::LEAST_SQUARES;
                     let wanted = Wanted { slope, fit: maps.affine };
                     for c in 0..D {
                         let found =
                             gather::<T, D, A::Pack, ShapeOf<M, T, D>>(&stencil.first, &basis, c, wanted);
                         nodal[c] = found.value;
                         affine[c] = found.fit;
-                        if strain_first {
+                        if slopes_first {
                             gradient.0[c] = if slope { found.slope } else { found.fit };
                         }
                     }
@@ -321,12 +323,6 @@ where
                     if does.force {
                         rate = rate.max(A::Pack::select(alive, speed(law, &new.state, &v), zero));
                     }
-                    if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                        for d in 0..D {
-                            domain[d] = method.shape().stretch(domain[d], deformation.0[d][d]);
-                            domain[d].store(&mut rest[d]);
-                        }
-                    }
                 } else if does.force {
                     let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
                     stress = law.stress(&now);
@@ -335,6 +331,15 @@ where
                 } else if does.moves {
                     let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
                     rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
+                }
+
+                // Domains keep their sizes until the particles move, so that all passes of a step use the same
+                // weights.
+                if stretches {
+                    for d in 0..D {
+                        domain[d] = method.shape().stretch(domain[d], gradient.0[d][d] * cells);
+                        domain[d].store(&mut rest[d]);
+                    }
                 }
 
                 // Position.
@@ -487,7 +492,8 @@ fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: usize) {
         for d in 0..D {
             let xi = numbers[Columns::position() + d];
             let shift = (xi + half).floor();
-            if !(shift.abs() <= T::of(1.0)) {
+            let one_cell = shift.abs() <= T::of(1.0); // false for a value that is not a number
+            if !one_cell {
                 let trouble = Trouble { bin, index, cause: Cause::TooFast };
                 report.trouble = report.trouble.or(Some(trouble));
             }

@@ -3,7 +3,6 @@
 use crate::eos::{Eos, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
-use crate::point::{Breakdown, Fault};
 
 /// Smallest value of 1 - s (1 - J) that still counts as inside the range of the Hugoniot.
 const MARGIN: f64 = 0.02;
@@ -27,7 +26,7 @@ const MARGIN: f64 = 0.02;
 /// tension, which makes the pressure of a hot point jump at J = 1; here it stays.
 ///
 /// Limits: the Hugoniot is singular at eta = 1/s; within 2 % of it the state is refused as
-/// [`Breakdown::OverCompressed`]. The squared sound speed falls below zero in strong tension (for gamma0 = 2
+/// [`Breakdown::OverCompressed`](crate::Breakdown). The squared sound speed falls below zero in strong tension (for gamma0 = 2
 /// beyond J = 1.37): a failure law must act before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MieGruneisen<T> {
@@ -151,11 +150,10 @@ impl<T: Real> Eos<T> for MieGruneisen<T> {
         let pressure = thermal.mul_add(energy, cold);
         (cold_slope + a * energy + pressure * square * thermal) / rho0
     }
+    /// 1 - 0.98/s, or zero where the Hugoniot is nowhere singular.
     #[inline(always)]
-    fn range<L: Lane<Real = T>>(&self, volume_ratio: L) -> Fault<L> {
-        let to_singular = L::one() - L::splat(self.slope) * (L::one() - volume_ratio);
-        Fault::none()
-            .require(volume_ratio.gt(L::zero()), Breakdown::InvertedVolume)
-            .require(to_singular.gt(L::of(MARGIN)), Breakdown::OverCompressed)
+    fn smallest_volume_ratio(&self) -> T {
+        let reach = T::of(1.0 - MARGIN);
+        if self.slope > reach { T::of(1.0) - reach / self.slope } else { T::of(0.0) }
     }
 }

@@ -118,15 +118,18 @@ impl<T: Real> PowerHardening<T> {
         strain.max(self.start()).powf(L::splat(self.exponent))
     }
 
-    /// (1 + x)^n - 1 for 0 <= x <= [`SMALL`], to 1e-12.
+    /// (1 + x)^n - 1 - n x for 0 <= x <= [`SMALL`], to 1e-12: what the tangent leaves out.
     #[inline(always)]
-    fn binomial<L: Lane<Real = T>>(&self, x: L) -> L {
-        let (n, one) = (L::splat(self.exponent), L::one());
+    fn beyond_tangent<L: Lane<Real = T>>(&self, x: L) -> L {
+        let one = L::one();
+        let n = self.exponent;
         let mut sum = one;
-        for k in [5.0, 4.0, 3.0, 2.0] {
-            sum = (x * sum * (n - L::of(k - 1.0))).mul_add(L::of(1.0 / k), one);
+        for k in [5.0, 4.0, 3.0] {
+            // x times a constant first: it does not wait for the sum.
+            let term = x * L::splat((n - T::of(k - 1.0)) * T::of(1.0 / k));
+            sum = term.mul_add(sum, one);
         }
-        n * x * sum
+        x * x * L::splat(n * (n - T::of(1.0)) * T::of(0.5)) * sum
     }
 
     /// Monotone Newton iteration for increments that are not small against the strain, and for the first one,
@@ -200,9 +203,10 @@ impl<T: Real> Hardening<T> for PowerHardening<T> {
         let first = over * compliance;
         let relative = first * per_strain;
         if (relative.le(L::of(SMALL)) | !yields).all() {
-            // One Newton step more, with the power by series and the slope at the first estimate.
+            // One Newton step more, with the power by series and the slope at the first estimate. The
+            // linear terms of what is left over cancel.
             let x = L::select(yields, relative, zero);
-            let rest = over - three_g * first - hardened * self.binomial(x);
+            let rest = -(hardened * self.beyond_tangent(x));
             let bend = slope * (one - n) * x * compliance;
             let value = rest.mul_add(compliance * (one + bend), first);
             return Increment { value: L::select(yields, value, zero), fault: Fault::none() };

@@ -105,7 +105,8 @@ pub(crate) fn radial_return<L: Lane>(
     increment: L,
 ) -> (Sym3<L>, L) {
     let relaxed = three_g * increment;
-    // Where nothing flows `equivalent` may be zero; the quotient is not used there.
-    let shrink = L::select(increment.gt(L::zero()), L::one() - relaxed / equivalent, L::one());
+    // Where nothing flows `equivalent` may be zero; the quotient is not used there. The inverse does not wait
+    // for the increment.
+    let shrink = L::select(increment.gt(L::zero()), L::one() - relaxed * equivalent.recip(), L::one());
     (*trial * shrink, (equivalent - relaxed) * increment)
 }

@@ -1,0 +1,189 @@
+//! The fast step and the plain reference, side by side.
+
+use mpm_core::parallel::Float;
+use mpm_core::{BlockGrid, Composition, GridStorage, Mpm, Particle, ShapeFunction, TimeControl};
+use mpm_materials::Constitutive;
+
+use crate::reference::{Order, Point, Reference, Rule};
+use crate::scene::{Scene, YOUNG};
+
+/// All particles of all bodies, by body and number.
+pub fn particles<T: Float, const D: usize, M, G>(mpm: &Mpm<T, D, M, G>) -> Vec<Vec<Particle>>
+where
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+{
+    let mut bodies = Vec::new();
+    for body in mpm.bodies() {
+        let mut list: Vec<Particle> = Vec::with_capacity(body.len());
+        body.for_each(&mut |p| list.push(p.clone()));
+        list.sort_by_key(|p| p.number);
+        for (n, p) in list.iter().enumerate() {
+            assert_eq!(p.number, n, "particle numbers of body `{}` have a gap or a repetition", body.name());
+        }
+        bodies.push(list);
+    }
+    bodies
+}
+
+/// Largest differences, relative to a cell, the wave speed and Young's modulus.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Difference {
+    /// Position, in cells.
+    pub position: f64,
+    /// Velocity over the largest speed.
+    pub velocity: f64,
+    /// Stress over the largest stress.
+    pub stress: f64,
+    /// State of the law, absolute (stress over Young's modulus where it is a stress).
+    pub state: f64,
+}
+
+impl Difference {
+    /// The largest of all.
+    pub fn worst(&self) -> f64 {
+        // `f64::max` would lose a value that is not a number.
+        let mut worst = 0.0;
+        for x in [self.position, self.velocity, self.stress, self.state] {
+            if x.is_nan() || x > worst {
+                worst = x;
+            }
+        }
+        worst
+    }
+}
+
+/// A scene in the fast step, bodies of one law.
+pub fn fast<T: Float, const D: usize, M, G, C>(
+    method: M,
+    grid: G,
+    scene: &Scene<D>,
+    law: &C,
+) -> Mpm<T, D, M, G>
+where
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+    C: Constitutive<T>,
+{
+    let mut mpm = Mpm::new(method, grid);
+    for (n, (seeds, velocity)) in scene.bodies.iter().enumerate() {
+        mpm.add(&format!("body {n}"), law.clone(), seeds, velocity).expect("body");
+    }
+    surround(&mut mpm, scene);
+    mpm
+}
+
+/// The boundaries, loads and time step of a scene.
+pub fn surround<T: Float, const D: usize, M, G>(mpm: &mut Mpm<T, D, M, G>, scene: &Scene<D>)
+where
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+{
+    for boundary in &scene.boundaries {
+        mpm.bound(boundary.clone()).expect("boundary");
+    }
+    let gravity = scene.gravity;
+    if gravity != [0.0; D] {
+        mpm.set_body_force(move |_| gravity);
+    }
+    mpm.set_time_control(TimeControl::Fixed(scene.dt)).expect("time control");
+}
+
+/// The scene in the reference, without bodies.
+pub fn plain<const D: usize, S: ShapeFunction<f64, D>>(
+    shape: S,
+    rule: Rule,
+    order: Order,
+    scene: &Scene<D>,
+) -> Reference<D, S> {
+    let mut reference = Reference::new(shape, rule, order, scene.space, scene.lattice);
+    reference.boundaries = scene.boundaries.clone();
+    reference.gravity = scene.gravity;
+    reference
+}
+
+/// How far the two are apart.
+pub fn difference<const D: usize>(
+    fast: &[Vec<Particle>],
+    plain: &[Point<D>],
+    stresses: &[[f64; 6]],
+    spacing: f64,
+) -> Difference {
+    assert_eq!(fast.iter().map(Vec::len).sum::<usize>(), plain.len(), "particles were lost or made");
+    let mut speed = 0.0f64;
+    let mut strength = 1e-3 * YOUNG;
+    for (p, s) in plain.iter().zip(stresses) {
+        speed = speed.max(p.v.iter().map(|v| v * v).sum::<f64>().sqrt());
+        strength = s.iter().fold(strength, |a, b| a.max(b.abs()));
+    }
+    let mut found = Difference::default();
+    let rise = |worst: &mut f64, error: f64| {
+        if error.is_nan() || error > *worst {
+            *worst = error;
+        }
+    };
+    for (p, s) in plain.iter().zip(stresses) {
+        let q = &fast[p.body][p.number];
+        assert_eq!(q.mass, p.mass, "mass of particle {} of body {}", p.number, p.body);
+        for d in 0..D {
+            rise(&mut found.position, (q.position[d] - p.x[d]).abs() / spacing);
+            rise(&mut found.velocity, (q.velocity[d] - p.v[d]).abs() / speed);
+        }
+        for i in 0..6 {
+            rise(&mut found.stress, (q.stress[i] - s[i]).abs() / strength);
+        }
+        assert_eq!(q.state.len(), p.state.len(), "length of the state");
+        for (a, b) in q.state.iter().zip(&p.state) {
+            rise(&mut found.state, (a - b).abs() / YOUNG);
+        }
+    }
+    found
+}
+
+/// Run a scene both ways with one law and return the difference at the end.
+pub fn compare<const D: usize, M, S, C>(
+    method: M,
+    shape: S,
+    rule: Rule,
+    order: Order,
+    scene: &Scene<D>,
+    law: &C,
+) -> Difference
+where
+    M: Composition<f64, D>,
+    S: ShapeFunction<f64, D>,
+    C: Constitutive<f64>,
+{
+    let mut mpm = fast(method, BlockGrid::new(scene.lattice), scene, law);
+    let mut reference = plain(shape, rule, order, scene);
+    for (seeds, velocity) in &scene.bodies {
+        reference.add(law.clone(), seeds, velocity);
+    }
+    run_both(&mut mpm, &mut reference, scene)
+}
+
+/// Run both for the scene's steps and return the difference at the end.
+pub fn run_both<const D: usize, M, G, S>(
+    mpm: &mut Mpm<f64, D, M, G>,
+    reference: &mut Reference<D, S>,
+    scene: &Scene<D>,
+) -> Difference
+where
+    M: Composition<f64, D>,
+    G: GridStorage<f64, D>,
+    S: ShapeFunction<f64, D>,
+{
+    for _ in 0..scene.steps {
+        mpm.step().unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+        reference.step(scene.dt);
+        if std::env::var_os("EACH_STEP").is_some() {
+            let stresses: Vec<[f64; 6]> =
+                reference.points.iter().map(|p| reference.laws[p.body].stress(&p.state)).collect();
+            let now = difference(&particles(mpm), &reference.points, &stresses, scene.lattice.spacing());
+            println!("{} step {}: {now:?}", scene.name, mpm.steps());
+        }
+    }
+    let stresses: Vec<[f64; 6]> =
+        reference.points.iter().map(|p| reference.laws[p.body].stress(&p.state)).collect();
+    difference(&particles(mpm), &reference.points, &stresses, scene.lattice.spacing())
+}

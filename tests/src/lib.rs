@@ -1,0 +1,5 @@
+//! What the tests of the framework share: a plain reference method, scenes, and comparisons.
+
+pub mod compare;
+pub mod reference;
+pub mod scene;

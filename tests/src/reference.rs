@@ -1,0 +1,621 @@
+//! The material point method as the paper's flow chart has it: plain, slow and scalar.
+//!
+//! One loop a stage, particles in a list, nodes in a map from their indices, global coordinates, every sum in
+//! the order of the particles. It shares with the fast step the weights along one axis
+//! ([`ShapeFunction::weights`]) and the constitutive laws, and nothing else; numbers in brackets are those of
+//! the equations of \[Ma2010\].
+//!
+//! A symmetry plane is made by images: every particle has a mirror image behind each plane, with its
+//! velocity, affine matrix and stress mirrored, so that half a model is the whole one by construction.
+
+use std::collections::BTreeMap;
+
+use mpm_core::geometry::{Lattice, Seeds};
+use mpm_core::shape::node_offset;
+use mpm_core::{Boundary, ShapeFunction, Side};
+use mpm_materials::point::{flatten, unflatten};
+use mpm_materials::{Constitutive, Kinematics, Mat3};
+
+/// When the stress is updated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// First.
+    Usf,
+    /// Last.
+    Usl,
+    /// Last, from momentum mapped again.
+    Musl,
+}
+
+/// The rule for the particle velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Rule {
+    /// v + dt sum N a.
+    Flip,
+    /// sum N v.
+    Pic,
+    /// FLIP relaxed towards PIC with a time constant.
+    Blend(f64),
+    /// PIC with the affine matrix.
+    Apic,
+    /// PIC with the velocity sharpened by so many terms.
+    Fmpm(usize),
+}
+
+/// How the coordinates lie in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Space {
+    /// Cartesian: three dimensions, or plane strain in two.
+    Cartesian,
+    /// (r, z), per radian.
+    Axisymmetric,
+}
+
+/// A law with its state as a list of numbers.
+pub trait Law {
+    /// Reference density.
+    fn density(&self) -> f64;
+    /// State at rest.
+    fn virgin(&self) -> Vec<f64>;
+    /// New state and stress.
+    fn update(&self, increment: [[f64; 3]; 3], dt: f64, length: f64, state: &[f64]) -> (Vec<f64>, [f64; 6]);
+    /// Stress of a state.
+    fn stress(&self, state: &[f64]) -> [f64; 6];
+    /// Volume over reference volume.
+    fn volume_ratio(&self, state: &[f64]) -> f64;
+}
+
+impl<C: Constitutive<f64>> Law for C {
+    fn density(&self) -> f64 {
+        Constitutive::density(self)
+    }
+    fn virgin(&self) -> Vec<f64> {
+        flatten(&Constitutive::virgin(self))
+    }
+    fn update(&self, increment: [[f64; 3]; 3], dt: f64, length: f64, state: &[f64]) -> (Vec<f64>, [f64; 6]) {
+        let old: C::State<f64> = unflatten(state).expect("length of the state");
+        let new = Constitutive::update(self, &Kinematics { increment: Mat3(increment), dt, length }, &old);
+        assert!(!new.fault.any(), "the law broke down in the reference");
+        (flatten(&new.state), new.stress.0)
+    }
+    fn stress(&self, state: &[f64]) -> [f64; 6] {
+        Constitutive::stress(self, &unflatten(state).expect("length of the state")).0
+    }
+    fn volume_ratio(&self, state: &[f64]) -> f64 {
+        Constitutive::volume_ratio(self, &unflatten(state).expect("length of the state"))
+    }
+}
+
+/// A particle.
+#[derive(Clone, Debug)]
+pub struct Point<const D: usize> {
+    /// Index of its body.
+    pub body: usize,
+    /// Number in its body.
+    pub number: usize,
+    /// Position, m.
+    pub x: [f64; D],
+    /// Velocity, m/s.
+    pub v: [f64; D],
+    /// Mass, kg.
+    pub mass: f64,
+    /// State of its law.
+    pub state: Vec<f64>,
+    /// Half sizes of its domain in cells.
+    pub half: [f64; D],
+    /// The affine matrix of APIC, 1/s.
+    pub affine: [[f64; D]; D],
+}
+
+/// A node.
+#[derive(Clone, Debug)]
+struct Node<const D: usize> {
+    mass: f64,
+    momentum: [f64; D],
+    force: [f64; D],
+    velocity: [f64; D],
+    acceleration: [f64; D],
+    remapped: [f64; D],
+}
+
+impl<const D: usize> Default for Node<D> {
+    fn default() -> Self {
+        let o = [0.0; D];
+        Node { mass: 0.0, momentum: o, force: o, velocity: o, acceleration: o, remapped: o }
+    }
+}
+
+type Index<const D: usize> = [i64; D];
+
+/// Weight and gradient of a particle on a node.
+#[derive(Clone, Copy, Debug)]
+struct Weight<const D: usize> {
+    node: Index<D>,
+    value: f64,
+    gradient: [f64; D],
+}
+
+/// A mirror image (or the particle itself): the signs of its components, and its weights.
+struct Image<const D: usize> {
+    sign: [f64; D],
+    weights: Vec<Weight<D>>,
+}
+
+/// The method and its scene.
+pub struct Reference<const D: usize, S> {
+    /// Shape function.
+    pub shape: S,
+    /// Velocity rule.
+    pub rule: Rule,
+    /// Order.
+    pub order: Order,
+    /// Space.
+    pub space: Space,
+    /// Nodes.
+    pub lattice: Lattice<D>,
+    /// Laws of the bodies.
+    pub laws: Vec<Box<dyn Law>>,
+    /// All particles.
+    pub points: Vec<Point<D>>,
+    /// Boundaries.
+    pub boundaries: Vec<Boundary<D>>,
+    /// Acceleration of all material.
+    pub gravity: [f64; D],
+    /// Time, s.
+    pub time: f64,
+    nodes: BTreeMap<Index<D>, Node<D>>,
+    /// Images of every particle; the first is itself.
+    images: Vec<Vec<Image<D>>>,
+}
+
+impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
+    /// An empty scene.
+    pub fn new(shape: S, rule: Rule, order: Order, space: Space, lattice: Lattice<D>) -> Self {
+        Reference {
+            shape,
+            rule,
+            order,
+            space,
+            lattice,
+            laws: Vec::new(),
+            points: Vec::new(),
+            boundaries: Vec::new(),
+            gravity: [0.0; D],
+            time: 0.0,
+            nodes: BTreeMap::new(),
+            images: Vec::new(),
+        }
+    }
+
+    /// Add a body.
+    pub fn add(
+        &mut self,
+        law: impl Law + 'static,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+    ) {
+        let body = self.laws.len();
+        for (number, (&x, volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
+            self.points.push(Point {
+                body,
+                number,
+                x,
+                v: velocity(x),
+                mass: law.density() * volume,
+                state: law.virgin(),
+                half: seeds.half_size.map(|half| half / self.lattice.spacing()),
+                affine: [[0.0; D]; D],
+            });
+        }
+        self.laws.push(Box::new(law));
+    }
+
+    /// One step of size `dt`.
+    pub fn step(&mut self, dt: f64) {
+        self.weights();
+        self.mass_and_momentum(); // (2), (3)
+        match self.order {
+            Order::Usf => {
+                self.nodal_velocity();
+                self.update_stress(dt, |node| node.velocity);
+                self.forces();
+                self.integrate_momentum(dt);
+                self.sharpen_velocity();
+                self.particle_velocities(dt);
+                self.move_particles(dt);
+                self.stretch_domains(dt, |node| node.velocity);
+            }
+            Order::Usl => {
+                self.forces();
+                self.nodal_velocity();
+                self.integrate_momentum(dt);
+                self.sharpen_velocity();
+                self.particle_velocities(dt);
+                self.move_particles(dt);
+                self.update_stress(dt, |node| node.velocity);
+                self.stretch_domains(dt, |node| node.velocity);
+            }
+            Order::Musl => {
+                self.forces();
+                self.nodal_velocity();
+                self.integrate_momentum(dt);
+                self.particle_velocities(dt);
+                self.move_particles(dt);
+                self.map_momentum_again(dt);
+                self.update_stress(dt, |node| node.remapped);
+                self.stretch_domains(dt, |node| node.remapped);
+            }
+        }
+        self.time += dt;
+    }
+
+    /// The weights of the step: those of the positions and domains at its start.
+    fn weights(&mut self) {
+        self.images.clear();
+        for point in &self.points {
+            let mut images = vec![(point.x, [1.0; D])];
+            for boundary in &self.boundaries {
+                if let Boundary::Symmetry { axis, at, .. } = *boundary {
+                    for i in 0..images.len() {
+                        let (mut x, mut sign) = images[i];
+                        x[axis] = 2.0 * at - x[axis];
+                        sign[axis] = -sign[axis];
+                        images.push((x, sign));
+                    }
+                }
+            }
+            let images = images
+                .into_iter()
+                .map(|(x, sign)| Image { sign, weights: self.stencil(&x, &point.half) })
+                .collect();
+            self.images.push(images);
+        }
+    }
+
+    /// Products of the weights along the axes (20).
+    fn stencil(&self, x: &[f64; D], half: &[f64; D]) -> Vec<Weight<D>> {
+        let h = self.lattice.spacing();
+        let mut list = vec![Weight { node: [0; D], value: 1.0, gradient: [1.0; D] }];
+        for d in 0..D {
+            let u = (x[d] - self.lattice.origin()[d]) / h;
+            let offset = |a: usize| node_offset::<S::Extent>(a);
+            // The bin: its centre is on a node for odd stencils, between two for even ones.
+            let first = offset(0);
+            let lowest = (u + first + 0.5).floor();
+            let xi = u - (lowest - first);
+            let along = self.shape.weights(xi, half[d]);
+            let mut longer = Vec::new();
+            for w in &list {
+                for a in 0..<S::Extent as mpm_core::dim::Stencil>::NODES {
+                    let mut w = *w;
+                    w.node[d] = lowest as i64 + a as i64;
+                    w.value *= along.value[a];
+                    for e in 0..D {
+                        w.gradient[e] *= if e == d { along.slope[a] / h } else { along.value[a] };
+                    }
+                    longer.push(w);
+                }
+            }
+            list = longer;
+        }
+        list
+    }
+
+    fn mass_and_momentum(&mut self) {
+        self.nodes.clear();
+        for (point, images) in self.points.iter().zip(&self.images) {
+            for image in images {
+                for w in &image.weights {
+                    let xi = self.lattice.node(w.node);
+                    // The node as the particle sees it through the mirror.
+                    let mut from = [0.0; D];
+                    for d in 0..D {
+                        let plane = self.mirrored(xi[d], d, image.sign[d]);
+                        from[d] = plane - point.x[d];
+                    }
+                    let node = self.nodes.entry(w.node).or_default();
+                    node.mass += w.value * point.mass;
+                    for c in 0..D {
+                        let mut v = point.v[c];
+                        for d in 0..D {
+                            v += point.affine[c][d] * from[d];
+                        }
+                        node.momentum[c] += w.value * point.mass * image.sign[c] * v;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Coordinate `x` along axis `d`, mirrored at the symmetry plane if `sign` is negative.
+    fn mirrored(&self, x: f64, d: usize, sign: f64) -> f64 {
+        if sign > 0.0 {
+            return x;
+        }
+        for boundary in &self.boundaries {
+            if let Boundary::Symmetry { axis, at, .. } = *boundary
+                && axis == d
+            {
+                return 2.0 * at - x;
+            }
+        }
+        x
+    }
+
+    /// Internal force (9), and the hoop stress around an axis.
+    fn forces(&mut self) {
+        for (point, images) in self.points.iter().zip(&self.images) {
+            let law = &self.laws[point.body];
+            let [xx, yy, zz, yz, xz, xy] = law.stress(&point.state);
+            let stress = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+            let volume = point.mass / law.density() * law.volume_ratio(&point.state);
+            for image in images {
+                for w in &image.weights {
+                    let node = self.nodes.entry(w.node).or_default();
+                    for c in 0..D {
+                        for d in 0..D {
+                            let mirrored = image.sign[c] * stress[c][d] * image.sign[d];
+                            node.force[c] -= volume * mirrored * w.gradient[d];
+                        }
+                    }
+                    if self.space == Space::Axisymmetric {
+                        let r = image.sign[0] * point.x[0];
+                        node.force[0] -= volume * stress[2][2] / r * w.value;
+                    }
+                }
+            }
+        }
+    }
+
+    fn lightest(&self) -> f64 {
+        1e-14 * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min)
+    }
+
+    /// v = p / m. For USF with the boundaries, since the strain is taken from it.
+    fn nodal_velocity(&mut self) {
+        let (light, at_start) = (self.lightest(), self.order == Order::Usf);
+        let (boundaries, lattice, time) = (&self.boundaries, &self.lattice, self.time);
+        for (index, node) in &mut self.nodes {
+            node.velocity = [0.0; D];
+            if node.mass > light {
+                node.velocity = node.momentum.map(|p| p / node.mass);
+                if at_start {
+                    constrain(boundaries, lattice, &lattice.node(*index), &mut node.velocity, time);
+                }
+            }
+        }
+    }
+
+    /// (8) with loads and boundaries.
+    fn integrate_momentum(&mut self, dt: f64) {
+        let light = self.lightest();
+        let (boundaries, lattice, end) = (&self.boundaries, &self.lattice, self.time + dt);
+        for (index, node) in &mut self.nodes {
+            let old = node.velocity;
+            if node.mass > light {
+                for d in 0..D {
+                    node.velocity[d] = old[d] + dt * (node.force[d] / node.mass + self.gravity[d]);
+                }
+                constrain(boundaries, lattice, &lattice.node(*index), &mut node.velocity, end);
+            }
+            for d in 0..D {
+                node.acceleration[d] = (node.velocity[d] - old[d]) / dt;
+            }
+        }
+    }
+
+    /// FMPM: v <- sum of (I - S~)^j v for j below the order, where S~ maps to the particles and back.
+    fn sharpen_velocity(&mut self) {
+        let Rule::Fmpm(order) = self.rule else { return };
+        let light = self.lightest();
+        let mut term: BTreeMap<Index<D>, [f64; D]> =
+            self.nodes.iter().map(|(index, node)| (*index, node.velocity)).collect();
+        for _ in 1..order {
+            let mut smooth: BTreeMap<Index<D>, [f64; D]> = BTreeMap::new();
+            for (point, images) in self.points.iter().zip(&self.images) {
+                let v = interpolate(&images[0].weights, |index| term[index]);
+                for image in images {
+                    for w in &image.weights {
+                        let sum = smooth.entry(w.node).or_insert([0.0; D]);
+                        for d in 0..D {
+                            sum[d] += w.value * point.mass * image.sign[d] * v[d];
+                        }
+                    }
+                }
+            }
+            for (index, node) in &mut self.nodes {
+                if node.mass <= light {
+                    continue;
+                }
+                let x = self.lattice.node(*index);
+                let d = term.entry(*index).or_insert([0.0; D]);
+                for c in 0..D {
+                    let held = held(&self.boundaries, &self.lattice, &x, c, self.time);
+                    d[c] = if held { 0.0 } else { d[c] - smooth[index][c] / node.mass };
+                    node.velocity[c] += d[c];
+                }
+            }
+        }
+    }
+
+    /// (17), and its filtered kin; the affine matrix.
+    fn particle_velocities(&mut self, dt: f64) {
+        for (point, images) in self.points.iter_mut().zip(&self.images) {
+            let weights = &images[0].weights;
+            let pic = interpolate(weights, |index| self.nodes[index].velocity);
+            let rise = interpolate(weights, |index| self.nodes[index].acceleration);
+            for d in 0..D {
+                let flip = point.v[d] + dt * rise[d];
+                point.v[d] = match self.rule {
+                    Rule::Flip => flip,
+                    Rule::Pic | Rule::Apic | Rule::Fmpm(_) => pic[d],
+                    Rule::Blend(tau) => flip + (dt / tau).min(1.0) * (pic[d] - flip),
+                };
+            }
+            if self.rule == Rule::Apic {
+                for d in 0..D {
+                    let mut second = 0.0;
+                    let mut first = [0.0; D];
+                    for w in weights {
+                        let r = self.lattice.node(w.node)[d] - point.x[d];
+                        second += w.value * r * r;
+                        for c in 0..D {
+                            first[c] += w.value * r * self.nodes[&w.node].velocity[c];
+                        }
+                    }
+                    for c in 0..D {
+                        point.affine[c][d] = first[c] / second;
+                    }
+                }
+            }
+        }
+    }
+
+    /// (16): the particle moves with the updated nodal velocity.
+    fn move_particles(&mut self, dt: f64) {
+        for (point, images) in self.points.iter_mut().zip(&self.images) {
+            let v = interpolate(&images[0].weights, |index| self.nodes[index].velocity);
+            for d in 0..D {
+                point.x[d] += dt * v[d];
+            }
+        }
+    }
+
+    /// (3) once more with the new particle velocities.
+    fn map_momentum_again(&mut self, dt: f64) {
+        let light = self.lightest();
+        let mut momentum: BTreeMap<Index<D>, [f64; D]> = BTreeMap::new();
+        for (point, images) in self.points.iter().zip(&self.images) {
+            for image in images {
+                for w in &image.weights {
+                    let sum = momentum.entry(w.node).or_insert([0.0; D]);
+                    for d in 0..D {
+                        sum[d] += w.value * point.mass * image.sign[d] * point.v[d];
+                    }
+                }
+            }
+        }
+        let (boundaries, lattice, end) = (&self.boundaries, &self.lattice, self.time + dt);
+        for (index, node) in &mut self.nodes {
+            node.remapped = [0.0; D];
+            if node.mass > light {
+                node.remapped = momentum[index].map(|p| p / node.mass);
+                constrain(boundaries, lattice, &lattice.node(*index), &mut node.remapped, end);
+            }
+        }
+    }
+
+    /// (18), (19), and the constitutive law.
+    fn update_stress(&mut self, dt: f64, velocity: impl Fn(&Node<D>) -> [f64; D]) {
+        let h = self.lattice.spacing();
+        for (point, images) in self.points.iter_mut().zip(&self.images) {
+            let mut increment = [[0.0; 3]; 3];
+            let mut hoop = 0.0;
+            for w in &images[0].weights {
+                let v = velocity(&self.nodes[&w.node]);
+                for c in 0..D {
+                    for d in 0..D {
+                        increment[c][d] += dt * v[c] * w.gradient[d];
+                    }
+                }
+                hoop += dt * v[0] * w.value;
+            }
+            if self.space == Space::Axisymmetric {
+                // The radius at the start of the step, like the weights.
+                let r = images[0].weights.iter().map(|w| w.value * self.lattice.node(w.node)[0]).sum::<f64>();
+                increment[2][2] = hoop / r;
+            }
+            (point.state, _) = self.laws[point.body].update(increment, dt, h, &point.state);
+        }
+    }
+
+    /// Domains follow the motion, for shape functions that carry them.
+    fn stretch_domains(&mut self, dt: f64, velocity: impl Fn(&Node<D>) -> [f64; D]) {
+        for (point, images) in self.points.iter_mut().zip(&self.images) {
+            for d in 0..D {
+                let rate: f64 =
+                    images[0].weights.iter().map(|w| velocity(&self.nodes[&w.node])[d] * w.gradient[d]).sum();
+                point.half[d] = self.shape.stretch(point.half[d], dt * rate);
+            }
+        }
+    }
+}
+
+/// sum N v.
+fn interpolate<const D: usize>(weights: &[Weight<D>], of: impl Fn(&Index<D>) -> [f64; D]) -> [f64; D] {
+    let mut sum = [0.0; D];
+    for w in weights {
+        let v = of(&w.node);
+        for d in 0..D {
+            sum[d] += w.value * v[d];
+        }
+    }
+    sum
+}
+
+fn sign(side: Side) -> f64 {
+    match side {
+        Side::Above => 1.0,
+        Side::Below => -1.0,
+    }
+}
+
+/// Make a nodal velocity obey the boundaries at `time`, in their order.
+fn constrain<const D: usize>(
+    boundaries: &[Boundary<D>],
+    lattice: &Lattice<D>,
+    x: &[f64; D],
+    v: &mut [f64; D],
+    time: f64,
+) {
+    let tolerance = 1e-6 * lattice.spacing();
+    for boundary in boundaries {
+        match *boundary {
+            // Elsewhere the images see to it.
+            Boundary::Symmetry { axis, at, .. } => {
+                if (x[axis] - at).abs() <= tolerance {
+                    v[axis] = 0.0;
+                }
+            }
+            Boundary::Wall { axis, at, side, velocity } => {
+                let distance = sign(side) * (x[axis] - (at + velocity * time));
+                if distance <= tolerance && sign(side) * (v[axis] - velocity) < 0.0 {
+                    v[axis] = velocity;
+                }
+            }
+            Boundary::Fixed { axis, at, side } => {
+                if sign(side) * (x[axis] - at) <= tolerance {
+                    *v = [0.0; D];
+                }
+            }
+            Boundary::Prescribed { ref region, ref velocity } => {
+                if region.signed_distance(*x) <= tolerance {
+                    for (c, value) in velocity(time).into_iter().take(D).enumerate() {
+                        v[c] = value.unwrap_or(v[c]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Does a boundary hold component `c` of the velocity of the node at `x`?
+fn held<const D: usize>(
+    boundaries: &[Boundary<D>],
+    lattice: &Lattice<D>,
+    x: &[f64; D],
+    c: usize,
+    time: f64,
+) -> bool {
+    let tolerance = 1e-6 * lattice.spacing();
+    boundaries.iter().any(|boundary| match *boundary {
+        Boundary::Symmetry { axis, at, .. } => c == axis && (x[axis] - at).abs() <= tolerance,
+        Boundary::Wall { axis, at, side, velocity } => {
+            c == axis && sign(side) * (x[axis] - (at + velocity * time)) <= tolerance
+        }
+        Boundary::Fixed { axis, at, side } => sign(side) * (x[axis] - at) <= tolerance,
+        Boundary::Prescribed { ref region, ref velocity } => {
+            region.signed_distance(*x) <= tolerance && velocity(time)[c].is_some()
+        }
+    })
+}

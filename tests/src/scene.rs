@@ -1,0 +1,241 @@
+//! Scenes of a few hundred particles that cross cells and blocks.
+
+use mpm_core::geometry::{Lattice, Seeds};
+use mpm_core::{Boundary, Side};
+use mpm_materials::{LinearElastic, Moduli, NeoHookean};
+
+use crate::reference::Space;
+
+/// A velocity by position.
+pub type Flow<const D: usize> = Box<dyn Fn([f64; D]) -> [f64; D]>;
+
+/// Bodies with their surroundings.
+pub struct Scene<const D: usize> {
+    /// Name in messages.
+    pub name: &'static str,
+    /// Nodes.
+    pub lattice: Lattice<D>,
+    /// Particles and velocities of the bodies.
+    pub bodies: Vec<(Seeds<D>, Flow<D>)>,
+    /// Boundaries.
+    pub boundaries: Vec<Boundary<D>>,
+    /// Acceleration of all material.
+    pub gravity: [f64; D],
+    /// Time step.
+    pub dt: f64,
+    /// Number of steps.
+    pub steps: usize,
+    /// Cartesian or axisymmetric.
+    pub space: Space,
+}
+
+/// Young's modulus of the laws here.
+pub const YOUNG: f64 = 3.0;
+/// Density of the laws here.
+pub const DENSITY: f64 = 2.0;
+
+/// Moduli with Poisson's ratio 0.3.
+pub fn moduli() -> Moduli<f64> {
+    Moduli::young_poisson(YOUNG, 0.3).expect("moduli")
+}
+/// A hyperelastic law.
+pub fn rubber() -> NeoHookean<f64> {
+    NeoHookean::new(DENSITY, moduli()).expect("law")
+}
+/// A hypoelastic law.
+pub fn metal() -> LinearElastic<f64> {
+    LinearElastic::new(DENSITY, moduli()).expect("law")
+}
+/// Wave speed at rest.
+pub fn wave_speed() -> f64 {
+    (moduli().p_wave() / DENSITY).sqrt()
+}
+
+/// A sequence of numbers that look random, in -1 .. 1; the same for the same `start`.
+pub struct Numbers(u64);
+
+impl Numbers {
+    /// Begin.
+    pub fn new(start: u64) -> Self {
+        Numbers(start.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66_D1CE_4E5B)
+    }
+    /// The next one (SplitMix64).
+    pub fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        z ^= z >> 31;
+        (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Seeds at given positions with equal volumes.
+pub fn seeds<const D: usize>(positions: Vec<[f64; D]>, volume: f64, half_size: f64) -> Seeds<D> {
+    Seeds {
+        volumes: vec![volume; positions.len()],
+        positions,
+        half_size: [half_size; D],
+        raw_measure: 0.0,
+        exact_measure: None,
+        sampled_measure: None,
+        correction: 1.0,
+    }
+}
+
+/// A block of `cells` cells from node `low`, `per_axis` particles an axis and cell, each displaced by up to
+/// `jitter` times half its size. Volumes vary likewise.
+pub fn block<const D: usize>(
+    lattice: &Lattice<D>,
+    low: [i64; D],
+    cells: [usize; D],
+    per_axis: usize,
+    jitter: f64,
+) -> Seeds<D> {
+    let h = lattice.spacing();
+    let mut random = Numbers::new(cells.iter().sum::<usize>() as u64 + 17);
+    let counts = cells.map(|c| c * per_axis);
+    let mut positions = Vec::new();
+    for mut rest in 0..counts.iter().product() {
+        let mut x = lattice.node(low);
+        for d in 0..D {
+            let at = (rest % counts[d]) as f64 + 0.5 + 0.5 * jitter * random.next();
+            x[d] += at / per_axis as f64 * h;
+            rest /= counts[d];
+        }
+        positions.push(x);
+    }
+    let volume = (h / per_axis as f64).powi(D as i32);
+    let mut seeds = seeds(positions, volume, 0.5 * h / per_axis as f64);
+    for v in &mut seeds.volumes {
+        *v *= 1.0 + 0.3 * jitter * random.next();
+    }
+    seeds
+}
+
+/// A lattice whose origin is nowhere special.
+pub fn lattice<const D: usize>() -> Lattice<D> {
+    let mut origin = [0.0; D];
+    for d in 0..D {
+        origin[d] = [-0.37, 0.21, 0.083][d];
+    }
+    Lattice::new(origin, 0.1).expect("lattice")
+}
+
+/// A free block that flies, shears, turns and breathes; its particles cross cells and blocks.
+pub fn flow<const D: usize>() -> Scene<D> {
+    let lattice = lattice::<D>();
+    let cells = if D == 2 { [5; D] } else { [3; D] };
+    let seeds = block(&lattice, [-2; D], cells, 2, 0.7);
+    let (c, centre) = (wave_speed(), lattice.node([0; D]));
+    let velocity = move |x: [f64; D]| {
+        let mut v = [0.0; D];
+        for d in 0..D {
+            let (r, s) = (x[d] - centre[d], x[(d + 1) % D] - centre[(d + 1) % D]);
+            let turn = if d % 2 == 0 { -1.0 } else { 1.0 };
+            v[d] = c * (0.35 - 0.1 * d as f64 + 0.4 * turn * s - 0.3 * r + 0.2 * (9.0 * s).sin() * r);
+        }
+        v
+    };
+    Scene {
+        name: "flow",
+        lattice,
+        bodies: vec![(seeds, Box::new(velocity))],
+        boundaries: vec![],
+        gravity: [0.0; D],
+        dt: 0.2 * 0.1 / c,
+        steps: 40,
+        space: Space::Cartesian,
+    }
+}
+
+/// The quarter (half) of a bar that runs into a wall, between a symmetry plane and a floor, under gravity.
+pub fn bar<const D: usize>() -> Scene<D> {
+    let lattice = lattice::<D>();
+    let cells = if D == 2 { [3, 6, 0] } else { [2, 2, 4] };
+    let mut size = [0; D];
+    size.copy_from_slice(&cells[..D]);
+    let plane = lattice.node([1; D]);
+    let seeds = block(&lattice, [1; D], size, 2, 0.5);
+    let c = wave_speed();
+    let velocity = move |_: [f64; D]| {
+        let mut v = [0.0; D];
+        v[D - 1] = -0.3 * c;
+        v
+    };
+    let mut boundaries = vec![];
+    for axis in 0..D - 1 {
+        boundaries.push(Boundary::Symmetry { axis, at: plane[axis], side: Side::Above });
+    }
+    boundaries.push(Boundary::Wall {
+        axis: D - 1,
+        at: plane[D - 1] - 0.013,
+        side: Side::Above,
+        velocity: 0.02 * c,
+    });
+    let mut gravity = [0.0; D];
+    gravity[D - 1] = -0.4;
+    Scene {
+        name: "bar",
+        lattice,
+        bodies: vec![(seeds, Box::new(velocity))],
+        boundaries,
+        gravity,
+        dt: 0.2 * 0.1 / c,
+        steps: 40,
+        space: Space::Cartesian,
+    }
+}
+
+/// Two blocks that collide obliquely, above a fixed floor.
+pub fn collision<const D: usize>() -> Scene<D> {
+    let lattice = lattice::<D>();
+    let cells = if D == 2 { [3; D] } else { [2; D] };
+    let mut right = [3; D];
+    right[1] = 1;
+    let (a, b) = (block(&lattice, [0; D], cells, 2, 0.3), block(&lattice, right, cells, 2, 0.8));
+    let c = wave_speed();
+    let towards = move |speed: f64| {
+        move |_: [f64; D]| {
+            let mut v = [0.0; D];
+            v[0] = speed * c;
+            v[1] = -0.1 * c;
+            v
+        }
+    };
+    let floor = lattice.node([0; D])[1];
+    Scene {
+        name: "collision",
+        lattice,
+        bodies: vec![(a, Box::new(towards(0.2))), (b, Box::new(towards(-0.25)))],
+        boundaries: vec![Boundary::Fixed { axis: 1, at: floor, side: Side::Above }],
+        gravity: [0.0; D],
+        dt: 0.2 * 0.1 / c,
+        steps: 30,
+        space: Space::Cartesian,
+    }
+}
+
+/// A cylinder (r, z) that runs into a wall.
+pub fn cylinder() -> Scene<2> {
+    let lattice = Lattice::new([0.0, -0.14], 0.1).expect("lattice");
+    let mut seeds = block(&lattice, [0, 1], [3, 5], 2, 0.5);
+    for (v, x) in seeds.volumes.iter_mut().zip(&seeds.positions) {
+        *v *= x[0];
+    }
+    let wall = lattice.node([0, 1])[1];
+    let c = wave_speed();
+    Scene {
+        name: "cylinder",
+        lattice,
+        bodies: vec![(seeds, Box::new(move |x| [0.05 * c * x[0], -0.25 * c]))],
+        boundaries: vec![
+            Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above },
+            Boundary::Wall { axis: 1, at: wall, side: Side::Above, velocity: 0.0 },
+        ],
+        gravity: [0.0, -0.3],
+        dt: 0.2 * 0.1 / c,
+        steps: 40,
+        space: Space::Axisymmetric,
+    }
+}

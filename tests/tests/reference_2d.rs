@@ -1,0 +1,76 @@
+//! The fast step equals the plain reference within round-off: two dimensions.
+
+use impactite_tests::compare::{compare, plain, run_both, surround};
+use impactite_tests::reference::{Order, Rule};
+use impactite_tests::scene::{self, metal, rubber};
+use mpm_core::{
+    Apic, Axisymmetric, Blend, BlockGrid, CpGimp, CubicBSpline, Flip, Fmpm, Gimp, Linear, Method, Mpm, Musl,
+    Pic, PlaneStrain, QuadraticBSpline, Usf, Usl,
+};
+
+/// Allowed difference after 30 to 40 steps. Round-off of one step is 1e-16 times a few hundred operations;
+/// it grows with the number of steps and with the ratio of the smallest to the largest nodal mass.
+const TOLERANCE: f64 = 1e-11;
+
+macro_rules! table {
+    ($($name:ident: $shape:expr, $transfer:expr, $rule:expr, $order:ident, $space:ident, [$($scene:expr),*], $law:expr;)*) => {$(
+        #[test]
+        fn $name() {
+            $(
+                let scene = $scene;
+                let method = Method::new($shape, $transfer, $order, $space);
+                let found = compare(method, $shape, $rule, Order::$order, &scene, &$law);
+                println!("{}: {found:?}", scene.name);
+                assert!(found.worst() < TOLERANCE, "{}: {found:?}", scene.name);
+            )*
+        }
+    )*};
+}
+
+fn tau() -> Blend<f64> {
+    Blend::new(0.3).expect("time constant")
+}
+
+table! {
+    linear_flip_musl: Linear, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    linear_flip_usf: Linear, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], metal();
+    linear_blend_musl: Linear, tau(), Rule::Blend(0.3), Musl, PlaneStrain, [scene::flow(), scene::bar()], metal();
+    gimp_flip_usl: Gimp, Flip, Rule::Flip, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], metal();
+    gimp_flip_musl: Gimp, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    gimp_fmpm3_usl: Gimp, Fmpm::<3>, Rule::Fmpm(3), Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    cpgimp_flip_usl: CpGimp, Flip, Rule::Flip, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    cpgimp_flip_musl: CpGimp, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar()], metal();
+    cpgimp_flip_usf: CpGimp, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], metal();
+    cpgimp_apic_usl: CpGimp, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    quadratic_flip_usf: QuadraticBSpline, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    quadratic_flip_musl: QuadraticBSpline, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    quadratic_apic_usf: QuadraticBSpline, Apic, Rule::Apic, Usf, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    quadratic_pic_usl: QuadraticBSpline, Pic, Rule::Pic, Usl, PlaneStrain, [scene::flow(), scene::bar()], metal();
+    quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    quadratic_fmpm2_usf: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usf, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    cubic_flip_musl: CubicBSpline, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    cubic_apic_usl: CubicBSpline, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+
+    axisymmetric_linear_flip_musl: Linear, Flip, Rule::Flip, Musl, Axisymmetric, [scene::cylinder()], rubber();
+    axisymmetric_cpgimp_flip_usl: CpGimp, Flip, Rule::Flip, Usl, Axisymmetric, [scene::cylinder()], metal();
+    axisymmetric_quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, Axisymmetric, [scene::cylinder()], rubber();
+    axisymmetric_quadratic_flip_usf: QuadraticBSpline, Flip, Rule::Flip, Usf, Axisymmetric, [scene::cylinder()], rubber();
+    axisymmetric_cubic_fmpm2_usl: CubicBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, Axisymmetric, [scene::cylinder()], rubber();
+}
+
+#[test]
+fn two_laws() {
+    let scene = scene::collision::<2>();
+    let method = Method::new(Gimp, Flip, Usl, PlaneStrain);
+    let mut mpm = Mpm::new(method, BlockGrid::new(scene.lattice));
+    let mut reference = plain(Gimp, Rule::Flip, Order::Usl, &scene);
+    let [(a, va), (b, vb)] = &scene.bodies[..] else { panic!("two bodies") };
+    mpm.add("rubber", rubber(), a, va).expect("body");
+    mpm.add("metal", metal(), b, vb).expect("body");
+    reference.add(rubber(), a, va);
+    reference.add(metal(), b, vb);
+    surround(&mut mpm, &scene);
+    let found = run_both(&mut mpm, &mut reference, &scene);
+    assert!(found.worst() < TOLERANCE, "{found:?}");
+}

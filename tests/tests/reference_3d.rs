@@ -1,0 +1,35 @@
+//! The fast step equals the plain reference within round-off: three dimensions.
+
+use impactite_tests::compare::compare;
+use impactite_tests::reference::{Order, Rule};
+use impactite_tests::scene::{self, metal, rubber};
+use mpm_core::{
+    Apic, CpGimp, CubicBSpline, Flip, Fmpm, FullSpace, Gimp, Linear, Method, Musl, QuadraticBSpline, Usf, Usl,
+};
+
+/// As in two dimensions.
+const TOLERANCE: f64 = 1e-11;
+
+macro_rules! table {
+    ($($name:ident: $shape:expr, $transfer:expr, $rule:expr, $order:ident, [$($scene:expr),*], $law:expr;)*) => {$(
+        #[test]
+        fn $name() {
+            $(
+                let scene = $scene;
+                let method = Method::new($shape, $transfer, $order, FullSpace);
+                let found = compare(method, $shape, $rule, Order::$order, &scene, &$law);
+                println!("{}: {found:?}", scene.name);
+                assert!(found.worst() < TOLERANCE, "{}: {found:?}", scene.name);
+            )*
+        }
+    )*};
+}
+
+table! {
+    linear_flip_musl: Linear, Flip, Rule::Flip, Musl, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    gimp_flip_usl: Gimp, Flip, Rule::Flip, Usl, [scene::flow(), scene::bar(), scene::collision()], metal();
+    cpgimp_flip_usf: CpGimp, Flip, Rule::Flip, Usf, [scene::flow(), scene::bar()], rubber();
+    quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, [scene::flow(), scene::bar()], metal();
+    cubic_apic_usf: CubicBSpline, Apic, Rule::Apic, Usf, [scene::flow(), scene::bar()], rubber();
+}
