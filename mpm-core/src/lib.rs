@@ -8,6 +8,7 @@ pub mod embedding;
 pub mod geometry;
 pub mod grid;
 pub mod method;
+pub mod observe;
 pub mod output;
 pub mod parallel;
 pub mod particles;

@@ -549,12 +549,10 @@ where
                 let nz = if D == 3 { place::<ExtentOf<M, T, D>>(k).1 } else { 0 };
                 for j in y.clone() {
                     let ny = place::<ExtentOf<M, T, D>>(j).1;
-                    for i in x.clone() {
-                        let nx = place::<ExtentOf<M, T, D>>(i).1;
-                        let node = &mut nodes[(nz * BLOCK + ny) * BLOCK + nx];
-                        let add = &slot.tile[(k * side + j) * side + i];
-                        add_node(node, add, sums);
-                    }
+                    let nx = place::<ExtentOf<M, T, D>>(x.start).1;
+                    let from = &slot.tile[(k * side + j) * side..][x.clone()];
+                    let to = &mut nodes[(nz * BLOCK + ny) * BLOCK + nx..][..from.len()];
+                    add_row(to, from, sums);
                 }
             }
         }
@@ -621,16 +619,23 @@ fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
 }
 
 #[inline(always)]
-fn add_node<T: Float>(node: &mut Node<T>, add: &Node<T>, sums: Sums) {
-    for i in 0..4 {
+fn add_row<T: Float>(to: &mut [Node<T>], from: &[Node<T>], sums: Sums) {
+    for (node, add) in to.iter_mut().zip(from) {
         match sums {
             Sums::All => {
-                node.first[i] += add.first[i];
-                node.second[i] += add.second[i];
+                add_record(&mut node.first, &add.first);
+                add_record(&mut node.second, &add.second);
             }
-            Sums::Force => node.second[i] += add.second[i],
-            Sums::Again => node.second[i] += add.first[i],
+            Sums::Force => add_record(&mut node.second, &add.second),
+            Sums::Again => add_record(&mut node.second, &add.first),
         }
+    }
+}
+
+#[inline(always)]
+fn add_record<T: Float>(to: &mut [T; 4], from: &[T; 4]) {
+    for i in 0..4 {
+        to[i] += from[i];
     }
 }
 

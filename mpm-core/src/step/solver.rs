@@ -478,15 +478,29 @@ where
     /// # Errors
     /// As [`Mpm::step`].
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
-        while self.time < end * (1.0 - 1e-12) {
-            let last = self.last_dt;
-            self.step_at_most(end - self.time)?;
-            // A step cut short to arrive says nothing about the next one.
-            if self.time >= end * (1.0 - 1e-12) {
-                self.last_dt = last.or(self.last_dt);
-            }
+        while !self.reached(end) {
+            self.step_towards(end)?;
         }
         Ok(())
+    }
+
+    /// Make one step, shortened if it would go beyond `end`, s.
+    ///
+    /// # Errors
+    /// As [`Mpm::step`].
+    pub fn step_towards(&mut self, end: f64) -> Result<T, StepError> {
+        let last = self.last_dt;
+        let dt = self.step_at_most(end - self.time)?;
+        // A step cut short to arrive says nothing about the next one.
+        if self.reached(end) {
+            self.last_dt = last.or(self.last_dt);
+        }
+        Ok(dt)
+    }
+
+    /// Has the time come to `end`, s, within rounding?
+    pub fn reached(&self, end: f64) -> bool {
+        self.time >= end * (1.0 - 1e-12)
     }
 
     /// Simulated time, s.

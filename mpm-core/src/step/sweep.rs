@@ -15,7 +15,7 @@ use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::embedding::Embedding;
 use crate::grid::Node;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, Pack, Quad};
+use crate::parallel::{Arch, Float, Kernel, Pack, Quad, prefetch};
 use crate::particles::{Block, Columns, Outbox};
 use crate::scheme::{Nodal, PassKind};
 use crate::shape::{Basis, ShapeFunction, Weights, bin_centre};
@@ -39,6 +39,9 @@ pub struct Slot<T: Float, const D: usize> {
     /// Particles leaving the bin at work.
     pub leaving: Vec<u32>,
 }
+
+/// Bins between the one at work and the one whose particles are asked for.
+const AHEAD: usize = 2;
 
 /// What a pass found out.
 #[derive(Clone, Copy, Debug, Default)]
@@ -210,6 +213,9 @@ where
             let particles = slot.block.bin_len(bin);
             if particles == 0 {
                 continue;
+            }
+            if bin + AHEAD < block_nodes(D) {
+                prefetch(slot.block.bin_rows(bin + AHEAD));
             }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
             stencil.load::<D, A::Quad, ShapeOf<M, T, D>>(&tile_in, corner, reads);

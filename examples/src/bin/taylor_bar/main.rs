@@ -1,0 +1,216 @@
+//! Taylor bar: a copper cylinder of diameter 7.6 mm and length 25.4 mm hits a rigid frictionless wall at
+//! 190 m/s. Johnson-Cook strength, Mie-Grueneisen equation of state; 80 microseconds. The final length, the
+//! diameter of the foot and that at 0.2 initial lengths are compared with independent axisymmetric finite
+//! elements and shown beside the experiment (Johnson and Holmquist 1988).
+
+mod convergence;
+mod figures;
+mod scene;
+mod shape;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::{Parser, ValueEnum};
+use examples::{CaseError, Check, Common, Report, Totals, case};
+
+use scene::{Constants, END, Files, Model, Outcome, SPEED, Scheme, Setup};
+use shape::Sizes;
+
+/// Taylor bar: a copper cylinder (diameter 7.6 mm, length 25.4 mm) hits a rigid frictionless wall at 190 m/s.
+///
+/// Final length and diameters are compared with independent axisymmetric finite elements; the exit code says
+/// whether all are within the tolerances. The experiment is shown beside them. Writes pictures, CSV histories
+/// and ParaView series.
+#[derive(Debug, Parser)]
+#[command(name = "taylor_bar", version)]
+struct Options {
+    #[command(flatten)]
+    common: Common,
+    /// Which models of the bar to run
+    #[arg(long, value_enum, default_value = "both")]
+    model: WhichModel,
+    /// Which constants of copper to use
+    #[arg(long, value_enum, default_value = "both")]
+    constants: WhichConstants,
+    /// Shape function, stress update and transfer; USL loses about one per cent of the energy
+    #[arg(long, value_enum, default_value = "linear-musl")]
+    method: Scheme,
+    /// Cells per radius, 2 to 200 [default: 5, 10 or 20 by resolution]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=200))]
+    cells: Option<u32>,
+    /// ParaView frames a run, 0 to 1000
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=1000))]
+    frames: u32,
+    /// Also run three or more spacings with linear-MUSL, GIMP-USL and quadratic-APIC, axisymmetric unless
+    /// `--model 3d`
+    #[arg(long)]
+    convergence: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum WhichModel {
+    /// A quarter of the bar in three dimensions
+    #[value(name = "3d")]
+    Quarter,
+    /// Radius and height
+    Axisymmetric,
+    /// One after the other
+    Both,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum WhichConstants {
+    /// Fitted to these tests: A 157 MPa, B 425 MPa, n 1, no rate, no heat
+    Taylor,
+    /// The usual ones of OFHC copper: A 90, B 292 MPa, n 0.31, C 0.025, m 1.09, heating
+    Standard,
+    /// One after the other
+    Both,
+}
+
+/// Independent axisymmetric finite elements, m.
+fn finite_elements(constants: Constants) -> Sizes {
+    let [length, foot, waist] = match constants {
+        Constants::Taylor => [16.28e-3, 13.37e-3, 10.16e-3],
+        Constants::Standard => [17.33e-3, 14.52e-3, 9.47e-3],
+    };
+    Sizes { length, foot, waist }
+}
+
+/// Johnson and Holmquist 1988, from memory of the literature, m.
+const EXPERIMENT: Sizes = Sizes { length: 16.2e-3, foot: 13.5e-3, waist: 10.1e-3 };
+
+const LENGTH_TOLERANCE: f64 = 0.015;
+const DIAMETER_TOLERANCE: f64 = 0.04;
+const MODELS_TOLERANCE: f64 = 0.02;
+const ENERGY_TOLERANCE: f64 = 0.01;
+const MOMENTUM_TOLERANCE: f64 = 1e-12;
+
+/// Cells per radius of the free flight, at most.
+const FLIGHT_CELLS: u32 = 5;
+
+impl Options {
+    fn cells(&self) -> u32 {
+        self.cells.unwrap_or(self.common.resolution.choose(5, 10, 20))
+    }
+
+    fn models(&self) -> &'static [Model] {
+        match self.model {
+            WhichModel::Quarter => &[Model::Quarter],
+            WhichModel::Axisymmetric => &[Model::Axisymmetric],
+            WhichModel::Both => &[Model::Quarter, Model::Axisymmetric],
+        }
+    }
+
+    fn constants(&self) -> &'static [Constants] {
+        match self.constants {
+            WhichConstants::Taylor => &[Constants::Taylor],
+            WhichConstants::Standard => &[Constants::Standard],
+            WhichConstants::Both => &[Constants::Taylor, Constants::Standard],
+        }
+    }
+
+    fn setup(&self, model: Model, constants: Constants) -> Setup {
+        let (cells, threads) = (self.cells(), self.common.threads());
+        Setup { model, constants, scheme: self.method, cells, threads }
+    }
+}
+
+fn main() -> ExitCode {
+    case::exit(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<ExitCode, CaseError> {
+    let folder = options.common.folder("taylor_bar")?;
+    let mut checks = Vec::new();
+    let mut totals = Totals::default();
+    for &constants in options.constants() {
+        let outcomes = impacts(options, constants, &folder)?;
+        for outcome in &outcomes {
+            totals = totals.plus(&outcome.totals);
+            checks.extend(checks_of(outcome));
+        }
+        if let [space, flat] = &outcomes[..] {
+            checks.extend(agreement(space, flat));
+        }
+        figures::draw(&outcomes, &folder)?;
+    }
+    checks.push(flight(options, &mut totals)?);
+    if options.convergence {
+        for &constants in options.constants() {
+            convergence::study(options, constants, &folder)?;
+        }
+    }
+    Report::new("taylor_bar", options.common.resolution, settings(options), &totals, checks)
+        .finish(&options.common, &folder)
+}
+
+/// One set of constants with all models.
+fn impacts(options: &Options, constants: Constants, folder: &Path) -> Result<Vec<Outcome>, CaseError> {
+    let files = Files { folder, frames: options.frames };
+    let run = |&model: &Model| scene::impact(&options.setup(model, constants), Some(files));
+    options.models().iter().map(run).collect()
+}
+
+fn settings(options: &Options) -> serde_json::Value {
+    let names = |list: Vec<String>| serde_json::Value::from(list);
+    serde_json::json!({
+        "models": names(options.models().iter().map(|m| m.name()).collect()),
+        "constants": names(options.constants().iter().map(|c| c.name()).collect()),
+        "method": options.method.name(),
+        "cells_per_radius": options.cells(),
+        "threads": options.common.threads(),
+        "impact_speed": SPEED,
+        "end": END,
+        "particles_steps_seconds_are": "sums over the runs; wall_seconds in steps alone",
+    })
+}
+
+/// The sizes of a bar against finite elements and experiment, and what it lost.
+fn checks_of(outcome: &Outcome) -> Vec<Check> {
+    let name =
+        |what: &str| format!("{} {}: {what}", outcome.setup.model.name(), outcome.setup.constants.name());
+    let fem = "axisymmetric finite elements [C]";
+    let test = "experiment, Johnson and Holmquist 1988 [M]";
+    let (now, fe) = (outcome.sizes, finite_elements(outcome.setup.constants));
+    let rows = [
+        ("length", now.length, fe.length, EXPERIMENT.length, LENGTH_TOLERANCE),
+        ("foot diameter", now.foot, fe.foot, EXPERIMENT.foot, DIAMETER_TOLERANCE),
+        ("diameter at 0.2 L0", now.waist, fe.waist, EXPERIMENT.waist, DIAMETER_TOLERANCE),
+    ];
+    let mut checks = Vec::new();
+    for (what, value, fe, test_value, tolerance) in rows {
+        checks.push(Check::gate(name(what), 1e3 * value, "mm", 1e3 * fe, tolerance, fem));
+        checks.push(Check::shown(name(what), 1e3 * value, "mm", 1e3 * test_value, test));
+    }
+    let conserved = "conservation";
+    let (energy, momentum) = (outcome.totals.energy_error, outcome.totals.momentum_error);
+    checks.push(Check::gate(name("energy error"), energy, "-", 0.0, ENERGY_TOLERANCE, conserved));
+    checks.push(Check::gate(name("momentum error"), momentum, "-", 0.0, MOMENTUM_TOLERANCE, conserved));
+    checks
+}
+
+/// Three dimensions against the axisymmetric model.
+fn agreement(space: &Outcome, flat: &Outcome) -> Vec<Check> {
+    let name = |what: &str| format!("3d {}: {what}", space.setup.constants.name());
+    let rows = [
+        ("length", space.sizes.length, flat.sizes.length),
+        ("foot diameter", space.sizes.foot, flat.sizes.foot),
+        ("diameter at 0.2 L0", space.sizes.waist, flat.sizes.waist),
+    ];
+    let check = |(what, a, b): (&str, f64, f64)| {
+        Check::gate(name(what), 1e3 * a, "mm", 1e3 * b, MODELS_TOLERANCE, "axisymmetric model, this run")
+    };
+    rows.map(check).to_vec()
+}
+
+/// Momentum without a wall.
+fn flight(options: &Options, totals: &mut Totals) -> Result<Check, CaseError> {
+    let mut setup = options.setup(options.models()[0], options.constants()[0]);
+    setup.cells = setup.cells.min(FLIGHT_CELLS);
+    let error = scene::free_flight(&setup)?;
+    totals.momentum_error = totals.momentum_error.max(error);
+    let name = format!("{}: momentum error in free flight", setup.model.name());
+    Ok(Check::gate(name, error, "-", 0.0, MOMENTUM_TOLERANCE, "conservation"))
+}

@@ -1,0 +1,306 @@
+//! The bar, the wall and the run.
+
+use std::path::Path;
+
+use clap::ValueEnum;
+use examples::{CaseError, Totals};
+use mpm_core::geometry::{Cuboid, Cylinder, Filling, Lattice, Seeds, Shape, fill};
+use mpm_core::observe::{HistoryCsv, Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{
+    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Gimp, Linear, Method, Mpm,
+    Musl, QuadraticBSpline, Side, Team, Usl,
+};
+use mpm_materials::{Constitutive, JohnsonCook, MieGruneisen, Solid};
+use serde::Serialize;
+
+use crate::shape::{Outline, Sizes};
+
+/// Radius of the bar, m.
+pub const RADIUS: f64 = 3.8e-3;
+/// Length of the bar, m.
+pub const LENGTH: f64 = 25.4e-3;
+/// Impact speed, m/s.
+pub const SPEED: f64 = 190.0;
+/// End of the run, s.
+pub const END: f64 = 80.0e-6;
+/// Time between two entries of a history, s.
+const HISTORY: f64 = 1.0e-6;
+/// Linear and quadratic coefficient of the bulk viscosity, as in public decks.
+const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
+
+/// How the bar lies in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Model {
+    /// A quarter of the bar in three dimensions, between two planes of symmetry
+    #[value(name = "3d")]
+    #[serde(rename = "3d")]
+    Quarter,
+    /// Radius and height
+    Axisymmetric,
+}
+
+/// The constants of the Johnson-Cook strength.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Constants {
+    /// Fitted to these tests: A 157 MPa, B 425 MPa, n 1, no rate, no heat
+    Taylor,
+    /// The usual ones of OFHC copper: A 90 MPa, B 292 MPa, n 0.31, C 0.025, m 1.09, heating
+    Standard,
+}
+
+/// Shape function, stress update and transfer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scheme {
+    /// Trilinear hats, MUSL, FLIP
+    LinearMusl,
+    /// Uniform GIMP, USL, FLIP
+    GimpUsl,
+    /// GIMP with domains that follow the deformation, USL, FLIP
+    CpgimpUsl,
+    /// Quadratic B-splines, USL, APIC
+    QuadraticApic,
+}
+
+macro_rules! names {
+    ($($type:ty),*) => {$(
+        impl $type {
+            /// As on the command line.
+            pub fn name(self) -> String {
+                self.to_possible_value().map_or(String::new(), |v| v.get_name().to_string())
+            }
+        }
+    )*};
+}
+names!(Model, Constants, Scheme);
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Setup {
+    pub model: Model,
+    pub constants: Constants,
+    pub scheme: Scheme,
+    /// Cells per radius; two particles per cell along each axis.
+    pub cells: u32,
+    pub threads: usize,
+}
+
+impl Setup {
+    /// As in the names of files.
+    pub fn name(&self) -> String {
+        format!("{}_{}", self.model.name(), self.constants.name())
+    }
+    /// Cell size, m.
+    pub fn spacing(&self) -> f64 {
+        RADIUS / f64::from(self.cells)
+    }
+    /// How many of the model make the whole bar.
+    pub fn copies(&self) -> f64 {
+        match self.model {
+            Model::Quarter => 4.0,
+            Model::Axisymmetric => std::f64::consts::TAU,
+        }
+    }
+}
+
+/// What a run writes.
+#[derive(Clone, Copy, Debug)]
+pub struct Files<'a> {
+    pub folder: &'a Path,
+    /// ParaView frames over the run; 0 for none.
+    pub frames: u32,
+}
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub setup: Setup,
+    pub sizes: Sizes,
+    pub outline: Outline,
+    pub ledger: Vec<LedgerEntry>,
+    pub snapshot: Snapshot,
+    pub totals: Totals,
+}
+
+/// Run the bar into the wall.
+pub fn impact(setup: &Setup, files: Option<Files>) -> Result<Outcome, CaseError> {
+    with_scheme(setup, Task::Impact(files))
+}
+
+/// Fly the whole bar, stretching and spinning, without a wall, in space or axisymmetrically (without spin);
+/// returns the momentum error.
+pub fn free_flight(setup: &Setup) -> Result<f64, CaseError> {
+    Ok(with_scheme(setup, Task::FreeFlight)?.totals.momentum_error)
+}
+
+#[derive(Clone, Copy)]
+enum Task<'a> {
+    Impact(Option<Files<'a>>),
+    FreeFlight,
+}
+
+fn with_scheme(setup: &Setup, task: Task) -> Result<Outcome, CaseError> {
+    match setup.scheme {
+        Scheme::LinearMusl => with_method(setup, task, Linear, Flip, Musl),
+        Scheme::GimpUsl => with_method(setup, task, Gimp, Flip, Usl),
+        Scheme::CpgimpUsl => with_method(setup, task, CpGimp, Flip, Usl),
+        Scheme::QuadraticApic => with_method(setup, task, QuadraticBSpline, Apic, Usl),
+    }
+}
+
+fn with_method<S, X, U>(
+    setup: &Setup,
+    task: Task,
+    shape: S,
+    transfer: X,
+    update: U,
+) -> Result<Outcome, CaseError>
+where
+    Method<S, X, U, FullSpace>: Composition<f64, 3>,
+    Method<S, X, U, Axisymmetric>: Composition<f64, 2>,
+{
+    let [linear, quadratic] = BULK_VISCOSITY;
+    let eos = MieGruneisen::copper();
+    match (setup.model, setup.constants) {
+        (Model::Quarter, Constants::Taylor) => {
+            let law = Solid::new(JohnsonCook::copper_taylor(), eos).with_bulk_viscosity(linear, quadratic)?;
+            in_space(setup, task, Method::new(shape, transfer, update, FullSpace), law)
+        }
+        (Model::Quarter, Constants::Standard) => {
+            let law = Solid::new(JohnsonCook::copper(), eos).with_bulk_viscosity(linear, quadratic)?;
+            in_space(setup, task, Method::new(shape, transfer, update, FullSpace), law)
+        }
+        (Model::Axisymmetric, Constants::Taylor) => {
+            let law = Solid::new(JohnsonCook::copper_taylor(), eos).with_bulk_viscosity(linear, quadratic)?;
+            axisymmetric(setup, task, Method::new(shape, transfer, update, Axisymmetric), law)
+        }
+        (Model::Axisymmetric, Constants::Standard) => {
+            let law = Solid::new(JohnsonCook::copper(), eos).with_bulk_viscosity(linear, quadratic)?;
+            axisymmetric(setup, task, Method::new(shape, transfer, update, Axisymmetric), law)
+        }
+    }
+}
+
+/// Three dimensions: a quarter of the bar on the wall z = 0, or the whole bar in flight.
+fn in_space<M: Composition<f64, 3>, C: Constitutive<f64>>(
+    setup: &Setup,
+    task: Task,
+    method: M,
+    law: C,
+) -> Result<Outcome, CaseError> {
+    let lattice = Lattice::new([0.0; 3], setup.spacing())?;
+    let bar = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], LENGTH, RADIUS)?;
+    let mut mpm = Mpm::<f64, 3, _, _>::new(method, BlockGrid::new(lattice));
+    let seeds;
+    match task {
+        Task::Impact(_) => {
+            let quadrant = Cuboid::new([0.0; 3], [2.0 * RADIUS, 2.0 * RADIUS, 2.0 * LENGTH])?;
+            seeds = fill(&bar.and(quadrant), &lattice, 2, &Filling::new())?;
+            mpm.add("bar", law, &seeds, |_| [0.0, 0.0, -SPEED])?;
+            mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
+            mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
+            mpm.bound(Boundary::Wall { axis: 2, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+        }
+        Task::FreeFlight => {
+            seeds = fill(&bar, &lattice, 2, &Filling::new())?;
+            mpm.add("bar", law, &seeds, |[x, y, z]| {
+                let spin = 40.0 / RADIUS;
+                [-spin * y, spin * x, -SPEED + 40.0 * z / LENGTH]
+            })?;
+        }
+    }
+    run(setup, task, mpm, &seeds)
+}
+
+/// Radius and height, with the axis r = 0 and the wall z = 0.
+fn axisymmetric<M: Composition<f64, 2>, C: Constitutive<f64>>(
+    setup: &Setup,
+    task: Task,
+    method: M,
+    law: C,
+) -> Result<Outcome, CaseError> {
+    let lattice = Lattice::new([0.0; 2], setup.spacing())?;
+    let bar = Cuboid::new([0.0; 2], [RADIUS, LENGTH])?;
+    let seeds = fill(&bar, &lattice, 2, &Filling::new().axisymmetric())?;
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
+    match task {
+        Task::Impact(_) => {
+            mpm.add("bar", law, &seeds, |_| [0.0, -SPEED])?;
+            mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+        }
+        Task::FreeFlight => {
+            mpm.add("bar", law, &seeds, |[_, z]| [0.0, -SPEED + 40.0 * z / LENGTH])?;
+        }
+    }
+    run(setup, task, mpm, &seeds)
+}
+
+/// Run with observers, and measure the bar.
+fn run<const D: usize, M: Composition<f64, D>>(
+    setup: &Setup,
+    task: Task,
+    mut mpm: Mpm<f64, D, M, BlockGrid<f64, D>>,
+    seeds: &Seeds<D>,
+) -> Result<Outcome, CaseError> {
+    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    let mut bar = Progress::new(format!("{:<22}", setup.name()));
+    let mut extra: Vec<Box<dyn Observer<f64, D> + '_>> = Vec::new();
+    let end = match task {
+        Task::Impact(Some(files)) => {
+            ledger = ledger.with_csv(files.folder.join(format!("ledger_{}.csv", setup.name())))?;
+            extra = files_of(setup, files, seeds)?;
+            END
+        }
+        Task::Impact(None) => END,
+        Task::FreeFlight => 0.1 * END,
+    };
+    let mut observers: Vec<&mut dyn Observer<f64, D>> = vec![&mut ledger, &mut bar];
+    observers.extend(extra.iter_mut().map(|o| &mut **o as &mut dyn Observer<f64, D>));
+    let summary = mpm.run_observed(end, &mut observers)?;
+    drop(observers);
+    drop(extra);
+    let outline = Outline::of(&mpm.moment(), seeds, setup.spacing());
+    let sizes = outline.sizes();
+    let totals = Totals {
+        particles: mpm.particles(),
+        steps: summary.steps,
+        simulated_seconds: mpm.time(),
+        wall_seconds: summary.wall_seconds,
+        updates: summary.updates,
+        bytes: mpm.bytes(),
+        energy_error: ledger.worst_energy_error(),
+        momentum_error: ledger.worst_momentum_error(),
+    };
+    let (ledger, snapshot) = (ledger.entries().to_vec(), mpm.snapshot()?);
+    Ok(Outcome { setup: *setup, sizes, outline, ledger, snapshot, totals })
+}
+
+/// The history of the sizes, and frames for ParaView.
+fn files_of<'a, const D: usize>(
+    setup: &Setup,
+    files: Files,
+    seeds: &'a Seeds<D>,
+) -> Result<Vec<Box<dyn Observer<f64, D> + 'a>>, CaseError> {
+    let spacing = setup.spacing();
+    let columns = [("time", "s"), ("length", "m"), ("foot diameter", "m"), ("diameter at 0.2 L0", "m")];
+    let sizes = HistoryCsv::create(
+        files.folder.join(format!("sizes_{}.csv", setup.name())),
+        columns,
+        Pace::interval(HISTORY)?,
+        move |now: &mpm_core::observe::Moment<'_, f64, D>| {
+            let s = Outline::of(now, seeds, spacing).sizes();
+            Ok(vec![now.time(), s.length, s.foot, s.waist])
+        },
+    )?;
+    let mut observers: Vec<Box<dyn Observer<f64, D> + 'a>> = vec![Box::new(sizes)];
+    if files.frames > 0 {
+        let pace = Pace::interval(END / f64::from(files.frames))?;
+        observers.push(Box::new(VtkSeries::create(files.folder.join("paraview"), setup.name(), pace)?));
+    }
+    Ok(observers)
+}
