@@ -125,7 +125,7 @@ pub struct Check {
     /// What it should be.
     pub reference: Option<f64>,
     /// How far from the reference it may be, relative to it (absolute where the reference is 0). `None`: the
-    /// reference is only shown.
+    /// reference is only shown, or a bound.
     pub tolerance: Option<f64>,
     /// Where the reference is from. \[C\] computed independently, \[M\] from memory of the literature.
     pub source: String,
@@ -150,6 +150,18 @@ impl Check {
         Check { name, value, unit, reference: Some(reference), tolerance: Some(tolerance), source, pass }
     }
 
+    /// A check that decides: `value` not below `reference`.
+    pub fn at_least(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
+        let pass = Some(value >= reference);
+        Check { pass, ..Self::shown(format!("{} (at least)", name.into()), value, unit, reference, source) }
+    }
+
+    /// A check that decides: `value` not above `reference`.
+    pub fn at_most(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
+        let pass = Some(value <= reference);
+        Check { pass, ..Self::shown(format!("{} (at most)", name.into()), value, unit, reference, source) }
+    }
+
     /// A reference that is shown and decides nothing.
     pub fn shown(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
         let (name, unit, source) = (name.into(), unit.into(), source.into());
@@ -159,8 +171,10 @@ impl Check {
     fn verdict(&self) -> String {
         match (self.pass, self.tolerance) {
             (Some(true), Some(t)) => format!("pass ({})", self.allowed(t)),
-            (Some(_), Some(t)) => format!("FAIL ({})", self.allowed(t)),
-            _ => "shown only".into(),
+            (Some(false), Some(t)) => format!("FAIL ({})", self.allowed(t)),
+            (Some(true), None) => "pass".into(),
+            (Some(false), None) => "FAIL".into(),
+            (None, _) => "shown only".into(),
         }
     }
 
@@ -285,6 +299,14 @@ impl Report {
     /// # Errors
     /// A file that cannot be written.
     pub fn finish(&self, common: &Common, folder: &Path) -> Result<ExitCode, CaseError> {
+        self.finish_in(common.json, folder)
+    }
+
+    /// As [`Report::finish`], for binaries with options of their own.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn finish_in(&self, print_json: bool, folder: &Path) -> Result<ExitCode, CaseError> {
         let json = serde_json::to_string(self)?;
         let path = folder.join("result.json");
         std::fs::write(&path, format!("{json}\n")).map_err(|source| CaseError::File { path, source })?;
@@ -297,7 +319,7 @@ impl Report {
             1e-6 * self.particle_updates_per_second
         );
         println!("files in {}", folder.display());
-        if common.json {
+        if print_json {
             println!("{json}");
         }
         Ok(if self.passed() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
@@ -333,7 +355,8 @@ pub fn columns<const N: usize>(rows: &[[String; N]]) -> String {
     for (i, row) in rows.iter().enumerate() {
         for (c, cell) in row.iter().enumerate() {
             let blank = " ".repeat(widths[c] - cell.chars().count());
-            let number = cell.starts_with(|x: char| x.is_ascii_digit() || "+-".contains(x));
+            // The first word of a cell says whether it is a number; the first column names things.
+            let number = c > 0 && cell.split(' ').next().is_some_and(|w| w.parse::<f64>().is_ok());
             text += &if number { format!("{blank}{cell}") } else { format!("{cell}{blank}") };
             text += if c + 1 < N { "  " } else { "\n" };
         }

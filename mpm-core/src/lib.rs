@@ -42,6 +42,8 @@
 //! - `conformance`: tests for shape functions, transfers, grids and methods written elsewhere.
 
 pub mod boundary;
+#[cfg(feature = "conformance")]
+pub mod conformance;
 pub mod dim;
 pub mod embedding;
 pub mod geometry;

@@ -38,6 +38,8 @@ pub enum Rule {
     Blend(f64),
     /// PIC with the affine matrix.
     Apic,
+    /// The same, with the affine fit for the gradient of the weights.
+    Mls,
     /// PIC with the velocity sharpened by so many terms.
     Fmpm(usize),
 }
@@ -284,19 +286,59 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             let lowest = (u + first + 0.5).floor();
             let xi = u - (lowest - first);
             let along = self.shape.weights(xi, half[d]);
+            let mut nodes = Vec::new();
+            for a in 0..<S::Extent as mpm_core::dim::Stencil>::NODES {
+                let mut slope = along.slope[a];
+                if self.rule == Rule::Mls {
+                    let inertia: f64 = self.shape.inertia(xi, half[d]);
+                    slope = along.value[a] * (offset(a) - xi) / inertia;
+                }
+                nodes.push((lowest as i64 + a as i64, along.value[a], slope / h));
+            }
+            if S::BOUNDARY_MODIFIED {
+                nodes = self.without_outer_nodes(d, nodes);
+            }
             let mut longer = Vec::new();
             for w in &list {
-                for a in 0..<S::Extent as mpm_core::dim::Stencil>::NODES {
+                for &(node, value, slope) in &nodes {
                     let mut w = *w;
-                    w.node[d] = lowest as i64 + a as i64;
-                    w.value *= along.value[a];
+                    w.node[d] = node;
+                    w.value *= value;
                     for e in 0..D {
-                        w.gradient[e] *= if e == d { along.slope[a] / h } else { along.value[a] };
+                        w.gradient[e] *= if e == d { slope } else { value };
                     }
                     longer.push(w);
                 }
             }
             list = longer;
+        }
+        list
+    }
+
+    /// The basis that ends at walls: the node behind one is 2 (node on it) - (node in front).
+    fn without_outer_nodes(&self, d: usize, nodes: Vec<(i64, f64, f64)>) -> Vec<(i64, f64, f64)> {
+        let mut list = nodes;
+        for boundary in &self.boundaries {
+            let (axis, at, side) = match *boundary {
+                Boundary::Fixed { axis, at, side } => (axis, at, side),
+                Boundary::Wall { axis, at, side, velocity: 0.0 } => (axis, at, side),
+                _ => continue,
+            };
+            let plane = (at - self.lattice.origin()[axis]) / self.lattice.spacing();
+            if axis != d || (plane - plane.round()).abs() > 1e-6 {
+                continue;
+            }
+            let (on, inward) = (plane.round() as i64, sign(side) as i64);
+            let mut without = Vec::new();
+            for (node, value, slope) in list {
+                if node == on - inward {
+                    without.push((on, 2.0 * value, 2.0 * slope));
+                    without.push((on + inward, -value, -slope));
+                } else {
+                    without.push((node, value, slope));
+                }
+            }
+            list = without;
         }
         list
     }
@@ -448,11 +490,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 let flip = point.v[d] + dt * rise[d];
                 point.v[d] = match self.rule {
                     Rule::Flip => flip,
-                    Rule::Pic | Rule::Apic | Rule::Fmpm(_) => pic[d],
+                    Rule::Pic | Rule::Apic | Rule::Mls | Rule::Fmpm(_) => pic[d],
                     Rule::Blend(tau) => flip + (dt / tau).min(1.0) * (pic[d] - flip),
                 };
             }
-            if self.rule == Rule::Apic {
+            if matches!(self.rule, Rule::Apic | Rule::Mls) {
                 for d in 0..D {
                     let mut second = 0.0;
                     let mut first = [0.0; D];

@@ -4,8 +4,8 @@ use impactite_tests::compare::{compare, plain, run_both, surround};
 use impactite_tests::reference::{Order, Rule};
 use impactite_tests::scene::{self, metal, rubber};
 use mpm_core::{
-    Apic, Axisymmetric, Blend, BlockGrid, CpGimp, CubicBSpline, Flip, Fmpm, Gimp, Linear, Method, Mpm, Musl,
-    Pic, PlaneStrain, QuadraticBSpline, Usf, Usl,
+    Apic, Axisymmetric, Blend, BlockGrid, BoundaryModified, CpGimp, CubicBSpline, Flip, Fmpm, Gimp, Linear,
+    Method, Mls, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl,
 };
 
 /// Allowed difference after 30 to 40 steps. Round-off of one step is 1e-16 times a few hundred operations;
@@ -33,6 +33,8 @@ fn tau() -> Blend<f64> {
 
 table! {
     linear_flip_musl: Linear, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    quadratic_mls_usl: QuadraticBSpline, Mls, Rule::Mls, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    modified_quadratic_flip_usl: BoundaryModified(QuadraticBSpline), Flip, Rule::Flip, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
     linear_flip_usf: Linear, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], metal();
     linear_blend_musl: Linear, tau(), Rule::Blend(0.3), Musl, PlaneStrain, [scene::flow(), scene::bar()], metal();
     gimp_flip_usl: Gimp, Flip, Rule::Flip, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], metal();
@@ -53,6 +55,7 @@ table! {
     cubic_apic_usl: CubicBSpline, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
 
     axisymmetric_linear_flip_musl: Linear, Flip, Rule::Flip, Musl, Axisymmetric, [scene::cylinder()], rubber();
+    axisymmetric_modified_gimp_flip_musl: BoundaryModified(Gimp), Flip, Rule::Flip, Musl, Axisymmetric, [scene::cylinder()], rubber();
     axisymmetric_cpgimp_flip_usl: CpGimp, Flip, Rule::Flip, Usl, Axisymmetric, [scene::cylinder()], metal();
     axisymmetric_quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, Axisymmetric, [scene::cylinder()], rubber();
     axisymmetric_quadratic_flip_usf: QuadraticBSpline, Flip, Rule::Flip, Usf, Axisymmetric, [scene::cylinder()], rubber();

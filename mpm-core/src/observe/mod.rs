@@ -51,6 +51,8 @@ mod pictures;
 mod probe;
 mod progress;
 mod run;
+#[cfg(test)]
+mod tests;
 
 pub use history::HistoryCsv;
 pub use ledger::{Ledger, LedgerEntry};

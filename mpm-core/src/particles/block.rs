@@ -23,6 +23,8 @@ pub struct Block<T: Float, const D: usize> {
     columns: usize,
     runs: Vec<Run>,
     rows: Vec<T::Row>,
+    /// Rows where runs that moved to a larger place began, by the groups they had room for.
+    holes: Vec<Vec<u32>>,
     particles: usize,
     /// What a lane without a particle holds.
     dummy: Vec<T>,
@@ -62,6 +64,7 @@ impl<T: Float, const D: usize> Block<T, D> {
             columns: dummy.len(),
             runs: vec![Run::default(); block_nodes(D)],
             rows: Vec::new(),
+            holes: Vec::new(),
             particles: 0,
             dummy,
         }
@@ -161,30 +164,48 @@ impl<T: Float, const D: usize> Block<T, D> {
         self.particles -= 1;
     }
 
-    /// One more group for a bin: at the end of the block's memory, where the run is moved if it is not last.
+    /// One more group for a bin: in a hole that another run left, or at the end of the block's memory.
     fn make_room(&mut self, bin: usize) {
         let run = self.runs[bin];
-        let used = run.room as usize * self.columns;
-        let at_end = run.start as usize + used == self.rows.len();
-        let wanted = self.rows.len() + used + self.columns;
-        if wanted > self.rows.capacity() {
-            // A little ahead, not twice: most of a block's memory never grows again.
-            self.rows.reserve_exact(wanted - self.rows.len() + self.rows.len() / 8);
-        }
-        if !at_end || used == 0 {
-            let start = self.rows.len();
-            self.rows.extend_from_within(run.start as usize..run.start as usize + used);
-            self.runs[bin].start = start as u32;
-        }
-        self.rows.resize(self.rows.len() + self.columns, T::Row::default());
+        let (start, room) = (run.start as usize, run.room as usize);
+        let used = room * self.columns;
         self.runs[bin].room += 1;
+        if used > 0 && start + used == self.rows.len() {
+            self.lengthen(self.columns);
+            return;
+        }
+        let place = match self.holes.get_mut(room + 1).and_then(Vec::pop) {
+            Some(hole) => hole as usize,
+            None => {
+                let end = self.rows.len();
+                self.lengthen(used + self.columns);
+                end
+            }
+        };
+        self.rows.copy_within(start..start + used, place);
+        self.runs[bin].start = place as u32;
+        if room > 0 {
+            if self.holes.len() <= room {
+                self.holes.resize(room + 1, Vec::new());
+            }
+            self.holes[room].push(start as u32);
+        }
     }
 
-    /// Lay the runs out again in bin order without gaps, if gaps take more than a third of the memory.
+    /// Append rows; a little ahead where memory must grow, since most of it never grows again.
+    fn lengthen(&mut self, rows: usize) {
+        let length = self.rows.len() + rows;
+        if length > self.rows.capacity() {
+            self.rows.reserve_exact(rows + length / 4);
+        }
+        self.rows.resize(length, T::Row::default());
+    }
+
+    /// Lay the runs out again in bin order without gaps, if gaps take more than half of the memory.
     pub fn tidy(&mut self) {
         let needed: usize =
             self.runs.iter().map(|r| (r.len as usize).div_ceil(T::GROUP) * self.columns).sum();
-        if self.rows.len() * 2 <= needed * 3 {
+        if self.rows.len() <= needed * 2 {
             return;
         }
         let mut rows = Vec::with_capacity(needed);
@@ -195,6 +216,7 @@ impl<T: Float, const D: usize> Block<T, D> {
             *run = Run { start: start as u32, len: run.len, room: groups as u32 };
         }
         self.rows = rows;
+        self.holes.clear();
     }
 
     /// Coordinates of a bin.

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use mpm_materials::{Constitutive, Lane, State};
 
 use super::nodes::Sums;
-use super::sweep::{Cause, Common, Report, Slot, Sweep, TakeIn, place, tile_nodes};
+use super::sweep::{Cause, Common, Report, Slot, Sweep, TakeIn, Trouble, place, tile_nodes};
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
 use crate::geometry::{Lattice, Seeds};
 use crate::grid::Node;
@@ -301,35 +301,30 @@ where
         for slot in &self.slots {
             rate = rate.max(slot.report.rate);
             if let Some(trouble) = slot.report.trouble {
-                return Err(self.describe(slot, trouble.bin, trouble.index, trouble.cause));
+                return Err(self.describe(slot, &trouble));
             }
         }
         Ok(rate)
     }
 
-    /// Which particle, and where. A particle that already left its bin is named by what took its place: the
-    /// first of the block's outbox.
-    fn describe(&self, slot: &Slot<T, D>, bin: usize, index: usize, cause: Cause) -> BodyTrouble {
-        let columns = self.columns.count();
-        let number = self.columns.number();
-        if index < slot.block.bin_len(bin) && cause != Cause::TooFast {
-            let p = self.particle(&slot.block, bin, index);
-            return BodyTrouble { particle: p.number, position: p.position, cause };
-        }
-        // A runaway is in the outbox: the one whose place within its new bin is off it.
-        let half = T::of(0.5);
-        let numbers = slot
-            .outbox
-            .numbers
-            .chunks_exact(columns)
-            .find(|n| (0..D).any(|d| !(n[d] >= -half && n[d] <= half)))
-            .or_else(|| slot.outbox.numbers.chunks_exact(columns).last());
-        let particle = numbers.map_or(0, |n| n[number].to_double() as usize);
-        let mut position = [0.0; 3];
-        let coordinates = slot.block.bin_coordinates(bin);
-        for d in 0..D {
-            position[d] = self.lattice.origin()[d] + f64::from(coordinates[d]) * self.lattice.spacing();
-        }
+    /// Which particle, and where: its position, or the centre of its bin if it is on its way to another.
+    fn describe(&self, slot: &Slot<T, D>, trouble: &Trouble) -> BodyTrouble {
+        let Trouble { bin, particle, cause } = *trouble;
+        let staying = (0..slot.block.bin_len(bin))
+            .map(|index| self.particle(&slot.block, bin, index))
+            .find(|p| p.number == particle);
+        let position = staying.map_or_else(
+            || {
+                let mut x = [0.0; 3];
+                let coordinates = slot.block.bin_coordinates(bin);
+                for d in 0..D {
+                    let cells = f64::from(coordinates[d]) + bin_centre::<ExtentOf<M, T, D>>();
+                    x[d] = self.lattice.origin()[d] + cells * self.lattice.spacing();
+                }
+                x
+            },
+            |p| p.position,
+        );
         BodyTrouble { particle, position, cause }
     }
 
@@ -554,12 +549,10 @@ where
                 let nz = if D == 3 { place::<ExtentOf<M, T, D>>(k).1 } else { 0 };
                 for j in y.clone() {
                     let ny = place::<ExtentOf<M, T, D>>(j).1;
-                    for i in x.clone() {
-                        let nx = place::<ExtentOf<M, T, D>>(i).1;
-                        let node = &mut nodes[(nz * BLOCK + ny) * BLOCK + nx];
-                        let add = &slot.tile[(k * side + j) * side + i];
-                        add_node(node, add, sums);
-                    }
+                    let nx = place::<ExtentOf<M, T, D>>(x.start).1;
+                    let from = &slot.tile[(k * side + j) * side..][x.clone()];
+                    let to = &mut nodes[(nz * BLOCK + ny) * BLOCK + nx..][..from.len()];
+                    add_row(to, from, sums);
                 }
             }
         }
@@ -626,16 +619,23 @@ fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
 }
 
 #[inline(always)]
-fn add_node<T: Float>(node: &mut Node<T>, add: &Node<T>, sums: Sums) {
-    for i in 0..4 {
+fn add_row<T: Float>(to: &mut [Node<T>], from: &[Node<T>], sums: Sums) {
+    for (node, add) in to.iter_mut().zip(from) {
         match sums {
             Sums::All => {
-                node.first[i] += add.first[i];
-                node.second[i] += add.second[i];
+                add_record(&mut node.first, &add.first);
+                add_record(&mut node.second, &add.second);
             }
-            Sums::Force => node.second[i] += add.second[i],
-            Sums::Again => node.second[i] += add.first[i],
+            Sums::Force => add_record(&mut node.second, &add.second),
+            Sums::Again => add_record(&mut node.second, &add.first),
         }
+    }
+}
+
+#[inline(always)]
+fn add_record<T: Float>(to: &mut [T; 4], from: &[T; 4]) {
+    for i in 0..4 {
+        to[i] += from[i];
     }
 }
 

@@ -125,8 +125,30 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 ledger.impulse[axis] += impulse;
             }
         }
+        self.close_slices(sums);
         for edge in self.edges() {
             self.columns(edge, |nodes, column| fold_extrapolated(nodes, column, sums));
+        }
+    }
+
+    /// Between two symmetry planes one cell apart, what was folded in front of one lies on the other, where
+    /// nothing crosses.
+    fn close_slices(&mut self, sums: Sums) {
+        let mirrors = self.mirrors();
+        for mirror in &mirrors {
+            let other = |m: &&Plane| m.axis == mirror.axis && m.node == mirror.node + mirror.sign;
+            if mirrors.iter().find(other).is_none() {
+                continue;
+            }
+            let across = 1 + mirror.axis;
+            self.columns(*mirror, |nodes, [front, _, back]| {
+                for node in [front, back].into_iter().flatten() {
+                    if sums == Sums::All {
+                        nodes[node].first[across] = T::default();
+                    }
+                    nodes[node].second[across] = T::default();
+                }
+            });
         }
     }
 

@@ -95,6 +95,30 @@ pub enum SceneError {
         /// Radius, m.
         r: f64,
     },
+    /// Seeds whose lists differ in length.
+    #[error("body `{body}`: {volumes} volumes for {positions} positions; every seed needs one of each")]
+    Unequal {
+        /// The body.
+        body: String,
+        /// Number of positions.
+        positions: usize,
+        /// Number of volumes.
+        volumes: usize,
+    },
+    /// A seed that cannot become a particle.
+    #[error("body `{body}`, particle {particle}: {field} = {value} is not allowed; it must be {allowed}")]
+    Seed {
+        /// The body.
+        body: String,
+        /// Number of the seed.
+        particle: usize,
+        /// Which number.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed, in words.
+        allowed: &'static str,
+    },
     /// More particles than their numbers can count in this precision.
     #[error(
         "body `{body}`: {count} particles are too many; numbers are exact up to {most} in this precision"
@@ -177,6 +201,7 @@ where
         velocity: impl Fn([f64; D]) -> [f64; D],
     ) -> Result<(), SceneError> {
         self.check_seeds(name, seeds)?;
+        self.check_numbers(name, seeds, &velocity)?;
         let lattice = *self.grid.lattice();
         let body = ParticleBody::<T, D, C, M>::new(name, law, self.method, lattice, seeds, velocity);
         self.bodies.push(Box::new(body));
@@ -207,6 +232,38 @@ where
             && let Some(x) = seeds.positions.iter().find(|x| x[0] <= 0.0)
         {
             return Err(SceneError::BehindAxis { body, r: x[0] });
+        }
+        Ok(())
+    }
+
+    fn check_numbers(
+        &self,
+        name: &str,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+    ) -> Result<(), SceneError> {
+        let (positions, volumes) = (seeds.positions.len(), seeds.volumes.len());
+        if positions != volumes {
+            return Err(SceneError::Unequal { body: name.into(), positions, volumes });
+        }
+        let lattice = self.grid.lattice();
+        for (particle, (x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
+            let refuse = |field, value, allowed| {
+                Err(SceneError::Seed { body: name.into(), particle, field, value, allowed })
+            };
+            if !(volume > 0.0 && volume.is_finite()) {
+                return refuse("volume", volume, "positive and finite");
+            }
+            for d in 0..D {
+                // Cells are counted by 32-bit integers, with room to move.
+                let cells = (x[d] - lattice.origin()[d]) / lattice.spacing();
+                if !(cells.abs() < f64::from(1 << 30)) {
+                    return refuse("position", x[d], "finite and within 2^30 cells of the lattice's origin");
+                }
+            }
+            if let Some(&v) = velocity(*x).iter().find(|v| !v.is_finite()) {
+                return refuse("velocity", v, "finite");
+            }
         }
         Ok(())
     }

@@ -15,7 +15,7 @@ use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::embedding::Embedding;
 use crate::grid::Node;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, Pack, Quad};
+use crate::parallel::{Arch, Float, Kernel, Pack, Quad, prefetch};
 use crate::particles::{Block, Columns, Outbox};
 use crate::scheme::{Nodal, PassKind};
 use crate::shape::{Basis, ShapeFunction, Weights, bin_centre};
@@ -39,6 +39,9 @@ pub struct Slot<T: Float, const D: usize> {
     /// Particles leaving the bin at work.
     pub leaving: Vec<u32>,
 }
+
+/// Bins between the one at work and the one whose particles are asked for.
+const AHEAD: usize = 2;
 
 /// What a pass found out.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,8 +71,8 @@ fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Maps {
 pub struct Trouble {
     /// Its bin in the block.
     pub bin: usize,
-    /// Its index in the bin.
-    pub index: usize,
+    /// Its number.
+    pub particle: usize,
     /// What happened.
     pub cause: Cause,
 }
@@ -211,6 +214,9 @@ where
             if particles == 0 {
                 continue;
             }
+            if bin + AHEAD < block_nodes(D) {
+                prefetch(slot.block.bin_rows(bin + AHEAD));
+            }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
             stencil.load::<D, A::Quad, ShapeOf<M, T, D>>(&tile_in, corner, reads);
             // x of the bin's centre, for the distance to the axis of revolution.
@@ -318,7 +324,13 @@ where
                     stress = new.stress;
                     volume = law.volume_ratio(&new.state) * mass * per_density;
                     if new.fault.any() {
-                        note_fault(&mut slot.report, bin, first, particles, new.fault);
+                        let numbers = rest[rest.len() - 1].as_ref();
+                        note_fault(
+                            &mut slot.report,
+                            bin,
+                            &numbers[..numbers.len().min(particles - first)],
+                            new.fault,
+                        );
                     }
                     if does.force {
                         rate = rate.max(A::Pack::select(alive, speed(law, &new.state, &v), zero));
@@ -462,13 +474,13 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
 fn note_fault<T: Float, L: Lane<Real = T>>(
     report: &mut Report<T>,
     bin: usize,
-    first: usize,
-    particles: usize,
+    numbers: &[T],
     fault: Fault<L>,
 ) {
-    for lane in 0..L::WIDTH.min(particles - first) {
+    for (lane, number) in numbers.iter().enumerate() {
         if let (None, Some(cause)) = (report.trouble, fault.cause(lane)) {
-            report.trouble = Some(Trouble { bin, index: first + lane, cause: Cause::Law(cause) });
+            let particle = number.to_double() as usize;
+            report.trouble = Some(Trouble { bin, particle, cause: Cause::Law(cause) });
         }
     }
 }
@@ -494,7 +506,8 @@ fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: usize) {
             let shift = (xi + half).floor();
             let one_cell = shift.abs() <= T::of(1.0); // false for a value that is not a number
             if !one_cell {
-                let trouble = Trouble { bin, index, cause: Cause::TooFast };
+                let particle = numbers[columns - 1].to_double() as usize;
+                let trouble = Trouble { bin, particle, cause: Cause::TooFast };
                 report.trouble = report.trouble.or(Some(trouble));
             }
             // Rounding may leave xi - shift at 1/2 where xi was just below -1/2: that is the bin's far edge.

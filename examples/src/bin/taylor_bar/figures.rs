@@ -7,7 +7,7 @@ use mpm_core::output::picture::{
     Axis, Chart, ColourMap, Cut, FieldPicture, Marker, Mirror, Panels, ParticlePicture, Picture, Quantity,
     Series, Stroke,
 };
-use mpm_core::output::{History, OutputError};
+use mpm_core::output::{History, OutputError, ParticleSize, Snapshot};
 
 use crate::scene::{Model, Outcome};
 use crate::shape::{Sizes, WAIST};
@@ -28,12 +28,9 @@ pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
 
 /// The deformed bars side by side: cut open in space, in section axisymmetrically.
 fn bars(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
-    let most = outcomes.iter().map(largest_strain).fold(0.0, f64::max);
-    // Colours end at a round number; the corner of the foot may go beyond.
-    let top = (most * 2.0).ceil() / 2.0;
     let strain = Quantity::scalar("plastic_strain")
         .label("equivalent plastic strain")
-        .range(0.0, top.clamp(0.5, 3.0))
+        .range(0.0, most_strain(outcomes))
         .map(ColourMap::Viridis);
     let mut panels = Panels::new(2).title("Copper bar, 190 m/s, 80 µs after impact");
     for outcome in outcomes {
@@ -51,12 +48,30 @@ fn bars(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     Ok(panels.compose()?)
 }
 
-fn largest_strain(outcome: &Outcome) -> f64 {
-    outcome.snapshot.scalar("plastic_strain").map_or(0.0, |s| s.iter().copied().fold(0.0, f64::max))
+/// Where the colours end: all but one particle in a hundred are below, rounded up to a quarter. The corner and the
+/// middle of the foot go beyond.
+fn most_strain(outcomes: &[Outcome]) -> f64 {
+    let mut strains: Vec<f64> = outcomes
+        .iter()
+        .flat_map(|o| o.snapshot.scalar("plastic_strain").unwrap_or_default())
+        .copied()
+        .collect();
+    strains.sort_by(f64::total_cmp);
+    let most = strains.get(strains.len() * 99 / 100).copied().unwrap_or(1.0);
+    (4.0 * most).ceil().max(1.0) / 4.0
+}
+
+/// The snapshot with particles as large as the widest gaps between them: the matter at the foot is stretched
+/// to more than twice its width, which cubes of its volume would not fill.
+fn closed(outcome: &Outcome, stretch: f64) -> Result<Snapshot, OutputError> {
+    let s = &outcome.snapshot;
+    let size = ParticleSize::Uniform(0.5 * stretch * outcome.setup.spacing());
+    Snapshot::new(s.dimension(), s.time(), s.step(), s.positions().to_vec(), size)?
+        .with_scalar("plastic_strain", s.scalar("plastic_strain")?.to_vec())
 }
 
 fn in_space(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError> {
-    ParticlePicture::new(820, 860)
+    ParticlePicture::new(640, 660)
         .colour_by(strain.clone())
         .mirrored([Mirror::x(0.0), Mirror::y(0.0)])
         .cut(Cut { normal: [1.0, 0.0, 0.0], through: [0.0; 3] })
@@ -65,11 +80,11 @@ fn in_space(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError
 }
 
 fn section(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError> {
-    FieldPicture::new(820, 860)
+    FieldPicture::new(640, 660)
         .colour_by(strain.clone())
         .mirrored([Mirror::x(0.0)])
         .axes("r", "z")
-        .draw(&outcome.snapshot)
+        .draw(&closed(outcome, 1.4)?)
 }
 
 /// Where the kinetic energy goes.

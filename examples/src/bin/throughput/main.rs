@@ -1,0 +1,258 @@
+//! Throughput: particle updates a second on fixed scenes, one JSON line a run, and the ratio to a yardstick of
+//! hand-written kernels, run in alternation.
+
+mod scenes;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use clap::{Parser, ValueEnum};
+use examples::{CaseError, Check, Report, Resolution, Totals, case};
+
+use scenes::{Job, Kernel, Measured};
+
+/// Particle updates a second on fixed scenes: a cube with a smooth velocity field (S1) and a copper cylinder on
+/// a wall (S2). Prints one JSON line a run.
+///
+/// Timed are the steps alone, with all migration of particles; not the building of the scene.
+#[derive(Debug, Parser)]
+#[command(name = "throughput", version)]
+struct Options {
+    /// How much: smoke takes a second, standard runs 30k and 200k particles, paper 2M too
+    #[arg(long, value_enum, default_value = "standard")]
+    resolution: Resolution,
+    /// Kernels, separated by commas [default: all]
+    #[arg(long, value_enum, value_delimiter = ',')]
+    kernel: Vec<Kernel>,
+    /// Numbers of particles, separated by commas [default: by resolution]
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u64).range(64..=50_000_000))]
+    particles: Vec<u64>,
+    /// Numbers of threads, separated by commas [default: 1,2]
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Vec<u16>,
+    /// Steps a run [default: 30 million particle updates, 30 to 200 steps]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    steps: Option<u64>,
+    /// Runs of each kind [default: 1, or 5 with --against]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeat: Option<u16>,
+    /// Precision of particles and nodes
+    #[arg(long, value_enum, default_value = "f64")]
+    precision: Precision,
+    /// A built yardstick to compare with: run before each of our runs, so that both see the same machine
+    #[arg(long, value_name = "PROGRAM")]
+    against: Option<PathBuf>,
+    /// Folder for the result
+    #[arg(long, value_name = "DIR", default_value = "out/throughput")]
+    out: PathBuf,
+    /// Print the result as one JSON object on the last line
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Precision {
+    /// Double
+    F64,
+    /// Single
+    F32,
+}
+
+/// Our rate over the yardstick's, at least.
+const LEAST_RATIO: f64 = 0.5;
+/// Our bytes a particle over the yardstick's, at most.
+const MOST_BYTES: f64 = 1.3;
+
+/// All runs of one kind.
+struct Sample {
+    ours: Vec<Measured>,
+    /// Of the yardstick: updates a second, and bytes a particle.
+    theirs: Vec<(f64, f64)>,
+}
+
+fn main() -> ExitCode {
+    case::exit(run(&Options::parse()))
+}
+
+impl Options {
+    fn jobs(&self) -> Vec<Job> {
+        let or =
+            |given: &[u64], default: &[u64]| if given.is_empty() { default.to_vec() } else { given.to_vec() };
+        let sizes: &[u64] =
+            self.resolution.choose(&[6_000], &[30_000, 200_000], &[30_000, 200_000, 2_000_000]);
+        let threads: Vec<u64> = self.threads.iter().map(|t| u64::from(*t)).collect();
+        let kernels = if self.kernel.is_empty() { Kernel::value_variants() } else { &self.kernel };
+        let mut jobs = Vec::new();
+        for &kernel in kernels {
+            for n in or(&self.particles, sizes) {
+                let most = if self.resolution == Resolution::Smoke { 20 } else { 200 };
+                let steps = self.steps.unwrap_or((30_000_000 / n).clamp(30, 200).min(most));
+                for threads in or(&threads, &[1, 2]) {
+                    jobs.push(Job { kernel, particles: n as usize, threads: threads as usize, steps });
+                }
+            }
+        }
+        jobs
+    }
+
+    fn repeat(&self) -> u16 {
+        self.repeat.unwrap_or(if self.against.is_some() { 5 } else { 1 })
+    }
+
+    fn measure(&self, job: &Job) -> Result<Measured, CaseError> {
+        match self.precision {
+            Precision::F64 => scenes::measure::<f64>(job),
+            Precision::F32 => scenes::measure::<f32>(job),
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<ExitCode, CaseError> {
+    std::fs::create_dir_all(&options.out)
+        .map_err(|source| CaseError::File { path: options.out.clone(), source })?;
+    let mut samples = Vec::new();
+    for job in options.jobs() {
+        let mut sample = Sample { ours: Vec::new(), theirs: Vec::new() };
+        for _ in 0..options.repeat() {
+            if let Some(program) = &options.against {
+                sample.theirs.push(yardstick(program, &job, options.precision)?);
+            }
+            let measured = options.measure(&job)?;
+            println!("{}", serde_json::to_string(&measured)?);
+            sample.ours.push(measured);
+        }
+        samples.push(sample);
+    }
+    if options.against.is_some() {
+        println!("\nMillion particle updates a second: median [least - most] of {}\n", options.repeat());
+        println!("{}", table(&samples));
+    }
+    report(options, &samples).finish_in(options.json, &options.out)
+}
+
+/// Run the yardstick once: updates a second and bytes a particle.
+fn yardstick(program: &Path, job: &Job, precision: Precision) -> Result<(f64, f64), CaseError> {
+    let kernel = match (job.kernel, precision) {
+        (Kernel::LinearMuslElastic, Precision::F64) => "K1",
+        (Kernel::LinearMuslJohnsonCook, Precision::F64) => "K2",
+        (Kernel::QuadraticApicUsl, Precision::F64) => "K3",
+        (Kernel::QuadraticApicUsl, Precision::F32) => "K3f",
+        (kernel, Precision::F32) => {
+            let name = kernel.name();
+            return Err(CaseError::Other(format!("--against: the yardstick has no {name} in f32")));
+        }
+    };
+    let fail = |what: String| CaseError::Other(format!("--against {}: {what}", program.display()));
+    let numbers = [job.particles.to_string(), job.threads.to_string(), job.steps.to_string()];
+    let output = Command::new(program)
+        .args([
+            "--kernel",
+            kernel,
+            "--particles",
+            &numbers[0],
+            "--threads",
+            &numbers[1],
+            "--steps",
+            &numbers[2],
+        ])
+        .output()
+        .map_err(|e| fail(e.to_string()))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let line = text.lines().next_back().ok_or_else(|| fail("it printed nothing".into()))?;
+    print!("{text}");
+    let value: serde_json::Value = serde_json::from_str(line)?;
+    let number = |key: &str| value[key].as_f64().ok_or_else(|| fail(format!("no number `{key}` in {line}")));
+    Ok((number("particle_updates_per_second")?, number("bytes_per_particle")?))
+}
+
+/// Median, least and most.
+fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
+    let mut v: Vec<f64> = values.collect();
+    v.sort_by(f64::total_cmp);
+    let n = v.len();
+    if n == 0 {
+        return [f64::NAN; 3];
+    }
+    [0.5 * (v[(n - 1) / 2] + v[n / 2]), v[0], v[n - 1]]
+}
+
+impl Sample {
+    fn ours(&self) -> [f64; 3] {
+        spread(self.ours.iter().map(|m| m.particle_updates_per_second))
+    }
+    fn theirs(&self) -> [f64; 3] {
+        spread(self.theirs.iter().map(|t| t.0))
+    }
+    fn ratio(&self) -> f64 {
+        self.ours()[0] / self.theirs()[0]
+    }
+}
+
+fn table(samples: &[Sample]) -> String {
+    let head = ["kernel", "particles", "threads", "impactite", "yardstick", "ratio", "bytes", "yardstick's"];
+    let mut rows = vec![head.map(String::from)];
+    for s in samples {
+        let (Some(m), Some(y)) = (s.ours.first(), s.theirs.first()) else { continue };
+        let text = |[median, least, most]: [f64; 3]| {
+            format!("{:.1} [{:.1} - {:.1}]", 1e-6 * median, 1e-6 * least, 1e-6 * most)
+        };
+        rows.push([
+            m.kernel.clone(),
+            m.particles.to_string(),
+            m.threads.to_string(),
+            text(s.ours()),
+            text(s.theirs()),
+            format!("{:.2}", s.ratio()),
+            m.bytes_per_particle.to_string(),
+            format!("{:.0}", y.1),
+        ]);
+    }
+    case::columns(&rows)
+}
+
+fn report(options: &Options, samples: &[Sample]) -> Report {
+    let mut totals = Totals::default();
+    let mut checks = Vec::new();
+    for sample in samples {
+        for m in &sample.ours {
+            totals = totals.plus(&totals_of(m));
+        }
+        checks.extend(checks_of(options, sample));
+    }
+    let settings = serde_json::json!({
+        "precision": format!("{:?}", options.precision).to_lowercase(),
+        "repeat": options.repeat(),
+        "against": options.against.as_ref().map(|p| p.display().to_string()),
+        "runs": samples.iter().flat_map(|s| &s.ours).collect::<Vec<_>>(),
+        "yardstick": samples.iter().map(|s| s.theirs.iter().map(|t| t.0).collect()).collect::<Vec<Vec<f64>>>(),
+    });
+    Report::new("throughput", options.resolution, settings, &totals, checks)
+}
+
+fn totals_of(m: &Measured) -> Totals {
+    Totals {
+        particles: m.particles,
+        steps: m.steps,
+        simulated_seconds: 0.0,
+        wall_seconds: m.seconds,
+        updates: m.particles as f64 * m.steps as f64,
+        bytes: (m.total_bytes_per_particle * m.particles as f64) as usize,
+        energy_error: m.energy_drift,
+        momentum_error: m.momentum_drift,
+    }
+}
+
+/// Momentum of each run, and speed and memory against the yardstick if there is one.
+fn checks_of(options: &Options, sample: &Sample) -> Vec<Check> {
+    let Some(m) = sample.ours.first() else { return Vec::new() };
+    let name = |what: &str| format!("{} {} x{}: {what}", m.kernel, m.particles, m.threads);
+    let worst = sample.ours.iter().map(|m| m.momentum_drift).fold(0.0, f64::max);
+    let tolerance = if options.precision == Precision::F64 { 1e-12 } else { 1e-4 };
+    let mut checks = vec![Check::gate(name("momentum drift"), worst, "-", 0.0, tolerance, "conservation")];
+    if let Some(theirs) = sample.theirs.first() {
+        let bytes = m.bytes_per_particle as f64 / theirs.1;
+        checks.push(Check::at_least(name("rate ratio"), sample.ratio(), "-", LEAST_RATIO, "yardstick"));
+        checks.push(Check::at_most(name("bytes ratio"), bytes, "-", MOST_BYTES, "yardstick"));
+    }
+    checks
+}

@@ -1,0 +1,229 @@
+//! The scenes and kernels of the yardstick, composed from the framework's parts.
+
+use std::time::Instant;
+
+use clap::ValueEnum;
+use examples::CaseError;
+use mpm_core::geometry::{Lattice, Seeds};
+use mpm_core::grid::Node;
+use mpm_core::{
+    BlockGrid, Boundary, Composition, Flip, Float, FullSpace, Linear, Method, Mls, Mpm, Musl,
+    QuadraticBSpline, Side, Team, TimeControl, Usl,
+};
+use mpm_materials::strength::{Adiabatic, Heat, Logarithmic};
+use mpm_materials::{Constitutive, JohnsonCook, LinearElastic, MieGruneisen, Moduli, NeoHookean, Solid};
+use serde::Serialize;
+
+/// What a step computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Kernel {
+    /// Trilinear hats, MUSL-FLIP, linear elasticity with the Jaumann rate; scene S1
+    LinearMuslElastic,
+    /// The same with Johnson-Cook, Mie-Grueneisen, bulk viscosity and heat; scene S2
+    LinearMuslJohnsonCook,
+    /// Quadratic B-splines, USL-APIC in the moving-least-squares form, neo-Hookean; scene S1
+    QuadraticApicUsl,
+}
+
+impl Kernel {
+    /// The name in tables and JSON.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kernel::LinearMuslElastic => "linear-musl-elastic",
+            Kernel::LinearMuslJohnsonCook => "linear-musl-johnson-cook",
+            Kernel::QuadraticApicUsl => "quadratic-apic-usl",
+        }
+    }
+
+    fn scene(self) -> &'static str {
+        if self == Kernel::LinearMuslJohnsonCook { "S2" } else { "S1" }
+    }
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug)]
+pub struct Job {
+    pub kernel: Kernel,
+    /// Particles wanted; the scene has about as many.
+    pub particles: usize,
+    pub threads: usize,
+    pub steps: u64,
+}
+
+/// What a run measured: the keys of the yardstick, and two more.
+#[derive(Clone, Debug, Serialize)]
+pub struct Measured {
+    pub kernel: String,
+    pub scene: &'static str,
+    pub particles: usize,
+    /// Cells with particles at the end.
+    pub cells: usize,
+    pub threads: usize,
+    pub steps: u64,
+    /// Wall-clock time of the steps, s. Building the scene and the first step are not timed.
+    pub seconds: f64,
+    pub particle_updates_per_second: f64,
+    /// Numbers stored a particle, times their size.
+    pub bytes_per_particle: usize,
+    pub bytes_per_node: usize,
+    /// Of positions, velocities and stresses at the end; the same for any number of threads.
+    pub checksum: String,
+    /// |p - p0 - impulse of the wall| over sum of m |v|.
+    pub momentum_drift: f64,
+    /// Relative, over the whole run; negative is lost.
+    pub energy_drift: f64,
+    /// All memory of the solver, grid and scratch included, a particle.
+    pub total_bytes_per_particle: f64,
+    pub bits: usize,
+}
+
+/// Run a job in the precision `T`.
+pub fn measure<T: Float>(job: &Job) -> Result<Measured, CaseError> {
+    let of = T::of;
+    let moduli = || Moduli::bulk_shear(of(1.0 + 1.6 / 3.0), of(0.8));
+    match job.kernel {
+        Kernel::LinearMuslElastic => {
+            let law = LinearElastic::new(of(1.0), moduli()?)?;
+            cube(job, Method::new(Linear, Flip, Musl, FullSpace), law)
+        }
+        Kernel::QuadraticApicUsl => {
+            let law = NeoHookean::new(of(1.0), moduli()?)?;
+            cube(job, Method::new(QuadraticBSpline, Mls, Usl, FullSpace), law)
+        }
+        Kernel::LinearMuslJohnsonCook => {
+            let heat = Heat {
+                room: of(294.0),
+                melt: of(1356.0),
+                exponent: of(1.09),
+                heat_capacity: of(383.0),
+                taylor_quinney: of(1.0),
+            };
+            let strength = JohnsonCook::new(of(46.0e9), of(90.0e6), of(292.0e6), of(0.31))?
+                .with_rate(Logarithmic::new(of(0.025), of(1.0))?)
+                .with_heat(Adiabatic::new(heat)?);
+            let eos = MieGruneisen::new(of(8960.0), of(3940.0), of(1.489), of(1.99))?;
+            let law = Solid::new(strength, eos).with_bulk_viscosity(of(0.06), of(1.5))?;
+            cylinder(job, Method::new(Linear, Flip, Musl, FullSpace), law)
+        }
+    }
+}
+
+/// Particles on a 2 x 2 x 2 lattice in the cells `low..high` of edge `h` that are `inside` (in cells).
+fn lattice_points(low: [i64; 3], high: [i64; 3], h: f64, inside: impl Fn([f64; 3]) -> bool) -> Seeds<3> {
+    let mut positions = Vec::new();
+    for k in 2 * low[2]..2 * high[2] {
+        for j in 2 * low[1]..2 * high[1] {
+            for i in 2 * low[0]..2 * high[0] {
+                let x = [i, j, k].map(|a| (a as f64 + 0.5) * 0.5);
+                if inside(x) {
+                    positions.push(x.map(|x| x * h));
+                }
+            }
+        }
+    }
+    let volumes = vec![0.125 * h * h * h; positions.len()];
+    let raw_measure = volumes.iter().sum();
+    Seeds {
+        positions,
+        volumes,
+        half_size: [0.25 * h; 3],
+        raw_measure,
+        exact_measure: None,
+        sampled_measure: None,
+        correction: 1.0,
+    }
+}
+
+/// S1: a cube in a smooth field of velocity, h = 1, dt = 0.19.
+fn cube<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
+    job: &Job,
+    method: M,
+    law: C,
+) -> Result<Measured, CaseError> {
+    let cells = (job.particles as f64 / 8.0).cbrt().round().max(1.0);
+    let seeds = lattice_points([8; 3], [8 + cells as i64; 3], 1.0, |_| true);
+    let velocity = |x: [f64; 3]| {
+        let wave = |d: usize| 0.1 * (0.4 + 0.6 * (x[(d + 1) % 3] * 6.0 / cells).sin());
+        [wave(0), wave(1), wave(2)]
+    };
+    let mut mpm = Mpm::<T, 3, _, _>::new(method, BlockGrid::new(Lattice::new([0.0; 3], 1.0)?));
+    mpm.add("cube", law, &seeds, velocity)?;
+    timed(job, mpm, 0.19)
+}
+
+/// S2: a cylinder 25.4 mm long, four radii, hits a wall at 190 m/s; dt = h / 20 km/s.
+fn cylinder<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
+    job: &Job,
+    method: M,
+    law: C,
+) -> Result<Measured, CaseError> {
+    let radius = (job.particles as f64 / 8.0 / (4.0 * std::f64::consts::PI)).cbrt();
+    let (around, length) = (radius.ceil() as i64, (4.0 * radius).round().max(1.0) as i64);
+    let (wall, middle) = (4, 6 + around + around / 2);
+    let h = 25.4e-3 / length as f64;
+    let low = [middle - around, middle - around, wall];
+    let high = [middle + around, middle + around, wall + length];
+    let axis = middle as f64;
+    let seeds = lattice_points(low, high, h, |x| (x[0] - axis).hypot(x[1] - axis) < radius);
+    let mut mpm = Mpm::<T, 3, _, _>::new(method, BlockGrid::new(Lattice::new([0.0; 3], h)?));
+    mpm.add("bar", law, &seeds, |_| [0.0, 0.0, -190.0])?;
+    mpm.bound(Boundary::Wall { axis: 2, at: wall as f64 * h, side: Side::Above, velocity: 0.0 })?;
+    timed(job, mpm, 0.25 * h / 5000.0)
+}
+
+fn timed<T: Float, M: Composition<T, 3>>(
+    job: &Job,
+    mut mpm: Mpm<T, 3, M, BlockGrid<T, 3>>,
+    dt: f64,
+) -> Result<Measured, CaseError> {
+    mpm.set_team(Team::new(job.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_time_control(TimeControl::Fixed(dt)).map_err(|e| CaseError::Other(e.to_string()))?;
+    let before = mpm.totals();
+    mpm.step()?; // the first step maps the particles, which later ones find done
+    let clock = Instant::now();
+    for _ in 0..job.steps {
+        mpm.step()?;
+    }
+    let seconds = clock.elapsed().as_secs_f64();
+    let (after, given) = (mpm.totals(), mpm.ledger());
+    let lost = |d: usize| after.momentum[d] - before.momentum[d] - given.impulse[d] - given.dropped[d];
+    let drift = (0..3).map(|d| lost(d).abs()).fold(0.0, f64::max);
+    let energy = |t: &mpm_core::Totals| t.kinetic + t.internal;
+    let n = mpm.particles();
+    let (cells, checksum) = fingerprint(&mpm);
+    let suffix = if size_of::<T>() == 4 { "-f32" } else { "" };
+    Ok(Measured {
+        kernel: format!("{}{suffix}", job.kernel.name()),
+        scene: job.kernel.scene(),
+        particles: n,
+        cells,
+        threads: job.threads,
+        steps: job.steps,
+        seconds,
+        particle_updates_per_second: n as f64 * job.steps as f64 / seconds,
+        bytes_per_particle: mpm.bodies().iter().map(|b| b.columns()).max().unwrap_or(0) * size_of::<T>(),
+        bytes_per_node: size_of::<Node<T>>(),
+        checksum: format!("{checksum:016x}"),
+        momentum_drift: drift / before.momentum_scale,
+        energy_drift: energy(&after) / energy(&before) - 1.0,
+        total_bytes_per_particle: mpm.bytes() as f64 / n as f64,
+        bits: 8 * size_of::<T>(),
+    })
+}
+
+/// The number of cells with particles, and a hash of what the particles carry (FNV-1a).
+fn fingerprint<T: Float, M: Composition<T, 3>>(mpm: &Mpm<T, 3, M, BlockGrid<T, 3>>) -> (usize, u64) {
+    let h = mpm_core::GridStorage::lattice(mpm.grid()).spacing();
+    let (mut cells, mut hash) = (Vec::with_capacity(mpm.particles()), 0xcbf2_9ce4_8422_2325_u64);
+    for body in mpm.bodies() {
+        body.for_each(&mut |p| {
+            cells.push(p.position.map(|x| (x / h).floor() as i32));
+            for x in p.position.iter().chain(&p.velocity).chain(&p.stress) {
+                hash = (hash ^ x.to_bits()).wrapping_mul(0x100_0000_01b3);
+            }
+        });
+    }
+    cells.sort_unstable();
+    cells.dedup();
+    (cells.len(), hash)
+}

@@ -1,0 +1,156 @@
+//! Every case runs at smoke size, ends with the agreed JSON object, and passes its own checks; bad input is
+//! refused by name.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// A folder of its own for each test.
+fn folder(name: &str) -> PathBuf {
+    std::env::temp_dir().join(format!("impactite-{name}-{}", std::process::id()))
+}
+
+fn run(program: &str, arguments: &[&str], name: &str) -> Output {
+    let out = folder(name);
+    let output = Command::new(program)
+        .args(arguments)
+        .arg("--out")
+        .arg(&out)
+        .output()
+        .unwrap_or_else(|e| panic!("{program} does not start: {e}"));
+    assert!(output.status.code().is_some(), "{program} was killed");
+    output
+}
+
+/// The object on the last line, after a look at its keys.
+fn result(output: &Output, case: &str) -> Value {
+    let text = String::from_utf8_lossy(&output.stdout);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{case} fails:\n{text}\n{errors}");
+    let last = text.lines().next_back().expect("some output");
+    let value: Value = serde_json::from_str(last).expect("the last line is JSON");
+    assert_eq!(value["case"], case);
+    assert_eq!(value["resolution"], "smoke");
+    assert!(value["settings"].is_object());
+    let numbers = [
+        "particles",
+        "steps",
+        "simulated_seconds",
+        "wall_seconds",
+        "particle_updates_per_second",
+        "peak_memory_bytes",
+        "energy_error",
+        "momentum_error",
+    ];
+    for key in numbers {
+        assert!(value[key].is_number(), "{key} of {last}");
+    }
+    assert_eq!(value.as_object().map(|o| o.len()), Some(3 + numbers.len() + 1), "no other keys: {last}");
+    for check in value["checks"].as_array().expect("checks") {
+        for key in ["name", "unit", "source"] {
+            assert!(check[key].is_string(), "{key} of {check}");
+        }
+        assert!(check["value"].is_number(), "{check}");
+        assert_ne!(check["pass"], false, "{check}");
+        if check["source"].as_str().is_some_and(|s| s.contains("[M]")) {
+            assert!(check["pass"].is_null(), "what is from memory never decides: {check}");
+        }
+    }
+    value
+}
+
+#[test]
+fn taylor_bar() {
+    let name = "taylor";
+    let output = run(env!("CARGO_BIN_EXE_taylor_bar"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "taylor_bar");
+    let checks = value["checks"].as_array().expect("checks");
+    let gates = checks.iter().filter(|c| c["pass"] == true).count();
+    assert!(gates >= 4 * 5 + 2 * 3 + 1, "{gates} checks decide");
+    let out = folder(name);
+    for file in [
+        "bar_taylor.png",
+        "energy_standard.png",
+        "profile_taylor.png",
+        "profile_3d_taylor.csv",
+        "ledger_axisymmetric_standard.csv",
+        "sizes_3d_standard.csv",
+        "paraview/3d_taylor.pvd",
+        "paraview/axisymmetric_standard_000008.vtp",
+        "result.json",
+    ] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn taylor_bar_does_not_depend_on_threads() {
+    let sizes = |threads: &str| {
+        let name = format!("threads-{threads}");
+        let arguments = ["--resolution", "smoke", "--json", "--constants", "standard", "--model", "3d"];
+        let more = ["--threads", threads, "--frames", "0", "--cells", "4"];
+        let output = run(env!("CARGO_BIN_EXE_taylor_bar"), &[&arguments[..], &more].concat(), &name);
+        std::fs::remove_dir_all(folder(&name)).expect("removed");
+        let text = String::from_utf8_lossy(&output.stdout).to_string();
+        let value: Value = serde_json::from_str(text.lines().next_back().expect("output")).expect("JSON");
+        value["checks"].as_array().expect("checks").iter().map(|c| c["value"].to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(sizes("1"), sizes("2"));
+}
+
+#[test]
+fn taylor_bar_convergence() {
+    let name = "convergence";
+    let arguments = [
+        "--resolution",
+        "smoke",
+        "--json",
+        "--convergence",
+        "--constants",
+        "taylor",
+        "--model",
+        "axisymmetric",
+    ];
+    result(&run(env!("CARGO_BIN_EXE_taylor_bar"), &arguments, name), "taylor_bar");
+    let table = std::fs::read_to_string(folder(name).join("convergence_taylor.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + 3 * 3, "three methods at three spacings:\n{table}");
+    assert!(folder(name).join("convergence_taylor.png").is_file());
+    std::fs::remove_dir_all(folder(name)).expect("removed");
+}
+
+#[test]
+fn throughput() {
+    let name = "throughput";
+    let output = run(env!("CARGO_BIN_EXE_throughput"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "throughput");
+    let runs = value["settings"]["runs"].as_array().expect("runs");
+    assert_eq!(runs.len(), 3 * 2);
+    for pair in runs.chunks(2) {
+        assert_eq!(pair[0]["checksum"], pair[1]["checksum"], "one and two threads differ");
+    }
+    std::fs::remove_dir_all(folder(name)).expect("removed");
+}
+
+#[test]
+fn bad_input_is_refused_by_name() {
+    let said = |program: &str, arguments: &[&str]| {
+        let output = Command::new(program).args(arguments).output().expect("it starts");
+        assert!(!output.status.success(), "{arguments:?} was accepted");
+        String::from_utf8_lossy(&output.stderr).to_string()
+    };
+    let (bar, speed) = (env!("CARGO_BIN_EXE_taylor_bar"), env!("CARGO_BIN_EXE_throughput"));
+    let cells = said(bar, &["--cells", "0"]);
+    assert!(cells.contains("'0' for '--cells <N>'") && cells.contains("2..=200"), "{cells}");
+    let method = said(bar, &["--method", "magic"]);
+    assert!(method.contains("'magic'") && method.contains("gimp-usl"), "{method}");
+    let threads = said(bar, &["--threads", "0"]);
+    assert!(threads.contains("'0' for '--threads <N>'") && threads.contains("1..=1024"), "{threads}");
+    let folder = said(bar, &["--resolution", "smoke", "--out", "/dev/null/here"]);
+    assert!(folder.contains("/dev/null/here"), "{folder}");
+    let steps = said(speed, &["--steps", "0"]);
+    assert!(steps.contains("'0' for '--steps <N>'"), "{steps}");
+    let against = said(speed, &["--resolution", "smoke", "--against", "/nowhere/yardstick"]);
+    assert!(against.contains("/nowhere/yardstick"), "{against}");
+}

@@ -1,0 +1,137 @@
+//! Grids.
+
+use super::method::{Body, Probe};
+use super::{Broken, within};
+use crate::dim::block_nodes;
+use crate::geometry::Lattice;
+use crate::grid::{BlockGrid, GridStorage, Node};
+use crate::method::{Composition, Method};
+use crate::scheme::Usl;
+use crate::shape::QuadraticBSpline;
+use crate::step::{Mpm, Particle, TimeControl};
+use crate::transfer::{Flip, Suits};
+
+/// The grid keeps its contract: blocks it was asked for are found where `blocks` says they are, with 4^D nodes
+/// each, zero after a change, kept when nothing changes; and a scene gives the same bits as on a
+/// [`BlockGrid`]. `make` must give a grid that has room for node indices -24 to 40 along every axis.
+///
+/// # Errors
+/// The first property that does not hold.
+pub fn grid<G, const D: usize>(make: impl Fn(Lattice<D>) -> G) -> Result<(), Broken>
+where
+    G: GridStorage<f64, D>,
+    Method<QuadraticBSpline, Flip, Usl, Embedded<D>>: Sized,
+    Embedded<D>: crate::embedding::Embedding<D>,
+    QuadraticBSpline: crate::shape::ShapeFunction<f64, D> + Suits<f64, D, Flip>,
+{
+    let name = std::any::type_name::<G>();
+    let lattice = Lattice::new([0.1; D], 0.5).map_err(|e| broken(name, "a lattice", e.to_string()))?;
+    let mut grid = make(lattice);
+    let wanted = |list: &[i32]| -> Vec<[i32; D]> {
+        let mut blocks: Vec<[i32; D]> = list
+            .iter()
+            .map(|&i| {
+                let mut c = [1; D];
+                c[0] = i;
+                c[D - 1] += i / 2;
+                c
+            })
+            .collect();
+        blocks.sort_unstable();
+        blocks
+    };
+    for list in [&[0, 1, 2][..], &[-3, -2, 4, 5], &[1]] {
+        let blocks = wanted(list);
+        grid.arrange(&blocks).map_err(|e| broken(name, "room for blocks", e.to_string()))?;
+        check_blocks(name, &grid, &blocks)?;
+        let any = grid.nodes().iter().any(|n| *n != Node::default());
+        within(name, "nodes that are zero after a change", f64::from(u8::from(any)), 0.0, || {
+            format!("{list:?}")
+        })?;
+        for (n, node) in grid.nodes_mut().iter_mut().enumerate() {
+            node.first[0] = n as f64;
+        }
+        grid.arrange(&blocks).map_err(|e| broken(name, "room for blocks", e.to_string()))?;
+        let kept = grid.nodes().iter().enumerate().all(|(n, node)| node.first[0] == n as f64);
+        within(
+            name,
+            "nodes that stay as they are without a change",
+            f64::from(u8::from(!kept)),
+            0.0,
+            || format!("{list:?}"),
+        )?;
+        for node in grid.nodes_mut() {
+            *node = Node::default();
+        }
+    }
+    let (ours, theirs) = (run(BlockGrid::new(lattice))?, run(make(lattice))?);
+    for (a, b) in ours.iter().zip(&theirs) {
+        within(name, "the bits of a block grid", f64::from(u8::from(a != b)), 0.0, || {
+            format!("{a:?} against {b:?}")
+        })?;
+    }
+    within(name, "all particles", (ours.len() as f64 - theirs.len() as f64).abs(), 0.0, String::new)
+}
+
+/// The embedding of a plain scene in `D` dimensions.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Embedded<const D: usize>;
+impl crate::embedding::Embedding<2> for Embedded<2> {
+    const NAME: &'static str = "plane strain";
+}
+impl crate::embedding::Embedding<3> for Embedded<3> {
+    const NAME: &'static str = "3D";
+}
+
+fn broken(subject: &str, property: &'static str, detail: String) -> Broken {
+    Broken { subject: subject.into(), property, detail }
+}
+
+fn check_blocks<G: GridStorage<f64, D>, const D: usize>(
+    name: &str,
+    grid: &G,
+    wanted: &[[i32; D]],
+) -> Result<(), Broken> {
+    let nodes = grid.blocks().len() * block_nodes(D);
+    let error = (grid.nodes().len() as f64 - nodes as f64).abs();
+    within(name, "4^D nodes a block", error, 0.0, || format!("{} blocks", grid.blocks().len()))?;
+    for c in wanted {
+        let found = grid.find(c).and_then(|place| grid.blocks().get(place));
+        if found != Some(c) {
+            return Err(broken(name, "finding a block where it is stored", format!("{c:?}: {found:?}")));
+        }
+    }
+    for (place, c) in grid.blocks().iter().enumerate() {
+        if grid.find(c) != Some(place) {
+            return Err(broken(name, "finding every block that is stored", format!("{c:?}")));
+        }
+    }
+    let far = [1 << 20; D];
+    if let Some(place) = grid.find(&far) {
+        return Err(broken(name, "not finding a block that is not stored", format!("{far:?} at {place}")));
+    }
+    Ok(())
+}
+
+/// A block that flies through several blocks of nodes, with negative indices on its way.
+fn run<G, const D: usize>(grid: G) -> Result<Vec<Particle>, Broken>
+where
+    G: GridStorage<f64, D>,
+    Embedded<D>: crate::embedding::Embedding<D>,
+    QuadraticBSpline: crate::shape::ShapeFunction<f64, D> + Suits<f64, D, Flip>,
+    Method<QuadraticBSpline, Flip, Usl, Embedded<D>>: Composition<f64, D>,
+{
+    let stop = |e: String| broken(std::any::type_name::<G>(), "a run", e);
+    let body = Body::<D>::new(*grid.lattice(), -6, 3);
+    let mut mpm = Mpm::new(Method::new(QuadraticBSpline, Flip, Usl, Embedded::<D>), grid);
+    mpm.set_time_control(TimeControl::Fixed(0.05)).map_err(|e| stop(e.to_string()))?;
+    mpm.add("block", Probe::new([0.0; 6]), &body.seeds, |x| body.velocity(x, 3.0, 0.4))
+        .map_err(|e| stop(e.to_string()))?;
+    for _ in 0..60 {
+        mpm.step().map_err(|e| stop(e.to_string()))?;
+    }
+    let mut list = Vec::new();
+    mpm.bodies()[0].for_each(&mut |p| list.push(p.clone()));
+    list.sort_by_key(|p| p.number);
+    Ok(list)
+}

@@ -1,0 +1,60 @@
+//! What every shape function, transfer, grid and composed method must do, as tests that one line applies to
+//! any of them, ours or yours. Behind the feature `conformance`.
+//!
+//! ```
+//! mpm_core::conforms! {
+//!     the_hat: shape_function::<_, 3>(&mpm_core::Linear);
+//!     the_blocks: grid::<_, 2>(mpm_core::BlockGrid::new);
+//!     relaxed: transfer(mpm_core::Pic);
+//! }
+//! ```
+//! Each line becomes a `#[test]`. The functions can also be called; they return what was [`Broken`] first.
+
+mod grid;
+mod method;
+mod shape;
+
+pub use grid::grid;
+pub use method::{method, transfer};
+pub use shape::{affine_shape, shape_function, smooth};
+
+/// A property that does not hold.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{subject}: {property} does not hold: {detail}")]
+pub struct Broken {
+    /// What was tested.
+    pub subject: String,
+    /// The property, in words.
+    pub property: &'static str,
+    /// Where and by how much.
+    pub detail: String,
+}
+
+/// `Ok` if `error` is at most `allowed`; a value that is not a number never is.
+fn within(
+    subject: &str,
+    property: &'static str,
+    error: f64,
+    allowed: f64,
+    detail: impl FnOnce() -> String,
+) -> Result<(), Broken> {
+    if error <= allowed {
+        return Ok(());
+    }
+    let detail = format!("{}; error {error:.3e}, allowed {allowed:.3e}", detail());
+    Err(Broken { subject: subject.into(), property, detail })
+}
+
+/// Make a `#[test]` of each line `name: suite(arguments);` where `suite` is a function of
+/// [`conformance`](crate::conformance).
+#[macro_export]
+macro_rules! conforms {
+    ($($name:ident: $suite:ident $(::<$($type:tt),*>)? ($($argument:expr),* $(,)?);)*) => {$(
+        #[test]
+        fn $name() {
+            if let Err(broken) = $crate::conformance::$suite $(::<$($type),*>)? ($($argument),*) {
+                panic!("{broken}");
+            }
+        }
+    )*};
+}

@@ -1,0 +1,477 @@
+//! One scene seen in two ways gives one result: turned, shifted, mirrored, in another dimension, on another
+//! grid, with other threads, in another precision.
+
+use impactite_tests::compare::{fast, particles, surround};
+use impactite_tests::laws::Prestressed;
+use impactite_tests::scene::{self, Flow, Scene, YOUNG, block, metal, rubber, wave_speed};
+use mpm_core::dim::{BLOCK, block_nodes};
+use mpm_core::geometry::{Lattice, Seeds};
+use mpm_core::{
+    Apic, Axisymmetric, BlockGrid, Boundary, Composition, DenseGrid, Flip, FullSpace, Gimp, GridStorage,
+    Linear, Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, Team, TimeControl, Usl,
+};
+use mpm_materials::{Moduli, NeoHookean};
+
+/// Round-off of 40 steps; see the tests against the reference.
+const TOLERANCE: f64 = 1e-11;
+
+type Hat<E> = Method<Linear, Flip, Musl, E>;
+type Spline<E> = Method<QuadraticBSpline, Apic, Usl, E>;
+type Box2 = Method<Gimp, Flip, Usl, PlaneStrain>;
+
+fn run<const D: usize, M: Composition<f64, D>>(method: M, scene: &Scene<D>) -> Vec<Particle> {
+    let mut mpm = fast(method, BlockGrid::new(scene.lattice), scene, &rubber());
+    for _ in 0..scene.steps {
+        mpm.step().unwrap_or_else(|e| panic!("{}: {e}", scene.name));
+    }
+    particles(&mpm).into_iter().flatten().collect()
+}
+
+/// `q` must be `p` with its vectors sent through `map` (a signed permutation), positions also through `place`.
+fn assert_mapped(
+    p: &Particle,
+    q: &Particle,
+    map: impl Fn([f64; 3]) -> [f64; 3],
+    place: impl Fn([f64; 3]) -> [f64; 3],
+) {
+    let (x, v) = (place(p.position), map(p.velocity));
+    for d in 0..3 {
+        assert!((q.position[d] - x[d]).abs() < TOLERANCE, "position {:?} against {x:?}", q.position);
+        assert!(
+            (q.velocity[d] - v[d]).abs() < TOLERANCE * wave_speed(),
+            "velocity {:?} against {v:?}",
+            q.velocity
+        );
+    }
+    // Stress: columns, then rows.
+    let matrix = |s: [f64; 6]| [[s[0], s[5], s[4]], [s[5], s[1], s[3]], [s[4], s[3], s[2]]];
+    let (a, b) = (matrix(p.stress), matrix(q.stress));
+    let mut half = [[0.0; 3]; 3];
+    for i in 0..3 {
+        half[i] = map(a[i]);
+    }
+    for j in 0..3 {
+        let column = map([half[0][j], half[1][j], half[2][j]]);
+        for i in 0..3 {
+            assert!((b[i][j] - column[i]).abs() < TOLERANCE * YOUNG, "stress {b:?}");
+        }
+    }
+}
+
+/// The scene `flow` on a lattice with its origin at zero, seeds and velocities sent through a map.
+fn mapped_flow<const D: usize>(
+    place: impl Fn([f64; D]) -> [f64; D],
+    map: impl Fn([f64; D]) -> [f64; D] + Clone + 'static,
+) -> (Scene<D>, Scene<D>) {
+    let lattice = Lattice::new([0.0; D], 0.1).expect("lattice");
+    let centred = || {
+        let mut scene = scene::flow::<D>();
+        let origin = scene.lattice.origin();
+        for x in &mut scene.bodies[0].0.positions {
+            for d in 0..D {
+                x[d] -= origin[d];
+            }
+        }
+        scene.lattice = lattice;
+        scene
+    };
+    let speed = |x: [f64; D]| {
+        let mut v = [0.0; D];
+        for d in 0..D {
+            v[d] = 0.3 * (1.0 + 5.0 * x[(d + 1) % D] - (3.0 + d as f64) * x[d]);
+        }
+        v
+    };
+    let (mut one, mut other) = (centred(), centred());
+    let table: Vec<([f64; D], [f64; D])> =
+        one.bodies[0].0.positions.iter().map(|x| (place(*x), map(speed(*x)))).collect();
+    one.bodies[0].1 = Box::new(speed);
+    other.bodies[0].0.positions = table.iter().map(|t| t.0).collect();
+    other.bodies[0].1 = Box::new(move |x| table.iter().find(|t| t.0 == x).expect("a seed").1);
+    (one, other)
+}
+
+fn assert_turned<const D: usize, M: Composition<f64, D>>(
+    method: M,
+    turn: impl Fn([f64; 3]) -> [f64; 3] + Clone + 'static,
+) {
+    let inner = turn.clone();
+    let short = move |x: [f64; D]| {
+        let mut long = [0.0; 3];
+        long[..D].copy_from_slice(&x);
+        let mut r = [0.0; D];
+        r.copy_from_slice(&inner(long)[..D]);
+        r
+    };
+    let (one, other) = mapped_flow(short.clone(), short);
+    for (p, q) in run(method, &one).iter().zip(&run(method, &other)) {
+        assert_mapped(p, q, &turn, &turn);
+    }
+}
+
+#[test]
+fn turned_by_a_right_angle() {
+    let quarter = |[x, y, z]: [f64; 3]| [-y, x, z];
+    assert_turned::<2, Hat<PlaneStrain>>(Default::default(), quarter);
+    assert_turned::<2, Spline<PlaneStrain>>(Default::default(), quarter);
+    assert_turned::<2, Box2>(Default::default(), quarter);
+    assert_turned::<3, Spline<FullSpace>>(Default::default(), |[x, y, z]| [x, -z, y]);
+    assert_turned::<3, Hat<FullSpace>>(Default::default(), |[x, y, z]| [z, x, y]);
+}
+
+#[test]
+fn mirrored() {
+    let mirror = |[x, y, z]: [f64; 3]| [-x, y, z];
+    assert_turned::<2, Hat<PlaneStrain>>(Default::default(), mirror);
+    assert_turned::<3, Spline<FullSpace>>(Default::default(), mirror);
+}
+
+#[test]
+fn shifted_by_whole_cells() {
+    fn check<M: Composition<f64, 2>>(method: M) {
+        let by = |x: [f64; 2]| [x[0] + 0.7, x[1] - 1.3];
+        let (one, other) = mapped_flow(by, |v| v);
+        for (p, q) in run(method, &one).iter().zip(&run(method, &other)) {
+            assert_mapped(p, q, |v| v, |x| [x[0] + 0.7, x[1] - 1.3, 0.0]);
+        }
+    }
+    check(Hat::<PlaneStrain>::default());
+    check(Spline::<PlaneStrain>::default());
+}
+
+/// Half a body at a plane of symmetry does what half of the whole body does.
+fn half_is_whole<const D: usize, M: Composition<f64, D>>(method: M, planes: usize) {
+    let lattice = scene::lattice::<D>();
+    let mut cells = [3; D];
+    cells[0] = 2;
+    let at = lattice.node([1; D]);
+    let half = block(&lattice, [1; D], cells, 2, 0.5);
+    let speed: fn(&[f64]) -> f64 = |r| 0.4 * r[0] - 0.9 * r[0] * r[1];
+    // Odd across the plane in its own direction, even in the others.
+    let velocity = move |x: [f64; D]| {
+        let mut r = [0.0; D];
+        for d in 0..D {
+            r[d] = x[d] - at[d];
+        }
+        let mut v = [0.0; D];
+        for d in 0..D {
+            v[d] = if d < planes {
+                let mut folded = r;
+                for (e, f) in folded.iter_mut().enumerate() {
+                    if e < planes {
+                        *f = f.abs();
+                    }
+                }
+                folded.swap(0, d);
+                r[d].signum() * -2.0 * speed(&folded)
+            } else {
+                0.5 - 0.7 * r[d]
+            };
+        }
+        v
+    };
+    let scene = |seeds: Seeds<D>, boundaries| Scene {
+        name: "half and whole",
+        lattice,
+        bodies: vec![(seeds, Box::new(velocity) as Flow<D>)],
+        boundaries,
+        gravity: [0.0; D],
+        dt: 0.2 * 0.1 / wave_speed(),
+        steps: 30,
+        space: impactite_tests::reference::Space::Cartesian,
+    };
+    let mut whole = half.clone();
+    for axis in 0..planes {
+        for n in 0..whole.positions.len() {
+            let mut x = whole.positions[n];
+            x[axis] = 2.0 * at[axis] - x[axis];
+            whole.positions.push(x);
+            whole.volumes.push(whole.volumes[n]);
+        }
+    }
+    let bounds = (0..planes).map(|axis| Boundary::Symmetry { axis, at: at[axis], side: Side::Above });
+    let parts = run(method, &scene(half, bounds.collect()));
+    let wholes = run(method, &scene(whole, vec![]));
+    for (p, q) in parts.iter().zip(&wholes) {
+        assert_mapped(p, q, |v| v, |x| x);
+    }
+}
+
+#[test]
+fn half_a_body_is_the_whole_one() {
+    half_is_whole::<2, Hat<PlaneStrain>>(Default::default(), 1);
+    half_is_whole::<2, Spline<PlaneStrain>>(Default::default(), 1);
+    half_is_whole::<2, Spline<PlaneStrain>>(Default::default(), 2);
+    half_is_whole::<2, Box2>(Default::default(), 2);
+    half_is_whole::<3, Spline<FullSpace>>(Default::default(), 2);
+    half_is_whole::<3, Hat<FullSpace>>(Default::default(), 2);
+}
+
+/// The momentum that a symmetry plane gives is booked.
+#[test]
+fn impulse_of_a_symmetry_plane_is_booked() {
+    fn check<M: Composition<f64, 2>>(method: M) {
+        let scene = scene::bar::<2>();
+        let mut mpm = fast(method, BlockGrid::new(scene.lattice), &scene, &rubber());
+        let before = mpm.totals();
+        for _ in 0..scene.steps {
+            mpm.step().expect("step");
+        }
+        let (after, ledger) = (mpm.totals(), mpm.ledger());
+        for d in 0..2 {
+            let given = ledger.impulse[d] + ledger.load[d] + ledger.dropped[d];
+            let error = (after.momentum[d] - before.momentum[d] - given).abs() / before.momentum_scale;
+            assert!(error < 1e-12, "{} axis {d}: {error}; given {given}", mpm.method().describe());
+        }
+    }
+    check(Hat::<PlaneStrain>::default());
+    check(Spline::<PlaneStrain>::default());
+    check(Box2::default());
+}
+
+/// Plane strain is a slice of one cell between symmetry planes.
+fn slice<M2: Composition<f64, 2>, M3: Composition<f64, 3>>(flat: M2, solid: M3) {
+    let scene2 = scene::bar::<2>();
+    let origin = scene2.lattice.origin();
+    let lattice3 = Lattice::new([origin[0], origin[1], 0.3], 0.1).expect("lattice");
+    let seeds2 = &scene2.bodies[0].0;
+    let mut seeds3 = scene::seeds(vec![], 1.0, 0.025);
+    for z in [0.325, 0.375] {
+        for (x, volume) in seeds2.positions.iter().zip(&seeds2.volumes) {
+            seeds3.positions.push([x[0], x[1], z]);
+            // Per metre of depth there, 0.1 m in two layers here.
+            seeds3.volumes.push(volume * 0.05);
+        }
+    }
+    let mut boundaries = vec![
+        Boundary::Symmetry { axis: 2, at: 0.3, side: Side::Above },
+        Boundary::Symmetry { axis: 2, at: 0.4, side: Side::Below },
+    ];
+    for boundary in &scene2.boundaries {
+        boundaries.push(match *boundary {
+            Boundary::Symmetry { axis, at, side } => Boundary::Symmetry { axis, at, side },
+            Boundary::Wall { axis, at, side, velocity } => Boundary::Wall { axis, at, side, velocity },
+            _ => panic!("not in this scene"),
+        });
+    }
+    let along = scene2.bodies[0].1([0.0; 2]);
+    let scene3 = Scene {
+        name: "slice",
+        lattice: lattice3,
+        bodies: vec![(seeds3, Box::new(move |_| [along[0], along[1], 0.0]))],
+        boundaries,
+        gravity: [scene2.gravity[0], scene2.gravity[1], 0.0],
+        dt: scene2.dt,
+        steps: scene2.steps,
+        space: impactite_tests::reference::Space::Cartesian,
+    };
+    let (thin, thick) = (run(flat, &scene2), run(solid, &scene3));
+    for (n, q) in thick.iter().enumerate() {
+        let p = &thin[n % thin.len()];
+        assert_mapped(p, q, |v| v, |x| [x[0], x[1], if n < thin.len() { 0.325 } else { 0.375 }]);
+    }
+}
+
+#[test]
+fn plane_strain_is_a_slice_of_space() {
+    slice(Hat::<PlaneStrain>::default(), Hat::<FullSpace>::default());
+    slice(Spline::<PlaneStrain>::default(), Spline::<FullSpace>::default());
+}
+
+fn bits<const D: usize, M: Composition<f64, D>, G: GridStorage<f64, D>>(
+    mut mpm: Mpm<f64, D, M, G>,
+) -> Vec<u64> {
+    for _ in 0..40 {
+        mpm.step().expect("step");
+    }
+    let mut list = vec![];
+    for p in particles(&mpm).into_iter().flatten() {
+        let numbers = p.position.iter().chain(&p.velocity).chain(&p.stress).chain(&p.state);
+        list.extend(numbers.map(|x| x.to_bits()));
+    }
+    list
+}
+
+/// A scene of many blocks, with boundaries.
+fn wide<const D: usize>() -> Scene<D> {
+    let mut scene = scene::bar::<D>();
+    let mut cells = [9; D];
+    cells[D - 1] = 7;
+    if D == 2 {
+        cells = [20; D];
+    }
+    scene.bodies[0].0 = block(&scene.lattice, [1; D], cells, 2, 0.5);
+    scene
+}
+
+#[test]
+fn threads_do_not_change_a_bit() {
+    fn check<const D: usize, M: Composition<f64, D>>(method: M) {
+        let scene = wide::<D>();
+        let run = |threads| {
+            let mut mpm = fast(method, BlockGrid::new(scene.lattice), &scene, &rubber());
+            mpm.set_team(Team::new(threads).expect("threads"));
+            bits(mpm)
+        };
+        let one = run(1);
+        assert!(one == run(2), "2 threads");
+        assert!(one == run(4), "4 threads");
+    }
+    check::<2, Spline<PlaneStrain>>(Default::default());
+    check::<3, Hat<FullSpace>>(Default::default());
+}
+
+#[test]
+fn grids_do_not_change_a_bit() {
+    let scene = wide::<2>();
+    let sparse = fast(Spline::<PlaneStrain>::default(), BlockGrid::new(scene.lattice), &scene, &rubber());
+    let dense = DenseGrid::new(scene.lattice, [-9, -17], [47, 40]).expect("box");
+    let dense = fast(Spline::<PlaneStrain>::default(), dense, &scene, &rubber());
+    assert!(bits(sparse) == bits(dense));
+}
+
+#[test]
+fn single_precision_is_near_double() {
+    let scene = scene::bar::<2>();
+    let double = run(Spline::<PlaneStrain>::default(), &scene);
+    let moduli = Moduli::young_poisson(YOUNG as f32, 0.3).expect("moduli");
+    let law = NeoHookean::<f32>::new(scene::DENSITY as f32, moduli).expect("law");
+    let mut mpm =
+        fast(Spline::<PlaneStrain>::default(), BlockGrid::<f32, 2>::new(scene.lattice), &scene, &law);
+    for _ in 0..scene.steps {
+        mpm.step().expect("step");
+    }
+    for (p, q) in particles(&mpm)[0].iter().zip(&double) {
+        for d in 0..2 {
+            // 40 steps of rounding to 6e-8, positions relative to a cell of 0.1.
+            assert!((p.position[d] - q.position[d]).abs() < 1e-6, "{p:?} against {q:?}");
+            assert!((p.velocity[d] - q.velocity[d]).abs() < 2e-5, "{p:?} against {q:?}");
+        }
+        for i in 0..6 {
+            assert!((p.stress[i] - q.stress[i]).abs() < 1e-4 * YOUNG, "{p:?} against {q:?}");
+        }
+    }
+}
+
+/// Equal radial and hoop stresses of a body of revolution are in equilibrium: no force on inner nodes. Two
+/// particles a cell integrate r dN/dr + N exactly where the function does not reach over the axis; where it
+/// does (the spline's first node), the kink of |r| leaves 1/32 of p h^2.
+#[test]
+fn uniform_stress_of_revolution_is_in_equilibrium() {
+    fn check<M: Composition<f64, 2>>(method: M, at_axis: f64) {
+        let h = 0.1;
+        let lattice = Lattice::new([0.0; 2], h).expect("lattice");
+        let mut seeds = block(&lattice, [0, 0], [6, 6], 2, 0.0);
+        for (v, x) in seeds.volumes.iter_mut().zip(&seeds.positions) {
+            *v *= x[0];
+        }
+        let (p, q) = (1.7, -0.6);
+        let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+        mpm.add("disc", Prestressed::new([p, q, p, 0.0, 0.0, 0.0]), &seeds, |_| [0.0; 2]).expect("body");
+        mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).expect("boundary");
+        mpm.set_time_control(TimeControl::Fixed(1e-4)).expect("time control");
+        mpm.step().expect("step");
+        let (mut first, mut inner, mut edge) = (0.0f64, 0.0f64, 0.0f64);
+        for (b, c) in mpm.grid().blocks().iter().enumerate() {
+            for (n, node) in mpm.grid().nodes()[b * block_nodes(2)..][..block_nodes(2)].iter().enumerate() {
+                let i = c[0] * BLOCK as i32 + (n % BLOCK) as i32;
+                let j = c[1] * BLOCK as i32 + (n / BLOCK) as i32;
+                // From rest: the force is the momentum after a step over its duration.
+                let force = node.first[0] * node.first[1].abs().max(node.first[2].abs()) / 1e-4;
+                let relative = force / (p * h * h);
+                if i == 1 && (2..=4).contains(&j) {
+                    first = first.max(relative);
+                } else if (2..=4).contains(&i) && (2..=4).contains(&j) {
+                    inner = inner.max(relative);
+                }
+                edge = edge.max(force);
+            }
+        }
+        let name = mpm.method().describe();
+        assert!(inner <= 1e-12, "{name}: {inner:e}");
+        assert!((first - at_axis).abs() <= 1e-12, "{name}: next to the axis {first:e}");
+        assert!(edge > 0.01 * p * h, "{name}: no stress was there");
+    }
+    check(Hat::<Axisymmetric>::default(), 0.0);
+    check(Spline::<Axisymmetric>::default(), 1.0 / 32.0);
+}
+
+/// Two laws that agree at small strain agree while the body turns: what one carries in F, the other turns by
+/// the spin (Jaumann).
+#[test]
+fn stress_turns_with_the_body() {
+    let lattice = scene::lattice::<2>();
+    let c = wave_speed();
+    let h = lattice.spacing();
+    let seeds = block(&lattice, [0, 0], [5, 3], 2, 0.0);
+    let centre = [lattice.node([0, 0])[0] + 2.5 * h, lattice.node([0, 0])[1] + 1.5 * h];
+    let dt = 0.2 * h / c;
+    let steps = 400;
+    let rate = std::f64::consts::FRAC_PI_2 / (f64::from(steps) * dt);
+    let velocity = move |x: [f64; 2]| {
+        let r = [x[0] - centre[0], x[1] - centre[1]];
+        [-rate * r[1] + 0.02 * c * r[0] / h / 2.5, rate * r[0]]
+    };
+    let scene = Scene {
+        name: "turning bar",
+        lattice,
+        bodies: vec![(seeds, Box::new(velocity))],
+        boundaries: vec![],
+        gravity: [0.0; 2],
+        dt,
+        steps: steps as usize,
+        space: impactite_tests::reference::Space::Cartesian,
+    };
+    let mut hypo = fast(Spline::<PlaneStrain>::default(), BlockGrid::new(lattice), &scene, &metal());
+    let mut hyper = fast(Spline::<PlaneStrain>::default(), BlockGrid::new(lattice), &scene, &rubber());
+    let (mut largest, mut apart) = (0.0f64, 0.0f64);
+    for _ in 0..steps {
+        hypo.step().expect("step");
+        hyper.step().expect("step");
+        for (p, q) in particles(&hypo)[0].iter().zip(&particles(&hyper)[0]) {
+            for i in 0..6 {
+                largest = largest.max(q.stress[i].abs());
+                apart = apart.max((p.stress[i] - q.stress[i]).abs());
+            }
+        }
+    }
+    println!("largest stress {largest}, difference {apart}");
+    assert!(largest > 0.01 * YOUNG, "no stress was there");
+    // Strains reach 2 %: the laws differ by about that part of the stress (measured 1.1 %).
+    assert!(apart < 0.03 * largest, "{apart} of {largest}");
+    let angle = {
+        let all = particles(&hypo);
+        let (a, b) = (&all[0][0].position, &all[0][9].position);
+        (b[1] - a[1]).atan2(b[0] - a[0])
+    };
+    assert!(angle > 1.2, "it turned by {angle}");
+}
+
+/// The scene of the rotation keeps `surround` honest: gravity alone moves the centre as a stone falls.
+#[test]
+fn a_stone_falls() {
+    let lattice = scene::lattice::<2>();
+    let seeds = block(&lattice, [0, 0], [2, 2], 2, 0.3);
+    let scene = Scene {
+        name: "stone",
+        lattice,
+        bodies: vec![(seeds.clone(), Box::new(|_| [0.1, 0.0]))],
+        boundaries: vec![],
+        gravity: [0.0, -2.0],
+        dt: 0.01,
+        steps: 50,
+        space: impactite_tests::reference::Space::Cartesian,
+    };
+    let mut mpm = Mpm::new(Box2::default(), BlockGrid::new(lattice));
+    mpm.add("stone", metal(), &seeds, |_| [0.1, 0.0]).expect("body");
+    surround(&mut mpm, &scene);
+    for _ in 0..50 {
+        mpm.step().expect("step");
+    }
+    for (p, x) in particles(&mpm)[0].iter().zip(&seeds.positions) {
+        assert!((p.velocity[1] + 1.0).abs() < 1e-12 && (p.velocity[0] - 0.1).abs() < 1e-12);
+        // Symplectic Euler: t^2 / 2 becomes t (t + dt) / 2.
+        assert!((p.position[1] - (x[1] - 0.5 * 0.51)).abs() < 1e-12);
+        assert!(p.stress.iter().all(|s| s.abs() < 1e-13 * YOUNG), "{:?}", p.stress);
+    }
+}
