@@ -329,17 +329,20 @@ fn ln_f64x4(x: F64x4) -> F64x4 {
         let e = F64x4(_mm256_cvtepi32_pd(_mm256_castsi256_si128(packed)));
         let s = (m - F64x4::one()) / (m + F64x4::one());
         let z = s * s;
-        let mut p = F64x4::of(2.0 / 23.0);
-        p = p.mul_add(z, F64x4::of(2.0 / 21.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 19.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 17.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 15.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 13.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 11.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 9.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 7.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 5.0));
-        p = p.mul_add(z, F64x4::of(2.0 / 3.0));
+        // Even and odd powers of z apart: two chains that run side by side.
+        let w = z * z;
+        let mut even = F64x4::of(2.0 / 23.0);
+        even = even.mul_add(w, F64x4::of(2.0 / 19.0));
+        even = even.mul_add(w, F64x4::of(2.0 / 15.0));
+        even = even.mul_add(w, F64x4::of(2.0 / 11.0));
+        even = even.mul_add(w, F64x4::of(2.0 / 7.0));
+        even = even.mul_add(w, F64x4::of(2.0 / 3.0));
+        let mut odd = F64x4::of(2.0 / 21.0);
+        odd = odd.mul_add(w, F64x4::of(2.0 / 17.0));
+        odd = odd.mul_add(w, F64x4::of(2.0 / 13.0));
+        odd = odd.mul_add(w, F64x4::of(2.0 / 9.0));
+        odd = odd.mul_add(w, F64x4::of(2.0 / 5.0));
+        let p = odd.mul_add(z, even);
         let ln_m = (p * z).mul_add(s, s + s);
         e.mul_add(F64x4::of(LN2_HIGH), e.mul_add(F64x4::of(LN2_LOW), ln_m))
     }
@@ -354,20 +357,23 @@ fn exp_f64x4(x: F64x4) -> F64x4 {
         let k = F64x4(_mm256_round_pd::<0x08>((x * F64x4::of(std::f64::consts::LOG2_E)).0));
         let r = (-k).mul_add(F64x4::of(LN2_HIGH), x);
         let r = (-k).mul_add(F64x4::of(LN2_LOW), r);
-        let mut p = F64x4::of(1.0 / 6_227_020_800.0);
-        p = p.mul_add(r, F64x4::of(1.0 / 479_001_600.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 39_916_800.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 3_628_800.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 362_880.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 40_320.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 5_040.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 720.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 120.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 24.0));
-        p = p.mul_add(r, F64x4::of(1.0 / 6.0));
-        p = p.mul_add(r, F64x4::of(0.5));
-        p = p.mul_add(r, F64x4::one());
-        p = p.mul_add(r, F64x4::one());
+        // Even and odd powers of r apart, as in the logarithm.
+        let w = r * r;
+        let mut odd = F64x4::of(1.0 / 6_227_020_800.0);
+        odd = odd.mul_add(w, F64x4::of(1.0 / 39_916_800.0));
+        odd = odd.mul_add(w, F64x4::of(1.0 / 362_880.0));
+        odd = odd.mul_add(w, F64x4::of(1.0 / 5_040.0));
+        odd = odd.mul_add(w, F64x4::of(1.0 / 120.0));
+        odd = odd.mul_add(w, F64x4::of(1.0 / 6.0));
+        odd = odd.mul_add(w, F64x4::one());
+        let mut even = F64x4::of(1.0 / 479_001_600.0);
+        even = even.mul_add(w, F64x4::of(1.0 / 3_628_800.0));
+        even = even.mul_add(w, F64x4::of(1.0 / 40_320.0));
+        even = even.mul_add(w, F64x4::of(1.0 / 720.0));
+        even = even.mul_add(w, F64x4::of(1.0 / 24.0));
+        even = even.mul_add(w, F64x4::of(0.5));
+        even = even.mul_add(w, F64x4::one());
+        let p = odd.mul_add(r, even);
         let k = _mm256_cvtepi32_epi64(_mm256_cvtpd_epi32(k.0));
         let scale = _mm256_slli_epi64::<52>(_mm256_add_epi64(k, _mm256_set1_epi64x(1023)));
         p * F64x4(_mm256_castsi256_pd(scale))

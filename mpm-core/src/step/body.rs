@@ -36,6 +36,8 @@ pub struct Steps<T> {
     pub this: T,
     /// The next.
     pub next: T,
+    /// Do later steps follow the wave speeds?
+    pub adapt: bool,
 }
 
 /// Totals over the particles of a body.
@@ -192,6 +194,9 @@ where
     C: Constitutive<T>,
     M: Composition<T, D>,
 {
+    /// Records a node that the method maps.
+    const RECORDS: usize = if M::MAPS_TOGETHER { 1 } else { 2 };
+
     /// Particles of a law at `seeds`, with a velocity (m/s) by position (m).
     pub fn new(
         name: &str,
@@ -255,7 +260,7 @@ where
             numbers[self.columns.number()] = T::of(n as f64);
             let slots = &mut self.slots;
             let slot = *index.entry(block).or_insert_with(|| {
-                slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(block, dummy));
+                slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(block, dummy, Self::RECORDS));
                 slots.len() - 1
             });
             self.slots[slot].block.push(bin, &numbers);
@@ -283,6 +288,7 @@ where
         Common {
             dt: steps.this,
             next_dt: steps.next,
+            speeds: steps.adapt,
             spacing: T::of(self.lattice.spacing()),
             origin: T::of(self.lattice.origin()[0]),
             half: self.half,
@@ -332,7 +338,7 @@ where
         if !K::DOES.moves {
             return;
         }
-        let common = self.common(Steps { this: T::default(), next: T::default() });
+        let common = self.common(Steps { this: T::default(), next: T::default(), adapt: false });
         let (method, domain) = (&self.method, self.columns.domain());
         team.each(&mut self.slots, |_, slot| {
             let near = |&s: &u32| outboxes.get(s as usize).is_some_and(|o| o.directions != 0);
@@ -361,7 +367,7 @@ where
         wanted.dedup();
         let Some(dummy) = self.slots.first().map(|s| s.block.dummy().to_vec()) else { return false };
         for &c in &wanted {
-            self.slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(c, &dummy));
+            self.slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(c, &dummy, Self::RECORDS));
         }
         !wanted.is_empty()
     }
@@ -422,10 +428,15 @@ where
     }
 }
 
-fn new_slot<T: Float, const D: usize, E: Stencil>(coordinates: [i32; D], dummy: &[T]) -> Slot<T, D> {
+/// An empty slot whose tile has one or two `records` a node.
+fn new_slot<T: Float, const D: usize, E: Stencil>(
+    coordinates: [i32; D],
+    dummy: &[T],
+    records: usize,
+) -> Slot<T, D> {
     Slot {
         block: Block::new(coordinates, dummy.to_vec()),
-        tile: vec![Node::default(); tile_nodes::<E>(D)],
+        tile: vec![[T::default(); 4]; tile_nodes::<E>(D) * records],
         outbox: Outbox::default(),
         nodes_around: vec![NONE; neighbours(D)],
         slots_around: vec![NONE; neighbours(D)],
@@ -550,9 +561,20 @@ where
                 for j in y.clone() {
                     let ny = place::<ExtentOf<M, T, D>>(j).1;
                     let nx = place::<ExtentOf<M, T, D>>(x.start).1;
-                    let from = &slot.tile[(k * side + j) * side..][x.clone()];
+                    let row = (k * side + j) * side;
+                    let from = row + x.start..row + x.end;
                     let to = &mut nodes[(nz * BLOCK + ny) * BLOCK + nx..][..from.len()];
-                    add_row(to, from, sums);
+                    let (first, second) = slot.tile.split_at(tile_nodes::<ExtentOf<M, T, D>>(D));
+                    match sums {
+                        Sums::All => {
+                            add_row(to, &first[from.clone()], |node| &mut node.first);
+                            if !M::MAPS_TOGETHER && !M::Update::BEFORE_FORCES {
+                                add_row(to, &second[from], |node| &mut node.second);
+                            }
+                        }
+                        Sums::Force => add_row(to, &second[from], |node| &mut node.second),
+                        Sums::Again => add_row(to, &first[from], |node| &mut node.second),
+                    }
                 }
             }
         }
@@ -595,7 +617,7 @@ where
     fn bytes(&self) -> usize {
         let slot = |s: &Slot<T, D>| {
             s.block.bytes()
-                + s.tile.capacity() * size_of::<Node<T>>()
+                + s.tile.capacity() * size_of::<[T; 4]>()
                 + s.outbox.numbers.capacity() * size_of::<T>()
                 + s.outbox.records.capacity() * size_of::<[T; 4]>()
                 + (s.nodes_around.len() + s.slots_around.len()) * size_of::<u32>()
@@ -619,23 +641,16 @@ fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
 }
 
 #[inline(always)]
-fn add_row<T: Float>(to: &mut [Node<T>], from: &[Node<T>], sums: Sums) {
+fn add_row<T: Float>(
+    to: &mut [Node<T>],
+    from: &[[T; 4]],
+    record: impl Fn(&mut Node<T>) -> &mut [T; 4],
+) {
     for (node, add) in to.iter_mut().zip(from) {
-        match sums {
-            Sums::All => {
-                add_record(&mut node.first, &add.first);
-                add_record(&mut node.second, &add.second);
-            }
-            Sums::Force => add_record(&mut node.second, &add.second),
-            Sums::Again => add_record(&mut node.second, &add.first),
+        let sum = record(node);
+        for i in 0..4 {
+            sum[i] += add[i];
         }
-    }
-}
-
-#[inline(always)]
-fn add_record<T: Float>(to: &mut [T; 4], from: &[T; 4]) {
-    for i in 0..4 {
-        to[i] += from[i];
     }
 }
 

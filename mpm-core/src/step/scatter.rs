@@ -58,6 +58,11 @@ impl Maps {
     pub fn slopes(self) -> bool {
         self.force && !self.least_squares
     }
+    /// Does anything go to the second record?
+    #[inline(always)]
+    pub fn second(self) -> bool {
+        self.slopes() && !self.together
+    }
     /// Is there an affine part in the first record?
     #[inline(always)]
     pub fn has_affine(self) -> bool {

@@ -395,7 +395,8 @@ where
     }
 
     fn particle_pass(&mut self, which: Which, dt: T) -> Result<(), StepError> {
-        let dt = Steps { this: dt, next: self.planned };
+        let adapt = matches!(self.control, TimeControl::Courant { .. });
+        let dt = Steps { this: dt, next: self.planned, adapt };
         let mut rate = T::default();
         for b in 0..self.bodies.len() {
             match self.bodies[b].pass(which, self.grid.nodes(), dt, &self.team) {

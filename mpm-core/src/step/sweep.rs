@@ -26,8 +26,9 @@ use crate::transfer::Transfer;
 pub struct Slot<T: Float, const D: usize> {
     /// The particles.
     pub block: Block<T, D>,
-    /// What they add to the nodes they reach: `TILE` nodes an axis, x fastest.
-    pub tile: Vec<Node<T>>,
+    /// What they add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
+    /// the method maps two, all second ones.
+    pub tile: Vec<[T; 4]>,
     /// Particles that left their bins.
     pub outbox: Outbox<T>,
     /// Node blocks around, 3^D, x fastest; `u32::MAX` where there is none.
@@ -99,6 +100,8 @@ pub struct Common<T> {
     pub spacing: T,
     /// x of node zero, m (the axis of revolution is x = 0).
     pub origin: T,
+    /// Are wave speeds wanted, for the next time step?
+    pub speeds: bool,
     /// Domain half sizes of particles that do not carry their own, in units of h.
     pub half: [T; 3],
 }
@@ -189,7 +192,7 @@ where
         let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
         let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
             Array::filled([A::Quad::zero(); 2]);
-        slot.tile.fill(Node::default());
+        clear_tile::<T, D, ExtentOf<M, T, D>>(&mut slot.tile, maps);
         slot.outbox.clear();
         slot.report = Report::default();
         let columns = slot.block.dummy().len();
@@ -332,15 +335,17 @@ where
                             new.fault,
                         );
                     }
-                    if does.force {
+                    if does.force && common.speeds {
                         rate = rate.max(A::Pack::select(alive, speed(law, &new.state, &v), zero));
                     }
                 } else if does.force {
                     let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
                     stress = law.stress(&now);
                     volume = law.volume_ratio(&now) * mass * per_density;
-                    rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
-                } else if does.moves {
+                    if common.speeds {
+                        rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
+                    }
+                } else if does.moves && common.speeds {
                     let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
                     rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
                 }
@@ -414,7 +419,7 @@ where
                     scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, lane, maps);
                 }
             }
-            add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
+            add_to_tile::<T, D, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
             if does.moves && !slot.leaving.is_empty() {
                 send_away::<T, D>(slot, bin);
             }
@@ -610,7 +615,7 @@ where
                 spread.fill(&at, maps.slopes());
                 scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, 0, maps);
                 let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-                add_to_tile::<T, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
+                add_to_tile::<T, D, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
             }
         }
         slot.block.tidy();
@@ -710,27 +715,49 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
     }
 }
 
+/// Clear the records of a tile that a pass adds to.
+#[inline(always)]
+fn clear_tile<T: Float, const D: usize, E: Stencil>(tile: &mut [[T; 4]], maps: Maps) {
+    let (first, second) = tile.split_at_mut(tile_nodes::<E>(D));
+    if maps.momentum {
+        first.fill([T::default(); 4]);
+    }
+    if maps.second() {
+        second.fill([T::default(); 4]);
+    }
+}
+
 /// Add a bin's sums to its block's tile and clear them for the next bin.
 #[inline(always)]
-fn add_to_tile<T: Float, A: Arch<T>, E: Stencil>(
-    tile: &mut [Node<T>],
+fn add_to_tile<T: Float, const D: usize, A: Arch<T>, E: Stencil>(
+    tile: &mut [[T; 4]],
     corner: usize,
     sums: &mut E::Nodes<[A::Quad; 2]>,
     maps: Maps,
+) {
+    let (first, second) = tile.split_at_mut(tile_nodes::<E>(D));
+    if maps.momentum {
+        add_records::<T, A, E>(first, corner, sums, 0);
+    }
+    if maps.second() {
+        add_records::<T, A, E>(second, corner, sums, 1);
+    }
+}
+
+#[inline(always)]
+fn add_records<T: Float, A: Arch<T>, E: Stencil>(
+    tile: &mut [[T; 4]],
+    corner: usize,
+    sums: &mut E::Nodes<[A::Quad; 2]>,
+    which: usize,
 ) {
     for k in 0..E::LAYERS {
         for j in 0..E::NODES {
             let row = &mut tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
             for i in 0..E::NODES {
-                let sum = &mut sums[(k * E::NODES + j) * E::NODES + i];
-                if maps.momentum {
-                    (A::Quad::load(&row[i].first) + sum[0]).store(&mut row[i].first);
-                    sum[0] = A::Quad::zero();
-                }
-                if maps.slopes() && !maps.together {
-                    (A::Quad::load(&row[i].second) + sum[1]).store(&mut row[i].second);
-                    sum[1] = A::Quad::zero();
-                }
+                let sum = &mut sums[(k * E::NODES + j) * E::NODES + i][which];
+                (A::Quad::load(&row[i]) + *sum).store(&mut row[i]);
+                *sum = A::Quad::zero();
             }
         }
     }
