@@ -1,4 +1,45 @@
 //! The material point method as parts that compose: particles, sparse grids, shape functions, transfers.
+//!
+//! A [`Method`] names a shape function, a transfer, a stress update and an embedding; [`Mpm`] runs it on a grid,
+//! with bodies of any laws ([`mpm_materials`]):
+//!
+//! ```
+//! use mpm_core::geometry::{Ball, Filling, Lattice, fill};
+//! use mpm_core::{Apic, BlockGrid, Boundary, Method, Mpm, PlaneStrain, QuadraticBSpline, Side, Usl};
+//! use mpm_materials::{Moduli, NeoHookean};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // A rubber disc of radius 0.1 m falls on a floor at 2 m/s.
+//! let lattice = Lattice::new([0.0; 2], 0.05)?;
+//! let rubber = NeoHookean::new(1000.0, Moduli::young_poisson(1.0e6, 0.4)?)?;
+//! let seeds = fill(&Ball::new([0.5, 0.1], 0.1)?, &lattice, 2, &Filling::new())?;
+//! let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
+//! let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+//! mpm.add("disc", rubber, &seeds, |_| [0.0, -2.0])?;
+//! mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+//! mpm.run_until(1.0e-3)?;
+//! # assert!((mpm.time() - 1.0e-3).abs() < 1e-12);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`method`], [`shape`], [`transfer`], [`scheme`], [`embedding`] | the parts of a method, and which go together |
+//! | [`step`] | the solver, the stages of a step, the time step |
+//! | [`particles`], [`grid`] | where particles and nodes are kept |
+//! | [`boundary`] | conditions and loads |
+//! | [`geometry`] | shapes, and particles seeded from them |
+//! | [`observe`], [`output`] | what looks at a run, and what it writes |
+//! | [`parallel`] | vectors and threads; the only `unsafe` |
+//!
+//! Units are SI. Stress is tension-positive, pressure compression-positive; symmetric tensors are listed xx, yy,
+//! zz, yz, xz, xy. Results are the same bits for any number of threads and any grid. `CONVENTIONS.md` and
+//! `REFERENCES.md` of the repository explain symbols, rules and the keys in square brackets.
+//!
+//! # Features
+//! - `mesh` (default): bodies from STL and OBJ files.
+//! - `conformance`: tests for shape functions, transfers, grids and methods written elsewhere.
 
 pub mod boundary;
 #[cfg(feature = "conformance")]
@@ -29,3 +70,7 @@ pub use shape::{
 };
 pub use step::{Body, Mpm, Particle, StepError, Stopped, TimeControl, Totals};
 pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
+
+#[cfg(all(doctest, feature = "conformance"))]
+#[doc = include_str!("../../README.md")]
+struct Readme;
