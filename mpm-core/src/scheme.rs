@@ -22,6 +22,8 @@ pub struct Pass {
     pub momentum: bool,
     /// Map the force of the stress to the grid.
     pub force: bool,
+    /// Add the surface load of particles that carry one to that force.
+    pub load: bool,
     /// Instead of all this: gather the second nodal vector and map it back as momentum (FMPM).
     pub smooth: bool,
 }
@@ -36,8 +38,15 @@ pub enum Nodal {
 }
 
 impl Pass {
-    const NOTHING: Pass =
-        Pass { strain: None, velocity: false, moves: false, momentum: false, force: false, smooth: false };
+    const NOTHING: Pass = Pass {
+        strain: None,
+        velocity: false,
+        moves: false,
+        momentum: false,
+        force: false,
+        load: false,
+        smooth: false,
+    };
 }
 
 /// A pass as a type, so that what it does not do is not compiled.
@@ -73,6 +82,13 @@ passes! {
     UsfStress { strain: Some(Nodal::First), force: true }
     /// Second pass of USF.
     UsfAdvance { velocity: true, moves: true, momentum: true }
+}
+
+/// The pass `K` of a body with a surface load.
+#[derive(Clone, Copy, Debug)]
+pub struct Loaded<K>(std::marker::PhantomData<K>);
+impl<K: PassKind> PassKind for Loaded<K> {
+    const DOES: Pass = Pass { load: K::DOES.force, ..K::DOES };
 }
 
 /// When the stress is updated.

@@ -17,13 +17,21 @@ pub struct Columns {
     dimension: usize,
     state: usize,
     domain: usize,
+    load: usize,
     names: Vec<String>,
 }
 
 impl Columns {
-    /// Columns of a body: `state` numbers of its law with these `names`, and domain half sizes if `domain`.
-    pub fn new(dimension: usize, state: Vec<String>, domain: bool) -> Self {
-        Columns { dimension, state: state.len(), domain: if domain { dimension } else { 0 }, names: state }
+    /// Columns of a body: the numbers of its law's `state`, by name, domain half sizes if `domain`, and a loaded
+    /// area if `load`.
+    pub fn new(dimension: usize, state: Vec<String>, domain: bool, load: bool) -> Self {
+        Columns {
+            dimension,
+            state: state.len(),
+            domain: if domain { dimension } else { 0 },
+            load: usize::from(load),
+            names: state,
+        }
     }
     /// Rows of a group; numbers of a particle.
     #[inline(always)]
@@ -55,10 +63,15 @@ impl Columns {
     pub fn domain(&self) -> usize {
         Self::state(self.dimension) + self.state
     }
+    /// Row of the loaded area, m^2 (if carried).
+    #[inline(always)]
+    pub fn load(&self) -> usize {
+        self.domain() + self.domain
+    }
     /// Row of the particle's number, by which it can be told all its life.
     #[inline(always)]
     pub fn number(&self) -> usize {
-        self.domain() + self.domain
+        self.load() + self.load
     }
     /// Names of the law's state columns.
     pub fn state_names(&self) -> &[String] {

@@ -2,18 +2,19 @@
 
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 use mpm_materials::{Constitutive, Lane, State};
 
 use super::nodes::Sums;
 use super::sweep::{Cause, Common, Report, Slot, Sweep, TakeIn, Trouble, place, tile_nodes};
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
-use crate::geometry::{Lattice, Seeds};
+use crate::geometry::{Lattice, Seeds, Shape};
 use crate::grid::Node;
 use crate::method::Composition;
 use crate::parallel::{Float, Team};
 use crate::particles::{Block, Columns, Outbox, split};
-use crate::scheme::{PassKind, Smooth, StressUpdate};
+use crate::scheme::{Loaded, PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
 
 /// Which pass of a method to make.
@@ -38,6 +39,71 @@ pub struct Steps<T> {
     pub next: T,
     /// Do later steps follow the wave speeds?
     pub adapt: bool,
+    /// Time at which the forces act that a pass maps, s.
+    pub force_time: f64,
+}
+
+/// A surface load as a type, so that a body without one carries nothing for it.
+pub trait Load<const D: usize>: Send + Sync + 'static {
+    /// Is there one?
+    const ACTS: bool;
+    /// The pass `K` of a body with this load.
+    type Pass<K: PassKind>: PassKind;
+    /// Traction at a time (s), Pa.
+    fn traction(&self, time: f64) -> [f64; D];
+    /// Loaded area of a particle that takes the half sizes `half` (m) around `x` (m), m^2.
+    fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64;
+}
+
+/// No surface load.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Unloaded;
+impl<const D: usize> Load<D> for Unloaded {
+    const ACTS: bool = false;
+    type Pass<K: PassKind> = K;
+    fn traction(&self, _time: f64) -> [f64; D] {
+        [0.0; D]
+    }
+    fn area(&self, _x: &[f64; D], _half: &[f64; D]) -> f64 {
+        0.0
+    }
+}
+
+/// A dead load: the particles that start inside a region carry the force of a traction over time on their
+/// face normal to an axis, sized as at the start. Choose the region to hold one layer of particles.
+#[derive(Clone)]
+pub struct Traction<const D: usize> {
+    /// Where the loaded particles start.
+    pub region: Arc<dyn Shape<D>>,
+    /// The axis that the loaded faces are normal to.
+    pub axis: usize,
+    /// Traction over time: Pa at a time in s.
+    pub history: Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>,
+    /// Are areas per radian about x = 0 (axisymmetric) instead of in full or per metre of depth?
+    pub revolved: bool,
+}
+impl<const D: usize> Load<D> for Traction<D> {
+    const ACTS: bool = true;
+    type Pass<K: PassKind> = Loaded<K>;
+    fn traction(&self, time: f64) -> [f64; D] {
+        (self.history)(time)
+    }
+    fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
+        if !self.region.contains(*x) {
+            return 0.0;
+        }
+        let face: f64 = (0..D).filter(|&d| d != self.axis).map(|d| 2.0 * half[d]).product();
+        if self.revolved { face * x[0] } else { face }
+    }
+}
+
+/// What a surface load gave to a body in a pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Loading {
+    /// Force, N.
+    pub force: [f64; 3],
+    /// Power, W.
+    pub power: f64,
 }
 
 /// Totals over the particles of a body.
@@ -130,6 +196,8 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     /// # Errors
     /// The first particle that cannot go on.
     fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble>;
+    /// Force and power of the surface load that the last pass mapped.
+    fn loading(&self) -> Loading;
     /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
     /// blocks that are empty. Returns whether the set of blocks changed.
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool;
@@ -151,7 +219,7 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
 }
 
 /// A body of the law `C` in a method `M`.
-pub struct ParticleBody<T: Float, const D: usize, C, M> {
+pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     name: String,
     law: C,
     method: M,
@@ -163,6 +231,10 @@ pub struct ParticleBody<T: Float, const D: usize, C, M> {
     /// Half sizes of the particles in units of h.
     half: [T; 3],
     lightest: T,
+    load: L,
+    /// Sum of the loaded areas, m^2.
+    loaded_area: f64,
+    loading: Loading,
 }
 
 const NONE: u32 = u32::MAX;
@@ -188,11 +260,12 @@ fn shifted<const D: usize>(c: &[i32; D], by: &[i32; D]) -> [i32; D] {
     r
 }
 
-impl<T, const D: usize, C, M> ParticleBody<T, D, C, M>
+impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
 where
     T: Float,
     C: Constitutive<T>,
     M: Composition<T, D>,
+    L: Load<D>,
 {
     /// Records a node that the method maps.
     const RECORDS: usize = if M::MAPS_TOGETHER { 1 } else { 2 };
@@ -205,10 +278,11 @@ where
         lattice: Lattice<D>,
         seeds: &Seeds<D>,
         velocity: impl Fn([f64; D]) -> [f64; D],
+        load: L,
     ) -> Self {
         let mut names = Vec::new();
         C::State::<T::Single>::names("state", &mut names);
-        let columns = Columns::new(D, names, ShapeOf::<M, T, D>::CARRIES_DOMAIN);
+        let columns = Columns::new(D, names, ShapeOf::<M, T, D>::CARRIES_DOMAIN, L::ACTS);
         let virgin: Vec<T> =
             mpm_materials::point::flatten(&law.virgin()).into_iter().map(|x: T::Single| x.into()).collect();
         let mut half = [T::of(0.5); 3];
@@ -219,6 +293,9 @@ where
         dummy.extend_from_slice(&virgin);
         if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
             dummy.extend_from_slice(&half[..D]);
+        }
+        if L::ACTS {
+            dummy.push(T::default());
         }
         dummy.push(T::default());
         let mut body = ParticleBody {
@@ -231,6 +308,9 @@ where
             contributors: Vec::new(),
             half,
             lightest: T::of(f64::MAX),
+            load,
+            loaded_area: 0.0,
+            loading: Loading::default(),
         };
         body.seed(seeds, &dummy, velocity);
         body
@@ -257,6 +337,11 @@ where
             let mass = density * T::of(volume);
             self.lightest = self.lightest.min(mass);
             numbers[Columns::mass(D)] = mass;
+            if L::ACTS {
+                let area = self.load.area(&x, &seeds.half_size);
+                self.loaded_area += area;
+                numbers[self.columns.load()] = T::of(area);
+            }
             numbers[self.columns.number()] = T::of(n as f64);
             let slots = &mut self.slots;
             let slot = *index.entry(block).or_insert_with(|| {
@@ -284,11 +369,20 @@ where
         }
     }
 
+    fn traction(&self, time: f64) -> [f64; 3] {
+        let mut traction = [0.0; 3];
+        if L::ACTS {
+            traction[..D].copy_from_slice(&self.load.traction(time));
+        }
+        traction
+    }
+
     fn common(&self, steps: Steps<T>) -> Common<T> {
         Common {
             dt: steps.this,
             next_dt: steps.next,
             speeds: steps.adapt,
+            traction: self.traction(steps.force_time).map(T::of),
             spacing: T::of(self.lattice.spacing()),
             origin: T::of(self.lattice.origin()[0]),
             half: self.half,
@@ -303,6 +397,15 @@ where
                 Sweep { law, method, nodes, slot, common, pass: PhantomData };
             T::dispatch(sweep);
         });
+        if L::ACTS && K::DOES.load {
+            self.loading = Loading::default();
+            let traction = self.traction(dt.force_time);
+            for d in 0..D {
+                let flux: f64 = self.slots.iter().map(|s| s.report.flux[d].to_double()).sum();
+                self.loading.force[d] = traction[d] * self.loaded_area;
+                self.loading.power += traction[d] * flux;
+            }
+        }
         let mut rate = T::default();
         for slot in &self.slots {
             rate = rate.max(slot.report.rate);
@@ -338,7 +441,8 @@ where
         if !K::DOES.moves {
             return;
         }
-        let common = self.common(Steps { this: T::default(), next: T::default(), adapt: false });
+        let common =
+            self.common(Steps { this: T::default(), next: T::default(), adapt: false, force_time: 0.0 });
         let (method, domain) = (&self.method, self.columns.domain());
         team.each(&mut self.slots, |_, slot| {
             let near = |&s: &u32| outboxes.get(s as usize).is_some_and(|o| o.directions != 0);
@@ -445,11 +549,12 @@ fn new_slot<T: Float, const D: usize, E: Stencil>(
     }
 }
 
-impl<T, const D: usize, C, M> Body<T, D> for ParticleBody<T, D, C, M>
+impl<T, const D: usize, C, M, L> Body<T, D> for ParticleBody<T, D, C, M, L>
 where
     T: Float,
     C: Constitutive<T>,
     M: Composition<T, D>,
+    L: Load<D>,
 {
     fn name(&self) -> &str {
         &self.name
@@ -487,11 +592,15 @@ where
 
     fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble> {
         match which {
-            Which::Map => self.sweep::<<M::Update as StressUpdate>::Map>(nodes, dt, team),
-            Which::First => self.sweep::<<M::Update as StressUpdate>::First>(nodes, dt, team),
-            Which::Second => self.sweep::<<M::Update as StressUpdate>::Second>(nodes, dt, team),
+            Which::Map => self.sweep::<L::Pass<<M::Update as StressUpdate>::Map>>(nodes, dt, team),
+            Which::First => self.sweep::<L::Pass<<M::Update as StressUpdate>::First>>(nodes, dt, team),
+            Which::Second => self.sweep::<L::Pass<<M::Update as StressUpdate>::Second>>(nodes, dt, team),
             Which::Smooth => self.sweep::<Smooth>(nodes, dt, team),
         }
+    }
+
+    fn loading(&self) -> Loading {
+        self.loading
     }
 
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
@@ -501,8 +610,8 @@ where
         }
         let outboxes: Vec<Outbox<T>> = self.slots.iter_mut().map(|s| std::mem::take(&mut s.outbox)).collect();
         match which {
-            Which::First => self.take_in::<<M::Update as StressUpdate>::First>(&outboxes, team),
-            _ => self.take_in::<<M::Update as StressUpdate>::Second>(&outboxes, team),
+            Which::First => self.take_in::<L::Pass<<M::Update as StressUpdate>::First>>(&outboxes, team),
+            _ => self.take_in::<L::Pass<<M::Update as StressUpdate>::Second>>(&outboxes, team),
         }
         for (slot, outbox) in self.slots.iter_mut().zip(outboxes) {
             slot.outbox = outbox;
@@ -641,11 +750,7 @@ fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
 }
 
 #[inline(always)]
-fn add_row<T: Float>(
-    to: &mut [Node<T>],
-    from: &[[T; 4]],
-    record: impl Fn(&mut Node<T>) -> &mut [T; 4],
-) {
+fn add_row<T: Float>(to: &mut [Node<T>], from: &[[T; 4]], record: impl Fn(&mut Node<T>) -> &mut [T; 4]) {
     for (node, add) in to.iter_mut().zip(from) {
         let sum = record(node);
         for i in 0..4 {

@@ -8,6 +8,6 @@ mod scatter;
 mod solver;
 pub mod sweep;
 
-pub use body::{Body, Particle, ParticleBody, Totals};
+pub use body::{Body, Load, Particle, ParticleBody, Totals, Traction, Unloaded};
 pub use control::TimeControl;
 pub use solver::{Mpm, SceneError, StepError, Stopped};

@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! first:   N_i (R + sum_d A_d i_d)                R = [m, m v] - sum_d A_d xi_d,  A_d = m h C e_d  (APIC)
-//! second:  sum_d G_d dN_i/dxi_d + N_i H           G_d = -V sigma e_d / h,  H the hoop force
+//! second:  sum_d G_d dN_i/dxi_d + N_i H           G_d = -V sigma e_d / h,  H hoop force and load
 //! ```
 //!
 //! Where a step needs only their sum, momentum plus the impulse of the force, both go to the first record with
@@ -23,7 +23,7 @@ pub const RECORDS: usize = 8;
 /// Index of R.
 pub const MOMENTUM: usize = 0;
 /// Index of H.
-pub const HOOP: usize = 1;
+pub const DIRECT: usize = 1;
 /// Index of A_0.
 pub const AFFINE: usize = 2;
 /// Index of G_0.
@@ -44,8 +44,8 @@ pub struct Maps {
     pub affine: bool,
     /// Forces.
     pub force: bool,
-    /// The hoop force.
-    pub hoop: bool,
+    /// Forces that act as such, without gradients of weights: of the hoop stress and of surface loads.
+    pub direct: bool,
     /// Forces go to the first record, as impulses.
     pub together: bool,
     /// Forces have the affine form and need no slopes.
@@ -128,7 +128,7 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil>(
     maps: Maps,
 ) {
     let r = A::Quad::load(&records[MOMENTUM][lane]);
-    let hoop = A::Quad::load(&records[HOOP][lane]);
+    let direct = A::Quad::load(&records[DIRECT][lane]);
     let a = [
         A::Quad::load(&records[AFFINE][lane]),
         A::Quad::load(&records[AFFINE + 1][lane]),
@@ -169,8 +169,8 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil>(
                 if E::LAYERS > 1 {
                     across = g[2].mul_add(A::Quad::splat(spread.dz[jk].as_ref()[lane]), across);
                 }
-                if maps.hoop {
-                    across = hoop.mul_add(yz, across);
+                if maps.direct {
+                    across = direct.mul_add(yz, across);
                 }
                 if maps.together {
                     momentum = momentum + across;

@@ -2,7 +2,7 @@
 
 use mpm_materials::Constitutive;
 
-use super::body::{Body, BodyTrouble, ParticleBody, Steps, Totals, Which};
+use super::body::{Body, BodyTrouble, Load, Loading, ParticleBody, Steps, Totals, Unloaded, Which};
 use super::control::{ControlError, TimeControl};
 use super::nodes::{Conditions, MASS_CUTOFF, NodeLedger, Stage, Sums};
 use super::sweep::Cause;
@@ -155,6 +155,8 @@ pub struct Mpm<T: Float, const D: usize, M, G> {
     mapped: bool,
     ledgers: Vec<NodeLedger>,
     ledger: NodeLedger,
+    /// The surface loads on the grid.
+    acting: Loading,
     /// Terms of the FMPM series, one a node; empty for other transfers.
     terms: Vec<[T; 3]>,
 }
@@ -185,6 +187,7 @@ where
             mapped: false,
             ledgers: Vec::new(),
             ledger: NodeLedger::default(),
+            acting: Loading::default(),
             terms: Vec::new(),
         }
     }
@@ -200,10 +203,25 @@ where
         seeds: &Seeds<D>,
         velocity: impl Fn([f64; D]) -> [f64; D],
     ) -> Result<(), SceneError> {
+        self.add_loaded(name, law, seeds, velocity, Unloaded)
+    }
+
+    /// Add a body as [`Mpm::add`] does, with a surface load such as a [`super::Traction`].
+    ///
+    /// # Errors
+    /// As [`Mpm::add`].
+    pub fn add_loaded<C: Constitutive<T>, L: Load<D>>(
+        &mut self,
+        name: &str,
+        law: C,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+        load: L,
+    ) -> Result<(), SceneError> {
         self.check_seeds(name, seeds)?;
         self.check_numbers(name, seeds, &velocity)?;
         let lattice = *self.grid.lattice();
-        let body = ParticleBody::<T, D, C, M>::new(name, law, self.method, lattice, seeds, velocity);
+        let body = ParticleBody::<T, D, C, M, L>::new(name, law, self.method, lattice, seeds, velocity, load);
         self.bodies.push(Box::new(body));
         self.mapped = false;
         self.arrange().map_err(|outside| {
@@ -349,6 +367,14 @@ where
         for part in &self.ledgers {
             self.ledger.add(part);
         }
+        if M::Update::BEFORE_FORCES {
+            self.acting = self.loading();
+        }
+        for d in 0..3 {
+            self.ledger.load[d] += self.acting.force[d] * dt.to_double();
+        }
+        self.ledger.work += self.acting.power * dt.to_double();
+        self.acting = self.loading();
         let last = if M::Update::BEFORE_FORCES || M::Update::REMAP { Which::Second } else { Which::First };
         let prune = self.steps % PRUNE_EVERY == PRUNE_EVERY - 1;
         let mut changed = false;
@@ -365,6 +391,19 @@ where
         Ok(dt)
     }
 
+    /// Surface loads of all bodies, as the last pass mapped them.
+    fn loading(&self) -> Loading {
+        let mut sum = Loading::default();
+        for body in &self.bodies {
+            let one = body.loading();
+            for d in 0..3 {
+                sum.force[d] += one.force[d];
+            }
+            sum.power += one.power;
+        }
+        sum
+    }
+
     /// Map the particles as they stand, where no pass did so.
     fn map_particles(&mut self, left: f64) -> Result<(), StepError> {
         if !self.mapped {
@@ -373,6 +412,7 @@ where
             self.rate = rates.fold(T::default(), |a, b| if b > a { b } else { a });
             self.planned = self.plan(left)?;
             self.particle_pass(Which::Map, T::default())?;
+            self.acting = self.loading();
             self.mapped = true;
         }
         Ok(())
@@ -396,7 +436,10 @@ where
 
     fn particle_pass(&mut self, which: Which, dt: T) -> Result<(), StepError> {
         let adapt = matches!(self.control, TimeControl::Courant { .. });
-        let dt = Steps { this: dt, next: self.planned, adapt };
+        // Forces act in the step that follows the map; those of USF in this one.
+        let usf = M::Update::BEFORE_FORCES && which == Which::First;
+        let force_time = self.time + if usf { 0.0 } else { dt.to_double() };
+        let dt = Steps { this: dt, next: self.planned, adapt, force_time };
         let mut rate = T::default();
         for b in 0..self.bodies.len() {
             match self.bodies[b].pass(which, self.grid.nodes(), dt, &self.team) {

@@ -10,7 +10,7 @@ use std::marker::PhantomData;
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
 use super::gather::{Wanted, gather, to_coefficients};
-use super::scatter::{AFFINE, FORCE, HOOP, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
+use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::embedding::Embedding;
 use crate::grid::Node;
@@ -49,6 +49,8 @@ const AHEAD: usize = 4;
 pub struct Report<T> {
     /// Largest (c + |v|) / h, 1/s.
     pub rate: T,
+    /// Sum of loaded area times velocity, m^3/s.
+    pub flux: [T; 3],
     /// The first particle that cannot go on.
     pub trouble: Option<Trouble>,
 }
@@ -61,7 +63,7 @@ fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Maps {
         momentum: does.momentum,
         affine: does.velocity && does.momentum && M::Transfer::AFFINE,
         force: does.force,
-        hoop: does.force && M::Embedding::HOOP,
+        direct: does.force && (M::Embedding::HOOP || does.load),
         together: does.force && does.momentum && M::MAPS_TOGETHER,
         least_squares: does.force && M::Transfer::LEAST_SQUARES,
     }
@@ -100,6 +102,8 @@ pub struct Common<T> {
     pub spacing: T,
     /// x of node zero, m (the axis of revolution is x = 0).
     pub origin: T,
+    /// Traction on the loaded areas, Pa.
+    pub traction: [T; 3],
     /// Are wave speeds wanted, for the next time step?
     pub speeds: bool,
     /// Domain half sizes of particles that do not carry their own, in units of h.
@@ -211,6 +215,7 @@ where
         let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
         let mut rate = zero;
+        let mut flux = [zero; 3];
 
         for bin in 0..block_nodes(D) {
             let particles = slot.block.bin_len(bin);
@@ -396,15 +401,32 @@ where
                 if maps.least_squares {
                     force = Sym3::zero();
                 }
-                fill_records::<T, A, D>(&mut records, mass, &momentum, &momenta, &xi, &force, maps);
-                if maps.hoop {
-                    // The radius of the new position, like the weights.
-                    let mut hoop = -(volume * stress.0[2]) / xi[0].mul_add(spacing, bin_x);
-                    if maps.together {
-                        hoop = hoop * A::Pack::splat(common.next_dt);
+                let mut impulse = [mass * momentum[0], mass * momentum[1], mass * momentum[2]];
+                if maps.direct {
+                    let mut direct = [zero; 3];
+                    if M::Embedding::HOOP {
+                        // The radius of the new position, like the weights.
+                        direct[0] = -(volume * stress.0[2]) / xi[0].mul_add(spacing, bin_x);
                     }
-                    A::Pack::records(zero, hoop, zero, zero, &mut records[HOOP]);
+                    if does.load {
+                        let columns = if ShapeOf::<M, T, D>::CARRIES_DOMAIN { D } else { 0 };
+                        let area = A::Pack::load(&rest[columns]);
+                        for d in 0..D {
+                            direct[d] = area.mul_add(A::Pack::splat(common.traction[d]), direct[d]);
+                            flux[d] = area.mul_add(v[d], flux[d]);
+                        }
+                    }
+                    for d in 0..D {
+                        if maps.together {
+                            direct[d] = direct[d] * A::Pack::splat(common.next_dt);
+                        }
+                        if maps.least_squares {
+                            impulse[d] = impulse[d] + direct[d];
+                        }
+                    }
+                    A::Pack::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
                 }
+                fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, &force, maps);
                 spread.fill(&at, maps.slopes());
                 let here = (particles - first).min(T::GROUP);
                 for lane in 0..here {
@@ -426,6 +448,9 @@ where
         }
         for i in 0..A::Pack::WIDTH {
             slot.report.rate = slot.report.rate.max(rate.lane(i));
+            for d in 0..D {
+                slot.report.flux[d] += flux[d].lane(i);
+            }
         }
         slot.report.rate /= common.spacing;
     }
@@ -447,7 +472,7 @@ where
 fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     records: &mut Records<T>,
     mass: A::Pack,
-    v: &[A::Pack; 3],
+    mut p: [A::Pack; 3],
     affine: &[[A::Pack; 3]; 3],
     xi: &[A::Pack; 3],
     force: &Sym3<A::Pack>,
@@ -455,7 +480,6 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
 ) {
     let zero = A::Pack::zero();
     if maps.momentum {
-        let mut p = [mass * v[0], mass * v[1], mass * v[2]];
         if maps.has_affine() {
             for d in 0..D {
                 for c in 0..D {
