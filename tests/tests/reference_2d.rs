@@ -101,9 +101,8 @@ mod clouds {
             for (volume, p) in seeds.volumes.iter_mut().zip(&particles) {
                 *volume *= p.2;
             }
-            let flow: Flow<2> = Box::new(move |x| {
-                speeds[positions.iter().position(|y| *y == x).expect("one of the seeds")]
-            });
+            let flow: Flow<2> =
+                Box::new(move |x| speeds[positions.iter().position(|y| *y == x).expect("one of the seeds")]);
             let [x, y] = corner;
             let boundaries = match kind {
                 0 => vec![],

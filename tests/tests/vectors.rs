@@ -1,9 +1,9 @@
 //! The vector instructions of this processor and the portable packs compute the same: every operation of a
 //! lane, bit for bit where it is exact.
 
+use impactite_tests::scene::Numbers;
 use mpm_core::parallel::{Arch, Float, Kernel, Pack};
 use mpm_materials::{Lane, Mask};
-use impactite_tests::scene::Numbers;
 
 /// All operations on three rows; a row of results each.
 struct Operations<'a, T: Float>([&'a T::Row; 3]);
@@ -119,7 +119,8 @@ fn compare_comparisons(inputs: &[[f64; 3]; 8]) {
         #[inline(always)]
         fn run<A: Arch<f64>>(self) -> Self::Output {
             let [a, b, c] = self.0.map(|row| A::Pack::load(row));
-            let rows = [a.min(b), a.max(b), A::Pack::select(a.lt(b), c, a), a.abs(), -a, a * b, a.clamp(b, c)];
+            let rows =
+                [a.min(b), a.max(b), A::Pack::select(a.lt(b), c, a), a.abs(), -a, a * b, a.clamp(b, c)];
             let bits = [a.lt(b), a.le(b), a.gt(b), a.ge(b), a.is_finite(), !a.lt(b)].map(A::Pack::bits);
             let rows = rows.map(|x| {
                 let mut row = Default::default();
