@@ -72,7 +72,11 @@ impl Constitutive<f64> for StandardLinearSolid {
         Memory { elastic: Sym3::zero(), overstress: Sym3::zero(), volume_ratio: 1.0, work: 0.0 }
     }
     #[inline(always)]
-    fn update<L: Lane<Real = f64>>(&self, kinematics: &Kinematics<L>, old: &Memory<L>) -> Update<L, Memory<L>> {
+    fn update<L: Lane<Real = f64>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Memory<L>,
+    ) -> Update<L, Memory<L>> {
         let strain = kinematics.strain();
         let deviator = strain.deviator();
         let x = kinematics.dt / L::of(self.relaxation_time);
