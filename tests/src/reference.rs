@@ -410,7 +410,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 
     fn lightest(&self) -> f64 {
-        1e-14 * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min)
+        f64::EPSILON.powi(2) * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min)
     }
 
     /// v = p / m. For USF with the boundaries, since the strain is taken from it.

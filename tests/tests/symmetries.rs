@@ -475,3 +475,43 @@ fn a_stone_falls() {
         assert!(p.stress.iter().all(|s| s.abs() < 1e-13 * YOUNG), "{:?}", p.stress);
     }
 }
+
+/// Exactly on a face of a cell, the far node of the hat has no weight but a slope.
+#[test]
+fn a_particle_on_a_cell_face_feels_nothing() {
+    let lattice = Lattice::new([0.0; 2], 1.0).expect("lattice");
+    let seeds = block(&lattice, [0, 0], [2, 2], 2, 0.0);
+    let mut mpm = Mpm::new(Hat::<PlaneStrain>::default(), BlockGrid::new(lattice));
+    mpm.add("block", metal(), &seeds, |_| [2.0, 1.0]).expect("body");
+    mpm.set_time_control(TimeControl::Fixed(0.125)).expect("time control");
+    for _ in 0..20 {
+        mpm.step().expect("step");
+        for p in &particles(&mpm)[0] {
+            assert!(p.stress.iter().all(|s| s.abs() < 1e-13 * YOUNG), "{p:?}");
+        }
+    }
+}
+
+/// A rigid flight makes no stress wherever particles come to lie, also where weights are tiny.
+#[test]
+fn rigid_flight_makes_no_stress() {
+    fn check<const D: usize, M: Composition<f64, D>>(method: M, steps: usize) {
+        let lattice = scene::lattice::<D>();
+        let seeds = block(&lattice, [0; D], [3; D], 2, 0.8);
+        let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+        let mut v = [0.0; D];
+        for d in 0..D {
+            v[d] = 0.5 * (1.0 - 0.3 * d as f64);
+        }
+        mpm.add("block", rubber(), &seeds, |_| v).expect("body");
+        mpm.set_time_control(TimeControl::Fixed(0.3 * 0.1 / wave_speed())).expect("time control");
+        for _ in 0..steps {
+            mpm.step().expect("step");
+        }
+        let worst = particles(&mpm)[0].iter().flat_map(|p| p.stress).fold(0.0f64, |a, s| a.max(s.abs()));
+        assert!(worst < 1e-13 * YOUNG, "{}: {worst:e}", mpm.method().describe());
+    }
+    check::<3, Spline<FullSpace>>(Default::default(), 300);
+    check::<3, Hat<FullSpace>>(Default::default(), 300);
+    check::<2, Box2>(Default::default(), 300);
+}

@@ -8,7 +8,7 @@
 
 use mpm_materials::{
     Breakdown, Check, Constitutive, Fault, HughesWinget, Kinematics, Lane, ObjectiveRate, ParameterError,
-    Sym3, Update, point::finite_stress, state,
+    Sym3, Update, point::finite_state, state,
 };
 
 state! {
@@ -72,7 +72,11 @@ impl Constitutive<f64> for StandardLinearSolid {
         Memory { elastic: Sym3::zero(), overstress: Sym3::zero(), volume_ratio: 1.0, work: 0.0 }
     }
     #[inline(always)]
-    fn update<L: Lane<Real = f64>>(&self, kinematics: &Kinematics<L>, old: &Memory<L>) -> Update<L, Memory<L>> {
+    fn update<L: Lane<Real = f64>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Memory<L>,
+    ) -> Update<L, Memory<L>> {
         let strain = kinematics.strain();
         let deviator = strain.deviator();
         let x = kinematics.dt / L::of(self.relaxation_time);
@@ -93,10 +97,11 @@ impl Constitutive<f64> for StandardLinearSolid {
         let before = HughesWinget.rotate(kinematics, &(old.elastic + old.overstress));
         let volume = (old.volume_ratio + volume_ratio) * L::of(0.5);
         let work = old.work + volume * (before + stress).dot(&strain) * L::of(0.5);
+        let state = Memory { elastic, overstress, volume_ratio, work };
         let fault = Fault::none()
             .require(factor.gt(L::zero()), Breakdown::InvertedVolume)
-            .require(finite_stress(&stress), Breakdown::NotFinite);
-        Update { state: Memory { elastic, overstress, volume_ratio, work }, stress, fault }
+            .require(finite_state(&state), Breakdown::NotFinite);
+        Update { state, stress, fault }
     }
     #[inline(always)]
     fn stress<L: Lane<Real = f64>>(&self, now: &Memory<L>) -> Sym3<L> {

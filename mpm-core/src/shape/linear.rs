@@ -25,7 +25,9 @@ where
         let (half, one) = (L::of(0.5), L::one());
         let mut w: Weights<L, Extent<D, 2>> = Weights::zero();
         w.value[0] = half - xi;
-        w.value[1] = half + xi;
+        // Never zero: a particle exactly on a face would give the far node no mass, and take from its slope a
+        // velocity that is not there.
+        w.value[1] = (half + xi).max(L::splat(T::default_epsilon()));
         w.slope[0] = -one;
         w.slope[1] = one;
         w

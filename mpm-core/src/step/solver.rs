@@ -4,7 +4,7 @@ use mpm_materials::Constitutive;
 
 use super::body::{Body, BodyTrouble, Load, Loading, ParticleBody, Steps, Totals, Unloaded, Which};
 use super::control::{ControlError, TimeControl};
-use super::nodes::{Conditions, MASS_CUTOFF, NodeLedger, Stage, Sums};
+use super::nodes::{Conditions, NodeLedger, Stage, Sums, mass_cutoff};
 use super::sweep::Cause;
 use crate::boundary::{Boundary, BoundaryError};
 use crate::dim::Stencil;
@@ -485,7 +485,7 @@ where
             conditions: &self.conditions,
             ledgers: &mut self.ledgers,
             time: self.time,
-            cutoff: lightest * T::of(MASS_CUTOFF),
+            cutoff: lightest * mass_cutoff::<T>(),
             wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
             modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
             keeps: M::Transfer::READS_INCREMENT,
