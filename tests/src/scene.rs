@@ -29,6 +29,18 @@ pub struct Scene<const D: usize> {
     pub space: Space,
 }
 
+impl<const D: usize> std::fmt::Debug for Scene<D> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}: {:?}", self.name, self.boundaries)?;
+        for (seeds, velocity) in &self.bodies {
+            for x in &seeds.positions {
+                write!(f, "\n  at {x:?} moving {:?}", velocity(*x))?;
+            }
+        }
+        Ok(())
+    }
+}
+
 /// Young's modulus of the laws here.
 pub const YOUNG: f64 = 3.0;
 /// Density of the laws here.

@@ -77,3 +77,80 @@ fn two_laws() {
     let found = run_both(&mut mpm, &mut reference, &scene);
     assert!(found.worst() < TOLERANCE, "{found:?}");
 }
+
+/// Clouds of any particles, any boundaries.
+mod clouds {
+    use impactite_tests::scene::{Flow, Scene, seeds, wave_speed};
+    use mpm_core::{Boundary, Side};
+    use proptest::prelude::*;
+    use proptest::test_runner::{Config, RngSeed};
+
+    use super::*;
+
+    fn cloud() -> impl Strategy<Value = Scene<2>> {
+        let particle = (0.0..6.0, 0.0..6.0, 0.2..2.0, -0.1..0.1, -0.1..0.1);
+        let particles = proptest::collection::vec(particle, 1..40);
+        (particles, 0..4usize, -3i64..4, -0.2..0.2).prop_map(|(particles, kind, shift, wall)| {
+            let lattice = scene::lattice::<2>();
+            let corner = lattice.node([shift, -2 * shift]);
+            let at = |u: f64, v: f64| [corner[0] + 0.1 * u, corner[1] + 0.1 * v];
+            let positions: Vec<[f64; 2]> = particles.iter().map(|p| at(p.0, p.1)).collect();
+            let mut seeds = seeds(positions.clone(), 0.0025, 0.025);
+            let speeds: Vec<[f64; 2]> =
+                particles.iter().map(|p| [p.3 * wave_speed(), p.4 * wave_speed()]).collect();
+            for (volume, p) in seeds.volumes.iter_mut().zip(&particles) {
+                *volume *= p.2;
+            }
+            let flow: Flow<2> = Box::new(move |x| {
+                speeds[positions.iter().position(|y| *y == x).expect("one of the seeds")]
+            });
+            let [x, y] = corner;
+            let boundaries = match kind {
+                0 => vec![],
+                1 => vec![Boundary::Symmetry { axis: 0, at: x, side: Side::Above }],
+                2 => vec![
+                    Boundary::Symmetry { axis: 1, at: y, side: Side::Above },
+                    Boundary::Wall { axis: 0, at: x + 0.6, side: Side::Below, velocity: wall },
+                ],
+                _ => vec![Boundary::Fixed { axis: 1, at: y + 0.6, side: Side::Below }],
+            };
+            Scene {
+                name: "cloud",
+                lattice,
+                bodies: vec![(seeds, flow)],
+                boundaries,
+                gravity: [0.0; 2],
+                dt: 0.1 * 0.1 / wave_speed(),
+                steps: 8,
+                space: impactite_tests::reference::Space::Cartesian,
+            }
+        })
+    }
+
+    fn config() -> Config {
+        Config { cases: 60, rng_seed: RngSeed::Fixed(20), failure_persistence: None, ..Config::default() }
+    }
+
+    proptest! {
+        #![proptest_config(config())]
+        #[test]
+        fn hat(scene in cloud()) {
+            let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+            let found = compare(method, Linear, Rule::Flip, Order::Musl, &scene, &rubber());
+            prop_assert!(found.worst() < TOLERANCE, "{found:?}");
+        }
+        #[test]
+        fn spline(scene in cloud()) {
+            let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
+            let found = compare(method, QuadraticBSpline, Rule::Apic, Order::Usl, &scene, &rubber());
+            prop_assert!(found.worst() < TOLERANCE, "{found:?}");
+        }
+        #[test]
+        fn modified_spline(scene in cloud()) {
+            let shape = BoundaryModified(QuadraticBSpline);
+            let method = Method::new(shape, Flip, Usl, PlaneStrain);
+            let found = compare(method, shape, Rule::Flip, Order::Usl, &scene, &rubber());
+            prop_assert!(found.worst() < TOLERANCE, "{found:?}");
+        }
+    }
+}

@@ -42,7 +42,7 @@ pub struct Slot<T: Float, const D: usize> {
 }
 
 /// Bins between the one at work and the one whose particles are asked for.
-const AHEAD: usize = 2;
+const AHEAD: usize = 4;
 
 /// What a pass found out.
 #[derive(Clone, Copy, Debug, Default)]

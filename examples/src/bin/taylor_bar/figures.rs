@@ -71,7 +71,7 @@ fn closed(outcome: &Outcome, stretch: f64) -> Result<Snapshot, OutputError> {
 }
 
 fn in_space(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError> {
-    ParticlePicture::new(640, 660)
+    ParticlePicture::new(560, 580)
         .colour_by(strain.clone())
         .mirrored([Mirror::x(0.0), Mirror::y(0.0)])
         .cut(Cut { normal: [1.0, 0.0, 0.0], through: [0.0; 3] })
@@ -80,11 +80,11 @@ fn in_space(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError
 }
 
 fn section(outcome: &Outcome, strain: &Quantity) -> Result<Picture, OutputError> {
-    FieldPicture::new(640, 660)
+    FieldPicture::new(560, 580)
         .colour_by(strain.clone())
         .mirrored([Mirror::x(0.0)])
         .axes("r", "z")
-        .draw(&closed(outcome, 1.4)?)
+        .draw(&closed(outcome, 1.8)?)
 }
 
 /// Where the kinetic energy goes.

@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::{CaseError, Check, Common, Report, Totals, case};
+use examples::{CaseError, Check, Common, Report, Resolution, Totals, case};
 
 use scene::{Constants, END, Files, Model, Outcome, SPEED, Scheme, Setup};
 use shape::Sizes;
@@ -33,7 +33,7 @@ struct Options {
     /// Which constants of copper to use
     #[arg(long, value_enum, default_value = "both")]
     constants: WhichConstants,
-    /// Shape function, stress update and transfer; USL loses about one per cent of the energy
+    /// Shape function, stress update and transfer; all but linear-musl lose some per cent of the energy
     #[arg(long, value_enum, default_value = "linear-musl")]
     method: Scheme,
     /// Cells per radius, 2 to 200 [default: 5, 10 or 20 by resolution]
@@ -84,8 +84,16 @@ const EXPERIMENT: Sizes = Sizes { length: 16.2e-3, foot: 13.5e-3, waist: 10.1e-3
 const LENGTH_TOLERANCE: f64 = 0.015;
 const DIAMETER_TOLERANCE: f64 = 0.04;
 const MODELS_TOLERANCE: f64 = 0.02;
-const ENERGY_TOLERANCE: f64 = 0.01;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
+
+/// What of the energy may be lost. At impact the wall stops the nodes on it, which carry half a cell of the bar:
+/// h / 2 L of the energy is gone at once, 1.5 % at 5 cells per radius. USL and APIC smooth, and lose more.
+fn energy_tolerance(scheme: Scheme, resolution: Resolution) -> f64 {
+    match scheme {
+        Scheme::LinearMusl => resolution.choose(0.02, 0.01, 0.01),
+        Scheme::GimpUsl | Scheme::CpgimpUsl | Scheme::QuadraticApic => resolution.choose(0.08, 0.05, 0.05),
+    }
+}
 
 /// Cells per radius of the free flight, at most.
 const FLIGHT_CELLS: u32 = 5;
@@ -129,7 +137,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         let outcomes = impacts(options, constants, &folder)?;
         for outcome in &outcomes {
             totals = totals.plus(&outcome.totals);
-            checks.extend(checks_of(outcome));
+            checks.extend(checks_of(outcome, options.common.resolution));
         }
         if let [space, flat] = &outcomes[..] {
             checks.extend(agreement(space, flat));
@@ -168,7 +176,7 @@ fn settings(options: &Options) -> serde_json::Value {
 }
 
 /// The sizes of a bar against finite elements and experiment, and what it lost.
-fn checks_of(outcome: &Outcome) -> Vec<Check> {
+fn checks_of(outcome: &Outcome, resolution: Resolution) -> Vec<Check> {
     let name =
         |what: &str| format!("{} {}: {what}", outcome.setup.model.name(), outcome.setup.constants.name());
     let fem = "axisymmetric finite elements [C]";
@@ -186,7 +194,8 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
     }
     let conserved = "conservation";
     let (energy, momentum) = (outcome.totals.energy_error, outcome.totals.momentum_error);
-    checks.push(Check::gate(name("energy error"), energy, "-", 0.0, ENERGY_TOLERANCE, conserved));
+    let allowed = energy_tolerance(outcome.setup.scheme, resolution);
+    checks.push(Check::gate(name("energy error"), energy, "-", 0.0, allowed, conserved));
     checks.push(Check::gate(name("momentum error"), momentum, "-", 0.0, MOMENTUM_TOLERANCE, conserved));
     checks
 }

@@ -1,0 +1,43 @@
+//! The batteries of the framework, a line each.
+
+use downstream::{StandardLinearSolid, TentAveragedHat};
+use mpm_core::{Apic, Flip, FullSpace, Method, Musl, PlaneStrain, Usl, conforms};
+use mpm_materials::conformance::Options;
+use mpm_materials::conformance_suite;
+
+fn rubber(relaxation_time: f64) -> StandardLinearSolid {
+    StandardLinearSolid::new(1000.0, 2.0e7, 1.0e6, 2.0e6, relaxation_time).expect("constants")
+}
+
+// Legs of a second: nearly elastic, relaxing on the way, relaxed.
+conformance_suite!(stiff, rubber(100.0), Options { duration: 1.0, ..Options::strain(0.01) });
+conformance_suite!(relaxing, rubber(0.3), Options { duration: 1.0, ..Options::strain(0.01) });
+conformance_suite!(soft, rubber(0.02), Options { duration: 1.0, ..Options::strain(0.01) });
+
+conforms! {
+    tent_2d: smooth::<_, 2>(&TentAveragedHat);
+    tent_3d: affine_shape::<_, 3>(&TentAveragedHat);
+    tent_apic: method::<_, 2>(Method::new(TentAveragedHat, Apic, Usl, PlaneStrain));
+    tent_flip: method::<_, 3>(Method::new(TentAveragedHat, Flip, Musl, FullSpace));
+}
+
+/// Shear held fixed: the overstress decays by e a relaxation time.
+#[test]
+fn stress_relaxes() {
+    use mpm_materials::{Constitutive, Kinematics, Mat3};
+    let law = rubber(0.5);
+    let step = |shear: f64| Kinematics {
+        increment: Mat3([[0.0, shear, 0.0], [0.0; 3], [0.0; 3]]),
+        dt: 1.0e-3,
+        length: 1.0,
+    };
+    let mut state = law.update(&step(1.0e-4), &law.virgin()).state;
+    let start = law.stress(&state).at(0, 1);
+    for _ in 0..500 {
+        state = law.update(&step(0.0), &state).state;
+    }
+    let slow = 1.0e6 * 1.0e-4;
+    let expected = slow + (start - slow) * (-1.0f64).exp();
+    let found = law.stress(&state).at(0, 1);
+    assert!((found / expected - 1.0).abs() < 1.0e-6, "{found} against {expected}");
+}
