@@ -131,7 +131,7 @@ impl<T: Real, const K: usize> Transfer<T> for Fmpm<K> {
 #[diagnostic::on_unimplemented(
     message = "the stress update `{Self}` cannot be combined with the transfer `{X}`",
     note = "MUSL maps the particle velocities to the grid a second time; with PIC, APIC or FMPM that would \
-            filter the velocity twice in a step and blow up (accuracy.md 1.1, finding 8); use USL or USF. \
+            filter the velocity twice in a step and blow up (docs/notes.md 1, finding 8); use USL or USF. \
             MLS-APIC maps force and momentum together and needs USL"
 )]
 pub trait Allows<X> {}

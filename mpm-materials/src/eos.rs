@@ -2,7 +2,7 @@
 //!
 //! Every law here is linear in the internal energy, p = a(J) + b(J) e, with J the volume ratio and e the
 //! internal energy per unit **reference** volume. That is what makes the energy half step of a solid or a
-//! fluid implicit without iteration (equations.md 5.1).
+//! fluid implicit without iteration (docs/notes.md 3.7).
 
 pub mod bulk;
 pub mod ideal_gas;
@@ -49,7 +49,7 @@ pub trait Eos<T: Real>: Clone + Send + Sync + 'static {
     fn terms<L: Lane<Real = T>>(&self, volume_ratio: L) -> Terms<L>;
 
     /// Squared bulk sound speed at constant entropy, m^2/s^2:
-    /// c^2 = (1/rho0) \[(dp/dmu)_e + p J^2 b\] with mu = 1/J - 1 (equations.md 5.1).
+    /// c^2 = (1/rho0) \[(dp/dmu)_e + p J^2 b\] with mu = 1/J - 1 (docs/notes.md 3.7).
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L;
 
     /// Energy stored by volume change alone, W(J) = -int_1^J p dJ at e = 0, J per m^3 of reference volume.
@@ -101,7 +101,7 @@ pub struct Balance<L: Lane> {
 }
 
 /// The implicit energy half step: solves p = a + b e with e = `energy` - dJ/2 p, where `energy` already holds
-/// all other work of the step (equations.md 5.1).
+/// all other work of the step (docs/notes.md 3.7).
 #[inline(always)]
 pub fn balance<L: Lane>(terms: Terms<L>, energy: L, volume_change: L) -> Balance<L> {
     let half = volume_change * L::of(0.5);

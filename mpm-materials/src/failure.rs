@@ -1,6 +1,6 @@
 //! Failure: when a point stops carrying shear and tension.
 //!
-//! A failed point has no deviator and no tension; compression is still carried (equations.md 4). It never
+//! A failed point has no deviator and no tension; compression is still carried (docs/notes.md 3.6). It never
 //! heals. Its volume ratio goes on following the motion, so that a closing gap carries load again only when
 //! the density is back.
 

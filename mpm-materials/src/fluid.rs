@@ -47,7 +47,7 @@ impl<T: Real> ShearViscosity<T> for Inviscid {
     }
 }
 
-/// s = 2 eta dev(d), d the rate of deformation (equations.md 3.7).
+/// s = 2 eta dev(d), d the rate of deformation (docs/notes.md 3.5).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newtonian<T> {
     viscosity: T,

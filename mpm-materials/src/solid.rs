@@ -33,7 +33,7 @@ state! {
 ///
 /// A step: rotate the old stress with the material ([`ObjectiveRate`]), return the trial deviator to the yield
 /// surface ([`Strength`]), compute the viscous pressure ([`ShockViscosity`]), solve pressure and energy
-/// together ([`Eos`], equations.md 5.1), and judge ([`Failure`]). The energy takes in the whole stress work:
+/// together ([`Eos`], docs/notes.md 3.7), and judge ([`Failure`]). The energy takes in the whole stress work:
 /// J s : d dt with s the mean over the step, -(p + q) dJ likewise.
 ///
 /// Ingredients left at their defaults cost neither memory nor instructions.

@@ -34,8 +34,8 @@ impl<T: Real> ShockViscosity<T> for NoViscosity {
     }
 }
 
-/// q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d = tr grad v < 0, else 0 (equations.md 6); l is the
-/// size of the cell and c the bulk sound speed **at rest**, which saves a square root a point.
+/// q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d = tr grad v < 0, else 0 (docs/notes.md 3.9); l is
+/// the size of the cell and c the bulk sound speed **at rest**, which saves a square root a point.
 ///
 /// It stiffens the point: with it a stable step is shorter, about l / \[Q + sqrt(Q^2 + c^2)\],
 /// Q = b1 c + b0 l |d|. `wave_speed` leaves this out.

@@ -1,9 +1,9 @@
 //! Particles: kept by bin, in groups of lanes, in blocks of bins.
 //!
-//! A **group** is one [`Float::GROUP`]-wide set of particles of one bin: a row of storage for each of their
-//! numbers. A **run** is the groups of a bin; a [`Block`] is the 4^D bins whose stencils start at the same
-//! node block, with all their runs in one piece of memory. Lanes without a particle have mass zero and a
-//! virgin state, so that kernels need not look at them.
+//! A **group** is one [`GROUP`](crate::Float::GROUP)-wide set of particles of one bin: a row of storage
+//! for each of their numbers. A **run** is the groups of a bin; a [`Block`] is the 4^D bins whose stencils
+//! start at the same node block, with all their runs in one piece of memory. Lanes without a particle have
+//! mass zero and a virgin state, so that kernels need not look at them.
 //!
 //! Only the store moves particles, and it moves all columns at once; a column cannot be forgotten.
 

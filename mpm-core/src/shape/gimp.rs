@@ -1,4 +1,4 @@
-//! Generalised interpolation: the hat averaged over the particle's box (equations.md section 2).
+//! Generalised interpolation: the hat averaged over the particle's box (docs/notes.md 3.1).
 
 use mpm_materials::{Lane, Real};
 

@@ -10,7 +10,7 @@ use crate::shape::ShapeFunction;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeControl {
     /// dt = factor * min over particles of h / (c + |v|), with the current wave speed c; at most `growth`
-    /// times the last step (accuracy.md 1.9).
+    /// times the last step (docs/notes.md 2).
     Courant {
         /// Safety factor.
         factor: f64,
@@ -32,7 +32,7 @@ pub struct ControlError {
 
 impl TimeControl {
     /// The default for a method: half of h / (c + |v|) for MUSL and USF, whose limit is 1.4 and more; for
-    /// USL 0.7 of the smallest limit measured in three dimensions for the shape function (accuracy.md 1.9).
+    /// USL 0.7 of the smallest limit measured in three dimensions for the shape function (docs/notes.md 2).
     pub fn default_for<T: Real, const D: usize, M: Composition<T, D>>() -> Self {
         let symplectic = M::Update::REMAP || M::Update::BEFORE_FORCES;
         let factor = if symplectic { 0.5 } else { 0.7 * M::Shape::USL_LIMIT };

@@ -13,7 +13,7 @@ const MARGIN: f64 = 0.02;
 ///   p_H = rho0 c0^2 eta/(1 - s eta)^2, which equals rho0 c0^2 mu (1 + mu)/\[1 - (s - 1) mu\]^2;
 /// - tension, J >= 1: p = rho0 c0^2 mu + (gamma0 + a mu) e.
 ///
-/// This is the LS-DYNA form (equations.md 5.1) with S2 = S3 = 0. The constant `a` chooses how the Grueneisen
+/// This is the LS-DYNA form (docs/notes.md 3.7) with S2 = S3 = 0. The constant `a` chooses how the Grueneisen
 /// gamma follows the density, gamma = (gamma0 + a mu)/(1 + mu):
 ///
 /// - a = 0 ([`MieGruneisen::new`]): rho gamma constant. The factor of p_H is 1 - gamma0 rho0 mu/(2 rho), as in
@@ -70,23 +70,23 @@ impl<T: Real> MieGruneisen<T> {
         Ok(MieGruneisen { correction: a, ..self })
     }
 
-    /// Copper: rho0 8930 kg/m^3, c0 3940 m/s, s 1.49, gamma0 1.96 (MPM3D-F90 `Taylor.mpm`; cases-mpm.md 7.3).
+    /// Copper: rho0 8930 kg/m^3, c0 3940 m/s, s 1.49, gamma0 1.96 (MPM3D-F90 `Taylor.mpm`; docs/notes.md 5).
     pub fn copper() -> Self {
         Self::known([8930.0, 3940.0, 1.49, 1.96])
     }
 
-    /// Aluminium 6061-T6: rho0 2700 kg/m^3, c0 5386 m/s, s 1.339, gamma0 1.99 (Uintah; cases-mpm.md 1.4).
+    /// Aluminium 6061-T6: rho0 2700 kg/m^3, c0 5386 m/s, s 1.339, gamma0 1.99 (Uintah; docs/notes.md 5).
     pub fn aluminium_6061() -> Self {
         Self::known([2700.0, 5386.0, 1.339, 1.99])
     }
 
-    /// Steel 4340: rho0 7830 kg/m^3, c0 3574 m/s, s 1.92, gamma0 1.69 (Uintah; cases-mpm.md 1.4).
+    /// Steel 4340: rho0 7830 kg/m^3, c0 3574 m/s, s 1.92, gamma0 1.69 (Uintah; docs/notes.md 5).
     pub fn steel_4340() -> Self {
         Self::known([7830.0, 3574.0, 1.92, 1.69])
     }
 
     /// Lead: rho0 11350 kg/m^3, c0 2092 m/s, s 1.45, gamma0 2.0 (MPM3D-F90 `LeadHypervelocityImpact.mpm`;
-    /// cases-mpm.md 7.1).
+    /// docs/notes.md 5).
     pub fn lead() -> Self {
         Self::known([11350.0, 2092.0, 1.45, 2.0])
     }

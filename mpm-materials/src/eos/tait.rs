@@ -4,8 +4,8 @@ use crate::eos::{Eos, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// p = (rho0 c0^2 / 7) \[(rho/rho0)^7 - 1\] (equations.md 5.3), with c^2 = c0^2 (rho/rho0)^6. The exponent is
-/// fixed at 7, so that no transcendental function is needed.
+/// p = (rho0 c0^2 / 7) \[(rho/rho0)^7 - 1\] (docs/notes.md 3.8), with c^2 = c0^2 (rho/rho0)^6. The exponent
+/// is fixed at 7, so that no transcendental function is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tait<T> {
     density: T,

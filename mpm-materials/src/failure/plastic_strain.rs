@@ -4,8 +4,8 @@ use crate::failure::{Failure, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// Fails at eps_p >= eps_f (equations.md 4; 1.5 to 3 in the public decks). Plastic strain never falls, so no
-/// memory is needed.
+/// Fails at eps_p >= eps_f (docs/notes.md 3.6; 1.5 to 3 in the public decks). Plastic strain never falls, so
+/// no memory is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlasticStrainLimit<T> {
     limit: T,
