@@ -3,11 +3,15 @@
 pub mod body;
 pub mod control;
 mod gather;
+pub mod load;
+mod migrate;
 pub mod nodes;
 mod scatter;
 mod solver;
 pub mod sweep;
+pub mod tile;
 
-pub use body::{Body, Load, Particle, ParticleBody, Totals, Traction, Unloaded};
+pub use body::{Body, Particle, ParticleBody, Totals};
 pub use control::TimeControl;
+pub use load::{Load, Traction, Unloaded};
 pub use solver::{Mpm, SceneError, StepError, Stopped};

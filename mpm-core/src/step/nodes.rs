@@ -6,17 +6,7 @@ use crate::grid::{GridStorage, Node};
 use crate::parallel::{Float, Team};
 
 use super::body::Body;
-
-/// Which records of the bodies' tiles to sum, and where to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sums {
-    /// Both records: mass, momentum and force.
-    All,
-    /// The second into the second: force (USF).
-    Force,
-    /// The first into the second: momentum mapped again (MUSL, FMPM).
-    Again,
-}
+use super::tile::Sums;
 
 /// What the grid stages of a step took from or gave to the momentum, a block of nodes.
 #[derive(Clone, Copy, Debug, Default)]

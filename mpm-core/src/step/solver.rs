@@ -2,10 +2,12 @@
 
 use mpm_materials::Constitutive;
 
-use super::body::{Body, BodyTrouble, Load, Loading, ParticleBody, Steps, Totals, Unloaded, Which};
+use super::body::{Body, BodyTrouble, ParticleBody, Steps, Totals, Which};
 use super::control::{ControlError, TimeControl};
-use super::nodes::{Conditions, NodeLedger, Stage, Sums, mass_cutoff};
+use super::load::{Load, Loading, Unloaded};
+use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
 use super::sweep::Cause;
+use super::tile::Sums;
 use crate::boundary::{Boundary, BoundaryError};
 use crate::dim::Stencil;
 use crate::geometry::Seeds;

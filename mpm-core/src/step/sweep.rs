@@ -9,13 +9,15 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
-use super::gather::{Wanted, gather, to_coefficients};
+use super::gather::{Wanted, gather};
+use super::migrate::send_away;
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
+use super::tile::{Reads, Stencilled, add_to_tile, clear_tile, load_tile, tile_corner};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::embedding::Embedding;
 use crate::grid::Node;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, Pack, Quad, prefetch};
+use crate::parallel::{Arch, Float, Kernel, Pack, prefetch};
 use crate::particles::{Block, Columns, Outbox};
 use crate::scheme::{Nodal, PassKind};
 use crate::shape::{Basis, ShapeFunction, Weights, bin_centre};
@@ -57,7 +59,7 @@ pub struct Report<T> {
 
 /// What the pass `K` of the method `M` maps.
 #[inline(always)]
-fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Maps {
+pub(super) fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Maps {
     let does = K::DOES;
     Maps {
         momentum: does.momentum,
@@ -159,13 +161,8 @@ where
     }
 }
 
-/// Nodes that the particles of a block reach, along an axis and in all, for a method.
-pub fn tile_nodes<E: Stencil>(d: usize) -> usize {
-    E::TILE.pow(d as u32)
-}
-
-type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
-type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
+pub(super) type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
+pub(super) type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
 
 impl<T, const D: usize, C, M, K> Kernel<T> for Sweep<'_, T, D, C, M, K>
 where
@@ -510,279 +507,6 @@ fn note_fault<T: Float, L: Lane<Real = T>>(
         if let (None, Some(cause)) = (report.trouble, fault.cause(lane)) {
             let particle = number.to_double() as usize;
             report.trouble = Some(Trouble { bin, particle, cause: Cause::Law(cause) });
-        }
-    }
-}
-
-/// Take the particles in `slot.leaving` out of a bin and put them, last first, into the outbox. Their records
-/// lie there already, first first.
-#[cold]
-fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: usize) {
-    let Slot { block, outbox, leaving, report, .. } = slot;
-    let records = outbox.records.len() - leaving.len() * RECORDS;
-    reverse_records(&mut outbox.records[records..]);
-    let columns = block.dummy().len();
-    let half = T::of(0.5);
-    for (n, index) in leaving.drain(..).rev().enumerate() {
-        let index = index as usize;
-        let numbers = outbox.numbers.len();
-        block.read(bin, index, &mut outbox.numbers);
-        let numbers = &mut outbox.numbers[numbers..numbers + columns];
-        let records = &mut outbox.records[records + n * RECORDS..][..RECORDS];
-        let (mut to, mut to_bin, mut weight, mut bin_weight, mut rest) = (0, 0, 1, 1, bin);
-        for d in 0..D {
-            let xi = numbers[Columns::position() + d];
-            let shift = (xi + half).floor();
-            let one_cell = shift.abs() <= T::of(1.0); // false for a value that is not a number
-            if !one_cell {
-                let particle = numbers[columns - 1].to_double() as usize;
-                let trouble = Trouble { bin, particle, cause: Cause::TooFast };
-                report.trouble = report.trouble.or(Some(trouble));
-            }
-            // Rounding may leave xi - shift at 1/2 where xi was just below -1/2: that is the bin's far edge.
-            let local = xi - shift;
-            numbers[Columns::position() + d] = local;
-            // R = [m, m v] - sum A xi refers to the bin's centre.
-            for c in 0..4 {
-                let a = records[AFFINE + d][c];
-                records[MOMENTUM][c] += a * shift;
-            }
-            let at = (rest % BLOCK) as i32
-                + if shift > half {
-                    1
-                } else if shift < -half {
-                    -1
-                } else {
-                    0
-                };
-            rest /= BLOCK;
-            let (block_shift, place) = crate::particles::split(at);
-            to += (block_shift + 1) as usize * weight;
-            to_bin += place * bin_weight;
-            weight *= 3;
-            bin_weight *= BLOCK;
-        }
-        outbox.to.push(to as u8);
-        outbox.bin.push(to_bin as u8);
-        outbox.directions |= 1 << to;
-        block.remove(bin, index);
-    }
-}
-
-fn reverse_records<T>(records: &mut [[T; 4]]) {
-    let n = records.len() / RECORDS;
-    for i in 0..n / 2 {
-        for k in 0..RECORDS {
-            records.swap(i * RECORDS + k, (n - 1 - i) * RECORDS + k);
-        }
-    }
-}
-
-/// Take in the particles that the blocks around sent here: append them to their bins, and scatter them.
-pub struct TakeIn<'a, T: Float, const D: usize, M, K> {
-    /// The method.
-    pub method: &'a M,
-    /// The block that takes in.
-    pub slot: &'a mut Slot<T, D>,
-    /// Outboxes of all slots.
-    pub outboxes: &'a [Outbox<T>],
-    /// Shared numbers.
-    pub common: Common<T>,
-    /// Column of the domain half sizes, where particles carry them.
-    pub domain: usize,
-    /// The pass that sent them.
-    pub pass: PhantomData<K>,
-}
-
-impl<T, const D: usize, M, K> Kernel<T> for TakeIn<'_, T, D, M, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    K: PassKind,
-{
-    type Output = ();
-
-    #[inline(always)]
-    fn run<A: Arch<T>>(self) {
-        let TakeIn { method, slot, outboxes, common, domain, .. } = self;
-        let maps = maps::<T, D, M, K>();
-        let columns = slot.block.dummy().len();
-        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
-            Array::filled([A::Quad::zero(); 2]);
-        let directions = crate::dim::neighbours(D);
-        let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
-        let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
-        for from in 0..directions {
-            // What lies in direction `from` of here sent towards the opposite direction.
-            let to = directions - 1 - from;
-            let Some(outbox) = outboxes.get(slot.slots_around[from] as usize) else { continue };
-            if outbox.directions >> to & 1 == 0 {
-                continue;
-            }
-            for n in 0..outbox.to.len() {
-                if outbox.to[n] as usize != to {
-                    continue;
-                }
-                let bin = outbox.bin[n] as usize;
-                let numbers = &outbox.numbers[n * columns..][..columns];
-                slot.block.push(bin, numbers);
-                for k in 0..RECORDS {
-                    records[k][0] = outbox.records[n * RECORDS + k];
-                }
-                let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
-                for d in 0..D {
-                    let half =
-                        if ShapeOf::<M, T, D>::CARRIES_DOMAIN { numbers[domain + d] } else { common.half[d] };
-                    let xi = A::Pack::splat(numbers[Columns::position() + d]);
-                    at[d] = method.shape().weights(xi, A::Pack::splat(half));
-                }
-                spread.fill(&at, maps.slopes());
-                scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, 0, maps);
-                let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-                add_to_tile::<T, D, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
-            }
-        }
-        slot.block.tidy();
-    }
-}
-
-/// Index in the tile of the first node of a bin's stencil.
-#[inline(always)]
-fn tile_corner<E: Stencil, const D: usize>(bin: usize) -> usize {
-    let (x, y, z) = (bin % BLOCK, bin / BLOCK % BLOCK, bin / (BLOCK * BLOCK));
-    if D == 3 { (z * E::TILE + y) * E::TILE + x } else { y * E::TILE + x }
-}
-
-/// Copy the nodes that a block's particles reach out of the blocks of the grid.
-#[inline(always)]
-fn load_tile<T: Float, const D: usize, E: Stencil>(
-    nodes: &[Node<T>],
-    around: &[u32],
-    tile: &mut E::Tile<Node<T>>,
-) {
-    let tile = tile.as_mut();
-    let layers = if D == 3 { E::TILE } else { 1 };
-    for z in 0..layers {
-        let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
-        for y in 0..E::TILE {
-            let (by, ny) = place::<E>(y);
-            let row = &mut tile[(z * E::TILE + y) * E::TILE..][..E::TILE];
-            let mut x = 0;
-            while x < E::TILE {
-                // A piece of the row inside one block.
-                let (bx, nx) = place::<E>(x);
-                let length = (BLOCK - nx).min(E::TILE - x);
-                let block = around[(bz * 3 + by) * 3 + bx] as usize;
-                let first = block * block_nodes(D) + (nz * BLOCK + ny) * BLOCK + nx;
-                if let Some(found) = nodes.get(first..first + length) {
-                    row[x..x + length].copy_from_slice(found);
-                }
-                x += length;
-            }
-        }
-    }
-}
-
-/// Which of the three blocks along an axis a tile coordinate lies in, and where.
-#[inline(always)]
-pub fn place<E: Stencil>(tile: usize) -> (usize, usize) {
-    let node = tile + BLOCK - (-E::BASE) as usize;
-    (node / BLOCK, node % BLOCK)
-}
-
-/// Which nodal vectors a pass reads.
-#[derive(Clone, Copy)]
-struct Reads {
-    first: bool,
-    second: bool,
-}
-
-/// The nodal records of one bin's stencil.
-struct Stencilled<T: Float, E: Stencil> {
-    first: E::Nodes<[T; 4]>,
-    second: E::Nodes<[T; 4]>,
-}
-
-impl<T: Float, E: Stencil> Stencilled<T, E> {
-    #[inline(always)]
-    fn zero() -> Self {
-        Stencilled { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
-    }
-    #[inline(always)]
-    fn load<const D: usize, Q: Quad<T>, S: ShapeFunction<T, D, Extent = E>>(
-        &mut self,
-        tile: &E::Tile<Node<T>>,
-        corner: usize,
-        reads: Reads,
-    ) {
-        let tile = tile.as_ref();
-        for k in 0..E::LAYERS {
-            for j in 0..E::NODES {
-                let row = &tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
-                for i in 0..E::NODES {
-                    let at = (k * E::NODES + j) * E::NODES + i;
-                    if reads.first {
-                        self.first[at] = row[i].first;
-                    }
-                    if reads.second {
-                        self.second[at] = row[i].second;
-                    }
-                }
-            }
-        }
-        if S::POLYNOMIAL && reads.first {
-            to_coefficients::<T, D, Q, S>(&mut self.first);
-        }
-        if S::POLYNOMIAL && reads.second {
-            to_coefficients::<T, D, Q, S>(&mut self.second);
-        }
-    }
-}
-
-/// Clear the records of a tile that a pass adds to.
-#[inline(always)]
-fn clear_tile<T: Float, const D: usize, E: Stencil>(tile: &mut [[T; 4]], maps: Maps) {
-    let (first, second) = tile.split_at_mut(tile_nodes::<E>(D));
-    if maps.momentum {
-        first.fill([T::default(); 4]);
-    }
-    if maps.second() {
-        second.fill([T::default(); 4]);
-    }
-}
-
-/// Add a bin's sums to its block's tile and clear them for the next bin.
-#[inline(always)]
-fn add_to_tile<T: Float, const D: usize, A: Arch<T>, E: Stencil>(
-    tile: &mut [[T; 4]],
-    corner: usize,
-    sums: &mut E::Nodes<[A::Quad; 2]>,
-    maps: Maps,
-) {
-    let (first, second) = tile.split_at_mut(tile_nodes::<E>(D));
-    if maps.momentum {
-        add_records::<T, A, E>(first, corner, sums, 0);
-    }
-    if maps.second() {
-        add_records::<T, A, E>(second, corner, sums, 1);
-    }
-}
-
-#[inline(always)]
-fn add_records<T: Float, A: Arch<T>, E: Stencil>(
-    tile: &mut [[T; 4]],
-    corner: usize,
-    sums: &mut E::Nodes<[A::Quad; 2]>,
-    which: usize,
-) {
-    for k in 0..E::LAYERS {
-        for j in 0..E::NODES {
-            let row = &mut tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
-            for i in 0..E::NODES {
-                let sum = &mut sums[(k * E::NODES + j) * E::NODES + i][which];
-                (A::Quad::load(&row[i]) + *sum).store(&mut row[i]);
-                *sum = A::Quad::zero();
-            }
         }
     }
 }
