@@ -72,7 +72,7 @@ impl Numbers {
         Numbers(start.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ 0x5DEE_CE66_D1CE_4E5B)
     }
     /// The next one (SplitMix64).
-    pub fn next(&mut self) -> f64 {
+    pub fn draw(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
         z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -111,7 +111,7 @@ pub fn block<const D: usize>(
     for mut rest in 0..counts.iter().product() {
         let mut x = lattice.node(low);
         for d in 0..D {
-            let at = (rest % counts[d]) as f64 + 0.5 + 0.5 * jitter * random.next();
+            let at = (rest % counts[d]) as f64 + 0.5 + 0.5 * jitter * random.draw();
             x[d] += at / per_axis as f64 * h;
             rest /= counts[d];
         }
@@ -120,7 +120,7 @@ pub fn block<const D: usize>(
     let volume = (h / per_axis as f64).powi(D as i32);
     let mut seeds = seeds(positions, volume, 0.5 * h / per_axis as f64);
     for v in &mut seeds.volumes {
-        *v *= 1.0 + 0.3 * jitter * random.next();
+        *v *= 1.0 + 0.3 * jitter * random.draw();
     }
     seeds
 }
@@ -128,9 +128,7 @@ pub fn block<const D: usize>(
 /// A lattice whose origin is nowhere special.
 pub fn lattice<const D: usize>() -> Lattice<D> {
     let mut origin = [0.0; D];
-    for d in 0..D {
-        origin[d] = [-0.37, 0.21, 0.083][d];
-    }
+    origin.copy_from_slice(&[-0.37, 0.21, 0.083][..D]);
     Lattice::new(origin, 0.1).expect("lattice")
 }
 

@@ -277,7 +277,8 @@ where
             for d in 0..D {
                 // Cells are counted by 32-bit integers, with room to move.
                 let cells = (x[d] - lattice.origin()[d]) / lattice.spacing();
-                if !(cells.abs() < f64::from(1 << 30)) {
+                let countable = cells.abs() < f64::from(1 << 30); // false for a value that is not a number
+                if !countable {
                     return refuse("position", x[d], "finite and within 2^30 cells of the lattice's origin");
                 }
             }

@@ -186,6 +186,9 @@ where
             first: does.velocity || does.moves || strain_first,
             second: (does.velocity && M::Transfer::READS_INCREMENT) || strain_second || does.smooth,
         };
+        for bin in 0..AHEAD {
+            prefetch(slot.block.bin_rows(bin));
+        }
         let mut tile_in = <ExtentOf<M, T, D> as Stencil>::Tile::<Node<T>>::filled(Node::default());
         if reads.first || reads.second {
             load_tile::<T, D, ExtentOf<M, T, D>>(nodes, &slot.nodes_around, &mut tile_in);
