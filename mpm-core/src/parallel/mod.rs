@@ -20,7 +20,7 @@ mod team;
 
 use mpm_materials::{Lane, Real, Wide};
 
-pub use team::Team;
+pub use team::{Team, TeamError};
 
 /// Vectors of the lanes of a group of particles: one row of storage each.
 pub trait Pack<T: Float>: Lane<Real = T> {
