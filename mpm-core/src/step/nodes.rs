@@ -296,7 +296,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     pub fn refine_velocities(&mut self, terms: &mut [[T; 3]]) {
         let cutoff = self.cutoff;
         let conditions = self.conditions;
-        let time = self.time;
+        // As the momentum update constrained them: at the end of the step.
+        let time = self.time + self.dt.to_double();
         let lattice = *self.grid.lattice();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let blocks = self.grid.blocks().to_vec();
@@ -463,8 +464,9 @@ fn free_directions<const D: usize>(
     copies: f64,
 ) -> [bool; 3] {
     let mut free = [true; 3];
-    // A boundary that changes neither of two opposite probes in a direction leaves it free.
-    for probe in [1.0, -1.0] {
+    // A boundary that changes neither of two opposite probes in a direction leaves it free. They are faster than
+    // any wall.
+    for probe in [1e30, -1e30] {
         let before = [probe; 3];
         let mut v = before;
         for b in &conditions.boundaries {
