@@ -222,7 +222,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.update_stress(dt, |node| node.velocity);
                 self.forces();
                 self.integrate_momentum(dt);
-                self.sharpen_velocity();
+                self.sharpen_velocity(dt);
                 self.particle_velocities(dt);
                 self.move_particles(dt);
                 self.stretch_domains(dt, |node| node.velocity);
@@ -231,7 +231,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.forces();
                 self.nodal_velocity();
                 self.integrate_momentum(dt);
-                self.sharpen_velocity();
+                self.sharpen_velocity(dt);
                 self.particle_velocities(dt);
                 self.move_particles(dt);
                 self.update_stress(dt, |node| node.velocity);
@@ -447,7 +447,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 
     /// FMPM: v <- sum of (I - S~)^j v for j below the order, where S~ maps to the particles and back.
-    fn sharpen_velocity(&mut self) {
+    fn sharpen_velocity(&mut self, dt: f64) {
         let Rule::Fmpm(order) = self.rule else { return };
         let light = self.lightest();
         let mut term: BTreeMap<Index<D>, [f64; D]> =
@@ -472,7 +472,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 let x = self.lattice.node(*index);
                 let d = term.entry(*index).or_insert([0.0; D]);
                 for c in 0..D {
-                    let held = held(&self.boundaries, &self.lattice, &x, c, self.time);
+                    let held = held(&self.boundaries, &self.lattice, &x, c, self.time + dt);
                     d[c] = if held { 0.0 } else { d[c] - smooth[index][c] / node.mass };
                     node.velocity[c] += d[c];
                 }

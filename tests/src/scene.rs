@@ -197,6 +197,25 @@ pub fn bar<const D: usize>() -> Scene<D> {
     }
 }
 
+/// The same seen from a moving train: bar and wall fall at 3 m/s more.
+pub fn train<const D: usize>() -> Scene<D> {
+    let mut scene = bar::<D>();
+    scene.name = "train";
+    let along = scene.bodies[0].1([0.0; D]);
+    let faster = move |_: [f64; D]| {
+        let mut v = along;
+        v[D - 1] -= 3.0;
+        v
+    };
+    scene.bodies[0].1 = Box::new(faster);
+    for boundary in &mut scene.boundaries {
+        if let Boundary::Wall { velocity, .. } = boundary {
+            *velocity -= 3.0;
+        }
+    }
+    scene
+}
+
 /// Two blocks that collide obliquely, above a fixed floor.
 pub fn collision<const D: usize>() -> Scene<D> {
     let lattice = lattice::<D>();

@@ -32,7 +32,7 @@ fn tau() -> Blend<f64> {
 }
 
 table! {
-    linear_flip_musl: Linear, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    linear_flip_musl: Linear, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar(), scene::train(), scene::collision()], rubber();
     quadratic_mls_usl: QuadraticBSpline, Mls, Rule::Mls, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
     modified_quadratic_flip_usl: BoundaryModified(QuadraticBSpline), Flip, Rule::Flip, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
     linear_flip_usf: Linear, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], metal();
@@ -49,7 +49,7 @@ table! {
     quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
     quadratic_apic_usf: QuadraticBSpline, Apic, Rule::Apic, Usf, PlaneStrain, [scene::flow(), scene::bar()], rubber();
     quadratic_pic_usl: QuadraticBSpline, Pic, Rule::Pic, Usl, PlaneStrain, [scene::flow(), scene::bar()], metal();
-    quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::train()], rubber();
     quadratic_fmpm2_usf: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usf, PlaneStrain, [scene::flow(), scene::bar()], rubber();
     cubic_flip_musl: CubicBSpline, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
     cubic_apic_usl: CubicBSpline, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
