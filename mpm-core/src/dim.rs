@@ -10,13 +10,15 @@ pub struct Dim<const D: usize>;
 pub const BLOCK: usize = 4;
 
 /// Nodes (and bins) in a block: 4^D.
+#[inline(always)]
 pub const fn block_nodes(d: usize) -> usize {
-    BLOCK.pow(d as u32)
+    if d == 3 { BLOCK * BLOCK * BLOCK } else { BLOCK * BLOCK }
 }
 
 /// Blocks around and including a block: 3^D.
+#[inline(always)]
 pub const fn neighbours(d: usize) -> usize {
-    3usize.pow(d as u32)
+    if d == 3 { 27 } else { 9 }
 }
 
 /// An array whose length a trait knows.
@@ -42,6 +44,8 @@ pub trait Stencil: Copy + Send + Sync + 'static {
     const LAYERS: usize;
     /// Nodes that the particles of one block of bins reach, along an axis: `BLOCK + NODES - 1`.
     const TILE: usize = BLOCK + Self::NODES - 1;
+    /// From the first node of a stencil in a tile to one behind its last, in tile order.
+    const SPAN: usize = ((Self::LAYERS - 1) * Self::TILE + Self::NODES - 1) * Self::TILE + Self::NODES;
     /// Node of the stencil with the smallest index, relative to the bin, along an axis.
     const BASE: i32 = -((Self::NODES as i32 - 1) / 2);
     /// A value a node of the stencil along one axis.

@@ -165,17 +165,35 @@ macro_rules! float {
 float!(f64, 4);
 float!(f32, 8);
 
-/// Ask for memory that will be read soon. Never faults, changes no result.
+/// Ask for memory that will be read at once. Never faults, changes no result.
 #[inline(always)]
 pub fn prefetch<X>(soon: &[X]) {
+    ask::<X, true>(soon);
+}
+
+/// Ask for memory that will be read after some other work, for the second cache: the first has no room for it.
+#[inline(always)]
+pub fn prefetch_early<X>(later: &[X]) {
+    ask::<X, false>(later);
+}
+
+#[inline(always)]
+fn ask<X, const NEAR: bool>(soon: &[X]) {
     #[cfg(target_arch = "x86_64")]
     {
-        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
         let first = soon.as_ptr().cast::<i8>();
-        let lines = size_of_val(soon).div_ceil(64);
+        // Up to the line of the last byte, wherever in its line the first one lies.
+        let lines = size_of_val(soon) / 64 + 1;
         for line in 0..lines {
-            // SAFETY: the address lies in a live slice (and a prefetch is harmless at any address).
-            unsafe { _mm_prefetch::<_MM_HINT_T0>(first.add(64 * line)) };
+            // SAFETY: a prefetch reads nothing the program can see, at any address.
+            unsafe {
+                if NEAR {
+                    _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(64 * line));
+                } else {
+                    _mm_prefetch::<_MM_HINT_T1>(first.wrapping_add(64 * line));
+                }
+            }
         }
     }
     #[cfg(not(target_arch = "x86_64"))]

@@ -1,20 +1,31 @@
 //! A block of bins with their particles.
 
 use crate::dim::{BLOCK, block_nodes};
-use crate::parallel::Float;
+use crate::parallel::{Float, prefetch};
 
-/// The groups of one bin.
-#[derive(Clone, Copy, Debug, Default)]
+/// No group.
+const NONE: u32 = u32::MAX;
+
+/// The groups of one bin: a list, linked from its last group, which alone may have free lanes, to its first.
+#[derive(Clone, Copy, Debug)]
 struct Run {
-    /// First row in the block's memory.
-    start: u32,
-    /// Particles.
-    len: u32,
-    /// Groups there is room for.
-    room: u32,
+    last: u32,
+    particles: u32,
+}
+
+/// A particle's place in a block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Its group.
+    pub group: u32,
+    /// Its lane.
+    pub lane: u32,
 }
 
 /// The particles of 4^D bins.
+///
+/// All groups lie in one piece of memory, in any order. A bin that grows takes a free group, one that shrinks
+/// gives it back: nothing else moves, and memory is that of the most groups ever in use.
 #[derive(Clone, Debug)]
 pub struct Block<T: Float, const D: usize> {
     /// Block coordinates: it holds the bins `BLOCK * coordinates[d] .. BLOCK * (coordinates[d] + 1)`.
@@ -23,8 +34,10 @@ pub struct Block<T: Float, const D: usize> {
     columns: usize,
     runs: Vec<Run>,
     rows: Vec<T::Row>,
-    /// Rows where runs that moved to a larger place began, by the groups they had room for.
-    holes: Vec<Vec<u32>>,
+    /// The group before each in its list.
+    before: Vec<u32>,
+    /// The list of free groups.
+    free: u32,
     particles: usize,
     /// What a lane without a particle holds.
     dummy: Vec<T>,
@@ -62,9 +75,10 @@ impl<T: Float, const D: usize> Block<T, D> {
         Block {
             coordinates,
             columns: dummy.len(),
-            runs: vec![Run::default(); block_nodes(D)],
+            runs: vec![Run { last: NONE, particles: 0 }; block_nodes(D)],
             rows: Vec::new(),
-            holes: Vec::new(),
+            before: Vec::new(),
+            free: NONE,
             particles: 0,
             dummy,
         }
@@ -81,142 +95,139 @@ impl<T: Float, const D: usize> Block<T, D> {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
         self.rows.capacity() * size_of::<T::Row>()
+            + self.before.capacity() * size_of::<u32>()
             + self.runs.capacity() * size_of::<Run>()
             + self.dummy.capacity() * size_of::<T>()
     }
     /// Number of particles in a bin.
     #[inline(always)]
     pub fn bin_len(&self, bin: usize) -> usize {
-        self.runs[bin].len as usize
+        self.runs[bin].particles as usize
     }
-    /// The rows of a bin's groups.
+    /// The last group of a bin and the number of its particles.
     #[inline(always)]
-    pub fn bin_rows(&self, bin: usize) -> &[T::Row] {
-        let run = self.runs[bin];
-        let groups = (run.len as usize).div_ceil(T::GROUP);
-        &self.rows[run.start as usize..][..groups * self.columns]
+    pub fn last_group(&self, bin: usize) -> Option<(u32, usize)> {
+        let Run { last, particles } = self.runs[bin];
+        (particles > 0).then(|| (last, (particles as usize - 1) % T::GROUP + 1))
     }
-    /// The rows of a bin's groups.
+    /// The group before another one of a bin, which is full, and the number of its particles.
     #[inline(always)]
-    pub fn bin_rows_mut(&mut self, bin: usize) -> &mut [T::Row] {
-        let run = self.runs[bin];
-        let groups = (run.len as usize).div_ceil(T::GROUP);
-        &mut self.rows[run.start as usize..][..groups * self.columns]
+    pub fn group_before(&self, group: u32) -> Option<(u32, usize)> {
+        let before = self.before[group as usize];
+        (before != NONE).then_some((before, T::GROUP))
     }
-    /// The number of column `column` of particle `index` of a bin.
-    #[inline]
-    pub fn get(&self, bin: usize, index: usize, column: usize) -> T {
-        self.rows[self.row(bin, index) + column].as_ref()[index % T::GROUP]
-    }
-    /// Set a number.
-    #[inline]
-    pub fn set(&mut self, bin: usize, index: usize, column: usize, value: T) {
-        let row = self.row(bin, index) + column;
-        self.rows[row].as_mut()[index % T::GROUP] = value;
-    }
+    /// The rows of a group.
     #[inline(always)]
-    fn row(&self, bin: usize, index: usize) -> usize {
-        self.runs[bin].start as usize + index / T::GROUP * self.columns
+    pub fn group(&self, group: u32) -> &[T::Row] {
+        &self.rows[group as usize * self.columns..][..self.columns]
+    }
+    /// The rows of a group.
+    #[inline(always)]
+    pub fn group_mut(&mut self, group: u32) -> &mut [T::Row] {
+        &mut self.rows[group as usize * self.columns..][..self.columns]
+    }
+    /// Ask for the first `rows` rows of the groups of a bin that comes soon.
+    #[inline(always)]
+    pub fn prefetch(&self, bin: usize, rows: usize) {
+        let mut group = self.runs[bin].last;
+        while group != NONE {
+            prefetch(&self.group(group)[..rows]);
+            group = self.before[group as usize];
+        }
     }
 
     /// All numbers of a particle.
-    pub fn read(&self, bin: usize, index: usize, numbers: &mut Vec<T>) {
-        let first = self.row(bin, index);
-        let lane = index % T::GROUP;
-        numbers.extend(self.rows[first..first + self.columns].iter().map(|row| row.as_ref()[lane]));
-    }
-    fn write(&mut self, bin: usize, index: usize, numbers: &[T]) {
-        let first = self.row(bin, index);
-        let lane = index % T::GROUP;
-        for (row, &x) in self.rows[first..first + self.columns].iter_mut().zip(numbers) {
-            row.as_mut()[lane] = x;
-        }
+    #[inline(always)]
+    pub fn read(&self, at: Place, numbers: &mut Vec<T>) {
+        numbers.extend(self.group(at.group).iter().map(|row| row.as_ref()[at.lane as usize]));
     }
 
     /// Append a particle to a bin.
+    #[inline(always)]
     pub fn push(&mut self, bin: usize, numbers: &[T]) {
-        let run = self.runs[bin];
-        let index = run.len as usize;
-        if index == run.room as usize * T::GROUP {
-            self.make_room(bin);
+        let Run { last, particles } = self.runs[bin];
+        let lane = particles as usize % T::GROUP;
+        let group = if lane == 0 { self.take_group(last) } else { last };
+        for (row, &x) in self.group_mut(group).iter_mut().zip(numbers) {
+            row.as_mut()[lane] = x;
         }
-        if index.is_multiple_of(T::GROUP) {
-            let first = self.row(bin, index);
-            for (row, &x) in self.rows[first..first + self.columns].iter_mut().zip(&self.dummy) {
-                row.as_mut().fill(x);
-            }
-        }
-        self.write(bin, index, numbers);
-        self.runs[bin].len += 1;
+        self.runs[bin] = Run { last: group, particles: particles + 1 };
         self.particles += 1;
     }
 
-    /// Remove a particle; the bin's last one takes its place.
-    pub fn remove(&mut self, bin: usize, index: usize) {
-        let last = self.runs[bin].len as usize - 1;
-        let (to, from) = (self.row(bin, index), self.row(bin, last));
+    /// Remove a particle of a bin; the bin's last one takes its place.
+    #[inline(always)]
+    pub fn remove(&mut self, bin: usize, at: Place) {
+        let Run { last, particles } = self.runs[bin];
+        let lane = (particles as usize - 1) % T::GROUP;
+        let (to, from) = (at.group as usize * self.columns, last as usize * self.columns);
         for c in 0..self.columns {
-            let x = self.rows[from + c].as_ref()[last % T::GROUP];
-            self.rows[to + c].as_mut()[index % T::GROUP] = x;
-            self.rows[from + c].as_mut()[last % T::GROUP] = self.dummy[c];
+            let x = self.rows[from + c].as_ref()[lane];
+            self.rows[to + c].as_mut()[at.lane as usize] = x;
+            self.rows[from + c].as_mut()[lane] = self.dummy[c];
         }
-        self.runs[bin].len -= 1;
+        self.runs[bin].particles -= 1;
         self.particles -= 1;
-    }
-
-    /// One more group for a bin: in a hole that another run left, or at the end of the block's memory.
-    fn make_room(&mut self, bin: usize) {
-        let run = self.runs[bin];
-        let (start, room) = (run.start as usize, run.room as usize);
-        let used = room * self.columns;
-        self.runs[bin].room += 1;
-        if used > 0 && start + used == self.rows.len() {
-            self.lengthen(self.columns);
-            return;
-        }
-        let place = match self.holes.get_mut(room + 1).and_then(Vec::pop) {
-            Some(hole) => hole as usize,
-            None => {
-                let end = self.rows.len();
-                self.lengthen(used + self.columns);
-                end
-            }
-        };
-        self.rows.copy_within(start..start + used, place);
-        self.runs[bin].start = place as u32;
-        if room > 0 {
-            if self.holes.len() <= room {
-                self.holes.resize(room + 1, Vec::new());
-            }
-            self.holes[room].push(start as u32);
+        if lane == 0 {
+            self.runs[bin].last = std::mem::replace(&mut self.before[last as usize], self.free);
+            self.free = last;
         }
     }
 
-    /// Append rows; a little ahead where memory must grow, since most of it never grows again.
-    fn lengthen(&mut self, rows: usize) {
-        let length = self.rows.len() + rows;
-        if length > self.rows.capacity() {
-            self.rows.reserve_exact(rows + length / 4);
+    /// A group without particles, linked to the one before it.
+    fn take_group(&mut self, before: u32) -> u32 {
+        if self.free != NONE {
+            let group = self.free;
+            self.free = std::mem::replace(&mut self.before[group as usize], before);
+            return group;
         }
-        self.rows.resize(length, T::Row::default());
+        let group = self.before.len();
+        if self.rows.len() == self.rows.capacity() {
+            // A little ahead: most of it never grows again.
+            let ahead = group / 8 + 1;
+            self.before.reserve_exact(ahead);
+            self.rows.reserve_exact(ahead * self.columns);
+        }
+        self.before.push(before);
+        for &x in &self.dummy {
+            let mut row = T::Row::default();
+            row.as_mut().fill(x);
+            self.rows.push(row);
+        }
+        group as u32
     }
 
-    /// Lay the runs out again in bin order without gaps, if gaps take more than half of the memory.
+    /// Lay the groups out in bin order, without free ones, if free ones take more than a quarter.
     pub fn tidy(&mut self) {
-        let needed: usize =
-            self.runs.iter().map(|r| (r.len as usize).div_ceil(T::GROUP) * self.columns).sum();
-        if self.rows.len() <= needed * 2 {
-            return;
+        if 4 * self.groups_in_use() < 3 * self.before.len() {
+            self.pack();
         }
-        let mut rows = Vec::with_capacity(needed);
-        for run in &mut self.runs {
-            let groups = (run.len as usize).div_ceil(T::GROUP);
-            let start = rows.len();
-            rows.extend_from_slice(&self.rows[run.start as usize..][..groups * self.columns]);
-            *run = Run { start: start as u32, len: run.len, room: groups as u32 };
+    }
+
+    fn groups_in_use(&self) -> usize {
+        self.runs.iter().map(|r| (r.particles as usize).div_ceil(T::GROUP)).sum()
+    }
+
+    /// Lay the groups out in bin order, without free ones.
+    pub fn pack(&mut self) {
+        let in_use = self.groups_in_use();
+        let mut rows = Vec::with_capacity(in_use * self.columns);
+        let mut before = Vec::with_capacity(in_use);
+        for bin in 0..self.runs.len() {
+            let first = before.len();
+            let mut group = self.runs[bin].last;
+            while group != NONE {
+                rows.extend_from_slice(self.group(group));
+                before.push(before.len() as u32 + 1);
+                group = self.before[group as usize];
+            }
+            if before.len() > first {
+                self.runs[bin].last = first as u32;
+                let end = before.len() - 1;
+                before[end] = NONE;
+            }
         }
-        self.rows = rows;
-        self.holes.clear();
+        (self.rows, self.before, self.free) = (rows, before, NONE);
     }
 
     /// Coordinates of a bin.
@@ -230,9 +241,15 @@ impl<T: Float, const D: usize> Block<T, D> {
         c
     }
 
-    /// For every particle: its bin and its index there, in order.
-    pub fn places(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        self.runs.iter().enumerate().flat_map(|(bin, run)| (0..run.len as usize).map(move |i| (bin, i)))
+    /// For every particle: its bin and its place there, in order.
+    pub fn places(&self) -> impl Iterator<Item = (usize, Place)> + '_ {
+        (0..self.runs.len()).flat_map(|bin| self.bin_places(bin).map(move |place| (bin, place)))
+    }
+
+    /// The places of a bin's particles, in order.
+    pub fn bin_places(&self, bin: usize) -> impl Iterator<Item = Place> + '_ {
+        std::iter::successors(self.last_group(bin), |&(group, _)| self.group_before(group))
+            .flat_map(|(group, lanes)| (0..lanes as u32).map(move |lane| Place { group, lane }))
     }
 
     /// The dummy of this block.

@@ -1,15 +1,15 @@
 //! Particles: kept by bin, in groups of lanes, in blocks of bins.
 //!
 //! A **group** is one [`GROUP`](crate::Float::GROUP)-wide set of particles of one bin: a row of storage
-//! for each of their numbers. A **run** is the groups of a bin; a [`Block`] is the 4^D bins whose stencils
-//! start at the same node block, with all their runs in one piece of memory. Lanes without a particle have
+//! for each of their numbers. A bin has a list of groups; a [`Block`] is the 4^D bins whose stencils start at
+//! the same node block, with all their groups in one piece of memory. Lanes without a particle have
 //! mass zero and a virgin state, so that kernels need not look at them.
 //!
 //! Only the store moves particles, and it moves all columns at once; a column cannot be forgotten.
 
 mod block;
 
-pub use block::{Block, Outbox, split};
+pub use block::{Block, Outbox, Place, split};
 
 /// Where the columns of a particle are: rows of a group, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]

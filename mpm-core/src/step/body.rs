@@ -6,15 +6,15 @@ use std::marker::PhantomData;
 use mpm_materials::{Constitutive, Lane, State};
 
 use super::load::{Load, Loading, Unloaded};
-use super::migrate::TakeIn;
+use super::migrate::{Domains, TakeIn};
 use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
-use super::tile::{Sums, add_row, place, thirds, tile_nodes};
+use super::tile::{AddTiles, Sums, tile_nodes};
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
 use crate::geometry::{Lattice, Seeds};
 use crate::grid::Node;
 use crate::method::Composition;
 use crate::parallel::{Float, Team};
-use crate::particles::{Block, Columns, Outbox, split};
+use crate::particles::{Block, Columns, Outbox, Place, split};
 use crate::scheme::{PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
 
@@ -164,6 +164,10 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     lattice: Lattice<D>,
     columns: Columns,
     slots: Vec<Slot<T, D>>,
+    /// Particles that left their bins in the last pass, by slot.
+    outboxes: Vec<Outbox<T>>,
+    /// Blocks of nodes around each slot, 3^D, x fastest; `NONE` where there is none.
+    nodes_around: Vec<u32>,
     /// Slot of each neighbour (3^D, x fastest) of each node block, `NONE` where there is none.
     contributors: Vec<u32>,
     /// Half sizes of the particles in units of h.
@@ -243,6 +247,8 @@ where
             lattice,
             columns,
             slots: Vec::new(),
+            outboxes: Vec::new(),
+            nodes_around: Vec::new(),
             contributors: Vec::new(),
             half,
             lightest: T::of(f64::MAX),
@@ -289,7 +295,7 @@ where
             self.slots[slot].block.push(bin, &numbers);
         }
         for slot in &mut self.slots {
-            slot.block.tidy();
+            slot.block.pack();
         }
         self.slots.sort_by_key(|s| s.block.coordinates);
         self.link_slots();
@@ -299,6 +305,7 @@ where
     fn link_slots(&mut self) {
         let index: BTreeMap<[i32; D], u32> =
             self.slots.iter().enumerate().map(|(i, s)| (s.block.coordinates, i as u32)).collect();
+        self.outboxes.resize_with(self.slots.len(), Outbox::default);
         for slot in &mut self.slots {
             let c = slot.block.coordinates;
             for (n, around) in slot.slots_around.iter_mut().enumerate() {
@@ -323,16 +330,20 @@ where
             traction: self.traction(steps.force_time).map(T::of),
             spacing: T::of(self.lattice.spacing()),
             origin: T::of(self.lattice.origin()[0]),
-            half: self.half,
+            domains: Domains { column: self.columns.domain(), half: self.half },
         }
     }
 
     fn sweep<K: PassKind>(&mut self, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble> {
         let common = self.common(dt);
         let (law, method) = (&self.law, &self.method);
-        team.each(&mut self.slots, |_, slot| {
+        let nodes_around = &self.nodes_around;
+        team.each_piece(&mut self.slots, 1, &mut self.outboxes, |s, slot, outbox| {
+            let slot = &mut slot[0];
+            let (here, ahead) = nodes_around[s * neighbours(D)..].split_at(neighbours(D));
+            let around = [here, &ahead[..neighbours(D).min(ahead.len())]];
             let sweep: Sweep<'_, T, D, C, M, K> =
-                Sweep { law, method, nodes, slot, common, pass: PhantomData };
+                Sweep { law, method, nodes, around, slot, outbox, common, pass: PhantomData };
             T::dispatch(sweep);
         });
         if L::ACTS && K::DOES.load {
@@ -357,8 +368,10 @@ where
     /// Which particle, and where: its position, or the centre of its bin if it is on its way to another.
     fn describe(&self, slot: &Slot<T, D>, trouble: &Trouble) -> BodyTrouble {
         let Trouble { bin, particle, cause } = *trouble;
-        let staying = (0..slot.block.bin_len(bin))
-            .map(|index| self.particle(&slot.block, bin, index))
+        let staying = slot
+            .block
+            .bin_places(bin)
+            .map(|place| self.particle(&slot.block, bin, place))
             .find(|p| p.number == particle);
         let position = staying.map_or_else(
             || {
@@ -375,18 +388,18 @@ where
         BodyTrouble { particle, position, cause }
     }
 
-    fn take_in<K: PassKind>(&mut self, outboxes: &[Outbox<T>], team: &Team) {
+    fn take_in<K: PassKind>(&mut self, team: &Team) {
         if !K::DOES.moves {
             return;
         }
         let common =
             self.common(Steps { this: T::default(), next: T::default(), adapt: false, force_time: 0.0 });
-        let (method, domain) = (&self.method, self.columns.domain());
+        let (method, outboxes) = (&self.method, &self.outboxes);
         team.each(&mut self.slots, |_, slot| {
             let near = |&s: &u32| outboxes.get(s as usize).is_some_and(|o| o.directions != 0);
             if slot.slots_around.iter().any(near) {
                 let take: TakeIn<'_, T, D, M, K> =
-                    TakeIn { method, slot, outboxes, common, domain, pass: PhantomData };
+                    TakeIn { method, slot, outboxes, common, pass: PhantomData };
                 T::dispatch(take);
             }
         });
@@ -395,8 +408,8 @@ where
     /// Make the blocks that particles left for and that are not there yet.
     fn make_blocks(&mut self) -> bool {
         let mut wanted: Vec<[i32; D]> = Vec::new();
-        for slot in &self.slots {
-            let mut directions = slot.outbox.directions;
+        for (slot, outbox) in self.slots.iter().zip(&self.outboxes) {
+            let mut directions = outbox.directions;
             while directions != 0 {
                 let to = directions.trailing_zeros() as usize;
                 directions &= directions - 1;
@@ -414,8 +427,8 @@ where
         !wanted.is_empty()
     }
 
-    fn particle(&self, block: &Block<T, D>, bin: usize, index: usize) -> Particle {
-        let (numbers, state) = self.point(block, bin, index);
+    fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
+        let (numbers, state) = self.point(block, at);
         let centre = bin_centre::<ExtentOf<M, T, D>>();
         let coordinates = block.bin_coordinates(bin);
         let mut p = Particle {
@@ -446,22 +459,17 @@ where
 
     /// The numbers of a particle, and its law's state.
     #[allow(clippy::type_complexity)]
-    fn point(
-        &self,
-        block: &Block<T, D>,
-        bin: usize,
-        index: usize,
-    ) -> (Vec<T>, Result<C::State<T::Single>, usize>) {
+    fn point(&self, block: &Block<T, D>, at: Place) -> (Vec<T>, Result<C::State<T::Single>, usize>) {
         let mut numbers = Vec::with_capacity(self.columns.count());
-        block.read(bin, index, &mut numbers);
+        block.read(at, &mut numbers);
         let state: Vec<T::Single> =
             numbers[Columns::state(D)..self.columns.domain()].iter().map(|&x| T::Single::from(x)).collect();
         let state = mpm_materials::point::unflatten(&state);
         (numbers, state)
     }
 
-    fn energy(&self, block: &Block<T, D>, bin: usize, index: usize) -> f64 {
-        let (numbers, state) = self.point(block, bin, index);
+    fn energy(&self, block: &Block<T, D>, at: Place) -> f64 {
+        let (numbers, state) = self.point(block, at);
         state.map_or(0.0, |state| {
             let per_volume: T = self.law.energy(&state).into();
             let volume = numbers[Columns::mass(D)] / self.law.density();
@@ -479,11 +487,8 @@ fn new_slot<T: Float, const D: usize, E: Stencil>(
     Slot {
         block: Block::new(coordinates, dummy.to_vec()),
         tile: vec![[T::default(); 4]; tile_nodes::<E>(D) * records],
-        outbox: Outbox::default(),
-        nodes_around: vec![NONE; neighbours(D)],
         slots_around: vec![NONE; neighbours(D)],
         report: Report::default(),
-        leaving: Vec::new(),
     }
 }
 
@@ -513,8 +518,8 @@ where
     fn rate(&self, spacing: f64) -> T {
         let mut fastest = T::default();
         for slot in &self.slots {
-            for (bin, index) in slot.block.places() {
-                let (numbers, state) = self.point(&slot.block, bin, index);
+            for (_, at) in slot.block.places() {
+                let (numbers, state) = self.point(&slot.block, at);
                 let mut square = T::default();
                 for d in 0..D {
                     square += numbers[Columns::velocity(D) + d] * numbers[Columns::velocity(D) + d];
@@ -546,13 +551,9 @@ where
         if changed {
             self.link_slots();
         }
-        let outboxes: Vec<Outbox<T>> = self.slots.iter_mut().map(|s| std::mem::take(&mut s.outbox)).collect();
         match which {
-            Which::First => self.take_in::<L::Pass<<M::Update as StressUpdate>::First>>(&outboxes, team),
-            _ => self.take_in::<L::Pass<<M::Update as StressUpdate>::Second>>(&outboxes, team),
-        }
-        for (slot, outbox) in self.slots.iter_mut().zip(outboxes) {
-            slot.outbox = outbox;
+            Which::First => self.take_in::<L::Pass<<M::Update as StressUpdate>::First>>(team),
+            _ => self.take_in::<L::Pass<<M::Update as StressUpdate>::Second>>(team),
         }
         if prune && self.slots.iter().any(|s| s.block.is_empty()) {
             // A block that particles left still holds what they mapped before: none, since they map where
@@ -579,11 +580,13 @@ where
     fn link(&mut self, blocks: &[[i32; D]], find: &dyn Fn(&[i32; D]) -> Option<usize>) {
         self.contributors.clear();
         self.contributors.resize(blocks.len() * neighbours(D), NONE);
-        for (s, slot) in self.slots.iter_mut().enumerate() {
+        self.nodes_around.clear();
+        self.nodes_around.resize(self.slots.len() * neighbours(D), NONE);
+        for (s, slot) in self.slots.iter().enumerate() {
             for n in 0..neighbours(D) {
                 let o = offset::<D>(n);
                 let found = find(&shifted(&slot.block.coordinates, &o));
-                slot.nodes_around[n] = found.map_or(NONE, |b| b as u32);
+                self.nodes_around[s * neighbours(D) + n] = found.map_or(NONE, |b| b as u32);
                 if let Some(block) = found {
                     // Seen from the node block, this slot lies in the opposite direction.
                     self.contributors[block * neighbours(D) + neighbours(D) - 1 - n] = s as u32;
@@ -593,46 +596,24 @@ where
     }
 
     fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
-        let side = ExtentOf::<M, T, D>::TILE;
-        for n in 0..neighbours(D) {
-            let Some(slot) = self.slots.get(self.contributors[block * neighbours(D) + n] as usize) else {
-                continue;
-            };
-            // The node block lies in direction -o of the slot's; tile nodes of that third of the tile.
-            let o = offset::<D>(n);
-            let range = |d: usize| thirds::<ExtentOf<M, T, D>>((1 - o[d]) as usize);
-            let (x, y) = (range(0), range(1));
-            let z = if D == 3 { range(2) } else { 0..1 };
-            for k in z {
-                let nz = if D == 3 { place::<ExtentOf<M, T, D>>(k).1 } else { 0 };
-                for j in y.clone() {
-                    let ny = place::<ExtentOf<M, T, D>>(j).1;
-                    let nx = place::<ExtentOf<M, T, D>>(x.start).1;
-                    let row = (k * side + j) * side;
-                    let from = row + x.start..row + x.end;
-                    let to = &mut nodes[(nz * BLOCK + ny) * BLOCK + nx..][..from.len()];
-                    let (first, second) = slot.tile.split_at(tile_nodes::<ExtentOf<M, T, D>>(D));
-                    match sums {
-                        Sums::All => {
-                            add_row(to, &first[from.clone()], |node| &mut node.first);
-                            if !M::MAPS_TOGETHER && !M::Update::BEFORE_FORCES {
-                                add_row(to, &second[from], |node| &mut node.second);
-                            }
-                        }
-                        Sums::Force => add_row(to, &second[from], |node| &mut node.second),
-                        Sums::Again => add_row(to, &first[from], |node| &mut node.second),
-                    }
-                }
-            }
-        }
+        let (around, next) = self.contributors[block * neighbours(D)..].split_at(neighbours(D));
+        let around = [around, next];
+        let tile = |n: usize, block: usize| {
+            let slot = *around[block].get(n).unwrap_or(&NONE);
+            self.slots.get(slot as usize).map(|slot| &slot.tile[..])
+        };
+        let two = !M::MAPS_TOGETHER && !M::Update::BEFORE_FORCES;
+        let add: AddTiles<'_, T, D, ExtentOf<M, T, D>, _> =
+            AddTiles { nodes, tile, sums, two, extent: PhantomData };
+        T::dispatch(add);
     }
 
     fn totals(&self) -> Totals {
         let mut sum = Totals::default();
         for slot in &self.slots {
             let mut part = Totals::default();
-            for (bin, index) in slot.block.places() {
-                let p = self.particle(&slot.block, bin, index);
+            for (bin, at) in slot.block.places() {
+                let p = self.particle(&slot.block, bin, at);
                 part.particles += 1;
                 part.mass += p.mass;
                 let ([x, y, z], [u, v, w]) = (p.position, p.velocity);
@@ -644,7 +625,7 @@ where
                 let square = u * u + v * v + w * w;
                 part.momentum_scale += p.mass * square.sqrt();
                 part.kinetic += 0.5 * p.mass * square;
-                part.internal += self.energy(&slot.block, bin, index);
+                part.internal += self.energy(&slot.block, at);
             }
             sum = sum.plus(&part);
         }
@@ -655,8 +636,8 @@ where
         let mut order: Vec<&Slot<T, D>> = self.slots.iter().collect();
         order.sort_by_key(|s| s.block.coordinates);
         for slot in order {
-            for (bin, index) in slot.block.places() {
-                visit(&self.particle(&slot.block, bin, index));
+            for (bin, at) in slot.block.places() {
+                visit(&self.particle(&slot.block, bin, at));
             }
         }
     }
@@ -665,12 +646,18 @@ where
         let slot = |s: &Slot<T, D>| {
             s.block.bytes()
                 + s.tile.capacity() * size_of::<[T; 4]>()
-                + s.outbox.numbers.capacity() * size_of::<T>()
-                + s.outbox.records.capacity() * size_of::<[T; 4]>()
-                + (s.nodes_around.len() + s.slots_around.len()) * size_of::<u32>()
+                + s.slots_around.len() * size_of::<u32>()
                 + size_of::<Slot<T, D>>()
         };
-        self.slots.iter().map(slot).sum::<usize>() + self.contributors.capacity() * size_of::<u32>()
+        let sent = |o: &Outbox<T>| {
+            o.numbers.capacity() * size_of::<T>()
+                + o.records.capacity() * size_of::<[T; 4]>()
+                + o.to.capacity()
+                + o.bin.capacity()
+        };
+        self.slots.iter().map(slot).sum::<usize>()
+            + self.outboxes.iter().map(sent).sum::<usize>()
+            + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
     }
     fn columns(&self) -> usize {
         self.columns.count()

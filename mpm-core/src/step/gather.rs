@@ -135,10 +135,30 @@ pub fn gather<T: Float, const D: usize, P: Lane<Real = T>, S: ShapeFunction<T, D
 /// Turn nodal records into coefficients, axis by axis.
 #[inline(always)]
 pub fn to_coefficients<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
-    nodes: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
+    nodes: &mut <S::Extent as Stencil>::Nodes<Q>,
 ) {
     let n = <S::Extent as Stencil>::NODES;
     let layers = <S::Extent as Stencil>::LAYERS;
+    if n == 2 {
+        // By hand: loops that the compiler does not unroll keep their numbers in memory.
+        along::<T, D, Q, S>(nodes, 0, 1);
+        along::<T, D, Q, S>(nodes, 2, 1);
+        if D == 3 {
+            along::<T, D, Q, S>(nodes, 4, 1);
+            along::<T, D, Q, S>(nodes, 6, 1);
+        }
+        along::<T, D, Q, S>(nodes, 0, 2);
+        along::<T, D, Q, S>(nodes, 1, 2);
+        if D == 3 {
+            along::<T, D, Q, S>(nodes, 4, 2);
+            along::<T, D, Q, S>(nodes, 5, 2);
+            along::<T, D, Q, S>(nodes, 0, 4);
+            along::<T, D, Q, S>(nodes, 1, 4);
+            along::<T, D, Q, S>(nodes, 2, 4);
+            along::<T, D, Q, S>(nodes, 3, 4);
+        }
+        return;
+    }
     for a in 0..n {
         for k in 0..layers {
             along::<T, D, Q, S>(nodes, (k * n + a) * n, 1);
@@ -158,16 +178,16 @@ pub fn to_coefficients<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T,
 
 #[inline(always)]
 fn along<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
-    nodes: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
+    nodes: &mut <S::Extent as Stencil>::Nodes<Q>,
     first: usize,
     stride: usize,
 ) {
     let mut numbers = <S::Extent as Stencil>::Axis::<Q>::filled(Q::zero());
     for i in 0..<S::Extent as Stencil>::NODES {
-        numbers[i] = Q::load(&nodes[first + i * stride]);
+        numbers[i] = nodes[first + i * stride];
     }
     let coefficients = S::coefficients(numbers);
     for i in 0..<S::Extent as Stencil>::NODES {
-        coefficients[i].store(&mut nodes[first + i * stride]);
+        nodes[first + i * stride] = coefficients[i];
     }
 }

@@ -1,34 +1,40 @@
-//! Particles that leave their bins: out of a block at the end of a bin's work, into another between passes.
+//! Particles that leave their bins: out of a bin during its work, into another when all bins of a block are
+//! done (if they stay in the block) or between passes.
 
 use std::marker::PhantomData;
 
 use mpm_materials::Lane;
 
-use super::scatter::{AFFINE, MAX_LANES, MOMENTUM, RECORDS, Records, Spread, scatter};
-use super::sweep::{Cause, Common, ExtentOf, ShapeOf, Slot, Trouble, maps};
-use super::tile::{add_to_tile, tile_corner};
-use crate::dim::{Array, BLOCK, Stencil};
+use super::scatter::{AFFINE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
+use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
+use super::tile::{tile_corner, tile_nodes};
+use crate::dim::{BLOCK, neighbours};
 use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel};
-use crate::particles::{Columns, Outbox};
+use crate::particles::{Block, Columns, Outbox, Place};
 use crate::scheme::PassKind;
 use crate::shape::{ShapeFunction, Weights};
 
-/// Take the particles in `slot.leaving` out of a bin and put them, last first, into the outbox. Their records
-/// lie there already, first first.
+/// Take the particles in the lanes `gone` (bits) of a group out of their bin and put them into the outbox with
+/// their records, of which zeros are left.
 #[cold]
-pub(super) fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: usize) {
-    let Slot { block, outbox, leaving, report, .. } = slot;
-    let records = outbox.records.len() - leaving.len() * RECORDS;
-    reverse_records(&mut outbox.records[records..]);
+pub(super) fn send_away<T: Float, const D: usize>(
+    block: &mut Block<T, D>,
+    outbox: &mut Outbox<T>,
+    report: &mut Report<T>,
+    (bin, group, mut gone): (usize, u32, u32),
+    records: &mut Records<T>,
+    maps: Maps,
+) {
     let columns = block.dummy().len();
     let half = T::of(0.5);
-    for (n, index) in leaving.drain(..).rev().enumerate() {
-        let index = index as usize;
+    // The last lane first: the particle that takes the place of one removed has been at work already.
+    while gone != 0 {
+        let lane = gone.ilog2();
+        gone &= !(1 << lane);
         let numbers = outbox.numbers.len();
-        block.read(bin, index, &mut outbox.numbers);
+        block.read(Place { group, lane }, &mut outbox.numbers);
         let numbers = &mut outbox.numbers[numbers..numbers + columns];
-        let records = &mut outbox.records[records + n * RECORDS..][..RECORDS];
         let (mut to, mut to_bin, mut weight, mut bin_weight, mut rest) = (0, 0, 1, 1, bin);
         for d in 0..D {
             let xi = numbers[Columns::position() + d];
@@ -40,12 +46,13 @@ pub(super) fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: us
                 report.trouble = report.trouble.or(Some(trouble));
             }
             // Rounding may leave xi - shift at 1/2 where xi was just below -1/2: that is the bin's far edge.
-            let local = xi - shift;
-            numbers[Columns::position() + d] = local;
-            // R = [m, m v] - sum A xi refers to the bin's centre.
-            for c in 0..4 {
-                let a = records[AFFINE + d][c];
-                records[MOMENTUM][c] += a * shift;
+            numbers[Columns::position() + d] = xi - shift;
+            if maps.has_affine() {
+                // R = [m, m v] - sum A xi refers to the bin's centre.
+                for c in 0..4 {
+                    let a = records[AFFINE + d][lane as usize][c];
+                    records[MOMENTUM][lane as usize][c] += a * shift;
+                }
             }
             let at = (rest % BLOCK) as i32
                 + if shift > half {
@@ -62,23 +69,86 @@ pub(super) fn send_away<T: Float, const D: usize>(slot: &mut Slot<T, D>, bin: us
             weight *= 3;
             bin_weight *= BLOCK;
         }
+        for kind in 0..RECORDS {
+            if maps.uses::<D>(kind) {
+                outbox.records.push(std::mem::take(&mut records[kind][lane as usize]));
+            }
+        }
         outbox.to.push(to as u8);
         outbox.bin.push(to_bin as u8);
         outbox.directions |= 1 << to;
-        block.remove(bin, index);
+        block.remove(bin, Place { group, lane });
     }
 }
 
-pub(super) fn reverse_records<T>(records: &mut [[T; 4]]) {
-    let n = records.len() / RECORDS;
-    for i in 0..n / 2 {
-        for k in 0..RECORDS {
-            records.swap(i * RECORDS + k, (n - 1 - i) * RECORDS + k);
+/// Where taken-in particles' domain half sizes come from: their column, or one size for all.
+#[derive(Clone, Copy, Debug)]
+pub struct Domains<T> {
+    /// Column of the first, where particles carry them.
+    pub column: usize,
+    /// The size of those that don't.
+    pub half: [T; 3],
+}
+
+/// Append the particles that an outbox sends in direction `to` to their bins, and scatter them.
+#[inline(always)]
+pub(super) fn take_in<T, A, const D: usize, M, K>(
+    method: &M,
+    block: &mut Block<T, D>,
+    tile: &mut [[T; 4]],
+    outbox: &Outbox<T>,
+    to: usize,
+    domains: Domains<T>,
+    scratch: (&mut Records<T>, &mut Spread<T, ExtentOf<M, T, D>>),
+) where
+    T: Float,
+    A: Arch<T>,
+    M: Composition<T, D>,
+    K: PassKind,
+{
+    if outbox.directions >> to & 1 == 0 {
+        return;
+    }
+    let maps = maps::<T, D, M, K>();
+    let columns = block.dummy().len();
+    let mut kinds = 0;
+    for kind in 0..RECORDS {
+        kinds += usize::from(maps.uses::<D>(kind));
+    }
+    let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
+    let (records, spread) = scratch;
+    for n in 0..outbox.to.len() {
+        if outbox.to[n] as usize != to {
+            continue;
         }
+        let bin = outbox.bin[n] as usize;
+        let numbers = &outbox.numbers[n * columns..][..columns];
+        block.push(bin, numbers);
+        let sent = &outbox.records[n * kinds..][..kinds];
+        let mut next = 0;
+        for kind in 0..RECORDS {
+            if maps.uses::<D>(kind) {
+                records[kind][0] = sent[next];
+                next += 1;
+            }
+        }
+        let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+        for d in 0..D {
+            let half = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                numbers[domains.column + d]
+            } else {
+                domains.half[d]
+            };
+            let xi = A::Pack::splat(numbers[Columns::position() + d]);
+            at[d] = method.shape().weights(xi, A::Pack::splat(half));
+        }
+        spread.fill(&at, maps.slopes());
+        let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
+        scatter::<T, A, ExtentOf<M, T, D>, 1>([first, second], corner, spread, records, maps);
     }
 }
 
-/// Take in the particles that the blocks around sent here: append them to their bins, and scatter them.
+/// Take in the particles that the blocks around sent here.
 pub struct TakeIn<'a, T: Float, const D: usize, M, K> {
     /// The method.
     pub method: &'a M,
@@ -88,8 +158,6 @@ pub struct TakeIn<'a, T: Float, const D: usize, M, K> {
     pub outboxes: &'a [Outbox<T>],
     /// Shared numbers.
     pub common: Common<T>,
-    /// Column of the domain half sizes, where particles carry them.
-    pub domain: usize,
     /// The pass that sent them.
     pub pass: PhantomData<K>,
 }
@@ -104,44 +172,20 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let TakeIn { method, slot, outboxes, common, domain, .. } = self;
-        let maps = maps::<T, D, M, K>();
-        let columns = slot.block.dummy().len();
-        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
-            Array::filled([A::Quad::zero(); 2]);
-        let directions = crate::dim::neighbours(D);
+        let TakeIn { method, slot, outboxes, common, .. } = self;
+        let Slot { block, tile, slots_around, .. } = slot;
         let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
-        for from in 0..directions {
+        for from in 0..neighbours(D) {
             // What lies in direction `from` of here sent towards the opposite direction.
-            let to = directions - 1 - from;
-            let Some(outbox) = outboxes.get(slot.slots_around[from] as usize) else { continue };
-            if outbox.directions >> to & 1 == 0 {
-                continue;
+            let to = neighbours(D) - 1 - from;
+            if from == to {
+                continue; // its own pass took them in
             }
-            for n in 0..outbox.to.len() {
-                if outbox.to[n] as usize != to {
-                    continue;
-                }
-                let bin = outbox.bin[n] as usize;
-                let numbers = &outbox.numbers[n * columns..][..columns];
-                slot.block.push(bin, numbers);
-                for k in 0..RECORDS {
-                    records[k][0] = outbox.records[n * RECORDS + k];
-                }
-                let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
-                for d in 0..D {
-                    let half =
-                        if ShapeOf::<M, T, D>::CARRIES_DOMAIN { numbers[domain + d] } else { common.half[d] };
-                    let xi = A::Pack::splat(numbers[Columns::position() + d]);
-                    at[d] = method.shape().weights(xi, A::Pack::splat(half));
-                }
-                spread.fill(&at, maps.slopes());
-                scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, 0, maps);
-                let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-                add_to_tile::<T, D, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
-            }
+            let Some(outbox) = outboxes.get(slots_around[from] as usize) else { continue };
+            let scratch = (&mut records, &mut spread);
+            take_in::<T, A, D, M, K>(method, block, tile, outbox, to, common.domains, scratch);
         }
-        slot.block.tidy();
+        block.tidy();
     }
 }

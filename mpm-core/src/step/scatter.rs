@@ -68,13 +68,28 @@ impl Maps {
     pub fn has_affine(self) -> bool {
         self.affine || (self.force && self.least_squares)
     }
+    /// Are records of this kind mapped in `D` dimensions?
+    #[inline(always)]
+    pub fn uses<const D: usize>(self, kind: usize) -> bool {
+        match kind {
+            MOMENTUM => self.momentum,
+            DIRECT => self.direct,
+            AFFINE..FORCE => self.has_affine() && kind - AFFINE < D,
+            _ => self.slopes() && kind - FORCE < D,
+        }
+    }
 }
 
 /// Products of the weights along y and z, and those along x, where single lanes can be read.
+///
+/// With two nodes an axis slopes are -1 and 1 (weights add to one and reproduce positions), so that those of
+/// the products are weights along one axis.
 #[derive(Clone, Copy)]
 pub struct Spread<T: Float, E: Stencil> {
     x: E::Axis<T::Row>,
     dx: E::Axis<T::Row>,
+    y: E::Axis<T::Row>,
+    z: E::Axis<T::Row>,
     yz: E::Nodes<T::Row>,
     dy: E::Nodes<T::Row>,
     dz: E::Nodes<T::Row>,
@@ -85,16 +100,20 @@ impl<T: Float, E: Stencil> Spread<T, E> {
     #[inline(always)]
     pub fn zero() -> Self {
         let (axis, nodes) = (Array::filled(T::Row::default()), Array::filled(T::Row::default()));
-        Spread { x: axis, dx: axis, yz: nodes, dy: nodes, dz: nodes }
+        Spread { x: axis, dx: axis, y: axis, z: axis, yz: nodes, dy: nodes, dz: nodes }
     }
 
     /// The products for particles with these weights.
     #[inline(always)]
     pub fn fill<P: Pack<T>>(&mut self, at: &[Weights<P, E>; 3], force: bool) {
         let [x, y, z] = at;
+        let tent = E::NODES == 2;
         for i in 0..E::NODES {
             x.value[i].store(&mut self.x[i]);
-            if force {
+            if force && tent {
+                y.value[i].store(&mut self.y[i]);
+                z.value[i].store(&mut self.z[i]);
+            } else if force {
                 x.slope[i].store(&mut self.dx[i]);
             }
         }
@@ -103,12 +122,12 @@ impl<T: Float, E: Stencil> Spread<T, E> {
                 let jk = k * E::NODES + j;
                 if E::LAYERS == 1 {
                     y.value[j].store(&mut self.yz[jk]);
-                    if force {
+                    if force && !tent {
                         y.slope[j].store(&mut self.dy[jk]);
                     }
                 } else {
                     (y.value[j] * z.value[k]).store(&mut self.yz[jk]);
-                    if force {
+                    if force && !tent {
                         (y.slope[j] * z.value[k]).store(&mut self.dy[jk]);
                         (y.value[j] * z.slope[k]).store(&mut self.dz[jk]);
                     }
@@ -116,81 +135,150 @@ impl<T: Float, E: Stencil> Spread<T, E> {
             }
         }
     }
-}
 
-/// Add the particle in lane `lane` to the sums of its bin's nodes.
-#[inline(always)]
-pub fn scatter<T: Float, A: Arch<T>, E: Stencil>(
-    sums: &mut E::Nodes<[A::Quad; 2]>,
-    spread: &Spread<T, E>,
-    records: &Records<T>,
-    lane: usize,
-    maps: Maps,
-) {
-    let r = A::Quad::load(&records[MOMENTUM][lane]);
-    let direct = A::Quad::load(&records[DIRECT][lane]);
-    let a = [
-        A::Quad::load(&records[AFFINE][lane]),
-        A::Quad::load(&records[AFFINE + 1][lane]),
-        A::Quad::load(&records[AFFINE + 2][lane]),
-    ];
-    let g = [
-        A::Quad::load(&records[FORCE][lane]),
-        A::Quad::load(&records[FORCE + 1][lane]),
-        A::Quad::load(&records[FORCE + 2][lane]),
-    ];
-    let mut x = E::Axis::<A::Quad>::filled(A::Quad::zero());
-    let mut dx = x;
-    for i in 0..E::NODES {
-        x[i] = A::Quad::splat(spread.x[i].as_ref()[lane]);
-        if maps.slopes() {
-            dx[i] = A::Quad::splat(spread.dx[i].as_ref()[lane]);
+    /// What the forces along y and z, `g`, give to the nodes (j, k), before the weight along x.
+    #[inline(always)]
+    fn across<Q: Quad<T>>(&self, lane: usize, j: usize, k: usize, g: [Q; 2]) -> Q {
+        let jk = k * E::NODES + j;
+        if E::NODES > 2 {
+            let dy = g[0] * Q::splat(self.dy[jk].as_ref()[lane]);
+            return if E::LAYERS > 1 { g[1].mul_add(Q::splat(self.dz[jk].as_ref()[lane]), dy) } else { dy };
+        }
+        if E::LAYERS == 1 {
+            return if j == 0 { -g[0] } else { g[0] };
+        }
+        let y = g[0] * Q::splat(self.z[k].as_ref()[lane]);
+        let z = g[1] * Q::splat(self.y[j].as_ref()[lane]);
+        match (j, k) {
+            (0, 0) => -(y + z),
+            (1, 0) => y - z,
+            (0, _) => z - y,
+            _ => y + z,
         }
     }
-    for k in 0..E::LAYERS {
-        let mut layer = r;
-        if maps.has_affine() && E::LAYERS > 1 {
-            layer = times_offset(a[2], node_offset::<E>(k), layer);
+}
+
+/// Add the particles in the first `LANES` lanes of a group to the nodes of their bin's stencil, of which the
+/// first lies at `corner` of the tile: to its `first` records and, where the pass maps two, to its `second`.
+/// A lane without a particle has records of zero.
+#[inline(always)]
+pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
+    [first, second]: [&mut [[T; 4]]; 2],
+    corner: usize,
+    spread: &Spread<T, E>,
+    records: &Records<T>,
+    maps: Maps,
+) {
+    let first = if maps.momentum { &mut first[corner..][..E::SPAN] } else { first };
+    let second = if maps.second() { &mut second[corner..][..E::SPAN] } else { second };
+    let mut rows = RowsOut::<T, E, LANES> { first, second, spread, records, maps };
+    // By hand: a loop that the compiler does not unroll would decide for each row what is known here.
+    rows.add_layer::<A>(0);
+    if E::LAYERS > 1 {
+        rows.add_layer::<A>(1);
+    }
+    if E::LAYERS > 2 {
+        rows.add_layer::<A>(2);
+    }
+    if E::LAYERS > 3 {
+        rows.add_layer::<A>(3);
+    }
+}
+
+/// The rows of nodes of a stencil, with what is added to them.
+struct RowsOut<'a, T: Float, E: Stencil, const LANES: usize> {
+    first: &'a mut [[T; 4]],
+    second: &'a mut [[T; 4]],
+    spread: &'a Spread<T, E>,
+    records: &'a Records<T>,
+    maps: Maps,
+}
+
+impl<T: Float, E: Stencil, const LANES: usize> RowsOut<'_, T, E, LANES> {
+    #[inline(always)]
+    fn add_layer<A: Arch<T>>(&mut self, k: usize) {
+        self.add::<A>(0, k);
+        self.add::<A>(1, k);
+        if E::NODES > 2 {
+            self.add::<A>(2, k);
         }
-        for j in 0..E::NODES {
-            let jk = k * E::NODES + j;
+        if E::NODES > 3 {
+            self.add::<A>(3, k);
+        }
+    }
+
+    /// Add to row (j, k), which is read and written once for all lanes.
+    #[inline(always)]
+    fn add<A: Arch<T>>(&mut self, j: usize, k: usize) {
+        let RowsOut { first, second, spread, records, maps } = self;
+        let (maps, jk) = (*maps, k * E::NODES + j);
+        let row = (k * E::TILE + j) * E::TILE;
+        let mut one = E::Axis::<A::Quad>::filled(A::Quad::zero());
+        let mut two = one;
+        for i in 0..E::NODES {
+            if maps.momentum {
+                one[i] = A::Quad::load(&first[row + i]);
+            }
+            if maps.second() {
+                two[i] = A::Quad::load(&second[row + i]);
+            }
+        }
+        for lane in 0..LANES {
             let yz = A::Quad::splat(spread.yz[jk].as_ref()[lane]);
-            let mut momentum = layer;
-            let mut affine = a[0];
+            let mut momentum = A::Quad::load(&records[MOMENTUM][lane]);
+            let mut affine = A::Quad::zero();
             if maps.has_affine() {
-                momentum = times_offset(a[1], node_offset::<E>(j), momentum);
-                affine = affine * yz;
+                if E::LAYERS > 1 {
+                    let a = A::Quad::load(&records[AFFINE + 2][lane]);
+                    momentum = times_offset(a, node_offset::<E>(k), momentum);
+                }
+                let a = A::Quad::load(&records[AFFINE + 1][lane]);
+                momentum = times_offset(a, node_offset::<E>(j), momentum);
+                affine = A::Quad::load(&records[AFFINE][lane]) * yz;
             }
             momentum = momentum * yz;
-            let (mut along, mut across) = (g[0], g[1]);
+            let (mut along, mut across) = (A::Quad::zero(), A::Quad::zero());
             if maps.slopes() {
-                along = along * yz;
-                across = across * A::Quad::splat(spread.dy[jk].as_ref()[lane]);
-                if E::LAYERS > 1 {
-                    across = g[2].mul_add(A::Quad::splat(spread.dz[jk].as_ref()[lane]), across);
-                }
+                along = A::Quad::load(&records[FORCE][lane]) * yz;
+                let g = [A::Quad::load(&records[FORCE + 1][lane]), A::Quad::load(&records[FORCE + 2][lane])];
+                across = spread.across(lane, j, k, g);
                 if maps.direct {
-                    across = direct.mul_add(yz, across);
+                    across = A::Quad::load(&records[DIRECT][lane]).mul_add(yz, across);
                 }
                 if maps.together {
                     momentum = momentum + across;
                 }
             }
             for i in 0..E::NODES {
-                let sum = &mut sums[jk * E::NODES + i];
+                let x = A::Quad::splat(spread.x[i].as_ref()[lane]);
                 if maps.momentum {
                     let mut here = momentum;
                     if maps.has_affine() {
                         here = times_offset(affine, node_offset::<E>(i), here);
                     }
-                    sum[0] = x[i].mul_add(here, sum[0]);
-                    if maps.slopes() && maps.together {
-                        sum[0] = dx[i].mul_add(along, sum[0]);
+                    one[i] = x.mul_add(here, one[i]);
+                }
+                if maps.slopes() {
+                    let sum = if maps.together { one[i] } else { x.mul_add(across, two[i]) };
+                    let sum = match i {
+                        0 if E::NODES == 2 => sum - along,
+                        1 if E::NODES == 2 => sum + along,
+                        _ => A::Quad::splat(spread.dx[i].as_ref()[lane]).mul_add(along, sum),
+                    };
+                    if maps.together {
+                        one[i] = sum;
+                    } else {
+                        two[i] = sum;
                     }
                 }
-                if maps.slopes() && !maps.together {
-                    sum[1] = dx[i].mul_add(along, x[i].mul_add(across, sum[1]));
-                }
+            }
+        }
+        for i in 0..E::NODES {
+            if maps.momentum {
+                one[i].store(&mut first[row + i]);
+            }
+            if maps.second() {
+                two[i].store(&mut second[row + i]);
             }
         }
     }

@@ -10,14 +10,14 @@ use std::marker::PhantomData;
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
 use super::gather::{Wanted, gather};
-use super::migrate::send_away;
+use super::migrate::{Domains, send_away, take_in};
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
-use super::tile::{Reads, Stencilled, add_to_tile, clear_tile, load_tile, tile_corner};
-use crate::dim::{Array, BLOCK, Stencil, block_nodes};
+use super::tile::{Reads, Stencilled, TileIn, clear_tile, tile_corner, tile_nodes};
+use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
 use crate::embedding::Embedding;
 use crate::grid::Node;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, Pack, prefetch};
+use crate::parallel::{Arch, Float, Kernel, Pack};
 use crate::particles::{Block, Columns, Outbox};
 use crate::scheme::{Nodal, PassKind};
 use crate::shape::{Basis, ShapeFunction, Weights, bin_centre};
@@ -31,16 +31,10 @@ pub struct Slot<T: Float, const D: usize> {
     /// What they add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
     /// the method maps two, all second ones.
     pub tile: Vec<[T; 4]>,
-    /// Particles that left their bins.
-    pub outbox: Outbox<T>,
-    /// Node blocks around, 3^D, x fastest; `u32::MAX` where there is none.
-    pub nodes_around: Vec<u32>,
     /// Slots around, likewise.
     pub slots_around: Vec<u32>,
     /// What the last pass found.
     pub report: Report<T>,
-    /// Particles leaving the bin at work.
-    pub leaving: Vec<u32>,
 }
 
 /// Bins between the one at work and the one whose particles are asked for.
@@ -108,8 +102,8 @@ pub struct Common<T> {
     pub traction: [T; 3],
     /// Are wave speeds wanted, for the next time step?
     pub speeds: bool,
-    /// Domain half sizes of particles that do not carry their own, in units of h.
-    pub half: [T; 3],
+    /// Domain half sizes of the particles, in units of h.
+    pub domains: Domains<T>,
 }
 
 /// The pass `K` over one block.
@@ -120,8 +114,13 @@ pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
     pub method: &'a M,
     /// All nodes of the grid.
     pub nodes: &'a [Node<T>],
+    /// Blocks of nodes around the block, 3^D, x fastest (`u32::MAX` where there is none), and those around the
+    /// block that comes next, if one does.
+    pub around: [&'a [u32]; 2],
     /// The block.
     pub slot: &'a mut Slot<T, D>,
+    /// Its particles that leave their bins.
+    pub outbox: &'a mut Outbox<T>,
     /// Shared numbers.
     pub common: Common<T>,
     /// The pass.
@@ -175,7 +174,8 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Sweep { law, method, nodes, slot, common, .. } = self;
+        let Sweep { law, method, nodes, around, slot, outbox, common, .. } = self;
+        let Slot { block, tile, report, .. } = slot;
         let does = K::DOES;
         let maps = maps::<T, D, M, K>();
         let strain_first = matches!(does.strain, Some(Nodal::First));
@@ -186,21 +186,22 @@ where
             first: does.velocity || does.moves || strain_first,
             second: (does.velocity && M::Transfer::READS_INCREMENT) || strain_second || does.smooth,
         };
-        for bin in 0..AHEAD {
-            prefetch(slot.block.bin_rows(bin));
-        }
-        let mut tile_in = <ExtentOf<M, T, D> as Stencil>::Tile::<Node<T>>::filled(Node::default());
-        if reads.first || reads.second {
-            load_tile::<T, D, ExtentOf<M, T, D>>(nodes, &slot.nodes_around, &mut tile_in);
-        }
-        let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
-        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Quad; 2]> =
-            Array::filled([A::Quad::zero(); 2]);
-        clear_tile::<T, D, ExtentOf<M, T, D>>(&mut slot.tile, maps);
-        slot.outbox.clear();
-        slot.report = Report::default();
-        let columns = slot.block.dummy().len();
         let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
+        // Rows at work.
+        let mut soon = 2 * D + 1;
+        if does.strain.is_some() || does.force || does.moves {
+            soon += state_rows;
+        }
+        for bin in 0..AHEAD {
+            block.prefetch(bin, soon);
+        }
+        let mut tile_in = TileIn::<T, ExtentOf<M, T, D>>::zero();
+        tile_in.load::<D>(nodes, around[0], reads);
+        let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
+        clear_tile::<T, D, ExtentOf<M, T, D>>(tile, maps);
+        let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
+        outbox.clear();
+        *report = Report::default();
 
         // Constants of the pass, on lanes.
         let (zero, half) = (A::Pack::zero(), A::Pack::of(0.5));
@@ -217,28 +218,33 @@ where
         let mut rate = zero;
         let mut flux = [zero; 3];
 
+        let side = <ExtentOf<M, T, D> as Stencil>::TILE;
+        let rows_in = if D == 3 { side * side } else { side };
         for bin in 0..block_nodes(D) {
-            let particles = slot.block.bin_len(bin);
-            if particles == 0 {
+            if bin < rows_in && !around[1].is_empty() {
+                TileIn::<T, ExtentOf<M, T, D>>::prefetch::<D>(nodes, around[1], bin);
+            }
+            let mut next = block.last_group(bin);
+            if next.is_none() {
                 continue;
             }
             if bin + AHEAD < block_nodes(D) {
-                prefetch(slot.block.bin_rows(bin + AHEAD));
+                block.prefetch(bin + AHEAD, soon);
             }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
             stencil.load::<D, A::Quad, ShapeOf<M, T, D>>(&tile_in, corner, reads);
             // x of the bin's centre, for the distance to the axis of revolution.
             let bin_x = T::of(
-                f64::from(slot.block.coordinates[0]) * BLOCK as f64
+                f64::from(block.coordinates[0]) * BLOCK as f64
                     + (bin % BLOCK) as f64
                     + bin_centre::<ExtentOf<M, T, D>>(),
             );
             let bin_x = A::Pack::splat(common.origin + common.spacing * bin_x);
 
-            for (g, group) in slot.block.bin_rows_mut(bin).chunks_exact_mut(columns).enumerate() {
-                let first = g * T::GROUP;
-                let alive = lane_index.lt(A::Pack::of((particles - first) as f64));
-                let (motion, rest) = group.split_at_mut(2 * D + 1);
+            while let Some((group, here)) = next {
+                next = block.group_before(group);
+                let alive = lane_index.lt(A::Pack::of(here as f64));
+                let (motion, rest) = block.group_mut(group).split_at_mut(2 * D + 1);
                 let (state, rest) = rest.split_at_mut(state_rows);
 
                 let mut xi = [zero; 3];
@@ -253,7 +259,7 @@ where
                     domain[d] = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
                         A::Pack::load(&rest[d])
                     } else {
-                        A::Pack::splat(common.half[d])
+                        A::Pack::splat(common.domains.half[d])
                     };
                 }
                 let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
@@ -333,12 +339,7 @@ where
                     volume = law.volume_ratio(&new.state) * mass * per_density;
                     if new.fault.any() {
                         let numbers = rest[rest.len() - 1].as_ref();
-                        note_fault(
-                            &mut slot.report,
-                            bin,
-                            &numbers[..numbers.len().min(particles - first)],
-                            new.fault,
-                        );
+                        note_fault(report, bin, &numbers[..here], new.fault);
                     }
                     if does.force && common.speeds {
                         rate = rate.max(A::Pack::select(alive, speed(law, &new.state, &v), zero));
@@ -428,31 +429,44 @@ where
                 }
                 fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, &force, maps);
                 spread.fill(&at, maps.slopes());
-                let here = (particles - first).min(T::GROUP);
-                for lane in 0..here {
-                    if does.moves && stays >> lane & 1 == 0 {
-                        let index = first + lane;
-                        slot.leaving.push(index as u32);
-                        for record in &records {
-                            slot.outbox.records.push(record[lane]);
-                        }
-                        continue;
+                if does.moves {
+                    let gone = !stays & ((1 << here) - 1);
+                    if gone != 0 {
+                        send_away::<T, D>(block, outbox, report, (bin, group, gone), &mut records, maps);
                     }
-                    scatter::<T, A, ExtentOf<M, T, D>>(&mut sums, &spread, &records, lane, maps);
+                }
+                for lane in here..T::GROUP {
+                    for kind in 0..RECORDS {
+                        if maps.uses::<D>(kind) {
+                            records[kind][lane] = [T::default(); 4];
+                        }
+                    }
+                }
+                let (tiles, at) = ([&mut *first, &mut *second], corner);
+                match T::GROUP {
+                    4 if here <= 2 => {
+                        scatter::<T, A, ExtentOf<M, T, D>, 2>(tiles, at, &spread, &records, maps)
+                    }
+                    4 => scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, at, &spread, &records, maps),
+                    _ if here <= 4 => {
+                        scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, at, &spread, &records, maps)
+                    }
+                    _ => scatter::<T, A, ExtentOf<M, T, D>, 8>(tiles, at, &spread, &records, maps),
                 }
             }
-            add_to_tile::<T, D, A, ExtentOf<M, T, D>>(&mut slot.tile, corner, &mut sums, maps);
-            if does.moves && !slot.leaving.is_empty() {
-                send_away::<T, D>(slot, bin);
-            }
+        }
+        if does.moves {
+            let here = neighbours(D) / 2;
+            let scratch = (&mut records, &mut spread);
+            take_in::<T, A, D, M, K>(method, block, tile, outbox, here, common.domains, scratch);
         }
         for i in 0..A::Pack::WIDTH {
-            slot.report.rate = slot.report.rate.max(rate.lane(i));
+            report.rate = report.rate.max(rate.lane(i));
             for d in 0..D {
-                slot.report.flux[d] += flux[d].lane(i);
+                report.flux[d] += flux[d].lane(i);
             }
         }
-        slot.report.rate /= common.spacing;
+        report.rate /= common.spacing;
     }
 }
 

@@ -1,13 +1,13 @@
 //! Tiles: the nodes that the particles of one block of bins reach, `TILE` an axis, x fastest. A pass reads the
 //! grid through one and adds to the grid through another.
 
-use mpm_materials::Lane;
+use std::marker::PhantomData;
 
 use super::gather::to_coefficients;
 use super::scatter::Maps;
-use crate::dim::{Array, BLOCK, Stencil, block_nodes};
+use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
 use crate::grid::Node;
-use crate::parallel::{Arch, Float, Quad};
+use crate::parallel::{Arch, Float, Kernel, Quad, prefetch, prefetch_early};
 use crate::shape::ShapeFunction;
 
 /// Which records of the bodies' tiles to sum, and where to.
@@ -33,31 +33,70 @@ pub(super) fn tile_corner<E: Stencil, const D: usize>(bin: usize) -> usize {
     if D == 3 { (z * E::TILE + y) * E::TILE + x } else { y * E::TILE + x }
 }
 
-/// Copy the nodes that a block's particles reach out of the blocks of the grid.
-#[inline(always)]
-pub(super) fn load_tile<T: Float, const D: usize, E: Stencil>(
-    nodes: &[Node<T>],
-    around: &[u32],
-    tile: &mut E::Tile<Node<T>>,
-) {
-    let tile = tile.as_mut();
-    let layers = if D == 3 { E::TILE } else { 1 };
-    for z in 0..layers {
+/// The nodal records that a block's particles read.
+pub(super) struct TileIn<T: Float, E: Stencil> {
+    first: E::Tile<[T; 4]>,
+    second: E::Tile<[T; 4]>,
+}
+
+impl<T: Float, E: Stencil> TileIn<T, E> {
+    /// All zero.
+    #[inline(always)]
+    pub(super) fn zero() -> Self {
+        TileIn { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
+    }
+
+    /// Copy the records out of the blocks of the grid.
+    #[inline(always)]
+    pub(super) fn load<const D: usize>(&mut self, nodes: &[Node<T>], around: &[u32], reads: Reads) {
+        let layers = if D == 3 { E::TILE } else { 1 };
+        let [left, _, right] = [0, 1, 2].map(thirds::<E>);
+        for z in 0..layers {
+            let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
+            for y in 0..E::TILE {
+                let (by, ny) = place::<E>(y);
+                let blocks = &around[(bz * 3 + by) * 3..][..3];
+                let (row, line) = ((z * E::TILE + y) * E::TILE, (nz * BLOCK + ny) * BLOCK);
+                let at = |x: usize, block: usize| block_nodes(D) * blocks[block] as usize + line + x;
+                self.piece(nodes, at(BLOCK - left.len(), 0), row, left.len(), reads);
+                self.piece(nodes, at(0, 1), row + left.len(), BLOCK, reads);
+                self.piece(nodes, at(0, 2), row + right.start, right.len(), reads);
+            }
+        }
+    }
+
+    /// Ask for row `row` of the nodes that another block of particles reads soon.
+    #[inline(always)]
+    pub(super) fn prefetch<const D: usize>(nodes: &[Node<T>], around: &[u32], row: usize) {
+        let (y, z) = (row % E::TILE, row / E::TILE);
         let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
-        for y in 0..E::TILE {
-            let (by, ny) = place::<E>(y);
-            let row = &mut tile[(z * E::TILE + y) * E::TILE..][..E::TILE];
-            let mut x = 0;
-            while x < E::TILE {
-                // A piece of the row inside one block.
-                let (bx, nx) = place::<E>(x);
-                let length = (BLOCK - nx).min(E::TILE - x);
-                let block = around[(bz * 3 + by) * 3 + bx] as usize;
-                let first = block * block_nodes(D) + (nz * BLOCK + ny) * BLOCK + nx;
-                if let Some(found) = nodes.get(first..first + length) {
-                    row[x..x + length].copy_from_slice(found);
-                }
-                x += length;
+        let (by, ny) = place::<E>(y);
+        let (blocks, line) = (&around[(bz * 3 + by) * 3..][..3], (nz * BLOCK + ny) * BLOCK);
+        let [left, _, right] = [thirds::<E>(0), thirds::<E>(1), thirds::<E>(2)];
+        let at = [line + BLOCK - left.len(), line, line];
+        let lengths = [left.len(), BLOCK, right.len()];
+        for i in 0..3 {
+            let from = block_nodes(D) * blocks[i] as usize + at[i];
+            if let Some(soon) = nodes.get(from..from + lengths[i]) {
+                prefetch_early(soon);
+            }
+        }
+    }
+
+    /// A piece of a row inside one block; nothing where the block does not exist.
+    #[inline(always)]
+    fn piece(&mut self, nodes: &[Node<T>], from: usize, to: usize, length: usize, reads: Reads) {
+        let Some(found) = nodes.get(from..from + length) else { return };
+        if reads.first {
+            let to = &mut self.first.as_mut()[to..to + length];
+            for (to, node) in to.iter_mut().zip(found) {
+                *to = node.first;
+            }
+        }
+        if reads.second {
+            let to = &mut self.second.as_mut()[to..to + length];
+            for (to, node) in to.iter_mut().zip(found) {
+                *to = node.second;
             }
         }
     }
@@ -91,31 +130,43 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
     #[inline(always)]
     pub(super) fn load<const D: usize, Q: Quad<T>, S: ShapeFunction<T, D, Extent = E>>(
         &mut self,
-        tile: &E::Tile<Node<T>>,
+        tile: &TileIn<T, E>,
         corner: usize,
         reads: Reads,
     ) {
-        let tile = tile.as_ref();
-        for k in 0..E::LAYERS {
-            for j in 0..E::NODES {
-                let row = &tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
-                for i in 0..E::NODES {
-                    let at = (k * E::NODES + j) * E::NODES + i;
-                    if reads.first {
-                        self.first[at] = row[i].first;
-                    }
-                    if reads.second {
-                        self.second[at] = row[i].second;
-                    }
-                }
+        if reads.first {
+            load_stencil::<T, D, Q, S>(&mut self.first, &tile.first, corner);
+        }
+        if reads.second {
+            load_stencil::<T, D, Q, S>(&mut self.second, &tile.second, corner);
+        }
+    }
+}
+
+/// The records of the stencil that begins at `corner`, as coefficients where the shape function has a polynomial
+/// form.
+#[inline(always)]
+fn load_stencil<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
+    to: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
+    tile: &<S::Extent as Stencil>::Tile<[T; 4]>,
+    corner: usize,
+) {
+    let (side, layers) = (<S::Extent as Stencil>::TILE, <S::Extent as Stencil>::LAYERS);
+    let n = <S::Extent as Stencil>::NODES;
+    let from = &tile.as_ref()[corner..][..<S::Extent as Stencil>::SPAN];
+    let mut numbers = <S::Extent as Stencil>::Nodes::<Q>::filled(Q::zero());
+    for k in 0..layers {
+        for j in 0..n {
+            for i in 0..n {
+                numbers[(k * n + j) * n + i] = Q::load(&from[(k * side + j) * side + i]);
             }
         }
-        if S::POLYNOMIAL && reads.first {
-            to_coefficients::<T, D, Q, S>(&mut self.first);
-        }
-        if S::POLYNOMIAL && reads.second {
-            to_coefficients::<T, D, Q, S>(&mut self.second);
-        }
+    }
+    if S::POLYNOMIAL {
+        to_coefficients::<T, D, Q, S>(&mut numbers);
+    }
+    for i in 0..layers * n * n {
+        numbers[i].store(&mut to[i]);
     }
 }
 
@@ -131,43 +182,8 @@ pub(super) fn clear_tile<T: Float, const D: usize, E: Stencil>(tile: &mut [[T; 4
     }
 }
 
-/// Add a bin's sums to its block's tile and clear them for the next bin.
-#[inline(always)]
-pub(super) fn add_to_tile<T: Float, const D: usize, A: Arch<T>, E: Stencil>(
-    tile: &mut [[T; 4]],
-    corner: usize,
-    sums: &mut E::Nodes<[A::Quad; 2]>,
-    maps: Maps,
-) {
-    let (first, second) = tile.split_at_mut(tile_nodes::<E>(D));
-    if maps.momentum {
-        add_records::<T, A, E>(first, corner, sums, 0);
-    }
-    if maps.second() {
-        add_records::<T, A, E>(second, corner, sums, 1);
-    }
-}
-
-#[inline(always)]
-pub(super) fn add_records<T: Float, A: Arch<T>, E: Stencil>(
-    tile: &mut [[T; 4]],
-    corner: usize,
-    sums: &mut E::Nodes<[A::Quad; 2]>,
-    which: usize,
-) {
-    for k in 0..E::LAYERS {
-        for j in 0..E::NODES {
-            let row = &mut tile[corner + (k * E::TILE + j) * E::TILE..][..E::NODES];
-            for i in 0..E::NODES {
-                let sum = &mut sums[(k * E::NODES + j) * E::NODES + i][which];
-                (A::Quad::load(&row[i]) + *sum).store(&mut row[i]);
-                *sum = A::Quad::zero();
-            }
-        }
-    }
-}
-
 /// The tile coordinates that lie in the left, same or right block (0, 1, 2) along an axis.
+#[inline(always)]
 pub(super) fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
     let before = (-E::BASE) as usize;
     match which {
@@ -177,16 +193,93 @@ pub(super) fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
     }
 }
 
-#[inline(always)]
-pub(super) fn add_row<T: Float>(
-    to: &mut [Node<T>],
-    from: &[[T; 4]],
-    record: impl Fn(&mut Node<T>) -> &mut [T; 4],
-) {
-    for (node, add) in to.iter_mut().zip(from) {
-        let sum = record(node);
-        for i in 0..4 {
-            sum[i] += add[i];
+/// Add the tiles of the blocks of particles around a block of nodes to its nodes, in the order of the blocks.
+pub(super) struct AddTiles<'a, T: Float, const D: usize, E, F> {
+    /// The block of nodes.
+    pub(super) nodes: &'a mut [Node<T>],
+    /// Tile of the n-th neighbour, if there is one, of this (0) and the next block of nodes (1).
+    pub(super) tile: F,
+    /// What to add where.
+    pub(super) sums: Sums,
+    /// Does the method map two records?
+    pub(super) two: bool,
+    pub(super) extent: PhantomData<E>,
+}
+
+impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a [[T; 4]]>> Kernel<T>
+    for AddTiles<'_, T, D, E, F>
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(mut self) {
+        for n in 0..neighbours(D) {
+            // The blocks of particles lie around the nodes; nodes are a third of the tile, seen from there.
+            match 2 - n % 3 {
+                0 => self.add::<A, 0>(n),
+                1 => self.add::<A, 1>(n),
+                _ => self.add::<A, 2>(n),
+            }
         }
+    }
+}
+
+impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a [[T; 4]]>>
+    AddTiles<'_, T, D, E, F>
+{
+    /// Add neighbour `n`, of whose tile the nodes are the third `X` along x.
+    #[inline(always)]
+    fn add<A: Arch<T>, const X: usize>(&mut self, n: usize) {
+        let x = thirds::<E>(X);
+        if x.is_empty() {
+            return;
+        }
+        let y = thirds::<E>(2 - n / 3 % 3);
+        let z = if D == 3 { thirds::<E>(2 - n / 9) } else { 0..1 };
+        let (sums, two) = (self.sums, self.two);
+        if let Some(next) = (self.tile)(n, 1) {
+            let (first, second) = next.split_at(tile_nodes::<E>(D));
+            for k in z.clone() {
+                for j in y.clone() {
+                    let row = (k * E::TILE + j) * E::TILE;
+                    if sums != Sums::Force {
+                        prefetch(&first[row + x.start..][..x.len()]);
+                    }
+                    if sums == Sums::Force || (sums == Sums::All && two) {
+                        prefetch(&second[row + x.start..][..x.len()]);
+                    }
+                }
+            }
+        }
+        let Some(tile) = (self.tile)(n, 0) else { return };
+        let nodes = &mut self.nodes[..block_nodes(D)];
+        let (first, second) = tile.split_at(tile_nodes::<E>(D));
+        for k in z {
+            let nz = if D == 3 { place::<E>(k).1 } else { 0 };
+            for j in y.clone() {
+                let from = (k * E::TILE + j) * E::TILE + x.start;
+                let to = (nz * BLOCK + place::<E>(j).1) * BLOCK + place::<E>(x.start).1;
+                let to = &mut nodes[to..][..x.len()];
+                match sums {
+                    Sums::All => {
+                        add_row::<T, A, 0>(to, &first[from..][..x.len()]);
+                        if two {
+                            add_row::<T, A, 1>(to, &second[from..][..x.len()]);
+                        }
+                    }
+                    Sums::Force => add_row::<T, A, 1>(to, &second[from..][..x.len()]),
+                    Sums::Again => add_row::<T, A, 1>(to, &first[from..][..x.len()]),
+                }
+            }
+        }
+    }
+}
+
+/// Add a row of records to the first (0) or second (1) records of nodes.
+#[inline(always)]
+fn add_row<T: Float, A: Arch<T>, const RECORD: usize>(to: &mut [Node<T>], from: &[[T; 4]]) {
+    for (node, add) in to.iter_mut().zip(from) {
+        let sum = if RECORD == 0 { &mut node.first } else { &mut node.second };
+        (A::Quad::load(sum) + A::Quad::load(add)).store(sum);
     }
 }

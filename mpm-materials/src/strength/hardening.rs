@@ -118,7 +118,7 @@ impl<T: Real> PowerHardening<T> {
         strain.max(self.start()).powf(L::splat(self.exponent))
     }
 
-    /// (1 + x)^n - 1 - n x for 0 <= x <= [`SMALL`], to 1e-12: what the tangent leaves out.
+    /// (1 + x)^n - 1 - n x for |x| <= [`SMALL`], to 1e-12: what the tangent leaves out.
     #[inline(always)]
     fn beyond_tangent<L: Lane<Real = T>>(&self, x: L) -> L {
         let one = L::one();
@@ -130,6 +130,26 @@ impl<T: Real> PowerHardening<T> {
             sum = term.mul_add(sum, one);
         }
         x * x * L::splat(n * (n - T::of(1.0)) * T::of(0.5)) * sum
+    }
+
+    /// One Newton step for the increment where the curve has the height `hardened` above A at a strain, and
+    /// `over` is left of the trial stress.
+    #[inline(always)]
+    fn tangent_step<L: Lane<Real = T>>(&self, hardened: L, per_strain: L, three_g: L, over: L) -> Tangent<L> {
+        let slope = L::splat(self.exponent) * hardened * per_strain;
+        let compliance = (slope + three_g).recip();
+        let value = over * compliance;
+        Tangent { hardened, slope, compliance, value, relative: value * per_strain }
+    }
+
+    /// A small step and one Newton step more, with the power by series and the slope where the first leads. The
+    /// linear terms of what is left over cancel.
+    #[inline(always)]
+    fn polished<L: Lane<Real = T>>(&self, step: &Tangent<L>) -> L {
+        let (one, n) = (L::one(), L::splat(self.exponent));
+        let rest = -(step.hardened * self.beyond_tangent(step.relative));
+        let bend = step.slope * (one - n) * step.relative * step.compliance;
+        rest.mul_add(step.compliance * (one + bend), step.value)
     }
 
     /// Monotone Newton iteration for increments that are not small against the strain, and for the first one,
@@ -158,6 +178,24 @@ impl<T: Real> PowerHardening<T> {
             value = L::select(open, next, value);
         }
         Increment { value, fault: Fault::none().require(!yields, Breakdown::NotConverged) }
+    }
+}
+
+/// A Newton step along the tangent of the curve, and what it was made of.
+struct Tangent<L: Lane> {
+    hardened: L,
+    slope: L,
+    compliance: L,
+    value: L,
+    /// Over the strain.
+    relative: L,
+}
+
+impl<L: Lane> Tangent<L> {
+    /// In all lanes, is it small enough against the strain for the binomial series?
+    #[inline(always)]
+    fn is_small(&self) -> bool {
+        self.relative.abs().le(L::of(SMALL)).all()
     }
 }
 
@@ -197,19 +235,20 @@ impl<T: Real> Hardening<T> for PowerHardening<T> {
             return Increment { value: zero, fault: Fault::none() };
         }
         let per_strain = strain.max(self.start()).recip();
-        let hardened = factor * b * power;
-        let slope = n * hardened * per_strain;
-        let compliance = (slope + three_g).recip();
-        let first = over * compliance;
-        let relative = first * per_strain;
-        if (relative.le(L::of(SMALL)) | !yields).all() {
-            // One Newton step more, with the power by series and the slope at the first estimate. The
-            // linear terms of what is left over cancel.
-            let x = L::select(yields, relative, zero);
-            let rest = -(hardened * self.beyond_tangent(x));
-            let bend = slope * (one - n) * x * compliance;
-            let value = rest.mul_add(compliance * (one + bend), first);
-            return Increment { value: L::select(yields, value, zero), fault: Fault::none() };
+        let step = self.tangent_step(factor * b * power, per_strain, three_g, L::select(yields, over, zero));
+        if step.is_small() {
+            let value = L::select(yields, self.polished(&step), zero);
+            return Increment { value, fault: Fault::none() };
+        }
+        // Once more from where the tangent leads: enough unless flow has only begun.
+        let strain_there = (strain + step.value).max(self.start());
+        let power = self.power(strain_there);
+        let over_there = trial - three_g * step.value - factor * b.mul_add(power, a);
+        let over_there = L::select(yields, over_there, zero);
+        let again = self.tangent_step(factor * b * power, strain_there.recip(), three_g, over_there);
+        if again.is_small() {
+            let value = L::select(yields, step.value + self.polished(&again), zero);
+            return Increment { value, fault: Fault::none() };
         }
         let found = self.iterate(Start { trial, three_g, factor, strain, over, yields });
         Increment { value: L::select(yields, found.value, zero), fault: found.fault }
