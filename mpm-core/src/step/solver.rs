@@ -153,6 +153,8 @@ pub struct Mpm<T: Float, const D: usize, M, G> {
     planned: T,
     /// Largest (c + |v|) / h of the particles, 1/s.
     rate: T,
+    /// What stopped the run, after which it makes no step.
+    stopped_by: Option<StepError>,
     /// Do the tiles hold the map of the particles as they stand?
     mapped: bool,
     ledgers: Vec<NodeLedger>,
@@ -186,6 +188,7 @@ where
             last_dt: None,
             planned: T::default(),
             rate: T::default(),
+            stopped_by: None,
             mapped: false,
             ledgers: Vec::new(),
             ledger: NodeLedger::default(),
@@ -324,7 +327,7 @@ where
     /// Make one step, and return its size in seconds.
     ///
     /// # Errors
-    /// Names body, particle, place and cause of what stopped it.
+    /// Names body, particle, place and cause of what stopped it. A run that was stopped stays so.
     pub fn step(&mut self) -> Result<T, StepError> {
         self.step_at_most(f64::INFINITY)
     }
@@ -340,6 +343,15 @@ where
     /// # Errors
     /// As [`Mpm::step`].
     pub fn step_at_most(&mut self, left: f64) -> Result<T, StepError> {
+        if let Some(error) = &self.stopped_by {
+            return Err(error.clone());
+        }
+        let made = self.stages(left);
+        self.stopped_by = made.as_ref().err().cloned();
+        made
+    }
+
+    fn stages(&mut self, left: f64) -> Result<T, StepError> {
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
         self.stage(dt).collect(Sums::All); // iii: eqs. 2, 3 (and 9)
@@ -448,6 +460,10 @@ where
             match self.bodies[b].pass(which, self.grid.nodes(), dt, &self.team) {
                 Ok(r) => rate = if r > rate { r } else { rate },
                 Err(BodyTrouble { particle, position, cause }) => {
+                    // The run ends here, with all particles where they went.
+                    for body in &mut self.bodies[..=b] {
+                        body.locate(which, false, &self.team);
+                    }
                     let (body, law) = (self.bodies[b].name().to_string(), self.bodies[b].law());
                     return Err(self.stopped(Stopped::Particle { body, particle, position, law, cause }));
                 }

@@ -220,14 +220,13 @@ impl<T: Real> Hardening<T> for PowerHardening<T> {
     }
     #[inline(always)]
     fn increment<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L> {
-        let (zero, one) = (L::zero(), L::one());
+        let zero = L::zero();
         let (a, b) = (L::splat(self.initial), L::splat(self.coefficient));
         if self.is_straight() {
             let over = trial - factor * b.mul_add(strain, a);
             let slope = if self.coefficient == T::of(0.0) { zero } else { factor * b };
             return Increment { value: over.max(zero) / (slope + three_g), fault: Fault::none() };
         }
-        let n = L::splat(self.exponent);
         let power = self.power(strain);
         let over = trial - factor * b.mul_add(power, a);
         let yields = over.gt(zero);
