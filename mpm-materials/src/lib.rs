@@ -7,9 +7,11 @@
 pub mod capability;
 #[cfg(feature = "conformance")]
 pub mod conformance;
+pub mod detonation;
 pub mod driver;
 pub mod elastic;
 pub mod eos;
+pub mod explosive;
 pub mod failure;
 pub mod fluid;
 pub mod lane;
@@ -22,8 +24,13 @@ pub mod tensor;
 pub mod viscosity;
 
 pub use capability::{Fails, Hyperelastic, Yields};
+pub use detonation::Detonation;
 pub use elastic::{LinearElastic, Moduli, NeoHookean};
-pub use eos::{Eos, IdealGas, KeepEnergy, LinearDensity, LogarithmicBulk, MieGruneisen, Tait};
+pub use eos::{
+    CubicShock, Eos, Gruneisen, IdealGas, Jwl, JwlConstants, KeepEnergy, LinearDensity, LogarithmicBulk,
+    MieGruneisen, Polynomial, PolynomialHugoniot, Tait,
+};
+pub use explosive::{Explosive, ExplosiveState};
 pub use failure::{Failure, NoFailure, PlasticStrainLimit, PrincipalStress, TensilePressure};
 pub use fluid::{Fluid, FluidState, Inviscid, Newtonian};
 pub use lane::{Lane, Mask, Real, Wide};
