@@ -31,7 +31,10 @@ pub use eos::{
     MieGruneisen, Polynomial, PolynomialHugoniot, Tait,
 };
 pub use explosive::{Explosive, ExplosiveState};
-pub use failure::{Failure, NoFailure, PlasticStrainLimit, PrincipalStress, TensilePressure};
+pub use failure::{
+    CrackBand, DamageLimit, Failure, JohnsonCookDamage, Local, LosesShear, LosesTension, NoFailure,
+    PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure, TulerButcher,
+};
 pub use fluid::{Fluid, FluidState, Inviscid, Newtonian};
 pub use lane::{Lane, Mask, Real, Wide};
 pub use parameter::{Check, ParameterError};

@@ -86,6 +86,29 @@ pub trait Strength<T: Real>: Clone + Send + Sync + 'static {
 
     /// Accumulated equivalent plastic strain; zero for a law without.
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L;
+
+    /// Homologous temperature T* in \[0, 1\], what a failure criterion asks for; zero, room temperature, for a law
+    /// without temperature.
+    #[inline(always)]
+    fn homologous_temperature<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        let _ = history;
+        L::zero()
+    }
+
+    /// Damage in \[0, 1\]; zero for a law without.
+    #[inline(always)]
+    fn damage<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        let _ = history;
+        L::zero()
+    }
+
+    /// Shear modulus over [`Strength::shear_modulus`] at a pressure, Pa, and volume ratio J, for the wave speed; one
+    /// for a law whose shear modulus is constant.
+    #[inline(always)]
+    fn stiffening<L: Lane<Real = T>>(&self, pressure: L, volume_ratio: L, history: &Self::History<L>) -> L {
+        let _ = (pressure, volume_ratio, history);
+        L::one()
+    }
 }
 
 /// A strength with a flow stress that its deviator never exceeds. Used to test it.

@@ -154,6 +154,10 @@ impl<T: Real, R: RateFactor<T>, H: Thermal<T>> Strength<T> for JohnsonCook<T, R,
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
         history.plastic_strain
     }
+    #[inline(always)]
+    fn homologous_temperature<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        self.thermal.homologous(&history.temperature)
+    }
 }
 
 impl<T: Real, R: RateFactor<T>, H: Thermal<T>> FlowStress<T> for JohnsonCook<T, R, H> {
@@ -249,6 +253,12 @@ pub trait Thermal<T: Real>: Copy + Send + Sync + 'static {
     type Temperature<L: Lane<Real = T>>: State<L>;
     /// The temperature of a virgin point.
     fn virgin(&self) -> Self::Temperature<T::Single>;
+    /// Homologous temperature T* in \[0, 1\]; zero for a law without temperature.
+    #[inline(always)]
+    fn homologous<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>) -> L {
+        let _ = temperature;
+        L::zero()
+    }
     /// The factor S in \[0, 1\].
     fn softening<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>) -> L;
     /// A cheap lower bound of S, not below zero.
@@ -314,13 +324,6 @@ impl<T: Real> Adiabatic<T> {
         check.that(chi >= T::of(0.0) && chi <= T::of(1.0), "Taylor-Quinney coefficient", chi, "in [0, 1]")?;
         Ok(Adiabatic { heat })
     }
-
-    /// T*, clipped to \[0, 1\].
-    #[inline(always)]
-    fn homologous<L: Lane<Real = T>>(&self, temperature: L) -> L {
-        let per_range = L::splat(T::of(1.0) / (self.heat.melt - self.heat.room));
-        ((temperature - L::splat(self.heat.room)) * per_range).clamp(L::zero(), L::one())
-    }
 }
 
 impl<T: Real> Thermal<T> for Adiabatic<T> {
@@ -329,8 +332,13 @@ impl<T: Real> Thermal<T> for Adiabatic<T> {
         T::Single::splat(self.heat.room)
     }
     #[inline(always)]
+    fn homologous<L: Lane<Real = T>>(&self, temperature: &L) -> L {
+        let per_range = L::splat(T::of(1.0) / (self.heat.melt - self.heat.room));
+        ((*temperature - L::splat(self.heat.room)) * per_range).clamp(L::zero(), L::one())
+    }
+    #[inline(always)]
     fn softening<L: Lane<Real = T>>(&self, temperature: &L) -> L {
-        let t = self.homologous(*temperature);
+        let t = self.homologous(temperature);
         if self.heat.exponent == T::of(1.0) {
             return L::one() - t;
         }
@@ -343,7 +351,7 @@ impl<T: Real> Thermal<T> for Adiabatic<T> {
     #[inline(always)]
     fn softening_bound<L: Lane<Real = T>>(&self, temperature: &L) -> L {
         let slope = if self.heat.exponent < T::of(1.0) { self.heat.exponent } else { T::of(1.0) };
-        (L::one() - self.homologous(*temperature)) * L::splat(slope)
+        (L::one() - self.homologous(temperature)) * L::splat(slope)
     }
     #[inline(always)]
     fn heated<L: Lane<Real = T>>(&self, temperature: &L, work: L) -> L {
