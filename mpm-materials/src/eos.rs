@@ -6,6 +6,7 @@
 
 pub mod bulk;
 pub mod chapman_jouguet;
+pub mod crush;
 pub mod gruneisen;
 pub mod ideal_gas;
 pub mod jwl;
@@ -16,6 +17,7 @@ pub mod tait;
 
 pub use bulk::LogarithmicBulk;
 pub use chapman_jouguet::{ChapmanJouguet, chapman_jouguet};
+pub use crush::{CrushConstants, CrushCurve};
 pub use gruneisen::{CubicShock, Gruneisen, Hugoniot, PolynomialHugoniot};
 pub use ideal_gas::IdealGas;
 pub use jwl::{Jwl, JwlConstants};

@@ -14,6 +14,7 @@ pub mod eos;
 pub mod explosive;
 pub mod failure;
 pub mod fluid;
+pub mod ground;
 pub mod lane;
 pub mod parameter;
 pub mod point;
@@ -36,6 +37,7 @@ pub use failure::{
     PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure, TulerButcher,
 };
 pub use fluid::{Fluid, FluidState, Inviscid, Newtonian};
+pub use ground::{Geomaterial, Ground, GroundState};
 pub use lane::{Lane, Mask, Real, Wide};
 pub use parameter::{Check, ParameterError};
 pub use point::{
@@ -45,8 +47,8 @@ pub use point::{
 pub use rate::{HughesWinget, Jaumann, ObjectiveRate};
 pub use solid::{Solid, SolidState};
 pub use strength::{
-    Adiabatic, AdiabaticJohnsonCook, Elastic, Heat, Isothermal, J2, JohnsonCook, Logarithmic,
-    RateIndependent, SmoothLogarithmic, Strength,
+    Adiabatic, AdiabaticJohnsonCook, Cone, DruckerPrager, Elastic, Heat, HolmquistJohnsonCook, Isothermal,
+    J2, JohnsonCook, Logarithmic, MohrCoulomb, RateIndependent, SmoothLogarithmic, Strength,
 };
 pub use tensor::{Mat3, Sym3};
 pub use viscosity::{BulkViscosity, NoViscosity, ShockViscosity};

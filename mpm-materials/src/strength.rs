@@ -1,17 +1,23 @@
 //! Strength: what a solid's deviatoric stress may be, and what it remembers of having flowed.
 
+pub mod drucker_prager;
 pub mod elastic;
 pub mod hardening;
+pub mod hjc;
 pub mod j2;
 pub mod johnson_cook;
+pub mod mohr_coulomb;
 
+pub use drucker_prager::{Cone, DruckerPrager, Sheared};
 pub use elastic::Elastic;
 pub use hardening::{Hardening, LinearHardening, PowerHardening};
+pub use hjc::{Concrete, ConcreteConstants, HolmquistJohnsonCook};
 pub use j2::J2;
 pub use johnson_cook::{
     Adiabatic, AdiabaticJohnsonCook, Heat, Isothermal, JohnsonCook, Logarithmic, RateFactor, RateIndependent,
     SmoothLogarithmic, Thermal,
 };
+pub use mohr_coulomb::MohrCoulomb;
 
 use crate::lane::{Lane, Real};
 use crate::point::{Fault, Kinematics, State};
