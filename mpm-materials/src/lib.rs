@@ -18,6 +18,7 @@ pub mod ground;
 pub mod lane;
 pub mod parameter;
 pub mod point;
+pub mod porous;
 pub mod rate;
 pub mod solid;
 pub mod strength;
@@ -36,7 +37,7 @@ pub use failure::{
     CrackBand, DamageLimit, Failure, JohnsonCookDamage, Local, LosesShear, LosesTension, NoFailure,
     PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure, TulerButcher,
 };
-pub use fluid::{Fluid, FluidState, Inviscid, Newtonian};
+pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
 pub use ground::{Geomaterial, Ground, GroundState};
 pub use lane::{Lane, Mask, Real, Wide};
 pub use parameter::{Check, ParameterError};
@@ -44,11 +45,13 @@ pub use point::{
     Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, Update, lane_of, named, pointwise,
     spread,
 };
+pub use porous::{Porous, PorousState};
 pub use rate::{HughesWinget, Jaumann, ObjectiveRate};
 pub use solid::{Solid, SolidState};
 pub use strength::{
-    Adiabatic, AdiabaticJohnsonCook, Cone, DruckerPrager, Elastic, Heat, HolmquistJohnsonCook, Isothermal,
-    J2, JohnsonCook, Logarithmic, MohrCoulomb, RateIndependent, SmoothLogarithmic, Strength,
+    Adiabatic, AdiabaticJohnsonCook, Borvik, Cone, CowperSymonds, DruckerPrager, Elastic, Heat,
+    HolmquistJohnsonCook, Isothermal, J2, JohnsonCook, Logarithmic, MohrCoulomb, PowerRate, RateIndependent,
+    SimplifiedJohnsonCook, SmoothLogarithmic, SteinbergGuinan, Strength,
 };
 pub use tensor::{Mat3, Sym3};
 pub use viscosity::{BulkViscosity, NoViscosity, ShockViscosity};

@@ -1,5 +1,6 @@
 //! Strength: what a solid's deviatoric stress may be, and what it remembers of having flowed.
 
+pub mod borvik;
 pub mod drucker_prager;
 pub mod elastic;
 pub mod hardening;
@@ -7,17 +8,22 @@ pub mod hjc;
 pub mod j2;
 pub mod johnson_cook;
 pub mod mohr_coulomb;
+pub mod rate_factors;
+pub mod steinberg;
 
+pub use borvik::{Borvik, BorvikConstants, Softened};
 pub use drucker_prager::{Cone, DruckerPrager, Sheared};
 pub use elastic::Elastic;
-pub use hardening::{Hardening, LinearHardening, PowerHardening};
+pub use hardening::{Hardening, LinearHardening, PowerHardening, SaturatingPower, VoceHardening};
 pub use hjc::{Concrete, ConcreteConstants, HolmquistJohnsonCook};
 pub use j2::J2;
 pub use johnson_cook::{
     Adiabatic, AdiabaticJohnsonCook, Heat, Isothermal, JohnsonCook, Logarithmic, RateFactor, RateIndependent,
-    SmoothLogarithmic, Thermal,
+    SimplifiedJohnsonCook, SmoothLogarithmic, Thermal,
 };
 pub use mohr_coulomb::MohrCoulomb;
+pub use rate_factors::{CowperSymonds, PowerRate};
+pub use steinberg::{SteinbergConstants, SteinbergGuinan};
 
 use crate::lane::{Lane, Real};
 use crate::point::{Fault, Kinematics, State};

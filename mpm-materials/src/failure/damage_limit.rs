@@ -5,7 +5,7 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
 /// Fails where the damage of the strength, [`Strength::damage`](crate::Strength::damage), reaches D_c: the companion
-/// of a strength that the damage softens.
+/// of [`Borvik`](crate::strength::Borvik), whose flow stress the damage has softened by then.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DamageLimit<T> {
     limit: T,

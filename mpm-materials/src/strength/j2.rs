@@ -5,6 +5,7 @@ use crate::parameter::{Check, ParameterError};
 use crate::point::Fault;
 use crate::strength::{
     FlowStress, Hardened, Hardening, LinearHardening, Loading, PowerHardening, Return, Strength,
+    VoceHardening,
 };
 use crate::tensor::Sym3;
 
@@ -32,6 +33,16 @@ impl<T: Real> J2<T, PowerHardening<T>> {
     /// G, A or n not positive, B negative.
     pub fn ludwik(shear: T, initial: T, coefficient: T, exponent: T) -> Result<Self, ParameterError> {
         J2::new(shear, PowerHardening::new(initial, coefficient, exponent)?)
+    }
+}
+
+impl<T: Real> J2<T, VoceHardening<T>> {
+    /// sigma_y = A + Q \[1 - exp(-b eps_p)\] (Voce), with shear modulus G; G, A, Q in Pa.
+    ///
+    /// # Errors
+    /// G or A not positive, Q or b negative.
+    pub fn voce(shear: T, initial: T, saturation: T, rate: T) -> Result<Self, ParameterError> {
+        J2::new(shear, VoceHardening::new(initial, saturation, rate)?)
     }
 }
 
