@@ -9,6 +9,10 @@ use crate::state;
 use crate::tensor::Sym3;
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
 
+/// The state of one point of a charge.
+pub type Charge<T, V = NoViscosity> =
+    ExplosiveState<<T as Real>::Single, <V as ShockViscosity<T>>::Memory<<T as Real>::Single>>;
+
 /// A time no run reaches, s: the virgin point of a charge that nothing lights.
 const NEVER: f64 = 1.0e9;
 
@@ -88,6 +92,21 @@ impl<T: Real, E: Eos<T>> Explosive<T, E> {
     }
 }
 
+impl<T: Real> Explosive<T> {
+    /// TNT: [`Jwl::tnt`], with the detonation speed 6930 m/s of the same deck (that of the Chapman-Jouguet state is
+    /// 6928) and V_CJ 0.7318 (docs/notes.md 5).
+    pub fn tnt() -> Self {
+        Explosive {
+            products: Jwl::tnt(),
+            speed: T::of(6930.0),
+            width: T::of(WIDTH),
+            compression_burn: T::of(1.0 / (1.0 - 0.7318)),
+            delay: T::of(NEVER),
+            viscosity: NoViscosity,
+        }
+    }
+}
+
 impl<T: Real, E: Eos<T>, V: ShockViscosity<T>> Explosive<T, E, V> {
     /// The same charge with a stated detonation speed D, m/s. It should be within a percent of that of the
     /// products, or wave and pressure part.
@@ -129,9 +148,13 @@ impl<T: Real, E: Eos<T>, V: ShockViscosity<T>> Explosive<T, E, V> {
         let viscosity = BulkViscosity::new(linear, quadratic, speed)?;
         Ok(Explosive { products, speed, width, compression_burn, delay, viscosity })
     }
-    /// A virgin point that the wave reaches after `time`, s.
-    pub fn lit_after(&self, time: T) -> ExplosiveState<T::Single, V::Memory<T::Single>> {
-        ExplosiveState { time_to_light: T::Single::splat(time), ..self.virgin() }
+    /// A virgin point that the wave reaches after `time`, s; negative where it is lit already.
+    ///
+    /// # Errors
+    /// A time that is not finite.
+    pub fn lit_after(&self, time: T) -> Result<Charge<T, V>, ParameterError> {
+        let time = Check("explosive").that(true, "lighting time", time, "finite")?;
+        Ok(ExplosiveState { time_to_light: T::Single::splat(time), ..self.virgin() })
     }
     /// The equation of state of the products.
     pub fn products(&self) -> &E {

@@ -1,5 +1,7 @@
 //! Rock, soil and concrete: solids whose strength depends on the pressure.
 
+use crate::capability::Fails;
+use crate::failure::{Failure, NoFailure, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::ParameterError;
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, finite_state};
@@ -68,11 +70,17 @@ pub trait Geomaterial<T: Real>: Clone + Send + Sync + 'static {
     fn bulk_modulus<L: Lane<Real = T>>(&self, volume_ratio: L, history: &Self::History<L>) -> L;
     /// Accumulated equivalent plastic strain.
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L;
+    /// Damage in \[0, 1\]; zero for a law without.
+    #[inline(always)]
+    fn damage<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        let _ = history;
+        L::zero()
+    }
 }
 
 state! {
     /// What a point of ground remembers: eight numbers and the history of its law.
-    pub struct GroundState<L, H> {
+    pub struct GroundState<L, H, F> {
         /// Total Cauchy stress, viscous pressure included, Pa.
         pub stress: Sym3<L>,
         /// Volume over reference volume, J.
@@ -81,6 +89,8 @@ state! {
         pub energy: L,
         /// History of the law.
         pub history: H,
+        /// History of the failure.
+        pub failure: F,
     }
 }
 
@@ -89,7 +99,8 @@ state! {
 /// ([`DruckerPrager`](crate::strength::DruckerPrager), [`MohrCoulomb`](crate::strength::MohrCoulomb)).
 ///
 /// A step: rotate the old stress, make the elastic trial deviator, let the law return pressure and deviator
-/// together, add the viscous pressure. The energy takes in the stress work of the step by the trapezoidal rule.
+/// together, judge ([`Failure`]), add the viscous pressure. The energy takes in the stress work of the step by the
+/// trapezoidal rule.
 ///
 /// ```
 /// use mpm_materials::Ground;
@@ -101,20 +112,26 @@ state! {
 /// # }
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground<M, V = NoViscosity, R = Jaumann> {
+pub struct Ground<M, F = NoFailure, V = NoViscosity, R = Jaumann> {
     law: M,
+    failure: F,
     viscosity: V,
     rate: R,
 }
 
 impl<M> Ground<M> {
-    /// Without bulk viscosity, with the Jaumann rate.
+    /// Without failure and bulk viscosity, with the Jaumann rate.
     pub fn new(law: M) -> Self {
-        Ground { law, viscosity: NoViscosity, rate: Jaumann }
+        Ground { law, failure: NoFailure, viscosity: NoViscosity, rate: Jaumann }
     }
 }
 
-impl<M, V, R> Ground<M, V, R> {
+impl<M, F, V, R> Ground<M, F, V, R> {
+    /// The same ground with a failure criterion.
+    pub fn with_failure<G>(self, failure: G) -> Ground<M, G, V, R> {
+        let Ground { law, viscosity, rate, .. } = self;
+        Ground { law, failure, viscosity, rate }
+    }
     /// The same ground with bulk viscosity: linear coefficient b1 and quadratic b0, and the bulk sound speed at
     /// rest.
     ///
@@ -124,18 +141,19 @@ impl<M, V, R> Ground<M, V, R> {
         self,
         linear: T,
         quadratic: T,
-    ) -> Result<Ground<M, BulkViscosity<T>, R>, ParameterError>
+    ) -> Result<Ground<M, F, BulkViscosity<T>, R>, ParameterError>
     where
         M: Geomaterial<T>,
     {
-        let Ground { law, rate, .. } = self;
+        let Ground { law, failure, rate, .. } = self;
         let bulk = law.bulk_modulus::<T::Single>(T::Single::one(), &law.virgin());
         let speed = (bulk / T::Single::splat(law.density())).sqrt();
-        Ok(Ground { viscosity: BulkViscosity::new(linear, quadratic, speed.into())?, law, rate })
+        Ok(Ground { viscosity: BulkViscosity::new(linear, quadratic, speed.into())?, law, failure, rate })
     }
     /// The same ground with another objective rate.
-    pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> Ground<M, V, Q> {
-        Ground { law: self.law, viscosity: self.viscosity, rate }
+    pub fn with_rate<Q: ObjectiveRate>(self, rate: Q) -> Ground<M, F, V, Q> {
+        let Ground { law, failure, viscosity, .. } = self;
+        Ground { law, failure, viscosity, rate }
     }
     /// The law.
     pub fn law(&self) -> &M {
@@ -143,14 +161,15 @@ impl<M, V, R> Ground<M, V, R> {
     }
 }
 
-impl<T, M, V, R> Constitutive<T> for Ground<M, V, R>
+impl<T, M, F, V, R> Constitutive<T> for Ground<M, F, V, R>
 where
     T: Real,
     M: Geomaterial<T>,
+    F: Failure<T>,
     V: ShockViscosity<T>,
     R: ObjectiveRate,
 {
-    type State<L: Lane<Real = T>> = GroundState<L, M::History<L>>;
+    type State<L: Lane<Real = T>> = GroundState<L, M::History<L>, F::History<L>>;
 
     fn name(&self) -> &'static str {
         self.law.name()
@@ -164,6 +183,7 @@ where
             volume_ratio: T::Single::one(),
             energy: T::Single::zero(),
             history: self.law.virgin(),
+            failure: self.failure.intact(),
         }
     }
     #[inline(always)]
@@ -172,7 +192,17 @@ where
         kinematics: &Kinematics<L>,
         old: &Self::State<L>,
     ) -> Update<L, Self::State<L>> {
-        let half = L::of(0.5);
+        let (zero, one, half) = (L::zero(), L::one(), L::of(0.5));
+        let stilled;
+        let kinematics = if F::POSSIBLE && !F::REMAINS.compression() {
+            // A point that is gone does not follow the motion: no work, no breakdown.
+            let gone = self.failure.failed(&old.failure, self.law.plastic_strain(&old.history));
+            let increment = kinematics.increment * L::select(gone, zero, one);
+            stilled = Kinematics { increment, ..*kinematics };
+            &stilled
+        } else {
+            kinematics
+        };
         let volume_factor = kinematics.volume_factor();
         let volume_ratio = old.volume_ratio * volume_factor;
         let density = volume_ratio.recip() * L::splat(self.law.density());
@@ -182,26 +212,63 @@ where
         let old_deviator = rotated.plus_isotropic(-old_mean);
         let strain_deviator = kinematics.strain().deviator();
         let two_g = L::splat(self.law.shear_modulus() * T::of(2.0));
+        let mut tried = old_deviator + strain_deviator * two_g;
+        if F::POSSIBLE && !F::REMAINS.shear() {
+            let failed = self.failure.failed(&old.failure, self.law.plastic_strain(&old.history));
+            tried = tried * L::select(failed, zero, one);
+        }
         let trial = Trial {
-            deviator: old_deviator + strain_deviator * two_g,
+            deviator: tried,
             strain_deviator,
             // Inside out is reported below; the law shall not meet it.
-            volume_ratio: L::select(volume_ratio.gt(L::zero()), volume_ratio, L::one()),
+            volume_ratio: L::select(volume_ratio.gt(zero), volume_ratio, one),
             dt: kinematics.dt,
             length: kinematics.length,
         };
         let returned = self.law.return_map(&trial, &old.history);
 
-        let total_pressure = returned.pressure + self.viscosity.pressure(kinematics, density);
+        let mut deviator = returned.deviator;
+        let mut pressure = returned.pressure;
+        let mut viscous = self.viscosity.pressure(kinematics, density);
+        let mut failure = old.failure;
+        if F::POSSIBLE {
+            let plastic_strain = self.law.plastic_strain(&returned.history);
+            let observed = Observed {
+                deviator,
+                pressure,
+                plastic_strain,
+                plastic_strain_increment: plastic_strain - self.law.plastic_strain(&old.history),
+                homologous_temperature: zero,
+                damage: self.law.damage(&returned.history),
+                dt: kinematics.dt,
+                length: kinematics.length,
+            };
+            failure = self.failure.judge(&observed, &old.failure);
+            let failed = self.failure.failed(&failure, plastic_strain);
+            let intact = L::select(failed, zero, one);
+            if !F::REMAINS.shear() {
+                deviator = deviator * intact;
+            }
+            if !F::REMAINS.compression() {
+                pressure = pressure * intact;
+                viscous = viscous * intact;
+            } else if !F::REMAINS.tension() {
+                pressure = L::select(failed, pressure.max(zero), pressure);
+            }
+        }
+
+        // The work of the step, of what is left at its end.
+        let total_pressure = pressure + viscous;
         let volume_change = volume_ratio - old.volume_ratio;
         let middle_volume = old.volume_ratio + volume_change * half;
-        let shear_work = middle_volume * (old_deviator + returned.deviator).dot(&strain_deviator) * half;
+        let shear_work = middle_volume * (old_deviator + deviator).dot(&strain_deviator) * half;
         let pressure_work = (old_mean - total_pressure) * volume_change * half;
         let state = GroundState {
-            stress: returned.deviator.plus_isotropic(-total_pressure),
+            stress: deviator.plus_isotropic(-total_pressure),
             volume_ratio,
             energy: old.energy + shear_work + pressure_work,
             history: returned.history,
+            failure,
         };
         let fault = Fault::none()
             .require(volume_factor.gt(L::zero()), Breakdown::InvertedVolume)
@@ -229,5 +296,19 @@ where
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.energy
+    }
+}
+
+impl<T, M, F, V, R> Fails<T> for Ground<M, F, V, R>
+where
+    T: Real,
+    M: Geomaterial<T>,
+    F: Failure<T>,
+    V: ShockViscosity<T>,
+    R: ObjectiveRate,
+{
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.failure.failed(&now.failure, self.law.plastic_strain(&now.history))
     }
 }

@@ -16,6 +16,7 @@ pub mod failure;
 pub mod fluid;
 pub mod ground;
 pub mod lane;
+pub mod library;
 pub mod parameter;
 pub mod point;
 pub mod porous;

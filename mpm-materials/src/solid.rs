@@ -171,13 +171,16 @@ where
         old: &Self::State<L>,
     ) -> Update<L, Self::State<L>> {
         let (zero, half) = (L::zero(), L::of(0.5));
-        let mut kinematics = *kinematics;
-        if F::POSSIBLE && !F::REMAINS.compression() {
+        let stilled;
+        let kinematics = if F::POSSIBLE && !F::REMAINS.compression() {
             // A point that is gone does not follow the motion: no work, no breakdown.
             let gone = self.failure.failed(&old.failure, self.strength.plastic_strain(&old.strength));
-            kinematics.increment = kinematics.increment * L::select(gone, zero, L::one());
-        }
-        let kinematics = &kinematics;
+            let increment = kinematics.increment * L::select(gone, zero, L::one());
+            stilled = Kinematics { increment, ..*kinematics };
+            &stilled
+        } else {
+            kinematics
+        };
         let volume_factor = kinematics.volume_factor();
         let volume_ratio = old.volume_ratio * volume_factor;
         let specific_volume = volume_ratio * L::splat(T::of(1.0) / self.eos.density());

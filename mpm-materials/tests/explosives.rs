@@ -66,7 +66,7 @@ fn a_lit_point_burns_over_its_width() {
     let charge = Explosive::new(Jwl::<f64>::tnt()).unwrap().with_detonation_speed(6930.0).unwrap();
     let (dt, length) = (1e-8, 2e-3);
     let still = Kinematics { increment: Mat3::zero(), dt, length };
-    let mut state = charge.lit_after(1e-7);
+    let mut state = charge.lit_after(1e-7).unwrap();
     for k in 1..=80 {
         let new = charge.update(&still, &state);
         assert!(!new.fault.any());
@@ -104,17 +104,17 @@ fn compression_burns() {
 #[test]
 fn detonation_waves_arrive_along_the_shortest_ray() {
     let wave = Detonation::new(7000.0).unwrap();
-    assert_eq!(wave.arrival([0.0; 3]), f64::INFINITY);
+    assert_eq!(wave.arrival([0.0; 3]), None);
     let wave = wave
         .from_point([1.0, 0.0, 0.0], 1e-4)
         .unwrap()
         .from_line([0.0, -1.0, 0.0], [0.0, 1.0, 0.0], 0.0)
         .unwrap();
-    assert_relative_eq!(wave.arrival([0.3, 0.5, 0.4]), 0.5 / 7000.0, max_relative = 1e-15);
-    assert_relative_eq!(wave.arrival([0.0, 5.0, 3.0]), 5.0 / 7000.0, max_relative = 1e-15);
-    assert_relative_eq!(wave.arrival([5.0, 0.0, 0.0]), 1e-4 + 4.0 / 7000.0, max_relative = 1e-15);
+    assert_relative_eq!(wave.arrival([0.3, 0.5, 0.4]).unwrap(), 0.5 / 7000.0, max_relative = 1e-15);
+    assert_relative_eq!(wave.arrival([0.0, 5.0, 3.0]).unwrap(), 5.0 / 7000.0, max_relative = 1e-15);
+    assert_relative_eq!(wave.arrival([5.0, 0.0, 0.0]).unwrap(), 1e-4 + 4.0 / 7000.0, max_relative = 1e-15);
     let plane = Detonation::new(7000.0).unwrap().from_plane([0.0, 0.0, 2.0], [0.0, 3.0, 4.0], 1e-6).unwrap();
-    assert_relative_eq!(plane.arrival([9.0, 5.0, 2.0]), 1e-6 + 3.0 / 7000.0, max_relative = 1e-15);
+    assert_relative_eq!(plane.arrival([9.0, 5.0, 2.0]).unwrap(), 1e-6 + 3.0 / 7000.0, max_relative = 1e-15);
     assert!(Detonation::new(0.0).is_err());
     assert!(Detonation::new(1.0).unwrap().from_point([f64::NAN, 0.0, 0.0], 0.0).is_err());
     assert!(Detonation::new(1.0).unwrap().from_plane([0.0; 3], [0.0; 3], 0.0).is_err());

@@ -380,7 +380,8 @@ mod battery {
         steinberg_copper,
         Solid::new(SteinbergGuinan::copper(), MieGruneisen::copper()),
         Options { work_tolerance: 5e-3, ..metal(0.05) },
-        yields
+        yields;
+        single = Solid::new(SteinbergGuinan::<f32>::copper(), MieGruneisen::copper())
     );
     conformance_suite!(
         steinberg_steel,
@@ -392,7 +393,8 @@ mod battery {
         weldox,
         Solid::new(Borvik::weldox_460_e(), MieGruneisen::steel_4340()),
         metal(0.1),
-        yields
+        yields;
+        single = Solid::new(Borvik::<f32>::weldox_460_e(), MieGruneisen::steel_4340())
     );
     conformance_suite!(
         bingham,

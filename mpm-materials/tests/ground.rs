@@ -407,6 +407,22 @@ fn bad_soil_is_refused() {
 }
 
 #[test]
+fn crack_bands_in_concrete() {
+    let plain = HolmquistJohnsonCook::<f64>::concrete_48();
+    let sheared = Kinematics {
+        increment: Mat3([[0.0, 2e-3, 0.0], [2e-3, 0.0, 0.0], [0.0; 3]]),
+        dt: 1e-3,
+        length: 1e-3,
+    };
+    let (whole, half) =
+        (Ground::new(plain), Ground::new(plain.with_localisation(CrackBand::new(2e-3).unwrap())));
+    let whole = whole.update(&sheared, &whole.virgin()).state.history.damage;
+    let half = half.update(&sheared, &half.virgin()).state.history.damage;
+    assert!(whole > 0.05 && whole < 1.0, "{whole}");
+    assert_relative_eq!(half, 0.5 * whole, max_relative = 1e-12);
+}
+
+#[test]
 fn bad_concrete_is_refused() {
     let good = CrushConstants {
         crush_pressure: 16e6,
@@ -432,7 +448,7 @@ fn bad_concrete_is_refused() {
 
 #[cfg(feature = "conformance")]
 mod battery {
-    use mpm_materials::conformance::{Options, state_length};
+    use mpm_materials::conformance::{self as held, Options, state_length};
     use mpm_materials::*;
 
     /// Strength that grows with pressure without dilatancy is not associated flow: in some directions the tangent
@@ -442,12 +458,33 @@ mod battery {
     fn concrete() -> Ground<HolmquistJohnsonCook<f64>> {
         Ground::new(HolmquistJohnsonCook::concrete_48())
     }
-    conformance_suite!(concrete_48, concrete(), ground(0.01));
+    conformance_suite!(
+        concrete_48,
+        concrete(),
+        ground(0.01);
+        single = Ground::new(HolmquistJohnsonCook::<f32>::concrete_48())
+    );
     conformance_suite!(
         concrete_48_crushed,
         concrete().with_bulk_viscosity(0.06, 1.5).unwrap().with_rate(HughesWinget),
         Options { steps: 800, duration: 1e-4, ..ground(0.08) }
     );
+
+    #[test]
+    fn failed_concrete_stays_failed() {
+        let options = ground(0.02);
+        let spall = concrete().with_failure(TensilePressure::new(2e6).unwrap());
+        held::fails(&spall, &options).unwrap();
+        held::lanes(&spall, &options).unwrap();
+        held::not_a_number(&spall, &options).unwrap();
+        held::work(&spall, &Options { work_tolerance: 2e-2, ..options }).unwrap();
+        // Fully damaged concrete as rubble; concrete that a strain takes away.
+        held::fails(&concrete().with_failure(DamageLimit::new(1.0).unwrap()), &options).unwrap();
+        let eroded = concrete().with_failure(Removed(PlasticStrainLimit::new(0.02).unwrap()));
+        held::lanes(&eroded, &options).unwrap();
+        held::not_a_number(&eroded, &options).unwrap();
+        assert_eq!(state_length(&spall), 12);
+    }
 
     #[test]
     fn memory_of_concrete() {
@@ -458,7 +495,12 @@ mod battery {
         let moduli = Moduli::young_poisson(70e6, 0.3).unwrap();
         DruckerPrager::matching(2100.0, moduli, Cone::Outer, 0.6, 10e3, dilatancy).unwrap()
     }
-    conformance_suite!(slope, Ground::new(DruckerPrager::slope_soil()), ground(1e-3));
+    conformance_suite!(
+        slope,
+        Ground::new(DruckerPrager::slope_soil()),
+        ground(1e-3);
+        single = Ground::new(DruckerPrager::<f32>::slope_soil())
+    );
     conformance_suite!(dilatant, Ground::new(soil(0.6)).with_rate(HughesWinget), Options::strain(1e-3));
     conformance_suite!(
         viscous_soil,

@@ -21,6 +21,11 @@ impl<T: Real> DamageLimit<T> {
         let limit = Check("damage limit").that(inside, "critical damage", limit, "above 0 and at most 1")?;
         Ok(DamageLimit { limit })
     }
+
+    /// Of a limit that was checked.
+    pub(crate) fn known(limit: T) -> Self {
+        DamageLimit { limit }
+    }
 }
 
 impl<T: Real> Failure<T> for DamageLimit<T> {

@@ -46,6 +46,11 @@ impl<T: Real> LinearHardening<T> {
             modulus: check.not_negative("plastic modulus H", modulus)?,
         })
     }
+
+    /// Of constants that were checked.
+    pub(crate) fn known(initial: f64, modulus: f64) -> Self {
+        LinearHardening { initial: T::of(initial), modulus: T::of(modulus) }
+    }
 }
 
 impl<T: Real> Hardening<T> for LinearHardening<T> {

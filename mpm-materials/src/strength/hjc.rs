@@ -1,6 +1,7 @@
 //! Concrete of Holmquist, Johnson and Cook.
 
 use crate::eos::crush::{CrushConstants, CrushCurve};
+use crate::failure::{Local, Localisation};
 use crate::ground::{Admissible, Geomaterial, Trial};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
@@ -62,12 +63,13 @@ pub struct ConcreteConstants<T> {
 ///
 /// Pressure is that of the end of the step, the return radial and exact; damage acts from the next step on, so it is
 /// explicit. A point opened beyond the tension cut-off closes along its unloading line: pressure comes back with the
-/// density. Limits: no energy term, so no shock heating; no softening length, D grows with strain whatever the cell;
-/// flow without dilatancy, whose tangent may exceed rho c^2 by some per cent where B matters.
+/// density. With [`CrackBand`](crate::CrackBand) the damage by plastic strain follows the size of the cell. Limits: no
+/// energy term, so no shock heating; flow without dilatancy, whose tangent may exceed rho c^2 by some per cent where B matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct HolmquistJohnsonCook<T> {
+pub struct HolmquistJohnsonCook<T, B = Local> {
     constants: ConcreteConstants<T>,
     crush: CrushCurve<T>,
+    localisation: B,
 }
 
 impl<T: Real> HolmquistJohnsonCook<T> {
@@ -95,7 +97,7 @@ impl<T: Real> HolmquistJohnsonCook<T> {
         check.not_negative("A", k.a)?;
         check.not_negative("B", k.b)?;
         check.not_negative("C", k.c)?;
-        Ok(HolmquistJohnsonCook { constants, crush })
+        Ok(HolmquistJohnsonCook { constants, crush, localisation: Local })
     }
 
     /// Concrete of 48 MPa: rho0 2440 kg/m^3, G 14.86 GPa, A 0.79, B 1.60, N 0.61, C 0.007 at 1 /s, f_c 48 MPa,
@@ -125,7 +127,15 @@ impl<T: Real> HolmquistJohnsonCook<T> {
             d2: T::of(1.0),
             smallest_strain: T::of(0.01),
         };
-        HolmquistJohnsonCook { constants, crush: CrushCurve::known(crush) }
+        HolmquistJohnsonCook { constants, crush: CrushCurve::known(crush), localisation: Local }
+    }
+}
+
+impl<T: Real, B: Localisation<T>> HolmquistJohnsonCook<T, B> {
+    /// The same concrete whose damage by plastic strain depends otherwise on the size of the cell; crushing of pores
+    /// damages the same for every cell.
+    pub fn with_localisation<C: Localisation<T>>(self, localisation: C) -> HolmquistJohnsonCook<T, C> {
+        HolmquistJohnsonCook { constants: self.constants, crush: self.crush, localisation }
     }
 
     /// The crush curve.
@@ -165,7 +175,7 @@ impl<T: Real> HolmquistJohnsonCook<T> {
     }
 }
 
-impl<T: Real> Geomaterial<T> for HolmquistJohnsonCook<T> {
+impl<T: Real, B: Localisation<T>> Geomaterial<T> for HolmquistJohnsonCook<T, B> {
     type History<L: Lane<Real = T>> = Concrete<L>;
 
     fn name(&self) -> &'static str {
@@ -203,7 +213,8 @@ impl<T: Real> Geomaterial<T> for HolmquistJohnsonCook<T> {
         let (deviator, _) = radial_return(&trial.deviator, equivalent, three_g, increment);
 
         let crushed = (self.crush.crushing(largest) - self.crush.crushing(old.largest_compression)).max(zero);
-        let grown = (increment + crushed) / self.fracture_strain(pressure);
+        let sheared = self.localisation.weight(trial.length) * increment;
+        let grown = (sheared + crushed) / self.fracture_strain(pressure);
         let history = Concrete {
             plastic_strain: old.plastic_strain + increment,
             damage: (old.damage + grown).min(one),
@@ -222,5 +233,9 @@ impl<T: Real> Geomaterial<T> for HolmquistJohnsonCook<T> {
     #[inline(always)]
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Concrete<L>) -> L {
         history.plastic_strain
+    }
+    #[inline(always)]
+    fn damage<L: Lane<Real = T>>(&self, history: &Concrete<L>) -> L {
+        history.damage
     }
 }

@@ -54,6 +54,11 @@ impl<T: Real, H: Hardening<T>> J2<T, H> {
     pub fn new(shear: T, hardening: H) -> Result<Self, ParameterError> {
         Ok(J2 { shear: Check("J2 plasticity").positive("shear modulus G", shear)?, hardening })
     }
+
+    /// Of constants that were checked.
+    pub(crate) fn known(shear: f64, hardening: H) -> Self {
+        J2 { shear: T::of(shear), hardening }
+    }
 }
 
 impl<T: Real, H: Hardening<T>> Strength<T> for J2<T, H> {
