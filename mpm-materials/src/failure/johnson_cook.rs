@@ -1,7 +1,7 @@
 //! Johnson-Cook damage.
 
 use crate::failure::{Failure, Local, Localisation, Observed};
-use crate::lane::{Lane, Real};
+use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::state;
 
@@ -109,6 +109,9 @@ impl<T: Real, B: Localisation<T>> Failure<T> for JohnsonCookDamage<T, B> {
     #[inline(always)]
     fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Damaged<L>) -> Damaged<L> {
         let increment = observed.plastic_strain_increment;
+        if !increment.gt(L::zero()).any() {
+            return *old;
+        }
         // Where nothing flows there may be no equivalent stress to divide by, and nothing is added either.
         let equivalent = observed.deviator.equivalent().max(L::of(1e-20));
         let triaxiality = -(observed.pressure / equivalent);

@@ -3,7 +3,7 @@
 use crate::eos::crush::{CrushConstants, CrushCurve};
 use crate::failure::{Local, Localisation};
 use crate::ground::{Admissible, Geomaterial, Trial};
-use crate::lane::{Lane, Real};
+use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::{Breakdown, Fault};
 use crate::state;
@@ -171,7 +171,19 @@ impl<T: Real, B: Localisation<T>> HolmquistJohnsonCook<T, B> {
         let k = &self.constants;
         let relative = (pressure + L::splat(k.tensile)) * L::splat(T::of(1.0) / k.compressive);
         let tiny = L::of(1e-15);
-        (L::splat(k.d1) * relative.max(tiny).powf(L::splat(k.d2))).max(L::splat(k.smallest_strain))
+        let clipped = relative.max(tiny);
+        // The usual exponent; the same for all points, so worth a branch.
+        let power = if k.d2 == T::of(1.0) { clipped } else { clipped.powf(L::splat(k.d2)) };
+        (L::splat(k.d1) * power).max(L::splat(k.smallest_strain))
+    }
+
+    /// A cheap lower bound of the strength: without friction and rate.
+    #[inline(always)]
+    fn cohesion<L: Lane<Real = T>>(&self, pressure: L, damage: L) -> L {
+        let k = &self.constants;
+        let one = L::one();
+        let opened = (pressure * L::splat(T::of(1.0) / k.tensile) + one).clamp(L::zero(), one);
+        (L::splat(k.a) * (one - damage) * opened).min(L::splat(k.largest)) * L::splat(k.compressive)
     }
 }
 
@@ -205,9 +217,16 @@ impl<T: Real, B: Localisation<T>> Geomaterial<T> for HolmquistJohnsonCook<T, B> 
         let cut_off = L::splat(-k.tensile) * (one - old.damage);
         let pressure = self.crush.pressure(mu, largest).max(cut_off);
 
+        // A maximum may hide what is not a number.
+        let fault = Fault::none().require((mu + old.damage).is_finite(), Breakdown::NotFinite);
+        let equivalent = trial.deviator.equivalent();
+        let crushes = mu.gt(old.largest_compression);
+        if !(self.cohesion(pressure, old.damage).lt(equivalent) | crushes).any() {
+            return Admissible { deviator: trial.deviator, pressure, history: *old, fault };
+        }
+
         let rate = (trial.equivalent_rate() * L::splat(T::of(1.0) / k.reference_rate)).max(one);
         let limit = self.strength(pressure, old.damage, rate);
-        let equivalent = trial.deviator.equivalent();
         let three_g = L::splat(k.shear * T::of(3.0));
         let increment = (equivalent - limit).max(zero) / three_g;
         let (deviator, _) = radial_return(&trial.deviator, equivalent, three_g, increment);
@@ -220,8 +239,6 @@ impl<T: Real, B: Localisation<T>> Geomaterial<T> for HolmquistJohnsonCook<T, B> 
             damage: (old.damage + grown).min(one),
             largest_compression: largest,
         };
-        // A maximum may hide what is not a number.
-        let fault = Fault::none().require((mu + old.damage).is_finite(), Breakdown::NotFinite);
         Admissible { deviator, pressure, history, fault }
     }
     #[inline(always)]
