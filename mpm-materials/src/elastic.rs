@@ -82,6 +82,11 @@ impl<T: Real> LinearElastic<T> {
             rate: Jaumann,
         })
     }
+
+    /// Of constants that were checked.
+    pub(crate) fn known(density: f64, moduli: Moduli<T>) -> Self {
+        LinearElastic { density: T::of(density), moduli, rate: Jaumann }
+    }
 }
 
 impl<T: Real, R: ObjectiveRate> LinearElastic<T, R> {

@@ -5,15 +5,25 @@
 //! fluid implicit without iteration (docs/notes.md 3.7).
 
 pub mod bulk;
+pub mod chapman_jouguet;
+pub mod crush;
+pub mod gruneisen;
 pub mod ideal_gas;
+pub mod jwl;
 pub mod linear;
 pub mod mie_gruneisen;
+pub mod polynomial;
 pub mod tait;
 
 pub use bulk::LogarithmicBulk;
+pub use chapman_jouguet::{ChapmanJouguet, chapman_jouguet};
+pub use crush::{CrushConstants, CrushCurve};
+pub use gruneisen::{CubicShock, Gruneisen, Hugoniot, PolynomialHugoniot};
 pub use ideal_gas::IdealGas;
+pub use jwl::{Jwl, JwlConstants};
 pub use linear::LinearDensity;
 pub use mie_gruneisen::MieGruneisen;
+pub use polynomial::Polynomial;
 pub use tait::Tait;
 
 use crate::lane::{Lane, Real};

@@ -1,16 +1,29 @@
 //! Failure: when a point stops carrying shear and tension.
 //!
-//! A failed point has no deviator and no tension; compression is still carried (docs/notes.md 3.6). It never
-//! heals. Its volume ratio goes on following the motion, so that a closing gap carries load again only when
-//! the density is back.
+//! A failed point has no deviator and no tension; compression is still carried (docs/notes.md 3.6). Other choices
+//! are wrappers: [`LosesTension`], [`LosesShear`], [`Removed`]. It never heals. Its volume ratio goes on following
+//! the motion, so that a closing gap carries load again only when the density is back.
+//!
+//! Two criteria together are a pair: `(JohnsonCookDamage::aluminium_6061(), TensilePressure::new(1.5e9)?)` fails
+//! where either does.
 
+pub mod aftermath;
+pub mod damage_limit;
+pub mod johnson_cook;
+pub mod localisation;
 pub mod plastic_strain;
 pub mod principal;
 pub mod tensile;
+pub mod tuler_butcher;
 
+pub use aftermath::{LosesShear, LosesTension, Remains, Removed};
+pub use damage_limit::DamageLimit;
+pub use johnson_cook::JohnsonCookDamage;
+pub use localisation::{CrackBand, Local, Localisation};
 pub use plastic_strain::PlasticStrainLimit;
 pub use principal::PrincipalStress;
 pub use tensile::TensilePressure;
+pub use tuler_butcher::TulerButcher;
 
 use crate::lane::{Lane, Mask, Real};
 use crate::point::State;
@@ -26,12 +39,25 @@ pub struct Observed<L> {
     pub pressure: L,
     /// Accumulated plastic strain.
     pub plastic_strain: L,
+    /// Plastic strain of the step.
+    pub plastic_strain_increment: L,
+    /// Homologous temperature T* of the strength, in \[0, 1\]; zero without temperature.
+    pub homologous_temperature: L,
+    /// Damage kept by the strength, in \[0, 1\]; zero for a strength without.
+    pub damage: L,
+    /// Time step, s.
+    pub dt: L,
+    /// Size of the element or cell, m.
+    pub length: L,
 }
 
 /// A failure criterion.
 pub trait Failure<T: Real>: Clone + Send + Sync + 'static {
     /// Can a point fail at all? With `false` nothing of failure is compiled.
     const POSSIBLE: bool = true;
+
+    /// What a failed point still carries.
+    const REMAINS: Remains = Remains::Compression;
 
     /// What a point remembers of its failure.
     type History<L: Lane<Real = T>>: State<L>;
@@ -60,6 +86,24 @@ impl<T: Real> Failure<T> for NoFailure {
     }
     #[inline(always)]
     fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, _: &()) {}
+}
+
+/// Fails where either criterion does; what remains is what both leave.
+impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B) {
+    const POSSIBLE: bool = A::POSSIBLE || B::POSSIBLE;
+    const REMAINS: Remains = A::REMAINS.and(B::REMAINS);
+    type History<L: Lane<Real = T>> = (A::History<L>, B::History<L>);
+    fn intact(&self) -> Self::History<T::Single> {
+        (self.0.intact(), self.1.intact())
+    }
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, history: &Self::History<L>, plastic_strain: L) -> L::Mask {
+        self.0.failed(&history.0, plastic_strain) | self.1.failed(&history.1, plastic_strain)
+    }
+    #[inline(always)]
+    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Self::History<L>) -> Self::History<L> {
+        (self.0.judge(observed, &old.0), self.1.judge(observed, &old.1))
+    }
 }
 
 state! {

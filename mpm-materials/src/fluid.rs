@@ -75,6 +75,55 @@ impl<T: Real> ShearViscosity<T> for Newtonian<T> {
     }
 }
 
+/// Bingham fluid, regularised as by Papanastasiou (docs/notes.md 3.14): s = 2 dev(d) \[eta + tau_y (1 -
+/// exp(-g/g0))/g\] with g = sqrt(2 dev d : dev d) the shear rate. Above a few g0 the shear stress is tau_y + eta g;
+/// below g0 the fluid creeps with viscosity eta + tau_y/g0.
+///
+/// Limits: that creep viscosity bounds a stable step, dt below about rho h^2/(2 eta).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bingham<T> {
+    yield_stress: T,
+    viscosity: T,
+    rate: T,
+}
+
+impl<T: Real> Bingham<T> {
+    /// From yield stress in shear tau_y, Pa, plastic viscosity eta, Pa s, and the shear rate g0, 1/s, below which it
+    /// creeps.
+    ///
+    /// # Errors
+    /// A number that is not positive; [`Newtonian`] is the fluid without yield stress.
+    pub fn new(yield_stress: T, viscosity: T, rate: T) -> Result<Self, ParameterError> {
+        let check = Check("Bingham fluid");
+        Ok(Bingham {
+            yield_stress: check.positive("yield stress tau_y", yield_stress)?,
+            viscosity: check.positive("plastic viscosity eta", viscosity)?,
+            rate: check.positive("creep rate g0", rate)?,
+        })
+    }
+}
+
+impl<T: Real> ShearViscosity<T> for Bingham<T> {
+    type Memory<L: Lane<Real = T>> = Sym3<L>;
+    #[inline(always)]
+    fn deviator<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>) -> Sym3<L> {
+        let one = L::one();
+        let rate = kinematics.strain().deviator() * kinematics.dt.recip();
+        let x = (rate.dot(&rate) * L::of(2.0)).sqrt() * L::splat(T::of(1.0) / self.rate);
+        // (1 - exp(-x))/x, by its series where the difference would cancel.
+        let small = L::of(1e-3);
+        let wide = x.max(small);
+        let series = one - x * L::of(0.5) * (one - x * L::of(1.0 / 3.0));
+        let share = L::select(x.lt(small), series, (one - (-wide).exp()) / wide);
+        let creep = L::splat(self.yield_stress / self.rate);
+        rate * (L::of(2.0) * creep.mul_add(share, L::splat(self.viscosity)))
+    }
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, memory: &Sym3<L>) -> Sym3<L> {
+        *memory
+    }
+}
+
 /// Compressible fluid, sigma = -(p + q) I + 2 eta dev(d).
 ///
 /// The energy takes in pressure, bulk-viscous and shear-viscous work. A fluid whose equation of state keeps

@@ -7,14 +7,19 @@
 pub mod capability;
 #[cfg(feature = "conformance")]
 pub mod conformance;
+pub mod detonation;
 pub mod driver;
 pub mod elastic;
 pub mod eos;
+pub mod explosive;
 pub mod failure;
 pub mod fluid;
+pub mod ground;
 pub mod lane;
+pub mod library;
 pub mod parameter;
 pub mod point;
+pub mod porous;
 pub mod rate;
 pub mod solid;
 pub mod strength;
@@ -22,21 +27,32 @@ pub mod tensor;
 pub mod viscosity;
 
 pub use capability::{Fails, Hyperelastic, Yields};
+pub use detonation::Detonation;
 pub use elastic::{LinearElastic, Moduli, NeoHookean};
-pub use eos::{Eos, IdealGas, KeepEnergy, LinearDensity, LogarithmicBulk, MieGruneisen, Tait};
-pub use failure::{Failure, NoFailure, PlasticStrainLimit, PrincipalStress, TensilePressure};
-pub use fluid::{Fluid, FluidState, Inviscid, Newtonian};
+pub use eos::{
+    CubicShock, Eos, Gruneisen, IdealGas, Jwl, JwlConstants, KeepEnergy, LinearDensity, LogarithmicBulk,
+    MieGruneisen, Polynomial, PolynomialHugoniot, Tait,
+};
+pub use explosive::{Explosive, ExplosiveState};
+pub use failure::{
+    CrackBand, DamageLimit, Failure, JohnsonCookDamage, Local, LosesShear, LosesTension, NoFailure,
+    PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure, TulerButcher,
+};
+pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
+pub use ground::{Geomaterial, Ground, GroundState};
 pub use lane::{Lane, Mask, Real, Wide};
 pub use parameter::{Check, ParameterError};
 pub use point::{
     Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, Update, lane_of, named, pointwise,
     spread,
 };
+pub use porous::{Porous, PorousState};
 pub use rate::{HughesWinget, Jaumann, ObjectiveRate};
 pub use solid::{Solid, SolidState};
 pub use strength::{
-    Adiabatic, AdiabaticJohnsonCook, Elastic, Heat, Isothermal, J2, JohnsonCook, Logarithmic,
-    RateIndependent, SmoothLogarithmic, Strength,
+    Adiabatic, AdiabaticJohnsonCook, Borvik, Cone, CowperSymonds, DruckerPrager, Elastic, Heat,
+    HolmquistJohnsonCook, Isothermal, J2, JohnsonCook, Logarithmic, MohrCoulomb, PowerRate, RateIndependent,
+    SimplifiedJohnsonCook, SmoothLogarithmic, SteinbergGuinan, Strength,
 };
 pub use tensor::{Mat3, Sym3};
 pub use viscosity::{BulkViscosity, NoViscosity, ShockViscosity};

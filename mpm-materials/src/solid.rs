@@ -34,7 +34,8 @@ state! {
 /// A step: rotate the old stress with the material ([`ObjectiveRate`]), return the trial deviator to the yield
 /// surface ([`Strength`]), compute the viscous pressure ([`ShockViscosity`]), solve pressure and energy
 /// together ([`Eos`], docs/notes.md 3.7), and judge ([`Failure`]). The energy takes in the whole stress work:
-/// J s : d dt with s the mean over the step, -(p + q) dJ likewise.
+/// J s : d dt with s the mean over the step, -(p + q) dJ likewise. What a failed point still carries is the choice of
+/// the criterion ([`Remains`](crate::failure::Remains)); stress does no work at the end of the step it is lost in.
 ///
 /// Ingredients left at their defaults cost neither memory nor instructions.
 ///
@@ -170,6 +171,16 @@ where
         old: &Self::State<L>,
     ) -> Update<L, Self::State<L>> {
         let (zero, half) = (L::zero(), L::of(0.5));
+        let stilled;
+        let kinematics = if F::POSSIBLE && !F::REMAINS.compression() {
+            // A point that is gone does not follow the motion: no work, no breakdown.
+            let gone = self.failure.failed(&old.failure, self.strength.plastic_strain(&old.strength));
+            let increment = kinematics.increment * L::select(gone, zero, L::one());
+            stilled = Kinematics { increment, ..*kinematics };
+            &stilled
+        } else {
+            kinematics
+        };
         let volume_factor = kinematics.volume_factor();
         let volume_ratio = old.volume_ratio * volume_factor;
         let specific_volume = volume_ratio * L::splat(T::of(1.0) / self.eos.density());
@@ -182,7 +193,7 @@ where
         let loading = Loading::of(kinematics, -old_mean, specific_volume);
         let two_g = L::splat(self.strength.shear_modulus() * T::of(2.0));
         let mut trial = old_deviator + loading.strain_deviator * two_g;
-        if F::POSSIBLE {
+        if F::POSSIBLE && !F::REMAINS.shear() {
             let failed = self.failure.failed(&old.failure, self.strength.plastic_strain(&old.strength));
             trial = trial * L::select(failed, zero, L::one());
         }
@@ -191,7 +202,7 @@ where
         let returned = self.strength.return_map(&trial, &loading, &old.strength);
 
         // Viscous pressure, then pressure and energy together.
-        let viscous = self.viscosity.pressure(kinematics, density);
+        let mut viscous = self.viscosity.pressure(kinematics, density);
         let volume_change = volume_ratio - old.volume_ratio;
         let middle_volume = old.volume_ratio + volume_change * half;
         let deviatoric_power = (old_deviator + returned.deviator).dot(&loading.strain_deviator) * half;
@@ -206,18 +217,41 @@ where
         let mut failure = old.failure;
         if F::POSSIBLE {
             let plastic_strain = self.strength.plastic_strain(&returned.history);
-            let observed = Observed { deviator, pressure, plastic_strain };
+            let observed = Observed {
+                deviator,
+                pressure,
+                plastic_strain,
+                plastic_strain_increment: plastic_strain - self.strength.plastic_strain(&old.strength),
+                homologous_temperature: self.strength.homologous_temperature(&returned.history),
+                damage: self.strength.damage(&returned.history),
+                dt: kinematics.dt,
+                length: kinematics.length,
+            };
             failure = self.failure.judge(&observed, &old.failure);
             let failed = self.failure.failed(&failure, plastic_strain);
             if failed.any() {
-                let lost = middle_volume * deviator.dot(&loading.strain_deviator) * half;
-                let again = balance(self.eos.terms(volume_ratio), worked - lost, volume_change);
-                let tension = again.pressure.lt(zero);
-                let carried = L::select(tension, zero, again.pressure);
-                let kept = L::select(tension, worked - lost, again.energy);
-                deviator = deviator * L::select(failed, zero, L::one());
-                pressure = L::select(failed, carried, pressure);
-                energy = L::select(failed, kept, energy);
+                let intact = L::select(failed, zero, L::one());
+                let mut left = worked;
+                if !F::REMAINS.shear() {
+                    left = left - middle_volume * deviator.dot(&loading.strain_deviator) * half;
+                    deviator = deviator * intact;
+                }
+                if F::REMAINS.compression() {
+                    let again = balance(self.eos.terms(volume_ratio), left, volume_change);
+                    let mut carried = again.pressure;
+                    let mut kept = again.energy;
+                    if !F::REMAINS.tension() {
+                        let tension = again.pressure.lt(zero);
+                        carried = L::select(tension, zero, carried);
+                        kept = L::select(tension, left, kept);
+                    }
+                    pressure = L::select(failed, carried, pressure);
+                    energy = L::select(failed, kept, energy);
+                } else {
+                    pressure = pressure * intact;
+                    energy = L::select(failed, left + viscous * half * volume_change, energy);
+                    viscous = viscous * intact;
+                }
             }
         }
 
@@ -235,12 +269,14 @@ where
         now.volume_ratio
     }
     /// c^2 = (dp/drho)_s + 4 G/(3 rho), the bulk part floored at zero. Neither plastic flow nor failure lowers
-    /// it. Bulk viscosity is left out; see [`BulkViscosity`] for what it does to the step.
+    /// it; pressure raises it where it stiffens the strength. Bulk viscosity is left out; see [`BulkViscosity`] for
+    /// what it does to the step.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         let bulk = self.eos.speed_squared(now.volume_ratio, now.energy).max(L::zero());
         let shear = L::splat(self.strength.shear_modulus() * T::of(4.0 / 3.0) / self.eos.density());
-        shear.mul_add(now.volume_ratio, bulk).sqrt()
+        let stiffening = self.strength.stiffening(-now.stress.mean(), now.volume_ratio, &now.strength);
+        (shear * stiffening).mul_add(now.volume_ratio, bulk).sqrt()
     }
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {

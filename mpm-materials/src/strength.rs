@@ -1,17 +1,29 @@
 //! Strength: what a solid's deviatoric stress may be, and what it remembers of having flowed.
 
+pub mod borvik;
+pub mod drucker_prager;
 pub mod elastic;
 pub mod hardening;
+pub mod hjc;
 pub mod j2;
 pub mod johnson_cook;
+pub mod mohr_coulomb;
+pub mod rate_factors;
+pub mod steinberg;
 
+pub use borvik::{Borvik, BorvikConstants, Softened};
+pub use drucker_prager::{Cone, DruckerPrager, Sheared};
 pub use elastic::Elastic;
-pub use hardening::{Hardening, LinearHardening, PowerHardening};
+pub use hardening::{Hardening, LinearHardening, PowerHardening, SaturatingPower, VoceHardening};
+pub use hjc::{Concrete, ConcreteConstants, HolmquistJohnsonCook};
 pub use j2::J2;
 pub use johnson_cook::{
     Adiabatic, AdiabaticJohnsonCook, Heat, Isothermal, JohnsonCook, Logarithmic, RateFactor, RateIndependent,
-    SmoothLogarithmic, Thermal,
+    SimplifiedJohnsonCook, SmoothLogarithmic, Thermal,
 };
+pub use mohr_coulomb::MohrCoulomb;
+pub use rate_factors::{CowperSymonds, PowerRate};
+pub use steinberg::{SteinbergConstants, SteinbergGuinan};
 
 use crate::lane::{Lane, Real};
 use crate::point::{Fault, Kinematics, State};
@@ -86,6 +98,29 @@ pub trait Strength<T: Real>: Clone + Send + Sync + 'static {
 
     /// Accumulated equivalent plastic strain; zero for a law without.
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L;
+
+    /// Homologous temperature T* in \[0, 1\], what a failure criterion asks for; zero, room temperature, for a law
+    /// without temperature.
+    #[inline(always)]
+    fn homologous_temperature<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        let _ = history;
+        L::zero()
+    }
+
+    /// Damage in \[0, 1\]; zero for a law without.
+    #[inline(always)]
+    fn damage<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        let _ = history;
+        L::zero()
+    }
+
+    /// Shear modulus over [`Strength::shear_modulus`] at a pressure, Pa, and volume ratio J, for the wave speed; one
+    /// for a law whose shear modulus is constant.
+    #[inline(always)]
+    fn stiffening<L: Lane<Real = T>>(&self, pressure: L, volume_ratio: L, history: &Self::History<L>) -> L {
+        let _ = (pressure, volume_ratio, history);
+        L::one()
+    }
 }
 
 /// A strength with a flow stress that its deviator never exceeds. Used to test it.

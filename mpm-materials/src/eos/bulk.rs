@@ -26,6 +26,13 @@ impl<T: Real> LogarithmicBulk<T> {
     }
 }
 
+impl<T: Real> LogarithmicBulk<T> {
+    /// Of constants that were checked.
+    pub(crate) fn known(density: f64, modulus: f64) -> Self {
+        LogarithmicBulk { density: T::of(density), modulus: T::of(modulus) }
+    }
+}
+
 impl<T: Real> Eos<T> for LogarithmicBulk<T> {
     type Energy<L: Lane<Real = T>> = ();
 

@@ -91,7 +91,13 @@ impl<T: Real> MieGruneisen<T> {
         Self::known([11350.0, 2092.0, 1.45, 2.0])
     }
 
-    fn known([density, sound_speed, slope, gruneisen]: [f64; 4]) -> Self {
+    /// Tungsten alloy W-Ni-Fe: rho0 18167 kg/m^3, c0 4030 m/s, s 1.237, gamma0 1.67 (Steinberg, in Uintah;
+    /// docs/notes.md 5).
+    pub fn tungsten_alloy() -> Self {
+        Self::known([18167.0, 4030.0, 1.237, 1.67])
+    }
+
+    pub(crate) fn known([density, sound_speed, slope, gruneisen]: [f64; 4]) -> Self {
         MieGruneisen {
             density: T::of(density),
             sound_speed: T::of(sound_speed),

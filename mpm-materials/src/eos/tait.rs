@@ -25,6 +25,10 @@ impl<T: Real> Tait<T> {
             sound_speed: check.positive("sound speed c0", sound_speed)?,
         })
     }
+    /// Of constants that were checked.
+    pub(crate) fn known(density: f64, sound_speed: f64) -> Self {
+        Tait { density: T::of(density), sound_speed: T::of(sound_speed) }
+    }
     fn stiffness(&self) -> T {
         self.density * self.sound_speed * self.sound_speed / T::of(7.0)
     }

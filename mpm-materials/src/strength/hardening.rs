@@ -46,6 +46,11 @@ impl<T: Real> LinearHardening<T> {
             modulus: check.not_negative("plastic modulus H", modulus)?,
         })
     }
+
+    /// Of constants that were checked.
+    pub(crate) fn known(initial: f64, modulus: f64) -> Self {
+        LinearHardening { initial: T::of(initial), modulus: T::of(modulus) }
+    }
 }
 
 impl<T: Real> Hardening<T> for LinearHardening<T> {
@@ -62,6 +67,144 @@ impl<T: Real> Hardening<T> for LinearHardening<T> {
         let over = trial - factor * self.stress(strain);
         let value = over.max(L::zero()) / factor.mul_add(L::splat(self.modulus), three_g);
         Increment { value, fault: Fault::none() }
+    }
+}
+
+/// A hardening curve that never bends upwards, with a finite slope everywhere.
+trait Concave<T: Real> {
+    /// Stress and slope, Pa.
+    fn point<L: Lane<Real = T>>(&self, strain: L) -> (L, L);
+
+    /// Newton's iteration from d = 0. The consistency function falls and is convex, so that it approaches the
+    /// root from the left and cannot overshoot.
+    #[inline(always)]
+    fn newton<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L> {
+        let zero = L::zero();
+        let yields = (factor * self.point(strain).0).lt(trial);
+        let mut value = zero;
+        if !yields.any() {
+            return Increment { value, fault: Fault::none() };
+        }
+        let tolerance = trial * L::splat(T::default_epsilon() * T::of(64.0));
+        for _ in 0..STEPS {
+            let (stress, slope) = self.point(strain + value);
+            let rest = trial - three_g * value - factor * stress;
+            let open = yields & rest.abs().gt(tolerance);
+            if !open.any() {
+                return Increment { value, fault: Fault::none() };
+            }
+            value = L::select(open, (value + rest / factor.mul_add(slope, three_g)).max(zero), value);
+        }
+        Increment { value, fault: Fault::none().require(!yields, Breakdown::NotConverged) }
+    }
+}
+
+/// sigma_h = A + Q \[1 - exp(-b eps_p)\] (Voce): saturates at A + Q.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VoceHardening<T> {
+    initial: T,
+    saturation: T,
+    rate: T,
+}
+
+impl<T: Real> VoceHardening<T> {
+    /// From initial yield stress A and saturation Q, Pa, and b, dimensionless.
+    ///
+    /// # Errors
+    /// A not positive, Q or b negative.
+    pub fn new(initial: T, saturation: T, rate: T) -> Result<Self, ParameterError> {
+        let check = Check("Voce hardening");
+        Ok(VoceHardening {
+            initial: check.positive("yield stress A", initial)?,
+            saturation: check.not_negative("saturation Q", saturation)?,
+            rate: check.not_negative("b", rate)?,
+        })
+    }
+}
+
+impl<T: Real> Concave<T> for VoceHardening<T> {
+    #[inline(always)]
+    fn point<L: Lane<Real = T>>(&self, strain: L) -> (L, L) {
+        let left = L::splat(self.saturation) * (L::splat(-self.rate) * strain).exp();
+        (L::splat(self.initial + self.saturation) - left, L::splat(self.rate) * left)
+    }
+}
+
+impl<T: Real> Hardening<T> for VoceHardening<T> {
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, strain: L) -> L {
+        self.point(strain).0
+    }
+    #[inline(always)]
+    fn lower_bound<L: Lane<Real = T>>(&self, _: L) -> L {
+        L::splat(self.initial)
+    }
+    #[inline(always)]
+    fn increment<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L> {
+        self.newton(trial, three_g, factor, strain)
+    }
+}
+
+/// sigma_h = min( Y0 \[1 + beta (eps_p + eps_i)\]^n, Y_max ): the hardening of
+/// [`SteinbergGuinan`](crate::strength::SteinbergGuinan).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SaturatingPower<T> {
+    initial: T,
+    largest: T,
+    beta: T,
+    exponent: T,
+    strain: T,
+}
+
+impl<T: Real> SaturatingPower<T> {
+    /// From Y0 and Y_max, Pa, beta, n and the initial plastic strain eps_i.
+    ///
+    /// # Errors
+    /// Y0 not positive, Y_max below Y0, beta or eps_i negative, n outside \[0, 1\].
+    pub fn new(initial: T, largest: T, beta: T, exponent: T, strain: T) -> Result<Self, ParameterError> {
+        let check = Check("saturating power hardening");
+        check.positive("yield stress Y0", initial)?;
+        check.that(largest >= initial, "largest yield stress Y_max", largest, "at least Y0")?;
+        check.not_negative("beta", beta)?;
+        check.that(exponent >= T::of(0.0) && exponent <= T::of(1.0), "exponent n", exponent, "in [0, 1]")?;
+        check.not_negative("initial strain eps_i", strain)?;
+        Ok(SaturatingPower { initial, largest, beta, exponent, strain })
+    }
+    pub(crate) fn known([initial, largest, beta, exponent]: [f64; 4]) -> Self {
+        SaturatingPower {
+            initial: T::of(initial),
+            largest: T::of(largest),
+            beta: T::of(beta),
+            exponent: T::of(exponent),
+            strain: T::of(0.0),
+        }
+    }
+}
+
+impl<T: Real> Concave<T> for SaturatingPower<T> {
+    #[inline(always)]
+    fn point<L: Lane<Real = T>>(&self, strain: L) -> (L, L) {
+        let base = L::splat(self.beta).mul_add(strain + L::splat(self.strain), L::one());
+        let rising = L::splat(self.initial) * base.powf(L::splat(self.exponent));
+        let slope = L::splat(self.beta * self.exponent) * rising / base;
+        let largest = L::splat(self.largest);
+        let full = rising.ge(largest);
+        (L::select(full, largest, rising), L::select(full, L::zero(), slope))
+    }
+}
+
+impl<T: Real> Hardening<T> for SaturatingPower<T> {
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, strain: L) -> L {
+        self.point(strain).0
+    }
+    #[inline(always)]
+    fn lower_bound<L: Lane<Real = T>>(&self, _: L) -> L {
+        L::splat(self.initial)
+    }
+    #[inline(always)]
+    fn increment<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L> {
+        self.newton(trial, three_g, factor, strain)
     }
 }
 

@@ -5,6 +5,7 @@ use crate::parameter::{Check, ParameterError};
 use crate::point::Fault;
 use crate::strength::{
     FlowStress, Hardened, Hardening, LinearHardening, Loading, PowerHardening, Return, Strength,
+    VoceHardening,
 };
 use crate::tensor::Sym3;
 
@@ -35,6 +36,16 @@ impl<T: Real> J2<T, PowerHardening<T>> {
     }
 }
 
+impl<T: Real> J2<T, VoceHardening<T>> {
+    /// sigma_y = A + Q \[1 - exp(-b eps_p)\] (Voce), with shear modulus G; G, A, Q in Pa.
+    ///
+    /// # Errors
+    /// G or A not positive, Q or b negative.
+    pub fn voce(shear: T, initial: T, saturation: T, rate: T) -> Result<Self, ParameterError> {
+        J2::new(shear, VoceHardening::new(initial, saturation, rate)?)
+    }
+}
+
 impl<T: Real, H: Hardening<T>> J2<T, H> {
     /// With shear modulus G, Pa, and any hardening.
     ///
@@ -42,6 +53,11 @@ impl<T: Real, H: Hardening<T>> J2<T, H> {
     /// G not positive.
     pub fn new(shear: T, hardening: H) -> Result<Self, ParameterError> {
         Ok(J2 { shear: Check("J2 plasticity").positive("shear modulus G", shear)?, hardening })
+    }
+
+    /// Of constants that were checked.
+    pub(crate) fn known(shear: f64, hardening: H) -> Self {
+        J2 { shear: T::of(shear), hardening }
     }
 }
 

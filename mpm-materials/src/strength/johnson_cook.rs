@@ -26,6 +26,9 @@ pub struct JohnsonCook<T, R = RateIndependent, H = Isothermal> {
     thermal: H,
 }
 
+/// With the standard rate factor and no temperature.
+pub type SimplifiedJohnsonCook<T> = JohnsonCook<T, Logarithmic<T>>;
+
 /// With the standard rate factor, heating and softening.
 pub type AdiabaticJohnsonCook<T> = JohnsonCook<T, Logarithmic<T>, Adiabatic<T>>;
 
@@ -39,6 +42,24 @@ impl<T: Real> JohnsonCook<T> {
         let shear = Check("Johnson-Cook").positive("shear modulus G", shear)?;
         let hardening = PowerHardening::new(initial, coefficient, exponent)?;
         Ok(JohnsonCook { shear, hardening, rate: RateIndependent, thermal: Isothermal })
+    }
+
+    /// Simplified Johnson-Cook, without temperature: sigma_y = (A + B eps_p^n)(1 + C ln max(rate*, 1)), with shear
+    /// modulus G; G, A, B in Pa, the reference rate in 1/s.
+    ///
+    /// The routine of MPM3D-F90 of this name floors rate* at 0.001 instead, which lowers a point at rest by 6.9 C
+    /// (docs/notes.md 3.2).
+    ///
+    /// # Errors
+    /// G, A, n or the reference rate not positive, B or C negative.
+    pub fn simplified(
+        shear: T,
+        [initial, coefficient, exponent]: [T; 3],
+        c: T,
+        reference: T,
+    ) -> Result<SimplifiedJohnsonCook<T>, ParameterError> {
+        let plain = JohnsonCook::new(shear, initial, coefficient, exponent)?;
+        Ok(plain.with_rate(Logarithmic::new(c, reference)?))
     }
 
     /// OFHC copper as fitted to the Taylor tests of Johnson and Holmquist 1988: A 157 MPa, B 425 MPa, n 1,
@@ -72,7 +93,14 @@ impl<T: Real> JohnsonCook<T> {
         Self::adiabatic([80.0e9, 792e6, 510e6, 0.26], 0.014, [294.0, 1793.0, 1.03, 477.0])
     }
 
-    fn adiabatic(
+    /// Tungsten alloy: A 1507 MPa, B 177 MPa, n 0.12, C 0.016 at 1 /s, m 1.0 (Uintah; docs/notes.md 5); G 145 GPa of
+    /// W-Ni-Fe (Steinberg, the same). T_melt 1723 K and c 134 J/(kg K) are from memory of the literature; T_room 294 K,
+    /// Taylor-Quinney 0.9.
+    pub fn tungsten_alloy() -> AdiabaticJohnsonCook<T> {
+        Self::adiabatic([145e9, 1507e6, 177e6, 0.12], 0.016, [294.0, 1723.0, 1.0, 134.0])
+    }
+
+    pub(crate) fn adiabatic(
         curve: [f64; 4],
         c: f64,
         [room, melt, exponent, heat_capacity]: [f64; 4],
@@ -89,7 +117,7 @@ impl<T: Real> JohnsonCook<T> {
         JohnsonCook { shear, hardening, rate, thermal: Adiabatic { heat } }
     }
 
-    fn known([shear, initial, coefficient, exponent]: [f64; 4]) -> Self {
+    pub(crate) fn known([shear, initial, coefficient, exponent]: [f64; 4]) -> Self {
         let hardening = PowerHardening::known(T::of(initial), T::of(coefficient), T::of(exponent));
         JohnsonCook { shear: T::of(shear), hardening, rate: RateIndependent, thermal: Isothermal }
     }
@@ -153,6 +181,10 @@ impl<T: Real, R: RateFactor<T>, H: Thermal<T>> Strength<T> for JohnsonCook<T, R,
     #[inline(always)]
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
         history.plastic_strain
+    }
+    #[inline(always)]
+    fn homologous_temperature<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        self.thermal.homologous(&history.temperature)
     }
 }
 
@@ -249,6 +281,12 @@ pub trait Thermal<T: Real>: Copy + Send + Sync + 'static {
     type Temperature<L: Lane<Real = T>>: State<L>;
     /// The temperature of a virgin point.
     fn virgin(&self) -> Self::Temperature<T::Single>;
+    /// Homologous temperature T* in \[0, 1\]; zero for a law without temperature.
+    #[inline(always)]
+    fn homologous<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>) -> L {
+        let _ = temperature;
+        L::zero()
+    }
     /// The factor S in \[0, 1\].
     fn softening<L: Lane<Real = T>>(&self, temperature: &Self::Temperature<L>) -> L;
     /// A cheap lower bound of S, not below zero.
@@ -315,11 +353,9 @@ impl<T: Real> Adiabatic<T> {
         Ok(Adiabatic { heat })
     }
 
-    /// T*, clipped to \[0, 1\].
-    #[inline(always)]
-    fn homologous<L: Lane<Real = T>>(&self, temperature: L) -> L {
-        let per_range = L::splat(T::of(1.0) / (self.heat.melt - self.heat.room));
-        ((temperature - L::splat(self.heat.room)) * per_range).clamp(L::zero(), L::one())
+    /// Of constants that were checked.
+    pub(crate) fn known(heat: Heat<T>) -> Self {
+        Adiabatic { heat }
     }
 }
 
@@ -329,8 +365,13 @@ impl<T: Real> Thermal<T> for Adiabatic<T> {
         T::Single::splat(self.heat.room)
     }
     #[inline(always)]
+    fn homologous<L: Lane<Real = T>>(&self, temperature: &L) -> L {
+        let per_range = L::splat(T::of(1.0) / (self.heat.melt - self.heat.room));
+        ((*temperature - L::splat(self.heat.room)) * per_range).clamp(L::zero(), L::one())
+    }
+    #[inline(always)]
     fn softening<L: Lane<Real = T>>(&self, temperature: &L) -> L {
-        let t = self.homologous(*temperature);
+        let t = self.homologous(temperature);
         if self.heat.exponent == T::of(1.0) {
             return L::one() - t;
         }
@@ -343,7 +384,7 @@ impl<T: Real> Thermal<T> for Adiabatic<T> {
     #[inline(always)]
     fn softening_bound<L: Lane<Real = T>>(&self, temperature: &L) -> L {
         let slope = if self.heat.exponent < T::of(1.0) { self.heat.exponent } else { T::of(1.0) };
-        (L::one() - self.homologous(*temperature)) * L::splat(slope)
+        (L::one() - self.homologous(temperature)) * L::splat(slope)
     }
     #[inline(always)]
     fn heated<L: Lane<Real = T>>(&self, temperature: &L, work: L) -> L {

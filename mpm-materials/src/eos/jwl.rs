@@ -1,0 +1,121 @@
+//! Jones-Wilkins-Lee equation of state of detonation products.
+
+use crate::eos::{Eos, Terms};
+use crate::lane::{Lane, Real};
+use crate::parameter::{Check, ParameterError};
+
+/// The constants of a [`Jwl`] law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct JwlConstants<T> {
+    /// Density rho0 of the unreacted explosive, kg/m^3.
+    pub density: T,
+    /// A, Pa.
+    pub a: T,
+    /// B, Pa.
+    pub b: T,
+    /// R1, dimensionless.
+    pub r1: T,
+    /// R2, dimensionless.
+    pub r2: T,
+    /// omega, the Grueneisen gamma of the products at large volume, dimensionless.
+    pub omega: T,
+    /// Chemical energy E0 per volume of unreacted explosive, J/m^3.
+    pub energy: T,
+}
+
+/// p = A (1 - omega/(R1 V)) exp(-R1 V) + B (1 - omega/(R2 V)) exp(-R2 V) + omega e/V (docs/notes.md 3.10),
+/// with V = J the volume over that of the unreacted explosive and e the energy per volume of it; e is E0 in the
+/// virgin state. As a [`Fluid`](crate::Fluid) these are products burnt at constant volume; the burning charge is
+/// [`Explosive`](crate::Explosive).
+///
+/// Along an isentrope p = A exp(-R1 V) + B exp(-R2 V) + C V^-(1 + omega). Limits: fitted to expansion from the
+/// Chapman-Jouguet state, V of about 0.7 to 10; stronger compression is an extrapolation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Jwl<T> {
+    constants: JwlConstants<T>,
+}
+
+impl<T: Real> Jwl<T> {
+    /// With these constants.
+    ///
+    /// # Errors
+    /// Density, A, R1, R2, omega or E0 not positive, B negative.
+    pub fn new(constants: JwlConstants<T>) -> Result<Self, ParameterError> {
+        let check = Check("JWL");
+        check.positive("density rho0", constants.density)?;
+        check.positive("A", constants.a)?;
+        check.not_negative("B", constants.b)?;
+        check.positive("R1", constants.r1)?;
+        check.positive("R2", constants.r2)?;
+        check.positive("omega", constants.omega)?;
+        check.positive("energy E0", constants.energy)?;
+        Ok(Jwl { constants })
+    }
+
+    /// TNT: 1630 kg/m^3, A 371.2 GPa, B 3.21 GPa, R1 4.15, R2 0.95, omega 0.30, E0 6.993e9 J/m^3 (MPM3D-F90
+    /// `Deto1k.mpm`; docs/notes.md 5). Its Chapman-Jouguet state is D 6928 m/s, p 21.0 GPa, V 0.732.
+    ///
+    /// The deck `TNT3D.mpm` of the same program has omega 0.35 and E0 6.0e9 with this A and B: a mixture of two
+    /// sets, with D 6890 m/s, and not offered.
+    pub fn tnt() -> Self {
+        Jwl {
+            constants: JwlConstants {
+                density: T::of(1630.0),
+                a: T::of(371.2e9),
+                b: T::of(3.21e9),
+                r1: T::of(4.15),
+                r2: T::of(0.95),
+                omega: T::of(0.30),
+                energy: T::of(6.993e9),
+            },
+        }
+    }
+
+    /// The constants.
+    pub fn constants(&self) -> &JwlConstants<T> {
+        &self.constants
+    }
+}
+
+impl<T: Real> Eos<T> for Jwl<T> {
+    type Energy<L: Lane<Real = T>> = L;
+
+    fn name(&self) -> &'static str {
+        "JWL"
+    }
+    fn density(&self) -> T {
+        self.constants.density
+    }
+    /// E0.
+    fn initial_energy(&self) -> T {
+        self.constants.energy
+    }
+    #[inline(always)]
+    fn terms<L: Lane<Real = T>>(&self, volume_ratio: L) -> Terms<L> {
+        let k = &self.constants;
+        let thermal = L::splat(k.omega) / volume_ratio;
+        let first = L::splat(k.a) * (L::splat(-k.r1) * volume_ratio).exp();
+        let second = L::splat(k.b) * (L::splat(-k.r2) * volume_ratio).exp();
+        let per_r1 = L::splat(T::of(1.0) / k.r1);
+        let per_r2 = L::splat(T::of(1.0) / k.r2);
+        let cold = first * (L::one() - thermal * per_r1) + second * (L::one() - thermal * per_r2);
+        Terms { cold, thermal }
+    }
+    /// c^2 = (V^2/rho0) \[p omega/V - (dp/dV)_e\].
+    #[inline(always)]
+    fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L {
+        let k = &self.constants;
+        let (v, one) = (volume_ratio, L::one());
+        let inverse = v.recip();
+        let thermal = L::splat(k.omega) * inverse;
+        let first = L::splat(k.a) * (L::splat(-k.r1) * v).exp();
+        let second = L::splat(k.b) * (L::splat(-k.r2) * v).exp();
+        let (r1, r2) = (L::splat(k.r1), L::splat(k.r2));
+        let pressure = first * (one - thermal / r1) + second * (one - thermal / r2) + thermal * energy;
+        // (dp/dV)_e = -sum A (R - omega/V - omega/(R V^2)) exp(-R V) - omega e/V^2
+        let steep = first * (r1 - thermal - thermal * inverse / r1)
+            + second * (r2 - thermal - thermal * inverse / r2)
+            + thermal * inverse * energy;
+        v * v * (pressure * thermal + steep) * L::splat(T::of(1.0) / k.density)
+    }
+}

@@ -1,0 +1,44 @@
+//! Failure at a limit of the damage that a strength keeps.
+
+use crate::failure::{Failure, Flag, Observed};
+use crate::lane::{Lane, Real};
+use crate::parameter::{Check, ParameterError};
+
+/// Fails where the damage of the strength, [`Strength::damage`](crate::Strength::damage), reaches D_c: the companion
+/// of [`Borvik`](crate::strength::Borvik), whose flow stress the damage has softened by then.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DamageLimit<T> {
+    limit: T,
+}
+
+impl<T: Real> DamageLimit<T> {
+    /// With critical damage D_c.
+    ///
+    /// # Errors
+    /// D_c outside (0, 1\].
+    pub fn new(limit: T) -> Result<Self, ParameterError> {
+        let inside = limit > T::of(0.0) && limit <= T::of(1.0);
+        let limit = Check("damage limit").that(inside, "critical damage", limit, "above 0 and at most 1")?;
+        Ok(DamageLimit { limit })
+    }
+
+    /// Of a limit that was checked.
+    pub(crate) fn known(limit: T) -> Self {
+        DamageLimit { limit }
+    }
+}
+
+impl<T: Real> Failure<T> for DamageLimit<T> {
+    type History<L: Lane<Real = T>> = Flag<L>;
+    fn intact(&self) -> Flag<T::Single> {
+        Flag::intact()
+    }
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, history: &Flag<L>, _: L) -> L::Mask {
+        history.is_set()
+    }
+    #[inline(always)]
+    fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Flag<L>) -> Flag<L> {
+        old.or(observed.damage.ge(L::splat(self.limit)))
+    }
+}
