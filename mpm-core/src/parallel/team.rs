@@ -43,6 +43,15 @@ impl Team {
         self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
+    /// Run `work`, which makes many loops, on one of the threads: no loop then waits for the caller to fall
+    /// asleep and wake up.
+    pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        match &self.0 {
+            None => work(),
+            Some(pool) => pool.install(work),
+        }
+    }
+
     /// `task` on every element, in any order: a task must touch only what it is given.
     pub fn each<X: Send>(&self, items: &mut [X], task: impl Fn(usize, &mut X) + Send + Sync) {
         match &self.0 {

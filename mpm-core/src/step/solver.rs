@@ -346,7 +346,7 @@ where
         if let Some(error) = &self.stopped_by {
             return Err(error.clone());
         }
-        let made = self.stages(left);
+        let made = self.team.clone().run(|| self.stages(left));
         self.stopped_by = made.as_ref().err().cloned();
         made
     }
