@@ -8,7 +8,7 @@ use crate::method::Composition;
 use crate::output::{FieldValues, OutputError, ParticleSize, Snapshot};
 use crate::parallel::Float;
 use crate::step::nodes::NodeLedger;
-use crate::step::{Body, Mpm, Particle, Totals};
+use crate::step::{Body, Contact, Mpm, Particle, Totals};
 
 /// A run between two steps. Knows neither the method nor the grid, so that observers need not either.
 pub struct Moment<'a, T: Float, const D: usize> {
@@ -182,11 +182,12 @@ fn is_stress(name: &str) -> bool {
     name.strip_prefix("stress_").is_some_and(|c| ["xx", "yy", "zz", "yz", "xz", "xy"].contains(&c))
 }
 
-impl<T, const D: usize, M, G> Mpm<T, D, M, G>
+impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
 where
     T: Float,
     M: Composition<T, D>,
     G: GridStorage<T, D>,
+    K: Contact<T, D>,
 {
     /// The scene as observers would see it now.
     #[must_use]
