@@ -23,8 +23,9 @@ use crate::parallel::Float;
 pub trait Contact<T: Float, const D: usize>: Send + Sync + 'static {
     /// Does every body have velocities of its own where it meets others?
     const SEPARATES: bool = true;
-    /// Is contact also made of the momentum mapped a second time (MUSL), which the strain is taken from?
-    fn corrects_remap(&self) -> bool {
+    /// Is contact also made in the velocities that only the strain is taken from: those of the mapped momentum
+    /// with USF, those mapped a second time with MUSL? (Costs energy its balance: docs/notes.md 7.)
+    fn corrects_strain(&self) -> bool {
         false
     }
     /// Impulses at the nodes of a block that several bodies share. Must depend on what `at` shows alone.
@@ -75,10 +76,27 @@ pub struct NodeContact {
     pub gap: Option<f64>,
     /// Impulse on the second body, N s; the first gets its opposite.
     pub impulse: [f64; 3],
-    /// Energy dissipated by friction, J.
+    /// Work of friction on the slip that is left at the end of the step, J.
     pub friction: f64,
-    /// Kinetic energy of the nodes taken by the impulse along the normal, J.
+    /// Kinetic energy of the nodes that the impulse took beside that, J.
     pub taken: f64,
+}
+
+/// Two fields that may touch at a node, while a contact algorithm looks at them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch<T> {
+    /// The node in its block.
+    pub node: usize,
+    /// The fields, the smaller first.
+    pub fields: [usize; 2],
+    /// Unit normal, from the first field to the second.
+    pub normal: [T; 3],
+    /// Distance of the surfaces along it, m, where it is measured.
+    pub gap: Option<T>,
+    /// Impulse on the second field, N s.
+    pub impulse: [T; 3],
+    /// Its next value, while pairs are solved together.
+    pub next: [T; 3],
 }
 
 /// What a [`Contact`] finds at a shared block.
@@ -88,13 +106,23 @@ pub struct Found<T> {
     pub impulses: Vec<NodeImpulse<T>>,
     /// The pairs they act between.
     pub contacts: Vec<NodeContact>,
-    /// Memory for the contact algorithm, kept from step to step.
+    /// Memory for the contact algorithm, kept from step to step: candidates.
+    pub touches: Vec<Touch<T>>,
+    /// Likewise: numbers of nodes.
     pub scratch: Vec<[T; 4]>,
+    /// Likewise: sets of nodes, a bit each.
+    pub bits: Vec<u64>,
 }
 
 impl<T> Default for Found<T> {
     fn default() -> Self {
-        Found { impulses: Vec::new(), contacts: Vec::new(), scratch: Vec::new() }
+        Found {
+            impulses: Vec::new(),
+            contacts: Vec::new(),
+            touches: Vec::new(),
+            scratch: Vec::new(),
+            bits: Vec::new(),
+        }
     }
 }
 
@@ -106,7 +134,9 @@ impl<T> Found<T> {
     fn bytes(&self) -> usize {
         self.impulses.capacity() * size_of::<NodeImpulse<T>>()
             + self.contacts.capacity() * size_of::<NodeContact>()
+            + self.touches.capacity() * size_of::<Touch<T>>()
             + self.scratch.capacity() * size_of::<[T; 4]>()
+            + self.bits.capacity() * size_of::<u64>()
     }
 }
 
@@ -123,7 +153,7 @@ pub struct PairContact {
     pub gap: Option<f64>,
     /// Energy dissipated by friction since the start, J.
     pub friction: f64,
-    /// Kinetic energy of the nodes taken by impulses along the normal since the start, J.
+    /// Kinetic energy of the nodes taken beside that since the start, J.
     pub taken: f64,
 }
 
@@ -271,6 +301,18 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         let [_, x, y, z] = if self.meeting == Meeting::Remapped { node.second } else { node.first };
         [x, y, z]
     }
+    /// Its velocity at the start of the step, m/s, before forces and contact; where momentum and impulse are
+    /// mapped together, that is not known, and this is the trial velocity.
+    pub fn old_velocity(&self, field: usize, node: usize) -> [T; 3] {
+        let mut v = self.velocity(field, node);
+        if self.meeting == Meeting::Trial {
+            let a = self.of(field)[node].second;
+            for d in 0..D {
+                v[d] -= a[d + 1] * self.dt;
+            }
+        }
+        v
+    }
     /// Position of a node, m.
     pub fn position(&self, node: usize) -> [f64; D] {
         self.place.node(node)
@@ -326,6 +368,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         let (axis, block) = (mirror.axis, BLOCK as i32);
         let stride = BLOCK.pow(axis as u32);
         let vector = matches!(what, Survey::MassGradient | Survey::VolumeGradient);
+        let largest = matches!(what, Survey::Reach | Survey::CentreReach);
         for layer in -1..=1 {
             let index = mirror.node + layer;
             if index.div_euclid(block) != self.coordinates[axis] {
@@ -357,12 +400,12 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
                     turned[there(n)] = *normal;
                     turned[there(n)][axis] = -normal[axis];
                 }
-                found[there(n)][0] = if what == Survey::Reach { out[n][0] } else { T::default() };
+                found[there(n)][0] = if largest { out[n][0] } else { T::default() };
             }
             self.bodies[member.body as usize].survey(local, what, bits, &turned, &mut found);
             for n in mine {
                 let mut image = found[there(n)];
-                if what == Survey::Reach {
+                if largest {
                     out[n][0] = image[0];
                     continue;
                 }

@@ -21,10 +21,11 @@ pub struct NodeLedger {
     pub work: f64,
     /// Momentum at nodes too light to carry it, dropped, kg m/s.
     pub dropped: [f64; 3],
-    /// Energy that friction between bodies dissipated, J.
+    /// Work of friction between bodies that slide, J: heat that no particle gets.
     pub friction: f64,
-    /// Kinetic energy of the nodes that contact took by impulses along the normal, J: bodies that meet share
-    /// the normal velocity of a node at once. Shrinks with the time step.
+    /// Kinetic energy of the nodes that contact took beside that, J: where bodies meet, a node's velocities
+    /// become one at once. Light nodes, whose velocities forces tear apart in every step, are counted in every
+    /// step, so that this is more than what the particles lose.
     pub contact: f64,
 }
 

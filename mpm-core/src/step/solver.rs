@@ -389,7 +389,7 @@ where
 
         if M::Update::BEFORE_FORCES {
             self.stage(dt).velocities(); // boundaries
-            self.meet(Meeting::Momentum, dt); // iv: eqs. 6, 7
+            self.meet(Meeting::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
             self.part(dt);
             self.stage(dt).collect(Sums::Force);
@@ -444,7 +444,7 @@ where
 
     /// Let the bodies meet at the nodes they share.
     fn meet(&mut self, meeting: Meeting, dt: T) {
-        if !K::SEPARATES || (meeting == Meeting::Remapped && !self.contact.corrects_remap()) {
+        if !K::SEPARATES || (meeting != Meeting::Trial && !self.contact.corrects_strain()) {
             return;
         }
         let mut encounters = std::mem::take(&mut self.encounters);
@@ -455,6 +455,9 @@ where
 
     /// Take contact back from the momentum that the stress update of USF saw.
     fn part(&mut self, dt: T) {
+        if !self.contact.corrects_strain() {
+            return;
+        }
         let encounters = &self.encounters;
         stage!(self, dt).part::<K>(encounters);
     }

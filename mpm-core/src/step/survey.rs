@@ -27,6 +27,8 @@ pub enum Survey {
     /// surface reaches beyond the node along n (eq. 5 of \[Ma2010\]). First component; start from a large
     /// negative number.
     Reach,
+    /// The same without l_p: how far the centres reach.
+    CentreReach,
     /// sum_p N_ip m_p n . sigma_p . n, Pa kg: over the nodal mass the normal traction
     /// \[BardenhagenGuilkey2001\], tension positive. First component.
     Traction,
@@ -144,6 +146,7 @@ const MASS_GRADIENT: u8 = 0;
 const VOLUME_GRADIENT: u8 = 1;
 const REACH: u8 = 2;
 const TRACTION: u8 = 3;
+const CENTRES: u8 = 4;
 
 /// Reads a law's state from the rows of a group.
 struct Rows<'a, R, P> {
@@ -180,7 +183,8 @@ where
         let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
         let (zero, one) = (A::Pack::zero(), A::Pack::one());
         let lowest = A::Pack::of(-1e30);
-        let start = if WHAT == REACH { lowest } else { zero };
+        let reaches = WHAT == REACH || WHAT == CENTRES;
+        let start = if reaches { lowest } else { zero };
         let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Pack; 3]> = Array::filled([start; 3]);
         let mut lane_index = zero;
         for i in 0..A::Pack::WIDTH {
@@ -198,7 +202,7 @@ where
                 } else {
                     A::Pack::splat(half[d])
                 };
-                if WHAT != REACH {
+                if !reaches {
                     w[d] = method.shape().weights(xi[d], size[d]);
                 }
             }
@@ -226,17 +230,19 @@ where
                             continue;
                         }
                         let sum = &mut sums[s];
-                        if WHAT == REACH || WHAT == TRACTION {
+                        if reaches || WHAT == TRACTION {
                             let n = normals[node as usize];
                             let n = [A::Pack::splat(n[0]), A::Pack::splat(n[1]), A::Pack::splat(n[2])];
-                            if WHAT == REACH {
+                            if reaches {
                                 let place = [a, b, c];
                                 let (mut along, mut square) = (zero, zero);
                                 for d in 0..D {
                                     let x = xi[d] - A::Pack::of(node_offset::<ExtentOf<M, T, D>>(place[d]));
                                     along = x.mul_add(n[d], along);
-                                    let l = size[d] * n[d];
-                                    square = l.mul_add(l, square);
+                                    if WHAT == REACH {
+                                        let l = size[d] * n[d];
+                                        square = l.mul_add(l, square);
+                                    }
                                 }
                                 let reach = along + square.sqrt();
                                 sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
@@ -264,7 +270,7 @@ where
                 continue;
             }
             let to = &mut out[node as usize];
-            if WHAT == REACH {
+            if reaches {
                 let mut far = sums[s][0].lane(0);
                 for i in 1..A::Pack::WIDTH {
                     far = far.max(sums[s][0].lane(i));
@@ -311,6 +317,7 @@ where
             Survey::MassGradient => self.survey_as::<MASS_GRADIENT>(block, nodes, normals, out),
             Survey::VolumeGradient => self.survey_as::<VOLUME_GRADIENT>(block, nodes, normals, out),
             Survey::Reach => self.survey_as::<REACH>(block, nodes, normals, out),
+            Survey::CentreReach => self.survey_as::<CENTRES>(block, nodes, normals, out),
             Survey::Traction => self.survey_as::<TRACTION>(block, nodes, normals, out),
         }
     }
