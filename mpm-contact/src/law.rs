@@ -102,7 +102,9 @@ fn slide<T: Real>(normal: [T; 3], relative: [T; 3], approach: T, limit: T, mass:
     times(sum(times(normal, approach), times(slip, share)), mass)
 }
 
-/// Bodies that are glued: one velocity where they meet, pulled or pushed.
+/// Bodies that are glued: one velocity where they meet, pulled or pushed, at every node where the detector says they
+/// touch: with [`crate::Approach`] that is what one velocity field does. A distance test with the threshold zero
+/// lets go as soon as a gap opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stick;
 impl<T: Real> ContactLaw<T> for Stick {
@@ -116,7 +118,8 @@ impl<T: Real> ContactLaw<T> for Stick {
 
 /// Bodies that stick up to a strength: glued while the traction stays below, (t_n / strength)^2 +
 /// (t_t / shear strength)^2 <= 1 (only t_t counts in compression); beyond it, Coulomb friction. Without memory:
-/// surfaces that touch again stick again.
+/// surfaces that touch again stick again. As with [`Stick`], the detector must see a touch where a small
+/// gap opens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adhesion<T> {
     strength: T,

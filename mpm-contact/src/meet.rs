@@ -139,6 +139,7 @@ impl<S, T: Float> GridContact<S, T> {
                     gap: gaps[node],
                     impulse: zero,
                     next: zero,
+                    ahead: zero,
                 };
                 touches.extend(each(nodes).map(touch));
             }

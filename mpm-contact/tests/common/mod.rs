@@ -5,8 +5,7 @@
 
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
-    BlockGrid, Composition, Contact, Embedding, Flip, FullSpace, Linear, Method, Mpm, Musl, Particle,
-    PlaneStrain,
+    BlockGrid, Composition, Contact, Flip, FullSpace, Linear, Method, Mpm, Musl, Particle, PlaneStrain,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
@@ -82,15 +81,12 @@ where
     M: Composition<f64, D>,
     K: Contact<f64, D>,
 {
-    let sorted = |body: &Box<dyn mpm_core::Body<f64, D>>| {
+    let mut all = Vec::new();
+    for body in mpm.bodies() {
         let mut list = Vec::new();
         body.for_each(&mut |p| list.push(p.clone()));
         list.sort_by_key(|p: &Particle| p.number);
-        list
-    };
-    mpm.bodies().iter().map(sorted).collect()
-}
-
-pub fn name<const D: usize, E: Embedding<D>>() -> &'static str {
-    E::NAME
+        all.push(list);
+    }
+    all
 }

@@ -97,6 +97,8 @@ pub struct Touch<T> {
     pub impulse: [T; 3],
     /// Its next value, while pairs are solved together.
     pub next: [T; 3],
+    /// Where the iteration looks from, likewise.
+    pub ahead: [T; 3],
 }
 
 /// What a [`Contact`] finds at a shared block.
