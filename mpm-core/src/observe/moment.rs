@@ -8,7 +8,7 @@ use crate::method::Composition;
 use crate::output::{FieldValues, OutputError, ParticleSize, Snapshot};
 use crate::parallel::Float;
 use crate::step::nodes::NodeLedger;
-use crate::step::{Body, Contact, Mpm, Particle, Totals};
+use crate::step::{Body, Contact, Mpm, PairContact, Particle, Totals};
 
 /// A run between two steps. Knows neither the method nor the grid, so that observers need not either.
 pub struct Moment<'a, T: Float, const D: usize> {
@@ -16,6 +16,7 @@ pub struct Moment<'a, T: Float, const D: usize> {
     pub(super) end: f64,
     pub(super) step: u64,
     pub(super) bodies: &'a [Box<dyn Body<T, D>>],
+    pub(super) contacts: &'a [PairContact],
     pub(super) ledger: NodeLedger,
     pub(super) axisymmetric: bool,
     pub(super) updates: f64,
@@ -44,7 +45,13 @@ impl<T: Float, const D: usize> Moment<'_, T, D> {
     pub fn bodies(&self) -> &[Box<dyn Body<T, D>>] {
         self.bodies
     }
-    /// What boundaries and loads gave to the material since the start.
+    /// The pairs of bodies that were ever in contact: force, nodes and gap in the last step, energy since the
+    /// start.
+    #[must_use]
+    pub fn contacts(&self) -> &[PairContact] {
+        self.contacts
+    }
+    /// What boundaries and loads gave to the material since the start, and what contact took.
     #[must_use]
     pub fn ledger(&self) -> NodeLedger {
         self.ledger
@@ -197,6 +204,7 @@ where
             end: self.time(),
             step: self.steps(),
             bodies: self.bodies(),
+            contacts: self.contacts(),
             ledger: self.ledger(),
             axisymmetric: <M::Embedding as Embedding<D>>::HOOP,
             updates: 0.0,
