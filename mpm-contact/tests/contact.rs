@@ -51,6 +51,8 @@ fn acts_and_reacts<S: ContactDetector<f64, 2>, M: Composition<f64, 2>>(
     for _ in 0..60 {
         let before: Vec<_> = mpm.bodies().iter().map(|b| b.totals().momentum).collect();
         let dt = mpm.step().expect("step");
+        let nodes: usize = mpm.contacts().iter().map(|p| p.nodes).sum();
+        assert_eq!(mpm.contact_nodes().len(), nodes);
         let mut expected = before;
         for pair in mpm.contacts() {
             met += pair.nodes;
@@ -243,6 +245,16 @@ fn halves_that_stick_are_one() {
             assert!((p.position[d] - q.position[d]).abs() < 1e-11 * H, "{:?} {:?}", p.position, q.position);
         }
     }
+}
+
+/// Bodies that have parted have no force between them.
+#[test]
+fn force_ends_with_contact() {
+    let laws = Pairs::new(Frictionless);
+    let mut mpm = build(plane(), GridContact::new(SurfaceDistance::default(), laws), &two(0.1 * WAVE));
+    mpm.run_until(0.05).expect("run");
+    let pair = mpm.contacts()[0];
+    assert!(pair.taken > 0.0 && pair.nodes == 0 && pair.force == [0.0; 3] && pair.gap.is_none(), "{pair:?}");
 }
 
 #[test]

@@ -174,11 +174,12 @@ pub struct Encounters<T> {
     /// One a shared block.
     found: Vec<Found<T>>,
     pairs: Vec<PairContact>,
+    nodes: Vec<ContactNode>,
 }
 
 impl<T> Default for Encounters<T> {
     fn default() -> Self {
-        Encounters { found: Vec::new(), pairs: Vec::new() }
+        Encounters { found: Vec::new(), pairs: Vec::new(), nodes: Vec::new() }
     }
 }
 
@@ -188,18 +189,9 @@ impl<T: Float> Encounters<T> {
         &self.pairs
     }
 
-    /// The nodes in contact.
-    pub(super) fn nodes<const D: usize>(&self, fields: &Fields<D>, lattice: &Lattice<D>) -> Vec<ContactNode> {
-        let mut list = Vec::new();
-        for (shared, found) in fields.shared().iter().zip(&self.found) {
-            let place = BlockPlace::new(lattice, &shared.coordinates);
-            for contact in &found.contacts {
-                let mut position = [0.0; 3];
-                position[..D].copy_from_slice(&place.node(contact.node));
-                list.push(ContactNode { position, contact: *contact });
-            }
-        }
-        list
+    /// The nodes in contact in the last step.
+    pub(super) fn nodes(&self) -> &[ContactNode] {
+        &self.nodes
     }
 
     /// One list a shared block; the memory of blocks that went is used for those that came.
@@ -208,13 +200,22 @@ impl<T: Float> Encounters<T> {
         self.found.resize_with(shared, Found::default);
     }
 
-    /// Book what the trial velocities met with.
-    fn book(&mut self, dt: f64) -> [f64; 2] {
+    /// Book what the trial velocities met with: friction and what else contact took, J.
+    fn book<const D: usize>(&mut self, fields: &Fields<D>, lattice: &Lattice<D>, dt: f64) -> [f64; 2] {
         for pair in &mut self.pairs {
             (pair.force, pair.nodes, pair.gap) = ([0.0; 3], 0, None);
         }
+        self.nodes.clear();
+        for (shared, found) in fields.shared().iter().zip(&self.found) {
+            let place = BlockPlace::new(lattice, &shared.coordinates);
+            for contact in &found.contacts {
+                let mut position = [0.0; 3];
+                position[..D].copy_from_slice(&place.node(contact.node));
+                self.nodes.push(ContactNode { position, contact: *contact });
+            }
+        }
         let mut sums = [0.0; 2];
-        for contact in self.found.iter().flat_map(|f| &f.contacts) {
+        for ContactNode { contact, .. } in &self.nodes {
             let place = match self.pairs.binary_search_by_key(&contact.bodies, |p| p.bodies) {
                 Ok(place) => place,
                 Err(place) => {
@@ -253,6 +254,7 @@ impl<T: Float> Encounters<T> {
         self.found.iter().map(Found::bytes).sum::<usize>()
             + self.found.capacity() * size_of::<Found<T>>()
             + self.pairs.capacity() * size_of::<PairContact>()
+            + self.nodes.capacity() * size_of::<ContactNode>()
     }
 }
 
@@ -426,20 +428,24 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// Let the bodies meet at the nodes they share: contact impulses on the velocities of `meeting`, then
     /// boundaries again where any acted.
     pub fn meet<K: Contact<T, D>>(&mut self, contact: &K, meeting: Meeting, encounters: &mut Encounters<T>) {
-        let fields = self.fields;
-        if !K::SEPARATES || fields.shared().is_empty() {
+        if !K::SEPARATES {
             return;
         }
-        self.find_impulses(contact, meeting, encounters);
-        self.add_impulses(meeting, encounters);
+        let alone = self.fields.shared().is_empty();
+        if !alone {
+            self.find_impulses(contact, meeting, encounters);
+            self.add_impulses(meeting, encounters);
+        }
         if meeting == Meeting::Trial {
-            let [friction, taken] = encounters.book(self.dt.to_double());
+            let [friction, taken] = encounters.book(self.fields, self.grid.lattice(), self.dt.to_double());
             if let Some(ledger) = self.ledgers.first_mut() {
                 ledger.friction += friction;
                 ledger.contact += taken;
             }
         }
-        self.extrapolate();
+        if !alone {
+            self.extrapolate();
+        }
     }
 
     fn find_impulses<K: Contact<T, D>>(

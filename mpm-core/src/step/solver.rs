@@ -646,8 +646,8 @@ where
         self.encounters.pairs()
     }
     /// The nodes in contact in the last step, with gap, normal and impulse.
-    pub fn contact_nodes(&self) -> Vec<ContactNode> {
-        self.encounters.nodes(&self.fields, self.grid.lattice())
+    pub fn contact_nodes(&self) -> &[ContactNode] {
+        self.encounters.nodes()
     }
     /// Bytes of particles, grid and all scratch.
     pub fn bytes(&self) -> usize {
