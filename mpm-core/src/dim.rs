@@ -10,11 +10,13 @@ pub struct Dim<const D: usize>;
 pub const BLOCK: usize = 4;
 
 /// Nodes (and bins) in a block: 4^D.
+#[inline(always)]
 pub const fn block_nodes(d: usize) -> usize {
     BLOCK.pow(d as u32)
 }
 
 /// Blocks around and including a block: 3^D.
+#[inline(always)]
 pub const fn neighbours(d: usize) -> usize {
     3usize.pow(d as u32)
 }
