@@ -1,7 +1,7 @@
 //! Every block of a box.
 
 use super::{GridStorage, Node, OutsideGrid, zeroed};
-use crate::dim::BLOCK;
+use crate::dim::{BLOCK, block_nodes};
 use crate::geometry::Lattice;
 use crate::parallel::Float;
 
@@ -69,6 +69,11 @@ impl<T: Float, const D: usize> GridStorage<T, D> for DenseGrid<T, D> {
                 hint: "enlarge the dense grid's box or use a block grid, which has no bounds",
             }),
         }
+    }
+    fn arrange_fields(&mut self, extra: usize) {
+        let count = (self.blocks.len() + extra) * block_nodes(D);
+        self.nodes.reserve_exact(count.saturating_sub(self.nodes.len()));
+        self.nodes.resize(count, Node::default());
     }
     fn blocks(&self) -> &[[i32; D]] {
         &self.blocks

@@ -42,11 +42,14 @@ pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
     /// # Errors
     /// The first block that this grid cannot hold.
     fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid>;
+    /// Have `extra` further blocks of nodes behind those of [`GridStorage::blocks`]: the fields of bodies that
+    /// share a block with others ([`crate::step::Contact`]).
+    fn arrange_fields(&mut self, extra: usize);
     /// Coordinates of the blocks, in the order of storage.
     fn blocks(&self) -> &[[i32; D]];
     /// Place of a block in that order.
     fn find(&self, coordinates: &[i32; D]) -> Option<usize>;
-    /// All nodes: 4^D a block, x fastest.
+    /// All nodes: 4^D a block, x fastest; those of the extra blocks last.
     fn nodes(&self) -> &[Node<T>];
     /// All nodes.
     fn nodes_mut(&mut self) -> &mut [Node<T>];

@@ -1,6 +1,7 @@
 //! Blocks where the particles are.
 
-use super::{GridStorage, Node, OutsideGrid, zeroed};
+use super::{GridStorage, Node, OutsideGrid};
+use crate::dim::block_nodes;
 use crate::geometry::Lattice;
 use crate::parallel::Float;
 
@@ -28,9 +29,15 @@ impl<T: Float, const D: usize> GridStorage<T, D> for BlockGrid<T, D> {
         if wanted != self.blocks {
             self.blocks.clear();
             self.blocks.extend_from_slice(wanted);
-            self.nodes = zeroed::<T, D>(wanted.len());
+            self.nodes.clear();
+            self.arrange_fields(0);
         }
         Ok(())
+    }
+    fn arrange_fields(&mut self, extra: usize) {
+        let count = (self.blocks.len() + extra) * block_nodes(D);
+        self.nodes.reserve_exact(count.saturating_sub(self.nodes.len()));
+        self.nodes.resize(count, Node::default());
     }
     fn blocks(&self) -> &[[i32; D]] {
         &self.blocks

@@ -21,7 +21,9 @@ pub struct LedgerEntry {
     pub internal: f64,
     /// Work that boundaries and body forces did on the material since the first entry, J.
     pub work: f64,
-    /// kinetic + internal - work, J: constant if energy is conserved.
+    /// Work of friction between bodies since the first entry, J.
+    pub friction: f64,
+    /// kinetic + internal - work + friction, J: constant if energy is conserved.
     pub total: f64,
     /// Change of `total` since the first entry, relative to the largest sum of kinetic and internal energy so
     /// far. Negative: the method lost energy.
@@ -51,12 +53,13 @@ pub struct Ledger {
     entries: Vec<LedgerEntry>,
 }
 
-const COLUMNS: [(&str, &str); 11] = [
+const COLUMNS: [(&str, &str); 12] = [
     ("time", "s"),
     ("step", "-"),
     ("kinetic energy", "J"),
     ("internal energy", "J"),
     ("work on the material", "J"),
+    ("friction", "J"),
     ("total", "J"),
     ("energy error", "-"),
     ("momentum x", "kg m/s"),
@@ -105,7 +108,8 @@ impl Ledger {
         let (totals, given) = (*now.totals(), now.ledger());
         let (first, before) = *self.start.get_or_insert((totals, given));
         let work = given.work - before.work;
-        let total = totals.kinetic + totals.internal - work;
+        let friction = given.friction - before.friction;
+        let total = totals.kinetic + totals.internal - work + friction;
         self.energy_scale = self.energy_scale.max((totals.kinetic + totals.internal).abs());
         self.momentum_scale = self.momentum_scale.max(totals.momentum_scale);
         let along = if now.axisymmetric() { 1..2 } else { 0..3 };
@@ -116,6 +120,7 @@ impl Ledger {
             kinetic: totals.kinetic,
             internal: totals.internal,
             work,
+            friction,
             total,
             energy_error: relative(total - first.kinetic - first.internal, self.energy_scale),
             momentum: totals.momentum,
@@ -155,6 +160,7 @@ impl<T: Float, const D: usize> Observer<T, D> for Ledger {
                 e.kinetic,
                 e.internal,
                 e.work,
+                e.friction,
                 e.total,
                 e.energy_error,
                 x,

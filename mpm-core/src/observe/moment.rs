@@ -8,7 +8,7 @@ use crate::method::Composition;
 use crate::output::{FieldValues, OutputError, ParticleSize, Snapshot};
 use crate::parallel::Float;
 use crate::step::nodes::NodeLedger;
-use crate::step::{Body, Mpm, Particle, Totals};
+use crate::step::{Body, Contact, Mpm, PairContact, Particle, Totals};
 
 /// A run between two steps. Knows neither the method nor the grid, so that observers need not either.
 pub struct Moment<'a, T: Float, const D: usize> {
@@ -16,6 +16,7 @@ pub struct Moment<'a, T: Float, const D: usize> {
     pub(super) end: f64,
     pub(super) step: u64,
     pub(super) bodies: &'a [Box<dyn Body<T, D>>],
+    pub(super) contacts: &'a [PairContact],
     pub(super) ledger: NodeLedger,
     pub(super) axisymmetric: bool,
     pub(super) updates: f64,
@@ -44,7 +45,13 @@ impl<T: Float, const D: usize> Moment<'_, T, D> {
     pub fn bodies(&self) -> &[Box<dyn Body<T, D>>] {
         self.bodies
     }
-    /// What boundaries and loads gave to the material since the start.
+    /// The pairs of bodies that were ever in contact: force, nodes and gap in the last step, energy since the
+    /// start.
+    #[must_use]
+    pub fn contacts(&self) -> &[PairContact] {
+        self.contacts
+    }
+    /// What boundaries and loads gave to the material since the start, and what contact took.
     #[must_use]
     pub fn ledger(&self) -> NodeLedger {
         self.ledger
@@ -182,11 +189,12 @@ fn is_stress(name: &str) -> bool {
     name.strip_prefix("stress_").is_some_and(|c| ["xx", "yy", "zz", "yz", "xz", "xy"].contains(&c))
 }
 
-impl<T, const D: usize, M, G> Mpm<T, D, M, G>
+impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
 where
     T: Float,
     M: Composition<T, D>,
     G: GridStorage<T, D>,
+    K: Contact<T, D>,
 {
     /// The scene as observers would see it now.
     #[must_use]
@@ -196,6 +204,7 @@ where
             end: self.time(),
             step: self.steps(),
             bodies: self.bodies(),
+            contacts: self.contacts(),
             ledger: self.ledger(),
             axisymmetric: <M::Embedding as Embedding<D>>::HOOP,
             updates: 0.0,

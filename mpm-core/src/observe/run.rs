@@ -6,7 +6,7 @@ use super::{Moment, ObserveError, Observer};
 use crate::grid::GridStorage;
 use crate::method::Composition;
 use crate::parallel::Float;
-use crate::step::{Mpm, StepError};
+use crate::step::{Contact, Mpm, StepError};
 
 /// Why a run stopped early.
 #[derive(Debug, thiserror::Error)]
@@ -52,11 +52,12 @@ impl RunSummary {
     }
 }
 
-impl<T, const D: usize, M, G> Mpm<T, D, M, G>
+impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
 where
     T: Float,
     M: Composition<T, D>,
     G: GridStorage<T, D>,
+    K: Contact<T, D>,
 {
     /// Step until `end` (s), which is met exactly, and show the scene to the observers when they are due.
     ///

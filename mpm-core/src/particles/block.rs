@@ -136,6 +136,12 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
     }
 
+    /// The number of column `column` of a particle.
+    #[inline(always)]
+    pub fn get(&self, at: Place, column: usize) -> T {
+        self.group(at.group)[column].as_ref()[at.lane as usize]
+    }
+
     /// All numbers of a particle.
     #[inline(always)]
     pub fn read(&self, at: Place, numbers: &mut Vec<T>) {

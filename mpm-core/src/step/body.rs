@@ -5,8 +5,10 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Lane, State};
 
+use super::fields::Claim;
 use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
+use super::survey::{Near, Survey};
 use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
@@ -139,12 +141,23 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
     /// blocks that are empty. Returns whether the set of blocks changed.
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool;
-    /// Append the node blocks that the particles reach.
-    fn node_blocks(&self, list: &mut Vec<[i32; D]>);
-    /// Note where the node blocks are now.
-    fn link(&mut self, blocks: &[[i32; D]], find: &dyn Fn(&[i32; D]) -> Option<usize>);
-    /// Add what this body's particles map to the nodes of a block.
+    /// Append the node blocks that the particles reach or may come to, as claims of body `number`.
+    fn claims(&self, number: u32, list: &mut Vec<Claim<D>>);
+    /// Did a particle come to a node block that its slot is not linked to?
+    fn reaches_further(&self) -> bool;
+    /// Does a particle reach this block of the body's own list?
+    fn reaches(&self, block: usize) -> bool;
+    /// Note where the node blocks are now, and append their places: this is the body's own list of blocks.
+    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>);
+    /// Add what this body's particles map to the nodes of a block, by its place in the body's own list.
     fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]);
+
+    /// What contact wants to know of the particles near some nodes of a block of the body's own list; `nodes`
+    /// has a bit for each. Adds to `out`, one entry a node ([`Survey::Reach`]: the larger one), for the unit
+    /// vectors in `normals`, one a node, where the survey needs them.
+    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]);
+    /// Call `visit` for every particle near some nodes of a block, with the node; particles in order of place.
+    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>));
 
     /// Totals over the particles.
     fn totals(&self) -> Totals;
@@ -159,19 +172,20 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
 /// A body of the law `C` in a method `M`.
 pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     name: String,
-    law: C,
-    method: M,
-    lattice: Lattice<D>,
-    columns: Columns,
-    slots: Vec<Slot<T, D>>,
+    pub(super) law: C,
+    pub(super) method: M,
+    pub(super) lattice: Lattice<D>,
+    pub(super) columns: Columns,
+    pub(super) slots: Vec<Slot<T, D>>,
     /// Particles that left their bins in the last pass, by slot.
     outboxes: Vec<Outbox<T>>,
     /// Blocks of nodes around each slot, 3^D, x fastest; `NONE` where there is none.
-    nodes_around: Vec<u32>,
-    /// Slot of each neighbour (3^D, x fastest) of each node block, `NONE` where there is none.
-    contributors: Vec<u32>,
+    pub(super) nodes_around: Vec<u32>,
+    /// Slot of each neighbour (3^D, x fastest) of each node block of the body's own list, `NONE` where there is
+    /// none.
+    pub(super) contributors: Vec<u32>,
     /// Half sizes of the particles in units of h.
-    half: [T; 3],
+    pub(super) half: [T; 3],
     lightest: T,
     load: L,
     /// Sum of the loaded areas, m^2.
@@ -179,12 +193,12 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     loading: Loading,
 }
 
-const NONE: u32 = u32::MAX;
+pub(super) const NONE: u32 = u32::MAX;
 type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
 type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
 
 /// Offset -1, 0 or 1 along each axis of neighbour `index`.
-fn offset<const D: usize>(index: usize) -> [i32; D] {
+pub(super) fn offset<const D: usize>(index: usize) -> [i32; D] {
     let mut o = [0; D];
     let mut rest = index;
     for x in &mut o {
@@ -194,7 +208,7 @@ fn offset<const D: usize>(index: usize) -> [i32; D] {
     o
 }
 
-fn shifted<const D: usize>(c: &[i32; D], by: &[i32; D]) -> [i32; D] {
+pub(super) fn shifted<const D: usize>(c: &[i32; D], by: &[i32; D]) -> [i32; D] {
     let mut r = *c;
     for d in 0..D {
         r[d] += by[d];
@@ -459,7 +473,11 @@ where
 
     /// The numbers of a particle, and its law's state.
     #[allow(clippy::type_complexity)]
-    fn point(&self, block: &Block<T, D>, at: Place) -> (Vec<T>, Result<C::State<T::Single>, usize>) {
+    pub(super) fn point(
+        &self,
+        block: &Block<T, D>,
+        at: Place,
+    ) -> (Vec<T>, Result<C::State<T::Single>, usize>) {
         let mut numbers = Vec::with_capacity(self.columns.count());
         block.read(at, &mut numbers);
         let state: Vec<T::Single> =
@@ -565,34 +583,17 @@ where
         changed
     }
 
-    fn node_blocks(&self, list: &mut Vec<[i32; D]>) {
-        for slot in &self.slots {
-            for n in 0..neighbours(D) {
-                let o = offset::<D>(n);
-                if ExtentOf::<M, T, D>::BASE == 0 && o.iter().any(|&x| x < 0) {
-                    continue;
-                }
-                list.push(shifted(&slot.block.coordinates, &o));
-            }
-        }
+    fn claims(&self, number: u32, list: &mut Vec<Claim<D>>) {
+        self.claim_blocks(number, list);
     }
-
-    fn link(&mut self, blocks: &[[i32; D]], find: &dyn Fn(&[i32; D]) -> Option<usize>) {
-        self.contributors.clear();
-        self.contributors.resize(blocks.len() * neighbours(D), NONE);
-        self.nodes_around.clear();
-        self.nodes_around.resize(self.slots.len() * neighbours(D), NONE);
-        for (s, slot) in self.slots.iter().enumerate() {
-            for n in 0..neighbours(D) {
-                let o = offset::<D>(n);
-                let found = find(&shifted(&slot.block.coordinates, &o));
-                self.nodes_around[s * neighbours(D) + n] = found.map_or(NONE, |b| b as u32);
-                if let Some(block) = found {
-                    // Seen from the node block, this slot lies in the opposite direction.
-                    self.contributors[block * neighbours(D) + neighbours(D) - 1 - n] = s as u32;
-                }
-            }
-        }
+    fn reaches_further(&self) -> bool {
+        self.reaches_beyond_links()
+    }
+    fn reaches(&self, block: usize) -> bool {
+        self.reaches_block(block)
+    }
+    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
+        self.link_blocks(find, places);
     }
 
     fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
@@ -606,6 +607,13 @@ where
         let add: AddTiles<'_, T, D, ExtentOf<M, T, D>, _> =
             AddTiles { nodes, tile, sums, two, extent: PhantomData };
         T::dispatch(add);
+    }
+
+    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
+        self.survey_nodes(block, what, nodes, normals, out);
+    }
+    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+        self.visit_near(block, nodes, visit);
     }
 
     fn totals(&self) -> Totals {

@@ -1,17 +1,22 @@
 //! The step: a list of stages, in the order of the flow chart of \[Ma2010\] 1.4.
 
 pub mod body;
+pub mod contact;
 pub mod control;
+pub mod fields;
 mod gather;
 pub mod load;
 mod migrate;
 pub mod nodes;
+mod reach;
 mod scatter;
 mod solver;
+pub mod survey;
 pub mod sweep;
 pub mod tile;
 
 pub use body::{Body, Particle, ParticleBody, Totals};
+pub use contact::{Contact, ContactNode, OneField, PairContact};
 pub use control::TimeControl;
 pub use load::{Load, Traction, Unloaded};
 pub use solver::{Mpm, SceneError, StepError, Stopped};

@@ -6,6 +6,7 @@ use crate::grid::{GridStorage, Node};
 use crate::parallel::{Float, Team};
 
 use super::body::Body;
+use super::fields::Fields;
 use super::tile::Sums;
 
 /// What the grid stages of a step took from or gave to the momentum, a block of nodes.
@@ -20,6 +21,12 @@ pub struct NodeLedger {
     pub work: f64,
     /// Momentum at nodes too light to carry it, dropped, kg m/s.
     pub dropped: [f64; 3],
+    /// Work of friction between bodies that slide, J: heat that no particle gets.
+    pub friction: f64,
+    /// Kinetic energy of the nodes that contact took beside that, J: where bodies meet, a node's velocities
+    /// become one at once. Light nodes, whose velocities forces tear apart in every step, are counted in every
+    /// step, so that this is more than what the particles lose.
+    pub contact: f64,
 }
 
 impl NodeLedger {
@@ -31,6 +38,8 @@ impl NodeLedger {
             self.dropped[d] += o.dropped[d];
         }
         self.work += o.work;
+        self.friction += o.friction;
+        self.contact += o.contact;
     }
 }
 
@@ -56,6 +65,8 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub grid: &'a mut G,
     /// Its bodies.
     pub bodies: &'a [Box<dyn Body<T, D>>],
+    /// Its node blocks, by body where they are kept apart.
+    pub fields: &'a Fields<D>,
     /// Threads.
     pub team: &'a Team,
     /// Conditions.
@@ -80,10 +91,10 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// Sum the bodies' tiles (eqs. 2, 3, 9 of \[Ma2010\]): for each node block, bodies in order, the blocks
     /// around in order. The sums are the same for any number of threads and any grid.
     pub fn collect(&mut self, sums: Sums) {
-        let bodies = self.bodies;
+        let (bodies, fields) = (self.bodies, self.fields);
         if sums == Sums::All {
             self.ledgers.clear();
-            self.ledgers.resize(self.grid.blocks().len(), NodeLedger::default());
+            self.ledgers.resize(fields.len(), NodeLedger::default());
         }
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
             for node in nodes.iter_mut() {
@@ -92,8 +103,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                     Sums::Force | Sums::Again => node.second = [T::default(); 4],
                 }
             }
-            for body in bodies {
-                body.add_tiles(block, sums, nodes);
+            for giver in fields.givers(block) {
+                bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
             }
         });
         let lattice = *self.grid.lattice();
@@ -147,7 +158,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     }
 
     /// Symmetry planes that stencils reach behind.
-    fn mirrors(&self) -> Vec<Plane> {
+    pub(super) fn mirrors(&self) -> Vec<Plane> {
         let lattice = self.grid.lattice();
         let boundaries = if self.wide { &self.conditions.boundaries[..] } else { &[] };
         boundaries.iter().filter_map(|b| b.mirror(lattice)).collect()
@@ -166,22 +177,23 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let layers = [node + sign, node, node - sign];
         let block_of = |layer: i32| layer.div_euclid(BLOCK as i32);
         let stride = BLOCK.pow(axis as u32);
-        // Each column once: by the block on the plane, or in front where that one does not exist.
-        let mut places: Vec<[i32; D]> = Vec::new();
-        for c in self.grid.blocks() {
+        // Each column of a body once: by the block on the plane, or in front where that one does not exist.
+        let fields = self.fields;
+        let mut places: Vec<([i32; D], u32)> = Vec::new();
+        for (block, c) in fields.coordinates().iter().enumerate() {
             if layers.iter().any(|&l| block_of(l) == c[axis]) {
                 let mut place = *c;
                 place[axis] = 0;
-                places.push(place);
+                places.push((place, fields.owner(block)));
             }
         }
         places.sort_unstable();
         places.dedup();
-        for place in places {
+        for (place, owner) in places {
             let blocks = layers.map(|layer| {
                 let mut c = place;
                 c[axis] = block_of(layer);
-                self.grid.find(&c)
+                fields.find(&*self.grid, &c, owner)
             });
             let nodes = self.grid.nodes_mut();
             for n in (0..block_nodes(D)).filter(|n| (n / stride).is_multiple_of(BLOCK)) {
@@ -196,7 +208,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     }
 
     /// Give the nodes behind walls and fixed planes what the others extrapolate to.
-    fn extrapolate(&mut self) {
+    pub(super) fn extrapolate(&mut self) {
         for edge in self.edges() {
             self.columns(edge, |nodes, column| {
                 if let [Some(front), Some(on), Some(back)] = column {
@@ -300,7 +312,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let time = self.time + self.dt.to_double();
         let lattice = *self.grid.lattice();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
-        let blocks = self.grid.blocks().to_vec();
+        let blocks = self.fields.coordinates();
         let mut pieces: Vec<&mut [[T; 3]]> = terms.chunks_mut(block_nodes(D)).collect();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, terms| {
             let place = BlockPlace::new(&lattice, &blocks[block]);
@@ -339,7 +351,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         F: Fn(&mut Node<T>, &dyn Fn(&mut [f64; 3], f64) -> bool, &mut NodeLedger) + Send + Sync,
     {
         let lattice = *self.grid.lattice();
-        let blocks = self.grid.blocks().to_vec();
+        let blocks = self.fields.coordinates();
         let (conditions, time) = (self.conditions, self.time);
         let tolerance = 1e-6 * lattice.spacing();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
@@ -480,7 +492,7 @@ fn free_directions<const D: usize>(
 }
 
 /// Positions of the nodes of a block.
-struct BlockPlace<const D: usize> {
+pub(super) struct BlockPlace<const D: usize> {
     low: [f64; D],
     high: [f64; D],
     first: [i32; D],
@@ -489,7 +501,7 @@ struct BlockPlace<const D: usize> {
 }
 
 impl<const D: usize> BlockPlace<D> {
-    fn new(lattice: &crate::geometry::Lattice<D>, block: &[i32; D]) -> Self {
+    pub(super) fn new(lattice: &crate::geometry::Lattice<D>, block: &[i32; D]) -> Self {
         let (origin, spacing) = (lattice.origin(), lattice.spacing());
         let first = block.map(|b| b * BLOCK as i32);
         let mut low = origin;
@@ -500,13 +512,13 @@ impl<const D: usize> BlockPlace<D> {
         }
         BlockPlace { low, high, first, origin, spacing }
     }
-    fn is_copy(&self, n: usize, mirrors: &[Plane]) -> bool {
+    pub(super) fn is_copy(&self, n: usize, mirrors: &[Plane]) -> bool {
         mirrors.iter().any(|m| {
             let index = self.first[m.axis] + (n / BLOCK.pow(m.axis as u32) % BLOCK) as i32;
             (index - m.node) * m.sign < 0
         })
     }
-    fn node(&self, n: usize) -> [f64; D] {
+    pub(super) fn node(&self, n: usize) -> [f64; D] {
         let mut x = self.origin;
         let mut rest = n;
         for d in 0..D {

@@ -3,7 +3,9 @@
 use mpm_materials::Constitutive;
 
 use super::body::{Body, BodyTrouble, ParticleBody, Steps, Totals, Which};
+use super::contact::{Contact, ContactNode, Encounters, Meeting, OneField, PairContact};
 use super::control::{ControlError, TimeControl};
+use super::fields::Fields;
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
 use super::sweep::Cause;
@@ -137,11 +139,15 @@ pub enum SceneError {
 
 /// Material point method: bodies of particles on a background grid.
 ///
-/// `M` names the ingredients ([`crate::Method`]), `G` the grid. Bodies may have different laws; without a
-/// contact algorithm they move in one velocity field, that is, they stick where they meet.
-pub struct Mpm<T: Float, const D: usize, M, G> {
+/// `M` names the ingredients ([`crate::Method`]), `G` the grid, `K` how bodies meet. Bodies may have different
+/// laws; with [`OneField`] they move in one velocity field, that is, they stick where they meet.
+pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     method: M,
     grid: G,
+    contact: K,
+    /// Where on the grid each body's nodes are.
+    fields: Fields<D>,
+    encounters: Encounters<T>,
     bodies: Vec<Box<dyn Body<T, D>>>,
     conditions: Conditions<D>,
     control: TimeControl,
@@ -165,6 +171,27 @@ pub struct Mpm<T: Float, const D: usize, M, G> {
     terms: Vec<[T; 3]>,
 }
 
+/// A view of the grid for its stages, which leaves the other parts of the solver free.
+macro_rules! stage {
+    ($mpm:expr, $dt:expr) => {{
+        let lightest = $mpm.bodies.iter().map(|b| b.lightest()).fold(T::of(f64::MAX), |a, b| a.min(b));
+        Stage {
+            grid: &mut $mpm.grid,
+            bodies: &$mpm.bodies,
+            fields: &$mpm.fields,
+            team: &$mpm.team,
+            conditions: &$mpm.conditions,
+            ledgers: &mut $mpm.ledgers,
+            time: $mpm.time,
+            cutoff: lightest * mass_cutoff::<T>(),
+            wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
+            modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
+            keeps: M::Transfer::READS_INCREMENT,
+            dt: $dt,
+        }
+    }};
+}
+
 /// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii).
 const PRUNE_EVERY: u64 = 10;
 
@@ -174,11 +201,27 @@ where
     M: Composition<T, D>,
     G: GridStorage<T, D>,
 {
-    /// An empty scene.
+    /// An empty scene, whose bodies will share one velocity field.
     pub fn new(method: M, grid: G) -> Self {
+        Mpm::with_contact(method, grid, OneField)
+    }
+}
+
+impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
+where
+    T: Float,
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+    K: Contact<T, D>,
+{
+    /// An empty scene whose bodies will meet by this contact algorithm.
+    pub fn with_contact(method: M, grid: G, contact: K) -> Self {
         Mpm {
             method,
             grid,
+            contact,
+            fields: Fields::default(),
+            encounters: Encounters::default(),
             bodies: Vec::new(),
             conditions: Conditions { boundaries: Vec::new(), gravity: None },
             control: TimeControl::default_for::<T, D, M>(),
@@ -358,18 +401,23 @@ where
 
         if M::Update::BEFORE_FORCES {
             self.stage(dt).velocities(); // boundaries
+            self.meet(Meeting::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
+            self.part(dt);
             self.stage(dt).collect(Sums::Force);
             self.stage(dt).integrate_momentum(dt, true); // viii: eq. 8
+            self.meet(Meeting::Trial, dt); // vii: eqs. 11 - 15
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // viii: eq. 8
+            self.meet(Meeting::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if M::Update::REMAP {
                 self.stage(dt).collect(Sums::Again); // x: eq. 3 again
                 self.stage(dt).remap_velocities(dt);
+                self.meet(Meeting::Remapped, dt); // x, if the contact algorithm wants it
                 self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
             }
         }
@@ -396,7 +444,7 @@ where
         for body in &mut self.bodies {
             changed |= body.locate(last, prune, &self.team);
         }
-        if changed {
+        if changed || self.fields_changed(prune) {
             self.arrange()
                 .map_err(|outside| self.stopped(Stopped::Outside { body: self.names(), outside }))?;
         }
@@ -404,6 +452,34 @@ where
         self.steps += 1;
         self.last_dt = Some(dt.to_double());
         Ok(dt)
+    }
+
+    /// Let the bodies meet at the nodes they share.
+    fn meet(&mut self, meeting: Meeting, dt: T) {
+        if !K::SEPARATES || (meeting != Meeting::Trial && !self.contact.corrects_strain()) {
+            return;
+        }
+        let mut encounters = std::mem::take(&mut self.encounters);
+        let contact = &self.contact;
+        stage!(self, dt).meet(contact, meeting, &mut encounters);
+        self.encounters = encounters;
+    }
+
+    /// Take contact back from the momentum that the stress update of USF saw.
+    fn part(&mut self, dt: T) {
+        if !self.contact.corrects_strain() {
+            return;
+        }
+        let encounters = &self.encounters;
+        stage!(self, dt).part::<K>(encounters);
+    }
+
+    /// Do particles reach node blocks where their body has no field, or (asked with `prune`) none any more where
+    /// it has one?
+    fn fields_changed(&self, prune: bool) -> bool {
+        K::SEPARATES
+            && (self.bodies.iter().any(|b| b.reaches_further())
+                || prune && self.fields.outdated(&self.bodies))
     }
 
     /// Surface loads of all bodies, as the last pass mapped them.
@@ -496,35 +572,13 @@ where
     }
 
     fn stage(&mut self, dt: T) -> Stage<'_, T, D, G> {
-        let lightest = self.bodies.iter().map(|b| b.lightest()).fold(T::of(f64::MAX), |a, b| a.min(b));
-        Stage {
-            grid: &mut self.grid,
-            bodies: &self.bodies,
-            team: &self.team,
-            conditions: &self.conditions,
-            ledgers: &mut self.ledgers,
-            time: self.time,
-            cutoff: lightest * mass_cutoff::<T>(),
-            wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
-            modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
-            keeps: M::Transfer::READS_INCREMENT,
-            dt,
-        }
+        stage!(self, dt)
     }
 
     /// Have the node blocks that the particles reach, and tell the bodies where they are.
     fn arrange(&mut self) -> Result<(), OutsideGrid> {
-        let mut wanted = Vec::new();
-        for body in &self.bodies {
-            body.node_blocks(&mut wanted);
-        }
-        wanted.sort_unstable();
-        wanted.dedup();
-        self.grid.arrange(&wanted)?;
-        let grid = &self.grid;
-        for body in &mut self.bodies {
-            body.link(grid.blocks(), &|c| grid.find(c));
-        }
+        self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES)?;
+        self.encounters.arrange(self.fields.shared().len());
         Ok(())
     }
 
@@ -598,11 +652,26 @@ where
     pub fn ledger(&self) -> NodeLedger {
         self.ledger
     }
+    /// The contact algorithm.
+    pub fn contact(&self) -> &K {
+        &self.contact
+    }
+    /// The pairs of bodies that were ever in contact: force, nodes and gap in the last step, energy since the
+    /// start.
+    pub fn contacts(&self) -> &[PairContact] {
+        self.encounters.pairs()
+    }
+    /// The nodes in contact in the last step, with gap, normal and impulse.
+    pub fn contact_nodes(&self) -> &[ContactNode] {
+        self.encounters.nodes()
+    }
     /// Bytes of particles, grid and all scratch.
     pub fn bytes(&self) -> usize {
         self.bodies.iter().map(|b| b.bytes()).sum::<usize>()
             + self.grid.bytes()
             + self.ledgers.capacity() * size_of::<NodeLedger>()
             + self.terms.capacity() * size_of::<[T; 3]>()
+            + self.fields.bytes()
+            + self.encounters.bytes()
     }
 }

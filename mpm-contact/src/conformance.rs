@@ -1,0 +1,183 @@
+//! What every law and detector must do, as tests that one line applies to any of them, ours or yours. Behind the
+//! feature `conformance`.
+//!
+//! ```
+//! use mpm_contact::{Coulomb, Frictionless, conformance};
+//! conformance::law(&Frictionless)?;
+//! conformance::law(&Coulomb::new(0.3).unwrap())?;
+//! conformance::detector(mpm_contact::Approach::<mpm_contact::Gradients>::default)?;
+//! # Ok::<(), mpm_contact::conformance::Broken>(())
+//! ```
+
+use mpm_core::geometry::{Ball, Filling, Lattice, fill};
+use mpm_core::step::ContactNode;
+use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Team, TimeControl};
+use mpm_materials::{Moduli, NeoHookean};
+
+use crate::detect::ContactDetector;
+use crate::law::{Contact, ContactLaw, Coulomb, Pairs};
+use crate::meet::GridContact;
+use crate::vector::{difference, dot, length, sum, times};
+
+/// A property that does not hold.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{property} does not hold: {detail}")]
+pub struct Broken {
+    /// The property, in words.
+    pub property: &'static str,
+    /// Where and by how much.
+    pub detail: String,
+}
+
+fn require(holds: bool, property: &'static str, detail: impl FnOnce() -> String) -> Result<(), Broken> {
+    if holds { Ok(()) } else { Err(Broken { property, detail: detail() }) }
+}
+
+/// A number in -1..1 from a seed.
+fn random(seed: &mut u64) -> f64 {
+    *seed ^= *seed << 13;
+    *seed ^= *seed >> 7;
+    *seed ^= *seed << 17;
+    (*seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+}
+
+fn vector(seed: &mut u64) -> [f64; 3] {
+    [random(seed), random(seed), random(seed)]
+}
+
+/// Round-off of a law's dozens of operations, with room.
+const ROUND_OFF: f64 = 1e-13;
+
+/// The law is symmetric in the bodies, sees relative velocities alone, turns with space, does not pull (unless
+/// it says so), leaves no approach beyond rounding, never adds energy, and holds for a body of infinite mass.
+///
+/// # Errors
+/// The first property that does not hold.
+pub fn law(law: &impl ContactLaw<f64>) -> Result<(), Broken> {
+    let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
+    for _ in 0..1000 {
+        let normal = vector(&mut seed);
+        let normal = times(normal, 1.0 / length(normal));
+        let contact = Contact { normal, gap: Some(-1e-3), area: random(&mut seed).abs() };
+        let masses = [0, 1].map(|_| 10.0_f64.powf(6.0 * random(&mut seed)));
+        let masses = [masses[0], if random(&mut seed) > 0.8 { f64::INFINITY } else { masses[1] }];
+        let velocities = [vector(&mut seed), vector(&mut seed)];
+        one_contact(law, contact, masses, velocities, &mut seed)?;
+    }
+    Ok(())
+}
+
+fn one_contact(
+    law: &impl ContactLaw<f64>,
+    contact: Contact<f64>,
+    masses: [f64; 2],
+    velocities: [[f64; 3]; 2],
+    seed: &mut u64,
+) -> Result<(), Broken> {
+    let dt = 1e-3;
+    let impulse = law.impulse(&contact, masses, velocities, dt);
+    let show =
+        || format!("impulse {impulse:?} for {contact:?}, masses {masses:?}, velocities {velocities:?}");
+    require(impulse.iter().all(|x| x.is_finite()), "a finite impulse", show)?;
+    let scale = masses[0].min(masses[1]) * 4.0;
+    let near = |a: [f64; 3], b: [f64; 3]| length(difference(a, b)) <= ROUND_OFF * scale;
+
+    let turned = Contact { normal: times(contact.normal, -1.0), ..contact };
+    let [m, n] = masses;
+    let [v, w] = velocities;
+    let other = law.impulse(&turned, [n, m], [w, v], dt);
+    require(near(other, times(impulse, -1.0)), "symmetry in the bodies", show)?;
+
+    let drift = vector(seed);
+    let moving = law.impulse(&contact, masses, [sum(v, drift), sum(w, drift)], dt);
+    require(near(moving, impulse), "no influence of a common velocity", show)?;
+
+    let permute = |[x, y, z]: [f64; 3]| [y, -z, -x];
+    let rotated = Contact { normal: permute(contact.normal), ..contact };
+    let rotated = law.impulse(&rotated, masses, [permute(v), permute(w)], dt);
+    require(near(rotated, permute(impulse)), "turning with space", show)?;
+
+    let along = dot(impulse, contact.normal);
+    require(law.pulls() || along >= -ROUND_OFF * scale, "no pull", show)?;
+    let after =
+        difference(difference(v, times(impulse, 1.0 / masses[0])), sum(w, times(impulse, 1.0 / masses[1])));
+    require(dot(after, contact.normal) <= ROUND_OFF * 8.0, "no approach left", show)?;
+    let mean = times(sum(after, difference(v, w)), 0.5);
+    require(dot(impulse, mean) >= -ROUND_OFF * scale, "no energy gained", show)
+}
+
+/// A scene of two or three discs with the detector conserves momentum, contacts push along unit normals, the
+/// order of the bodies changes only rounding, and threads change nothing. `make` makes the detector.
+///
+/// # Errors
+/// The first property that does not hold.
+pub fn detector<S: ContactDetector<f64, 2>>(make: impl Fn() -> S) -> Result<(), Broken> {
+    for bodies in [2, 3] {
+        let order: Vec<usize> = (0..bodies).collect();
+        let mut turned = order.clone();
+        turned.rotate_left(1);
+        let one = run(&make, &order, 1)?;
+        let same = run(&make, &order, 2)?;
+        let other = run(&make, &turned, 1)?;
+        require(one == same, "equal bits for any number of threads", || format!("{bodies} discs"))?;
+        for (n, &name) in turned.iter().enumerate() {
+            for (a, b) in one[name].iter().zip(&other[n]) {
+                // A decision that hangs on rounding would show as 1e-3.
+                let error = length(difference(*a, *b));
+                require(error < 1e-9, "no influence of numbering", || format!("{a:?} against {b:?}"))?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Positions of the particles of the discs, body by body, after they met.
+fn run<S: ContactDetector<f64, 2>>(
+    make: &impl Fn() -> S,
+    order: &[usize],
+    threads: usize,
+) -> Result<Vec<Vec<[f64; 3]>>, Broken> {
+    let stop = |e: String| Broken { property: "a run", detail: e };
+    let lattice = Lattice::new([0.0; 2], 0.05).map_err(|e| stop(e.to_string()))?;
+    let moduli = Moduli::young_poisson(1.0e6, 0.3).map_err(|e| stop(e.to_string()))?;
+    let rubber = NeoHookean::new(1000.0, moduli).map_err(|e| stop(e.to_string()))?;
+    let friction = Coulomb::new(0.3).map_err(|e| stop(e.to_string()))?;
+    let contact = GridContact::new(make(), Pairs::new(friction));
+    let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
+    for &n in order {
+        let angle = 0.3 + std::f64::consts::TAU * n as f64 / order.len() as f64;
+        let (sine, cosine) = angle.sin_cos();
+        let disc =
+            Ball::new([0.5 + 0.22 * cosine, 0.5 + 0.22 * sine], 0.17).map_err(|e| stop(e.to_string()))?;
+        let seeds = fill(&disc, &lattice, 2, &Filling::new()).map_err(|e| stop(e.to_string()))?;
+        mpm.add("disc", rubber, &seeds, |_| [-3.0 * cosine - 0.4, -3.0 * sine])
+            .map_err(|e| stop(e.to_string()))?;
+    }
+    mpm.set_team(Team::new(threads).map_err(|e| stop(e.to_string()))?);
+    mpm.set_time_control(TimeControl::Fixed(2.5e-4)).map_err(|e| stop(e.to_string()))?;
+    let start = mpm.totals();
+    let mut met = 0;
+    for _ in 0..80 {
+        mpm.step().map_err(|e| stop(e.to_string()))?;
+        let drift = length(difference(mpm.totals().momentum, start.momentum));
+        require(drift <= 1e-12 * start.momentum_scale, "conservation of momentum", || format!("{drift:e}"))?;
+        let nodes = mpm.contact_nodes();
+        met += nodes.len();
+        nodes.iter().try_for_each(pushes)?;
+    }
+    require(met > 0, "contact of discs that meet", || "none was found".into())?;
+    let mut all = Vec::new();
+    for body in mpm.bodies() {
+        let mut list = vec![[0.0; 3]; body.len()];
+        body.for_each(&mut |p| list[p.number] = p.position);
+        all.push(list);
+    }
+    Ok(all)
+}
+
+fn pushes(node: &ContactNode) -> Result<(), Broken> {
+    let (normal, impulse) = (node.contact.normal, node.contact.impulse);
+    require((length(normal) - 1.0).abs() < 1e-12, "a unit normal", || format!("{node:?}"))?;
+    require(dot(normal, impulse) > 0.0, "no pull", || format!("{node:?}"))
+}

@@ -1,0 +1,24 @@
+//! Vectors of three numbers.
+
+use mpm_materials::Real;
+
+pub fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+pub fn sum<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+pub fn difference<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+pub fn times<T: Real>(a: [T; 3], f: T) -> [T; 3] {
+    [a[0] * f, a[1] * f, a[2] * f]
+}
+pub fn length<T: Real>(a: [T; 3]) -> T {
+    dot(a, a).sqrt()
+}
+/// The vector over its length; `None` if it has none.
+pub fn unit<T: Real>(a: [T; 3]) -> Option<[T; 3]> {
+    let length = length(a);
+    (length > T::of(0.0)).then(|| times(a, T::of(1.0) / length))
+}

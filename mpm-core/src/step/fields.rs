@@ -1,0 +1,269 @@
+//! Which node blocks there are, and whose they are: the local multi-mesh of \[Ma2010\] 1.5.
+//!
+//! A block of nodes that the particles of one body reach belongs to that body. Where several bodies reach the
+//! same block, and the scene's [`Contact`](super::Contact) keeps them apart, each has a **field block** of its
+//! own: the first body the grid's block, the others blocks behind the grid's. Particles read and write their
+//! body's block as if they were alone; only the contact stages know that there are others.
+
+use super::body::Body;
+use crate::grid::{GridStorage, OutsideGrid};
+use crate::parallel::Float;
+
+/// A body's claim to a node block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Claim<const D: usize> {
+    /// Coordinates of the block.
+    pub coordinates: [i32; D],
+    /// Number of the body.
+    pub body: u32,
+    /// Is no particle's stencil in it yet, though one may come there? (Sorted by: reached first.)
+    pub idle: bool,
+}
+
+/// A field of a shared block: whose it is, and where.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Member {
+    /// Number of the body.
+    pub body: u32,
+    /// Its field block, by place among the nodes.
+    pub block: u32,
+    /// The same block by its place in the body's own list.
+    pub local: u32,
+}
+
+/// Who maps to a node block: a body and the block's place in the body's own list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Giver {
+    pub(super) body: u32,
+    pub(super) local: u32,
+}
+
+/// A node block that several bodies reach.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct SharedBlock<const D: usize> {
+    pub(super) coordinates: [i32; D],
+    /// Its fields, among the members.
+    pub(super) fields: std::ops::Range<usize>,
+}
+
+/// Nobody in particular.
+pub(super) const NOBODY: u32 = u32::MAX;
+
+/// The node blocks of a scene, field blocks included.
+#[derive(Clone, Debug)]
+pub struct Fields<const D: usize> {
+    /// Of each block; the grid's own first.
+    coordinates: Vec<[i32; D]>,
+    /// The body of each block, or [`NOBODY`].
+    owners: Vec<u32>,
+    /// Where the givers of each block start; one more than there are blocks.
+    starts: Vec<u32>,
+    givers: Vec<Giver>,
+    shared: Vec<SharedBlock<D>>,
+    members: Vec<Member>,
+    /// The shared block that a block is a field of, and as which field.
+    field_of: Vec<Option<(u32, u32)>>,
+    /// Whose block is where, sorted; empty if bodies are not kept apart.
+    table: Vec<([i32; D], u32, u32)>,
+    claims: Vec<Claim<D>>,
+}
+
+impl<const D: usize> Default for Fields<D> {
+    fn default() -> Self {
+        Fields {
+            coordinates: Vec::new(),
+            owners: Vec::new(),
+            starts: Vec::new(),
+            givers: Vec::new(),
+            shared: Vec::new(),
+            members: Vec::new(),
+            field_of: Vec::new(),
+            table: Vec::new(),
+            claims: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize> Fields<D> {
+    /// Have the node blocks that the particles reach, kept apart by body if `separate`, and tell the bodies
+    /// where theirs are.
+    pub(super) fn arrange<T: Float, G: GridStorage<T, D>>(
+        &mut self,
+        grid: &mut G,
+        bodies: &mut [Box<dyn Body<T, D>>],
+        separate: bool,
+    ) -> Result<(), OutsideGrid> {
+        let mut claims = std::mem::take(&mut self.claims);
+        claims.clear();
+        for (number, body) in bodies.iter().enumerate() {
+            body.claims(number as u32, &mut claims);
+        }
+        claims.sort_unstable();
+        claims.dedup_by_key(|c| (c.coordinates, c.body));
+        let mut wanted: Vec<[i32; D]> = claims.iter().map(|c| c.coordinates).collect();
+        wanted.dedup();
+        let arranged = grid.arrange(&wanted);
+        if arranged.is_ok() {
+            self.assign(grid, &claims, separate);
+            self.link(grid, bodies, separate);
+        }
+        self.claims = claims;
+        arranged
+    }
+
+    /// Give every claim a block.
+    fn assign<T: Float, G: GridStorage<T, D>>(&mut self, grid: &mut G, claims: &[Claim<D>], separate: bool) {
+        self.coordinates.clear();
+        self.coordinates.extend_from_slice(grid.blocks());
+        self.owners.clear();
+        self.owners.resize(self.coordinates.len(), NOBODY);
+        self.table.clear();
+        self.shared.clear();
+        self.members.clear();
+        self.field_of.clear();
+        if separate {
+            for claims in claims.chunk_by(|a, b| a.coordinates == b.coordinates) {
+                self.divide(grid.find(&claims[0].coordinates), claims);
+            }
+        }
+        grid.arrange_fields(self.coordinates.len() - grid.blocks().len());
+        self.field_of.resize(self.coordinates.len(), None);
+        for (s, shared) in self.shared.iter().enumerate() {
+            for (f, member) in self.members[shared.fields.clone()].iter().enumerate() {
+                self.field_of[member.block as usize] = Some((s as u32, f as u32));
+            }
+        }
+    }
+
+    /// One place: the grid's block to the first body, further blocks to the others. A body whose particles do
+    /// not reach it yet has no part in it if another claims it.
+    fn divide(&mut self, block: Option<usize>, claims: &[Claim<D>]) {
+        let Some(block) = block else { return };
+        let coordinates = claims[0].coordinates;
+        let alone = claims.len() == 1;
+        let first = self.members.len();
+        for claim in claims.iter().filter(|c| alone || !c.idle) {
+            let block = if self.members.len() == first {
+                self.owners[block] = claim.body;
+                block
+            } else {
+                self.coordinates.push(coordinates);
+                self.owners.push(claim.body);
+                self.coordinates.len() - 1
+            };
+            self.table.push((coordinates, claim.body, block as u32));
+            self.members.push(Member { body: claim.body, block: block as u32, local: 0 });
+        }
+        if self.members.len() - first < 2 {
+            self.members.truncate(first);
+        } else {
+            self.shared.push(SharedBlock { coordinates, fields: first..self.members.len() });
+        }
+    }
+
+    fn link<T: Float, G: GridStorage<T, D>>(
+        &mut self,
+        grid: &G,
+        bodies: &mut [Box<dyn Body<T, D>>],
+        separate: bool,
+    ) {
+        let mut places = Vec::new();
+        let mut found: Vec<(u32, Giver)> = Vec::new();
+        for (number, body) in bodies.iter_mut().enumerate() {
+            let number = number as u32;
+            places.clear();
+            if separate {
+                let table = &self.table;
+                body.link(&|c| find_in(table, c, number), &mut places);
+            } else {
+                body.link(&|c| grid.find(c), &mut places);
+            }
+            let givers = places.iter().enumerate();
+            found.extend(givers.map(|(l, &block)| (block, Giver { body: number, local: l as u32 })));
+        }
+        // By block; the sort is stable, so that bodies keep their order in each.
+        found.sort_by_key(|f| f.0);
+        self.starts.clear();
+        self.givers.clear();
+        for &(block, giver) in &found {
+            while self.starts.len() <= block as usize {
+                self.starts.push(self.givers.len() as u32);
+            }
+            self.givers.push(giver);
+            if let Some((s, f)) = self.field_of[block as usize] {
+                let fields = self.shared[s as usize].fields.clone();
+                self.members[fields][f as usize].local = giver.local;
+            }
+        }
+        self.starts.resize(self.coordinates.len() + 1, self.givers.len() as u32);
+    }
+
+    /// Number of node blocks, field blocks included.
+    pub(super) fn len(&self) -> usize {
+        self.coordinates.len()
+    }
+    /// Coordinates of the node blocks.
+    pub(super) fn coordinates(&self) -> &[[i32; D]] {
+        &self.coordinates
+    }
+    /// The body of a block, or [`NOBODY`].
+    pub(super) fn owner(&self, block: usize) -> u32 {
+        self.owners[block]
+    }
+    /// Who maps to a block, bodies in order.
+    pub(super) fn givers(&self, block: usize) -> &[Giver] {
+        &self.givers[self.starts[block] as usize..self.starts[block + 1] as usize]
+    }
+    /// The blocks that several bodies reach, by coordinates.
+    pub(super) fn shared(&self) -> &[SharedBlock<D>] {
+        &self.shared
+    }
+    /// The fields of a shared block, bodies in order.
+    pub(super) fn members(&self, shared: usize) -> &[Member] {
+        &self.members[self.shared[shared].fields.clone()]
+    }
+    /// The shared block that a block is a field of, and as which field.
+    pub(super) fn field_of(&self, block: usize) -> Option<(usize, usize)> {
+        self.field_of[block].map(|(s, f)| (s as usize, f as usize))
+    }
+    /// Where the body's nodes of a place are (of the one common field if bodies are not kept apart).
+    pub(super) fn find<T: Float, G: GridStorage<T, D>>(
+        &self,
+        grid: &G,
+        at: &[i32; D],
+        body: u32,
+    ) -> Option<usize> {
+        if self.table.is_empty() {
+            return grid.find(at);
+        }
+        if body == NOBODY {
+            return grid.find(at).filter(|&block| self.owners[block] == NOBODY);
+        }
+        find_in(&self.table, at, body)
+    }
+    /// The place in a body's own list of its nodes at `at`, where bodies are kept apart.
+    pub(super) fn local(&self, at: &[i32; D], body: u32) -> Option<usize> {
+        let block = find_in(&self.table, at, body)?;
+        self.givers(block).iter().find(|g| g.body == body).map(|g| g.local as usize)
+    }
+    /// Is there a field that no particle of its body reaches any more?
+    pub(super) fn outdated<T: Float>(&self, bodies: &[Box<dyn Body<T, D>>]) -> bool {
+        self.members.iter().any(|m| !bodies[m.body as usize].reaches(m.local as usize))
+    }
+    /// Bytes of its memory.
+    pub(super) fn bytes(&self) -> usize {
+        self.coordinates.capacity() * size_of::<[i32; D]>()
+            + (self.owners.capacity() + self.starts.capacity()) * size_of::<u32>()
+            + self.givers.capacity() * size_of::<Giver>()
+            + self.shared.capacity() * size_of::<SharedBlock<D>>()
+            + self.members.capacity() * size_of::<Member>()
+            + self.field_of.capacity() * size_of::<Option<(u32, u32)>>()
+            + self.table.capacity() * size_of::<([i32; D], u32, u32)>()
+            + self.claims.capacity() * size_of::<Claim<D>>()
+    }
+}
+
+fn find_in<const D: usize>(table: &[([i32; D], u32, u32)], at: &[i32; D], body: u32) -> Option<usize> {
+    let place = table.binary_search_by(|entry| (entry.0, entry.1).cmp(&(*at, body))).ok()?;
+    Some(table[place].2 as usize)
+}

@@ -1,0 +1,125 @@
+//! Which node blocks a body's particles reach, and where it finds them.
+
+use mpm_materials::Constitutive;
+
+use super::body::{NONE, ParticleBody, offset, shifted};
+use super::fields::Claim;
+use super::load::Load;
+use super::sweep::ExtentOf;
+use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
+use crate::method::Composition;
+use crate::parallel::Float;
+use crate::particles::Block;
+
+/// The bins of a block, a bit each (x fastest), that reach the block before, the same block and the one after
+/// along an axis.
+fn reaching<E: Stencil, const D: usize>(axis: usize) -> [u64; 3] {
+    let mut bits = [0; 3];
+    for bin in 0..block_nodes(D) {
+        let first = (bin / BLOCK.pow(axis as u32) % BLOCK) as i32 + E::BASE;
+        let last = first + E::NODES as i32 - 1;
+        for (o, bits) in bits.iter_mut().enumerate() {
+            let low = (o as i32 - 1) * BLOCK as i32;
+            if last >= low && first < low + BLOCK as i32 {
+                *bits |= 1 << bin;
+            }
+        }
+    }
+    bits
+}
+
+/// The same along each axis.
+type Reaching = [[u64; 3]; 3];
+
+fn reaching_all<E: Stencil, const D: usize>() -> Reaching {
+    [reaching::<E, D>(0), reaching::<E, D>(1), reaching::<E, D>(D - 1)]
+}
+
+/// Bit `n` is set if a particle's stencil reaches into neighbour `n` (3^D, x fastest).
+fn reach<T: Float, const D: usize>(block: &Block<T, D>, reaching: &Reaching) -> u32 {
+    let mut occupied = 0_u64;
+    for bin in 0..block_nodes(D) {
+        occupied |= u64::from(block.bin_len(bin) > 0) << bin;
+    }
+    let mut bits = 0;
+    for n in 0..neighbours(D) {
+        let mut bins = occupied & reaching[0][n % 3] & reaching[1][n / 3 % 3];
+        if D == 3 {
+            bins &= reaching[2][n / 9];
+        }
+        bits |= u32::from(bins != 0) << n;
+    }
+    bits
+}
+
+impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+    L: Load<D>,
+{
+    /// Does a particle reach a node block that its slot is not linked to?
+    pub(super) fn reaches_beyond_links(&self) -> bool {
+        let reaching = reaching_all::<ExtentOf<M, T, D>, D>();
+        let mut around = self.nodes_around.chunks(neighbours(D));
+        self.slots.iter().any(|slot| {
+            let mut linked = 0;
+            for (n, &block) in around.next().unwrap_or_default().iter().enumerate() {
+                linked |= u32::from(block != NONE) << n;
+            }
+            reach(&slot.block, &reaching) & !linked != 0
+        })
+    }
+
+    /// Does a particle reach a block of the body's own list?
+    pub(super) fn reaches_block(&self, block: usize) -> bool {
+        let reaching = reaching_all::<ExtentOf<M, T, D>, D>();
+        let around = &self.contributors[block * neighbours(D)..][..neighbours(D)];
+        around.iter().enumerate().any(|(n, &slot)| {
+            let slot = self.slots.get(slot as usize);
+            slot.is_some_and(|s| reach(&s.block, &reaching) & (1 << (neighbours(D) - 1 - n)) != 0)
+        })
+    }
+
+    pub(super) fn claim_blocks(&self, number: u32, list: &mut Vec<Claim<D>>) {
+        let reaching = reaching_all::<ExtentOf<M, T, D>, D>();
+        for slot in &self.slots {
+            let reached = reach(&slot.block, &reaching);
+            for n in 0..neighbours(D) {
+                let o = offset::<D>(n);
+                if ExtentOf::<M, T, D>::BASE == 0 && o.iter().any(|&x| x < 0) {
+                    continue;
+                }
+                let coordinates = shifted(&slot.block.coordinates, &o);
+                list.push(Claim { coordinates, body: number, idle: reached & (1 << n) == 0 });
+            }
+        }
+    }
+
+    pub(super) fn link_blocks(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
+        let mut links: Vec<(u32, u32, usize)> = Vec::new();
+        self.nodes_around.clear();
+        for (s, slot) in self.slots.iter().enumerate() {
+            for n in 0..neighbours(D) {
+                let found = find(&shifted(&slot.block.coordinates, &offset(n)));
+                let block = found.map_or(NONE, |b| b as u32);
+                self.nodes_around.push(block);
+                if block != NONE {
+                    links.push((block, s as u32, n));
+                }
+            }
+        }
+        links.sort_unstable();
+        self.contributors.clear();
+        for (block, slot, n) in links {
+            if places.last() != Some(&block) {
+                places.push(block);
+                self.contributors.resize(places.len() * neighbours(D), NONE);
+            }
+            // Seen from the node block, this slot lies in the opposite direction.
+            let last = self.contributors.len() - 1;
+            self.contributors[last - n] = slot;
+        }
+    }
+}

@@ -1,0 +1,388 @@
+//! What contact asks of the particles near the nodes that bodies share.
+//!
+//! Nodes of a block are given by a bit each, x fastest. Only bins whose stencil has one of them are visited:
+//! slots around the block, bins and particles in order of place, so that the sums do not depend on threads.
+
+use std::marker::PhantomData;
+
+use mpm_materials::{Constitutive, Lane, Source, State, Sym3};
+
+use super::body::{NONE, ParticleBody, offset};
+use super::load::Load;
+use super::sweep::{ExtentOf, ShapeOf, Slot};
+use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
+use crate::method::Composition;
+use crate::parallel::{Arch, Float, Kernel, Pack};
+use crate::particles::Columns;
+use crate::shape::{ShapeFunction, Weights, node_offset};
+
+/// A quantity of a body at a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Survey {
+    /// sum_p m_p grad N_ip, kg/m; it points out of the body \[Zhang2017\].
+    MassGradient,
+    /// sum_p V_p grad N_ip, m^2; likewise \[BardenhagenGuilkey2001\].
+    VolumeGradient,
+    /// max_p [(x_p - x_i) . n + l_p], m, with n the node's normal and l_p the particle's half size: how far the
+    /// surface reaches beyond the node along n (eq. 5 of \[Ma2010\]). First component; start from a large
+    /// negative number.
+    Reach,
+    /// The same without l_p: how far the centres reach.
+    CentreReach,
+    /// sum_p N_ip m_p n . sigma_p . n, Pa kg: over the nodal mass the normal traction
+    /// \[BardenhagenGuilkey2001\], tension positive. First component.
+    Traction,
+}
+
+/// A particle as contact sees it from a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Near<T> {
+    /// Its position less the node's, m.
+    pub offset: [T; 3],
+    /// Its half sizes, m.
+    pub half: [T; 3],
+    /// Its mass, kg.
+    pub mass: T,
+    /// Its weight at the node.
+    pub weight: T,
+}
+
+/// For each of the nodes of a stencil: its place in the block, if the survey is about it.
+struct Reached<E: Stencil> {
+    node: E::Nodes<u8>,
+    any: bool,
+}
+
+const OUTSIDE: u8 = u8::MAX;
+
+/// Places in a node block of the stencil of the bin at `first` (coordinates of its first stencil node, relative
+/// to the block's first node), as far as they are in `nodes`.
+#[inline(always)]
+fn reached<E: Stencil, const D: usize>(first: [i32; 3], nodes: u64) -> Reached<E> {
+    let mut found: Reached<E> = Reached { node: Array::filled(OUTSIDE), any: false };
+    let inside = 0..BLOCK as i32;
+    for c in 0..E::LAYERS {
+        let z = if D == 3 { first[2] + c as i32 } else { 0 };
+        for b in 0..E::NODES {
+            let y = first[1] + b as i32;
+            if !inside.contains(&z) || !inside.contains(&y) {
+                continue;
+            }
+            for a in 0..E::NODES {
+                let x = first[0] + a as i32;
+                if !inside.contains(&x) {
+                    continue;
+                }
+                let node = (z * BLOCK as i32 + y) * BLOCK as i32 + x;
+                if nodes & (1 << node) != 0 {
+                    found.node[(c * E::NODES + b) * E::NODES + a] = node as u8;
+                    found.any = true;
+                }
+            }
+        }
+    }
+    found
+}
+
+/// Range of bins of a slot at `offset` along an axis whose stencils reach into the node block.
+#[inline(always)]
+fn bins<E: Stencil>(offset: i32) -> std::ops::Range<usize> {
+    let block = BLOCK as i32;
+    // First stencil node of bin i: offset * 4 + i + BASE; it must be below 4, the last one at least 0.
+    let low = (1 - E::NODES as i32 - E::BASE - offset * block).clamp(0, block);
+    let high = (block - E::BASE - offset * block).clamp(0, block);
+    low as usize..high.max(low) as usize
+}
+
+/// The bins of the slots around a block that have one of `nodes` in their stencil, with particles in them.
+macro_rules! for_bins {
+    ($body:expr, $block:expr, $nodes:expr, $extent:ty, $d:ident, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
+        for around in 0..neighbours($d) {
+            let number = $body.contributors[$block * neighbours($d) + around];
+            if number == NONE {
+                continue;
+            }
+            let $slot = &$body.slots[number as usize];
+            let o = offset::<$d>(around);
+            let (xs, ys) = (bins::<$extent>(o[0]), bins::<$extent>(o[1]));
+            let zs = if $d == 3 { bins::<$extent>(o[$d - 1]) } else { 0..1 };
+            for k in zs {
+                for j in ys.clone() {
+                    for i in xs.clone() {
+                        let $bin = (k * BLOCK + j) * BLOCK + i;
+                        if $slot.block.bin_len($bin) == 0 {
+                            continue;
+                        }
+                        let mut first = [0; 3];
+                        for (d, place) in [i, j, k].into_iter().enumerate().take($d) {
+                            first[d] = o[d] * BLOCK as i32 + place as i32 + <$extent>::BASE;
+                        }
+                        let $at = reached::<$extent, $d>(first, $nodes);
+                        if $at.any {
+                            $do
+                        }
+                    }
+                }
+            }
+        }
+    };
+}
+
+/// The survey `WHAT` of the particles of a bin.
+struct SurveyBin<'a, T: Float, const D: usize, C, M: Composition<T, D>, const WHAT: u8> {
+    law: &'a C,
+    method: &'a M,
+    slot: &'a Slot<T, D>,
+    bin: usize,
+    at: Reached<ExtentOf<M, T, D>>,
+    normals: &'a [[T; 3]],
+    out: &'a mut [[T; 3]],
+    half: [T; 3],
+    spacing: T,
+    domain: usize,
+}
+
+const MASS_GRADIENT: u8 = 0;
+const VOLUME_GRADIENT: u8 = 1;
+const REACH: u8 = 2;
+const TRACTION: u8 = 3;
+const CENTRES: u8 = 4;
+
+/// Reads a law's state from the rows of a group.
+struct Rows<'a, R, P> {
+    rows: &'a [R],
+    at: usize,
+    lanes: PhantomData<P>,
+}
+impl<T: Float, P: Pack<T>> Source<P> for Rows<'_, T::Row, P>
+where
+    P: Lane<Real = T>,
+{
+    #[inline(always)]
+    fn take(&mut self) -> P {
+        self.at += 1;
+        P::load(&self.rows[self.at - 1])
+    }
+}
+
+impl<T, const D: usize, C, M, const WHAT: u8> Kernel<T> for SurveyBin<'_, T, D, C, M, WHAT>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let SurveyBin { law, method, slot, bin, at: reached, normals, out, half, spacing, domain } = self;
+        let nodes = <ExtentOf<M, T, D> as Stencil>::NODES;
+        let layers = <ExtentOf<M, T, D> as Stencil>::LAYERS;
+        let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
+        let (zero, one) = (A::Pack::zero(), A::Pack::one());
+        let lowest = A::Pack::of(-1e30);
+        let reaches = WHAT == REACH || WHAT == CENTRES;
+        let start = if reaches { lowest } else { zero };
+        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Pack; 3]> = Array::filled([start; 3]);
+        let mut lane_index = zero;
+        for i in 0..A::Pack::WIDTH {
+            lane_index = lane_index.with_lane(i, T::of(i as f64));
+        }
+        let mut next = slot.block.last_group(bin);
+        while let Some((group, here)) = next {
+            next = slot.block.group_before(group);
+            let group = slot.block.group(group);
+            let alive = lane_index.lt(A::Pack::of(here as f64));
+            let mut xi = [zero; 3];
+            let mut size = [zero; 3];
+            let mut w = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+            for d in 0..D {
+                xi[d] = A::Pack::load(&group[Columns::position() + d]);
+                size[d] = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                    A::Pack::load(&group[domain + d])
+                } else {
+                    A::Pack::splat(half[d])
+                };
+                if !reaches {
+                    w[d] = method.shape().weights(xi[d], size[d]);
+                }
+            }
+            if D == 2 {
+                w[2].value[0] = one;
+            }
+            let mass = A::Pack::select(alive, A::Pack::load(&group[Columns::mass(D)]), zero);
+            let mut amount = mass;
+            let mut stress = Sym3::<A::Pack>::zero();
+            if WHAT == VOLUME_GRADIENT || WHAT == TRACTION {
+                let rows = &group[Columns::state(D)..][..state_rows];
+                let now = C::State::<A::Pack>::read(&mut Rows { rows, at: 0, lanes: PhantomData });
+                if WHAT == VOLUME_GRADIENT {
+                    amount = law.volume_ratio(&now) * mass * A::Pack::splat(law.density()).recip();
+                } else {
+                    stress = law.stress(&now);
+                }
+            }
+            for c in 0..layers {
+                for b in 0..nodes {
+                    for a in 0..nodes {
+                        let s = (c * nodes + b) * nodes + a;
+                        let node = reached.node[s];
+                        if node == OUTSIDE {
+                            continue;
+                        }
+                        let sum = &mut sums[s];
+                        if reaches || WHAT == TRACTION {
+                            let n = normals[node as usize];
+                            let n = [A::Pack::splat(n[0]), A::Pack::splat(n[1]), A::Pack::splat(n[2])];
+                            if reaches {
+                                let place = [a, b, c];
+                                let (mut along, mut square) = (zero, zero);
+                                for d in 0..D {
+                                    let x = xi[d] - A::Pack::of(node_offset::<ExtentOf<M, T, D>>(place[d]));
+                                    along = x.mul_add(n[d], along);
+                                    if WHAT == REACH {
+                                        let l = size[d] * n[d];
+                                        square = l.mul_add(l, square);
+                                    }
+                                }
+                                let reach = along + square.sqrt();
+                                sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
+                            } else {
+                                let t = normal_stress(&stress, &n);
+                                let weight = w[0].value[a] * w[1].value[b] * w[2].value[c] * amount;
+                                sum[0] = weight.mul_add(t, sum[0]);
+                            }
+                        } else {
+                            let (x, y, z) = (w[0].value[a], w[1].value[b], w[2].value[c]);
+                            sum[0] = (w[0].slope[a] * y * z).mul_add(amount, sum[0]);
+                            sum[1] = (x * w[1].slope[b] * z).mul_add(amount, sum[1]);
+                            if D == 3 {
+                                sum[2] = (x * y * w[2].slope[c]).mul_add(amount, sum[2]);
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        let per_spacing = T::of(1.0) / spacing;
+        for s in 0..layers * nodes * nodes {
+            let node = reached.node[s];
+            if node == OUTSIDE {
+                continue;
+            }
+            let to = &mut out[node as usize];
+            if reaches {
+                let mut far = sums[s][0].lane(0);
+                for i in 1..A::Pack::WIDTH {
+                    far = far.max(sums[s][0].lane(i));
+                }
+                to[0] = to[0].max(far * spacing);
+            } else {
+                let factor = if WHAT == TRACTION { T::of(1.0) } else { per_spacing };
+                for d in 0..D {
+                    let mut sum = sums[s][d].lane(0);
+                    for i in 1..A::Pack::WIDTH {
+                        sum += sums[s][d].lane(i);
+                    }
+                    to[d] += sum * factor;
+                }
+            }
+        }
+    }
+}
+
+/// n . sigma . n.
+#[inline(always)]
+fn normal_stress<L: Lane>(s: &Sym3<L>, n: &[L; 3]) -> L {
+    let two = L::of(2.0);
+    let direct = s.0[0] * n[0] * n[0] + s.0[1] * n[1] * n[1] + s.0[2] * n[2] * n[2];
+    direct + two * (s.0[3] * n[1] * n[2] + s.0[4] * n[0] * n[2] + s.0[5] * n[0] * n[1])
+}
+
+impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+    L: Load<D>,
+{
+    pub(super) fn survey_nodes(
+        &self,
+        block: usize,
+        what: Survey,
+        nodes: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        match what {
+            Survey::MassGradient => self.survey_as::<MASS_GRADIENT>(block, nodes, normals, out),
+            Survey::VolumeGradient => self.survey_as::<VOLUME_GRADIENT>(block, nodes, normals, out),
+            Survey::Reach => self.survey_as::<REACH>(block, nodes, normals, out),
+            Survey::CentreReach => self.survey_as::<CENTRES>(block, nodes, normals, out),
+            Survey::Traction => self.survey_as::<TRACTION>(block, nodes, normals, out),
+        }
+    }
+
+    fn survey_as<const WHAT: u8>(&self, block: usize, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
+        for_bins!(self, block, nodes, ExtentOf<M, T, D>, D, |slot, bin, at| {
+            T::dispatch(SurveyBin::<T, D, C, M, WHAT> {
+                law: &self.law,
+                method: &self.method,
+                slot,
+                bin,
+                at,
+                normals,
+                out: &mut *out,
+                half: self.half,
+                spacing: T::of(self.lattice.spacing()),
+                domain: self.columns.domain(),
+            });
+        });
+    }
+
+    pub(super) fn visit_near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+        let h = T::of(self.lattice.spacing());
+        let (count, layers) = (<ExtentOf<M, T, D> as Stencil>::NODES, <ExtentOf<M, T, D> as Stencil>::LAYERS);
+        let one: T = T::of(1.0);
+        for_bins!(self, block, nodes, ExtentOf<M, T, D>, D, |slot, bin, at| {
+            for place in slot.block.bin_places(bin) {
+                let number = |column: usize| slot.block.get(place, column);
+                let mut near = Near {
+                    offset: [T::default(); 3],
+                    half: [T::default(); 3],
+                    mass: number(Columns::mass(D)),
+                    weight: one,
+                };
+                let mut xi = [T::default(); 3];
+                let mut w = [Weights::<T::Single, ExtentOf<M, T, D>>::zero(); 3];
+                w[2].value[0] = T::Single::one();
+                for d in 0..D {
+                    xi[d] = number(Columns::position() + d);
+                    let half = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                        number(self.columns.domain() + d)
+                    } else {
+                        self.half[d]
+                    };
+                    near.half[d] = half * h;
+                    w[d] = self.method.shape().weights(T::Single::from(xi[d]), T::Single::from(half));
+                }
+                for s in 0..layers * count * count {
+                    let node = at.node[s];
+                    if node == OUTSIDE {
+                        continue;
+                    }
+                    let place = [s % count, s / count % count, s / (count * count)];
+                    let mut weight = one;
+                    for d in 0..D {
+                        near.offset[d] = (xi[d] - T::of(node_offset::<ExtentOf<M, T, D>>(place[d]))) * h;
+                        weight *= w[d].value[place[d]].into();
+                    }
+                    near.weight = weight;
+                    visit(node as usize, &near);
+                }
+            }
+        });
+    }
+}
+
+const _: () = assert!(block_nodes(3) == u64::BITS as usize, "a node of a block is a bit");
