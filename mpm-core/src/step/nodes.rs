@@ -97,11 +97,9 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             self.ledgers.resize(fields.len(), NodeLedger::default());
         }
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
-            for node in nodes.iter_mut() {
-                match sums {
-                    Sums::All => *node = Node::default(),
-                    Sums::Force | Sums::Again => node.second = [T::default(); 4],
-                }
+            match sums {
+                Sums::All => nodes.fill(Node::default()),
+                Sums::Force | Sums::Again => nodes.iter_mut().for_each(|n| n.second = [T::default(); 4]),
             }
             for giver in fields.givers(block) {
                 bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
