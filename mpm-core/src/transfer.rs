@@ -1,6 +1,6 @@
 //! Transfers: what a particle's velocity becomes from the grid's.
 
-use mpm_materials::{Lane, Real};
+use mpm_materials::{Lane, Real, Wide};
 
 use crate::scheme::{Musl, Usf, Usl};
 use crate::shape::{AffineShape, ShapeFunction};
@@ -21,6 +21,13 @@ pub trait Transfer<T: Real>: Copy + Send + Sync + 'static {
     /// The new velocity, from the `old` one, the grid's velocity `nodal` and its change over the step
     /// `increment`, both interpolated at the particle.
     fn velocity<L: Lane<Real = T>>(&self, old: L, nodal: L, increment: L, dt: L) -> L;
+}
+
+/// How much of the nodes' velocity particles take for their own in a step: none with FLIP, all with PIC.
+pub(crate) fn taken<T: Real, X: Transfer<T>>(transfer: &X, dt: T) -> T {
+    let [nothing, nodal, dt] = [T::default(), T::of(1.0), dt].map(|x| Wide([x]));
+    let Wide([taken]) = transfer.velocity(nothing, nodal, nothing, dt);
+    taken
 }
 
 /// FLIP: v <- v + dt sum N a (eq. 17 of \[Ma2010\]). No dissipation of its own.

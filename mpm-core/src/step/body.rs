@@ -191,7 +191,13 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Sum of the loaded areas, m^2.
     loaded_area: f64,
     loading: Loading,
+    /// What a lane without a particle holds.
+    dummy: Vec<T>,
 }
+
+/// A law's state by position, m.
+pub(super) type InitialState<'a, T, const D: usize, C> =
+    dyn Fn([f64; D]) -> <C as Constitutive<T>>::State<<T as mpm_materials::Real>::Single> + 'a;
 
 pub(super) const NONE: u32 = u32::MAX;
 type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
@@ -226,16 +232,8 @@ where
     /// Records a node that the method maps.
     const RECORDS: usize = if M::MAPS_TOGETHER { 1 } else { 2 };
 
-    /// Particles of a law at `seeds`, with a velocity (m/s) by position (m).
-    pub fn new(
-        name: &str,
-        law: C,
-        method: M,
-        lattice: Lattice<D>,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        load: L,
-    ) -> Self {
+    /// A body for the particles of `seeds`, without them.
+    pub fn empty(name: &str, law: C, method: M, lattice: Lattice<D>, seeds: &Seeds<D>, load: L) -> Self {
         let mut names = Vec::new();
         C::State::<T::Single>::names("state", &mut names);
         let columns = Columns::new(D, names, ShapeOf::<M, T, D>::CARRIES_DOMAIN, L::ACTS);
@@ -245,6 +243,7 @@ where
         for d in 0..D {
             half[d] = T::of(seeds.half_size[d] / lattice.spacing());
         }
+        // What a lane without a particle holds.
         let mut dummy = vec![T::default(); Columns::state(D)];
         dummy.extend_from_slice(&virgin);
         if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
@@ -254,7 +253,7 @@ where
             dummy.push(T::default());
         }
         dummy.push(T::default());
-        let mut body = ParticleBody {
+        ParticleBody {
             name: name.into(),
             law,
             method,
@@ -269,16 +268,21 @@ where
             load,
             loaded_area: 0.0,
             loading: Loading::default(),
-        };
-        body.seed(seeds, &dummy, velocity);
-        body
+            dummy,
+        }
     }
 
-    fn seed(&mut self, seeds: &Seeds<D>, dummy: &[T], velocity: impl Fn([f64; D]) -> [f64; D]) {
+    /// Make particles at `seeds`, with a velocity (m/s) and, if not virgin, a state by position (m).
+    pub fn seed(
+        &mut self,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+        state: Option<&InitialState<'_, T, D, C>>,
+    ) {
         let centre = bin_centre::<ExtentOf<M, T, D>>();
         let density = self.law.density();
         let mut index: BTreeMap<[i32; D], usize> = BTreeMap::new();
-        let mut numbers = dummy.to_vec();
+        let mut numbers = self.dummy.clone();
         for (n, (&x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
             let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
             let v = velocity(x);
@@ -292,7 +296,17 @@ where
                 numbers[Columns::position() + d] = T::of(u - nearest);
                 numbers[Columns::velocity(D) + d] = T::of(v[d]);
             }
-            let mass = density * T::of(volume);
+            let mut mass = density * T::of(volume);
+            if let Some(state) = state {
+                let state = state(x);
+                let first = Columns::state(D);
+                for (number, x) in numbers[first..].iter_mut().zip(mpm_materials::point::flatten(&state)) {
+                    let x: T::Single = x;
+                    *number = x.into();
+                }
+                let ratio: T = self.law.volume_ratio(&state).into();
+                mass /= ratio;
+            }
             self.lightest = self.lightest.min(mass);
             numbers[Columns::mass(D)] = mass;
             if L::ACTS {
@@ -301,7 +315,7 @@ where
                 numbers[self.columns.load()] = T::of(area);
             }
             numbers[self.columns.number()] = T::of(n as f64);
-            let slots = &mut self.slots;
+            let (slots, dummy) = (&mut self.slots, &self.dummy);
             let slot = *index.entry(block).or_insert_with(|| {
                 slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(block, dummy, Self::RECORDS));
                 slots.len() - 1
@@ -434,9 +448,8 @@ where
         }
         wanted.sort_unstable();
         wanted.dedup();
-        let Some(dummy) = self.slots.first().map(|s| s.block.dummy().to_vec()) else { return false };
         for &c in &wanted {
-            self.slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(c, &dummy, Self::RECORDS));
+            self.slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(c, &self.dummy, Self::RECORDS));
         }
         !wanted.is_empty()
     }

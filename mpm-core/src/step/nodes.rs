@@ -81,10 +81,12 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub wide: bool,
     /// Is what lies behind a wall or fixed plane extrapolated ([`crate::BoundaryModified`])?
     pub modified: bool,
-    /// Do particles keep their velocity and add its change (FLIP)? Else they take the nodes' velocity.
-    pub keeps: bool,
+    /// How much of the nodes' velocity particles take for their own: none with FLIP, all with PIC and its kin.
+    pub takes: T,
     /// Time step, s.
     pub dt: T,
+    /// The nodes that planes of symmetry fold, as they were before.
+    pub beside: &'a mut Vec<(usize, Node<T>)>,
 }
 
 impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
@@ -99,39 +101,90 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
             match sums {
                 Sums::All => nodes.fill(Node::default()),
-                Sums::Force | Sums::Again => nodes.iter_mut().for_each(|n| n.second = [T::default(); 4]),
+                Sums::Force | Sums::Again | Sums::Smoothed => {
+                    nodes.iter_mut().for_each(|n| n.second = [T::default(); 4])
+                }
             }
             for giver in fields.givers(block) {
                 bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
             }
         });
-        let lattice = *self.grid.lattice();
-        let (cutoff, keeps, dt) = (self.cutoff, self.keeps, self.dt);
-        for mirror in self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice)) {
-            let axis = mirror.axis;
-            let mut impulse = 0.0;
-            self.columns(mirror, |nodes, [_, on, _]| {
-                let Some(on) = on else { return };
-                impulse += still(&mut nodes[on], axis, sums, keeps, dt);
-            });
-            if self.wide {
-                self.columns(mirror, |nodes, [front, _, back]| {
-                    let (Some(front), Some(back)) = (front, back) else { return };
-                    let before = [nodes[front], nodes[back]];
-                    fold_mirrored(nodes, front, back, axis, sums);
-                    if sums == Sums::All && nodes[front].first[0] > cutoff {
-                        impulse += mirrored_impulse(&before, &nodes[front], axis, keeps, dt);
-                    }
-                });
-            }
-            if let Some(ledger) = self.ledgers.first_mut() {
-                ledger.impulse[axis] += impulse;
-            }
-        }
-        self.close_slices(sums);
+        self.fold_planes(sums);
         for edge in self.edges() {
             self.columns(edge, |nodes, column| fold_extrapolated(nodes, column, sums));
         }
+    }
+
+    /// Give the nodes at planes of symmetry what the other half of the body would, and book the planes' impulse.
+    fn fold_planes(&mut self, sums: Sums) {
+        let lattice = *self.grid.lattice();
+        let planes: Vec<Plane> =
+            self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice)).collect();
+        let moves = self.moves(sums);
+        let mut impulse = [0.0; 3];
+        for plane in &planes {
+            let axis = plane.axis;
+            self.columns(*plane, |nodes, [_, on, _]| {
+                let Some(on) = on else { return };
+                impulse[axis] += still(&mut nodes[on], axis, sums, moves);
+            });
+        }
+        if self.wide {
+            self.look_beside(&planes, sums);
+            // Two planes may be two cells apart, and share the nodes between them: first give, then copy.
+            for fold in [give_mirrored, copy_mirrored] {
+                for plane in &planes {
+                    self.columns(*plane, |nodes, [front, _, back]| {
+                        let (Some(front), Some(back)) = (front, back) else { return };
+                        fold(nodes, front, back, plane.axis, sums);
+                    });
+                }
+            }
+            self.close_slices(sums);
+            let nodes = self.grid.nodes();
+            for (n, before) in self.beside.iter().filter(|(n, _)| nodes[*n].first[0] > self.cutoff) {
+                for axis in (0..D).filter(|a| planes.iter().any(|p| p.axis == *a)) {
+                    impulse[axis] += folded_impulse(before, &nodes[*n], axis, moves);
+                }
+            }
+        }
+        if let Some(ledger) = self.ledgers.first_mut() {
+            for d in 0..3 {
+                ledger.impulse[d] += impulse[d];
+            }
+        }
+    }
+
+    /// What the records of the nodes give to the particles' momentum: first[i] and second[i] times this. A
+    /// velocity smoothed by FMPM is taken off.
+    fn moves(&self, sums: Sums) -> [T; 2] {
+        let none = T::default();
+        match sums {
+            Sums::All => [self.takes, self.dt],
+            Sums::Force => [none, self.dt],
+            Sums::Smoothed => [none, T::of(-1.0)],
+            Sums::Again => [none, none],
+        }
+    }
+
+    /// Note the nodes in front of and behind planes, each once, as they were mapped.
+    fn look_beside(&mut self, planes: &[Plane], sums: Sums) {
+        let mut beside = std::mem::take(self.beside);
+        if sums == Sums::All {
+            beside.clear();
+            for plane in planes {
+                self.columns(*plane, |nodes, [front, _, back]| {
+                    let (Some(front), Some(back)) = (front, back) else { return };
+                    beside.extend([front, back].map(|n| (n, nodes[n])));
+                });
+            }
+            beside.sort_unstable_by_key(|(n, _)| *n);
+            beside.dedup_by_key(|(n, _)| *n);
+        } else {
+            let nodes = self.grid.nodes();
+            beside.iter_mut().for_each(|(n, before)| before.second = nodes[*n].second);
+        }
+        *self.beside = beside;
     }
 
     /// Between two symmetry planes one cell apart, what was folded in front of one lies on the other, where
@@ -222,7 +275,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
 
     /// Velocity of the mapped momentum, with boundaries, into the first record (USF).
     pub fn velocities(&mut self) {
-        let (cutoff, time) = (self.cutoff, self.time);
+        let (cutoff, time, takes) = (self.cutoff, self.time, self.takes);
         self.each_node(move |node, constrain, ledger| {
             let mass = node.first[0];
             if mass > cutoff {
@@ -230,7 +283,14 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 for d in 0..D {
                     v[d] = (node.first[d + 1] / mass).to_double();
                 }
-                constrain(&mut v, time);
+                let free = v;
+                if constrain(&mut v, time) {
+                    for d in 0..D {
+                        let impulse = (takes * mass).to_double() * (v[d] - free[d]);
+                        ledger.impulse[d] += impulse;
+                        ledger.work += impulse * v[d];
+                    }
+                }
                 for d in 0..D {
                     node.first[d + 1] = T::of(v[d]);
                 }
@@ -302,7 +362,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         self.extrapolate();
     }
 
-    /// The next term of the FMPM series, d <- d - S~ d, added to the velocity. `terms` holds d, one a node.
+    /// The next term of the FMPM series, d <- d - S~ d, added to the velocity, except where a boundary holds it.
+    /// `terms` holds d, one a node.
     pub fn refine_velocities(&mut self, terms: &mut [[T; 3]]) {
         let cutoff = self.cutoff;
         let conditions = self.conditions;
@@ -311,8 +372,11 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let lattice = *self.grid.lattice();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let blocks = self.fields.coordinates();
-        let mut pieces: Vec<&mut [[T; 3]]> = terms.chunks_mut(block_nodes(D)).collect();
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, terms| {
+        let mirrors = self.mirrors();
+        let mut pieces: Vec<(&mut [[T; 3]], &mut NodeLedger)> =
+            terms.chunks_mut(block_nodes(D)).zip(self.ledgers.iter_mut()).collect();
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, piece| {
+            let (terms, ledger) = piece;
             let place = BlockPlace::new(&lattice, &blocks[block]);
             for (n, (node, term)) in nodes.iter_mut().zip(terms.iter_mut()).enumerate() {
                 let mass = node.first[0];
@@ -321,9 +385,13 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 }
                 let x = place.node(n);
                 let free = free_directions(conditions, &x, time, lattice.spacing(), copies);
+                let booked = !place.is_copy(n, &mirrors);
                 for d in 0..D {
-                    let smoothed = node.second[d + 1] / mass;
-                    term[d] = if free[d] { term[d] - smoothed } else { T::default() };
+                    let next = term[d] - node.second[d + 1] / mass;
+                    term[d] = if free[d] { next } else { T::default() };
+                    if !free[d] && booked {
+                        ledger.impulse[d] -= (mass * next).to_double();
+                    }
                     node.first[d + 1] += term[d];
                     node.second[d + 1] = term[d];
                 }
@@ -388,54 +456,42 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
 
 /// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
 /// vanish there before anything is divided or differenced. Returns the plane's impulse, what it cancelled, N s.
-fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, keeps: bool, dt: T) -> f64 {
-    let mut impulse = 0.0;
+fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, moves: [T; 2]) -> f64 {
+    let mut impulse = -(moves[1] * std::mem::take(&mut node.second[1 + axis])).to_double();
     if sums == Sums::All {
-        if !keeps {
-            impulse -= node.first[1 + axis].to_double();
-        }
-        node.first[1 + axis] = T::default();
+        impulse -= (moves[0] * std::mem::take(&mut node.first[1 + axis])).to_double();
     }
-    if sums != Sums::Again {
-        impulse -= (node.second[1 + axis] * dt).to_double();
-    }
-    node.second[1 + axis] = T::default();
     impulse
 }
 
-/// The impulse of a symmetry plane through the nodes beside it, N s: what both layers give to the particles
-/// less what the particles gave to them.
-fn mirrored_impulse<T: Float>(
-    [front, back]: &[Node<T>; 2],
-    folded: &Node<T>,
-    axis: usize,
-    keeps: bool,
-    dt: T,
-) -> f64 {
-    let mut had = (front.second[1 + axis] + back.second[1 + axis]) * dt;
-    let mut has = folded.second[1 + axis] * dt;
-    if !keeps {
-        had += front.first[1 + axis] + back.first[1 + axis];
-        has += folded.first[1 + axis];
-    }
-    let share = (front.first[0] - back.first[0]) / folded.first[0];
-    (share * has - had).to_double()
+/// The impulse of symmetry planes through a node beside them, N s: what the folded node gives to the particles
+/// less what the particles gave to it.
+fn folded_impulse<T: Float>(mapped: &Node<T>, folded: &Node<T>, axis: usize, moves: [T; 2]) -> f64 {
+    let records = |n: &Node<T>| moves[0] * n.first[1 + axis] + moves[1] * n.second[1 + axis];
+    (mapped.first[0] / folded.first[0] * records(folded) - records(mapped)).to_double()
 }
 
-/// Add the node behind a symmetry plane, mirrored, to the one in front, and the other way round: what the
-/// other half of the body would have given.
-fn fold_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
-    let reflect = |mut record: [T; 4]| {
-        record[1 + axis] = -record[1 + axis];
-        record
-    };
+/// Add the node behind a symmetry plane, mirrored, to the one in front: what the other half of the body would
+/// have given.
+fn give_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
     let sum = |a: [T; 4], b: [T; 4]| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]];
     if sums == Sums::All {
-        nodes[front].first = sum(nodes[front].first, reflect(nodes[back].first));
-        nodes[back].first = reflect(nodes[front].first);
+        nodes[front].first = sum(nodes[front].first, mirrored(nodes[back].first, axis));
     }
-    nodes[front].second = sum(nodes[front].second, reflect(nodes[back].second));
-    nodes[back].second = reflect(nodes[front].second);
+    nodes[front].second = sum(nodes[front].second, mirrored(nodes[back].second, axis));
+}
+
+/// The other half of the body behind a symmetry plane is the image of this one.
+fn copy_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
+    if sums == Sums::All {
+        nodes[back].first = mirrored(nodes[front].first, axis);
+    }
+    nodes[back].second = mirrored(nodes[front].second, axis);
+}
+
+fn mirrored<T: Float>(mut record: [T; 4], axis: usize) -> [T; 4] {
+    record[1 + axis] = -record[1 + axis];
+    record
 }
 
 /// Give what was mapped behind an edge to the nodes that its velocity is extrapolated from: the adjoint of

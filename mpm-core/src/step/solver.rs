@@ -2,23 +2,24 @@
 
 use mpm_materials::Constitutive;
 
-use super::body::{Body, BodyTrouble, ParticleBody, Steps, Totals, Which};
+use super::body::{Body, BodyTrouble, InitialState, ParticleBody, Steps, Totals, Which};
 use super::contact::{Contact, ContactNode, Encounters, Meeting, OneField, PairContact};
-use super::control::{ControlError, TimeControl};
+use super::control::TimeControl;
 use super::fields::Fields;
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
+use super::scene::SceneError;
 use super::sweep::Cause;
 use super::tile::Sums;
-use crate::boundary::{Boundary, BoundaryError};
+use crate::boundary::Boundary;
 use crate::dim::Stencil;
 use crate::geometry::Seeds;
-use crate::grid::{GridStorage, OutsideGrid};
+use crate::grid::{GridStorage, Node, OutsideGrid};
 use crate::method::Composition;
 use crate::parallel::{Float, Team};
 use crate::scheme::StressUpdate;
 use crate::shape::ShapeFunction;
-use crate::transfer::Transfer;
+use crate::transfer::{Transfer, taken};
 
 /// A step that could not be made. The run stands where the step broke off.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -62,81 +63,6 @@ pub enum Stopped {
     NoTimeStep(f64),
 }
 
-/// A scene that cannot be.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SceneError {
-    /// A boundary.
-    #[error(transparent)]
-    Boundary(#[from] BoundaryError),
-    /// The time control.
-    #[error(transparent)]
-    Control(#[from] ControlError),
-    /// A body without particles.
-    #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
-    Empty(String),
-    /// A body's particles are too large for the shape function.
-    #[error(
-        "body `{body}`: particle half size {half} h along axis {axis} is not allowed; it must be in (0, 0.5]"
-    )]
-    HalfSize {
-        /// The body.
-        body: String,
-        /// The axis.
-        axis: usize,
-        /// Half size in units of h.
-        half: f64,
-    },
-    /// A body reaches outside the grid.
-    #[error("body `{0}`: {1}")]
-    Outside(String, OutsideGrid),
-    /// A body of revolution across its axis.
-    #[error(
-        "body `{body}`: a seed at r = {r} m is not allowed in axisymmetric coordinates; r must be positive"
-    )]
-    BehindAxis {
-        /// The body.
-        body: String,
-        /// Radius, m.
-        r: f64,
-    },
-    /// Seeds whose lists differ in length.
-    #[error("body `{body}`: {volumes} volumes for {positions} positions; every seed needs one of each")]
-    Unequal {
-        /// The body.
-        body: String,
-        /// Number of positions.
-        positions: usize,
-        /// Number of volumes.
-        volumes: usize,
-    },
-    /// A seed that cannot become a particle.
-    #[error("body `{body}`, particle {particle}: {field} = {value} is not allowed; it must be {allowed}")]
-    Seed {
-        /// The body.
-        body: String,
-        /// Number of the seed.
-        particle: usize,
-        /// Which number.
-        field: &'static str,
-        /// What was given.
-        value: f64,
-        /// What is allowed, in words.
-        allowed: &'static str,
-    },
-    /// More particles than their numbers can count in this precision.
-    #[error(
-        "body `{body}`: {count} particles are too many; numbers are exact up to {most} in this precision"
-    )]
-    TooMany {
-        /// The body.
-        body: String,
-        /// How many.
-        count: usize,
-        /// How many there may be.
-        most: usize,
-    },
-}
-
 /// Material point method: bodies of particles on a background grid.
 ///
 /// `M` names the ingredients ([`crate::Method`]), `G` the grid, `K` how bodies meet. Bodies may have different
@@ -169,6 +95,8 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     acting: Loading,
     /// Terms of the FMPM series, one a node; empty for other transfers.
     terms: Vec<[T; 3]>,
+    /// The nodes that planes of symmetry fold, as they were before.
+    beside: Vec<(usize, Node<T>)>,
 }
 
 /// A view of the grid for its stages, which leaves the other parts of the solver free.
@@ -186,8 +114,9 @@ macro_rules! stage {
             cutoff: lightest * mass_cutoff::<T>(),
             wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
             modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
-            keeps: M::Transfer::READS_INCREMENT,
+            takes: taken($mpm.method.transfer(), $dt),
             dt: $dt,
+            beside: &mut $mpm.beside,
         }
     }};
 }
@@ -237,6 +166,7 @@ where
             ledger: NodeLedger::default(),
             acting: Loading::default(),
             terms: Vec::new(),
+            beside: Vec::new(),
         }
     }
 
@@ -266,10 +196,67 @@ where
         velocity: impl Fn([f64; D]) -> [f64; D],
         load: L,
     ) -> Result<(), SceneError> {
+        self.insert(name, law, seeds, velocity, load, None)
+    }
+
+    /// Add a body as [`Mpm::add`] does, its points in the law's `state` by position (m) instead of virgin: stressed
+    /// by their own weight, or to be lit when a detonation wave arrives. A seed's volume is that of the state.
+    ///
+    /// # Errors
+    /// As [`Mpm::add`]; a state with a number that is not finite, or whose volume ratio is not positive.
+    pub fn add_in_state<C: Constitutive<T>>(
+        &mut self,
+        name: &str,
+        law: C,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+        state: impl Fn([f64; D]) -> C::State<T::Single>,
+    ) -> Result<(), SceneError> {
+        self.check_states(name, &law, seeds, &state)?;
+        self.insert(name, law, seeds, velocity, Unloaded, Some(&state))
+    }
+
+    fn check_states<C: Constitutive<T>>(
+        &self,
+        name: &str,
+        law: &C,
+        seeds: &Seeds<D>,
+        state: impl Fn([f64; D]) -> C::State<T::Single>,
+    ) -> Result<(), SceneError> {
+        for (particle, &x) in seeds.positions.iter().enumerate() {
+            let refuse = |field, value: T, allowed| {
+                let value = value.to_double();
+                Err(SceneError::Seed { body: name.into(), particle, field, value, allowed })
+            };
+            let state = state(x);
+            for number in mpm_materials::point::flatten::<T::Single, _>(&state) {
+                let number: T = number.into();
+                if !number.to_double().is_finite() {
+                    return refuse("number of the initial state", number, "finite");
+                }
+            }
+            let ratio: T = law.volume_ratio(&state).into();
+            if ratio <= T::default() {
+                return refuse("volume ratio of the initial state", ratio, "positive");
+            }
+        }
+        Ok(())
+    }
+
+    fn insert<C: Constitutive<T>, L: Load<D>>(
+        &mut self,
+        name: &str,
+        law: C,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+        load: L,
+        state: Option<&InitialState<'_, T, D, C>>,
+    ) -> Result<(), SceneError> {
         self.check_seeds(name, seeds)?;
         self.check_numbers(name, seeds, &velocity)?;
         let lattice = *self.grid.lattice();
-        let body = ParticleBody::<T, D, C, M, L>::new(name, law, self.method, lattice, seeds, velocity, load);
+        let mut body = ParticleBody::<T, D, C, M, L>::empty(name, law, self.method, lattice, seeds, load);
+        body.seed(seeds, velocity, state);
         self.bodies.push(Box::new(body));
         self.mapped = false;
         self.arrange().map_err(|outside| {
@@ -518,7 +505,7 @@ where
         self.stage(dt).first_terms(&mut terms);
         for _ in 1..M::Transfer::ORDER {
             self.particle_pass(Which::Smooth, dt)?;
-            self.stage(dt).collect(Sums::Again);
+            self.stage(dt).collect(Sums::Smoothed);
             self.stage(dt).refine_velocities(&mut terms);
         }
         self.terms = terms;
@@ -671,6 +658,7 @@ where
             + self.grid.bytes()
             + self.ledgers.capacity() * size_of::<NodeLedger>()
             + self.terms.capacity() * size_of::<[T; 3]>()
+            + self.beside.capacity() * size_of::<(usize, Node<T>)>()
             + self.fields.bytes()
             + self.encounters.bytes()
     }

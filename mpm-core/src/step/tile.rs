@@ -17,8 +17,10 @@ pub enum Sums {
     All,
     /// The second into the second: force (USF).
     Force,
-    /// The first into the second: momentum mapped again (MUSL, FMPM).
+    /// The first into the second: momentum mapped again (MUSL).
     Again,
+    /// The same, of a velocity that is smoothed (FMPM).
+    Smoothed,
 }
 
 /// Nodes that the particles of a block reach, along an axis and in all, for a method.
@@ -268,7 +270,7 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a
                         }
                     }
                     Sums::Force => add_row::<T, A, 1>(to, &second[from..][..x.len()]),
-                    Sums::Again => add_row::<T, A, 1>(to, &first[from..][..x.len()]),
+                    Sums::Again | Sums::Smoothed => add_row::<T, A, 1>(to, &first[from..][..x.len()]),
                 }
             }
         }

@@ -1,0 +1,80 @@
+//! What a scene is refused for.
+
+use super::control::ControlError;
+use crate::boundary::BoundaryError;
+use crate::grid::OutsideGrid;
+
+/// A scene that cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SceneError {
+    /// A boundary.
+    #[error(transparent)]
+    Boundary(#[from] BoundaryError),
+    /// The time control.
+    #[error(transparent)]
+    Control(#[from] ControlError),
+    /// A body without particles.
+    #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
+    Empty(String),
+    /// A body's particles are too large for the shape function.
+    #[error(
+        "body `{body}`: particle half size {half} h along axis {axis} is not allowed; it must be in (0, 0.5]"
+    )]
+    HalfSize {
+        /// The body.
+        body: String,
+        /// The axis.
+        axis: usize,
+        /// Half size in units of h.
+        half: f64,
+    },
+    /// A body reaches outside the grid.
+    #[error("body `{0}`: {1}")]
+    Outside(String, OutsideGrid),
+    /// A body of revolution across its axis.
+    #[error(
+        "body `{body}`: a seed at r = {r} m is not allowed in axisymmetric coordinates; r must be positive"
+    )]
+    BehindAxis {
+        /// The body.
+        body: String,
+        /// Radius, m.
+        r: f64,
+    },
+    /// Seeds whose lists differ in length.
+    #[error("body `{body}`: {volumes} volumes for {positions} positions; every seed needs one of each")]
+    Unequal {
+        /// The body.
+        body: String,
+        /// Number of positions.
+        positions: usize,
+        /// Number of volumes.
+        volumes: usize,
+    },
+    /// A seed that cannot become a particle.
+    #[error("body `{body}`, particle {particle}: {field} = {value} is not allowed; it must be {allowed}")]
+    Seed {
+        /// The body.
+        body: String,
+        /// Number of the seed.
+        particle: usize,
+        /// Which number.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed, in words.
+        allowed: &'static str,
+    },
+    /// More particles than their numbers can count in this precision.
+    #[error(
+        "body `{body}`: {count} particles are too many; numbers are exact up to {most} in this precision"
+    )]
+    TooMany {
+        /// The body.
+        body: String,
+        /// How many.
+        count: usize,
+        /// How many there may be.
+        most: usize,
+    },
+}

@@ -1,0 +1,87 @@
+//! Bodies whose points do not start virgin.
+
+use impactite_tests::compare::particles;
+use impactite_tests::scene::{DENSITY, block, rubber, wave_speed};
+use mpm_core::geometry::Lattice;
+use mpm_core::step::SceneError;
+use mpm_core::{BlockGrid, Boundary, Flip, Gimp, Method, Mpm, Musl, PlaneStrain, Side, TimeControl};
+use mpm_materials::elastic::HyperelasticState;
+use mpm_materials::{Constitutive, Mat3, NeoHookean};
+
+const H: f64 = 0.1;
+const HEIGHT: f64 = 1.2;
+/// Compression at the foot of a column under its own weight.
+const COMPRESSION: f64 = 1e-3;
+
+type Column = Mpm<f64, 2, Method<Gimp, Flip, Musl, PlaneStrain>, BlockGrid<f64, 2>>;
+
+fn column(lattice: Lattice<2>, gravity: f64) -> Column {
+    let mut mpm = Mpm::new(Method::new(Gimp, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    let plane = |axis, at, side| Boundary::Symmetry { axis, at, side };
+    mpm.bound(plane(1, 0.0, Side::Above)).expect("floor");
+    mpm.bound(plane(0, 0.0, Side::Above)).expect("side");
+    mpm.bound(plane(0, 3.0 * H, Side::Below)).expect("side");
+    mpm.set_body_force(move |_| [0.0, -gravity]);
+    mpm.set_time_control(TimeControl::Fixed(0.2 * H / wave_speed())).expect("time control");
+    mpm
+}
+
+/// The state of a neo-Hookean point pressed along y.
+fn pressed(strain: f64) -> HyperelasticState<f64> {
+    let mut deformation = Mat3::identity();
+    deformation.0[1][1] = 1.0 - strain;
+    HyperelasticState { deformation }
+}
+
+/// A column that starts as its weight presses it stays at rest; a virgin one falls and bounces.
+#[test]
+fn a_body_may_start_in_equilibrium() {
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let seeds = block(&lattice, [0, 0], [3, 12], 2, 0.0);
+    // rho g (height - y) = rho c^2 strain, up to the square of the strain.
+    let gravity = COMPRESSION * wave_speed().powi(2) / HEIGHT;
+    let strain = |y: f64| COMPRESSION * (HEIGHT - y) / HEIGHT;
+    let fastest = |mut mpm: Column| {
+        let mut fastest = 0.0f64;
+        // Half of the slowest period.
+        while mpm.time() < 2.0 * HEIGHT / wave_speed() {
+            mpm.step().expect("step");
+            fastest = particles(&mpm)[0].iter().map(|p| p.velocity[1].abs()).fold(fastest, f64::max);
+        }
+        fastest
+    };
+    let (mut virgin, mut settled) = (column(lattice, gravity), column(lattice, gravity));
+    virgin.add("column", rubber(), &seeds, |_| [0.0; 2]).expect("body");
+    settled
+        .add_in_state("column", rubber(), &seeds, |_| [0.0; 2], |[_, y]| pressed(strain(y)))
+        .expect("body");
+    for (p, x) in particles(&settled)[0].iter().zip(&seeds.positions) {
+        let mass = DENSITY * seeds.volumes[p.number] / (1.0 - strain(x[1]));
+        assert!((p.mass / mass - 1.0).abs() < 1e-14, "the seed's volume is the pressed one: {}", p.mass);
+        assert_eq!(p.stress[1], rubber().stress(&pressed(strain(x[1]))).0[1]);
+    }
+    let (bouncing, resting) = (fastest(virgin), fastest(settled));
+    assert!(resting < 0.01 * bouncing, "{resting:e} against {bouncing:e}");
+}
+
+#[test]
+fn a_state_that_cannot_be_is_refused() {
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let seeds = block(&lattice, [0, 0], [3, 12], 2, 0.0);
+    let refusal = |state: &dyn Fn([f64; 2]) -> HyperelasticState<f64>| {
+        let law: NeoHookean<f64> = rubber();
+        column(lattice, 1.0).add_in_state("column", law, &seeds, |_| [0.0; 2], state).expect_err("refusal")
+    };
+    let high = seeds.positions.iter().position(|x| x[1] > 1.0).expect("a high one");
+    for (strain, what) in
+        [(f64::NAN, "number of the initial state"), (1.5, "volume ratio of the initial state")]
+    {
+        let error = refusal(&|[_, y]| pressed(if y > 1.0 { strain } else { 0.0 }));
+        match error {
+            SceneError::Seed { body, particle, field, .. } => {
+                assert_eq!((body.as_str(), particle, field), ("column", high, what));
+            }
+            other => panic!("{other}"),
+        }
+    }
+}
