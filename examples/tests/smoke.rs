@@ -121,6 +121,21 @@ fn taylor_bar_convergence() {
 }
 
 #[test]
+fn tnt_slab() {
+    let name = "tnt";
+    let output = run(env!("CARGO_BIN_EXE_tnt_slab"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "tnt_slab");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    assert_eq!(gates, 3 * 3 + 1 + 2 + 2, "checks decide");
+    for file in
+        ["taylor_wave.png", "gauges.png", "gauges.csv", "profile.csv", "ledger.csv", "paraview/slab.pvd"]
+    {
+        assert!(folder(name).join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(folder(name)).expect("removed");
+}
+
+#[test]
 fn throughput() {
     let name = "throughput";
     let output = run(env!("CARGO_BIN_EXE_throughput"), &["--resolution", "smoke", "--json"], name);

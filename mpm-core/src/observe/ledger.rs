@@ -25,8 +25,8 @@ pub struct LedgerEntry {
     pub friction: f64,
     /// kinetic + internal - work + friction, J: constant if energy is conserved.
     pub total: f64,
-    /// Change of `total` since the first entry, relative to the largest sum of kinetic and internal energy so
-    /// far. Negative: the method lost energy.
+    /// Change of `total` since the first entry, relative to the largest kinetic energy, or sum of kinetic and
+    /// internal energy, so far. Negative: the method lost energy.
     pub energy_error: f64,
     /// Momentum, kg m/s.
     pub momentum: [f64; 3],
@@ -90,10 +90,11 @@ impl Ledger {
         &self.entries
     }
 
-    /// The energy error that is largest by amount, with its sign.
+    /// The change of the total energy that is largest by amount, with its sign, over the scale of the whole run.
     #[must_use]
     pub fn worst_energy_error(&self) -> f64 {
-        let errors = self.entries.iter().map(|e| e.energy_error);
+        let first = self.entries.first().map_or(0.0, |e| e.total);
+        let errors = self.entries.iter().map(|e| relative(e.total - first, self.energy_scale));
         errors.fold(0.0, |worst: f64, e| if e.is_nan() || e.abs() > worst.abs() { e } else { worst })
     }
 
@@ -110,7 +111,9 @@ impl Ledger {
         let work = given.work - before.work;
         let friction = given.friction - before.friction;
         let total = totals.kinetic + totals.internal - work + friction;
-        self.energy_scale = self.energy_scale.max((totals.kinetic + totals.internal).abs());
+        // An explosive's energies are opposite: their sum says nothing about their size.
+        self.energy_scale =
+            self.energy_scale.max((totals.kinetic + totals.internal).abs()).max(totals.kinetic);
         self.momentum_scale = self.momentum_scale.max(totals.momentum_scale);
         let along = if now.axisymmetric() { 1..2 } else { 0..3 };
         let square: f64 = along.map(|d| missing(d, &totals, &first, &given, &before).powi(2)).sum();
