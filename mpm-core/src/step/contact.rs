@@ -444,7 +444,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             }
         }
         if !alone {
-            self.extrapolate();
+            self.planes.extrapolate(self.grid.nodes_mut());
         }
     }
 
@@ -455,8 +455,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         encounters: &mut Encounters<T>,
     ) {
         let lattice = *self.grid.lattice();
-        let mirrors: Vec<Plane> =
-            self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice)).collect();
+        let mirrors = self.planes.mirrors();
         let (fields, bodies, nodes) = (self.fields, self.bodies, self.grid.nodes());
         let (wide, cutoff, dt) = (self.wide, self.cutoff, self.dt);
         self.team.each(&mut encounters.found, |s, found| {
@@ -467,7 +466,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 members: fields.members(s),
                 bodies,
                 fields,
-                mirrors: &mirrors,
+                mirrors,
                 wide,
                 place: BlockPlace::new(&lattice, &coordinates),
                 coordinates,
@@ -487,7 +486,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let end = if meeting == Meeting::Momentum { time } else { time + dt.to_double() };
         let tolerance = 1e-6 * lattice.spacing();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
-        let mirrors = self.mirrors();
+        let mirrors = self.planes.copied();
         let per_dt = T::of(1.0) / dt;
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
             let Some((shared, field)) = fields.field_of(block) else { return };
@@ -522,7 +521,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                         continue;
                     }
                     node.second[d + 1] += change[d] * per_dt;
-                    if v[d] != free[d] && !place.is_copy(given.node, &mirrors) {
+                    if v[d] != free[d] && !place.is_copy(given.node, mirrors) {
                         let impulse = mass.to_double() * (v[d] - free[d]);
                         ledger.impulse[d] += impulse;
                         ledger.work += impulse * v[d];

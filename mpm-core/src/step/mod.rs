@@ -8,6 +8,7 @@ mod gather;
 pub mod load;
 mod migrate;
 pub mod nodes;
+pub mod planes;
 mod reach;
 mod scatter;
 mod scene;

@@ -7,6 +7,7 @@ use crate::parallel::{Float, Team};
 
 use super::body::Body;
 use super::fields::Fields;
+use super::planes::Planes;
 use super::tile::Sums;
 
 /// What the grid stages of a step took from or gave to the momentum, a block of nodes.
@@ -79,14 +80,12 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub cutoff: T,
     /// Do stencils reach behind a plane that particles touch?
     pub wide: bool,
-    /// Is what lies behind a wall or fixed plane extrapolated ([`crate::BoundaryModified`])?
-    pub modified: bool,
     /// How much of the nodes' velocity particles take for their own: none with FLIP, all with PIC and its kin.
     pub takes: T,
     /// Time step, s.
     pub dt: T,
-    /// The nodes that planes of symmetry fold, as they were before.
-    pub beside: &'a mut Vec<(usize, Node<T>)>,
+    /// The nodes at planes of symmetry, walls and fixed planes.
+    pub planes: &'a mut Planes<T>,
 }
 
 impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
@@ -109,45 +108,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
             }
         });
-        self.fold_planes(sums);
-        for edge in self.edges() {
-            self.columns(edge, |nodes, column| fold_extrapolated(nodes, column, sums));
-        }
-    }
-
-    /// Give the nodes at planes of symmetry what the other half of the body would, and book the planes' impulse.
-    fn fold_planes(&mut self, sums: Sums) {
-        let lattice = *self.grid.lattice();
-        let planes: Vec<Plane> =
-            self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice)).collect();
         let moves = self.moves(sums);
-        let mut impulse = [0.0; 3];
-        for plane in &planes {
-            let axis = plane.axis;
-            self.columns(*plane, |nodes, [_, on, _]| {
-                let Some(on) = on else { return };
-                impulse[axis] += still(&mut nodes[on], axis, sums, moves);
-            });
-        }
-        if self.wide {
-            self.look_beside(&planes, sums);
-            // Two planes may be two cells apart, and share the nodes between them: first give, then copy.
-            for fold in [give_mirrored, copy_mirrored] {
-                for plane in &planes {
-                    self.columns(*plane, |nodes, [front, _, back]| {
-                        let (Some(front), Some(back)) = (front, back) else { return };
-                        fold(nodes, front, back, plane.axis, sums);
-                    });
-                }
-            }
-            self.close_slices(sums);
-            let nodes = self.grid.nodes();
-            for (n, before) in self.beside.iter().filter(|(n, _)| nodes[*n].first[0] > self.cutoff) {
-                for axis in (0..D).filter(|a| planes.iter().any(|p| p.axis == *a)) {
-                    impulse[axis] += folded_impulse(before, &nodes[*n], axis, moves);
-                }
-            }
-        }
+        let impulse = self.planes.fold(self.grid.nodes_mut(), sums, moves, self.cutoff);
         if let Some(ledger) = self.ledgers.first_mut() {
             for d in 0..3 {
                 ledger.impulse[d] += impulse[d];
@@ -164,112 +126,6 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             Sums::Force => [none, self.dt],
             Sums::Smoothed => [none, T::of(-1.0)],
             Sums::Again => [none, none],
-        }
-    }
-
-    /// Note the nodes in front of and behind planes, each once, as they were mapped.
-    fn look_beside(&mut self, planes: &[Plane], sums: Sums) {
-        let mut beside = std::mem::take(self.beside);
-        if sums == Sums::All {
-            beside.clear();
-            for plane in planes {
-                self.columns(*plane, |nodes, [front, _, back]| {
-                    let (Some(front), Some(back)) = (front, back) else { return };
-                    beside.extend([front, back].map(|n| (n, nodes[n])));
-                });
-            }
-            beside.sort_unstable_by_key(|(n, _)| *n);
-            beside.dedup_by_key(|(n, _)| *n);
-        } else {
-            let nodes = self.grid.nodes();
-            beside.iter_mut().for_each(|(n, before)| before.second = nodes[*n].second);
-        }
-        *self.beside = beside;
-    }
-
-    /// Between two symmetry planes one cell apart, what was folded in front of one lies on the other, where
-    /// nothing crosses.
-    fn close_slices(&mut self, sums: Sums) {
-        let mirrors = self.mirrors();
-        for mirror in &mirrors {
-            let other = |m: &&Plane| m.axis == mirror.axis && m.node == mirror.node + mirror.sign;
-            if mirrors.iter().find(other).is_none() {
-                continue;
-            }
-            let across = 1 + mirror.axis;
-            self.columns(*mirror, |nodes, [front, _, back]| {
-                for node in [front, back].into_iter().flatten() {
-                    if sums == Sums::All {
-                        nodes[node].first[across] = T::default();
-                    }
-                    nodes[node].second[across] = T::default();
-                }
-            });
-        }
-    }
-
-    /// Symmetry planes that stencils reach behind.
-    pub(super) fn mirrors(&self) -> Vec<Plane> {
-        let lattice = self.grid.lattice();
-        let boundaries = if self.wide { &self.conditions.boundaries[..] } else { &[] };
-        boundaries.iter().filter_map(|b| b.mirror(lattice)).collect()
-    }
-
-    /// Walls and fixed planes behind which velocities are extrapolated.
-    fn edges(&self) -> Vec<Plane> {
-        let lattice = self.grid.lattice();
-        let boundaries = if self.wide && self.modified { &self.conditions.boundaries[..] } else { &[] };
-        boundaries.iter().filter_map(|b| b.edge(lattice)).collect()
-    }
-
-    /// Visit the columns of three nodes in front of, on and behind a plane (where they exist, by index).
-    fn columns(&mut self, plane: Plane, mut visit: impl FnMut(&mut [Node<T>], [Option<usize>; 3])) {
-        let Plane { axis, node, sign } = plane;
-        let layers = [node + sign, node, node - sign];
-        let block_of = |layer: i32| layer.div_euclid(BLOCK as i32);
-        let stride = BLOCK.pow(axis as u32);
-        // Each column of a body once: by the block on the plane, or in front where that one does not exist.
-        let fields = self.fields;
-        let mut places: Vec<([i32; D], u32)> = Vec::new();
-        for (block, c) in fields.coordinates().iter().enumerate() {
-            if layers.iter().any(|&l| block_of(l) == c[axis]) {
-                let mut place = *c;
-                place[axis] = 0;
-                places.push((place, fields.owner(block)));
-            }
-        }
-        places.sort_unstable();
-        places.dedup();
-        for (place, owner) in places {
-            let blocks = layers.map(|layer| {
-                let mut c = place;
-                c[axis] = block_of(layer);
-                fields.find(&*self.grid, &c, owner)
-            });
-            let nodes = self.grid.nodes_mut();
-            for n in (0..block_nodes(D)).filter(|n| (n / stride).is_multiple_of(BLOCK)) {
-                let mut column = [None; 3];
-                for i in 0..3 {
-                    let within = layers[i].rem_euclid(BLOCK as i32) as usize * stride;
-                    column[i] = blocks[i].map(|b| b * block_nodes(D) + n + within);
-                }
-                visit(nodes, column);
-            }
-        }
-    }
-
-    /// Give the nodes behind walls and fixed planes what the others extrapolate to.
-    pub(super) fn extrapolate(&mut self) {
-        for edge in self.edges() {
-            self.columns(edge, |nodes, column| {
-                if let [Some(front), Some(on), Some(back)] = column {
-                    let two = T::of(2.0);
-                    for d in 1..4 {
-                        nodes[back].first[d] = two * nodes[on].first[d] - nodes[front].first[d];
-                        nodes[back].second[d] = two * nodes[on].second[d] - nodes[front].second[d];
-                    }
-                }
-            });
         }
     }
 
@@ -298,7 +154,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 drop_momentum::<T, D>(node, ledger, T::default());
             }
         });
-        self.extrapolate();
+        self.planes.extrapolate(self.grid.nodes_mut());
     }
 
     /// Momentum update (eq. 8 of \[Ma2010\]): v = p/m + dt f/m with loads and boundaries. Leaves the new
@@ -340,7 +196,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             }
             node.first[1..=D].copy_from_slice(&new[..D]);
         });
-        self.extrapolate();
+        self.planes.extrapolate(self.grid.nodes_mut());
     }
 
     /// Velocity of the momentum mapped a second time, with boundaries, into the second record (MUSL).
@@ -359,7 +215,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 node.second[d + 1] = T::of(v[d]);
             }
         });
-        self.extrapolate();
+        self.planes.extrapolate(self.grid.nodes_mut());
     }
 
     /// The next term of the FMPM series, d <- d - S~ d, added to the velocity, except where a boundary holds it.
@@ -372,7 +228,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let lattice = *self.grid.lattice();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let blocks = self.fields.coordinates();
-        let mirrors = self.mirrors();
+        let mirrors = self.planes.copied();
         let mut pieces: Vec<(&mut [[T; 3]], &mut NodeLedger)> =
             terms.chunks_mut(block_nodes(D)).zip(self.ledgers.iter_mut()).collect();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, piece| {
@@ -385,7 +241,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 }
                 let x = place.node(n);
                 let free = free_directions(conditions, &x, time, lattice.spacing(), copies);
-                let booked = !place.is_copy(n, &mirrors);
+                let booked = !place.is_copy(n, mirrors);
                 for d in 0..D {
                     let next = term[d] - node.second[d + 1] / mass;
                     term[d] = if free[d] { next } else { T::default() };
@@ -397,7 +253,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 }
             }
         });
-        self.extrapolate();
+        self.planes.extrapolate(self.grid.nodes_mut());
     }
 
     /// Start the FMPM series: d = v.
@@ -422,7 +278,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let tolerance = 1e-6 * lattice.spacing();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         // Nodes behind a mirror are copies: what happens to them is booked at their originals.
-        let mirrors = self.mirrors();
+        let mirrors = self.planes.copied();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
             let place = BlockPlace::new(&lattice, &blocks[block]);
             let reach = 2.0 * lattice.spacing();
@@ -443,7 +299,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                         }
                         *v != before
                     };
-                    if place.is_copy(n, &mirrors) {
+                    if place.is_copy(n, mirrors) {
                         update(node, &constrain, &mut NodeLedger::default());
                     } else {
                         update(node, &constrain, ledger);
@@ -451,64 +307,6 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 }
             }
         });
-    }
-}
-
-/// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
-/// vanish there before anything is divided or differenced. Returns the plane's impulse, what it cancelled, N s.
-fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, moves: [T; 2]) -> f64 {
-    let mut impulse = -(moves[1] * std::mem::take(&mut node.second[1 + axis])).to_double();
-    if sums == Sums::All {
-        impulse -= (moves[0] * std::mem::take(&mut node.first[1 + axis])).to_double();
-    }
-    impulse
-}
-
-/// The impulse of symmetry planes through a node beside them, N s: what the folded node gives to the particles
-/// less what the particles gave to it.
-fn folded_impulse<T: Float>(mapped: &Node<T>, folded: &Node<T>, axis: usize, moves: [T; 2]) -> f64 {
-    let records = |n: &Node<T>| moves[0] * n.first[1 + axis] + moves[1] * n.second[1 + axis];
-    (mapped.first[0] / folded.first[0] * records(folded) - records(mapped)).to_double()
-}
-
-/// Add the node behind a symmetry plane, mirrored, to the one in front: what the other half of the body would
-/// have given.
-fn give_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
-    let sum = |a: [T; 4], b: [T; 4]| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]];
-    if sums == Sums::All {
-        nodes[front].first = sum(nodes[front].first, mirrored(nodes[back].first, axis));
-    }
-    nodes[front].second = sum(nodes[front].second, mirrored(nodes[back].second, axis));
-}
-
-/// The other half of the body behind a symmetry plane is the image of this one.
-fn copy_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
-    if sums == Sums::All {
-        nodes[back].first = mirrored(nodes[front].first, axis);
-    }
-    nodes[back].second = mirrored(nodes[front].second, axis);
-}
-
-fn mirrored<T: Float>(mut record: [T; 4], axis: usize) -> [T; 4] {
-    record[1 + axis] = -record[1 + axis];
-    record
-}
-
-/// Give what was mapped behind an edge to the nodes that its velocity is extrapolated from: the adjoint of
-/// v_back = 2 v_on - v_front. The basis then ends at the edge: at the edge's nodes it interpolates
-/// (Steffen, Kirby, Berzins 2008).
-fn fold_extrapolated<T: Float>(nodes: &mut [Node<T>], column: [Option<usize>; 3], sums: Sums) {
-    let [Some(front), Some(on), Some(back)] = column else { return };
-    let two = T::of(2.0);
-    for i in 0..4 {
-        if sums == Sums::All {
-            let behind = std::mem::take(&mut nodes[back].first[i]);
-            nodes[on].first[i] += two * behind;
-            nodes[front].first[i] -= behind;
-        }
-        let behind = std::mem::take(&mut nodes[back].second[i]);
-        nodes[on].second[i] += two * behind;
-        nodes[front].second[i] -= behind;
     }
 }
 

@@ -8,13 +8,14 @@ use super::control::TimeControl;
 use super::fields::Fields;
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
+use super::planes::Planes;
 use super::scene::SceneError;
 use super::sweep::Cause;
 use super::tile::Sums;
 use crate::boundary::Boundary;
 use crate::dim::Stencil;
 use crate::geometry::Seeds;
-use crate::grid::{GridStorage, Node, OutsideGrid};
+use crate::grid::{GridStorage, OutsideGrid};
 use crate::method::Composition;
 use crate::parallel::{Float, Team};
 use crate::scheme::StressUpdate;
@@ -95,8 +96,8 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     acting: Loading,
     /// Terms of the FMPM series, one a node; empty for other transfers.
     terms: Vec<[T; 3]>,
-    /// The nodes that planes of symmetry fold, as they were before.
-    beside: Vec<(usize, Node<T>)>,
+    /// The nodes at planes of symmetry, walls and fixed planes.
+    planes: Planes<T>,
 }
 
 /// A view of the grid for its stages, which leaves the other parts of the solver free.
@@ -113,10 +114,9 @@ macro_rules! stage {
             time: $mpm.time,
             cutoff: lightest * mass_cutoff::<T>(),
             wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
-            modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
             takes: taken($mpm.method.transfer(), $dt),
             dt: $dt,
-            beside: &mut $mpm.beside,
+            planes: &mut $mpm.planes,
         }
     }};
 }
@@ -166,7 +166,7 @@ where
             ledger: NodeLedger::default(),
             acting: Loading::default(),
             terms: Vec::new(),
-            beside: Vec::new(),
+            planes: Planes::default(),
         }
     }
 
@@ -329,6 +329,7 @@ where
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         boundary.check(self.grid.lattice())?;
         self.conditions.boundaries.push(boundary);
+        self.arrange_planes();
         Ok(())
     }
 
@@ -566,7 +567,16 @@ where
     fn arrange(&mut self) -> Result<(), OutsideGrid> {
         self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES)?;
         self.encounters.arrange(self.fields.shared().len());
+        self.arrange_planes();
         Ok(())
+    }
+
+    fn arrange_planes(&mut self) {
+        let reach = [
+            <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
+            <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
+        ];
+        self.planes.arrange(&self.grid, &self.fields, &self.conditions.boundaries, reach);
     }
 
     fn names(&self) -> String {
@@ -658,7 +668,7 @@ where
             + self.grid.bytes()
             + self.ledgers.capacity() * size_of::<NodeLedger>()
             + self.terms.capacity() * size_of::<[T; 3]>()
-            + self.beside.capacity() * size_of::<(usize, Node<T>)>()
+            + self.planes.bytes()
             + self.fields.bytes()
             + self.encounters.bytes()
     }

@@ -1,0 +1,268 @@
+//! Nodes at planes of symmetry, walls and fixed planes, where stencils reach behind: what lies there is folded to
+//! the front, and what nodes there hold follows from those in front.
+
+use super::fields::Fields;
+use super::tile::Sums;
+use crate::boundary::{Boundary, Plane};
+use crate::dim::{BLOCK, block_nodes};
+use crate::grid::{GridStorage, Node};
+use crate::parallel::Float;
+
+/// Places among the nodes of one in front of a plane, one on it and one behind it. [`NOWHERE`] where there is none.
+type Column = [u32; 3];
+
+const NOWHERE: u32 = u32::MAX;
+
+/// The columns of nodes through a plane.
+#[derive(Clone, Debug)]
+struct Columns {
+    plane: Plane,
+    columns: Vec<Column>,
+}
+
+/// The planes of a scene with their nodes, found once for an arrangement of the grid.
+#[derive(Clone, Debug)]
+pub struct Planes<T> {
+    symmetries: Vec<Columns>,
+    /// The planes of `symmetries`.
+    mirrors: Vec<Plane>,
+    /// Do stencils reach behind them? Then nodes there are copies of those in front.
+    wide: bool,
+    /// Those of them with another one cell in front, by place in `symmetries`.
+    slices: Vec<usize>,
+    /// Walls and fixed planes behind which velocities are extrapolated ([`crate::BoundaryModified`]).
+    edges: Vec<Columns>,
+    /// The nodes in front of and behind planes of symmetry, each once, as they were mapped.
+    beside: Vec<(u32, Node<T>)>,
+}
+
+impl<T> Default for Planes<T> {
+    fn default() -> Self {
+        Planes {
+            symmetries: Vec::new(),
+            mirrors: Vec::new(),
+            wide: false,
+            slices: Vec::new(),
+            edges: Vec::new(),
+            beside: Vec::new(),
+        }
+    }
+}
+
+impl<T: Float> Planes<T> {
+    /// Find the nodes. `wide`: do stencils reach behind a plane that particles touch? `modified`: is what lies
+    /// behind walls and fixed planes extrapolated?
+    pub fn arrange<const D: usize, G: GridStorage<T, D>>(
+        &mut self,
+        grid: &G,
+        fields: &Fields<D>,
+        boundaries: &[Boundary<D>],
+        [wide, modified]: [bool; 2],
+    ) {
+        let lattice = *grid.lattice();
+        let with_columns = |plane| Columns { plane, columns: columns(grid, fields, plane) };
+        self.symmetries = boundaries.iter().filter_map(|b| b.mirror(&lattice)).map(with_columns).collect();
+        self.mirrors.clear();
+        self.mirrors.extend(self.symmetries.iter().map(|s| s.plane));
+        self.wide = wide;
+        self.beside.clear();
+        if wide {
+            let pairs = self
+                .symmetries
+                .iter()
+                .flat_map(|s| &s.columns)
+                .filter(|c| c[0] != NOWHERE && c[2] != NOWHERE);
+            self.beside.extend(pairs.flat_map(|c| [c[0], c[2]]).map(|n| (n, Node::default())));
+            self.beside.sort_unstable_by_key(|(n, _)| *n);
+            self.beside.dedup_by_key(|(n, _)| *n);
+        }
+        let mirrors = self.copied();
+        let closed = |m: &Plane| mirrors.iter().any(|o| o.axis == m.axis && o.node == m.node + m.sign);
+        let slices = (0..mirrors.len()).filter(|&i| closed(&mirrors[i])).collect();
+        self.slices = slices;
+        self.edges.clear();
+        if wide && modified {
+            self.edges.extend(boundaries.iter().filter_map(|b| b.edge(&lattice)).map(with_columns));
+        }
+    }
+
+    /// The planes of symmetry.
+    pub(crate) fn mirrors(&self) -> &[Plane] {
+        &self.mirrors
+    }
+
+    /// Planes of symmetry that stencils reach behind: nodes there are copies.
+    pub(crate) fn copied(&self) -> &[Plane] {
+        if self.wide { &self.mirrors } else { &[] }
+    }
+
+    /// Give the nodes at planes what the other half of the body would, or what lies behind edges. Returns the
+    /// impulse of the planes of symmetry, N s; `moves`: what first\[i\] and second\[i\] give to the particles'
+    /// momentum.
+    pub fn fold(&mut self, nodes: &mut [Node<T>], sums: Sums, moves: [T; 2], cutoff: T) -> [f64; 3] {
+        let mut impulse = [0.0; 3];
+        for Columns { plane, columns } in &self.symmetries {
+            for on in columns.iter().map(|c| c[1]).filter(|&n| n != NOWHERE) {
+                impulse[plane.axis] += still(&mut nodes[on as usize], plane.axis, sums, moves);
+            }
+        }
+        for (n, mapped) in &mut self.beside {
+            match sums {
+                Sums::All => *mapped = nodes[*n as usize],
+                _ => mapped.second = nodes[*n as usize].second,
+            }
+        }
+        // Two planes may be two cells apart and share the nodes between them: first give, then copy.
+        for fold in [give_mirrored, copy_mirrored] {
+            for Columns { plane, columns } in self.symmetries.iter().filter(|_| self.wide) {
+                for &[front, _, back] in columns.iter().filter(|c| c[0] != NOWHERE && c[2] != NOWHERE) {
+                    fold(nodes, front as usize, back as usize, plane.axis, sums);
+                }
+            }
+        }
+        self.close_slices(nodes, sums);
+        for (n, mapped) in &self.beside {
+            let folded = &nodes[*n as usize];
+            if folded.first[0] > cutoff {
+                for axis in (0..3).filter(|a| self.mirrors.iter().any(|p| p.axis == *a)) {
+                    impulse[axis] += folded_impulse(mapped, folded, axis, moves);
+                }
+            }
+        }
+        for column in self.edges.iter().flat_map(|e| &e.columns) {
+            fold_extrapolated(nodes, *column, sums);
+        }
+        impulse
+    }
+
+    /// Between two symmetry planes one cell apart, what was folded in front of one lies on the other, where
+    /// nothing crosses.
+    fn close_slices(&self, nodes: &mut [Node<T>], sums: Sums) {
+        for Columns { plane, columns } in self.slices.iter().map(|&i| &self.symmetries[i]) {
+            let across = 1 + plane.axis;
+            for n in columns.iter().flat_map(|c| [c[0], c[2]]).filter(|&n| n != NOWHERE) {
+                if sums == Sums::All {
+                    nodes[n as usize].first[across] = T::default();
+                }
+                nodes[n as usize].second[across] = T::default();
+            }
+        }
+    }
+
+    /// Give the nodes behind walls and fixed planes what the others extrapolate to.
+    pub fn extrapolate(&self, nodes: &mut [Node<T>]) {
+        for column in self.edges.iter().flat_map(|e| &e.columns).filter(|c| !c.contains(&NOWHERE)) {
+            let [front, on, back] = column.map(|n| n as usize);
+            let two = T::of(2.0);
+            for d in 1..4 {
+                nodes[back].first[d] = two * nodes[on].first[d] - nodes[front].first[d];
+                nodes[back].second[d] = two * nodes[on].second[d] - nodes[front].second[d];
+            }
+        }
+    }
+
+    /// Bytes of its memory.
+    pub fn bytes(&self) -> usize {
+        let columns = self.symmetries.iter().chain(&self.edges).map(|c| c.columns.capacity()).sum::<usize>();
+        columns * size_of::<Column>() + self.beside.capacity() * size_of::<(u32, Node<T>)>()
+    }
+}
+
+/// The columns of nodes through a plane, of each body's field its own.
+fn columns<T: Float, const D: usize, G: GridStorage<T, D>>(
+    grid: &G,
+    fields: &Fields<D>,
+    plane: Plane,
+) -> Vec<Column> {
+    let Plane { axis, node, sign } = plane;
+    let layers = [node + sign, node, node - sign];
+    let block_of = |layer: i32| layer.div_euclid(BLOCK as i32);
+    let stride = BLOCK.pow(axis as u32);
+    // Each column of a body once: by the block on the plane, or in front where that one does not exist.
+    let mut places: Vec<([i32; D], u32)> = Vec::new();
+    for (block, c) in fields.coordinates().iter().enumerate() {
+        if layers.iter().any(|&l| block_of(l) == c[axis]) {
+            let mut place = *c;
+            place[axis] = 0;
+            places.push((place, fields.owner(block)));
+        }
+    }
+    places.sort_unstable();
+    places.dedup();
+    let mut columns = Vec::new();
+    for (place, owner) in places {
+        let blocks = layers.map(|layer| {
+            let mut c = place;
+            c[axis] = block_of(layer);
+            fields.find(grid, &c, owner)
+        });
+        for n in (0..block_nodes(D)).filter(|n| (n / stride).is_multiple_of(BLOCK)) {
+            columns.push(std::array::from_fn(|i| {
+                let within = layers[i].rem_euclid(BLOCK as i32) as usize * stride;
+                blocks[i].map_or(NOWHERE, |b| (b * block_nodes(D) + n + within) as u32)
+            }));
+        }
+    }
+    columns
+}
+
+/// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
+/// vanish there before anything is divided or differenced. Returns the plane's impulse, what it cancelled, N s.
+fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, moves: [T; 2]) -> f64 {
+    let mut impulse = -(moves[1] * std::mem::take(&mut node.second[1 + axis])).to_double();
+    if sums == Sums::All {
+        impulse -= (moves[0] * std::mem::take(&mut node.first[1 + axis])).to_double();
+    }
+    impulse
+}
+
+/// The impulse of symmetry planes through a node beside them, N s: what the folded node gives to the particles
+/// less what the particles gave to it.
+fn folded_impulse<T: Float>(mapped: &Node<T>, folded: &Node<T>, axis: usize, moves: [T; 2]) -> f64 {
+    let records = |n: &Node<T>| moves[0] * n.first[1 + axis] + moves[1] * n.second[1 + axis];
+    (mapped.first[0] / folded.first[0] * records(folded) - records(mapped)).to_double()
+}
+
+/// Add the node behind a symmetry plane, mirrored, to the one in front: what the other half of the body would
+/// have given.
+fn give_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
+    let sum = |a: [T; 4], b: [T; 4]| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]];
+    if sums == Sums::All {
+        nodes[front].first = sum(nodes[front].first, mirrored(nodes[back].first, axis));
+    }
+    nodes[front].second = sum(nodes[front].second, mirrored(nodes[back].second, axis));
+}
+
+/// The other half of the body behind a symmetry plane is the image of this one.
+fn copy_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
+    if sums == Sums::All {
+        nodes[back].first = mirrored(nodes[front].first, axis);
+    }
+    nodes[back].second = mirrored(nodes[front].second, axis);
+}
+
+fn mirrored<T: Float>(mut record: [T; 4], axis: usize) -> [T; 4] {
+    record[1 + axis] = -record[1 + axis];
+    record
+}
+
+/// Give what was mapped behind an edge to the nodes that its velocity is extrapolated from: the adjoint of
+/// v_back = 2 v_on - v_front. The basis then ends at the edge: at the edge's nodes it interpolates
+/// (Steffen, Kirby, Berzins 2008).
+fn fold_extrapolated<T: Float>(nodes: &mut [Node<T>], column: Column, sums: Sums) {
+    if column.contains(&NOWHERE) {
+        return;
+    }
+    let [front, on, back] = column.map(|n| n as usize);
+    let two = T::of(2.0);
+    for i in 0..4 {
+        if sums == Sums::All {
+            let behind = std::mem::take(&mut nodes[back].first[i]);
+            nodes[on].first[i] += two * behind;
+            nodes[front].first[i] -= behind;
+        }
+        let behind = std::mem::take(&mut nodes[back].second[i]);
+        nodes[on].second[i] += two * behind;
+        nodes[front].second[i] -= behind;
+    }
+}
