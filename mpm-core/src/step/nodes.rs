@@ -132,89 +132,23 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// Velocity of the mapped momentum, with boundaries, into the first record (USF).
     pub fn velocities(&mut self) {
         let (cutoff, time, takes) = (self.cutoff, self.time, self.takes);
-        self.each_node(move |node, constrain, ledger| {
-            let mass = node.first[0];
-            if mass > cutoff {
-                let mut v = [0.0; 3];
-                for d in 0..D {
-                    v[d] = (node.first[d + 1] / mass).to_double();
-                }
-                let free = v;
-                if constrain(&mut v, time) {
-                    for d in 0..D {
-                        let impulse = (takes * mass).to_double() * (v[d] - free[d]);
-                        ledger.impulse[d] += impulse;
-                        ledger.work += impulse * v[d];
-                    }
-                }
-                for d in 0..D {
-                    node.first[d + 1] = T::of(v[d]);
-                }
-            } else {
-                drop_momentum::<T, D>(node, ledger, T::default());
-            }
-        });
+        self.each_node(&Velocities::<T, D> { cutoff, time, takes });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
     /// Momentum update (eq. 8 of \[Ma2010\]): v = p/m + dt f/m with loads and boundaries. Leaves the new
     /// velocity in the first record, the acceleration in the second.
     pub fn integrate_momentum(&mut self, dt: T, from_velocity: bool) {
-        let (cutoff, time) = (self.cutoff, self.time);
-        let end = time + dt.to_double();
-        let gravity = self.conditions.gravity.as_ref().map(|g| g(time));
-        let per_dt = T::of(1.0) / dt;
-        self.each_node(move |node, constrain, ledger| {
-            let mass = node.first[0];
-            if mass <= cutoff {
-                drop_momentum::<T, D>(node, ledger, dt);
-                return;
-            }
-            let per_mass = T::of(1.0) / mass;
-            let (mut old, mut new) = ([T::default(); 3], [T::default(); 3]);
-            for d in 0..D {
-                old[d] = if from_velocity { node.first[d + 1] } else { node.first[d + 1] * per_mass };
-                let mut a = node.second[d + 1] * per_mass;
-                if let Some(g) = gravity {
-                    a += T::of(g[d]);
-                    ledger.load[d] += (mass * dt).to_double() * g[d];
-                    let middle = (old[d] + a * dt).to_double() - 0.5 * dt.to_double() * g[d];
-                    ledger.work += (mass * dt).to_double() * g[d] * middle;
-                }
-                new[d] = old[d] + a * dt;
-                node.second[d + 1] = a;
-            }
-            let mut v = new.map(T::to_double);
-            if constrain(&mut v, end) {
-                for d in 0..D {
-                    let impulse = mass.to_double() * (v[d] - new[d].to_double());
-                    ledger.impulse[d] += impulse;
-                    ledger.work += impulse * v[d];
-                    new[d] = T::of(v[d]);
-                    node.second[d + 1] = (new[d] - old[d]) * per_dt;
-                }
-            }
-            node.first[1..=D].copy_from_slice(&new[..D]);
-        });
+        let (cutoff, end) = (self.cutoff, self.time + dt.to_double());
+        let gravity = self.conditions.gravity.as_ref().map(|g| g(self.time));
+        self.each_node(&Integrate::<T, D> { cutoff, dt, end, gravity, from_velocity });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
     /// Velocity of the momentum mapped a second time, with boundaries, into the second record (MUSL).
     pub fn remap_velocities(&mut self, dt: T) {
         let (cutoff, end) = (self.cutoff, self.time + dt.to_double());
-        self.each_node(move |node, constrain, _| {
-            let mass = node.first[0];
-            let mut v = [0.0; 3];
-            if mass > cutoff {
-                for d in 0..D {
-                    v[d] = (node.second[d + 1] / mass).to_double();
-                }
-                constrain(&mut v, end);
-            }
-            for d in 0..D {
-                node.second[d + 1] = T::of(v[d]);
-            }
-        });
+        self.each_node(&Remap::<T, D> { cutoff, end });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
@@ -266,47 +200,167 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
     }
 
-    /// `update` every node; it gets a function that makes a velocity obey the boundaries at a time and says
-    /// whether any applies there.
-    fn each_node<F>(&mut self, update: F)
-    where
-        F: Fn(&mut Node<T>, &dyn Fn(&mut [f64; 3], f64) -> bool, &mut NodeLedger) + Send + Sync,
-    {
+    /// Change every node as `update` says.
+    fn each_node(&mut self, update: &impl NodeUpdate<T>) {
         let lattice = *self.grid.lattice();
         let blocks = self.fields.coordinates();
-        let (conditions, time) = (self.conditions, self.time);
+        let boundaries = &self.conditions.boundaries;
+        let time = self.time;
+        let reach = 2.0 * lattice.spacing();
         let tolerance = 1e-6 * lattice.spacing();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         // Nodes behind a mirror are copies: what happens to them is booked at their originals.
         let mirrors = self.planes.copied();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
             let place = BlockPlace::new(&lattice, &blocks[block]);
-            let reach = 2.0 * lattice.spacing();
-            let near: Vec<&Boundary<D>> = conditions
-                .boundaries
-                .iter()
-                .filter(|b| b.reaches(&place.low, &place.high, time, reach))
-                .collect();
+            let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, time, reach);
+            if !boundaries.iter().any(|b| reaches(&b)) {
+                nodes.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
+                return;
+            }
             for (n, node) in nodes.iter_mut().enumerate() {
-                if near.is_empty() {
-                    update(node, &|_, _| false, ledger);
-                } else {
-                    let x = place.node(n);
-                    let constrain = |v: &mut [f64; 3], time: f64| {
-                        let before = *v;
-                        for b in &near {
-                            b.constrain(&x, v, time, tolerance, copies);
-                        }
-                        *v != before
-                    };
-                    if place.is_copy(n, mirrors) {
-                        update(node, &constrain, &mut NodeLedger::default());
-                    } else {
-                        update(node, &constrain, ledger);
+                let x = place.node(n);
+                let constrain = |v: &mut [f64; 3], time: f64| {
+                    let before = *v;
+                    for b in boundaries.iter().filter(reaches) {
+                        b.constrain(&x, v, time, tolerance, copies);
                     }
+                    *v != before
+                };
+                if place.is_copy(n, mirrors) {
+                    update.update(node, &constrain, &mut NodeLedger::default());
+                } else {
+                    update.update(node, &constrain, ledger);
                 }
             }
         });
+    }
+}
+
+/// What a stage makes of a node.
+trait NodeUpdate<T>: Sync {
+    /// `constrain` makes a velocity obey the boundaries at a time and says whether any applies there.
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
+        ledger: &mut NodeLedger,
+    );
+}
+
+struct Velocities<T, const D: usize> {
+    cutoff: T,
+    time: f64,
+    takes: T,
+}
+
+impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
+    #[inline(always)]
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
+        ledger: &mut NodeLedger,
+    ) {
+        let mass = node.first[0];
+        if mass <= self.cutoff {
+            drop_momentum::<T, D>(node, ledger, T::default());
+            return;
+        }
+        let per_mass = T::of(1.0) / mass;
+        let mut v = [0.0; 3];
+        for d in 0..D {
+            node.first[d + 1] *= per_mass;
+            v[d] = node.first[d + 1].to_double();
+        }
+        let free = v;
+        if constrain(&mut v, self.time) {
+            for d in 0..D {
+                let impulse = (self.takes * mass).to_double() * (v[d] - free[d]);
+                ledger.impulse[d] += impulse;
+                ledger.work += impulse * v[d];
+                node.first[d + 1] = T::of(v[d]);
+            }
+        }
+    }
+}
+
+struct Integrate<T, const D: usize> {
+    cutoff: T,
+    dt: T,
+    end: f64,
+    gravity: Option<[f64; D]>,
+    from_velocity: bool,
+}
+
+impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
+    #[inline(always)]
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
+        ledger: &mut NodeLedger,
+    ) {
+        let (mass, dt) = (node.first[0], self.dt);
+        if mass <= self.cutoff {
+            drop_momentum::<T, D>(node, ledger, dt);
+            return;
+        }
+        let per_mass = T::of(1.0) / mass;
+        let per_first = if self.from_velocity { T::of(1.0) } else { per_mass };
+        let (mut old, mut new) = ([T::default(); 3], [T::default(); 3]);
+        for d in 0..D {
+            old[d] = node.first[d + 1] * per_first;
+            let mut a = node.second[d + 1] * per_mass;
+            if let Some(g) = self.gravity {
+                a += T::of(g[d]);
+                ledger.load[d] += (mass * dt).to_double() * g[d];
+                let middle = (old[d] + a * dt).to_double() - 0.5 * dt.to_double() * g[d];
+                ledger.work += (mass * dt).to_double() * g[d] * middle;
+            }
+            new[d] = old[d] + a * dt;
+            node.first[d + 1] = new[d];
+            node.second[d + 1] = a;
+        }
+        let mut v = new.map(T::to_double);
+        if constrain(&mut v, self.end) {
+            let per_dt = T::of(1.0) / dt;
+            for d in 0..D {
+                let impulse = mass.to_double() * (v[d] - new[d].to_double());
+                ledger.impulse[d] += impulse;
+                ledger.work += impulse * v[d];
+                node.first[d + 1] = T::of(v[d]);
+                node.second[d + 1] = (node.first[d + 1] - old[d]) * per_dt;
+            }
+        }
+    }
+}
+
+struct Remap<T, const D: usize> {
+    cutoff: T,
+    end: f64,
+}
+
+impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
+    #[inline(always)]
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
+        _ledger: &mut NodeLedger,
+    ) {
+        let mass = node.first[0];
+        let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
+        let mut v = [0.0; 3];
+        for d in 0..D {
+            node.second[d + 1] *= per_mass;
+            v[d] = node.second[d + 1].to_double();
+        }
+        if mass > self.cutoff && constrain(&mut v, self.end) {
+            for d in 0..D {
+                node.second[d + 1] = T::of(v[d]);
+            }
+        }
     }
 }
 
