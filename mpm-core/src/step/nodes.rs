@@ -2,6 +2,7 @@
 
 use crate::boundary::{BodyForce, Boundary, Plane};
 use crate::dim::{BLOCK, block_nodes};
+use crate::geometry::Lattice;
 use crate::grid::{GridStorage, Node};
 use crate::parallel::{Float, Team};
 
@@ -88,16 +89,33 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub planes: &'a mut Planes<T>,
 }
 
+/// The constraints of a stage, beside its grid and ledgers.
+macro_rules! constraints {
+    ($stage:expr) => {
+        Constraints {
+            boundaries: &$stage.conditions.boundaries,
+            mirrors: $stage.planes.copied(),
+            lattice: *$stage.grid.lattice(),
+            blocks: $stage.fields.coordinates(),
+            time: $stage.time,
+            copies: if $stage.wide { 1.5 * $stage.grid.lattice().spacing() } else { 0.0 },
+        }
+    };
+}
+
 impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// Sum the bodies' tiles (eqs. 2, 3, 9 of \[Ma2010\]): for each node block, bodies in order, the blocks
-    /// around in order. The sums are the same for any number of threads and any grid.
-    pub fn collect(&mut self, sums: Sums) {
+    /// around in order, so that the sums are the same for any number of threads and any grid. Then change every
+    /// node as `update` says: at once, where no plane folds nodes in between.
+    fn collect_and(&mut self, sums: Sums, update: &impl NodeUpdate<T>) {
         let (bodies, fields) = (self.bodies, self.fields);
         if sums == Sums::All {
             self.ledgers.clear();
             self.ledgers.resize(fields.len(), NodeLedger::default());
         }
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
+        let constraints = constraints!(self);
+        let at_once = self.planes.is_empty();
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
             match sums {
                 Sums::All => nodes.fill(Node::default()),
                 Sums::Force | Sums::Again | Sums::Smoothed => {
@@ -107,7 +125,13 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             for giver in fields.givers(block) {
                 bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
             }
+            if at_once {
+                constraints.apply(update, block, nodes, ledger);
+            }
         });
+        if at_once {
+            return;
+        }
         let moves = self.moves(sums);
         let impulse = self.planes.fold(self.grid.nodes_mut(), sums, moves, self.cutoff);
         if let Some(ledger) = self.ledgers.first_mut() {
@@ -115,6 +139,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 ledger.impulse[d] += impulse[d];
             }
         }
+        self.each_node(update);
     }
 
     /// What the records of the nodes give to the particles' momentum: first[i] and second[i] times this. A
@@ -129,32 +154,35 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
     }
 
-    /// Velocity of the mapped momentum, with boundaries, into the first record (USF).
+    /// Sum momentum; velocity, with boundaries, into the first record (USF).
     pub fn velocities(&mut self) {
         let (cutoff, time, takes) = (self.cutoff, self.time, self.takes);
-        self.each_node(&Velocities::<T, D> { cutoff, time, takes });
+        self.collect_and(Sums::All, &Velocities::<T, D> { cutoff, time, takes });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
-    /// Momentum update (eq. 8 of \[Ma2010\]): v = p/m + dt f/m with loads and boundaries. Leaves the new
-    /// velocity in the first record, the acceleration in the second.
+    /// Sum momentum and force, or force alone beside the velocities there are; momentum update (eq. 8 of
+    /// \[Ma2010\]): v = p/m + dt f/m with loads and boundaries. Leaves the new velocity in the first record, the
+    /// acceleration in the second.
     pub fn integrate_momentum(&mut self, dt: T, from_velocity: bool) {
         let (cutoff, end) = (self.cutoff, self.time + dt.to_double());
         let gravity = self.conditions.gravity.as_ref().map(|g| g(self.time));
-        self.each_node(&Integrate::<T, D> { cutoff, dt, end, gravity, from_velocity });
+        let sums = if from_velocity { Sums::Force } else { Sums::All };
+        self.collect_and(sums, &Integrate::<T, D> { cutoff, dt, end, gravity, from_velocity });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
-    /// Velocity of the momentum mapped a second time, with boundaries, into the second record (MUSL).
+    /// Sum the momentum mapped a second time; velocity, with boundaries, into the second record (MUSL).
     pub fn remap_velocities(&mut self, dt: T) {
         let (cutoff, end) = (self.cutoff, self.time + dt.to_double());
-        self.each_node(&Remap::<T, D> { cutoff, end });
+        self.collect_and(Sums::Again, &Remap::<T, D> { cutoff, end });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
-    /// The next term of the FMPM series, d <- d - S~ d, added to the velocity, except where a boundary holds it.
-    /// `terms` holds d, one a node.
+    /// Sum the smoothed velocity; the next term of the FMPM series, d <- d - S~ d, added to the velocity, except
+    /// where a boundary holds it. `terms` holds d, one a node.
     pub fn refine_velocities(&mut self, terms: &mut [[T; 3]]) {
+        self.collect_and(Sums::Smoothed, &Leave);
         let cutoff = self.cutoff;
         let conditions = self.conditions;
         // As the momentum update constrained them: at the end of the step.
@@ -202,38 +230,57 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
 
     /// Change every node as `update` says.
     fn each_node(&mut self, update: &impl NodeUpdate<T>) {
-        let lattice = *self.grid.lattice();
-        let blocks = self.fields.coordinates();
-        let boundaries = &self.conditions.boundaries;
-        let time = self.time;
-        let reach = 2.0 * lattice.spacing();
-        let tolerance = 1e-6 * lattice.spacing();
-        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
-        // Nodes behind a mirror are copies: what happens to them is booked at their originals.
-        let mirrors = self.planes.copied();
+        let constraints = constraints!(self);
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
-            let place = BlockPlace::new(&lattice, &blocks[block]);
-            let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, time, reach);
-            if !boundaries.iter().any(|b| reaches(&b)) {
-                nodes.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
-                return;
-            }
-            for (n, node) in nodes.iter_mut().enumerate() {
-                let x = place.node(n);
-                let constrain = |v: &mut [f64; 3], time: f64| {
-                    let before = *v;
-                    for b in boundaries.iter().filter(reaches) {
-                        b.constrain(&x, v, time, tolerance, copies);
-                    }
-                    *v != before
-                };
-                if place.is_copy(n, mirrors) {
-                    update.update(node, &constrain, &mut NodeLedger::default());
-                } else {
-                    update.update(node, &constrain, ledger);
-                }
-            }
+            constraints.apply(update, block, nodes, ledger);
         });
+    }
+}
+
+/// The boundaries as seen from node blocks.
+struct Constraints<'a, const D: usize> {
+    boundaries: &'a [Boundary<D>],
+    /// Nodes behind these are copies: what happens to them is booked at their originals.
+    mirrors: &'a [Plane],
+    lattice: Lattice<D>,
+    blocks: &'a [[i32; D]],
+    time: f64,
+    /// How far behind a mirror copies lie, m.
+    copies: f64,
+}
+
+impl<const D: usize> Constraints<'_, D> {
+    /// Change the nodes of a block as `update` says.
+    fn apply<T: Float>(
+        &self,
+        update: &impl NodeUpdate<T>,
+        block: usize,
+        nodes: &mut [Node<T>],
+        ledger: &mut NodeLedger,
+    ) {
+        let spacing = self.lattice.spacing();
+        let (reach, tolerance) = (2.0 * spacing, 1e-6 * spacing);
+        let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
+        let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, self.time, reach);
+        if !self.boundaries.iter().any(|b| reaches(&b)) {
+            nodes.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
+            return;
+        }
+        for (n, node) in nodes.iter_mut().enumerate() {
+            let x = place.node(n);
+            let constrain = |v: &mut [f64; 3], time: f64| {
+                let before = *v;
+                for b in self.boundaries.iter().filter(reaches) {
+                    b.constrain(&x, v, time, tolerance, self.copies);
+                }
+                *v != before
+            };
+            if place.is_copy(n, self.mirrors) {
+                update.update(node, &constrain, &mut NodeLedger::default());
+            } else {
+                update.update(node, &constrain, ledger);
+            }
+        }
     }
 }
 
@@ -246,6 +293,14 @@ trait NodeUpdate<T>: Sync {
         constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
         ledger: &mut NodeLedger,
     );
+}
+
+/// Only the sums.
+struct Leave;
+
+impl<T> NodeUpdate<T> for Leave {
+    #[inline(always)]
+    fn update(&self, _: &mut Node<T>, _: &impl Fn(&mut [f64; 3], f64) -> bool, _: &mut NodeLedger) {}
 }
 
 struct Velocities<T, const D: usize> {
@@ -407,7 +462,7 @@ pub(super) struct BlockPlace<const D: usize> {
 }
 
 impl<const D: usize> BlockPlace<D> {
-    pub(super) fn new(lattice: &crate::geometry::Lattice<D>, block: &[i32; D]) -> Self {
+    pub(super) fn new(lattice: &Lattice<D>, block: &[i32; D]) -> Self {
         let (origin, spacing) = (lattice.origin(), lattice.spacing());
         let first = block.map(|b| b * BLOCK as i32);
         let mut low = origin;

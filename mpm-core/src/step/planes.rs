@@ -86,6 +86,11 @@ impl<T: Float> Planes<T> {
         }
     }
 
+    /// Is nothing folded?
+    pub fn is_empty(&self) -> bool {
+        self.symmetries.is_empty() && self.edges.is_empty()
+    }
+
     /// The planes of symmetry.
     pub(crate) fn mirrors(&self) -> &[Plane] {
         &self.mirrors

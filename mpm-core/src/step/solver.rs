@@ -11,7 +11,7 @@ use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
 use super::planes::Planes;
 use super::scene::SceneError;
 use super::sweep::Cause;
-use super::tile::Sums;
+
 use crate::boundary::Boundary;
 use crate::dim::Stencil;
 use crate::geometry::Seeds;
@@ -385,26 +385,22 @@ where
     fn stages(&mut self, left: f64) -> Result<T, StepError> {
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
-        self.stage(dt).collect(Sums::All); // iii: eqs. 2, 3 (and 9)
-
         if M::Update::BEFORE_FORCES {
-            self.stage(dt).velocities(); // boundaries
+            self.stage(dt).velocities(); // iii: eqs. 2, 3; boundaries
             self.meet(Meeting::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
             self.part(dt);
-            self.stage(dt).collect(Sums::Force);
-            self.stage(dt).integrate_momentum(dt, true); // viii: eq. 8
+            self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.meet(Meeting::Trial, dt); // vii: eqs. 11 - 15
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
-            self.stage(dt).integrate_momentum(dt, false); // viii: eq. 8
+            self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.meet(Meeting::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if M::Update::REMAP {
-                self.stage(dt).collect(Sums::Again); // x: eq. 3 again
-                self.stage(dt).remap_velocities(dt);
+                self.stage(dt).remap_velocities(dt); // x: eq. 3 again
                 self.meet(Meeting::Remapped, dt); // x, if the contact algorithm wants it
                 self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
             }
@@ -506,7 +502,6 @@ where
         self.stage(dt).first_terms(&mut terms);
         for _ in 1..M::Transfer::ORDER {
             self.particle_pass(Which::Smooth, dt)?;
-            self.stage(dt).collect(Sums::Smoothed);
             self.stage(dt).refine_velocities(&mut terms);
         }
         self.terms = terms;
