@@ -121,6 +121,28 @@ fn taylor_bar_convergence() {
 }
 
 #[test]
+fn ring_collision() {
+    let name = "rings";
+    let output = run(env!("CARGO_BIN_EXE_ring_collision"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "ring_collision");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    assert!(gates >= 4 * 2 + 2, "{gates} checks decide");
+    let out = folder(name);
+    for file in [
+        "closest_approach.png",
+        "contact.png",
+        "energy_error.csv",
+        "energy_error.png",
+        "force.png",
+        "history_cpgimp_musl_distance_2000um.csv",
+        "rings.png",
+    ] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn throughput() {
     let name = "throughput";
     let output = run(env!("CARGO_BIN_EXE_throughput"), &["--resolution", "smoke", "--json"], name);
