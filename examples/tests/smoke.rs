@@ -135,7 +135,35 @@ fn ring_collision() {
         "energy_error.png",
         "force.png",
         "history_cpgimp_musl_distance_2000um.csv",
+        "paraview/cpgimp_musl_distance_2000um.pvd",
         "rings.png",
+    ] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn bouncing_blocks() {
+    let name = "blocks";
+    let output = run(env!("CARGO_BIN_EXE_bouncing_blocks"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "bouncing_blocks");
+    let checks = value["checks"].as_array().expect("checks");
+    let gates = checks.iter().filter(|c| c["pass"] == true).count();
+    // Bars, joint, discs, incline, balls and cylinders.
+    assert_eq!(gates, 11 + 3 + 4 + 4 + 6);
+    let out = folder(name);
+    for file in [
+        "discs.png",
+        "discs_1.csv",
+        "discs_energy.png",
+        "hertz.png",
+        "hertz_balls.csv",
+        "impact.png",
+        "impact_equal_bars.csv",
+        "incline.png",
+        "paraview/discs_1.pvd",
+        "wave.png",
     ] {
         assert!(out.join(file).is_file(), "{file} is missing");
     }

@@ -188,7 +188,7 @@ fn run<M: Composition<f64, 2>>(
     let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut watch];
     let mut series;
     if look == Look::Closely {
-        series = VtkSeries::create(folder.join("paraview"), &setup.name(), Pace::interval(END / 35.0)?)?;
+        series = VtkSeries::create(folder.join("paraview"), setup.name(), Pace::interval(END / 35.0)?)?;
         observers.push(&mut series);
     }
     let (summary, stopped) = match mpm.run_observed(END, &mut observers) {

@@ -97,16 +97,16 @@ impl Observer<f64, 2> for Watch {
         &mut self.pace
     }
     fn observe(&mut self, now: &Moment<'_, f64, 2>) -> Result<(), ObserveError> {
-        let totals = now.totals();
-        self.stop_if_wrong(totals.kinetic + totals.internal)?;
-        if self.look == Look::Ledger {
-            return Ok(());
-        }
         if now.contacts().iter().any(|p| p.nodes > 0) {
             self.note_contact(now);
         }
         let about_to_touch = self.onset.is_nan() && self.gap < 0.3 * GAP;
-        if !about_to_touch && now.step() % 8 != 0 {
+        if self.look == Look::Closely && !about_to_touch && now.step() % 8 != 0 {
+            return Ok(());
+        }
+        let totals = now.totals();
+        self.stop_if_wrong(totals.kinetic + totals.internal)?;
+        if self.look == Look::Ledger {
             return Ok(());
         }
         let polygons: Vec<_> =
