@@ -20,6 +20,7 @@ impl Detection {
         let distance = match self {
             Detection::Velocity | Detection::Distance => SurfaceDistance::new(gradients(), 0.0)?,
             Detection::Centres => SurfaceDistance::between_centres(gradients(), 0.5)?,
+            Detection::Local => SurfaceDistance::new(gradients(), 0.0)?.locally(),
             Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?,
         };
         Ok(Chosen { measures: self != Detection::Velocity, distance })

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use clap::ValueEnum;
 use examples::CaseError;
 use mpm_core::output::History;
 use mpm_core::output::picture::{
@@ -103,13 +104,12 @@ fn errors(sweep: &[Outcome]) -> Result<Picture, CaseError> {
         let mut chart = Chart::new(720, 480)
             .x(Axis::new("time factor: step over h / (c + |v|)").range(0.0, 1.0))
             .y(Axis::new("change of energy").unit("%", 100.0).range(-0.2, 0.6));
-        for detection in [Detection::Velocity, Detection::Distance, Detection::Centres, Detection::Regression]
-        {
-            let of = of.iter().filter(|o| o.setup.detection == detection && o.error.is_finite());
+        for detection in Detection::value_variants() {
+            let of = of.iter().filter(|o| o.setup.detection == *detection && o.error.is_finite());
             let (x, y): (Vec<f64>, Vec<f64>) = of.map(|o| (o.setup.factor, o.error)).unzip();
             if !x.is_empty() {
                 let series = Series::new(detection.name(), &x, &y)?.marker(Marker::Circle);
-                chart = chart.series(series.colour(palette(detection as usize)));
+                chart = chart.series(series.colour(palette(*detection as usize)));
             }
         }
         panels = panels.panel(format!("{}, {}", kernel.name(), scheme.name()), chart.draw()?);
@@ -121,7 +121,7 @@ fn write_sweep(sweep: &[Outcome], path: &Path) -> Result<(), CaseError> {
     let columns = [
         ("shape (0 linear, 1 cpgimp)", "-"),
         ("scheme (0 usf, 1 musl)", "-"),
-        ("detection (0 velocity, 1 distance, 2 centres, 3 regression)", "-"),
+        ("detection (0 velocity, 1 distance, 2 centres, 3 regression, 4 local)", "-"),
         ("time factor", "-"),
         ("energy error at the end", "-"),
         ("largest rise of the energy", "-"),

@@ -45,6 +45,8 @@ pub enum Detection {
     Centres,
     /// Normal and gap by logistic regression
     Regression,
+    /// The distance along the line through the node
+    Local,
 }
 
 macro_rules! names {
