@@ -87,6 +87,9 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Co
 /// The largest reach of all particles around a node may be that of a bulge up to a cell (1.5 with quadratic splines)
 /// beside it: a cylinder on a plane is then stopped by nodes that it has not reached, and rolls as if uphill.
 /// [`SurfaceDistance::locally`] looks along the line through the node alone.
+///
+/// Along an oblique normal bodies overlap before they meet: with [`Gradients`] contact may begin up to 0.7 cells
+/// early, 0.2 if measured locally, with [`crate::Regression`] for the normals less than 0.1 (docs/notes.md 7.2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceDistance<N = Gradients> {
     normals: N,
