@@ -4,8 +4,13 @@
 //! | binary | case |
 //! |---|---|
 //! | `taylor_bar` | a copper cylinder hits a wall: final shape against finite elements and experiment |
+//! | `ring_collision` | two elastic rings collide: where their surfaces meet, energy over the time step |
+//! | `bouncing_blocks` | bars, discs, balls and a block on an incline in contact, against exact values |
+//! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
 //! | `throughput` | particle updates a second on fixed scenes |
 
 pub mod case;
+mod normals;
 
 pub use case::{CaseError, Check, Common, Report, Resolution, Totals};
+pub use normals::Normals;

@@ -136,6 +136,82 @@ fn tnt_slab() {
 }
 
 #[test]
+fn ring_collision() {
+    let name = "rings";
+    let output = run(env!("CARGO_BIN_EXE_ring_collision"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "ring_collision");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    assert!(gates >= 4 * 2 + 2, "{gates} checks decide");
+    let out = folder(name);
+    for file in [
+        "closest_approach.png",
+        "contact.png",
+        "energy_error.csv",
+        "energy_error.png",
+        "force.png",
+        "history_cpgimp_musl_distance_2000um.csv",
+        "paraview/cpgimp_musl_distance_2000um.pvd",
+        "rings.png",
+    ] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn bouncing_blocks() {
+    let name = "blocks";
+    let output = run(env!("CARGO_BIN_EXE_bouncing_blocks"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "bouncing_blocks");
+    let checks = value["checks"].as_array().expect("checks");
+    let gates = checks.iter().filter(|c| c["pass"] == true).count();
+    // Bars, joint, discs, incline, balls and cylinders.
+    assert_eq!(gates, 11 + 3 + 4 + 4 + 6);
+    let out = folder(name);
+    for file in [
+        "discs.png",
+        "discs_1.csv",
+        "discs_energy.png",
+        "hertz.png",
+        "hertz_balls.csv",
+        "impact.png",
+        "impact_equal_bars.csv",
+        "incline.png",
+        "paraview/discs_1.pvd",
+        "wave.png",
+    ] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn rolling_cylinder() {
+    let name = "rolling";
+    let output = run(env!("CARGO_BIN_EXE_rolling_cylinder"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "rolling_cylinder");
+    let checks = value["checks"].as_array().expect("checks");
+    let gates = checks.iter().filter(|c| c["pass"] == true).count();
+    // Way, gap, overlap and momentum of two coefficients in two and three dimensions; spread over the spacings.
+    assert_eq!(gates, 4 * 4 + 2);
+    let out = folder(name);
+    for file in [
+        "cylinder_2d.png",
+        "cylinder_3d.png",
+        "histories_3d.png",
+        "spacings.png",
+        "spacings.csv",
+        "cylinder_2d_local_030_12.csv",
+        "cylinder_3d_local_060_8.csv",
+        "paraview/3d_local_060_8.pvd",
+        "result.json",
+    ] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn throughput() {
     let name = "throughput";
     let output = run(env!("CARGO_BIN_EXE_throughput"), &["--resolution", "smoke", "--json"], name);
@@ -162,6 +238,11 @@ fn bad_input_is_refused_by_name() {
     assert!(method.contains("'magic'") && method.contains("gimp-usl"), "{method}");
     let threads = said(bar, &["--threads", "0"]);
     assert!(threads.contains("'0' for '--threads <N>'") && threads.contains("1..=1024"), "{threads}");
+    let rolling = env!("CARGO_BIN_EXE_rolling_cylinder");
+    let angle = said(rolling, &["--angle", "90"]);
+    assert!(angle.contains("'90' for '--angle <DEGREES>'") && angle.contains("from 1 to 80"), "{angle}");
+    let friction = said(rolling, &["--friction", "0.3,-1"]);
+    assert!(friction.contains("'-1' for '--friction <MU>'"), "{friction}");
     let folder = said(bar, &["--resolution", "smoke", "--out", "/dev/null/here"]);
     assert!(folder.contains("/dev/null/here"), "{folder}");
     let steps = said(speed, &["--steps", "0"]);

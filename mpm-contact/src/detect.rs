@@ -83,16 +83,23 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Co
 /// particles a cell and axis ([`SurfaceDistance::between_centres`]). With both there is a gap of half a cell.
 /// Half sizes are those of seeding, or the convected ones of shape functions that carry them; the half size along an
 /// oblique normal is that of the ellipsoid in the particle's box.
+///
+/// The largest reach of all particles around a node may be that of a bulge up to a cell (1.5 with quadratic splines)
+/// beside it: a cylinder on a plane is then stopped by nodes that it has not reached, and rolls as if uphill.
+/// [`SurfaceDistance::locally`] looks along the line through the node alone.
+///
+/// Along an oblique normal bodies overlap before they meet: with [`Gradients`] contact may begin up to 0.7 cells
+/// early, 0.2 if measured locally, with [`crate::Regression`] for the normals less than 0.1 (docs/notes.md 7.2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceDistance<N = Gradients> {
     normals: N,
     threshold: f64,
-    centres: bool,
+    what: Survey,
 }
 impl Default for SurfaceDistance {
     /// Half sizes, threshold zero, collinear mass gradients.
     fn default() -> Self {
-        SurfaceDistance { normals: Gradients::default(), threshold: 0.0, centres: false }
+        SurfaceDistance { normals: Gradients::default(), threshold: 0.0, what: Survey::Reach }
     }
 }
 impl<N> SurfaceDistance<N> {
@@ -103,7 +110,7 @@ impl<N> SurfaceDistance<N> {
     /// A threshold that is not finite.
     pub fn new(normals: N, threshold: f64) -> Result<Self, ParameterError> {
         let threshold = Check("surface distance").that(true, "threshold", threshold, "finite")?;
-        Ok(SurfaceDistance { normals, threshold, centres: false })
+        Ok(SurfaceDistance { normals, threshold, what: Survey::Reach })
     }
     /// The form without half sizes: in contact where particle centres are closer than `lambda` cells along the
     /// normal; 0.5 in \[Zhang2017\].
@@ -112,7 +119,15 @@ impl<N> SurfaceDistance<N> {
     /// A lambda that is not positive.
     pub fn between_centres(normals: N, lambda: f64) -> Result<Self, ParameterError> {
         let threshold = Check("surface distance").positive("lambda", lambda)?;
-        Ok(SurfaceDistance { normals, threshold, centres: true })
+        Ok(SurfaceDistance { normals, threshold, what: Survey::CentreReach })
+    }
+    /// Measure surfaces at particles' half sizes, and only by particles whose centres lie within half a cell of the
+    /// line through the node along the normal. For curved bodies that roll or slide; needs two particles a cell
+    /// and axis, or a node may find none and let through.
+    #[must_use]
+    pub fn locally(mut self) -> Self {
+        self.what = Survey::LocalReach;
+        self
     }
 }
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for SurfaceDistance<N> {
@@ -129,12 +144,11 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Su
         gaps: &mut Nodal<Option<T>>,
     ) -> u64 {
         let far = T::of(-1e30);
-        let what = if self.centres { Survey::CentreReach } else { Survey::Reach };
         let mut reach: [Nodal<[T; 3]>; 2] = [[[far; 3]; 64]; 2];
-        at.survey(pair[0], what, nodes, normals, &mut reach[0]);
+        at.survey(pair[0], self.what, nodes, normals, &mut reach[0]);
         let mut opposite = *normals;
         each(nodes).for_each(|n| opposite[n] = times(normals[n], T::of(-1.0)));
-        at.survey(pair[1], what, nodes, &opposite, &mut reach[1]);
+        at.survey(pair[1], self.what, nodes, &opposite, &mut reach[1]);
         let threshold = T::of(self.threshold * at.spacing());
         let mut touching = 0;
         for n in each(nodes) {

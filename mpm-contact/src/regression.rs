@@ -16,7 +16,9 @@ use crate::vector::{dot, unit};
 /// sum_p w_p ln(1 + exp(-c_p phi . x_p)) + (k / 2) |phi|^2 sum_p w_p, with c_p = -1 for the first and +1 for the
 /// second body, w_p the weight at the node over the body's sum of them and k = 1e-3, by Newton's method;
 /// \[Nairn2020\] minimise squares of the difference to a sigmoid. Better than gradients at edges, corners and
-/// where bodies differ in density. It visits particles one by one: the slowest rule.
+/// where bodies differ in density. It visits particles one by one: the slowest rule. Surfaces meet within a tenth of a cell
+/// (docs/notes.md 7.2). [`crate::SurfaceDistance::new`] with these normals is the same detector, and its
+/// [`crate::SurfaceDistance::locally`] also finds how wide a contact is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Regression;
 

@@ -20,6 +20,7 @@ fn laws() -> Result<(), Broken> {
 #[test]
 fn detectors() -> Result<(), Broken> {
     detector(SurfaceDistance::default)?;
+    detector(|| SurfaceDistance::default().locally())?;
     detector(Approach::<Gradients>::default)?;
     detector(Compression::<Gradients>::default)?;
     detector(|| Regression)?;

@@ -7,6 +7,7 @@ use crate::grid::GridStorage;
 use crate::method::Composition;
 use crate::output::{FieldValues, OutputError, ParticleSize, Snapshot};
 use crate::parallel::Float;
+use crate::step::contact::ContactNode;
 use crate::step::nodes::NodeLedger;
 use crate::step::{Body, Contact, Mpm, PairContact, Particle, Totals};
 
@@ -17,6 +18,7 @@ pub struct Moment<'a, T: Float, const D: usize> {
     pub(super) step: u64,
     pub(super) bodies: &'a [Box<dyn Body<T, D>>],
     pub(super) contacts: &'a [PairContact],
+    pub(super) contact_nodes: &'a [ContactNode],
     pub(super) ledger: NodeLedger,
     pub(super) axisymmetric: bool,
     pub(super) updates: f64,
@@ -50,6 +52,11 @@ impl<T: Float, const D: usize> Moment<'_, T, D> {
     #[must_use]
     pub fn contacts(&self) -> &[PairContact] {
         self.contacts
+    }
+    /// The nodes in contact in the last step, with gap, normal and impulse.
+    #[must_use]
+    pub fn contact_nodes(&self) -> &[ContactNode] {
+        self.contact_nodes
     }
     /// What boundaries and loads gave to the material since the start, and what contact took.
     #[must_use]
@@ -205,6 +212,7 @@ where
             step: self.steps(),
             bodies: self.bodies(),
             contacts: self.contacts(),
+            contact_nodes: self.contact_nodes(),
             ledger: self.ledger(),
             axisymmetric: <M::Embedding as Embedding<D>>::HOOP,
             updates: 0.0,

@@ -372,7 +372,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         let (axis, block) = (mirror.axis, BLOCK as i32);
         let stride = BLOCK.pow(axis as u32);
         let vector = matches!(what, Survey::MassGradient | Survey::VolumeGradient);
-        let largest = matches!(what, Survey::Reach | Survey::CentreReach);
+        let largest = matches!(what, Survey::Reach | Survey::LocalReach | Survey::CentreReach);
         for layer in -1..=1 {
             let index = mirror.node + layer;
             if index.div_euclid(block) != self.coordinates[axis] {

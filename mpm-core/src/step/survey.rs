@@ -27,7 +27,10 @@ pub enum Survey {
     /// surface reaches beyond the node along n (eq. 5 of \[Ma2010\]). First component; start from a large
     /// negative number.
     Reach,
-    /// The same without l_p: how far the centres reach.
+    /// [`Survey::Reach`] of the particles whose centres lie within half a cell of the line through the node along
+    /// its normal: how far the surface reaches there, and not where it bulges beside it.
+    LocalReach,
+    /// [`Survey::Reach`] without l_p: how far the centres reach.
     CentreReach,
     /// sum_p N_ip m_p n . sigma_p . n, Pa kg: over the nodal mass the normal traction
     /// \[BardenhagenGuilkey2001\], tension positive. First component.
@@ -147,6 +150,11 @@ const VOLUME_GRADIENT: u8 = 1;
 const REACH: u8 = 2;
 const TRACTION: u8 = 3;
 const CENTRES: u8 = 4;
+const LOCAL_REACH: u8 = 5;
+
+/// How far from the line through a node a particle may be to count for [`Survey::LocalReach`], squared, in cells;
+/// those half a cell away to either side count alike, whatever the rounding.
+const BESIDE: f64 = 0.25 + 1e-6;
 
 /// Reads a law's state from the rows of a group.
 struct Rows<'a, R, P> {
@@ -181,7 +189,7 @@ where
         let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
         let (zero, one) = (A::Pack::zero(), A::Pack::one());
         let lowest = A::Pack::of(-1e30);
-        let reaches = WHAT == REACH || WHAT == CENTRES;
+        let reaches = WHAT == REACH || WHAT == CENTRES || WHAT == LOCAL_REACH;
         let start = if reaches { lowest } else { zero };
         let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Pack; 3]> = Array::filled([start; 3]);
         let mut lane_index = zero;
@@ -236,16 +244,23 @@ where
                             let n = [A::Pack::splat(n[0]), A::Pack::splat(n[1]), A::Pack::splat(n[2])];
                             if reaches {
                                 let place = [a, b, c];
-                                let (mut along, mut square) = (zero, zero);
+                                let (mut along, mut square, mut away) = (zero, zero, zero);
                                 for d in 0..D {
                                     let x = xi[d] - A::Pack::of(node_offset::<ExtentOf<M, T, D>>(place[d]));
                                     along = x.mul_add(n[d], along);
-                                    if WHAT == REACH {
+                                    if WHAT == LOCAL_REACH {
+                                        away = x.mul_add(x, away);
+                                    }
+                                    if WHAT != CENTRES {
                                         let l = size[d] * n[d];
                                         square = l.mul_add(l, square);
                                     }
                                 }
-                                let reach = along + square.sqrt();
+                                let mut reach = along + square.sqrt();
+                                if WHAT == LOCAL_REACH {
+                                    let near = (away - along * along).lt(A::Pack::of(BESIDE));
+                                    reach = A::Pack::select(near, reach, lowest);
+                                }
                                 sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
                             } else {
                                 let t = normal_stress(&stress, &n);
@@ -318,6 +333,7 @@ where
             Survey::MassGradient => self.survey_as::<MASS_GRADIENT>(block, nodes, normals, out),
             Survey::VolumeGradient => self.survey_as::<VOLUME_GRADIENT>(block, nodes, normals, out),
             Survey::Reach => self.survey_as::<REACH>(block, nodes, normals, out),
+            Survey::LocalReach => self.survey_as::<LOCAL_REACH>(block, nodes, normals, out),
             Survey::CentreReach => self.survey_as::<CENTRES>(block, nodes, normals, out),
             Survey::Traction => self.survey_as::<TRACTION>(block, nodes, normals, out),
         }

@@ -1,0 +1,126 @@
+//! What the scenes share: an elastic solid, contact with friction, and a run that is watched.
+
+use std::path::Path;
+
+use examples::{CaseError, Normals, Totals};
+use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
+use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
+use mpm_core::{BlockGrid, Composition, Mpm, Team};
+use mpm_materials::{BulkViscosity, Elastic, Jaumann, LinearDensity, NoFailure, Solid};
+
+/// Linear elastic, with bulk viscosity.
+pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, Jaumann>;
+/// The distance of the surfaces, Coulomb friction.
+pub type Touch = GridContact<SurfaceDistance<Normals>, f64>;
+/// A scene.
+pub type Run<M> = Mpm<f64, 2, M, BlockGrid<f64, 2>, Touch>;
+
+/// From density, kg/m^3, Young's modulus, Pa, Poisson's ratio, and the linear coefficient of bulk viscosity.
+pub fn rubber(density: f64, young: f64, poisson: f64, viscosity: f64) -> Result<Rubber, CaseError> {
+    let bulk = young / (3.0 * (1.0 - 2.0 * poisson));
+    let shear = young / (2.0 * (1.0 + poisson));
+    let eos = LinearDensity::new(density, (bulk / density).sqrt())?;
+    Ok(Solid::new(Elastic::new(shear)?, eos).with_bulk_viscosity(viscosity, 0.0)?)
+}
+
+/// How the distance of the surfaces is measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reach {
+    /// By all particles around a node.
+    Around,
+    /// By those on the line through the node.
+    Local,
+}
+
+/// Contact where the surfaces meet.
+pub fn touch(friction: f64, normals: Normals, reach: Reach) -> Result<Touch, CaseError> {
+    let around = SurfaceDistance::new(normals, 0.0)?;
+    let distance = if reach == Reach::Local { around.locally() } else { around };
+    Ok(GridContact::new(distance, Pairs::new(Coulomb::new(friction)?)))
+}
+
+/// Normals that both bodies make.
+pub fn of_both() -> Normals {
+    Normals::Gradients(Gradients::default())
+}
+
+/// Normals that the first body makes.
+pub fn of_first() -> Normals {
+    Normals::Gradients(Gradients::new(Weight::Mass, Choice::OneBody(vec![0])))
+}
+
+/// How a run is watched.
+#[derive(Clone, Copy, Debug)]
+pub struct Watch<'a> {
+    /// Seconds between looks; every step if zero.
+    pub every: f64,
+    pub threads: usize,
+    /// Folder and name of a ParaView series, if there is to be one.
+    pub series: Option<(&'a Path, &'a str)>,
+}
+
+impl Watch<'_> {
+    /// Look at every step; one thread, for a few hundred particles.
+    pub const STEPS: Watch<'static> = Watch { every: 0.0, threads: 1, series: None };
+}
+
+/// Run until `end` (s) and look now and then.
+pub fn run<M: Composition<f64, 2>>(
+    mpm: &mut Run<M>,
+    end: f64,
+    watch: Watch<'_>,
+    look: impl FnMut(&Moment<'_, f64, 2>),
+) -> Result<Totals, CaseError> {
+    mpm.set_team(Team::new(watch.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    let mut ledger = Ledger::new(Pace::interval(end / 200.0)?);
+    let pace = if watch.every > 0.0 { Pace::interval(watch.every)? } else { Pace::every_step() };
+    let mut eye = Eye(pace, look);
+    let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut eye];
+    let mut series;
+    if let Some((folder, name)) = watch.series {
+        series = VtkSeries::create(folder.join("paraview"), name, Pace::interval(end / 40.0)?)?;
+        observers.push(&mut series);
+    }
+    let summary = mpm.run_observed(end, &mut observers)?;
+    Ok(Totals {
+        particles: mpm.particles(),
+        steps: summary.steps,
+        simulated_seconds: mpm.time(),
+        wall_seconds: summary.wall_seconds,
+        updates: summary.updates,
+        bytes: mpm.bytes(),
+        energy_error: ledger.worst_energy_error(),
+        momentum_error: ledger.worst_momentum_error(),
+    })
+}
+
+struct Eye<F>(Pace, F);
+impl<F: FnMut(&Moment<'_, f64, 2>)> Observer<f64, 2> for Eye<F> {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.0
+    }
+    fn observe(&mut self, now: &Moment<'_, f64, 2>) -> Result<(), ObserveError> {
+        (self.1)(now);
+        Ok(())
+    }
+}
+
+/// Velocity of a body's centre of mass, m/s.
+pub fn velocity(now: &Moment<'_, f64, 2>, body: usize) -> [f64; 2] {
+    let totals = now.bodies().get(body).map(|b| b.totals()).unwrap_or_default();
+    [totals.momentum[0] / totals.mass, totals.momentum[1] / totals.mass]
+}
+
+/// Mean of something over the particles of all bodies that are in a range of x, m.
+pub fn mean(now: &Moment<'_, f64, 2>, range: [f64; 2], read: fn(&mpm_core::Particle) -> f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for body in now.bodies() {
+        body.for_each(&mut |p| {
+            if (range[0]..range[1]).contains(&p.position[0]) {
+                sum += read(p);
+                count += 1.0;
+            }
+        });
+    }
+    sum / count
+}

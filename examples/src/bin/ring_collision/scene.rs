@@ -1,0 +1,226 @@
+//! The rings and the run.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use examples::{CaseError, Totals};
+use mpm_contact::{Coulomb, GridContact, Pairs};
+use mpm_core::geometry::{Filling, Lattice, Ring, Seeds, fill};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, RunError, RunSummary, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{
+    BlockGrid, Composition, CpGimp, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Team, TimeControl, Usf,
+};
+use mpm_materials::{Moduli, NeoHookean};
+
+use crate::setup::{Kernel, Scheme, Seeding, Setup};
+use crate::surface::Surface;
+use crate::watch::{Look, Row, Watch, velocities};
+
+/// Inner radius of the rings, m.
+pub const INNER: f64 = 30.0e-3;
+/// Outer radius, m.
+pub const OUTER: f64 = 40.0e-3;
+/// Thickness of the rings, m: plane strain is per metre.
+pub const THICKNESS: f64 = 10.0e-3;
+/// Speed of each ring, m/s.
+pub const SPEED: f64 = 30.0;
+/// Bulk and shear modulus, Pa; density, kg/m^3.
+const MODULI: [f64; 2] = [121.7e6, 26.1e6];
+const DENSITY: f64 = 1010.0;
+/// Distance of the rings at the start, m.
+pub const GAP: f64 = 20.0e-3;
+/// End of the run, s.
+pub const END: f64 = 3.5e-3;
+/// A run with this many times its energy has gone wrong.
+pub const TOO_MUCH: f64 = 3.0;
+/// Times of the pictures, s.
+pub const PICTURES: [f64; 4] = [0.0, 0.6e-3, 1.2e-3, 3.0e-3];
+
+/// A ring about `centre`, seeded `particle` metres apart.
+fn ring(
+    centre: [f64; 2],
+    particle: f64,
+    seeding: Seeding,
+    lattice: &Lattice<2>,
+) -> Result<Seeds<2>, CaseError> {
+    if seeding == Seeding::Lattice {
+        return Ok(fill(&Ring::new(centre, INNER, OUTER)?, lattice, 2, &Filling::new())?);
+    }
+    let layers = ((OUTER - INNER) / particle).round();
+    // An even number, so that both halves are alike.
+    let around = 2.0 * (std::f64::consts::PI * 0.5 * (INNER + OUTER) / particle).round();
+    let (depth, angle) = ((OUTER - INNER) / layers, std::f64::consts::TAU / around);
+    let (mut positions, mut volumes) = (Vec::new(), Vec::new());
+    for i in 0..layers as usize {
+        let radius = INNER + (i as f64 + 0.5) * depth;
+        for j in 0..around as usize {
+            let (sin, cos) = ((j as f64 + 0.5) * angle).sin_cos();
+            positions.push([centre[0] + radius * cos, centre[1] + radius * sin]);
+            volumes.push(radius * depth * angle);
+        }
+    }
+    let measure = volumes.iter().sum();
+    let (half_size, exact_measure) = ([0.5 * depth; 2], Some(measure));
+    Ok(Seeds {
+        positions,
+        volumes,
+        half_size,
+        raw_measure: measure,
+        exact_measure,
+        sampled_measure: None,
+        correction: 1.0,
+    })
+}
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub setup: Setup,
+    pub rows: Vec<Row>,
+    /// Closest approach that the first step with contact found, m; NaN without contact.
+    pub onset: f64,
+    /// First and last step with contact end at, s.
+    pub contact: [f64; 2],
+    pub snapshots: Vec<Snapshot>,
+    /// Change of kinetic and internal energy at the end, over that of the start. What friction took counts as lost.
+    pub error: f64,
+    /// Largest rise of the energy above the start, likewise.
+    pub rise: f64,
+    /// Work of friction by the ledger, likewise.
+    pub friction: f64,
+    /// Did the run stop early: more than [`TOO_MUCH`] times the energy, or a broken particle?
+    pub stopped: Option<String>,
+    /// Speed of the rings away from each other at the end over that at the start.
+    pub rebound: f64,
+    pub totals: Totals,
+}
+
+impl Outcome {
+    /// Mean closest approach while the rings press on each other, weighed by force, m.
+    pub fn pressed(&self) -> f64 {
+        let sum = |of: fn(&Row) -> f64| self.rows.iter().map(of).sum::<f64>();
+        sum(|r| r.force * r.gap) / sum(|r| r.force)
+    }
+    /// Smallest closest approach, m.
+    pub fn least(&self) -> f64 {
+        self.rows.iter().map(|r| r.gap).fold(f64::INFINITY, f64::min)
+    }
+    /// The largest force of contact, N.
+    pub fn most_force(&self) -> f64 {
+        self.rows.iter().map(|r| r.force).fold(0.0, f64::max)
+    }
+}
+
+/// Let many pairs of rings collide, `workers` at a time: each has too few particles for more than one thread. Runs that
+/// are looked at closely leave a ParaView series in `folder`.
+pub fn collide_all(
+    setups: &[(Setup, Look)],
+    folder: &Path,
+    workers: usize,
+) -> Result<Vec<Outcome>, CaseError> {
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut done = Vec::new();
+        while let Some((setup, look)) = setups.get(next.fetch_add(1, Ordering::Relaxed)) {
+            done.push((*setup, *look, collide(setup, *look, folder)));
+        }
+        done
+    };
+    let mut done = Vec::new();
+    std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..workers).map(|_| scope.spawn(work)).collect();
+        for thread in threads {
+            done.extend(thread.join().unwrap_or_default());
+        }
+    });
+    let mut ordered = Vec::new();
+    for wanted in setups {
+        let place = done.iter().position(|d| (d.0, d.1) == *wanted);
+        let outcome = place.map(|p| done.swap_remove(p).2);
+        ordered.push(outcome.ok_or_else(|| CaseError::Other("a run was lost".into()))??);
+    }
+    Ok(ordered)
+}
+
+/// Let the rings collide.
+fn collide(setup: &Setup, look: Look, folder: &Path) -> Result<Outcome, CaseError> {
+    match (setup.kernel, setup.scheme) {
+        (Kernel::Linear, Scheme::Usf) => {
+            run(setup, (look, folder), Method::new(Linear, Flip, Usf, PlaneStrain))
+        }
+        (Kernel::Linear, Scheme::Musl) => {
+            run(setup, (look, folder), Method::new(Linear, Flip, Musl, PlaneStrain))
+        }
+        (Kernel::Cpgimp, Scheme::Usf) => {
+            run(setup, (look, folder), Method::new(CpGimp, Flip, Usf, PlaneStrain))
+        }
+        (Kernel::Cpgimp, Scheme::Musl) => {
+            run(setup, (look, folder), Method::new(CpGimp, Flip, Musl, PlaneStrain))
+        }
+    }
+}
+
+fn run<M: Composition<f64, 2>>(
+    setup: &Setup,
+    (look, folder): (Look, &Path),
+    method: M,
+) -> Result<Outcome, CaseError> {
+    let lattice = Lattice::new([0.0; 2], setup.cell)?;
+    let law = NeoHookean::new(DENSITY, Moduli::bulk_shear(MODULI[0], MODULI[1])?)?;
+    let laws = Pairs::new(Coulomb::new(setup.friction)?);
+    let contact = GridContact::new(setup.detection.detector()?, laws);
+    let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
+    mpm.set_team(Team::new(1).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
+    let apart = OUTER + 0.5 * GAP;
+    let mut surfaces = Vec::new();
+    for (name, side) in [("left", -1.0), ("right", 1.0)] {
+        // The middle of the gap is at x = 100 mm, a node.
+        let centre = [0.1 + side * apart, 0.05 + 0.5 * side * setup.offset];
+        let seeds = ring(centre, 0.5 * setup.cell, setup.seeding, &lattice)?;
+        surfaces.push(Surface::new(&seeds, centre, -side, 0.5 * setup.cell));
+        mpm.add(name, law, &seeds, |_| [-side * SPEED, 0.0])?;
+    }
+    let start = THICKNESS * mpm.totals().kinetic;
+    let mut ledger = Ledger::new(Pace::interval(END / 350.0)?);
+    let mut watch = Watch::new(surfaces, look)?;
+    let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut watch];
+    let mut series;
+    if look == Look::Closely {
+        series = VtkSeries::create(folder.join("paraview"), setup.name(), Pace::interval(END / 35.0)?)?;
+        observers.push(&mut series);
+    }
+    let (summary, stopped) = match mpm.run_observed(END, &mut observers) {
+        Ok(summary) => (summary, None),
+        Err(e @ (RunError::Observe { .. } | RunError::Step(_))) => {
+            (RunSummary::default(), Some(e.to_string()))
+        }
+        Err(e) => return Err(e.into()),
+    };
+    let entries = ledger.entries();
+    let velocity = velocities(&mpm.moment());
+    let energy = |e: &LedgerEntry| THICKNESS * (e.kinetic + e.internal) / start - 1.0;
+    Ok(Outcome {
+        setup: *setup,
+        onset: watch.onset,
+        contact: watch.contact,
+        snapshots: watch.snapshots,
+        error: if stopped.is_some() { f64::INFINITY } else { entries.last().map_or(f64::NAN, energy) },
+        rise: entries.iter().map(energy).fold(0.0, f64::max),
+        friction: entries.last().map_or(0.0, |e| THICKNESS * e.friction / start),
+        stopped,
+        rebound: (velocity[1] - velocity[0]) / (2.0 * SPEED),
+        totals: Totals {
+            particles: mpm.particles(),
+            steps: summary.steps,
+            simulated_seconds: mpm.time(),
+            wall_seconds: summary.wall_seconds,
+            updates: summary.updates,
+            bytes: mpm.bytes(),
+            energy_error: entries.iter().map(energy).fold(0.0, |a, b| if b.abs() > a.abs() { b } else { a }),
+            momentum_error: ledger.worst_momentum_error(),
+        },
+        rows: watch.rows,
+    })
+}

@@ -1,0 +1,86 @@
+//! What a run may be made of, by name.
+
+use clap::ValueEnum;
+use serde::Serialize;
+
+/// The stress update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scheme {
+    /// Stress first
+    Usf,
+    /// Stress from the momentum mapped a second time
+    Musl,
+}
+
+/// Where particles start.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Seeding {
+    /// In circles, so that the outermost ones touch the surface
+    Circles,
+    /// On a square lattice, which makes stairs of the surface
+    Lattice,
+}
+
+/// The shape function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kernel {
+    /// Bilinear hats, as in the paper
+    Linear,
+    /// GIMP with domains that follow the deformation, half sizes of particles included
+    Cpgimp,
+}
+
+/// How contact is detected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Detection {
+    /// Where rings share a node and approach: the old test
+    Velocity,
+    /// Where their surfaces meet, too: particle half sizes, threshold zero
+    Distance,
+    /// The same from particle centres, closer than half a cell
+    Centres,
+    /// Normal and gap by logistic regression
+    Regression,
+    /// The distance along the line through the node
+    Local,
+}
+
+macro_rules! names {
+    ($($type:ty),*) => {$(
+        impl $type {
+            /// As on the command line.
+            pub fn name(self) -> String {
+                self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_string())
+            }
+        }
+    )*};
+}
+names!(Scheme, Kernel, Detection);
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Setup {
+    pub seeding: Seeding,
+    pub kernel: Kernel,
+    pub scheme: Scheme,
+    pub detection: Detection,
+    /// Cell size, m; particles are half as far apart.
+    pub cell: f64,
+    pub friction: f64,
+    /// Distance of the centres across the flight, m.
+    pub offset: f64,
+    /// Time step over h / (c + |v|).
+    pub factor: f64,
+}
+
+impl Setup {
+    /// As in the names of files.
+    pub fn name(&self) -> String {
+        let [kernel, scheme] = [self.kernel.name(), self.scheme.name()];
+        format!("{kernel}_{scheme}_{}_{:.0}um", self.detection.name(), 1e6 * self.cell)
+    }
+}

@@ -1,0 +1,130 @@
+//! What is seen of a run: surfaces, force, energy.
+
+use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+use mpm_core::output::Snapshot;
+
+use crate::scene::{GAP, PICTURES, THICKNESS, TOO_MUCH};
+use crate::surface::{Surface, closest};
+
+/// A moment of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Row {
+    /// s.
+    pub time: f64,
+    /// Closest approach of the surfaces, m.
+    pub gap: f64,
+    /// Force of contact on the right ring over the last interval, N.
+    pub force: f64,
+    /// Velocity of the centre of mass of either ring, m/s.
+    pub velocity: [f64; 2],
+    /// J.
+    pub kinetic: f64,
+    /// J.
+    pub internal: f64,
+}
+
+/// How much of a run to look at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// Surfaces, contact, pictures.
+    Closely,
+    /// Energy and momentum.
+    Ledger,
+}
+
+/// Velocities of the centres of mass along x, m/s.
+pub fn velocities(now: &Moment<'_, f64, 2>) -> [f64; 2] {
+    let of = |n: usize| now.bodies().get(n).map(|b| b.totals()).map_or(f64::NAN, |t| t.momentum[0] / t.mass);
+    [of(0), of(1)]
+}
+
+/// Looks at the contact in every step, and at the surfaces when they are about to touch; else now and then.
+pub struct Watch {
+    pace: Pace,
+    look: Look,
+    surfaces: Vec<Surface>,
+    /// What was seen.
+    pub rows: Vec<Row>,
+    /// At the times of the pictures.
+    pub snapshots: Vec<Snapshot>,
+    /// Closest approach at the start of the first step with contact, m; NaN without contact.
+    pub onset: f64,
+    /// End of the first and of the last step with contact, s.
+    pub contact: [f64; 2],
+    /// The last closest approach, m.
+    gap: f64,
+    /// Kinetic and internal energy at the start, J/m.
+    energy: Option<f64>,
+}
+
+impl Watch {
+    /// Look at the surfaces of the left and the right ring.
+    pub fn new(surfaces: Vec<Surface>, look: Look) -> Result<Watch, ObserveError> {
+        Ok(Watch {
+            pace: if look == Look::Closely { Pace::every_step() } else { Pace::steps(20)? },
+            look,
+            surfaces,
+            rows: Vec::new(),
+            snapshots: Vec::new(),
+            onset: f64::NAN,
+            contact: [f64::NAN; 2],
+            gap: f64::NAN,
+            energy: None,
+        })
+    }
+
+    fn stop_if_wrong(&mut self, energy: f64) -> Result<(), ObserveError> {
+        let start = *self.energy.get_or_insert(energy);
+        if energy <= TOO_MUCH * start {
+            Ok(())
+        } else {
+            Err(ObserveError::Other(format!("{TOO_MUCH} times the energy of the start")))
+        }
+    }
+
+    /// Note a step with contact; the step found it where the rings were at its start.
+    fn note_contact(&mut self, now: &Moment<'_, f64, 2>) {
+        if self.onset.is_nan() {
+            self.onset = self.gap;
+            self.contact[0] = now.time();
+        }
+        self.contact[1] = now.time();
+    }
+}
+
+impl Observer<f64, 2> for Watch {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &Moment<'_, f64, 2>) -> Result<(), ObserveError> {
+        if now.contacts().iter().any(|p| p.nodes > 0) {
+            self.note_contact(now);
+        }
+        let about_to_touch = self.onset.is_nan() && self.gap < 0.3 * GAP;
+        if self.look == Look::Closely && !about_to_touch && now.step() % 8 != 0 {
+            return Ok(());
+        }
+        let totals = now.totals();
+        self.stop_if_wrong(totals.kinetic + totals.internal)?;
+        if self.look == Look::Ledger {
+            return Ok(());
+        }
+        let polygons: Vec<_> =
+            self.surfaces.iter().zip(now.bodies()).map(|(s, b)| s.now(b.as_ref())).collect();
+        let [left, right] = &polygons[..] else { return Ok(()) };
+        self.gap = closest(left, right);
+        if PICTURES.get(self.snapshots.len()).is_some_and(|t| now.time() >= *t) {
+            self.snapshots.push(now.snapshot()?);
+        }
+        let force = now.contacts().iter().map(|p| p.force[0]).sum::<f64>();
+        self.rows.push(Row {
+            time: now.time(),
+            gap: self.gap,
+            force: THICKNESS * force,
+            velocity: velocities(now),
+            kinetic: THICKNESS * totals.kinetic,
+            internal: THICKNESS * totals.internal,
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,90 @@
+//! Where the cylinder is, and how fast.
+
+use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+
+use crate::scene::START;
+
+/// The cylinder at one moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Since the middle of letting it go, s.
+    pub time: f64,
+    /// Way of the centre of mass along the incline, m.
+    pub way: f64,
+    /// Height of the centre of mass above the undeformed plane, m.
+    pub height: f64,
+    /// Speed along the incline, m/s.
+    pub speed: f64,
+    /// Angular momentum over the moment of inertia, rad/s, positive downhill.
+    pub spin: f64,
+    /// From the lowest surface of the cylinder to the plane's, m.
+    pub gap: f64,
+    /// Force of the plane on the cylinder, along the incline and across: N/m, in space N on half of it.
+    pub force: [f64; 2],
+    /// Nodes in contact.
+    pub nodes: usize,
+}
+
+/// Follows the cylinder.
+pub struct Track {
+    pace: Pace,
+    /// Cell size and half size of a particle of the cylinder, m.
+    spacing: f64,
+    half: f64,
+    /// When the cylinder is let go, s.
+    zero: f64,
+    pub rows: Vec<Row>,
+}
+
+impl Track {
+    /// In cells of `spacing` (m), for particles of half the size `half` (m); the cylinder is let go at `zero` (s).
+    pub fn new(pace: Pace, spacing: f64, half: f64, zero: f64) -> Self {
+        Track { pace, spacing, half, zero, rows: Vec::new() }
+    }
+}
+
+impl<const D: usize> Observer<f64, D> for Track {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+
+    fn observe(&mut self, now: &Moment<'_, f64, D>) -> Result<(), ObserveError> {
+        let [plane, cylinder] = now.bodies() else { return Ok(()) };
+        // First and second moments about the start, from which those about the centre follow.
+        let (mut mass, mut place, mut momentum) = (0.0, [0.0; 2], [0.0; 2]);
+        let (mut turning, mut inertia, mut lowest) = (0.0, 0.0, f64::INFINITY);
+        cylinder.for_each(&mut |p| {
+            let [a, b] = [p.position[0] - START, p.position[1]];
+            let [u, v] = [p.velocity[0], p.velocity[1]];
+            mass += p.mass;
+            place[0] += p.mass * a;
+            place[1] += p.mass * b;
+            momentum[0] += p.mass * u;
+            momentum[1] += p.mass * v;
+            turning += p.mass * (b * u - a * v);
+            inertia += p.mass * (a * a + b * b);
+            lowest = lowest.min(b - self.half);
+        });
+        let [x, y] = place.map(|c| c / mass);
+        turning -= y * momentum[0] - x * momentum[1];
+        inertia -= mass * (x * x + y * y);
+        let mut top = f64::NEG_INFINITY;
+        plane.for_each(&mut |p| {
+            if (p.position[0] - START - x).abs() < self.spacing {
+                top = top.max(p.position[1] + 0.25 * self.spacing);
+            }
+        });
+        let met = now.contacts().first();
+        self.rows.push(Row {
+            time: now.time() - self.zero,
+            way: x,
+            height: y,
+            speed: momentum[0] / mass,
+            spin: turning / inertia,
+            gap: lowest - top,
+            force: met.map_or([0.0; 2], |c| [c.force[0], c.force[1]]),
+            nodes: met.map_or(0, |c| c.nodes),
+        });
+        Ok(())
+    }
+}
