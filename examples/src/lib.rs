@@ -4,6 +4,7 @@
 //! | binary | case |
 //! |---|---|
 //! | `taylor_bar` | a copper cylinder hits a wall: final shape against finite elements and experiment |
+//! | `pressed_balls` | a loaded plate on a thousand balls: stress waves through contacts, and what contact costs |
 //! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
 //! | `throughput` | particle updates a second on fixed scenes |
 

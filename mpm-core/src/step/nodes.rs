@@ -81,8 +81,9 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub wide: bool,
     /// Is what lies behind a wall or fixed plane extrapolated ([`crate::BoundaryModified`])?
     pub modified: bool,
-    /// Do particles keep their velocity and add its change (FLIP)? Else they take the nodes' velocity.
-    pub keeps: bool,
+    /// Share of the nodes' velocity that particles take for theirs: 1; 0 where they keep theirs and add its change
+    /// (FLIP).
+    pub takes: T,
     /// Time step, s.
     pub dt: T,
 }
@@ -108,13 +109,13 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             }
         });
         let lattice = *self.grid.lattice();
-        let (cutoff, keeps, dt) = (self.cutoff, self.keeps, self.dt);
+        let (cutoff, takes, dt) = (self.cutoff, self.takes, self.dt);
         for mirror in self.conditions.boundaries.iter().filter_map(|b| b.mirror(&lattice)) {
             let axis = mirror.axis;
             let mut impulse = 0.0;
             self.columns(mirror, |nodes, [_, on, _]| {
                 let Some(on) = on else { return };
-                impulse += still(&mut nodes[on], axis, sums, keeps, dt);
+                impulse += still(&mut nodes[on], axis, sums, takes, dt);
             });
             if self.wide {
                 self.columns(mirror, |nodes, [front, _, back]| {
@@ -122,7 +123,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                     let before = [nodes[front], nodes[back]];
                     fold_mirrored(nodes, front, back, axis, sums);
                     if sums == Sums::All && nodes[front].first[0] > cutoff {
-                        impulse += mirrored_impulse(&before, &nodes[front], axis, keeps, dt);
+                        impulse += mirrored_impulse(&before, &nodes[front], axis, takes, dt);
                     }
                 });
             }
@@ -390,12 +391,10 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
 
 /// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
 /// vanish there before anything is divided or differenced. Returns the plane's impulse, what it cancelled, N s.
-fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, keeps: bool, dt: T) -> f64 {
+fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, takes: T, dt: T) -> f64 {
     let mut impulse = 0.0;
     if sums == Sums::All {
-        if !keeps {
-            impulse -= node.first[1 + axis].to_double();
-        }
+        impulse -= (takes * node.first[1 + axis]).to_double();
         node.first[1 + axis] = T::default();
     }
     if sums != Sums::Again {
@@ -411,15 +410,13 @@ fn mirrored_impulse<T: Float>(
     [front, back]: &[Node<T>; 2],
     folded: &Node<T>,
     axis: usize,
-    keeps: bool,
+    takes: T,
     dt: T,
 ) -> f64 {
     let mut had = (front.second[1 + axis] + back.second[1 + axis]) * dt;
     let mut has = folded.second[1 + axis] * dt;
-    if !keeps {
-        had += front.first[1 + axis] + back.first[1 + axis];
-        has += folded.first[1 + axis];
-    }
+    had += takes * (front.first[1 + axis] + back.first[1 + axis]);
+    has += takes * folded.first[1 + axis];
     let share = (front.first[0] - back.first[0]) / folded.first[0];
     (share * has - had).to_double()
 }

@@ -1,6 +1,6 @@
 //! The solver: bodies on a grid, and the step.
 
-use mpm_materials::Constitutive;
+use mpm_materials::{Constitutive, Lane};
 
 use super::body::{Body, BodyTrouble, ParticleBody, Steps, Totals, Which};
 use super::contact::{Contact, ContactNode, Encounters, Meeting, OneField, PairContact};
@@ -186,10 +186,16 @@ macro_rules! stage {
             cutoff: lightest * mass_cutoff::<T>(),
             wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
             modified: <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
-            keeps: M::Transfer::READS_INCREMENT,
+            takes: taken::<T, _>($mpm.method.transfer(), $dt),
             dt: $dt,
         }
     }};
+}
+
+/// The share of the nodes' velocity in that of a particle.
+fn taken<T: Float, X: Transfer<T>>(transfer: &X, dt: T) -> T {
+    let (zero, one) = (T::Single::from(T::default()), T::Single::one());
+    transfer.velocity(zero, one, zero, T::Single::from(dt)).into()
 }
 
 /// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii).
