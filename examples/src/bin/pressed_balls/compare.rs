@@ -7,8 +7,9 @@ use mpm_core::{Contact, OneField};
 
 use crate::scene::{self, Pack, Setup};
 
-/// Steps before timing starts, and in a turn.
-const WARM_UP: usize = 6;
+/// Transits of the wave before timing starts: by then all balls are in motion, and contacts open and close.
+const WARM_UP: f64 = 3.0;
+/// Steps in a turn.
 const TURN: usize = 4;
 /// The paper's cost of contact in time and memory.
 const PAPER: [f64; 2] = [1.556, 1.057];
@@ -19,8 +20,8 @@ const MOST: [f64; 2] = [1.20, 1.03];
 pub fn compare(setup: &Setup, rounds: u32) -> Result<(Vec<Check>, Totals), CaseError> {
     let mut with = scene::pack(setup, scene::contact(setup)?)?;
     let mut without = scene::pack(setup, OneField)?;
-    turn(&mut with, WARM_UP)?;
-    turn(&mut without, WARM_UP)?;
+    with.run_until(WARM_UP * setup.transit())?;
+    without.run_until(WARM_UP * setup.transit())?;
     let (mut on, mut off, mut ratios) = (Vec::new(), Vec::new(), Vec::new());
     for _ in 0..rounds {
         // On, off, off, on: a drift of the machine falls out of the ratio.

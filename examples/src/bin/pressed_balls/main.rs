@@ -60,8 +60,9 @@ fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
 /// Mean of the reaction in the second half of a run against the load: the pack still swings by 0.8 of the load, and
 /// three of its periods leave 0.8 / (3 * 2 pi).
 const LOAD_TOLERANCE: f64 = 0.05;
-/// Round-off of 1e3 steps with 1e3 impulses each, of sums that stay below the momentum's scale.
-const MOMENTUM_TOLERANCE: f64 = 1e-12;
+/// The impulse of the load in the whole run, which passes through the sums, is 40 times the largest momentum; 2e3 steps
+/// round it by 1e-16 each, which makes 1e-11 if all fall the same way.
+const MOMENTUM_TOLERANCE: f64 = 1e-11;
 
 /// At any time, of the kinetic and internal energy. Both are half a step apart: while all of it changes from one to the
 /// other as sound crosses pack and plate, 20 cells or more, half a step of half a cell shifts 1 %.
