@@ -6,7 +6,9 @@
 //! | `taylor_bar` | a copper cylinder hits a wall: final shape against finite elements and experiment |
 //! | `ring_collision` | two elastic rings collide: where their surfaces meet, energy over the time step |
 //! | `bouncing_blocks` | bars, discs, balls and a block on an incline in contact, against exact values |
+//! | `pressed_balls` | a loaded plate on a thousand balls: stress waves through contacts, and what contact costs |
 //! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
+//! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
 //! | `throughput` | particle updates a second on fixed scenes |
 
 pub mod case;

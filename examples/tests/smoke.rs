@@ -212,6 +212,20 @@ fn rolling_cylinder() {
 }
 
 #[test]
+fn pressed_balls() {
+    let name = "balls";
+    let program = env!("CARGO_BIN_EXE_pressed_balls");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "pressed_balls");
+    let checks = value["checks"].as_array().expect("checks");
+    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 5);
+    let out = folder(name);
+    for file in ["waves.png", "reaction.png", "reaction.csv", "paraview/balls.pvd", "result.json"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn throughput() {
     let name = "throughput";
     let output = run(env!("CARGO_BIN_EXE_throughput"), &["--resolution", "smoke", "--json"], name);

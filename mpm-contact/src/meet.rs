@@ -73,8 +73,7 @@ where
         let mut memory = Memory { numbers: scratch, shared: bits };
         crate::normal::NormalRule::prepare(self.detector.normals(), at, &mut memory);
         self.find(at, &memory, crowded, touches);
-        // Pairs by node; within a node they are in order already.
-        touches.sort_by_key(|t| t.node);
+        touches.sort_unstable_by_key(|t| (t.node, t.fields));
         for touches in touches.chunk_by_mut(|a, b| a.node == b.node) {
             self.exchange(at, touches);
             book(at, touches, impulses, contacts);

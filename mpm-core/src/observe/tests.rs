@@ -7,7 +7,7 @@ use mpm_materials::{LinearElastic, Moduli};
 
 use super::*;
 use crate::geometry::{Cuboid, Filling, Lattice, fill};
-use crate::{Axisymmetric, BlockGrid, Boundary, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Side};
+use crate::{Axisymmetric, Blend, BlockGrid, Boundary, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Side};
 
 type Flat<E> = Mpm<f64, 2, Method<Linear, Flip, Musl, E>, BlockGrid<f64, 2>>;
 
@@ -95,6 +95,22 @@ fn the_ledger_closes() {
     // Gravity is accounted for as well, in a scene that starts at rest.
     let mut mpm = square(PlaneStrain);
     mpm.set_body_force(|_| [0.0, -1e4]);
+    let mut ledger = Ledger::new(Pace::every_step());
+    mpm.run_observed(2e-4, &mut [&mut ledger]).unwrap();
+    assert!(ledger.worst_momentum_error() < 1e-13, "{:e}", ledger.worst_momentum_error());
+}
+
+/// A plane of symmetry gives a blend what FLIP adds and what PIC forgets.
+#[test]
+fn the_ledger_closes_for_a_blend_on_a_plane() {
+    let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
+    let shape = Cuboid::new([0.0, 0.0], [8e-3, 8e-3]).unwrap();
+    let law = LinearElastic::new(1000.0, Moduli::young_poisson(1e7, 0.3).unwrap()).unwrap();
+    let seeds = fill(&shape, &lattice, 2, &Filling::new()).unwrap();
+    let method = Method::new(Linear, Blend::new(1e-4).unwrap(), Musl, PlaneStrain);
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    mpm.add("square", law, &seeds, |[_, y]| [0.0, -1e3 * y]).unwrap();
+    mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
     let mut ledger = Ledger::new(Pace::every_step());
     mpm.run_observed(2e-4, &mut [&mut ledger]).unwrap();
     assert!(ledger.worst_momentum_error() < 1e-13, "{:e}", ledger.worst_momentum_error());

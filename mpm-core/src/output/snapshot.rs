@@ -256,6 +256,17 @@ impl Snapshot {
         }
     }
 
+    /// A tensor field by name.
+    ///
+    /// # Errors
+    /// There is none of that name; the error lists those there are.
+    pub fn tensor(&self, name: &str) -> Result<&[[f64; 6]], OutputError> {
+        match self.fields.iter().find(|(n, _)| n == name) {
+            Some((_, FieldValues::Tensor(values))) => Ok(values),
+            _ => Err(self.no_such("tensor", name)),
+        }
+    }
+
     /// The smallest box around the particles that are at finite places, particle sizes included, m; `None` if
     /// there are none.
     #[must_use]

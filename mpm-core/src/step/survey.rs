@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Lane, Source, State, Sym3};
 
-use super::body::{NONE, ParticleBody, offset};
+use super::body::{ParticleBody, offset};
 use super::load::Load;
 use super::sweep::{ExtentOf, ShapeOf, Slot};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
@@ -53,7 +53,6 @@ pub struct Near<T> {
 /// For each of the nodes of a stencil: its place in the block, if the survey is about it.
 struct Reached<E: Stencil> {
     node: E::Nodes<u8>,
-    any: bool,
 }
 
 const OUTSIDE: u8 = u8::MAX;
@@ -62,7 +61,7 @@ const OUTSIDE: u8 = u8::MAX;
 /// to the block's first node), as far as they are in `nodes`.
 #[inline(always)]
 fn reached<E: Stencil, const D: usize>(first: [i32; 3], nodes: u64) -> Reached<E> {
-    let mut found: Reached<E> = Reached { node: Array::filled(OUTSIDE), any: false };
+    let mut found: Reached<E> = Reached { node: Array::filled(OUTSIDE) };
     let inside = 0..BLOCK as i32;
     for c in 0..E::LAYERS {
         let z = if D == 3 { first[2] + c as i32 } else { 0 };
@@ -79,7 +78,6 @@ fn reached<E: Stencil, const D: usize>(first: [i32; 3], nodes: u64) -> Reached<E
                 let node = (z * BLOCK as i32 + y) * BLOCK as i32 + x;
                 if nodes & (1 << node) != 0 {
                     found.node[(c * E::NODES + b) * E::NODES + a] = node as u8;
-                    found.any = true;
                 }
             }
         }
@@ -87,57 +85,74 @@ fn reached<E: Stencil, const D: usize>(first: [i32; 3], nodes: u64) -> Reached<E
     found
 }
 
-/// Range of bins of a slot at `offset` along an axis whose stencils reach into the node block.
+/// The first of the four layers of a block across each axis, a bit a node.
+const LAYERS: [u64; 3] = [0x1111_1111_1111_1111, 0x000F_000F_000F_000F, 0x0000_0000_0000_FFFF];
+
+/// A set of places in a block, moved along an axis; what leaves the block is lost.
 #[inline(always)]
-fn bins<E: Stencil>(offset: i32) -> std::ops::Range<usize> {
-    let block = BLOCK as i32;
-    // First stencil node of bin i: offset * 4 + i + BASE; it must be below 4, the last one at least 0.
-    let low = (1 - E::NODES as i32 - E::BASE - offset * block).clamp(0, block);
-    let high = (block - E::BASE - offset * block).clamp(0, block);
-    low as usize..high.max(low) as usize
+fn moved(set: u64, by: i32, axis: usize) -> u64 {
+    let stride = [1, 4, 16][axis];
+    let mut kept = 0;
+    for place in 0..BLOCK as i32 {
+        if (0..BLOCK as i32).contains(&(place + by)) {
+            kept |= LAYERS[axis] << (place as usize * stride);
+        }
+    }
+    // Nothing is kept of what would be shifted by 64 or more.
+    let shift = by.unsigned_abs() * stride as u32;
+    let set = set & kept;
+    if by < 0 { set.wrapping_shr(shift) } else { set.wrapping_shl(shift) }
+}
+
+/// The bins of a slot at offset `o` from the block whose stencils have one of `nodes`.
+#[inline(always)]
+fn bins_at<E: Stencil, const D: usize>(o: &[i32; D], nodes: u64) -> u64 {
+    let mut set = nodes;
+    for d in 0..D {
+        let mut bins = 0;
+        for a in 0..E::NODES as i32 {
+            bins |= moved(set, -(o[d] * BLOCK as i32 + E::BASE + a), d);
+        }
+        set = bins;
+    }
+    set
 }
 
 /// The bins of the slots around a block that have one of `nodes` in their stencil, with particles in them.
 macro_rules! for_bins {
-    ($body:expr, $block:expr, $nodes:expr, $extent:ty, $d:ident, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
+    ($slots:expr, $contributors:expr, $nodes:expr, $extent:ty, $d:ident, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
         for around in 0..neighbours($d) {
-            let number = $body.contributors[$block * neighbours($d) + around];
-            if number == NONE {
-                continue;
-            }
-            let $slot = &$body.slots[number as usize];
+            let Some($slot) = $slots.get($contributors[around] as usize) else { continue };
             let o = offset::<$d>(around);
-            let (xs, ys) = (bins::<$extent>(o[0]), bins::<$extent>(o[1]));
-            let zs = if $d == 3 { bins::<$extent>(o[$d - 1]) } else { 0..1 };
-            for k in zs {
-                for j in ys.clone() {
-                    for i in xs.clone() {
-                        let $bin = (k * BLOCK + j) * BLOCK + i;
-                        if $slot.block.bin_len($bin) == 0 {
-                            continue;
-                        }
-                        let mut first = [0; 3];
-                        for (d, place) in [i, j, k].into_iter().enumerate().take($d) {
-                            first[d] = o[d] * BLOCK as i32 + place as i32 + <$extent>::BASE;
-                        }
-                        let $at = reached::<$extent, $d>(first, $nodes);
-                        if $at.any {
-                            $do
-                        }
-                    }
+            let mut set = bins_at::<$extent, $d>(&o, $nodes);
+            while set != 0 {
+                let $bin = set.trailing_zeros() as usize;
+                set &= set - 1;
+                if set != 0 {
+                    $slot.block.prefetch(set.trailing_zeros() as usize, Columns::mass($d) + 1);
                 }
+                if $slot.block.bin_len($bin) == 0 {
+                    continue;
+                }
+                let mut first = [0; 3];
+                for d in 0..$d {
+                    let place = $bin / BLOCK.pow(d as u32) % BLOCK;
+                    first[d] = o[d] * BLOCK as i32 + place as i32 + <$extent>::BASE;
+                }
+                let $at = reached::<$extent, $d>(first, $nodes);
+                $do
             }
         }
     };
 }
 
-/// The survey `WHAT` of the particles of a bin.
-struct SurveyBin<'a, T: Float, const D: usize, C, M: Composition<T, D>, const WHAT: u8> {
+/// The survey `WHAT` of the particles around a block.
+struct SurveyBlock<'a, T: Float, const D: usize, C, M: Composition<T, D>, const WHAT: u8> {
     law: &'a C,
     method: &'a M,
-    slot: &'a Slot<T, D>,
-    bin: usize,
-    at: Reached<ExtentOf<M, T, D>>,
+    slots: &'a [Slot<T, D>],
+    contributors: &'a [u32],
+    nodes: u64,
     normals: &'a [[T; 3]],
     out: &'a mut [[T; 3]],
     half: [T; 3],
@@ -173,7 +188,7 @@ where
     }
 }
 
-impl<T, const D: usize, C, M, const WHAT: u8> Kernel<T> for SurveyBin<'_, T, D, C, M, WHAT>
+impl<T, const D: usize, C, M, const WHAT: u8> Kernel<T> for SurveyBlock<'_, T, D, C, M, WHAT>
 where
     T: Float,
     C: Constitutive<T>,
@@ -183,121 +198,145 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let SurveyBin { law, method, slot, bin, at: reached, normals, out, half, spacing, domain } = self;
-        let nodes = <ExtentOf<M, T, D> as Stencil>::NODES;
+        let SurveyBlock { law, method, slots, contributors, nodes, normals, out, half, spacing, domain } =
+            self;
+        let count = <ExtentOf<M, T, D> as Stencil>::NODES;
         let layers = <ExtentOf<M, T, D> as Stencil>::LAYERS;
         let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
         let (zero, one) = (A::Pack::zero(), A::Pack::one());
         let lowest = A::Pack::of(-1e30);
         let reaches = WHAT == REACH || WHAT == CENTRES || WHAT == LOCAL_REACH;
-        let start = if reaches { lowest } else { zero };
-        let mut sums: <ExtentOf<M, T, D> as Stencil>::Nodes<[A::Pack; 3]> = Array::filled([start; 3]);
+        // A sum a node and lane; lanes are added up at the end.
+        let mut sums = [[if reaches { lowest } else { zero }; 3]; block_nodes(3)];
+        // Half sizes along the normals, where they are the same for all particles.
+        let mut sizes = [T::default(); block_nodes(3)];
+        if reaches && WHAT != CENTRES && !ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+            let mut left = nodes;
+            while left != 0 {
+                let node = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let mut square = T::default();
+                for d in 0..D {
+                    square += half[d] * normals[node][d] * (half[d] * normals[node][d]);
+                }
+                sizes[node] = square.sqrt();
+            }
+        }
         let mut lane_index = zero;
         for i in 0..A::Pack::WIDTH {
             lane_index = lane_index.with_lane(i, T::of(i as f64));
         }
-        let mut next = slot.block.last_group(bin);
-        while let Some((group, here)) = next {
-            next = slot.block.group_before(group);
-            let group = slot.block.group(group);
-            let alive = lane_index.lt(A::Pack::of(here as f64));
-            let mut xi = [zero; 3];
-            let mut size = [zero; 3];
-            let mut w = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
-            for d in 0..D {
-                xi[d] = A::Pack::load(&group[Columns::position() + d]);
-                size[d] = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                    A::Pack::load(&group[domain + d])
-                } else {
-                    A::Pack::splat(half[d])
-                };
-                if !reaches {
-                    w[d] = method.shape().weights(xi[d], size[d]);
+        for_bins!(slots, contributors, nodes, ExtentOf<M, T, D>, D, |slot, bin, at| {
+            let mut next = slot.block.last_group(bin);
+            while let Some((group, here)) = next {
+                next = slot.block.group_before(group);
+                let group = slot.block.group(group);
+                let alive = lane_index.lt(A::Pack::of(here as f64));
+                let mut xi = [zero; 3];
+                let mut size = [zero; 3];
+                let mut w = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+                for d in 0..D {
+                    xi[d] = A::Pack::load(&group[Columns::position() + d]);
+                    size[d] = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                        A::Pack::load(&group[domain + d])
+                    } else {
+                        A::Pack::splat(half[d])
+                    };
+                    if !reaches {
+                        w[d] = method.shape().weights(xi[d], size[d]);
+                    }
                 }
-            }
-            if D == 2 {
-                w[2].value[0] = one;
-            }
-            let mass = A::Pack::select(alive, A::Pack::load(&group[Columns::mass(D)]), zero);
-            let mut amount = mass;
-            let mut stress = Sym3::<A::Pack>::zero();
-            if WHAT == VOLUME_GRADIENT || WHAT == TRACTION {
-                let rows = &group[Columns::state(D)..][..state_rows];
-                let now = C::State::<A::Pack>::read(&mut Rows { rows, at: 0, lanes: PhantomData });
-                if WHAT == VOLUME_GRADIENT {
-                    amount = law.volume_ratio(&now) * mass * A::Pack::splat(law.density()).recip();
-                } else {
-                    stress = law.stress(&now);
+                if D == 2 {
+                    w[2].value[0] = one;
                 }
-            }
-            for c in 0..layers {
-                for b in 0..nodes {
-                    for a in 0..nodes {
-                        let s = (c * nodes + b) * nodes + a;
-                        let node = reached.node[s];
-                        if node == OUTSIDE {
-                            continue;
-                        }
-                        let sum = &mut sums[s];
-                        if reaches || WHAT == TRACTION {
-                            let n = normals[node as usize];
+                let mass = A::Pack::select(alive, A::Pack::load(&group[Columns::mass(D)]), zero);
+                let mut amount = mass;
+                let mut stress = Sym3::<A::Pack>::zero();
+                if WHAT == VOLUME_GRADIENT || WHAT == TRACTION {
+                    let rows = &group[Columns::state(D)..][..state_rows];
+                    let now = C::State::<A::Pack>::read(&mut Rows { rows, at: 0, lanes: PhantomData });
+                    if WHAT == VOLUME_GRADIENT {
+                        amount = law.volume_ratio(&now) * mass * A::Pack::splat(law.density()).recip();
+                    } else {
+                        stress = law.stress(&now);
+                    }
+                }
+                for c in 0..layers {
+                    for b in 0..count {
+                        // What the nodes of a row have in common, of a gradient and of a weight.
+                        let (y, z) = (w[1].value[b], w[2].value[c] * amount);
+                        let (yz, dyz) = (y * z, w[1].slope[b] * z);
+                        let ydz = if D == 3 { y * (w[2].slope[c] * amount) } else { zero };
+                        for a in 0..count {
+                            let node = at.node[(c * count + b) * count + a] as usize;
+                            if node >= block_nodes(3) {
+                                continue;
+                            }
+                            let sum = &mut sums[node];
+                            if WHAT == MASS_GRADIENT || WHAT == VOLUME_GRADIENT {
+                                sum[0] = w[0].slope[a].mul_add(yz, sum[0]);
+                                sum[1] = w[0].value[a].mul_add(dyz, sum[1]);
+                                if D == 3 {
+                                    sum[2] = w[0].value[a].mul_add(ydz, sum[2]);
+                                }
+                                continue;
+                            }
+                            let n = normals[node];
                             let n = [A::Pack::splat(n[0]), A::Pack::splat(n[1]), A::Pack::splat(n[2])];
-                            if reaches {
-                                let place = [a, b, c];
-                                let (mut along, mut square, mut away) = (zero, zero, zero);
-                                for d in 0..D {
-                                    let x = xi[d] - A::Pack::of(node_offset::<ExtentOf<M, T, D>>(place[d]));
-                                    along = x.mul_add(n[d], along);
-                                    if WHAT == LOCAL_REACH {
-                                        away = x.mul_add(x, away);
-                                    }
-                                    if WHAT != CENTRES {
-                                        let l = size[d] * n[d];
-                                        square = l.mul_add(l, square);
-                                    }
-                                }
-                                let mut reach = along + square.sqrt();
-                                if WHAT == LOCAL_REACH {
-                                    let near = (away - along * along).lt(A::Pack::of(BESIDE));
-                                    reach = A::Pack::select(near, reach, lowest);
-                                }
-                                sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
-                            } else {
+                            if WHAT == TRACTION {
                                 let t = normal_stress(&stress, &n);
-                                let weight = w[0].value[a] * w[1].value[b] * w[2].value[c] * amount;
-                                sum[0] = weight.mul_add(t, sum[0]);
+                                sum[0] = (w[0].value[a] * yz).mul_add(t, sum[0]);
+                                continue;
                             }
-                        } else {
-                            let (x, y, z) = (w[0].value[a], w[1].value[b], w[2].value[c]);
-                            sum[0] = (w[0].slope[a] * y * z).mul_add(amount, sum[0]);
-                            sum[1] = (x * w[1].slope[b] * z).mul_add(amount, sum[1]);
-                            if D == 3 {
-                                sum[2] = (x * y * w[2].slope[c]).mul_add(amount, sum[2]);
+                            let place = [a, b, c];
+                            let (mut along, mut square, mut away) = (zero, zero, zero);
+                            for d in 0..D {
+                                let x = xi[d] - A::Pack::of(node_offset::<ExtentOf<M, T, D>>(place[d]));
+                                along = x.mul_add(n[d], along);
+                                if WHAT == LOCAL_REACH {
+                                    away = x.mul_add(x, away);
+                                }
+                                if WHAT != CENTRES && ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                                    let l = size[d] * n[d];
+                                    square = l.mul_add(l, square);
+                                }
                             }
+                            let half = if WHAT == CENTRES {
+                                zero
+                            } else if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                                square.sqrt()
+                            } else {
+                                A::Pack::splat(sizes[node])
+                            };
+                            let mut reach = along + half;
+                            if WHAT == LOCAL_REACH {
+                                let near = (away - along * along).lt(A::Pack::of(BESIDE));
+                                reach = A::Pack::select(near, reach, lowest);
+                            }
+                            sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
                         }
                     }
                 }
             }
-        }
+        });
         let per_spacing = T::of(1.0) / spacing;
-        for s in 0..layers * nodes * nodes {
-            let node = reached.node[s];
-            if node == OUTSIDE {
-                continue;
-            }
-            let to = &mut out[node as usize];
+        let mut left = nodes;
+        while left != 0 {
+            let node = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let to = &mut out[node];
             if reaches {
-                let mut far = sums[s][0].lane(0);
+                let mut far = sums[node][0].lane(0);
                 for i in 1..A::Pack::WIDTH {
-                    far = far.max(sums[s][0].lane(i));
+                    far = far.max(sums[node][0].lane(i));
                 }
                 to[0] = to[0].max(far * spacing);
             } else {
                 let factor = if WHAT == TRACTION { T::of(1.0) } else { per_spacing };
                 for d in 0..D {
-                    let mut sum = sums[s][d].lane(0);
+                    let mut sum = sums[node][d].lane(0);
                     for i in 1..A::Pack::WIDTH {
-                        sum += sums[s][d].lane(i);
+                        sum += sums[node][d].lane(i);
                     }
                     to[d] += sum * factor;
                 }
@@ -340,19 +379,17 @@ where
     }
 
     fn survey_as<const WHAT: u8>(&self, block: usize, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
-        for_bins!(self, block, nodes, ExtentOf<M, T, D>, D, |slot, bin, at| {
-            T::dispatch(SurveyBin::<T, D, C, M, WHAT> {
-                law: &self.law,
-                method: &self.method,
-                slot,
-                bin,
-                at,
-                normals,
-                out: &mut *out,
-                half: self.half,
-                spacing: T::of(self.lattice.spacing()),
-                domain: self.columns.domain(),
-            });
+        T::dispatch(SurveyBlock::<T, D, C, M, WHAT> {
+            law: &self.law,
+            method: &self.method,
+            slots: &self.slots,
+            contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
+            nodes,
+            normals,
+            out,
+            half: self.half,
+            spacing: T::of(self.lattice.spacing()),
+            domain: self.columns.domain(),
         });
     }
 
@@ -360,7 +397,8 @@ where
         let h = T::of(self.lattice.spacing());
         let (count, layers) = (<ExtentOf<M, T, D> as Stencil>::NODES, <ExtentOf<M, T, D> as Stencil>::LAYERS);
         let one: T = T::of(1.0);
-        for_bins!(self, block, nodes, ExtentOf<M, T, D>, D, |slot, bin, at| {
+        let contributors = &self.contributors[block * neighbours(D)..][..neighbours(D)];
+        for_bins!(self.slots, contributors, nodes, ExtentOf<M, T, D>, D, |slot, bin, at| {
             for place in slot.block.bin_places(bin) {
                 let number = |column: usize| slot.block.get(place, column);
                 let mut near = Near {

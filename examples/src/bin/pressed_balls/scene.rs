@@ -1,0 +1,202 @@
+//! The balls, the plate and the run.
+
+use std::sync::Arc;
+
+use clap::ValueEnum;
+use examples::{CaseError, Totals};
+use mpm_contact::{Coulomb, GridContact, Pairs, SurfaceDistance};
+use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, fill};
+use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{
+    Blend, BlockGrid, Boundary, Contact, FullSpace, Linear, Method, Mpm, Musl, OneField, Side, Team, Traction,
+};
+use mpm_materials::{Moduli, NeoHookean};
+use serde::Serialize;
+
+use crate::chain;
+
+/// The aluminium: the paper says no more.
+pub const ALUMINIUM: chain::Ball =
+    chain::Ball { diameter: 0.01, density: 2700.0, young: 70.0e9, poisson: 0.33 };
+/// Cells per diameter; two particles per cell along each axis.
+pub const CELLS: u32 = 5;
+/// Cell size, m.
+pub const SPACING: f64 = ALUMINIUM.diameter / CELLS as f64;
+
+/// FLIP forgets what the nodes do not see within the time in which sound crosses this many cells. Without that, contacts
+/// that open and close on balls at rest keep the particles trembling, and in the end gain energy.
+const MEMORY: f64 = 5.0;
+
+/// Are the balls kept apart?
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Switch {
+    /// Contact by the distance of surfaces
+    On,
+    /// One velocity field for all: balls stick where they touch
+    Off,
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup {
+    /// Balls along each edge of the pack.
+    pub balls: u32,
+    pub contact: Switch,
+    pub friction: f64,
+    /// On the plate from the start, Pa.
+    pub pressure: f64,
+    pub threads: usize,
+}
+
+impl Setup {
+    /// Edge of the pack, m.
+    pub fn edge(&self) -> f64 {
+        f64::from(self.balls) * ALUMINIUM.diameter
+    }
+    /// Time of the longitudinal wave through balls and plate as if they were one block, s.
+    pub fn transit(&self) -> f64 {
+        f64::from(self.balls + 1) * ALUMINIUM.diameter / ALUMINIUM.wave_speed()
+    }
+    /// End of the run, s.
+    pub fn end(&self) -> f64 {
+        END * self.transit()
+    }
+    /// On the whole plate, N.
+    pub fn load(&self) -> f64 {
+        self.pressure * self.edge() * self.edge()
+    }
+}
+
+/// What came of a run.
+pub struct Outcome {
+    /// Time, s, and reaction of the ground over the load, every step.
+    pub reaction: Vec<[f64; 2]>,
+    pub snapshots: Vec<Snapshot>,
+    /// Most pairs of bodies that pressed on each other in a step.
+    pub faces: usize,
+    pub totals: Totals,
+}
+
+type Hat = Method<Linear, Blend<f64>, Musl, FullSpace>;
+/// A pack that is ready to run.
+pub type Pack<K> = Mpm<f64, 3, Hat, BlockGrid<f64, 3>, K>;
+
+/// The contact algorithm.
+pub fn contact(setup: &Setup) -> Result<impl Contact<f64, 3> + use<>, CaseError> {
+    let laws = Pairs::new(Coulomb::new(setup.friction)?);
+    Ok(GridContact::new(SurfaceDistance::default(), laws))
+}
+
+/// The pack in its container, five planes that nothing crosses, under the plate. (Walls that only push would let
+/// the outer balls part from them, but gain as much energy as the load brings within 200 microseconds.)
+pub fn pack<K: Contact<f64, 3>>(setup: &Setup, contact: K) -> Result<Pack<K>, CaseError> {
+    let (edge, d) = (setup.edge(), ALUMINIUM.diameter);
+    let lattice = Lattice::new([0.0; 3], SPACING)?;
+    let memory = MEMORY * SPACING / ALUMINIUM.wave_speed();
+    let blend = Blend::new(memory).map_err(|e| CaseError::Other(e.to_string()))?;
+    let method = Method::new(Linear, blend, Musl, FullSpace);
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
+    let moduli = Moduli::young_poisson(ALUMINIUM.young, ALUMINIUM.poisson)?;
+    let law = NeoHookean::new(ALUMINIUM.density, moduli)?;
+    for n in 0..setup.balls.pow(3) {
+        let place = [n, n / setup.balls, n / setup.balls.pow(2)];
+        let centre = place.map(|i| (f64::from(i % setup.balls) + 0.5) * d);
+        let seeds = fill(&Ball::new(centre, 0.5 * d)?, &lattice, 2, &Filling::new())?;
+        mpm.add(&format!("ball {n}"), law, &seeds, |_| [0.0; 3])?;
+    }
+    let plate = fill(&Cuboid::new([0.0, 0.0, edge], [edge, edge, edge + d])?, &lattice, 2, &Filling::new())?;
+    let top = Cuboid::new([0.0, 0.0, edge + d - 0.5 * SPACING], [edge, edge, edge + d])?;
+    let pressure = setup.pressure;
+    let load = Traction {
+        region: Arc::new(top),
+        axis: 2,
+        history: Arc::new(move |_| [0.0, 0.0, -pressure]),
+        revolved: false,
+    };
+    mpm.add_loaded("plate", law, &plate, |_| [0.0; 3], load)?;
+    for axis in 0..3 {
+        mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;
+        if axis < 2 {
+            mpm.bound(Boundary::Symmetry { axis, at: edge, side: Side::Below })?;
+        }
+    }
+    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    Ok(mpm)
+}
+
+/// Moments of the picture, transits of the longitudinal wave through pack and plate.
+const MOMENTS: [f64; 6] = [0.5, 1.0, 1.5, 2.5, 4.0, 6.0];
+/// End of a run, likewise.
+pub const END: f64 = 40.0;
+
+/// Press, with snapshots at [`MOMENTS`].
+pub fn press(setup: &Setup, files: Option<VtkSeries>) -> Result<Outcome, CaseError> {
+    match setup.contact {
+        Switch::On => run(setup, files, pack(setup, contact(setup)?)?),
+        Switch::Off => run(setup, files, pack(setup, OneField)?),
+    }
+}
+
+fn run<K: Contact<f64, 3>>(
+    setup: &Setup,
+    mut files: Option<VtkSeries>,
+    mut mpm: Pack<K>,
+) -> Result<Outcome, CaseError> {
+    let mut ground =
+        Ground { pace: Pace::every_step(), load: setup.load(), last: [0.0; 2], rows: vec![], faces: 0 };
+    let mut ledger = Ledger::new(Pace::interval(setup.end() / 20.0)?);
+    let mut bar = Progress::new("pressed balls");
+    let (mut summary, mut snapshots) = (RunSummary::default(), Vec::new());
+    for moment in MOMENTS.into_iter().chain([END]) {
+        let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut ground, &mut ledger, &mut bar];
+        observers.extend(files.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
+        let run = mpm.run_observed(moment * setup.transit(), &mut observers)?;
+        summary.steps += run.steps;
+        summary.wall_seconds += run.wall_seconds;
+        summary.updates += run.updates;
+        if moment < END {
+            snapshots.push(mpm.snapshot()?);
+        }
+    }
+    let last = ledger.entries().last().copied().unwrap_or_default();
+    let totals = Totals {
+        particles: mpm.particles(),
+        steps: summary.steps,
+        simulated_seconds: mpm.time(),
+        wall_seconds: summary.wall_seconds,
+        updates: summary.updates,
+        bytes: mpm.bytes(),
+        energy_error: ledger.entries().iter().map(|e| e.energy_error).fold(f64::NEG_INFINITY, f64::max),
+        momentum_error: last.momentum_error,
+    };
+    Ok(Outcome { reaction: ground.rows, snapshots, faces: ground.faces, totals })
+}
+
+/// Follows the reaction of the ground: of all planes it alone is across z.
+struct Ground {
+    pace: Pace,
+    load: f64,
+    /// Time, s, and impulse so far, N s.
+    last: [f64; 2],
+    rows: Vec<[f64; 2]>,
+    faces: usize,
+}
+
+impl Observer<f64, 3> for Ground {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+
+    fn observe(&mut self, now: &Moment<'_, f64, 3>) -> Result<(), ObserveError> {
+        let impulse = now.ledger().impulse[2];
+        if now.time() > self.last[0] {
+            let force = (impulse - self.last[1]) / (now.time() - self.last[0]);
+            self.rows.push([now.time(), force / self.load]);
+        }
+        self.last = [now.time(), impulse];
+        self.faces = self.faces.max(now.contacts().iter().filter(|c| c.nodes > 0).count());
+        Ok(())
+    }
+}
