@@ -50,6 +50,8 @@ pub struct Ledger {
     start: Option<(Totals, NodeLedger)>,
     energy_scale: f64,
     momentum_scale: f64,
+    /// The most momentum missing so far, kg m/s; NaN from the first look that found that.
+    worst_missing: f64,
     entries: Vec<LedgerEntry>,
 }
 
@@ -72,7 +74,15 @@ impl Ledger {
     /// Look at this pace.
     #[must_use]
     pub fn new(pace: Pace) -> Self {
-        Ledger { pace, file: None, start: None, energy_scale: 0.0, momentum_scale: 0.0, entries: Vec::new() }
+        Ledger {
+            pace,
+            file: None,
+            start: None,
+            energy_scale: 0.0,
+            momentum_scale: 0.0,
+            worst_missing: 0.0,
+            entries: Vec::new(),
+        }
     }
 
     /// Also write a CSV file at `path`.
@@ -98,11 +108,10 @@ impl Ledger {
         errors.fold(0.0, |worst: f64, e| if e.is_nan() || e.abs() > worst.abs() { e } else { worst })
     }
 
-    /// The largest momentum error.
+    /// The largest momentum error, over the scale of the whole run.
     #[must_use]
     pub fn worst_momentum_error(&self) -> f64 {
-        let errors = self.entries.iter().map(|e| e.momentum_error);
-        errors.fold(0.0, |worst: f64, e| if e.is_nan() || e > worst { e } else { worst })
+        relative(self.worst_missing, self.momentum_scale)
     }
 
     fn entry<T: Float, const D: usize>(&mut self, now: &Moment<'_, T, D>) -> LedgerEntry {
@@ -117,6 +126,10 @@ impl Ledger {
         self.momentum_scale = self.momentum_scale.max(totals.momentum_scale);
         let along = if now.axisymmetric() { 1..2 } else { 0..3 };
         let square: f64 = along.map(|d| missing(d, &totals, &first, &given, &before).powi(2)).sum();
+        let lost = square.sqrt();
+        if lost.is_nan() || lost > self.worst_missing {
+            self.worst_missing = lost;
+        }
         LedgerEntry {
             time: now.time(),
             step: now.step(),
@@ -127,7 +140,7 @@ impl Ledger {
             total,
             energy_error: relative(total - first.kinetic - first.internal, self.energy_scale),
             momentum: totals.momentum,
-            momentum_error: relative(square.sqrt(), self.momentum_scale),
+            momentum_error: relative(lost, self.momentum_scale),
         }
     }
 }
