@@ -1,0 +1,107 @@
+//! What decides.
+
+use examples::{Check, Totals};
+
+use crate::metals::{self, Metal};
+use crate::shock::{self, Impact};
+use crate::spall::{self, Spall};
+
+const LINE_TOLERANCE: f64 = 0.01;
+const STATE_TOLERANCE: f64 = 0.01;
+const OVERSHOOT_TOLERANCE: f64 = 0.03;
+const LEAST_ORDER: f64 = 0.7;
+const SURFACE_TOLERANCE: f64 = 0.01;
+const PULL_BACK_TOLERANCE: f64 = 0.10;
+const ENERGY_TOLERANCE: f64 = 0.01;
+const MOMENTUM_TOLERANCE: f64 = 1e-12;
+
+/// All checks.
+pub fn of(impacts: &[Impact], refined: &[Impact], spalls: &[Spall], totals: &Totals) -> Vec<Check> {
+    let mut checks = Vec::new();
+    for metal in metals::all() {
+        let own: Vec<&Impact> = impacts.iter().filter(|i| i.metal.name == metal.name).collect();
+        checks.extend(of_line(&metal, &own));
+    }
+    checks.extend(of_refinement(refined));
+    if let Some(lead) = metals::all().iter().find(|m| m.name == "lead") {
+        checks.extend(spalls.iter().flat_map(|s| of_spall(lead, s)));
+    }
+    let energy = totals.energy_error;
+    checks.push(Check::gate("energy error, worst run", energy, "-", 0.0, ENERGY_TOLERANCE, "conservation"));
+    let momentum = totals.momentum_error;
+    checks.push(Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM_TOLERANCE, "conservation"));
+    checks
+}
+
+/// The fitted line, and the worst of its shocks.
+fn of_line(metal: &Metal, impacts: &[&Impact]) -> Vec<Check> {
+    let points: Vec<[f64; 2]> = impacts.iter().map(|i| [i.particle_speed, i.measured.front]).collect();
+    let [sound_speed, slope] = shock::line(&points);
+    let name = |what: &str| format!("{}: {what}", metal.name);
+    let speed = 1e-3 * metal.sound_speed;
+    let mut checks = vec![
+        Check::gate(name("c0"), 1e-3 * sound_speed, "km/s", speed, LINE_TOLERANCE, metal.source),
+        Check::gate(name("s"), slope, "-", metal.slope, LINE_TOLERANCE, metal.source),
+    ];
+    let worst = |which: usize| {
+        let errors = impacts.iter().map(|i| i.errors()[which]);
+        errors.fold(0.0, |worst: f64, e| if e.is_nan() || e.abs() > worst.abs() { e } else { worst })
+    };
+    let tolerances = [LINE_TOLERANCE, STATE_TOLERANCE, STATE_TOLERANCE, STATE_TOLERANCE];
+    for (which, what) in ["U_s", "p", "rho/rho0 - 1", "e"].into_iter().enumerate() {
+        let name = name(&format!("{what}, worst relative error"));
+        checks.push(Check::gate(name, worst(which), "-", 0.0, tolerances[which], "Rankine-Hugoniot"));
+    }
+    checks
+}
+
+/// Does the profile come nearer to the step, and how far does the pressure overshoot?
+fn of_refinement(refined: &[Impact]) -> Vec<Check> {
+    let [first, .., last] = refined else { return Vec::new() };
+    let ratio = f64::from(last.cells) / f64::from(first.cells);
+    let order = (first.profile_error() / last.profile_error()).ln() / ratio.ln();
+    let mut checks = Vec::new();
+    for impact in refined {
+        let at = format!("{}, {} cells", impact.metal.name, impact.cells);
+        let name = format!("{at}: mean error of rho/rho0 - 1 along the target");
+        checks.push(Check::shown(name, impact.profile_error(), "-", 0.0, "the step of the theory"));
+        let [front, ..] = impact.errors();
+        let name = format!("{at}: relative error of U_s");
+        checks.push(Check::gate(name, front, "-", 0.0, LINE_TOLERANCE, impact.metal.source));
+        let name = format!("{at}: overshoot of the pressure");
+        checks.push(Check::at_most(name, impact.overshoot, "-", OVERSHOOT_TOLERANCE, "3 % of the shock"));
+    }
+    let name = "order of the profile's error in h";
+    checks.push(Check::at_least(name, order, "-", LEAST_ORDER, "first order at a jump"));
+    checks
+}
+
+/// The free surface and the scab.
+fn of_spall(lead: &Metal, spall: &Spall) -> Vec<Check> {
+    let h = spall::FLYER / f64::from(spall.cells);
+    let at = |what: &str| format!("spall, {} cells: {what}", spall.cells);
+    // The gauge is the last cell's middle.
+    let due = (2.0 * spall::FLYER - 0.5 * h) / lead.shocked(0.5 * spall::SPEED).front;
+    let acoustic = "acoustic, 2 sigma_sp/(rho0 c0) [C]";
+    vec![
+        Check::gate(at("shock at the free surface"), 1e6 * spall.arrival, "µs", 1e6 * due, SURFACE_TOLERANCE, "U_s"),
+        Check::gate(at("velocity of the free surface"), spall.plateau, "m/s", spall::SPEED, SURFACE_TOLERANCE, "2 u_p"),
+        Check::gate(
+            at("thickness of the scab, +- h"),
+            1e3 * spall.scab,
+            "mm",
+            1e3 * spall::FLYER,
+            1.0 / f64::from(spall.cells),
+            "acoustic, d_f [C]",
+        ),
+        Check::gate(
+            at("pull-back of the free surface"),
+            spall.pull_back,
+            "m/s",
+            spall::pull_back(lead),
+            PULL_BACK_TOLERANCE,
+            acoustic,
+        ),
+        Check::shown(at("thickness of what failed"), 1e3 * spall.failed, "mm", 0.0, "a plane [C]"),
+    ]
+}
