@@ -4,6 +4,7 @@
 
 mod checks;
 mod figures;
+mod jobs;
 mod metals;
 mod plates;
 mod shock;
@@ -18,7 +19,7 @@ use plates::Files;
 use shock::{Impact, Setup};
 use spall::Spall;
 
-/// Plate impact: shock lines of the library's metals, and spall of lead.
+/// Plate impact: shock lines of the library's metals, and spall of a steel.
 ///
 /// A flyer hits a target of the same metal. Shock speed over particle speed, pressure, density and energy behind the
 /// shock are compared with each metal's line and Rankine-Hugoniot; the thickness of the spall and the pull-back of the
@@ -29,17 +30,17 @@ use spall::Spall;
 struct Options {
     #[command(flatten)]
     common: Common,
-    /// Cells along each plate of the shock lines, 60 to 20000 [default: 100, 300 or 1000 by resolution]
+    /// Cells along each plate of the shock lines, 60 to 20000 [default: 150, 300 or 1000 by resolution]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(60..=20_000))]
     cells: Option<u32>,
     /// Cells along the spall's flyer on the coarsest of three grids, 20 to 5000 [default: 50, 100 or 200 by resolution]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=5000))]
     flyer_cells: Option<u32>,
     /// Linear coefficient of the bulk viscosity, 0 to 2
-    #[arg(long, value_name = "B1", default_value_t = 0.06, value_parser = coefficient)]
+    #[arg(long, value_name = "B1", default_value_t = 1.0, value_parser = coefficient)]
     linear_viscosity: f64,
     /// Quadratic coefficient of the bulk viscosity, 0 to 2
-    #[arg(long, value_name = "B0", default_value_t = 1.5, value_parser = coefficient)]
+    #[arg(long, value_name = "B0", default_value_t = 2.0, value_parser = coefficient)]
     quadratic_viscosity: f64,
     /// ParaView frames of a shock and of the spall, 0 to 1000
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=1000))]
@@ -57,8 +58,6 @@ fn coefficient(text: &str) -> Result<f64, String> {
 const PARTICLE_SPEEDS: [f64; 3] = [500.0, 1000.0, 1500.0];
 /// The shock that is run on three grids: of this metal at this particle speed, m/s.
 const REFINED: (&str, f64) = ("copper", 1000.0);
-/// The metal that spalls.
-const SPALLS: &str = "lead";
 /// The grids of a refinement, by the factor on the cells.
 const GRIDS: [u32; 3] = [1, 2, 4];
 
@@ -69,40 +68,49 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("plate_impact")?;
-    let cells = options.cells.unwrap_or(common.resolution.choose(100, 300, 1000));
+    let cells = options.cells.unwrap_or(common.resolution.choose(150, 300, 1000));
     let flyer_cells = options.flyer_cells.unwrap_or(common.resolution.choose(50, 100, 200));
     let viscosity = [options.linear_viscosity, options.quadratic_viscosity];
-    let threads = common.threads();
     let files = |name: String, frames: u32| Files { folder: &folder, name, frames };
 
-    let mut impacts: Vec<Impact> = Vec::new();
-    let mut refined: Vec<Impact> = Vec::new();
-    let mut spalls: Vec<Spall> = Vec::new();
-    let setup = Setup { cells, viscosity, threads };
-    for metal in metals::all() {
-        println!("shocks in {}", metal.name);
+    let metals = metals::all();
+    let mut shocks: Vec<Box<dyn FnOnce() -> Result<Impact, CaseError> + Send + '_>> = Vec::new();
+    let setup = Setup { cells, viscosity };
+    for metal in metals {
         for speed in PARTICLE_SPEEDS {
-            let name = format!("{}_{speed:.0}", metal.name.replace([' ', ','], "_"));
-            impacts.push(shock::impact(metal, speed, &setup, files(name, 0))?);
+            let files = files(format!("{}_{speed:.0}", metal.file_name()), 0);
+            shocks.push(Box::new(move || shock::impact(metal, speed, &setup, files)));
         }
-        if metal.name == REFINED.0 {
-            for factor in GRIDS {
-                let setup = Setup { cells: factor * cells, ..setup };
-                let name = format!("shock_{}", setup.cells);
-                let frames = if factor == 1 { options.frames } else { 0 };
-                refined.push(shock::impact(metal, REFINED.1, &setup, files(name, frames))?);
-            }
+    }
+    for metal in metals.into_iter().filter(|m| m.name == REFINED.0) {
+        for factor in GRIDS {
+            let setup = Setup { cells: factor * cells, ..setup };
+            let files = files(format!("shock_{}", setup.cells), if factor == 1 { options.frames } else { 0 });
+            shocks.push(Box::new(move || shock::impact(metal, REFINED.1, &setup, files)));
         }
-        if metal.name == SPALLS {
-            for factor in GRIDS {
-                let cells = factor * flyer_cells;
-                println!("spall of {}, {cells} cells along the flyer", metal.name);
-                let name = format!("spall_{cells}");
-                let frames = if factor == 1 { options.frames } else { 0 };
-                spalls.push(spall::spall(&metal, cells, viscosity, threads, files(name, frames))?);
+    }
+    let mut spalls: Vec<Box<dyn FnOnce() -> Result<Spall, CaseError> + Send + '_>> = Vec::new();
+    for metal in metals.into_iter().filter(|m| m.name == spall::METAL) {
+        let threshold = spall::acoustic_pull_back(&metal);
+        for factor in GRIDS {
+            let cells = factor * flyer_cells;
+            let frames = if factor == 1 { options.frames } else { 0 };
+            let runs = [
+                ("spall", spall::SPEED, frames),
+                ("slower", checks::SLOWER * threshold, 0),
+                ("faster", checks::FASTER * threshold, 0),
+            ];
+            for (name, speed, frames) in runs {
+                let files = files(format!("{name}_{cells}"), frames);
+                spalls.push(Box::new(move || spall::spall(&metal, speed, cells, viscosity, files)));
             }
         }
     }
+    println!("{} shocks in {} metals", shocks.len(), metals.len());
+    let mut impacts = jobs::on_threads(common.threads(), shocks)?;
+    let refined = impacts.split_off(metals.len() * PARTICLE_SPEEDS.len());
+    println!("{} impacts of steel plates that may spall", spalls.len());
+    let spalls = jobs::on_threads(common.threads(), spalls)?;
     figures::draw(&impacts, &refined, &spalls, &folder)?;
     let totals = (impacts.iter().chain(&refined).map(|i| &i.totals))
         .chain(spalls.iter().map(|s| &s.totals))

@@ -55,6 +55,11 @@ pub struct Shocked {
 }
 
 impl Metal {
+    /// Its name, fit for files.
+    pub fn file_name(&self) -> String {
+        self.name.replace(", ", "_").replace(' ', "_")
+    }
+
     /// Behind a shock into the metal at rest, by Rankine and Hugoniot: U_s = c0 + s u_p, p = rho0 U_s u_p,
     /// rho/rho0 = U_s/(U_s - u_p), e = p (1 - rho0/rho)/2 = rho0 u_p^2/2.
     pub fn shocked(&self, particle_speed: f64) -> Shocked {

@@ -9,7 +9,7 @@ use std::path::Path;
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Probe, ProbeRow, Probes, Quantity, VtkSeries};
-use mpm_core::{Blend, BlockGrid, Boundary, CpGimp, Method, Mpm, Musl, PlaneStrain, Side, Team, TimeControl};
+use mpm_core::{Blend, BlockGrid, Boundary, CpGimp, Method, Mpm, Musl, PlaneStrain, Side, TimeControl};
 use mpm_materials::Constitutive;
 
 /// Time constant of FLIP's noise, in transits of a cell by sound.
@@ -38,8 +38,6 @@ pub struct Plates {
     pub gauges: Vec<u32>,
     /// End of the run, s.
     pub end: f64,
-    /// Threads.
-    pub threads: usize,
 }
 
 /// A row of what a gauge saw.
@@ -112,7 +110,6 @@ pub fn collide<C: Constitutive<f64> + Clone>(
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: h, side: Side::Below })?;
     mpm.set_time_control(TimeControl::Courant { factor: TIME_FACTOR, growth: 1.1 })?;
-    mpm.set_team(Team::new(plates.threads).map_err(|e| CaseError::Other(e.to_string()))?);
 
     let cells: Vec<Vec<usize>> = plates.gauges.iter().map(|&cell| in_cell(&target, cell, h)).collect();
     let probes = cells.iter().flatten().flat_map(|&particle| {

@@ -16,7 +16,7 @@ const GAUGES: [f64; 2] = [0.35, 0.85];
 /// The run ends when the front should be here, a part of the thickness.
 const REACH: f64 = 0.92;
 /// The state is a mean from here, a part of the front's way: next to the plane of impact the start has left some heat.
-const FROM: f64 = 0.3;
+const FROM: f64 = 0.5;
 /// The state is a mean up to here behind the front, in cells: the front has a width.
 const BEHIND_FRONT: f64 = 15.0;
 
@@ -27,8 +27,6 @@ pub struct Setup {
     pub cells: u32,
     /// Linear and quadratic coefficient of the bulk viscosity.
     pub viscosity: [f64; 2],
-    /// Threads.
-    pub threads: usize,
 }
 
 /// One symmetric impact.
@@ -85,7 +83,7 @@ impl Impact {
 
 /// Let a plate hit another of the same metal at twice the particle speed.
 pub fn impact(metal: Metal, particle_speed: f64, setup: &Setup, files: Files) -> Result<Impact, CaseError> {
-    let Setup { cells, viscosity: [linear, quadratic], threads } = *setup;
+    let Setup { cells, viscosity: [linear, quadratic] } = *setup;
     let theory = metal.shocked(particle_speed);
     let h = THICKNESS / f64::from(cells);
     let gauges = GAUGES.map(|part| (part * f64::from(cells)).floor() as u32);
@@ -97,7 +95,6 @@ pub fn impact(metal: Metal, particle_speed: f64, setup: &Setup, files: Files) ->
         sound_speed: metal.sound_speed,
         gauges: gauges.to_vec(),
         end: REACH * THICKNESS / theory.front,
-        threads,
     };
     let law = Fluid::new(metal.law).with_bulk_viscosity(linear, quadratic)?;
     let run = plates::collide(law, &plates, files)?;
