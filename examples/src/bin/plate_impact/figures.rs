@@ -41,7 +41,13 @@ pub fn draw(
         }
     }
     for impact in refined {
-        let columns = [("position", "m"), ("velocity", "m/s"), ("pressure", "Pa"), ("rho/rho0 - 1", "-"), ("e", "J/m^3")];
+        let columns = [
+            ("position", "m"),
+            ("velocity", "m/s"),
+            ("pressure", "Pa"),
+            ("rho/rho0 - 1", "-"),
+            ("e", "J/m^3"),
+        ];
         let mut file = History::create(folder.join(format!("profile_{}.csv", impact.cells)), columns)?;
         for p in &impact.profile {
             file.push(&[p.x, p.speed, p.pressure, p.compression, p.energy])?;
@@ -54,7 +60,7 @@ pub fn draw(
 fn lines(impacts: &[Impact]) -> Result<Chart, OutputError> {
     let mut chart = Chart::new(900, 640)
         .title("Shock lines: this run (marks) on those of the sources")
-        .x(Axis::new("particle speed").unit("km/s", 1e-3).range(0.0, 2000.0))
+        .x(Axis::new("particle speed").unit("km/s", 1e-3).range(0.0, 2400.0))
         .y(Axis::new("shock speed").unit("km/s", 1e-3));
     for (i, metal) in metals::all().iter().enumerate() {
         let own = impacts.iter().filter(|s| s.metal.name == metal.name);
@@ -62,9 +68,8 @@ fn lines(impacts: &[Impact]) -> Result<Chart, OutputError> {
         let ends = [0.0, 1700.0];
         let line = ends.map(|u| metal.shocked(u).front);
         let points = Series::new(metal.name, &u, &front)?.stroke(Stroke::None).marker(Marker::Circle);
-        chart = chart
-            .series(points.colour(palette(i)))
-            .series(Series::new("", &ends, &line)?.colour(palette(i)));
+        chart =
+            chart.series(points.colour(palette(i))).series(Series::new("", &ends, &line)?.colour(palette(i)));
     }
     Ok(chart)
 }
@@ -134,18 +139,20 @@ fn errors(refined: &[Impact]) -> Result<Chart, OutputError> {
         let error: Vec<f64> = refined.iter().map(|i| i.errors()[which].abs()).collect();
         chart = chart.series(Series::new(what, &h, &error)?.marker(Marker::Square));
     }
-    let (Some(&coarse), Some(&fine), Some(&most)) = (h.first(), h.last(), along.first()) else { return Ok(chart) };
+    let (Some(&coarse), Some(&fine), Some(&most)) = (h.first(), h.last(), along.first()) else {
+        return Ok(chart);
+    };
     Ok(chart.series(Series::slope("first order", 1.0, (coarse, most), (fine, coarse))))
 }
 
 /// Velocity of the free surface on all grids, with plateau and pull-back of the theory.
 fn surface(spalls: &[Spall]) -> Result<Chart, OutputError> {
-    let mut chart = Chart::new(760, 520)
-        .x(Axis::new("time").unit("µs", 1e6))
-        .y(Axis::new("velocity").unit("m/s", 1.0));
+    let mut chart =
+        Chart::new(760, 520).x(Axis::new("time").unit("µs", 1e6)).y(Axis::new("velocity").unit("m/s", 1.0));
     for (i, spall) in spalls.iter().step_by(3).enumerate() {
         let (t, u): (Vec<f64>, Vec<f64>) = spall.surface.iter().map(|l| (l.time, l.speed)).unzip();
-        chart = chart.series(Series::new(format!("{} cells a flyer", spall.cells), &t, &u)?.colour(palette(i)));
+        chart =
+            chart.series(Series::new(format!("{} cells a flyer", spall.cells), &t, &u)?.colour(palette(i)));
     }
     let end = spalls.first().and_then(|s| s.surface.last()).map_or(0.0, |l| l.time);
     let level = |name: &str, u: f64| Series::new(name, &[0.0, end], &[u; 2]);
@@ -170,7 +177,8 @@ fn scabs(spalls: &[Spall]) -> Result<Chart, OutputError> {
             x.push(depth);
             y.push(1.0 + p.compression);
         }
-        chart = chart.series(Series::new(format!("{} cells a flyer", spall.cells), &x, &y)?.colour(palette(i)));
+        chart =
+            chart.series(Series::new(format!("{} cells a flyer", spall.cells), &x, &y)?.colour(palette(i)));
     }
     Ok(chart)
 }

@@ -33,7 +33,7 @@ struct Options {
     /// Cells along each plate of the shock lines, 60 to 20000 [default: 150, 300 or 1000 by resolution]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(60..=20_000))]
     cells: Option<u32>,
-    /// Cells along the spall's flyer on the coarsest of three grids, 20 to 5000 [default: 50, 100 or 200 by resolution]
+    /// Cells along the spall's flyer on the coarsest of three grids, 20 to 5000 [default: 25, 100 or 200 by resolution]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=5000))]
     flyer_cells: Option<u32>,
     /// Linear coefficient of the bulk viscosity, 0 to 2
@@ -69,7 +69,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("plate_impact")?;
     let cells = options.cells.unwrap_or(common.resolution.choose(150, 300, 1000));
-    let flyer_cells = options.flyer_cells.unwrap_or(common.resolution.choose(50, 100, 200));
+    let flyer_cells = options.flyer_cells.unwrap_or(common.resolution.choose(25, 100, 200));
     let viscosity = [options.linear_viscosity, options.quadratic_viscosity];
     let files = |name: String, frames: u32| Files { folder: &folder, name, frames };
 
@@ -96,13 +96,13 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             let cells = factor * flyer_cells;
             let frames = if factor == 1 { options.frames } else { 0 };
             let runs = [
-                ("spall", spall::SPEED, frames),
-                ("slower", checks::SLOWER * threshold, 0),
-                ("faster", checks::FASTER * threshold, 0),
+                ("spall", spall::SPEED, spall::RINGING, frames),
+                ("slower", checks::SLOWER * threshold, spall::ONSET, 0),
+                ("faster", checks::FASTER * threshold, spall::ONSET, 0),
             ];
-            for (name, speed, frames) in runs {
+            for (name, speed, transits, frames) in runs {
                 let files = files(format!("{name}_{cells}"), frames);
-                spalls.push(Box::new(move || spall::spall(&metal, speed, cells, viscosity, files)));
+                spalls.push(Box::new(move || spall::spall(&metal, speed, transits, cells, viscosity, files)));
             }
         }
     }

@@ -34,7 +34,12 @@ pub fn all() -> [Metal; 7] {
         of("6061-T6", [2700.0, 5386.0, 1.339], "Uintah [V]", library::aluminium_6061_t6().eos()),
         of("aluminium, Feng", [2703.0, 5350.0, 1.34], "Feng2014 [S]", library::aluminium_feng_2014().eos()),
         of("copper", [8930.0, 3940.0, 1.49], "MPM3D-F90 Taylor.mpm [V]", library::copper_ofhc().eos()),
-        of("copper casing", [8900.0, 3300.0, 1.49], "MPM3D-F90 TNT3D.mpm [V]", library::copper_casing().eos()),
+        of(
+            "copper casing",
+            [8900.0, 3300.0, 1.49],
+            "MPM3D-F90 TNT3D.mpm [V]",
+            library::copper_casing().eos(),
+        ),
         of("steel 4340", [7830.0, 3574.0, 1.92], "Uintah [V]", library::steel_4340().eos()),
         of("tungsten alloy", [18167.0, 4030.0, 1.237], "Steinberg1996 [V]", library::tungsten_alloy().eos()),
         of("lead", [11350.0, 2092.0, 1.45], "MPM3D-F90 lead deck [V]", library::lead().eos()),

@@ -24,8 +24,9 @@ pub const STRENGTH: f64 = 3.5e9;
 /// Shear modulus, Pa (docs/notes.md 5), and the yield strength, Pa, that makes it meaningless.
 const SHEAR_MODULUS: f64 = 80e9;
 const YIELD_STRENGTH: f64 = 1e3;
-/// End of the run in transits of the flyer by sound: the scab has rung once.
-const TRANSITS: f64 = 6.5;
+/// Ends of runs in transits of the flyer by sound: the scab has rung once; what can fail has failed.
+pub const RINGING: f64 = 6.5;
+pub const ONSET: f64 = 3.8;
 /// The plateau of the free surface is a mean over this time, and the pull-back is looked for in the next, in transits.
 const PLATEAU: [f64; 2] = [2.6, 3.3];
 const PULL_BACK: [f64; 2] = [3.3, 5.0];
@@ -42,7 +43,7 @@ pub struct Spall {
     pub pull_back: f64,
     /// When the shock came to the free surface, s.
     pub arrival: f64,
-    /// Virgin thickness of the piece between the free surface and the widest crack, m.
+    /// Virgin thickness of what is intact between the free surface and the nearest failed particle, m.
     pub scab: f64,
     /// Virgin thickness of what failed, m.
     pub failed: f64,
@@ -57,10 +58,11 @@ pub fn acoustic_pull_back(metal: &Metal) -> f64 {
     2.0 * STRENGTH / (metal.density * metal.sound_speed)
 }
 
-/// Let a flyer at this speed hit the target.
+/// Let a flyer at this speed hit the target, and follow it for so many transits.
 pub fn spall(
     metal: &Metal,
     speed: f64,
+    transits: f64,
     cells: u32,
     [linear, quadratic]: [f64; 2],
     files: Files,
@@ -73,7 +75,7 @@ pub fn spall(
         speed,
         sound_speed: metal.sound_speed,
         gauges: vec![2 * cells - 1],
-        end: TRANSITS * transit,
+        end: transits * transit,
     };
     let law = Solid::new(J2::linear(SHEAR_MODULUS, YIELD_STRENGTH, 0.0)?, metal.law)
         .with_failure(TensilePressure::new(STRENGTH)?)
@@ -90,22 +92,10 @@ pub fn spall(
         plateau,
         pull_back: plateau - lowest,
         arrival: arrival(&surface, 0.5 * speed),
-        scab: beyond_crack(&run.target),
+        scab: run.target.iter().rev().take_while(|p| !p.failed).map(|p| p.thickness).sum(),
         failed: run.target.iter().filter(|p| p.failed).map(|p| p.thickness).sum(),
         surface,
         profile: run.target,
         totals: run.totals,
     })
-}
-
-/// Virgin thickness beyond the widest gap between neighbours, m.
-fn beyond_crack(target: &[Point]) -> f64 {
-    let mut widest = (0.0, 0);
-    for (n, pair) in target.windows(2).enumerate() {
-        let gap = pair[1].x - pair[0].x;
-        if gap > widest.0 {
-            widest = (gap, n + 1);
-        }
-    }
-    target[widest.1..].iter().map(|p| p.thickness).sum()
 }
