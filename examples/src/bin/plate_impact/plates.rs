@@ -2,7 +2,7 @@
 //!
 //! One field of velocities carries both plates: they are one where they touch, which is exact while they press on each
 //! other. Contiguous-particle GIMP with FLIP that forgets within a hundred transits of a cell, because a shock at
-//! 1 km/s carries the particles through the grid: fixed boxes and splines make noise of that (docs/notes.md).
+//! 1 km/s carries the particles through the grid, as in `tnt_slab`: fixed boxes and splines make noise of that.
 
 use std::path::Path;
 
