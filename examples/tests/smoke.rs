@@ -136,6 +136,31 @@ fn tnt_slab() {
 }
 
 #[test]
+fn plate_impact() {
+    let name = "plates";
+    let output = run(env!("CARGO_BIN_EXE_plate_impact"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "plate_impact");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    // Lines and states but for the energy of seven metals, the shock on three grids, spall on three, conservation.
+    assert!(gates >= 7 * 5 + 3 * 2 + 1 + 3 * 4 + 2, "{gates} checks decide");
+    let out = folder(name);
+    for file in [
+        "lines.png",
+        "shock.png",
+        "spall.png",
+        "line_lead.csv",
+        "profile_150.csv",
+        "surface_100.csv",
+        "ledger_spall_100.csv",
+        "paraview/spall_25.pvd",
+        "result.json",
+    ] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn ring_collision() {
     let name = "rings";
     let output = run(env!("CARGO_BIN_EXE_ring_collision"), &["--resolution", "smoke", "--json"], name);
