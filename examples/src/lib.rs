@@ -8,6 +8,7 @@
 //! | `bouncing_blocks` | bars, discs, balls and a block on an incline in contact, against exact values |
 //! | `pressed_balls` | a loaded plate on a thousand balls: stress waves through contacts, and what contact costs |
 //! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
+//! | `shaken_discs` | three large and 207 small discs in a shaken container: the large ones rise, the pile rests |
 //! | `plate_impact` | a plate hits a plate: shock lines of the library's metals, spall |
 //! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
 //! | `throughput` | particle updates a second on fixed scenes |

@@ -18,6 +18,7 @@
 
 #[cfg(feature = "conformance")]
 pub mod conformance;
+mod couple;
 mod detect;
 mod law;
 mod meet;

@@ -5,6 +5,7 @@ use mpm_core::step::Contact as NodeAlgorithm;
 use mpm_core::step::contact::{Found, Meeting, NodeContact, NodeImpulse, SharedNodes, Touch};
 use mpm_core::step::survey::Survey;
 
+use crate::couple::{Coupled, Coupling};
 use crate::detect::ContactDetector;
 use crate::law::Pairs;
 use crate::normal::{Memory, Nodal, each};
@@ -75,10 +76,35 @@ where
         self.find(at, &memory, crowded, touches);
         touches.sort_unstable_by_key(|t| (t.node, t.fields));
         for touches in touches.chunk_by_mut(|a, b| a.node == b.node) {
-            self.exchange(at, touches);
-            book(at, touches, impulses, contacts);
+            if !couples(at, touches) {
+                self.exchange(at, touches);
+                book(at, touches, |field, part| moved(at, touches, field, part), impulses, contacts);
+            }
         }
     }
+
+    fn couple(&self, at: &[SharedNodes<'_, T, D>], found: &mut [Found<T>]) {
+        let mut couplings = Vec::new();
+        for (block, (at, found)) in at.iter().zip(found.iter()).enumerate() {
+            for touches in found.touches.chunk_by(|a, b| a.node == b.node).filter(|t| couples(at, t)) {
+                couplings.extend(
+                    touches.iter().map(|touch| Coupling::new(block, at, *touch, self.pair(at, touch))),
+                );
+            }
+        }
+        let solved = Coupled::solve(at, couplings);
+        for (block, node, touches) in solved.nodes() {
+            let Found { impulses, contacts, .. } = &mut found[block];
+            let moved = |field, part| solved.moved(at, block, node, field, part);
+            book(&at[block], &touches, moved, impulses, contacts);
+        }
+    }
+}
+
+/// Is a free rigid body among those at the node? Then all its nodes are solved together.
+fn couples<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, touches: &[Touch<T>]) -> bool {
+    let free = |field: usize| !at.is_prescribed(field) && at.rigid(field).is_some();
+    at.has_rigid() && touches.iter().any(|t| t.fields.iter().any(|&f| free(f)))
 }
 
 /// Fill `bits` with each field's nodes that others have mass at, too. Returns the nodes of three and more.
@@ -112,7 +138,7 @@ impl<S, T: Float> GridContact<S, T> {
         for r in 0..at.fields() {
             for s in r + 1..at.fields() {
                 let both = memory.shared[r] & memory.shared[s];
-                if both == 0 {
+                if both == 0 || at.is_prescribed(r) && at.is_prescribed(s) {
                     continue;
                 }
                 let rule = self.detector.normals();
@@ -147,18 +173,19 @@ impl<S, T: Float> GridContact<S, T> {
 
     /// The impulses of the pairs at one node.
     fn exchange<const D: usize>(&self, at: &SharedNodes<'_, T, D>, touches: &mut [Touch<T>]) {
-        let pair = |touch: &Touch<T>| {
-            let [r, s] = touch.fields;
-            let law = self.laws.law(at.body(r), at.body(s));
-            let node = touch.node;
-            Pair {
-                law,
-                masses: [at.mass(r, node), at.mass(s, node)],
-                velocities: trial(at, touch, law.pulls()),
-                area: if law.needs_area() { area(at, touch) } else { T::of(0.0) },
-            }
-        };
-        solve(touches, pair, at.dt());
+        solve(touches, |touch| self.pair(at, touch), at.dt());
+    }
+
+    fn pair<const D: usize>(&self, at: &SharedNodes<'_, T, D>, touch: &Touch<T>) -> Pair<'_, T> {
+        let [r, s] = touch.fields;
+        let law = self.laws.law(at.body(r), at.body(s));
+        let node = touch.node;
+        Pair {
+            law,
+            masses: [at.mass(r, node), at.mass(s, node)],
+            velocities: trial(at, touch, law.pulls()),
+            area: if law.needs_area() { area(at, touch) } else { T::of(0.0) },
+        }
     }
 }
 
@@ -188,10 +215,24 @@ fn area<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, touch: &Touch<T>) 
     of(touch.fields[0]).min(of(touch.fields[1]))
 }
 
-/// Note the impulses of one node by field, and what they did by pair.
+/// Velocity of a field at a node once it has this part of its impulses.
+fn moved<T: Float, const D: usize>(
+    at: &SharedNodes<'_, T, D>,
+    touches: &[Touch<T>],
+    field: usize,
+    part: f64,
+) -> [T; 3] {
+    let node = touches[0].node;
+    let share = T::of(part) / at.mass(field, node);
+    sum(at.velocity(field, node), times(total(touches, field), share))
+}
+
+/// Note the impulses of one node by field, and what they did by pair. `moved` knows the velocity of a field once it
+/// has a part of its impulses.
 fn book<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
     touches: &[Touch<T>],
+    moved: impl Fn(usize, f64) -> [T; 3],
     impulses: &mut Vec<NodeImpulse<T>>,
     contacts: &mut Vec<NodeContact>,
 ) {
@@ -207,10 +248,6 @@ fn book<T: Float, const D: usize>(
         return;
     }
     // With the mean of the velocities before and after, impulse times velocity is the change of kinetic energy.
-    let moved = |field: usize, part: f64| {
-        let share = T::of(part) / at.mass(field, node);
-        sum(at.velocity(field, node), times(total(touches, field), share))
-    };
     for touch in touches.iter().filter(|t| t.impulse.iter().any(|&x| x != zero)) {
         let [r, s] = touch.fields;
         let mean = difference(moved(r, 0.5), moved(s, 0.5));

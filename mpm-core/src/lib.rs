@@ -68,7 +68,10 @@ pub use scheme::{Musl, StressUpdate, Usf, Usl};
 pub use shape::{
     AffineShape, BoundaryModified, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction,
 };
-pub use step::{Body, Contact, Mpm, OneField, Particle, StepError, Stopped, TimeControl, Totals, Traction};
+pub use step::{
+    Body, Contact, Mpm, OneField, Particle, Rigid, RigidState, StepError, Stopped, TimeControl, Totals,
+    Traction, Twist,
+};
 pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
 
 #[cfg(all(doctest, feature = "conformance"))]

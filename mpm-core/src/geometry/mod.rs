@@ -22,6 +22,7 @@ mod lattice;
 mod mesh;
 mod polygon;
 mod primitives;
+mod rings;
 mod seed;
 mod shape;
 mod transform;
@@ -36,6 +37,7 @@ pub use polygon::Polygon;
 pub use primitives::{
     Ball, Cuboid, Cylinder, Disc, Frustum, HalfSpace, Implicit, OgiveRod, Ring, Shell, Sphere, Tube,
 };
+pub use rings::rings;
 pub use seed::{Filling, Seeds, fill, sampled_measure};
 pub use shape::{Metric, Shape};
 pub use transform::{Rotated, Scaled, Translated};

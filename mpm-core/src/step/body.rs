@@ -8,6 +8,7 @@ use mpm_materials::{Constitutive, Lane, State};
 use super::fields::Claim;
 use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
+use super::rigid::RigidState;
 use super::survey::{Near, Survey};
 use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
@@ -127,6 +128,14 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn state_names(&self) -> Vec<String>;
     /// Smallest particle mass, kg.
     fn lightest(&self) -> T;
+    /// Place and motion, if the body is rigid.
+    fn rigid(&self) -> Option<&RigidState<D>> {
+        None
+    }
+    /// The same, to be moved.
+    fn rigid_mut(&mut self) -> Option<&mut RigidState<D>> {
+        None
+    }
 
     /// Largest (c + |v|) / h of the particles as they stand, 1/s, for cells of `spacing`, m.
     fn rate(&self, spacing: f64) -> T;

@@ -8,6 +8,8 @@
 use super::body::Body;
 use super::fields::{Fields, Member};
 use super::nodes::{BlockPlace, Stage};
+use super::rigid::RigidState;
+use super::rigid_body;
 use super::survey::{Near, Survey};
 use crate::boundary::Plane;
 use crate::dim::{BLOCK, block_nodes};
@@ -30,6 +32,9 @@ pub trait Contact<T: Float, const D: usize>: Send + Sync + 'static {
     }
     /// Impulses at the nodes of a block that several bodies share. Must depend on what `at` shows alone.
     fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut Found<T>);
+    /// Further impulses, those on free rigid bodies, which couple all blocks; called where the scene has any, with
+    /// every block and what [`Contact::impulses`] left of it.
+    fn couple(&self, _at: &[SharedNodes<'_, T, D>], _found: &mut [Found<T>]) {}
 }
 
 /// One velocity field for all bodies: they stick where they meet. Costs nothing.
@@ -270,6 +275,7 @@ pub struct SharedNodes<'a, T: Float, const D: usize> {
     coordinates: [i32; D],
     meeting: Meeting,
     spacing: f64,
+    rigid: bool,
     cutoff: T,
     dt: T,
 }
@@ -295,9 +301,22 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         }
         bits
     }
-    /// Mass of a field at a node, kg.
+    /// Is any body of the scene rigid?
+    pub fn has_rigid(&self) -> bool {
+        self.rigid
+    }
+    /// Place and motion of the field's body, if it is rigid.
+    pub fn rigid(&self, field: usize) -> Option<&RigidState<D>> {
+        self.bodies[self.body(field)].rigid()
+    }
+    /// Does the field's body move as prescribed, whatever meets it? Two of them have nothing to give to each other.
+    pub fn is_prescribed(&self, field: usize) -> bool {
+        self.members[field].prescribed
+    }
+    /// Mass of a field at a node, kg: infinite if the body's motion is prescribed. Of a free rigid body, the share of its
+    /// mass that the node holds.
     pub fn mass(&self, field: usize, node: usize) -> T {
-        self.of(field)[node].first[0]
+        if self.is_prescribed(field) { T::of(f64::INFINITY) } else { self.of(field)[node].first[0] }
     }
     /// Its velocity there, m/s.
     pub fn velocity(&self, field: usize, node: usize) -> [T; 3] {
@@ -457,11 +476,10 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let lattice = *self.grid.lattice();
         let mirrors = self.planes.mirrors();
         let (fields, bodies, nodes) = (self.fields, self.bodies, self.grid.nodes());
-        let (wide, cutoff, dt) = (self.wide, self.cutoff, self.dt);
-        self.team.each(&mut encounters.found, |s, found| {
-            found.clear();
+        let (wide, cutoff, dt, rigid) = (self.wide, self.cutoff, self.dt, self.rigid);
+        let view = |s: usize| {
             let coordinates = fields.shared()[s].coordinates;
-            let at = SharedNodes {
+            SharedNodes {
                 nodes,
                 members: fields.members(s),
                 bodies,
@@ -472,16 +490,24 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 coordinates,
                 meeting,
                 spacing: lattice.spacing(),
+                rigid,
                 cutoff,
                 dt,
-            };
-            contact.impulses(&at, found);
+            }
+        };
+        self.team.each(&mut encounters.found, |s, found| {
+            found.clear();
+            contact.impulses(&view(s), found);
         });
+        if self.rigid {
+            let all: Vec<SharedNodes<'_, T, D>> = (0..fields.shared().len()).map(view).collect();
+            contact.couple(&all, &mut encounters.found);
+        }
     }
 
     fn add_impulses(&mut self, meeting: Meeting, encounters: &Encounters<T>) {
         let lattice = *self.grid.lattice();
-        let (fields, dt) = (self.fields, self.dt);
+        let (bodies, fields, dt) = (self.bodies, self.fields, self.dt);
         let (conditions, time) = (self.conditions, self.time);
         let end = if meeting == Meeting::Momentum { time } else { time + dt.to_double() };
         let tolerance = 1e-6 * lattice.spacing();
@@ -495,6 +521,15 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 return;
             }
             let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            if fields.members(shared)[field].prescribed {
+                let body = bodies[fields.owner(block) as usize].rigid();
+                let real = found.impulses.iter().filter(|i| i.field == field);
+                let real = real.filter(|i| meeting == Meeting::Trial && !place.is_copy(i.node, mirrors));
+                for (given, body) in real.zip(body.into_iter().cycle()) {
+                    rigid_body::book(body, &place.node(given.node), &given.impulse.map(T::to_double), ledger);
+                }
+                return;
+            }
             for given in found.impulses.iter().filter(|i| i.field == field) {
                 let node = &mut nodes[given.node];
                 let mass = node.first[0];
@@ -540,6 +575,9 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
             let Some((shared, field)) = fields.field_of(block) else { return };
+            if fields.members(shared)[field].prescribed {
+                return;
+            }
             for given in encounters.found[shared].impulses.iter().filter(|i| i.field == field) {
                 let node = &mut nodes[given.node];
                 for d in 0..D {

@@ -6,6 +6,7 @@
 //! body's block as if they were alone; only the contact stages know that there are others.
 
 use super::body::Body;
+use super::rigid::RigidState;
 use crate::grid::{GridStorage, OutsideGrid};
 use crate::parallel::Float;
 
@@ -29,6 +30,8 @@ pub struct Member {
     pub block: u32,
     /// The same block by its place in the body's own list.
     pub local: u32,
+    /// Is the body's motion prescribed?
+    pub prescribed: bool,
 }
 
 /// Who maps to a node block: a body and the block's place in the body's own list.
@@ -152,7 +155,7 @@ impl<const D: usize> Fields<D> {
                 self.coordinates.len() - 1
             };
             self.table.push((coordinates, claim.body, block as u32));
-            self.members.push(Member { body: claim.body, block: block as u32, local: 0 });
+            self.members.push(Member { body: claim.body, block: block as u32, local: 0, prescribed: false });
         }
         if self.members.len() - first < 2 {
             self.members.truncate(first);
@@ -192,7 +195,10 @@ impl<const D: usize> Fields<D> {
             self.givers.push(giver);
             if let Some((s, f)) = self.field_of[block as usize] {
                 let fields = self.shared[s as usize].fields.clone();
-                self.members[fields][f as usize].local = giver.local;
+                let member = &mut self.members[fields][f as usize];
+                member.local = giver.local;
+                let rigid = bodies[giver.body as usize].rigid();
+                member.prescribed = rigid.is_some_and(RigidState::is_prescribed);
             }
         }
         self.starts.resize(self.coordinates.len() + 1, self.givers.len() as u32);

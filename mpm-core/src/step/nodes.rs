@@ -9,6 +9,8 @@ use crate::parallel::{Float, Team};
 use super::body::Body;
 use super::fields::Fields;
 use super::planes::Planes;
+use super::rigid::RigidState;
+use super::rigid_body::{self, rigid_of};
 use super::tile::Sums;
 
 /// What the grid stages of a step took from or gave to the momentum, a block of nodes.
@@ -87,6 +89,8 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub dt: T,
     /// The nodes at planes of symmetry, walls and fixed planes.
     pub planes: &'a mut Planes<T>,
+    /// Is a body rigid?
+    pub rigid: bool,
 }
 
 /// The constraints of a stage, beside its grid and ledgers.
@@ -115,6 +119,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
         let constraints = constraints!(self);
         let at_once = self.planes.is_empty();
+        let rigid = self.rigid;
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
             match sums {
                 Sums::All => nodes.fill(Node::default()),
@@ -125,7 +130,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             for giver in fields.givers(block) {
                 bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
             }
-            if at_once {
+            let complete = rigid && carry(bodies, fields, &constraints, block, sums, nodes);
+            if at_once && !complete {
                 constraints.apply(update, block, nodes, ledger);
             }
         });
@@ -190,10 +196,14 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let lattice = *self.grid.lattice();
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let blocks = self.fields.coordinates();
+        let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let mirrors = self.planes.copied();
         let mut pieces: Vec<(&mut [[T; 3]], &mut NodeLedger)> =
             terms.chunks_mut(block_nodes(D)).zip(self.ledgers.iter_mut()).collect();
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, piece| {
+            if rigid && rigid_of(bodies, fields, block).is_some() {
+                return;
+            }
             let (terms, ledger) = piece;
             let place = BlockPlace::new(&lattice, &blocks[block]);
             for (n, (node, term)) in nodes.iter_mut().zip(terms.iter_mut()).enumerate() {
@@ -231,10 +241,27 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// Change every node as `update` says.
     fn each_node(&mut self, update: &impl NodeUpdate<T>) {
         let constraints = constraints!(self);
+        let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
-            constraints.apply(update, block, nodes, ledger);
+            if !(rigid && rigid_of(bodies, fields, block).is_some_and(RigidState::is_prescribed)) {
+                constraints.apply(update, block, nodes, ledger);
+            }
         });
     }
+}
+
+/// Where the block is a rigid body's: give its nodes the body's velocities. Are they complete then?
+fn carry<T: Float, const D: usize>(
+    bodies: &[Box<dyn Body<T, D>>],
+    fields: &Fields<D>,
+    constraints: &Constraints<'_, D>,
+    block: usize,
+    sums: Sums,
+    nodes: &mut [Node<T>],
+) -> bool {
+    let Some(body) = rigid_of(bodies, fields, block) else { return false };
+    let place = BlockPlace::new(&constraints.lattice, &constraints.blocks[block]);
+    rigid_body::carry(body, sums, &place, nodes)
 }
 
 /// The boundaries as seen from node blocks.

@@ -65,6 +65,18 @@ pub enum SceneError {
         /// What is allowed, in words.
         allowed: &'static str,
     },
+    /// A rigid body that moves as none can.
+    #[error("rigid body `{body}`: {field} = {value} is not allowed; it must be {allowed}")]
+    Rigid {
+        /// The body.
+        body: String,
+        /// Which number.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed, in words.
+        allowed: &'static str,
+    },
     /// More particles than their numbers can count in this precision.
     #[error(
         "body `{body}`: {count} particles are too many; numbers are exact up to {most} in this precision"

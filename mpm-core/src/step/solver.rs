@@ -9,6 +9,8 @@ use super::fields::Fields;
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
 use super::planes::Planes;
+use super::rigid::Rigid;
+use super::rigid_body::RigidBody;
 use super::scene::SceneError;
 use super::sweep::Cause;
 
@@ -59,6 +61,9 @@ pub enum Stopped {
         /// Where.
         outside: OutsideGrid,
     },
+    /// A rigid body is told to move as none can.
+    #[error(transparent)]
+    Motion(SceneError),
     /// The wave speeds give no usable time step.
     #[error("the time step became {0} s; a wave speed is infinite, zero or not a number")]
     NoTimeStep(f64),
@@ -98,6 +103,8 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     terms: Vec<[T; 3]>,
     /// The nodes at planes of symmetry, walls and fixed planes.
     planes: Planes<T>,
+    /// Which bodies are rigid.
+    rigid: Vec<usize>,
 }
 
 /// A view of the grid for its stages, which leaves the other parts of the solver free.
@@ -117,6 +124,7 @@ macro_rules! stage {
             takes: taken($mpm.method.transfer(), $dt),
             dt: $dt,
             planes: &mut $mpm.planes,
+            rigid: !$mpm.rigid.is_empty(),
         }
     }};
 }
@@ -167,6 +175,7 @@ where
             acting: Loading::default(),
             terms: Vec::new(),
             planes: Planes::default(),
+            rigid: Vec::new(),
         }
     }
 
@@ -216,6 +225,21 @@ where
         self.insert(name, law, seeds, velocity, Unloaded, Some(&state))
     }
 
+    /// Add a rigid body, its particles at `seeds`. It meets others through the contact algorithm, which must keep
+    /// bodies apart.
+    ///
+    /// # Errors
+    /// As [`Mpm::add`]; a motion that is not finite or that the coordinates do not have.
+    pub fn add_rigid(&mut self, name: &str, rigid: &Rigid<D>, seeds: &Seeds<D>) -> Result<(), SceneError> {
+        const { assert!(K::SEPARATES, "a rigid body needs a contact algorithm: `Mpm::with_contact`") };
+        self.check_seeds(name, seeds)?;
+        self.check_numbers(name, seeds, |_| [0.0; D])?;
+        let body = RigidBody::<T, D, M>::new(name, rigid, self.method, *self.grid.lattice(), seeds)?;
+        self.enter(name, Box::new(body))?;
+        self.rigid.push(self.bodies.len() - 1);
+        Ok(())
+    }
+
     fn check_states<C: Constitutive<T>>(
         &self,
         name: &str,
@@ -257,7 +281,11 @@ where
         let lattice = *self.grid.lattice();
         let mut body = ParticleBody::<T, D, C, M, L>::empty(name, law, self.method, lattice, seeds, load);
         body.seed(seeds, velocity, state);
-        self.bodies.push(Box::new(body));
+        self.enter(name, Box::new(body))
+    }
+
+    fn enter(&mut self, name: &str, body: Box<dyn Body<T, D>>) -> Result<(), SceneError> {
+        self.bodies.push(body);
         self.mapped = false;
         self.arrange().map_err(|outside| {
             self.bodies.pop();
@@ -385,6 +413,7 @@ where
     fn stages(&mut self, left: f64) -> Result<T, StepError> {
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
+        self.plan_rigid(dt)?;
         if M::Update::BEFORE_FORCES {
             self.stage(dt).velocities(); // iii: eqs. 2, 3; boundaries
             self.meet(Meeting::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
@@ -392,11 +421,13 @@ where
             self.part(dt);
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.meet(Meeting::Trial, dt); // vii: eqs. 11 - 15
+            self.move_rigid(dt);
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.meet(Meeting::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
+            self.move_rigid(dt);
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if M::Update::REMAP {
@@ -447,6 +478,48 @@ where
         let contact = &self.contact;
         stage!(self, dt).meet(contact, meeting, &mut encounters);
         self.encounters = encounters;
+    }
+
+    /// Plan how bodies of prescribed motion move.
+    fn plan_rigid(&mut self, dt: T) -> Result<(), StepError> {
+        for n in 0..self.rigid.len() {
+            let (body, hoop) = (self.rigid[n], <M::Embedding as crate::Embedding<D>>::HOOP);
+            let name = self.bodies[body].name().to_string();
+            let planned = self.bodies[body]
+                .rigid_mut()
+                .map_or(Ok(()), |state| state.plan(&name, self.time, dt.to_double(), hoop));
+            planned.map_err(|error| self.stopped(Stopped::Motion(error)))?;
+        }
+        Ok(())
+    }
+
+    /// Move rigid bodies: free ones as what their nodes got in this step pushes them, and their nodes with them.
+    fn move_rigid(&mut self, dt: T) {
+        if self.rigid.is_empty() {
+            return;
+        }
+        for n in 0..self.rigid.len() {
+            let number = self.rigid[n];
+            let Some(state) = self.bodies[number].rigid().filter(|s| !s.is_prescribed()).cloned() else {
+                continue;
+            };
+            let (impulse, moment) = self.stage(dt).push_on(number, &state);
+            let Some(state) = self.bodies[number].rigid_mut() else { continue };
+            let held = state.push(impulse, moment, dt.to_double());
+            let velocity = state.velocity();
+            if let Some(ledger) = self.ledgers.first_mut() {
+                for d in 0..3 {
+                    ledger.impulse[d] += held[d];
+                    ledger.work += held[d] * velocity[d];
+                }
+            }
+        }
+        self.stage(dt).move_rigid();
+        for n in 0..self.rigid.len() {
+            if let Some(state) = self.bodies[self.rigid[n]].rigid_mut() {
+                state.advance();
+            }
+        }
     }
 
     /// Take contact back from the momentum that the stress update of USF saw.

@@ -28,11 +28,11 @@ pub fn cylinder(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
 }
 
 /// The incline as it stands, the cylinder with sectors that turn with it; in space the cells beside the middle.
-fn tilted(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
+fn tilted(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, CaseError> {
     let (sine, cosine) = outcome.setup.incline.angle.sin_cos();
     let turn = |[x, y, _]: [f64; 3]| [cosine * x + sine * y, cosine * y - sine * x, 0.0];
     let numbers = snapshot.scalar("particle")?;
-    let angles = outcome.angles();
+    let angles = outcome.angles()?;
     let (mut places, mut sectors) = (Vec::new(), Vec::new());
     for ((&place, &body), &number) in snapshot.positions().iter().zip(snapshot.bodies()).zip(numbers) {
         if place[2] > 0.5 * outcome.setup.spacing() {
@@ -50,10 +50,10 @@ fn tilted(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError
     let top = turn([0.0, 2.0 * RADIUS, 0.0])[1].max(turn([LENGTH, 0.0, 0.0])[1]);
     let right = turn([LENGTH, 2.0 * RADIUS, 0.0])[0];
     let left = turn([0.0, -THICKNESS, 0.0])[0];
-    FieldPicture::new(460, 520)
+    Ok(FieldPicture::new(460, 520)
         .colour_by(Quantity::scalar("sector").label("sector").range(0.0, 1.0).map(ColourMap::Viridis))
         .bounds([left, low[1]], [right, top])
-        .draw(&turned)
+        .draw(&turned)?)
 }
 
 /// Way and spin over time.

@@ -6,13 +6,13 @@
 //! incline grows, smoothly and soon: an elastic cylinder let go at once winds up first, which takes 2 % of
 //! the spin after 1.5 s. Time counts from the middle of that.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 use std::path::Path;
 
 use clap::ValueEnum;
 use examples::{CaseError, Totals};
 use mpm_contact::{Approach, Coulomb, Gradients, GridContact, Pairs, SurfaceDistance};
-use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
+use mpm_core::geometry::{Cuboid, Filling, GeometryError, Lattice, Seeds, fill, rings};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
@@ -112,9 +112,9 @@ pub struct Outcome {
 
 impl Outcome {
     /// Angles at which the cylinder's particles started, radians, by number.
-    pub fn angles(&self) -> Vec<f64> {
-        let seeds = rings::<3>(&self.setup);
-        seeds.positions.iter().map(|[x, y, _]| (y - RADIUS).atan2(x - START)).collect()
+    pub fn angles(&self) -> Result<Vec<f64>, GeometryError> {
+        let seeds = layered::<3>(&self.setup)?;
+        Ok(seeds.positions.iter().map(|[x, y, _]| (y - RADIUS).atan2(x - START)).collect())
     }
     /// The rows since the cylinder is let go.
     pub fn free(&self) -> &[Row] {
@@ -160,38 +160,28 @@ fn layers(setup: &Setup) -> usize {
     if setup.dimensions == 3 { (LONG * f64::from(setup.cells) / RADIUS).round().max(1.0) as usize } else { 1 }
 }
 
-/// The cylinder as concentric rings of particles, so that its surface is as smooth as one of a cylinder: a
-/// lattice has steps, on which it would rattle. In space layers of them over half its length.
-fn rings<const D: usize>(setup: &Setup) -> Seeds<D> {
-    let (rings, layers) = (2 * setup.cells as usize, layers(setup));
-    let edge = RADIUS / rings as f64;
+/// The cylinder as concentric rings of particles; in space layers of them over half its length.
+fn layered<const D: usize>(setup: &Setup) -> Result<Seeds<D>, GeometryError> {
+    let layers = layers(setup);
+    let disc = rings([START, RADIUS], RADIUS, 2 * setup.cells as usize)?;
     let depth = if D == 3 { 0.5 * LONG / layers as f64 } else { 1.0 };
     let (mut positions, mut volumes) = (Vec::new(), Vec::new());
     for layer in 0..layers {
-        for ring in 0..rings {
-            let r = (ring as f64 + 0.5) * edge;
-            let count = (TAU * r / edge).round();
-            for n in 0..count as usize {
-                // Rings are turned against each other by the golden angle.
-                let angle = TAU * (n as f64 / count + 0.381_966 * ring as f64);
-                let z = (layer as f64 + 0.5) * depth;
-                positions.push(cut([START + r * angle.cos(), RADIUS + r * angle.sin(), z]));
-                volumes.push(TAU * r * edge * depth / count);
-            }
-        }
+        let z = (layer as f64 + 0.5) * depth;
+        positions.extend(disc.positions.iter().map(|[x, y]| cut([*x, *y, z])));
+        volumes.extend(disc.volumes.iter().map(|v| v * depth));
     }
     let exact = PI * RADIUS * RADIUS * if D == 3 { 0.5 * LONG } else { 1.0 };
-    let half_size = cut([0.5 * edge, 0.5 * edge, 0.5 * depth]);
-    let (exact_measure, sampled_measure) = (Some(exact), None);
-    Seeds {
+    let [edge, _] = disc.half_size;
+    Ok(Seeds {
         positions,
         volumes,
-        half_size,
+        half_size: cut([edge, edge, 0.5 * depth]),
         raw_measure: exact,
-        exact_measure,
-        sampled_measure,
+        exact_measure: Some(exact),
+        sampled_measure: None,
         correction: 1.0,
-    }
+    })
 }
 
 fn run<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(
@@ -207,7 +197,7 @@ fn run<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(
     let soft = NeoHookean::new(1.0e3, Moduli::young_poisson(42.0e6, 0.4)?)?;
     let bed = Cuboid::new(cut([0.0, -THICKNESS, 0.0]), cut([LENGTH, 0.0, 0.5 * LONG + MARGIN]))?;
     mpm.add("plane", hard, &fill(&bed, &lattice, 2, &Filling::new())?, |_| [0.0; D])?;
-    let seeds = rings::<D>(setup);
+    let seeds = layered::<D>(setup)?;
     mpm.add("cylinder", soft, &seeds, |_| [0.0; D])?;
     mpm.bound(Boundary::Fixed { axis: 1, at: -THICKNESS, side: Side::Above })?;
     if D == 3 {

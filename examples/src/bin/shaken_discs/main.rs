@@ -1,0 +1,153 @@
+//! Three large and 207 small discs in a shaken container: the large ones rise \[Ma2010\].
+
+mod figures;
+mod layout;
+mod scene;
+mod watch;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::Parser;
+use examples::{CaseError, Check, Common, Report, case};
+use mpm_core::output::History;
+
+use scene::{Outcome, SETTLING, Setup};
+
+/// Large discs below small ones in a container that is shaken: elastic, frictional, plane strain.
+///
+/// The large ones shall rise, nothing overlap, get lost, or gain energy. Writes pictures and CSV histories.
+#[derive(Debug, Parser)]
+#[command(name = "shaken_discs", version)]
+struct Options {
+    #[command(flatten)]
+    common: Common,
+    /// Large discs, 1 to 3; the container is as wide as they need [default: 1 at smoke, else 3]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
+    large: Option<u8>,
+    /// Small discs, 1 to 207 [default: 25 at smoke, else 207]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=207))]
+    small: Option<u8>,
+    /// Cells per radius of a small disc, 2 to 16 [default: 2, at paper 4]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=16))]
+    cells: Option<u32>,
+    /// Coefficient of friction, 0 to 2
+    #[arg(long, value_name = "MU", default_value_t = 0.3, value_parser = within(0.0, 2.0))]
+    friction: f64,
+    /// Largest acceleration of the shaking over gravity, 0 to 10
+    #[arg(long, value_name = "G", default_value_t = 3.0, value_parser = within(0.0, 10.0))]
+    strength: f64,
+    /// Frequency of the shaking, Hz, 1 to 100
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = within(1.0, 100.0))]
+    frequency: f64,
+    /// Seconds of shaking, 0.1 to 1000 [default: 0.3, 5 or 40 by resolution]
+    #[arg(long, value_name = "S", value_parser = within(0.1, 1000.0))]
+    shaking: Option<f64>,
+}
+
+/// Numbers from `low` to `high`.
+fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| match text.parse::<f64>() {
+        Ok(x) if (low..=high).contains(&x) => Ok(x),
+        _ => Err(format!("it must be a number from {low} to {high}")),
+    }
+}
+
+/// Deepest overlap, cells.
+const OVERLAP: f64 = 0.2;
+/// How much the energy may grow, over the largest: the energies of MUSL are half a step apart.
+const GROWTH: f64 = 0.01;
+/// Momentum: impulses of weight and floor are many times the momentum of the discs.
+const MOMENTUM_TOLERANCE: f64 = 1e-9;
+
+fn main() -> ExitCode {
+    case::exit(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<ExitCode, CaseError> {
+    let folder = options.common.folder("shaken_discs")?;
+    let resolution = options.common.resolution;
+    let setup = Setup {
+        large: usize::from(options.large.unwrap_or(resolution.choose(1, 3, 3))),
+        small: usize::from(options.small.unwrap_or(resolution.choose(25, 207, 207))),
+        cells: options.cells.unwrap_or(resolution.choose(2, 2, 4)),
+        friction: options.friction,
+        strength: options.strength,
+        frequency: options.frequency,
+        shaking: options.shaking.unwrap_or(resolution.choose(0.3, 5.0, 40.0)),
+        threads: options.common.threads(),
+    };
+    let outcome = scene::shake(&setup, &folder)?;
+    write(&outcome, &folder)?;
+    figures::pile(&outcome)?.save(folder.join("discs.png"))?;
+    figures::histories(&outcome)?.save(folder.join("histories.png"))?;
+    let settings = serde_json::json!({
+        "large": setup.large,
+        "small": outcome.layout.discs.len() - setup.large,
+        "cells_per_small_radius": setup.cells,
+        "friction": setup.friction,
+        "strength": setup.strength,
+        "frequency": setup.frequency,
+        "shaking": setup.shaking,
+        "threads": setup.threads,
+    });
+    Report::new("shaken_discs", resolution, settings, &outcome.totals, checks(&outcome))
+        .finish(&options.common, &folder)
+}
+
+/// Mean heights of large and small discs over the first and the last period of the shaking, m.
+fn heights(outcome: &Outcome) -> [[f64; 2]; 2] {
+    let period = 1.0 / outcome.setup.frequency;
+    let end = outcome.rows.last().map_or(0.0, |r| r.time);
+    [[SETTLING - period, SETTLING], [end - period, end]].map(|[from, to]| {
+        let rows: Vec<_> = outcome.rows.iter().filter(|r| (from..=to).contains(&r.time)).collect();
+        std::array::from_fn(|i| rows.iter().map(|r| r.heights[i]).sum::<f64>() / rows.len() as f64)
+    })
+}
+
+fn checks(outcome: &Outcome) -> Vec<Check> {
+    let [before, after] = heights(outcome);
+    let h = outcome.setup.spacing();
+    let rows = &outcome.rows;
+    let deepest = rows.iter().map(|r| r.overlap).fold(f64::NEG_INFINITY, f64::max) / h;
+    let [first, last] = [rows.first(), rows.last()].map(|r| r.map_or(0.0, |r| r.particles as f64));
+    let rise = 1e3 * ((after[0] - after[1]) - (before[0] - before[1]));
+    vec![
+        Check::shown(
+            "height of the large discs before",
+            1e3 * before[0],
+            "mm",
+            1e3 * before[1],
+            "small discs",
+        ),
+        Check::shown("height of the large discs after", 1e3 * after[0], "mm", 1e3 * after[1], "small discs"),
+        Check::at_least("rise of the large discs among the small ones", rise, "mm", 0.0, "Ma2010"),
+        Check::at_most("deepest overlap", deepest, "cells", OVERLAP, "no penetration"),
+        Check::at_most("growth of the energy", outcome.growth, "-", GROWTH, "conservation"),
+        Check::gate("particles at the end", last, "-", first, 0.0, "conservation"),
+        Check::gate(
+            "momentum error",
+            outcome.totals.momentum_error,
+            "-",
+            0.0,
+            MOMENTUM_TOLERANCE,
+            "conservation",
+        ),
+    ]
+}
+
+fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
+    let columns = [
+        ("time", "s"),
+        ("height of large discs", "m"),
+        ("height of small discs", "m"),
+        ("deepest overlap", "m"),
+        ("kinetic energy", "J/m"),
+        ("particles", "-"),
+    ];
+    let mut file = History::create(folder.join("discs.csv"), columns)?;
+    for r in &outcome.rows {
+        file.push(&[r.time, r.heights[0], r.heights[1], r.overlap, r.kinetic, r.particles as f64])?;
+    }
+    Ok(())
+}

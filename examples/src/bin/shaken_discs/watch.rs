@@ -1,0 +1,112 @@
+//! Where the discs are.
+
+use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+
+use crate::layout::Layout;
+
+/// The discs at one moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Time, s.
+    pub time: f64,
+    /// Mean height of the centres of the large discs, and of the small ones, above the floor, m.
+    pub heights: [f64; 2],
+    /// The deepest overlap of the surfaces of two discs, or of a disc and the container, m.
+    pub overlap: f64,
+    /// Kinetic energy, J/m.
+    pub kinetic: f64,
+    /// Particles.
+    pub particles: usize,
+}
+
+/// Follows the discs.
+pub struct Watch {
+    pace: Pace,
+    inside: [f64; 2],
+    radii: Vec<f64>,
+    large: usize,
+    /// Half size of a particle, m.
+    half: f64,
+    pub rows: Vec<Row>,
+}
+
+impl Watch {
+    /// The discs of this layout, their particles of this half size (m), at this pace.
+    pub fn new(pace: Pace, layout: &Layout, half: f64) -> Self {
+        let radii = layout.discs.iter().map(|d| d.radius).collect();
+        Watch { pace, inside: layout.inside, radii, large: layout.large, half, rows: Vec::new() }
+    }
+
+    /// The deepest overlap of surfaces: along the line of centres between discs, with the particles beside it; at the
+    /// container that of any particle.
+    fn overlap(&self, discs: &[Cloud]) -> f64 {
+        let mut deepest = f64::NEG_INFINITY;
+        for (n, (disc, r)) in discs.iter().zip(&self.radii).enumerate() {
+            for x in &disc.particles {
+                for d in 0..2 {
+                    deepest = deepest.max(self.half - x[d]).max(x[d] + self.half - self.inside[d]);
+                }
+            }
+            for (other, s) in discs[n + 1..].iter().zip(&self.radii[n + 1..]) {
+                let way = [0, 1].map(|d| other.centre[d] - disc.centre[d]);
+                let distance = way[0].hypot(way[1]);
+                if distance < r + s + 2.0 * self.half {
+                    let normal = way.map(|x| x / distance);
+                    let reach = disc.reach(normal, self.half) + other.reach(normal.map(|x| -x), self.half);
+                    deepest = deepest.max(reach - distance);
+                }
+            }
+        }
+        deepest
+    }
+}
+
+/// A disc's particles.
+struct Cloud {
+    centre: [f64; 2],
+    particles: Vec<[f64; 2]>,
+}
+
+impl Cloud {
+    /// How far the surface is from the centre along a unit vector, by the particles within one of their sizes of the
+    /// line, of this half size.
+    fn reach(&self, normal: [f64; 2], half: f64) -> f64 {
+        let from = |x: &[f64; 2]| [x[0] - self.centre[0], x[1] - self.centre[1]];
+        let near = self
+            .particles
+            .iter()
+            .map(from)
+            .filter(|r| (r[0] * normal[1] - r[1] * normal[0]).abs() < half * 2.0);
+        near.map(|r| r[0] * normal[0] + r[1] * normal[1] + half).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+impl Observer<f64, 2> for Watch {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+
+    fn observe(&mut self, now: &Moment<'_, f64, 2>) -> Result<(), ObserveError> {
+        let mut discs = Vec::with_capacity(self.radii.len());
+        for body in &now.bodies()[1..] {
+            let (mut mass, mut place) = (0.0, [0.0; 2]);
+            let mut particles = Vec::with_capacity(body.len());
+            body.for_each(&mut |p| {
+                mass += p.mass;
+                (0..2).for_each(|d| place[d] += p.mass * p.position[d]);
+                particles.push([p.position[0], p.position[1]]);
+            });
+            discs.push(Cloud { centre: place.map(|x| x / mass), particles });
+        }
+        let mean = |of: &[Cloud]| of.iter().map(|c| c.centre[1]).sum::<f64>() / of.len() as f64;
+        let (large, small) = discs.split_at(self.large);
+        self.rows.push(Row {
+            time: now.time(),
+            heights: [mean(large), mean(small)],
+            overlap: self.overlap(&discs),
+            kinetic: now.totals().kinetic,
+            particles: discs.iter().map(|d| d.particles.len()).sum(),
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,205 @@
+//! Impulses on free rigid bodies, whose nodes all move together.
+//!
+//! As at a node with three bodies and more (see `solve.rs`), every pair is solved as if it were alone with its share
+//! of the masses, all at once, until nothing changes. A rigid body's mass is shared among all nodes that touch it,
+//! by the mass they hold; at each it shows the least mass that its share, which may turn, can show. What the
+//! iteration converges to does not depend on the shares: velocities after contact that obey every pair's law.
+
+use std::collections::BTreeMap;
+
+use mpm_core::parallel::Float;
+use mpm_core::step::contact::{SharedNodes, Touch};
+
+use crate::law::Contact;
+use crate::solve::Pair;
+use crate::vector::{difference, dot, length, sum, times};
+
+/// Most iterations for all nodes of free rigid bodies.
+const ITERATIONS: usize = 400;
+/// Change of the impulses, over the largest, at which they count as found.
+const FOUND: f64 = 1e-10;
+
+/// A pair that touches at a node where a free rigid body is.
+pub struct Coupling<'a, T> {
+    block: usize,
+    touch: Touch<T>,
+    pair: Pair<'a, T>,
+    /// Who moves: a rigid body by its number, or the node.
+    movers: [usize; 2],
+    /// Masses that the pair sees.
+    seen: [T; 2],
+}
+
+impl<'a, T: Float> Coupling<'a, T> {
+    /// A touch in a block.
+    pub fn new<const D: usize>(
+        block: usize,
+        at: &SharedNodes<'_, T, D>,
+        touch: Touch<T>,
+        pair: Pair<'a, T>,
+    ) -> Self {
+        // Bodies come before nodes; a node is one with its field.
+        let mover = |field: usize| {
+            let free = at.rigid(field).is_some_and(|r| !r.is_prescribed());
+            if free {
+                at.body(field)
+            } else {
+                NODES + (block * at.fields() + field) * at.nodes() + touch.node
+            }
+        };
+        let (movers, seen) = (touch.fields.map(mover), pair.masses);
+        Coupling { block, touch, pair, movers, seen }
+    }
+}
+
+/// Movers from this number are nodes.
+const NODES: usize = 1 << 40;
+
+/// The pairs with their impulses.
+pub struct Coupled<'a, T> {
+    pairs: Vec<Coupling<'a, T>>,
+    sums: Sums<T>,
+}
+
+/// Impulse on a mover, and its moment, by the mover's number.
+type Sums<T> = BTreeMap<usize, ([T; 3], [f64; 3])>;
+
+impl<'a, T: Float> Coupled<'a, T> {
+    /// Find the impulses.
+    pub fn solve<const D: usize>(at: &[SharedNodes<'_, T, D>], mut pairs: Vec<Coupling<'a, T>>) -> Self {
+        share(at, &mut pairs);
+        let mut steps = 0.0;
+        for _ in 0..ITERATIONS {
+            let given = gather(at, &pairs, |t| t.ahead);
+            let mut next = Vec::with_capacity(pairs.len());
+            for pair in &pairs {
+                let Coupling { touch, pair: Pair { law, velocities, area, .. }, seen, .. } = pair;
+                let mut free = *velocities;
+                for side in 0..2 {
+                    let change = response(at, pair, side, &given);
+                    let own = times(touch.ahead, T::of(if side == 0 { 1.0 } else { -1.0 }) / seen[side]);
+                    free[side] = sum(velocities[side], sum(change, own));
+                }
+                let contact = Contact { normal: touch.normal, gap: touch.gap, area: *area };
+                next.push(law.impulse(&contact, *seen, free, at[pair.block].dt()));
+            }
+            if accept(&mut pairs, &next, &mut steps) {
+                break;
+            }
+        }
+        let sums = gather(at, &pairs, |t| t.impulse);
+        Coupled { pairs, sums }
+    }
+
+    /// The nodes, with the touches at each.
+    pub fn nodes(&self) -> impl Iterator<Item = (usize, usize, Vec<Touch<T>>)> + '_ {
+        let same =
+            |a: &Coupling<'_, T>, b: &Coupling<'_, T>| (a.block, a.touch.node) == (b.block, b.touch.node);
+        self.pairs
+            .chunk_by(same)
+            .map(|chunk| (chunk[0].block, chunk[0].touch.node, chunk.iter().map(|c| c.touch).collect()))
+    }
+
+    /// Velocity of a field at a node once its mover has this part of its impulses.
+    pub fn moved<const D: usize>(
+        &self,
+        at: &[SharedNodes<'_, T, D>],
+        block: usize,
+        node: usize,
+        field: usize,
+        part: f64,
+    ) -> [T; 3] {
+        let start = at[block].velocity(field, node);
+        let here = |p: &&Coupling<'a, T>| {
+            p.block == block && p.touch.node == node && p.touch.fields.contains(&field)
+        };
+        let Some(pair) = self.pairs.iter().find(here) else { return start };
+        let side = usize::from(pair.touch.fields[1] == field);
+        sum(start, times(response(at, pair, side, &self.sums), T::of(part)))
+    }
+}
+
+/// Share masses among the pairs that they are in.
+fn share<T: Float, const D: usize>(at: &[SharedNodes<'_, T, D>], pairs: &mut [Coupling<'_, T>]) {
+    let held = |p: &Coupling<'_, T>, side: usize| p.pair.masses[side];
+    let mut sums: BTreeMap<usize, T> = BTreeMap::new();
+    for pair in pairs.iter() {
+        for side in 0..2 {
+            *sums.entry(pair.movers[side]).or_default() += held(pair, side);
+        }
+    }
+    for pair in pairs.iter_mut() {
+        for side in 0..2 {
+            let (mass, all) = (held(pair, side), sums[&pair.movers[side]]);
+            if !mass.to_double().is_finite() {
+                continue;
+            }
+            let at = &at[pair.block];
+            let whole = match at.rigid(pair.touch.fields[side]) {
+                Some(rigid) => T::of(rigid.least_mass(&at.position(pair.touch.node))),
+                None => mass,
+            };
+            pair.seen[side] = whole * (mass / all);
+        }
+    }
+}
+
+/// Sum of the impulses on every mover, and of their moments about its centre if it is a rigid body.
+fn gather<T: Float, const D: usize>(
+    at: &[SharedNodes<'_, T, D>],
+    pairs: &[Coupling<'_, T>],
+    impulse: fn(&Touch<T>) -> [T; 3],
+) -> Sums<T> {
+    let mut sums = Sums::new();
+    for pair in pairs {
+        let here = &at[pair.block];
+        for (side, sign) in [(0, -1.0), (1, 1.0)] {
+            let impulse = times(impulse(&pair.touch), T::of(sign));
+            let entry = sums.entry(pair.movers[side]).or_insert(([T::of(0.0); 3], [0.0; 3]));
+            entry.0 = sum(entry.0, impulse);
+            if let Some(rigid) = here.rigid(pair.touch.fields[side]) {
+                let moment = rigid.moment(&here.position(pair.touch.node), &impulse.map(T::to_double));
+                (0..3).for_each(|d| entry.1[d] += moment[d]);
+            }
+        }
+    }
+    sums
+}
+
+/// What all impulses change of the velocity of one side of a pair.
+fn response<T: Float, const D: usize>(
+    at: &[SharedNodes<'_, T, D>],
+    pair: &Coupling<'_, T>,
+    side: usize,
+    sums: &Sums<T>,
+) -> [T; 3] {
+    let Some((impulse, moment)) = sums.get(&pair.movers[side]) else { return [T::of(0.0); 3] };
+    let here = &at[pair.block];
+    match here.rigid(pair.touch.fields[side]).filter(|r| !r.is_prescribed()) {
+        None => times(*impulse, T::of(1.0) / pair.pair.masses[side]),
+        Some(rigid) => {
+            let seen = here.position(pair.touch.node);
+            rigid.response(&impulse.map(T::to_double), moment, &seen).map(T::of)
+        }
+    }
+}
+
+/// Take the next impulses, with Nesterov's momentum, which starts anew where it overshoots. Are they found?
+fn accept<T: Float>(pairs: &mut [Coupling<'_, T>], next: &[[T; 3]], steps: &mut f64) -> bool {
+    let zero = T::of(0.0);
+    let (mut change, mut size, mut back) = (zero, zero, zero);
+    for (pair, next) in pairs.iter().zip(next) {
+        let step = difference(*next, pair.touch.impulse);
+        change = change.max(length(step));
+        size = size.max(length(*next));
+        back += dot(difference(pair.touch.ahead, *next), step);
+    }
+    *steps = if back > zero { 0.0 } else { *steps + 1.0 };
+    let momentum = T::of(*steps / (*steps + 3.0));
+    for (pair, next) in pairs.iter_mut().zip(next) {
+        let step = difference(*next, pair.touch.impulse);
+        pair.touch.ahead = sum(*next, times(step, momentum));
+        pair.touch.impulse = *next;
+    }
+    change <= size * T::of(FOUND).max(T::default_epsilon() * T::of(4.0))
+}

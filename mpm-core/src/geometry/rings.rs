@@ -1,0 +1,39 @@
+//! Discs as concentric rings of particles.
+
+use std::f64::consts::{PI, TAU};
+
+use super::error::Check;
+use super::{GeometryError, Seeds};
+
+/// A full disc as concentric rings of particles, `count` of them and each as wide as particles are long, with exact
+/// area: its edge is as smooth as a circle, where that of a lattice has steps on which it would rattle. Rings are turned
+/// against each other by the golden angle.
+///
+/// # Errors
+/// A centre that is not finite, a radius that is not positive and finite, no ring.
+pub fn rings(centre: [f64; 2], radius: f64, count: usize) -> Result<Seeds<2>, GeometryError> {
+    let check = Check("rings");
+    let (centre, radius) = (check.point("centre", centre)?, check.positive("radius", radius)?);
+    check.that(count > 0, "count", count as f64, "at least 1")?;
+    let width = radius / count as f64;
+    let (mut positions, mut volumes) = (Vec::new(), Vec::new());
+    for ring in 0..count {
+        let r = (ring as f64 + 0.5) * width;
+        let around = (TAU * r / width).round();
+        for n in 0..around as usize {
+            let angle = TAU * (n as f64 / around + 0.381_966 * ring as f64);
+            positions.push([centre[0] + r * angle.cos(), centre[1] + r * angle.sin()]);
+            volumes.push(TAU * r * width / around);
+        }
+    }
+    let area = PI * radius * radius;
+    Ok(Seeds {
+        positions,
+        volumes,
+        half_size: [0.5 * width; 2],
+        raw_measure: area,
+        exact_measure: Some(area),
+        sampled_measure: None,
+        correction: 1.0,
+    })
+}

@@ -1,0 +1,278 @@
+//! Rigid bodies on the grid: particles that hold a place there, and what their nodes get.
+
+use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Real, Sym3, Update};
+
+use super::body::{Body, BodyTrouble, Particle, ParticleBody, Steps, Totals, Which};
+use super::fields::{Claim, Fields};
+use super::load::Loading;
+use super::nodes::{BlockPlace, NodeLedger, Stage};
+use super::rigid::{Rigid, RigidState};
+use super::scene::SceneError;
+use super::survey::{Near, Survey};
+use super::tile::Sums;
+use crate::dim::block_nodes;
+use crate::embedding::Embedding;
+use crate::geometry::{Lattice, Seeds};
+use crate::grid::{GridStorage, Node};
+use crate::method::Composition;
+use crate::parallel::{Float, Team};
+
+/// Matter that never deforms: no stress, no waves.
+#[derive(Clone, Copy, Debug)]
+struct Undeformed<T> {
+    density: T,
+}
+
+impl<T: Real> Constitutive<T> for Undeformed<T> {
+    type State<L: Lane<Real = T>> = ();
+
+    fn name(&self) -> &'static str {
+        "rigid"
+    }
+    fn density(&self) -> T {
+        self.density
+    }
+    fn virgin(&self) {}
+    #[inline(always)]
+    fn update<L: Lane<Real = T>>(&self, _: &Kinematics<L>, _: &()) -> Update<L, ()> {
+        Update { state: (), stress: Sym3::zero(), fault: Fault::none() }
+    }
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, _: &()) -> Sym3<L> {
+        Sym3::zero()
+    }
+    #[inline(always)]
+    fn volume_ratio<L: Lane<Real = T>>(&self, _: &()) -> L {
+        L::one()
+    }
+    #[inline(always)]
+    fn wave_speed<L: Lane<Real = T>>(&self, _: &()) -> L {
+        L::zero()
+    }
+    #[inline(always)]
+    fn energy<L: Lane<Real = T>>(&self, _: &()) -> L {
+        L::zero()
+    }
+}
+
+/// A rigid body in a method `M`.
+pub(super) struct RigidBody<T: Float, const D: usize, M> {
+    particles: ParticleBody<T, D, Undeformed<T>, M>,
+    state: RigidState<D>,
+}
+
+impl<T: Float, const D: usize, M: Composition<T, D>> RigidBody<T, D, M> {
+    /// A body of these seeds.
+    pub(super) fn new(
+        name: &str,
+        rigid: &Rigid<D>,
+        method: M,
+        lattice: Lattice<D>,
+        seeds: &Seeds<D>,
+    ) -> Result<Self, SceneError> {
+        let state = RigidState::new(name, rigid, seeds, M::Embedding::HOOP)?;
+        let law = Undeformed { density: T::of(rigid.density()) };
+        let mut particles = ParticleBody::empty(name, law, method, lattice, seeds, super::Unloaded);
+        particles.seed(seeds, |x| std::array::from_fn(|d| state.velocity_at(&x)[d]), None);
+        Ok(RigidBody { particles, state })
+    }
+}
+
+impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T, D, M> {
+    fn name(&self) -> &str {
+        self.particles.name()
+    }
+    fn law(&self) -> &'static str {
+        self.particles.law()
+    }
+    fn len(&self) -> usize {
+        self.particles.len()
+    }
+    fn state_names(&self) -> Vec<String> {
+        Vec::new()
+    }
+    fn lightest(&self) -> T {
+        self.particles.lightest()
+    }
+    fn rigid(&self) -> Option<&RigidState<D>> {
+        Some(&self.state)
+    }
+    fn rigid_mut(&mut self) -> Option<&mut RigidState<D>> {
+        Some(&mut self.state)
+    }
+    fn rate(&self, spacing: f64) -> T {
+        self.particles.rate(spacing)
+    }
+    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble> {
+        self.particles.pass(which, nodes, dt, team)
+    }
+    fn loading(&self) -> Loading {
+        self.particles.loading()
+    }
+    fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
+        self.particles.locate(which, prune, team)
+    }
+    fn claims(&self, number: u32, list: &mut Vec<Claim<D>>) {
+        self.particles.claims(number, list);
+    }
+    fn reaches_further(&self) -> bool {
+        self.particles.reaches_further()
+    }
+    fn reaches(&self, block: usize) -> bool {
+        self.particles.reaches(block)
+    }
+    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
+        self.particles.link(find, places);
+    }
+    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
+        self.particles.add_tiles(block, sums, nodes);
+    }
+    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
+        self.particles.survey(block, what, nodes, normals, out);
+    }
+    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+        self.particles.near(block, nodes, visit);
+    }
+    /// Of the body, not of its particles; nothing but their number if its motion is prescribed.
+    fn totals(&self) -> Totals {
+        let particles = self.len();
+        if self.state.is_prescribed() {
+            return Totals { particles, ..Totals::default() };
+        }
+        let (state, mut totals) = (&self.state, self.particles.totals());
+        let ([x, y, z], [u, v, w]) = (state.centre(), state.velocity());
+        let (moment, own) = ([y * w - z * v, z * u - x * w, x * v - y * u], state.angular_momentum());
+        totals.mass = state.mass();
+        for d in 0..3 {
+            totals.momentum[d] = state.mass() * state.velocity()[d];
+            totals.angular_momentum[d] = state.mass() * moment[d] + own[d];
+        }
+        totals.kinetic = state.kinetic();
+        totals.internal = 0.0;
+        totals
+    }
+    fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
+        self.particles.for_each(&mut |p| {
+            let x = std::array::from_fn(|d| p.position[d]);
+            visit(&Particle { velocity: self.state.velocity_at(&x), ..p.clone() });
+        });
+    }
+    fn bytes(&self) -> usize {
+        self.particles.bytes() + size_of::<Self>()
+    }
+    fn columns(&self) -> usize {
+        self.particles.columns()
+    }
+}
+
+/// The rigid body whose block this is.
+pub(super) fn rigid_of<'a, T: Float, const D: usize>(
+    bodies: &'a [Box<dyn Body<T, D>>],
+    fields: &Fields<D>,
+    block: usize,
+) -> Option<&'a RigidState<D>> {
+    bodies.get(fields.owner(block) as usize)?.rigid()
+}
+
+/// Give the nodes of a rigid body, as they are mapped, the body's own velocities. Says whether they are complete: a
+/// body of prescribed motion obeys no forces.
+pub(super) fn carry<T: Float, const D: usize>(
+    body: &RigidState<D>,
+    sums: Sums,
+    place: &BlockPlace<D>,
+    nodes: &mut [Node<T>],
+) -> bool {
+    let free = !body.is_prescribed();
+    for (n, node) in nodes.iter_mut().enumerate() {
+        let x = place.node(n);
+        let mass = node.first[0];
+        let put = |record: &mut [T; 4], values: [f64; 3], by: T| {
+            for d in 0..D {
+                record[d + 1] = by * T::of(values[d]);
+            }
+        };
+        match sums {
+            Sums::All if free => put(&mut node.first, body.velocity_at(&x), mass),
+            Sums::Again if free => put(&mut node.second, body.velocity_at(&x), mass),
+            Sums::Again => put(&mut node.second, body.velocity_at(&x), T::of(1.0)),
+            Sums::All | Sums::Force if !free => {
+                put(&mut node.first, body.mean_velocity(&x), T::of(1.0));
+                put(&mut node.second, body.acceleration(&x), T::of(1.0));
+            }
+            Sums::All | Sums::Force | Sums::Smoothed => {}
+        }
+    }
+    !free
+}
+
+/// Impulse on a block of nodes of a free body, and its moment about the body's centre.
+#[derive(Clone, Copy, Debug, Default)]
+struct Push {
+    impulse: [f64; 3],
+    moment: [f64; 3],
+}
+
+impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
+    /// What the nodes of the free body `number` got in this step: impulse and moment about its centre.
+    pub fn push_on(&self, number: usize, state: &RigidState<D>) -> ([f64; 3], [f64; 3]) {
+        let lattice = *self.grid.lattice();
+        let (fields, takes, dt) = (self.fields, self.takes.to_double(), self.dt.to_double());
+        let mirrors = self.planes.copied();
+        let mut sum = Push::default();
+        let blocks = self.grid.nodes().chunks(block_nodes(D)).enumerate();
+        for (block, nodes) in blocks.filter(|(block, _)| fields.owner(*block) as usize == number) {
+            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            for (n, node) in nodes.iter().enumerate() {
+                if node.first[0] <= self.cutoff || place.is_copy(n, mirrors) {
+                    continue;
+                }
+                let (x, mass) = (place.node(n), node.first[0].to_double());
+                let now = state.velocity_at(&x);
+                let (mut arm, mut given) = ([0.0; 3], [0.0; 3]);
+                for d in 0..D {
+                    arm[d] = x[d] - state.centre()[d];
+                    let gained = node.second[d + 1].to_double() * dt;
+                    let start = node.first[d + 1].to_double() - gained;
+                    given[d] = mass * (gained + takes * (start - now[d]));
+                    sum.impulse[d] += given[d];
+                }
+                let ([x, y, z], [u, v, w]) = (arm, given);
+                let moment = [y * w - z * v, z * u - x * w, x * v - y * u];
+                (0..3).for_each(|d| sum.moment[d] += moment[d]);
+            }
+        }
+        (sum.impulse, sum.moment)
+    }
+
+    /// Have the nodes of free bodies move as the bodies do in this step.
+    pub fn move_rigid(&mut self) {
+        let lattice = *self.grid.lattice();
+        let (bodies, fields) = (self.bodies, self.fields);
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
+            let Some(body) = rigid_of(bodies, fields, block).filter(|b| !b.is_prescribed()) else { return };
+            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            for (n, node) in nodes.iter_mut().enumerate() {
+                let x = place.node(n);
+                let (way, gain) = (body.mean_velocity(&x), body.acceleration(&x));
+                for d in 0..D {
+                    node.first[d + 1] = T::of(way[d]);
+                    node.second[d + 1] = T::of(gain[d]);
+                }
+            }
+        });
+    }
+}
+
+/// Book what a body of prescribed motion gives to others at a node: the opposite of `impulse` on itself, N s.
+pub(super) fn book<const D: usize>(
+    body: &RigidState<D>,
+    x: &[f64; D],
+    impulse: &[f64; 3],
+    ledger: &mut NodeLedger,
+) {
+    let velocity = body.mean_velocity(x);
+    for d in 0..D {
+        ledger.impulse[d] -= impulse[d];
+        ledger.work -= impulse[d] * velocity[d];
+    }
+}
