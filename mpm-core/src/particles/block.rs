@@ -84,6 +84,12 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
     }
 
+    /// Use an empty block for another place.
+    pub fn place_at(&mut self, coordinates: [i32; D]) {
+        debug_assert!(self.is_empty(), "only an empty block can move");
+        self.coordinates = coordinates;
+    }
+
     /// Number of particles.
     pub fn len(&self) -> usize {
         self.particles

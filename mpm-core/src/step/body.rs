@@ -186,6 +186,14 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) lattice: Lattice<D>,
     pub(super) columns: Columns,
     pub(super) slots: Vec<Slot<T, D>>,
+    /// Slots without particles, kept for the next ones: a body that moves needs no new memory.
+    spare: Vec<Slot<T, D>>,
+    /// Slots by coordinates, while they are linked.
+    index: Vec<([i32; D], u32)>,
+    /// Places that particles left for, while blocks are made.
+    wanted: Vec<[i32; D]>,
+    /// Node block, slot and direction of each link, while they are made.
+    pub(super) links: Vec<(u32, u32, usize)>,
     /// Particles that left their bins in the last pass, by slot.
     outboxes: Vec<Outbox<T>>,
     /// Blocks of nodes around each slot, 3^D, x fastest; `NONE` where there is none.
@@ -269,6 +277,10 @@ where
             lattice,
             columns,
             slots: Vec::new(),
+            spare: Vec::new(),
+            index: Vec::new(),
+            wanted: Vec::new(),
+            links: Vec::new(),
             outboxes: Vec::new(),
             nodes_around: Vec::new(),
             contributors: Vec::new(),
@@ -340,13 +352,16 @@ where
 
     /// Note which slots lie around each.
     fn link_slots(&mut self) {
-        let index: BTreeMap<[i32; D], u32> =
-            self.slots.iter().enumerate().map(|(i, s)| (s.block.coordinates, i as u32)).collect();
+        let index = &mut self.index;
+        index.clear();
+        index.extend(self.slots.iter().enumerate().map(|(i, s)| (s.block.coordinates, i as u32)));
+        index.sort_unstable();
         self.outboxes.resize_with(self.slots.len(), Outbox::default);
         for slot in &mut self.slots {
             let c = slot.block.coordinates;
             for (n, around) in slot.slots_around.iter_mut().enumerate() {
-                *around = index.get(&shifted(&c, &offset(n))).copied().unwrap_or(NONE);
+                let place = index.binary_search_by_key(&shifted(&c, &offset(n)), |entry| entry.0);
+                *around = place.map_or(NONE, |place| index[place].1);
             }
         }
     }
@@ -444,7 +459,8 @@ where
 
     /// Make the blocks that particles left for and that are not there yet.
     fn make_blocks(&mut self) -> bool {
-        let mut wanted: Vec<[i32; D]> = Vec::new();
+        let mut wanted = std::mem::take(&mut self.wanted);
+        wanted.clear();
         for (slot, outbox) in self.slots.iter().zip(&self.outboxes) {
             let mut directions = outbox.directions;
             while directions != 0 {
@@ -458,9 +474,20 @@ where
         wanted.sort_unstable();
         wanted.dedup();
         for &c in &wanted {
-            self.slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(c, &self.dummy, Self::RECORDS));
+            let slot = match self.spare.pop() {
+                Some(mut slot) => {
+                    slot.block.place_at(c);
+                    slot.tile.fill([T::default(); 4]);
+                    slot.report = Report::default();
+                    slot
+                }
+                None => new_slot::<T, D, ExtentOf<M, T, D>>(c, &self.dummy, Self::RECORDS),
+            };
+            self.slots.push(slot);
         }
-        !wanted.is_empty()
+        let made = !wanted.is_empty();
+        self.wanted = wanted;
+        made
     }
 
     fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
@@ -598,7 +625,7 @@ where
         if prune && self.slots.iter().any(|s| s.block.is_empty()) {
             // A block that particles left still holds what they mapped before: none, since they map where
             // they arrive.
-            self.slots.retain(|s| !s.block.is_empty());
+            self.spare.extend(self.slots.extract_if(.., |s| s.block.is_empty()));
             self.link_slots();
             changed = true;
         }
@@ -685,7 +712,10 @@ where
                 + o.to.capacity()
                 + o.bin.capacity()
         };
-        self.slots.iter().map(slot).sum::<usize>()
+        self.slots.iter().chain(&self.spare).map(slot).sum::<usize>()
+            + self.index.capacity() * size_of::<([i32; D], u32)>()
+            + self.wanted.capacity() * size_of::<[i32; D]>()
+            + self.links.capacity() * size_of::<(u32, u32, usize)>()
             + self.outboxes.iter().map(sent).sum::<usize>()
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
     }

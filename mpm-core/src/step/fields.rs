@@ -68,7 +68,11 @@ pub struct Fields<const D: usize> {
     field_of: Vec<Option<(u32, u32)>>,
     /// Whose block is where, sorted; empty if bodies are not kept apart.
     table: Vec<([i32; D], u32, u32)>,
+    // Used while they are arranged.
     claims: Vec<Claim<D>>,
+    wanted: Vec<[i32; D]>,
+    places: Vec<u32>,
+    found: Vec<(u32, Giver)>,
 }
 
 impl<const D: usize> Default for Fields<D> {
@@ -83,6 +87,9 @@ impl<const D: usize> Default for Fields<D> {
             field_of: Vec::new(),
             table: Vec::new(),
             claims: Vec::new(),
+            wanted: Vec::new(),
+            places: Vec::new(),
+            found: Vec::new(),
         }
     }
 }
@@ -103,9 +110,10 @@ impl<const D: usize> Fields<D> {
         }
         claims.sort_unstable();
         claims.dedup_by_key(|c| (c.coordinates, c.body));
-        let mut wanted: Vec<[i32; D]> = claims.iter().map(|c| c.coordinates).collect();
-        wanted.dedup();
-        let arranged = grid.arrange(&wanted);
+        self.wanted.clear();
+        self.wanted.extend(claims.iter().map(|c| c.coordinates));
+        self.wanted.dedup();
+        let arranged = grid.arrange(&self.wanted);
         if arranged.is_ok() {
             self.assign(grid, &claims, separate);
             self.link(grid, bodies, separate);
@@ -170,8 +178,8 @@ impl<const D: usize> Fields<D> {
         bodies: &mut [Box<dyn Body<T, D>>],
         separate: bool,
     ) {
-        let mut places = Vec::new();
-        let mut found: Vec<(u32, Giver)> = Vec::new();
+        let (mut places, mut found) = (std::mem::take(&mut self.places), std::mem::take(&mut self.found));
+        found.clear();
         for (number, body) in bodies.iter_mut().enumerate() {
             let number = number as u32;
             places.clear();
@@ -184,8 +192,8 @@ impl<const D: usize> Fields<D> {
             let givers = places.iter().enumerate();
             found.extend(givers.map(|(l, &block)| (block, Giver { body: number, local: l as u32 })));
         }
-        // By block; the sort is stable, so that bodies keep their order in each.
-        found.sort_by_key(|f| f.0);
+        // By block, bodies in order in each.
+        found.sort_unstable_by_key(|f| (f.0, f.1.body));
         self.starts.clear();
         self.givers.clear();
         for &(block, giver) in &found {
@@ -202,6 +210,7 @@ impl<const D: usize> Fields<D> {
             }
         }
         self.starts.resize(self.coordinates.len() + 1, self.givers.len() as u32);
+        (self.places, self.found) = (places, found);
     }
 
     /// Number of node blocks, field blocks included.
@@ -266,6 +275,9 @@ impl<const D: usize> Fields<D> {
             + self.field_of.capacity() * size_of::<Option<(u32, u32)>>()
             + self.table.capacity() * size_of::<([i32; D], u32, u32)>()
             + self.claims.capacity() * size_of::<Claim<D>>()
+            + self.wanted.capacity() * size_of::<[i32; D]>()
+            + self.places.capacity() * size_of::<u32>()
+            + self.found.capacity() * size_of::<(u32, Giver)>()
     }
 }
 

@@ -198,15 +198,14 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let blocks = self.fields.coordinates();
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let mirrors = self.planes.copied();
-        let mut pieces: Vec<(&mut [[T; 3]], &mut NodeLedger)> =
-            terms.chunks_mut(block_nodes(D)).zip(self.ledgers.iter_mut()).collect();
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), &mut pieces, |block, nodes, piece| {
+        let nodes = self.grid.nodes();
+        self.team.each_piece(terms, block_nodes(D), self.ledgers, |block, terms, ledger| {
             if rigid && rigid_of(bodies, fields, block).is_some() {
                 return;
             }
-            let (terms, ledger) = piece;
             let place = BlockPlace::new(&lattice, &blocks[block]);
-            for (n, (node, term)) in nodes.iter_mut().zip(terms.iter_mut()).enumerate() {
+            let nodes = &nodes[block * block_nodes(D)..][..block_nodes(D)];
+            for (n, (node, term)) in nodes.iter().zip(terms.iter_mut()).enumerate() {
                 let mass = node.first[0];
                 if mass <= cutoff {
                     continue;
@@ -220,6 +219,19 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                     if !free[d] && booked {
                         ledger.impulse[d] -= (mass * next).to_double();
                     }
+                }
+            }
+        });
+        let terms = &*terms;
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
+            if rigid && rigid_of(bodies, fields, block).is_some() {
+                return;
+            }
+            for (node, term) in nodes.iter_mut().zip(&terms[block * block_nodes(D)..]) {
+                if node.first[0] <= cutoff {
+                    continue;
+                }
+                for d in 0..D {
                     node.first[d + 1] += term[d];
                     node.second[d + 1] = term[d];
                 }

@@ -98,7 +98,8 @@ where
     }
 
     pub(super) fn link_blocks(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
-        let mut links: Vec<(u32, u32, usize)> = Vec::new();
+        let mut links = std::mem::take(&mut self.links);
+        links.clear();
         self.nodes_around.clear();
         for (s, slot) in self.slots.iter().enumerate() {
             for n in 0..neighbours(D) {
@@ -112,7 +113,7 @@ where
         }
         links.sort_unstable();
         self.contributors.clear();
-        for (block, slot, n) in links {
+        for &(block, slot, n) in &links {
             if places.last() != Some(&block) {
                 places.push(block);
                 self.contributors.resize(places.len() * neighbours(D), NONE);
@@ -121,5 +122,6 @@ where
             let last = self.contributors.len() - 1;
             self.contributors[last - n] = slot;
         }
+        self.links = links;
     }
 }

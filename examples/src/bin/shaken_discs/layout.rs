@@ -29,8 +29,9 @@ impl Layout {
     /// Large discs in a row on the floor, small ones in rows around and above them, of alternating offset, from below
     /// until there are enough.
     pub fn new(large: usize, small: usize) -> Self {
-        // The container gets narrower with the number of large discs; its height stays.
-        let inside = [INSIDE[0] * large as f64 / 3.0, INSIDE[1]];
+        // The container gets narrower with the number of large discs, and lower with that of small ones over each.
+        let full = (small as f64 / (69.0 * large as f64)).min(1.0);
+        let inside = [INSIDE[0] * large as f64 / 3.0, INSIDE[1] * (0.35 + 0.65 * full)];
         let pitch = inside[0] / large as f64;
         let mut discs: Vec<Disc> = (0..large)
             .map(|n| Disc { centre: [(n as f64 + 0.5) * pitch, LARGE + GAP], radius: LARGE })

@@ -31,16 +31,19 @@ struct Options {
     /// Cells per radius of a small disc, 2 to 16 [default: 2, at paper 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=16))]
     cells: Option<u32>,
+    /// Young's modulus of the discs, MPa, 0.1 to 1000 [default: 1 at smoke, else 4]; in softer ones collisions overlap
+    #[arg(long, value_name = "MPA", value_parser = within(0.1, 1000.0))]
+    young: Option<f64>,
     /// Coefficient of friction, 0 to 2
     #[arg(long, value_name = "MU", default_value_t = 0.3, value_parser = within(0.0, 2.0))]
     friction: f64,
     /// Largest acceleration of the shaking over gravity, 0 to 10
-    #[arg(long, value_name = "G", default_value_t = 3.0, value_parser = within(0.0, 10.0))]
+    #[arg(long, value_name = "G", default_value_t = 4.0, value_parser = within(0.0, 10.0))]
     strength: f64,
     /// Frequency of the shaking, Hz, 1 to 100
-    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = within(1.0, 100.0))]
+    #[arg(long, value_name = "HZ", default_value_t = 6.0, value_parser = within(1.0, 100.0))]
     frequency: f64,
-    /// Seconds of shaking, 0.1 to 1000 [default: 0.3, 5 or 40 by resolution]
+    /// Seconds of shaking, 0.1 to 1000 [default: 0.2, 3 or 20 by resolution]
     #[arg(long, value_name = "S", value_parser = within(0.1, 1000.0))]
     shaking: Option<f64>,
 }
@@ -53,6 +56,8 @@ fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
     }
 }
 
+/// Seconds of shaking after which large discs have risen.
+const LONG: f64 = 2.0;
 /// Deepest overlap, cells.
 const OVERLAP: f64 = 0.2;
 /// How much the energy may grow, over the largest: the energies of MUSL are half a step apart.
@@ -71,10 +76,11 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         large: usize::from(options.large.unwrap_or(resolution.choose(1, 3, 3))),
         small: usize::from(options.small.unwrap_or(resolution.choose(25, 207, 207))),
         cells: options.cells.unwrap_or(resolution.choose(2, 2, 4)),
+        young: 1e6 * options.young.unwrap_or(resolution.choose(1.0, 4.0, 4.0)),
         friction: options.friction,
         strength: options.strength,
         frequency: options.frequency,
-        shaking: options.shaking.unwrap_or(resolution.choose(0.3, 5.0, 40.0)),
+        shaking: options.shaking.unwrap_or(resolution.choose(0.2, 3.0, 20.0)),
         threads: options.common.threads(),
     };
     let outcome = scene::shake(&setup, &folder)?;
@@ -85,6 +91,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         "large": setup.large,
         "small": outcome.layout.discs.len() - setup.large,
         "cells_per_small_radius": setup.cells,
+        "young": setup.young,
         "friction": setup.friction,
         "strength": setup.strength,
         "frequency": setup.frequency,
@@ -121,7 +128,12 @@ fn checks(outcome: &Outcome) -> Vec<Check> {
             "small discs",
         ),
         Check::shown("height of the large discs after", 1e3 * after[0], "mm", 1e3 * after[1], "small discs"),
-        Check::at_least("rise of the large discs among the small ones", rise, "mm", 0.0, "Ma2010"),
+        match outcome.setup.shaking < LONG {
+            true => Check::shown("rise of the large discs among the small ones", rise, "mm", 0.0, "Ma2010"),
+            false => {
+                Check::at_least("rise of the large discs among the small ones", rise, "mm", 0.0, "Ma2010")
+            }
+        },
         Check::at_most("deepest overlap", deepest, "cells", OVERLAP, "no penetration"),
         Check::at_most("growth of the energy", outcome.growth, "-", GROWTH, "conservation"),
         Check::gate("particles at the end", last, "-", first, 0.0, "conservation"),

@@ -3,7 +3,7 @@
 //! The container is a rigid body that rests; gravity shakes instead, as in a frame that moves with it. The discs fall
 //! into a pile for [`SETTLING`] seconds first. Quadratic splines with APIC let the pile come to rest; hats with FLIP,
 //! as in \[Ma2010\], keep a noise in which it sinks into itself (docs/notes.md 7.8). \[Ma2010\] prints none of sizes, materials and forcing: chosen here are
-//! discs of 8 and 24 mm, soft so that steps are long, and shaking of 3 g.
+//! discs of 8 and 24 mm, soft so that steps are long, and shaking of 4 g.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -19,8 +19,8 @@ use mpm_materials::{Moduli, NeoHookean};
 use crate::layout::{LARGE, Layout, RADIUS};
 use crate::watch::{Row, Watch};
 
-/// Density, kg/m^3, Young's modulus, Pa, and Poisson's ratio of the discs.
-pub const MATERIAL: [f64; 3] = [1000.0, 1.0e6, 0.3];
+/// Density, kg/m^3, and Poisson's ratio of the discs.
+pub const MATERIAL: [f64; 2] = [1000.0, 0.3];
 /// Gravity, m/s^2.
 pub const GRAVITY: f64 = 9.81;
 /// Time for the discs to fall, s.
@@ -37,6 +37,8 @@ pub struct Setup {
     pub small: usize,
     /// Cells per radius of a small disc; two particles per cell along each axis.
     pub cells: u32,
+    /// Young's modulus, Pa.
+    pub young: f64,
     pub friction: f64,
     /// Largest acceleration of the shaking over gravity.
     pub strength: f64,
@@ -83,7 +85,7 @@ pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
         Pairs::new(Coulomb::new(setup.friction)?),
     );
     let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
-    let [density, young, poisson] = MATERIAL;
+    let (young, [density, poisson]) = (setup.young, MATERIAL);
     let [width, height] = layout.inside;
     let wall = 2.0 * h;
     let box_of = Cuboid::new([-wall, -wall], [width + wall, height + wall])?

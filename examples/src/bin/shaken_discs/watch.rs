@@ -3,6 +3,7 @@
 use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
 
 use crate::layout::Layout;
+use crate::scene::MATERIAL;
 
 /// The discs at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -27,6 +28,7 @@ pub struct Watch {
     large: usize,
     /// Half size of a particle, m.
     half: f64,
+    density: f64,
     pub rows: Vec<Row>,
 }
 
@@ -34,7 +36,15 @@ impl Watch {
     /// The discs of this layout, their particles of this half size (m), at this pace.
     pub fn new(pace: Pace, layout: &Layout, half: f64) -> Self {
         let radii = layout.discs.iter().map(|d| d.radius).collect();
-        Watch { pace, inside: layout.inside, radii, large: layout.large, half, rows: Vec::new() }
+        Watch {
+            pace,
+            inside: layout.inside,
+            radii,
+            large: layout.large,
+            half,
+            density: MATERIAL[0],
+            rows: Vec::new(),
+        }
     }
 
     /// The deepest overlap of surfaces: along the line of centres between discs, with the particles beside it; at the
@@ -44,7 +54,7 @@ impl Watch {
         for (n, (disc, r)) in discs.iter().zip(&self.radii).enumerate() {
             for x in &disc.particles {
                 for d in 0..2 {
-                    deepest = deepest.max(self.half - x[d]).max(x[d] + self.half - self.inside[d]);
+                    deepest = deepest.max(x[2] - x[d]).max(x[d] + x[2] - self.inside[d]);
                 }
             }
             for (other, s) in discs[n + 1..].iter().zip(&self.radii[n + 1..]) {
@@ -64,20 +74,21 @@ impl Watch {
 /// A disc's particles.
 struct Cloud {
     centre: [f64; 2],
-    particles: Vec<[f64; 2]>,
+    /// Positions and half sizes, m.
+    particles: Vec<[f64; 3]>,
 }
 
 impl Cloud {
     /// How far the surface is from the centre along a unit vector, by the particles within one of their sizes of the
     /// line, of this half size.
     fn reach(&self, normal: [f64; 2], half: f64) -> f64 {
-        let from = |x: &[f64; 2]| [x[0] - self.centre[0], x[1] - self.centre[1]];
+        let from = |x: &[f64; 3]| [x[0] - self.centre[0], x[1] - self.centre[1], x[2]];
         let near = self
             .particles
             .iter()
             .map(from)
             .filter(|r| (r[0] * normal[1] - r[1] * normal[0]).abs() < half * 2.0);
-        near.map(|r| r[0] * normal[0] + r[1] * normal[1] + half).fold(f64::NEG_INFINITY, f64::max)
+        near.map(|r| r[0] * normal[0] + r[1] * normal[1] + r[2]).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
@@ -94,7 +105,9 @@ impl Observer<f64, 2> for Watch {
             body.for_each(&mut |p| {
                 mass += p.mass;
                 (0..2).for_each(|d| place[d] += p.mass * p.position[d]);
-                particles.push([p.position[0], p.position[1]]);
+                // Flattened along the normal, where it touches.
+                let half = self.half * p.volume * self.density / p.mass;
+                particles.push([p.position[0], p.position[1], half]);
             });
             discs.push(Cloud { centre: place.map(|x| x / mass), particles });
         }
