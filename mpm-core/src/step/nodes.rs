@@ -231,9 +231,9 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 if node.first[0] <= cutoff {
                     continue;
                 }
+                node.second[1..=D].copy_from_slice(&term[..D]);
                 for d in 0..D {
                     node.first[d + 1] += term[d];
-                    node.second[d + 1] = term[d];
                 }
             }
         });
