@@ -103,8 +103,7 @@ impl Elements {
                 let (group, k) = (at / numbers, at % numbers);
                 for lane in 0..GROUP {
                     let e = b * BATCH + group * GROUP + lane;
-                    row.as_mut()[lane] =
-                        if e < elements { states[e * numbers + k] } else { virgin[k] };
+                    row.as_mut()[lane] = if e < elements { states[e * numbers + k] } else { virgin[k] };
                 }
             }
         }

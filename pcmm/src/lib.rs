@@ -81,6 +81,6 @@ pub use ledger::{Audit, Lot, Totals};
 pub use method::{Composition, Method};
 pub use particles::{Packing, Particle, SceneError};
 pub use search::Neighbours;
-pub use solver::{Masses, Pcmm};
+pub use solver::{Masses, Pcmm, SMALL};
 pub use step::StepError;
 pub use tessellation::{AzimuthFan, Flaw, Limits, LocalDelaunay, Revision, Tessellation, View};

@@ -19,13 +19,7 @@ pub struct Method<E, S, I, G, V> {
 
 impl<E, S, I, G, V> Method<E, S, I, G, V> {
     /// A method from its ingredients.
-    pub fn new(
-        _embedding: E,
-        tessellation: S,
-        _inheritance: I,
-        _configuration: G,
-        _dilatation: V,
-    ) -> Self {
+    pub fn new(_embedding: E, tessellation: S, _inheritance: I, _configuration: G, _dilatation: V) -> Self {
         Method { tessellation, ingredients: PhantomData }
     }
 }

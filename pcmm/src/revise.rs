@@ -117,8 +117,7 @@ where
             self.audit.flaws[k] += revision.flaws[k] as u64;
         }
         self.audit.revisions += 1;
-        self.elements =
-            Elements::assemble(nodes, reference, &states, &self.virgin, self.particles.len());
+        self.elements = Elements::assemble(nodes, reference, &states, &self.virgin, self.particles.len());
     }
 
     /// The state of a newborn, and its reference volume.
@@ -151,7 +150,8 @@ where
             .collect();
         let of_particle = |&n: &u32| &self.memory[n as usize * numbers..(n as usize + 1) * numbers];
         let particles: Vec<&[f64]> = newborn.iter().map(of_particle).collect();
-        let taken = M::Inheritance::inherit(&Newborn { volume, parents: &parents, particles: &particles }, state);
+        let taken =
+            M::Inheritance::inherit(&Newborn { volume, parents: &parents, particles: &particles }, state);
         let ratio = unflatten::<f64, C::State<f64>>(state).map_or(1.0, |s| self.law.volume_ratio(&s));
         taken.reference + (1.0 - taken.part) * volume / ratio
     }

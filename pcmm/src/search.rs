@@ -63,8 +63,7 @@ impl<const D: usize> Neighbours<D> {
         let reach = self.tolerance + self.skin;
         let largest = particles.iter().fold(0.0f64, |m, p| m.max(p.radius));
         let cells = Cells::sort(particles, 2.0 * largest + reach);
-        let mut rows: Vec<(Vec<u32>, Vec<u32>)> =
-            vec![Default::default(); particles.len().div_ceil(CHUNK)];
+        let mut rows: Vec<(Vec<u32>, Vec<u32>)> = vec![Default::default(); particles.len().div_ceil(CHUNK)];
         team.each(&mut rows, |chunk, (counts, found)| {
             let first = chunk * CHUNK;
             for i in first..(first + CHUNK).min(particles.len()) {
@@ -125,8 +124,7 @@ impl<const D: usize> Cells<D> {
         for d in 0..D {
             counts[d] = along(edge, d) as usize;
         }
-        let mut cells =
-            Cells { low, edge, counts, starts: Vec::new(), sorted: vec![0; particles.len()] };
+        let mut cells = Cells { low, edge, counts, starts: Vec::new(), sorted: vec![0; particles.len()] };
         let of: Vec<usize> = particles.iter().map(|p| cells.index(&cells.cell(&p.position))).collect();
         let mut starts = vec![0u32; counts.iter().product::<usize>() + 1];
         for &c in &of {

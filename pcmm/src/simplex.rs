@@ -38,10 +38,8 @@ impl<L: Lane> Slopes<L> {
             of[2] = [-(edge[0][1] * per), edge[0][0] * per, zero];
             measure = twice * L::of(0.5);
         } else {
-            let faces =
-                [cross(&edge[1], &edge[2]), cross(&edge[2], &edge[0]), cross(&edge[0], &edge[1])];
-            let six =
-                edge[0][0] * faces[0][0] + edge[0][1] * faces[0][1] + edge[0][2] * faces[0][2];
+            let faces = [cross(&edge[1], &edge[2]), cross(&edge[2], &edge[0]), cross(&edge[0], &edge[1])];
+            let six = edge[0][0] * faces[0][0] + edge[0][1] * faces[0][1] + edge[0][2] * faces[0][2];
             let per = six.recip();
             for k in 0..3 {
                 for i in 0..3 {

@@ -66,6 +66,8 @@ pub struct Pcmm<const D: usize, C, M> {
 
 /// The default safety factor of the time step.
 const COURANT: f64 = 0.5;
+/// Particles of a scene for which more than one thread is used.
+pub const SMALL: usize = 2000;
 /// The skin of the neighbour lists over the smallest radius.
 const SKIN: f64 = 0.6;
 
@@ -130,6 +132,10 @@ where
         };
         solver.first_elements();
         solver.weigh(masses, &packing.volumes)?;
+        for p in &solver.particles {
+            let square: f64 = p.velocity.iter().map(|v| v * v).sum();
+            solver.rate = solver.rate.max(square.sqrt() / (2.0 * p.radius));
+        }
         solver.forces_of_states();
         Ok(solver)
     }
@@ -150,8 +156,7 @@ where
         let reference: Vec<f64> =
             nodes.chunks_exact(D + 1).map(|n| volume(&corners(&self.particles, n), hoop)).collect();
         let states = self.virgin.repeat(reference.len());
-        self.elements =
-            Elements::assemble(nodes, reference, &states, &self.virgin, self.particles.len());
+        self.elements = Elements::assemble(nodes, reference, &states, &self.virgin, self.particles.len());
         self.make_room();
     }
 
@@ -203,15 +208,15 @@ where
             self.scalars.resize(self.elements.len(), 0.0);
             self.averages.resize(self.particles.len(), 0.0);
             let Elements { incidence, reference, .. } = &self.elements;
-            let weight =
-                |n| incidence.of(n).iter().map(|&at| reference[at as usize / (D + 1)]).sum::<f64>();
+            let weight = |n| incidence.of(n).iter().map(|&at| reference[at as usize / (D + 1)]).sum::<f64>();
             self.weights = (0..self.particles.len()).map(weight).collect();
         }
     }
 
-    /// Run on these threads. Results are the same bits for any number.
+    /// Run on these threads. Results are the same bits for any number. Below [`SMALL`] particles one thread is faster
+    /// than waking more, and is used.
     pub fn set_team(&mut self, team: Team) {
-        self.team = team;
+        self.team = if self.particles.len() < SMALL { Team::one() } else { team };
     }
 
     /// Choose the time step otherwise. The Courant rate is c over the smallest altitude of an element, or speed over

@@ -219,8 +219,9 @@ where
         };
         let scalars = M::Dilatation::AVERAGED && pass != Pass::Force;
         if scalars {
-            self.team
-                .each_piece(&mut self.scalars, BATCH, batches, |b, s, batch| work(b, batch, Output::Scalars(s)));
+            self.team.each_piece(&mut self.scalars, BATCH, batches, |b, s, batch| {
+                work(b, batch, Output::Scalars(s))
+            });
         } else {
             self.team.each_piece(&mut self.forces, BATCH * (D + 1), batches, |b, f, batch| {
                 work(b, batch, Output::Forces(f));
@@ -263,8 +264,8 @@ where
             return Err(StepError::End { end, time: self.time });
         }
         let dt = self.next_time_step();
-        // Without elements and motion nothing limits the step.
-        let dt = if dt >= left { left } else { dt.min(0.5 * left) };
+        // Without elements and motion nothing limits the step. Rounding must not leave a last step of nothing.
+        let dt = if dt >= left * (1.0 - 1e-9) { left } else { dt.min(0.5 * left) };
         if !(dt >= 0.0 && dt.is_finite()) {
             return Err(StepError::TimeStep { step: self.steps, time: self.time, dt });
         }

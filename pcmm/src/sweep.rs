@@ -4,9 +4,7 @@ use std::marker::PhantomData;
 
 use mpm_core::Embedding;
 use mpm_core::parallel::{Arch, Kernel, Pack};
-use mpm_materials::{
-    Breakdown, Constitutive, Fault, Kinematics, Lane, Mat3, Sink, Source, State, Sym3,
-};
+use mpm_materials::{Breakdown, Constitutive, Fault, Kinematics, Lane, Mat3, Sink, Source, State, Sym3};
 
 use crate::elements::{Batch, GROUP, Report, Row};
 use crate::kinematics::{Configuration, Dilatation, with_volume};

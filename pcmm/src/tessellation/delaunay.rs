@@ -5,8 +5,9 @@ use crate::particles::{Particle, SceneError, parameter};
 use crate::simplex::{Corners, angles, circumsphere, distance_squared, measure, overlap};
 
 /// Shear of the coordinates in which spheres are tested, so that lattices are not degenerate: a square is cut along
-/// one diagonal, a cube into six tetrahedra around one (Freudenthal's), everywhere the same. Rounding is far below it.
-const SHEAR: f64 = 1e-3;
+/// one diagonal, a cube into six tetrahedra around one (Freudenthal's), everywhere the same. Edges of a cube must meet at
+/// obtuse angles for that, so it is negative. Rounding is far below it.
+const SHEAR: f64 = -1e-3;
 /// Two elements that share less than this part of the smaller one do not overlap.
 const TOUCHING: f64 = 1e-9;
 /// A particle this much nearer to the centre than the radius (squares, relative) lies within a sphere.
@@ -39,8 +40,8 @@ pub struct LocalDelaunay {
 
 impl LocalDelaunay {
     /// With a tolerance of contact delta, m: elements are created with angles from 10 to 160 degrees and edges of at
-    /// least half the mean radius, kept with angles from 2 to 176 degrees, edges of at least a tenth of the mean
-    /// radius and gaps up to `stretch` times delta. Diagonals are exchanged below 25 degrees.
+    /// least half the mean radius, kept with angles from 0.5 to 179 degrees, edges of at least a tenth of the
+    /// mean radius and gaps up to `stretch` times delta. Diagonals are exchanged below 25 degrees.
     ///
     /// On a square lattice of spacing h with radii h/2 the diagonals touch with delta of 0.42 h or more. A body that
     /// flows must be allowed to stretch: elements that lose contact are cracks.
@@ -52,7 +53,7 @@ impl LocalDelaunay {
         parameter(tolerance > 0.0, owner, "tolerance delta", tolerance, "positive and finite")?;
         parameter(stretch >= 1.0, owner, "stretch", stretch, "at least 1 and finite")?;
         let create = Limits::new(tolerance, [10.0, 160.0], 0.5)?;
-        let keep = Limits::new(tolerance * stretch, [2.0, 176.0], 0.1)?;
+        let keep = Limits::new(tolerance * stretch, [0.5, 179.0], 0.1)?;
         Ok(LocalDelaunay { create, keep, improve: 25f64.to_radians().cos(), gain: 1.2 })
     }
 
@@ -201,7 +202,8 @@ impl LocalDelaunay {
             return;
         }
         for (k, &n) in partners.iter().enumerate() {
-            let touches = |&m: &u32| self.create.touch(&view.particles[m as usize], &view.particles[n as usize]);
+            let touches =
+                |&m: &u32| self.create.touch(&view.particles[m as usize], &view.particles[n as usize]);
             if nodes[..chosen].iter().all(touches) {
                 nodes[chosen] = n;
                 self.choose(view, &partners[k + 1..], nodes, chosen + 1, found);
@@ -233,8 +235,7 @@ fn empty_sphere<const D: usize>(view: &View<'_, D>, nodes: &[u32]) -> Option<f64
     }
     let (centre, squared) = circumsphere(&x);
     let within = |&n: &u32| {
-        !nodes.contains(&n)
-            && distance_squared(&sheared(at(n), origin), &centre) < squared * (1.0 - INSIDE)
+        !nodes.contains(&n) && distance_squared(&sheared(at(n), origin), &centre) < squared * (1.0 - INSIDE)
     };
     let blocked = nodes.iter().any(|&n| view.neighbours.of(n as usize).iter().any(within));
     (!blocked && squared.is_finite()).then_some(squared)

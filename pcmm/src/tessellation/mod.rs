@@ -44,9 +44,10 @@ impl<const D: usize> View<'_, D> {
     /// Is there an element of these particles, in any order?
     pub fn has(&self, nodes: &[u32]) -> bool {
         let wanted = sorted(nodes);
-        self.incidence.of(nodes[0] as usize).iter().any(|&at| {
-            sorted(self.element(at as usize / (D + 1))) == wanted
-        })
+        self.incidence
+            .of(nodes[0] as usize)
+            .iter()
+            .any(|&at| sorted(self.element(at as usize / (D + 1))) == wanted)
     }
 }
 
@@ -150,7 +151,13 @@ impl Limits {
         let zero_or_more = "zero or positive, and finite";
         let good = |x: f64| x >= 0.0 && x.is_finite();
         parameter(good(tolerance), owner, "tolerance delta", tolerance, zero_or_more)?;
-        parameter((0.0..180.0).contains(&smallest), owner, "smallest angle", smallest, "from 0 to below 180")?;
+        parameter(
+            (0.0..180.0).contains(&smallest),
+            owner,
+            "smallest angle",
+            smallest,
+            "from 0 to below 180",
+        )?;
         let above = largest > smallest && largest <= 180.0;
         parameter(above, owner, "largest angle", largest, "above the smallest and at most 180")?;
         parameter(good(shortest_edge), owner, "shortest edge", shortest_edge, zero_or_more)?;

@@ -7,14 +7,17 @@ use mpm_core::output::OutputError;
 use mpm_core::output::picture::{Axis, Chart, Panels, Series, Stroke, palette};
 
 use crate::due;
-use crate::scene::{END, Outcome, SPEED};
+use crate::scene::{END, Entry, Outcome, SPEED};
 
 /// Draw everything.
 pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     Panels::new(2)
         .title("Elastic bar on a rigid wall, 50 m/s")
         .panel("velocity at half the length", velocity(outcomes)?.draw()?)
-        .panel("energy", energy(outcomes)?.draw()?)
+        .panel(
+            format!("energy, {}", outcomes.last().map_or("", |o| o.setup.which.name())),
+            energy(outcomes)?.draw()?,
+        )
         .compose()?
         .save(folder.join("bar.png"))?;
     Ok(())
@@ -37,22 +40,18 @@ fn velocity(outcomes: &[Outcome]) -> Result<Chart, OutputError> {
 }
 
 fn energy(outcomes: &[Outcome]) -> Result<Chart, OutputError> {
-    let mut chart = Chart::new(760, 520)
-        .x(Axis::new("time").unit("µs", 1e6))
-        .y(Axis::new("energy over that at impact"));
-    for (i, outcome) in outcomes.iter().enumerate() {
-        let stroke = if i == 0 { Stroke::Dashed } else { Stroke::Solid };
-        let t: Vec<f64> = outcome.history.iter().map(|e| e.time).collect();
-        let of = |f: fn(&crate::scene::Entry) -> f64| outcome.history.iter().map(f).collect::<Vec<f64>>();
-        let curves = [
-            ("kinetic", of(|e| e.kinetic)),
-            ("internal", of(|e| e.internal)),
-            ("sum, with what the wall stopped", of(|e| e.kinetic + e.internal + e.lost)),
-        ];
-        for (c, (name, y)) in curves.iter().enumerate() {
-            let name = format!("{name}, {}", outcome.setup.which.name());
-            chart = chart.series(Series::new(name, &t, y)?.stroke(stroke).colour(palette(c)));
-        }
+    let mut chart =
+        Chart::new(760, 520).x(Axis::new("time").unit("µs", 1e6)).y(Axis::new("energy over that at impact"));
+    let Some(outcome) = outcomes.last() else { return Ok(chart) };
+    let t: Vec<f64> = outcome.history.iter().map(|e| e.time).collect();
+    let of = |f: fn(&Entry) -> f64| outcome.history.iter().map(f).collect::<Vec<f64>>();
+    let curves = [
+        ("kinetic", of(|e| e.kinetic)),
+        ("internal", of(|e| e.internal)),
+        ("sum", of(|e| e.kinetic + e.internal)),
+    ];
+    for (c, (name, y)) in curves.iter().enumerate() {
+        chart = chart.series(Series::new(*name, &t, y)?.colour(palette(c)));
     }
     Ok(chart)
 }

@@ -6,12 +6,10 @@ use std::time::Instant;
 use clap::ValueEnum;
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Lattice};
-use mpm_core::output::{History, Progress, Snapshot, VtkSeries};
+use mpm_core::output::{History, Progress, VtkSeries};
 use mpm_core::{Boundary, PlaneStrain, Side, Team};
 use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
-use pcmm::{
-    AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm,
-};
+use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm};
 use serde::Serialize;
 
 /// Width of the bar, m.
@@ -24,7 +22,8 @@ pub const SPEED: f64 = 50.0;
 pub const END: f64 = 9.0e-6;
 const DENSITY: f64 = 7850.0;
 const YOUNG: f64 = 206e9;
-const POISSON: f64 = 0.3;
+/// Poisson's ratio.
+pub const POISSON: f64 = 0.3;
 /// Linear and quadratic coefficient of the bulk viscosity [M]; none are printed.
 const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
 /// Time between two entries of a history, s.
@@ -85,7 +84,6 @@ pub struct Entry {
 pub struct Outcome {
     pub setup: Setup,
     pub history: Vec<Entry>,
-    pub snapshot: Snapshot,
     pub totals: Totals,
     /// Mass of the particles over that of the bar.
     pub mass: f64,
@@ -185,5 +183,5 @@ fn run<C: mpm_materials::Constitutive<f64>, M: Composition<2>>(
     totals.bytes = bar.bytes();
     let mass = start.mass / (DENSITY * WIDTH * LENGTH);
     let deleted = bar.audit().removed.elements;
-    Ok(Outcome { setup: *setup, history, snapshot: bar.snapshot()?, totals, mass, deleted })
+    Ok(Outcome { setup: *setup, history, totals, mass, deleted })
 }

@@ -11,8 +11,8 @@ use mpm_materials::{
     Adiabatic, Constitutive, Heat, JohnsonCook, Logarithmic, MieGruneisen, SmoothLogarithmic, Solid,
 };
 use pcmm::{
-    Audit, AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, OfElement, OverlapWeighted,
-    MidStep, Packing, Pcmm,
+    Audit, AzimuthFan, Composition, LocalDelaunay, Masses, Method, MidStep, NoRotation, OfElement,
+    OverlapWeighted, Packing, Pcmm,
 };
 
 /// Radius (half width) of the bar, m.
@@ -56,6 +56,8 @@ pub struct Setup {
     pub parts: Parts,
     /// Hardening coefficient B, Pa.
     pub hardening: f64,
+    /// Tolerance of contact of the printed method, in spacings.
+    pub reach: f64,
     /// Spacings on the radius.
     pub cells: u32,
     pub threads: usize,
@@ -122,8 +124,8 @@ pub fn impact(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
 fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let [linear, quadratic] = BULK_VISCOSITY;
-    // Elements may stretch fivefold before they are cracks.
-    let delaunay = || LocalDelaunay::new(0.45 * h, 10.0);
+    // Elements may stretch to ten times their length before they are cracks.
+    let delaunay = || LocalDelaunay::new(0.45 * h, 20.0);
     match setup.parts {
         Parts::Printed => {
             // As printed: G 60.74 GPa, a 1.5, the smooth rate factor, no rotation.
@@ -133,14 +135,16 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) ->
             let law = Solid::new(strength, eos()?.with_correction(1.5)?)
                 .with_bulk_viscosity(linear, quadratic)?
                 .with_rate(NoRotation);
-            run(setup, Method::printed(embedding, AzimuthFan::new(h)?), law, files)
+            run(setup, Method::printed(embedding, AzimuthFan::new(setup.reach * h)?), law, files)
         }
         Parts::Consistent => {
-            let law = Solid::new(strength(setup.hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
+            let law =
+                Solid::new(strength(setup.hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
             run(setup, Method::consistent(embedding, delaunay()?), law, files)
         }
         Parts::Locking => {
-            let law = Solid::new(strength(setup.hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
+            let law =
+                Solid::new(strength(setup.hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
             let method = Method::new(embedding, delaunay()?, OverlapWeighted, MidStep, OfElement);
             run(setup, method, law, files)
         }
@@ -249,4 +253,3 @@ fn run<C: Constitutive<f64>, M: Composition<2>>(
         totals,
     })
 }
-
