@@ -251,6 +251,36 @@ fn pressed_balls() {
 }
 
 #[test]
+fn elastic_bar() {
+    let name = "elastic";
+    let output = run(env!("CARGO_BIN_EXE_elastic_bar"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "elastic_bar");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    // Two fronts (one in two ways), two plateaus, mass, energy, momentum, elements; as printed and ours.
+    assert_eq!(gates, 2 * 9);
+    let out = folder(name);
+    for file in ["bar.png", "history_printed.csv", "paraview/consistent.pvd", "result.json"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn taylor_copper() {
+    let name = "copper";
+    let output = run(env!("CARGO_BIN_EXE_taylor_copper"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "taylor_copper");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    // Length, radius, cover, energy (twice) and momentum, axisymmetric and in plane strain.
+    assert_eq!(gates, 2 * 6);
+    let out = folder(name);
+    for file in ["bars.png", "history_plane strain.csv", "paraview/axisymmetric.pvd", "result.json"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn throughput() {
     let name = "throughput";
     let output = run(env!("CARGO_BIN_EXE_throughput"), &["--resolution", "smoke", "--json"], name);
@@ -282,6 +312,8 @@ fn bad_input_is_refused_by_name() {
     assert!(angle.contains("'90' for '--angle <DEGREES>'") && angle.contains("from 1 to 80"), "{angle}");
     let friction = said(rolling, &["--friction", "0.3,-1"]);
     assert!(friction.contains("'-1' for '--friction <MU>'"), "{friction}");
+    let spacings = said(env!("CARGO_BIN_EXE_elastic_bar"), &["--cells", "1"]);
+    assert!(spacings.contains("'1' for '--cells <N>'") && spacings.contains("2..=100"), "{spacings}");
     let folder = said(bar, &["--resolution", "smoke", "--out", "/dev/null/here"]);
     assert!(folder.contains("/dev/null/here"), "{folder}");
     let steps = said(speed, &["--steps", "0"]);

@@ -7,7 +7,7 @@ mod scene;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::{CaseError, Check, Common, Report, Totals, case};
+use examples::{CaseError, Check, Common, Report, Resolution, Totals, case};
 
 use scene::{LENGTH, Outcome, SPEED, Setup, Which};
 
@@ -21,7 +21,7 @@ struct Options {
     #[command(flatten)]
     common: Common,
     /// Which parts of the method to run
-    #[arg(long, value_enum, default_value = "both")]
+    #[arg(long, value_enum, default_value = "all")]
     method: Methods,
     /// Spacings across the width, 2 to 100 (the paper has 10) [default: 10, 10 or 20 by resolution]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100))]
@@ -37,8 +37,10 @@ enum Methods {
     Printed,
     /// Ours
     Consistent,
-    /// One after the other
-    Both,
+    /// Ours, on a bar of a fifth of the width
+    Narrow,
+    /// One after the other; the narrow bar not at smoke size
+    All,
 }
 
 const ARRIVAL_TOLERANCE: f64 = 0.01;
@@ -59,11 +61,14 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let methods: &[Which] = match options.method {
         Methods::Printed => &[Which::Printed],
         Methods::Consistent => &[Which::Consistent],
-        Methods::Both => &[Which::Printed, Which::Consistent],
+        Methods::Narrow => &[Which::Narrow],
+        Methods::All if common.resolution == Resolution::Smoke => &[Which::Printed, Which::Consistent],
+        Methods::All => &[Which::Printed, Which::Narrow, Which::Consistent],
     };
     let cells = options.cells.unwrap_or(common.resolution.choose(10, 10, 20));
     let mut outcomes = Vec::new();
     for &which in methods {
+        let cells = if which == Which::Narrow { cells.min(4) } else { cells };
         let setup = Setup { which, cells, speed: SPEED, threads: common.threads() };
         outcomes.push(scene::impact(&setup, &folder, options.frames)?);
     }
@@ -93,9 +98,9 @@ fn due() -> [f64; 2] {
 /// The same for half the height of a front that lateral inertia has spread, s. A strip in plane strain has waves of
 /// speed c (1 - (nu' k)^2 W^2 / 24), nu' = nu / (1 - nu) (Love's rod): at x the front is the integral of Airy's function
 /// over (c t - x) / (3 alpha x)^(1/3), alpha = (nu' W)^2 / 24. It is a third at c t = x and a half 0.4097 widths later.
-fn due_at_half_height(x: f64) -> f64 {
+fn due_at_half_height(x: f64, width: f64) -> f64 {
     let poisson = scene::POISSON / (1.0 - scene::POISSON);
-    let alpha = (poisson * scene::WIDTH).powi(2) / 24.0;
+    let alpha = (poisson * width).powi(2) / 24.0;
     (x + 0.4097 * (3.0 * alpha * x).cbrt()) / scene::wave_speed()
 }
 
@@ -127,12 +132,24 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
     let first = plateau(outcome, stop + quarter, back - quarter);
     let second = plateau(outcome, back + quarter, scene::END);
     let last = outcome.history.last().map_or(f64::NAN, |e| e.kinetic);
+    let mut plain = Check::gate(
+        name("middle at rest from, half the front"),
+        1e6 * passes(outcome, half),
+        "µs",
+        1e6 * stop,
+        ARRIVAL_TOLERANCE,
+        theory,
+    );
+    // Lateral inertia delays half the front of the wide bar by 2.5 %, whatever the spacing.
+    if outcome.setup.which != Which::Narrow {
+        plain = plain.noted();
+    }
     let mut checks = vec![
         Check::gate(
             name("middle at rest from, lateral inertia in the theory"),
             1e6 * passes(outcome, half),
             "µs",
-            1e6 * due_at_half_height(0.5 * LENGTH),
+            1e6 * due_at_half_height(0.5 * LENGTH, outcome.setup.which.width()),
             ARRIVAL_TOLERANCE,
             "Airy front of Love's rod [C]",
         ),
@@ -145,15 +162,7 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
             2.0 * ARRIVAL_TOLERANCE,
             theory,
         ),
-        Check::gate(
-            name("middle at rest from, half the front"),
-            1e6 * passes(outcome, half),
-            "µs",
-            1e6 * stop,
-            ARRIVAL_TOLERANCE,
-            theory,
-        )
-        .noted(),
+        plain,
         Check::gate(
             name("middle moves back from"),
             1e6 * passes(outcome, -half),

@@ -25,7 +25,7 @@ pub struct Outcome {
 pub fn impact(space: Space, hardening: f64, cells: u32, threads: usize) -> Result<Outcome, CaseError> {
     match space {
         Space::PlaneStrain => run(space, PlaneStrain, Filling::new(), hardening, cells, threads),
-        Space::Axisymmetric => {
+        Space::Axisymmetric | Space::Quarter => {
             run(space, Axisymmetric, Filling::new().axisymmetric(), hardening, cells, threads)
         }
     }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::output::{History, Progress, Snapshot, VtkSeries};
-use mpm_core::{Axisymmetric, Boundary, Embedding, PlaneStrain, Side, Team};
+use mpm_core::{Axisymmetric, Boundary, Embedding, FullSpace, PlaneStrain, Side, Team};
 use mpm_materials::{
     Adiabatic, Constitutive, Heat, JohnsonCook, Logarithmic, MieGruneisen, SmoothLogarithmic, Solid,
 };
@@ -35,6 +35,8 @@ const EVERY: u64 = 10;
 pub enum Space {
     PlaneStrain,
     Axisymmetric,
+    /// A quarter of the bar in three dimensions.
+    Quarter,
 }
 
 /// Which parts of the method.
@@ -118,12 +120,44 @@ pub fn impact(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
     match setup.space {
         Space::PlaneStrain => with_embedding(setup, PlaneStrain, files),
         Space::Axisymmetric => with_embedding(setup, Axisymmetric, files),
+        Space::Quarter => quarter(setup, files),
     }
+}
+
+/// A quarter of the bar in three dimensions: layers of concentric rings, with particles on both planes of symmetry.
+fn quarter(setup: &Setup, files: Files) -> Result<Outcome, CaseError> {
+    let h = setup.spacing();
+    let [linear, quadratic] = BULK_VISCOSITY;
+    let law = Solid::new(strength(setup.hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
+    let mut positions = Vec::new();
+    for layer in 0..=(LENGTH / h).round() as u32 {
+        for ring in 0..=setup.cells {
+            let r = h * f64::from(ring);
+            let parts = (std::f64::consts::FRAC_PI_2 * f64::from(ring)).round() as u32;
+            for k in 0..=parts {
+                // The ends exactly on the planes.
+                let (s, c) = if k == parts && k > 0 {
+                    (1.0, 0.0)
+                } else {
+                    (std::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(parts.max(1))).sin_cos()
+                };
+                positions.push([r * c, r * s, h * f64::from(layer)]);
+            }
+        }
+    }
+    let radii = vec![0.5 * h; positions.len()];
+    let method = Method::consistent(FullSpace, LocalDelaunay::new(h, 10.0)?);
+    run(setup, method, law, &Packing::of_spheres(positions, radii), 2, files)
 }
 
 fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let [linear, quadratic] = BULK_VISCOSITY;
+    // The printed method knows no planes of symmetry.
+    let whole = setup.parts == Parts::Printed && setup.space == Space::PlaneStrain;
+    let shape = Cuboid::new([if whole { -RADIUS } else { 0.0 }, 0.0], [RADIUS, LENGTH])?;
+    let packing = Packing::on_nodes(&shape, &Lattice::new([0.0; 2], h)?)?;
+    let planes = usize::from(!whole);
     // Elements may stretch to ten times their length before they are cracks.
     let delaunay = || LocalDelaunay::new(0.45 * h, 20.0);
     match setup.parts {
@@ -135,50 +169,63 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) ->
             let law = Solid::new(strength, eos()?.with_correction(1.5)?)
                 .with_bulk_viscosity(linear, quadratic)?
                 .with_rate(NoRotation);
-            run(setup, Method::printed(embedding, AzimuthFan::new(setup.reach * h)?), law, files)
+            run(
+                setup,
+                Method::printed(embedding, AzimuthFan::new(setup.reach * h)?),
+                law,
+                &packing,
+                planes,
+                files,
+            )
         }
         Parts::Consistent => {
             let law =
                 Solid::new(strength(setup.hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
-            run(setup, Method::consistent(embedding, delaunay()?), law, files)
+            run(setup, Method::consistent(embedding, delaunay()?), law, &packing, planes, files)
         }
         Parts::Locking => {
             let law =
                 Solid::new(strength(setup.hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
             let method = Method::new(embedding, delaunay()?, OverlapWeighted, MidStep, OfElement);
-            run(setup, method, law, files)
+            run(setup, method, law, &packing, planes, files)
         }
     }
 }
 
-fn run<C: Constitutive<f64>, M: Composition<2>>(
+/// Run the bar, whose axis is the last one, with planes of symmetry across the first axes.
+fn run<const D: usize, C: Constitutive<f64>, M: Composition<D>>(
     setup: &Setup,
     method: M,
     law: C,
+    packing: &Packing<D>,
+    planes: usize,
     Files { folder, frames }: Files,
 ) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
-    // The printed method knows no planes of symmetry.
-    let left = if setup.parts == Parts::Printed && setup.space == Space::PlaneStrain { -RADIUS } else { 0.0 };
-    let shape = Cuboid::new([left, 0.0], [RADIUS, LENGTH])?;
-    let packing = Packing::on_nodes(&shape, &Lattice::new([0.0; 2], h)?)?;
-    let mut bar = Pcmm::new(method, law, &packing, |_| [0.0, -SPEED], Masses::FromElements)?;
-    if left == 0.0 {
-        bar.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
+    let axis = D - 1;
+    let mut velocity = [0.0; D];
+    velocity[axis] = -SPEED;
+    let mut bar = Pcmm::new(method, law, packing, |_| velocity, Masses::FromElements)?;
+    for plane in 0..planes {
+        bar.bound(Boundary::Symmetry { axis: plane, at: 0.0, side: Side::Above })?;
     }
-    bar.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+    bar.bound(Boundary::Wall { axis, at: 0.0, side: Side::Above, velocity: 0.0 })?;
     bar.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
     bar.set_revision_interval(EVERY)?;
 
     let row = |at: f64| -> Vec<usize> {
-        let near = |n: &usize| (packing.positions[*n][1] - at).abs() < 0.5 * h;
+        let near = |n: &usize| (packing.positions[*n][axis] - at).abs() < 0.5 * h;
         (0..packing.positions.len()).filter(near).collect()
     };
     let (foot, top) = (row(0.0), row(LENGTH));
-    let sizes = |bar: &Pcmm<2, C, M>| {
-        let x = |n: &usize| bar.particles()[*n].position;
-        let mean = |list: &[usize]| list.iter().map(|n| x(n)[1]).sum::<f64>() / list.len() as f64;
-        [mean(&top) - mean(&foot), foot.iter().map(|n| x(n)[0]).fold(0.0, f64::max)]
+    let sizes = |bar: &Pcmm<D, C, M>| {
+        let height = |n: &usize| bar.particles()[*n].position[axis];
+        let mean = |list: &[usize]| list.iter().map(height).sum::<f64>() / list.len() as f64;
+        let radius = |n: &usize| {
+            let x = &bar.particles()[*n].position;
+            x[..axis].iter().map(|c| c * c).sum::<f64>().sqrt()
+        };
+        [mean(&top) - mean(&foot), foot.iter().map(radius).fold(0.0, f64::max)]
     };
 
     let columns = [
@@ -216,7 +263,7 @@ fn run<C: Constitutive<f64>, M: Composition<2>>(
             // What revisions add or remove is booked and shown beside; the error is what they do not explain.
             let unexplained = now.kinetic + now.internal - given.work - audit.energy_added();
             let energy_error = unexplained / start.kinetic - 1.0;
-            let momentum = now.momentum[1] - start.momentum[1] - given.impulse[1];
+            let momentum = now.momentum[axis] - start.momentum[axis] - given.impulse[axis];
             let momentum_error = momentum.abs() / start.momentum_scale;
             totals = totals.plus(&Totals { energy_error, momentum_error, ..Totals::default() });
             progress.update(bar.time(), END, bar.steps(), totals.updates / totals.wall_seconds.max(1e-9));
