@@ -10,6 +10,7 @@
 //! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
 //! | `plate_impact` | a plate hits a plate: shock lines of the library's metals, spall |
 //! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
+//! | `debris_cloud_2d` | a disc goes through a plate at 5 km/s, by the particle-contact meshfree method |
 //! | `elastic_bar` | an elastic bar hits a wall, by the particle-contact meshfree method, against the exact solution |
 //! | `taylor_copper` | a long copper bar hits a wall, by the particle-contact meshfree method: as printed, ours, and by MPM |
 //! | `throughput` | particle updates a second on fixed scenes |

@@ -281,6 +281,21 @@ fn taylor_copper() {
 }
 
 #[test]
+fn debris_cloud_2d() {
+    let name = "debris";
+    let output = run(env!("CARGO_BIN_EXE_debris_cloud_2d"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "debris_cloud_2d");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    // The shock's arrival, the front from above and below, mass, momentum, energy.
+    assert_eq!(gates, 6);
+    let out = folder(name);
+    for file in ["cloud.png", "history.csv", "paraview/cloud.pvd", "result.json"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn throughput() {
     let name = "throughput";
     let output = run(env!("CARGO_BIN_EXE_throughput"), &["--resolution", "smoke", "--json"], name);
