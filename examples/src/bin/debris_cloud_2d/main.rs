@@ -20,7 +20,7 @@ use scene::{END, Outcome, PLATE, SHOCK, SPEED};
 struct Options {
     #[command(flatten)]
     common: Common,
-    /// Particles across the thickness of the plate, 4 to 60; the paper has about 21 [default: 6, 12 or 21 by resolution]
+    /// Particles across the thickness of the plate, 4 to 60; the paper has about 21 [default: 6, 10 or 21 by resolution]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=60))]
     layers: Option<u32>,
     /// ParaView frames, 0 to 1000
@@ -41,7 +41,7 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("debris_cloud_2d")?;
-    let layers = options.layers.unwrap_or(common.resolution.choose(6, 12, 21));
+    let layers = options.layers.unwrap_or(common.resolution.choose(6, 10, 21));
     let outcome = scene::impact(PLATE[0] / f64::from(layers), common.threads(), &folder, options.frames)?;
     figures::draw(&outcome, &folder)?;
     let audit = &outcome.audit;
