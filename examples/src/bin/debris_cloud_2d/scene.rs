@@ -20,9 +20,9 @@ pub const SPEED: f64 = 5000.0;
 pub const END: f64 = 2.68e-6;
 /// Density, kg/m^3, bulk sound speed, m/s, slope of the Hugoniot, Grueneisen gamma.
 pub const SHOCK: [f64; 4] = [2703.0, 5350.0, 1.34, 1.97];
-/// Linear and quadratic coefficient of the bulk viscosity [M]; none are printed.
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
 const BULK_VISCOSITY: [f64; 2] = [0.1, 1.5];
-/// Tension that aluminium bears at these rates, Pa [M]; the paper prints no failure.
+/// Tension that aluminium bears at these rates, Pa \[M\]; the paper prints no failure.
 const SPALL: f64 = 1.2e9;
 /// Time between two entries of the history, s.
 const HISTORY: f64 = 0.01e-6;

@@ -24,7 +24,7 @@ const DENSITY: f64 = 7850.0;
 const YOUNG: f64 = 206e9;
 /// Poisson's ratio.
 pub const POISSON: f64 = 0.3;
-/// Linear and quadratic coefficient of the bulk viscosity [M]; none are printed.
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
 const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
 /// Time between two entries of a history, s.
 const HISTORY: f64 = 0.02e-6;

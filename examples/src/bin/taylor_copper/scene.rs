@@ -23,7 +23,7 @@ pub const LENGTH: f64 = 70.0e-3;
 pub const SPEED: f64 = 165.0;
 /// End of a run, s: the bar has left the wall.
 pub const END: f64 = 260.0e-6;
-/// Linear and quadratic coefficient of the bulk viscosity [M]; none are printed.
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
 pub const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
 /// Time between two entries of a history, s.
 const HISTORY: f64 = 1.0e-6;
