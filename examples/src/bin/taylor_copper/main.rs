@@ -29,7 +29,7 @@ struct Options {
     /// Only the two runs that decide
     #[arg(long)]
     only_ours: bool,
-    /// Also a quarter of the bar in three dimensions (minutes)
+    /// Also a quarter of the bar in three dimensions: half a minute with 3 cells, many with 5
     #[arg(long)]
     space: bool,
     /// ParaView frames a run, 0 to 1000
