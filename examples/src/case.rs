@@ -107,6 +107,18 @@ pub enum CaseError {
     Other(String),
 }
 
+impl From<pcmm::SceneError> for CaseError {
+    fn from(e: pcmm::SceneError) -> Self {
+        CaseError::Other(e.to_string())
+    }
+}
+
+impl From<pcmm::StepError> for CaseError {
+    fn from(e: pcmm::StepError) -> Self {
+        CaseError::Other(e.to_string())
+    }
+}
+
 impl From<mpm_core::StepError> for CaseError {
     fn from(e: mpm_core::StepError) -> Self {
         CaseError::Run(e.into())

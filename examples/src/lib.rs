@@ -11,6 +11,9 @@
 //! | `shaken_discs` | three large and 207 small discs in a shaken container: the large ones rise, the pile rests |
 //! | `plate_impact` | a plate hits a plate: shock lines of the library's metals, spall |
 //! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
+//! | `debris_cloud_2d` | a disc goes through a plate at 5 km/s, by the particle-contact meshfree method |
+//! | `elastic_bar` | an elastic bar hits a wall, by the particle-contact meshfree method, against the exact solution |
+//! | `taylor_copper` | a long copper bar hits a wall, by the particle-contact meshfree method: as printed, ours, and by MPM |
 //! | `throughput` | particle updates a second on fixed scenes |
 
 pub mod case;

@@ -86,6 +86,51 @@ fn taylor_bar() {
 }
 
 #[test]
+fn elastic_bar() {
+    let name = "elastic";
+    let output = run(env!("CARGO_BIN_EXE_elastic_bar"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "elastic_bar");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    // Two fronts (one in two ways), two plateaus, mass, energy, momentum, elements; as printed and ours.
+    assert_eq!(gates, 2 * 9);
+    let out = folder(name);
+    for file in ["bar.png", "history_printed.csv", "paraview/consistent.pvd", "result.json"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn taylor_copper() {
+    let name = "copper";
+    let output = run(env!("CARGO_BIN_EXE_taylor_copper"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "taylor_copper");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    // Length, radius, cover, energy (twice) and momentum, axisymmetric and in plane strain.
+    assert_eq!(gates, 2 * 6);
+    let out = folder(name);
+    for file in ["bars.png", "history_plane strain.csv", "paraview/axisymmetric.pvd", "result.json"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn debris_cloud_2d() {
+    let name = "debris";
+    let output = run(env!("CARGO_BIN_EXE_debris_cloud_2d"), &["--resolution", "smoke", "--json"], name);
+    let value = result(&output, "debris_cloud_2d");
+    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
+    // The shock's arrival, the front from above and below, mass, momentum, energy.
+    assert_eq!(gates, 6);
+    let out = folder(name);
+    for file in ["cloud.png", "history.csv", "paraview/cloud.pvd", "result.json"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn taylor_bar_does_not_depend_on_threads() {
     let sizes = |threads: &str| {
         let name = format!("threads-{threads}");
@@ -290,6 +335,8 @@ fn bad_input_is_refused_by_name() {
     assert!(cells.contains("'0' for '--cells <N>'") && cells.contains("2..=200"), "{cells}");
     let method = said(bar, &["--method", "magic"]);
     assert!(method.contains("'magic'") && method.contains("gimp-usl"), "{method}");
+    let spacings = said(env!("CARGO_BIN_EXE_elastic_bar"), &["--cells", "1"]);
+    assert!(spacings.contains("'1' for '--cells <N>'") && spacings.contains("2..=100"), "{spacings}");
     let threads = said(bar, &["--threads", "0"]);
     assert!(threads.contains("'0' for '--threads <N>'") && threads.contains("1..=1024"), "{threads}");
     let rolling = env!("CARGO_BIN_EXE_rolling_cylinder");

@@ -1,0 +1,175 @@
+//! The disc, the plate and the run.
+
+use std::path::Path;
+use std::time::Instant;
+
+use examples::{CaseError, Totals};
+use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
+use mpm_core::output::{History, Progress, Snapshot, VtkSeries};
+use mpm_core::{PlaneStrain, Team, TimeControl};
+use mpm_materials::{Adiabatic, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure};
+use pcmm::{Audit, LocalDelaunay, Masses, Method, Packing, Pcmm};
+
+/// Diameter of the disc, m.
+pub const DIAMETER: f64 = 2.0e-3;
+/// Thickness and height of the plate, m.
+pub const PLATE: [f64; 2] = [1.0e-3, 16.0e-3];
+/// Impact speed, m/s.
+pub const SPEED: f64 = 5000.0;
+/// End of a run, s.
+pub const END: f64 = 2.68e-6;
+/// Density, kg/m^3, bulk sound speed, m/s, slope of the Hugoniot, Grueneisen gamma.
+pub const SHOCK: [f64; 4] = [2703.0, 5350.0, 1.34, 1.97];
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
+const BULK_VISCOSITY: [f64; 2] = [0.1, 1.5];
+/// Tension that aluminium bears at these rates, Pa \[M\]; the paper prints no failure.
+const SPALL: f64 = 1.2e9;
+/// Time between two entries of the history, s.
+const HISTORY: f64 = 0.01e-6;
+/// Steps between two revisions.
+const EVERY: u64 = 2;
+/// Half width of the strip around the axis in which the shock is looked at, m.
+const STRIP: f64 = 0.2e-3;
+
+/// What came of the run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Pressure behind the shock in the plate near the axis, Pa: the median over the particles between 0.2 and 0.5 of
+    /// the thickness of the largest each had. (The disc is round: pressure falls at once behind the front.)
+    pub shock: f64,
+    /// When the last layer of the plate near the axis moved at 1 km/s, s after impact.
+    pub arrival: f64,
+    /// Mean place of the particles of the last layer near the axis, before impact, m.
+    pub rear: f64,
+    /// Largest distance of a particle behind the front face of the plate, m.
+    pub front: f64,
+    /// Mean velocity of what came through: all matter more than a plate's thickness behind the plate, m/s.
+    pub cloud: f64,
+    /// Particles in elements at the end, of all.
+    pub bound: f64,
+    pub audit: Audit,
+    /// Kinetic energy at the start, J.
+    pub start: f64,
+    /// Mass of the particles over that of disc and plate.
+    pub mass: f64,
+    pub frames: Vec<Snapshot>,
+    pub totals: Totals,
+}
+
+/// The disc flies along x into the plate, whose front face is x = 0.
+pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Result<Outcome, CaseError> {
+    let [density, sound, slope, gamma] = SHOCK;
+    let heat = Heat { room: 298.0, melt: 877.0, exponent: 1.34, heat_capacity: 875.0, taylor_quinney: 0.9 };
+    let strength = JohnsonCook::new(26.7e9, 324e6, 114e6, 0.42)?
+        .with_rate(Logarithmic::new(0.016, 1.0)?)
+        .with_heat(Adiabatic::new(heat)?);
+    let [linear, quadratic] = BULK_VISCOSITY;
+    let law = Solid::new(strength, MieGruneisen::new(density, sound, slope, gamma)?)
+        .with_failure(TensilePressure::new(SPALL)?)
+        .with_bulk_viscosity(linear, quadratic)?;
+
+    // Every particle is moved at random by up to a quarter of a spacing.
+    let lattice = Lattice::new([0.0; 2], spacing)?;
+    let plate = Cuboid::new([0.0, -0.5 * PLATE[1]], [PLATE[0], 0.5 * PLATE[1]])?;
+    let disc = Ball::new([-0.5 * DIAMETER, 0.0], 0.5 * DIAMETER)?;
+    let exact = PLATE[0] * PLATE[1] + std::f64::consts::FRAC_PI_4 * DIAMETER * DIAMETER;
+    let packing = Packing::of_seeds(&fill(&plate.or(disc), &lattice, 1, &Filling::new().jittered(14, 0.5))?);
+    let is_disc = |x: &[f64; 2]| x[0] < 0.0;
+    let method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.8 * spacing, 3.0)?);
+    let velocity = |x: [f64; 2]| [if is_disc(&x) { SPEED } else { 0.0 }, 0.0];
+    let mut scene = Pcmm::new(method, law, &packing, velocity, Masses::FromVolumes)?;
+    scene.set_team(Team::new(threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    scene
+        .set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 })
+        .map_err(|e| CaseError::Other(e.to_string()))?;
+    scene.set_revision_interval(EVERY)?;
+
+    let near_axis = |x: &[f64; 2]| x[1].abs() < STRIP;
+    // Behind the shock and away from the layer between disc and plate.
+    let middle: Vec<usize> = (0..packing.positions.len())
+        .filter(|&n| {
+            let x = &packing.positions[n];
+            near_axis(x) && x[0] > 0.2 * PLATE[0] && x[0] < 0.5 * PLATE[0]
+        })
+        .collect();
+    let rear: Vec<usize> = (0..packing.positions.len())
+        .filter(|&n| near_axis(&packing.positions[n]) && packing.positions[n][0] > PLATE[0] - spacing)
+        .collect();
+    let mut highest = vec![0.0f64; middle.len()];
+    let mut arrival = f64::NAN;
+    let columns =
+        [("time", "s"), ("kinetic", "J"), ("internal", "J"), ("added by revisions", "J"), ("elements", "-")];
+    let mut csv = History::create(folder.join("history.csv"), columns)?;
+    let mut series = VtkSeries::create(folder.join("paraview"), "cloud")?;
+    let mut progress = Progress::new("debris cloud".to_string());
+    let start = scene.totals();
+    let mut totals = Totals { particles: packing.positions.len(), ..Totals::default() };
+    let mut shown = Vec::new();
+    let mut entries = 0;
+    loop {
+        if scene.time() >= (f64::from(entries) * HISTORY).min(END) {
+            entries += 1;
+            let (now, audit) = (scene.totals(), *scene.audit());
+            csv.push(&[
+                scene.time(),
+                now.kinetic,
+                now.internal,
+                audit.energy_added(),
+                scene.elements() as f64,
+            ])?;
+            let energy_error = (now.kinetic + now.internal - audit.energy_added()) / start.kinetic - 1.0;
+            let missing = (0..2).map(|d| (now.momentum[d] - start.momentum[d]).powi(2)).sum::<f64>();
+            let momentum_error = missing.sqrt() / start.momentum_scale;
+            totals = totals.plus(&Totals { energy_error, momentum_error, ..Totals::default() });
+            if scene.time() < PLATE[0] / SPEED {
+                let snapshot = scene.snapshot()?;
+                let pressure = snapshot.scalar("pressure")?;
+                for (most, &n) in highest.iter_mut().zip(&middle) {
+                    *most = most.max(pressure[n]);
+                }
+            }
+            progress.update(scene.time(), END, scene.steps(), totals.updates / totals.wall_seconds.max(1e-9));
+        }
+        let speed = |&n: &usize| scene.particles()[n].velocity[0];
+        if arrival.is_nan() && rear.iter().map(speed).sum::<f64>() > 1000.0 * rear.len() as f64 {
+            arrival = scene.time();
+        }
+        if frames > 0 && scene.time() >= shown.len() as f64 * END / f64::from(frames) {
+            let snapshot = scene.snapshot()?;
+            series.write(&snapshot)?;
+            shown.push(snapshot);
+        }
+        if scene.time() >= END {
+            break;
+        }
+        let clock = Instant::now();
+        scene.step_towards(END)?;
+        totals.wall_seconds += clock.elapsed().as_secs_f64();
+        totals.updates += packing.positions.len() as f64;
+    }
+    progress.finish();
+    highest.sort_by(f64::total_cmp);
+    totals.steps = scene.steps();
+    totals.simulated_seconds = scene.time();
+    totals.bytes = scene.bytes();
+    let particles = scene.particles();
+    let through = particles.iter().filter(|p| p.position[0] > 2.0 * PLATE[0]);
+    let (mass, momentum) = through.fold((0.0, 0.0), |(m, q), p| (m + p.mass, q + p.mass * p.velocity[0]));
+    let mut bound = vec![false; particles.len()];
+    for &n in scene.element_nodes() {
+        bound[n as usize] = true;
+    }
+    Ok(Outcome {
+        shock: highest.get(highest.len() / 2).copied().unwrap_or(f64::NAN),
+        arrival,
+        rear: rear.iter().map(|&n| packing.positions[n][0]).sum::<f64>() / rear.len() as f64,
+        front: particles.iter().map(|p| p.position[0]).fold(0.0, f64::max),
+        cloud: momentum / mass,
+        bound: bound.iter().filter(|b| **b).count() as f64 / bound.len() as f64,
+        audit: *scene.audit(),
+        start: start.kinetic,
+        mass: start.mass / (density * exact),
+        frames: shown,
+        totals,
+    })
+}

@@ -1,0 +1,194 @@
+//! The bar, the wall and the run.
+
+use std::path::Path;
+use std::time::Instant;
+
+use clap::ValueEnum;
+use examples::{CaseError, Totals};
+use mpm_core::geometry::{Cuboid, Lattice};
+use mpm_core::output::{History, Progress, VtkSeries};
+use mpm_core::{Boundary, PlaneStrain, Side, Team};
+use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
+use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm};
+use serde::Serialize;
+
+/// Width of the bar, m.
+pub const WIDTH: f64 = 1.0e-3;
+/// Length, m.
+pub const LENGTH: f64 = 20.0e-3;
+/// Impact speed, m/s.
+pub const SPEED: f64 = 50.0;
+/// End of the run, s: the bar is off the wall from 7.45 us on.
+pub const END: f64 = 9.0e-6;
+const DENSITY: f64 = 7850.0;
+const YOUNG: f64 = 206e9;
+/// Poisson's ratio.
+pub const POISSON: f64 = 0.3;
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
+const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
+/// Time between two entries of a history, s.
+const HISTORY: f64 = 0.02e-6;
+
+/// Speed of a longitudinal wave in a strip with free sides in plane strain, sqrt(E / (1 - nu^2) rho), m/s.
+pub fn wave_speed() -> f64 {
+    (YOUNG / ((1.0 - POISSON * POISSON) * DENSITY)).sqrt()
+}
+
+/// Which parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Which {
+    /// The paper's: fans, every square covered twice, no rotation of stress
+    Printed,
+    /// Ours: local Delaunay, averaged volumes
+    Consistent,
+    /// Ours, on a bar of a fifth of the width: less lateral inertia
+    Narrow,
+}
+
+impl Which {
+    /// As on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Which::Printed => "printed",
+            Which::Consistent => "consistent",
+            Which::Narrow => "narrow",
+        }
+    }
+    /// Width of the bar, m.
+    pub fn width(self) -> f64 {
+        if self == Which::Narrow { 0.2 * WIDTH } else { WIDTH }
+    }
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Setup {
+    pub which: Which,
+    /// Particles across the width, less one.
+    pub cells: u32,
+    /// Impact speed, m/s.
+    pub speed: f64,
+    pub threads: usize,
+}
+
+/// An entry of the history.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    pub time: f64,
+    /// Mean velocity towards the wall at half the length, m/s.
+    pub middle: f64,
+    /// Of what the particles had at the start.
+    pub kinetic: f64,
+    /// Likewise.
+    pub internal: f64,
+    /// Of the particles stopped by the wall, likewise.
+    pub lost: f64,
+}
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub setup: Setup,
+    pub history: Vec<Entry>,
+    pub totals: Totals,
+    /// Mass of the particles over that of the bar.
+    pub mass: f64,
+    pub deleted: u64,
+}
+
+/// Run the bar into the wall.
+pub fn impact(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseError> {
+    let h = setup.which.width() / f64::from(setup.cells);
+    // The diagonals of the lattice touch: 0.414 h and a little more.
+    let tolerance = 0.45 * h;
+    let moduli = Moduli::young_poisson(YOUNG, POISSON)?;
+    let [linear, quadratic] = BULK_VISCOSITY;
+    let steel = Solid::new(Elastic::new(moduli.shear)?, LogarithmicBulk::new(DENSITY, moduli.bulk)?)
+        .with_bulk_viscosity(linear, quadratic)?;
+    match setup.which {
+        Which::Printed => {
+            let method = Method::printed(PlaneStrain, AzimuthFan::new(tolerance)?);
+            run(setup, method, steel.with_rate(NoRotation), folder, frames)
+        }
+        Which::Consistent | Which::Narrow => {
+            let method = Method::consistent(PlaneStrain, LocalDelaunay::new(tolerance, 2.0)?);
+            run(setup, method, steel, folder, frames)
+        }
+    }
+}
+
+fn run<C: mpm_materials::Constitutive<f64>, M: Composition<2>>(
+    setup: &Setup,
+    method: M,
+    law: C,
+    folder: &Path,
+    frames: u32,
+) -> Result<Outcome, CaseError> {
+    let h = setup.which.width() / f64::from(setup.cells);
+    let shape = Cuboid::new([0.0; 2], [setup.which.width(), LENGTH])?;
+    let packing = Packing::on_nodes(&shape, &Lattice::new([0.0; 2], h)?)?;
+    let mut bar = Pcmm::new(method, law, &packing, |_| [0.0, -setup.speed], Masses::FromElements)?;
+    bar.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+    bar.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+
+    let middle: Vec<usize> = (0..packing.positions.len())
+        .filter(|&n| (packing.positions[n][1] - 0.5 * LENGTH).abs() < 0.5 * h)
+        .collect();
+    let name = setup.which.name();
+    let mut csv = History::create(
+        folder.join(format!("history_{name}.csv")),
+        [
+            ("time", "s"),
+            ("middle velocity towards the wall", "m/s"),
+            ("kinetic energy", "-"),
+            ("internal energy", "-"),
+            ("stopped by the wall", "-"),
+        ],
+    )?;
+    let mut series = VtkSeries::create(folder.join("paraview"), name)?;
+    let mut progress = Progress::new(format!("{name:<12}"));
+    let start = bar.totals();
+    let mut history: Vec<Entry> = Vec::new();
+    let mut totals = Totals { particles: packing.positions.len(), ..Totals::default() };
+    loop {
+        let due = history.len() as f64 * HISTORY;
+        if bar.time() >= due.min(END) {
+            let now = bar.totals();
+            let velocity = |&n: &usize| -bar.particles()[n].velocity[1];
+            let given = bar.given();
+            let e = Entry {
+                time: bar.time(),
+                middle: middle.iter().map(velocity).sum::<f64>() / middle.len() as f64,
+                kinetic: now.kinetic / start.kinetic,
+                internal: now.internal / start.kinetic,
+                lost: given.lost / start.kinetic,
+            };
+            csv.push(&[e.time, e.middle, e.kinetic, e.internal, e.lost])?;
+            let error = e.kinetic + e.internal - given.work / start.kinetic - 1.0;
+            let missing = (0..2).map(|d| (now.momentum[d] - start.momentum[d] - given.impulse[d]).powi(2));
+            let momentum = missing.sum::<f64>().sqrt() / start.momentum_scale;
+            let worst = Totals { energy_error: error, momentum_error: momentum, ..Totals::default() };
+            totals = totals.plus(&worst);
+            history.push(e);
+            progress.update(bar.time(), END, bar.steps(), totals.updates / totals.wall_seconds.max(1e-9));
+        }
+        if frames > 0 && bar.time() >= series.frames() as f64 * END / f64::from(frames) {
+            series.write(&bar.snapshot()?)?;
+        }
+        if bar.time() >= END {
+            break;
+        }
+        let clock = Instant::now();
+        bar.step_towards(END)?;
+        totals.wall_seconds += clock.elapsed().as_secs_f64();
+        totals.updates += packing.positions.len() as f64;
+    }
+    progress.finish();
+    totals.steps = bar.steps();
+    totals.simulated_seconds = bar.time();
+    totals.bytes = bar.bytes();
+    let mass = start.mass / (DENSITY * setup.which.width() * LENGTH);
+    let deleted = bar.audit().removed.elements;
+    Ok(Outcome { setup: *setup, history, totals, mass, deleted })
+}

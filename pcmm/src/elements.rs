@@ -1,0 +1,118 @@
+//! Elements, and which of them meet at a particle.
+
+use mpm_core::Float;
+
+/// Elements of a batch: what one task computes. A multiple of the lanes of every vector.
+pub(crate) const BATCH: usize = 256;
+/// Lanes of a group.
+pub(crate) const GROUP: usize = <f64 as Float>::GROUP;
+
+pub(crate) type Row = <f64 as Float>::Row;
+
+/// For each particle, the corners of elements that are there, in ascending order of elements.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Incidence {
+    starts: Vec<u32>,
+    corners: Vec<u32>,
+}
+
+impl Incidence {
+    /// Of the elements `nodes` on `particles` particles.
+    pub fn of_elements(nodes: &[u32], particles: usize) -> Self {
+        let mut starts = vec![0u32; particles + 1];
+        for &n in nodes {
+            starts[n as usize + 1] += 1;
+        }
+        for i in 0..particles {
+            starts[i + 1] += starts[i];
+        }
+        let mut next = starts.clone();
+        let mut corners = vec![0; nodes.len()];
+        for (at, &n) in nodes.iter().enumerate() {
+            corners[next[n as usize] as usize] = at as u32;
+            next[n as usize] += 1;
+        }
+        Incidence { starts, corners }
+    }
+
+    /// The corners at particle `i`: element times `D + 1` plus the corner's number in it.
+    #[inline]
+    pub fn of(&self, i: usize) -> &[u32] {
+        &self.corners[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+}
+
+/// What one task computes in a sweep, and what it found.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Batch {
+    /// States of the elements: groups of rows, one a number.
+    pub rows: Vec<Row>,
+    pub report: Report,
+}
+
+/// What a sweep over a batch found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Report {
+    /// Largest wave speed over smallest altitude, 1/s.
+    pub rate: f64,
+    /// The first element that cannot go on: its number in the batch.
+    pub trouble: Option<(usize, mpm_materials::Breakdown)>,
+}
+
+/// All elements.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Elements {
+    /// `D + 1` particles an element.
+    pub nodes: Vec<u32>,
+    /// Reference volume of each: mass over reference density.
+    pub reference: Vec<f64>,
+    pub batches: Vec<Batch>,
+    pub incidence: Incidence,
+    /// Numbers of a state.
+    pub numbers: usize,
+}
+
+impl Elements {
+    pub fn len(&self) -> usize {
+        self.reference.len()
+    }
+
+    /// The state of element `e`, in `out`.
+    pub fn read(&self, e: usize, out: &mut [f64]) {
+        let rows = &self.batches[e / BATCH].rows[e % BATCH / GROUP * self.numbers..];
+        for (k, x) in out.iter_mut().enumerate() {
+            *x = rows[k].as_ref()[e % GROUP];
+        }
+    }
+
+    /// Elements `nodes` with reference volumes and states (numbers one after the other). Lanes without an element are
+    /// virgin.
+    pub fn assemble(
+        nodes: Vec<u32>,
+        reference: Vec<f64>,
+        states: &[f64],
+        virgin: &[f64],
+        particles: usize,
+    ) -> Self {
+        let (elements, numbers) = (reference.len(), virgin.len());
+        let mut batches = vec![Batch::default(); elements.div_ceil(BATCH)];
+        for (b, batch) in batches.iter_mut().enumerate() {
+            let here = (elements - b * BATCH).min(BATCH);
+            batch.rows = vec![Row::default(); here.div_ceil(GROUP) * numbers];
+            for (at, row) in batch.rows.iter_mut().enumerate() {
+                let (group, k) = (at / numbers, at % numbers);
+                for lane in 0..GROUP {
+                    let e = b * BATCH + group * GROUP + lane;
+                    row.as_mut()[lane] = if e < elements { states[e * numbers + k] } else { virgin[k] };
+                }
+            }
+        }
+        let incidence = Incidence::of_elements(&nodes, particles);
+        Elements { nodes, reference, batches, incidence, numbers }
+    }
+
+    pub fn bytes(&self) -> usize {
+        let rows: usize = self.batches.iter().map(|b| b.rows.capacity() * size_of::<Row>()).sum();
+        rows + self.nodes.capacity() * 2 * size_of::<u32>() + self.reference.capacity() * size_of::<f64>()
+    }
+}

@@ -1,0 +1,86 @@
+//! Particle-contact meshfree method \[Feng2014\]: particles in contact define triangles (in space, tetrahedra);
+//! continuum mechanics is done in these, and as contacts change, distorted elements are deleted and new ones made.
+//!
+//! Laws are those of [`mpm_materials`], embeddings, shapes, boundary conditions, threads and output those of
+//! [`mpm_core`].
+//!
+//! ```
+//! use mpm_core::geometry::{Cuboid, Lattice};
+//! use mpm_core::{Boundary, PlaneStrain, Side};
+//! use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
+//! use pcmm::{LocalDelaunay, Masses, Method, Packing, Pcmm};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // A steel bar, 1 mm x 5 mm, hits a rigid wall at 50 m/s. Particles lie on its surface.
+//! let h = 0.1e-3;
+//! let shape = Cuboid::new([0.0; 2], [1.0e-3, 5.0e-3])?;
+//! let packing = Packing::on_nodes(&shape, &Lattice::new([0.0; 2], h)?)?;
+//!
+//! let moduli = Moduli::young_poisson(206e9, 0.3)?;
+//! let steel = Solid::new(Elastic::new(moduli.shear)?, LogarithmicBulk::new(7850.0, moduli.bulk)?);
+//! let method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.5 * h, 2.0)?);
+//! let mut bar = Pcmm::new(method, steel, &packing, |_| [0.0, -50.0], Masses::FromElements)?;
+//! bar.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+//! bar.run_until(0.2e-6)?;
+//! assert!(bar.given().impulse[1] > 0.0);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | part | as printed | ours |
+//! |---|---|---|
+//! | [`Tessellation`] | [`AzimuthFan`] (two dimensions) | [`LocalDelaunay`] |
+//! | [`Inheritance`] | [`ParticleMean`] | [`OverlapWeighted`] |
+//! | [`Configuration`] of the velocity gradient | [`EndOfStep`] | [`MidStep`], [`StartOfStep`] |
+//! | [`Dilatation`] | [`OfElement`] | [`OfParticles`] |
+//! | rotation of stress | [`NoRotation`] | those of the laws |
+//! | [`Masses`] | from elements | from volumes |
+//!
+//! # The cycle
+//! Steps of the paper's cycle and where they are:
+//!
+//! | step | | here |
+//! |---|---|---|
+//! | 1 | velocity gradient | sweep over elements |
+//! | 2 - 9 | strain rate, split, deviator, pressure, yield, viscosity, total stress | the law, on vectors of elements |
+//! | 10 | nodal forces, minus (6) of the paper: a stretched triangle pulls its particles together | the same sweep |
+//! | 11 | sum of forces, velocity, position | sweep over particles, boundaries between velocity and position |
+//! | | deletion, search, creation, inheritance | revision, every so many steps |
+//!
+//! A step begins with 11, so that positions, velocities and stresses of the end of a step belong together; forces at
+//! its start are those of the stresses there. Time integration is explicit (leap-frog: velocities belong to the middle
+//! of a step). Momentum and angular momentum are kept to rounding; the energy to the order of the step, but for what
+//! revisions add and remove, which [`Audit`] books.
+//!
+//! # Limits
+//! One law a scene, `f64` only. What touches is welded: there is no contact between bodies beside the creation of
+//! elements, and walls hold back the centres of particles. Masses and radii of particles never change.
+
+mod boundary;
+mod elements;
+mod inheritance;
+mod kinematics;
+mod ledger;
+mod method;
+mod particles;
+mod revise;
+mod search;
+pub mod simplex;
+mod solver;
+mod step;
+mod sweep;
+mod tessellation;
+
+pub use boundary::Given;
+pub use elements::Incidence;
+pub use inheritance::{Inheritance, Newborn, OverlapWeighted, Parent, ParticleMean, Taken};
+pub use kinematics::{
+    Configuration, Dilatation, EndOfStep, MidStep, NoRotation, OfElement, OfParticles, StartOfStep,
+};
+pub use ledger::{Audit, Lot, Totals};
+pub use method::{Composition, Method};
+pub use particles::{Packing, Particle, SceneError};
+pub use search::Neighbours;
+pub use solver::{Masses, Pcmm, SMALL};
+pub use step::StepError;
+pub use tessellation::{AzimuthFan, Flaw, Limits, LocalDelaunay, Revision, Tessellation, View};

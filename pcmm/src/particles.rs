@@ -1,0 +1,210 @@
+//! Particles, and how they are refused.
+
+use mpm_core::geometry::{Lattice, Seeds, Shape};
+
+/// A particle: a place, a velocity, a mass and a radius of contact. Strain, stress and history live in the elements
+/// between particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Particle<const D: usize> {
+    /// Position, m.
+    pub position: [f64; D],
+    /// Velocity, m/s.
+    pub velocity: [f64; D],
+    /// Mass, kg: per metre of depth in plane strain, per radian in axisymmetric scenes.
+    pub mass: f64,
+    /// Radius of contact R, m.
+    pub radius: f64,
+}
+
+/// What a solver starts from: positions and radii, and the volume each particle stands for where it is known.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Packing<const D: usize> {
+    /// Positions, m.
+    pub positions: Vec<[f64; D]>,
+    /// Radii, m, one a particle.
+    pub radii: Vec<f64>,
+    /// Volumes, m^3 (m^2 in plane strain, m^3 per radian in axisymmetric scenes), one a particle or none at all.
+    pub volumes: Vec<f64>,
+}
+
+/// Most particles.
+const MOST: f64 = (1u32 << 29) as f64;
+/// A node this near to the surface of a shape, in spacings, lies on it.
+const ON_SURFACE: f64 = 1e-6;
+
+impl<const D: usize> Packing<D> {
+    /// A particle at every node of the lattice that lies in the shape or on its surface, with a radius of half the
+    /// spacing and no volume of its own. The elements between them then end where the shape does (as far as its surface
+    /// follows the lattice), and give the particles their masses.
+    ///
+    /// # Errors
+    /// More than 2^29 nodes in the bounds of the shape.
+    pub fn on_nodes(shape: &(impl Shape<D> + ?Sized), lattice: &Lattice<D>) -> Result<Self, SceneError> {
+        let bounds = shape.bounds();
+        let h = lattice.spacing();
+        let (mut first, mut counts) = ([0i64; D], [0i64; D]);
+        for d in 0..D {
+            let index = |x: f64| (x - lattice.origin()[d]) / h;
+            let low = (index(bounds.min[d]) - ON_SURFACE).ceil();
+            let high = (index(bounds.max[d]) + ON_SURFACE).floor();
+            first[d] = low as i64;
+            counts[d] = (high - low + 1.0).max(0.0) as i64;
+        }
+        let sites = counts.iter().fold(1.0, |n, &c| n * c as f64);
+        if sites >= MOST {
+            return Err(SceneError::Particles { particles: sites as usize });
+        }
+        let mut positions = Vec::new();
+        for site in 0..sites as i64 {
+            let (mut node, mut rest) = (first, site);
+            for d in (0..D).rev() {
+                node[d] += rest % counts[d];
+                rest /= counts[d];
+            }
+            let x = lattice.node(node);
+            if shape.signed_distance(x) <= ON_SURFACE * h {
+                positions.push(x);
+            }
+        }
+        let radii = vec![0.5 * h; positions.len()];
+        Ok(Packing { positions, radii, volumes: Vec::new() })
+    }
+
+    /// Seeds of a shape, touching: the radius is half the edge of a particle, the volumes are the seeds'. The surface of
+    /// the elements is that of the outermost centres, half a spacing within the shape's.
+    pub fn of_seeds(seeds: &Seeds<D>) -> Self {
+        let radius = seeds.half_size.iter().fold(f64::INFINITY, |m, h| m.min(*h));
+        Packing {
+            positions: seeds.positions.clone(),
+            radii: vec![radius; seeds.len()],
+            volumes: seeds.volumes.clone(),
+        }
+    }
+
+    /// Spheres (circles) of known radii.
+    pub fn of_spheres(positions: Vec<[f64; D]>, radii: Vec<f64>) -> Self {
+        Packing { positions, radii, volumes: Vec::new() }
+    }
+
+    /// Refuse what cannot be.
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        let particles = self.positions.len();
+        if particles == 0 || particles as f64 >= MOST {
+            return Err(SceneError::Particles { particles });
+        }
+        let lengths = [("radii", self.radii.len(), false), ("volumes", self.volumes.len(), true)];
+        for (field, found, may_lack) in lengths {
+            if found != particles && !(may_lack && found == 0) {
+                return Err(SceneError::Length { field, found, particles });
+            }
+        }
+        for (particle, x) in self.positions.iter().enumerate() {
+            for value in *x {
+                number(value.is_finite(), "position", particle, value, "finite")?;
+            }
+        }
+        for (field, list) in [("radius", &self.radii), ("volume", &self.volumes)] {
+            for (particle, &value) in list.iter().enumerate() {
+                number(value > 0.0 && value.is_finite(), field, particle, value, "positive and finite")?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Refuse a number of a particle unless `holds`.
+pub(crate) fn number(
+    holds: bool,
+    field: &'static str,
+    particle: usize,
+    value: f64,
+    allowed: &'static str,
+) -> Result<(), SceneError> {
+    if holds { Ok(()) } else { Err(SceneError::Number { field, particle, value, allowed }) }
+}
+
+/// A scene that cannot be.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SceneError {
+    /// None, or more than can be numbered.
+    #[error("particles = {particles} is not allowed; it must be at least 1 and below 2^29")]
+    Particles {
+        /// How many were given.
+        particles: usize,
+    },
+    /// A list of the wrong length.
+    #[error("{field}: {found} values are not allowed; there must be one a particle, {particles}")]
+    Length {
+        /// Which list.
+        field: &'static str,
+        /// Its length.
+        found: usize,
+        /// The number of particles.
+        particles: usize,
+    },
+    /// A number of a particle.
+    #[error("particle {particle}: {field} = {value} is not allowed; it must be {allowed}")]
+    Number {
+        /// Which number.
+        field: &'static str,
+        /// Whose.
+        particle: usize,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A parameter of a part of the method.
+    #[error("{owner}: {field} = {value} is not allowed; it must be {allowed}")]
+    Parameter {
+        /// The part.
+        owner: &'static str,
+        /// The parameter.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A particle that belongs to no element and has no volume of its own has no mass.
+    #[error(
+        "particle {particle} at {position:?} m has no mass: it belongs to no element; \
+         widen the tolerance of contact or give volumes"
+    )]
+    NoMass {
+        /// Which.
+        particle: usize,
+        /// Where, m.
+        position: Vec<f64>,
+    },
+    /// A law whose density is not positive.
+    #[error("law `{law}`: density = {density} kg/m^3 is not allowed; it must be positive and finite")]
+    Density {
+        /// The law.
+        law: &'static str,
+        /// Its density.
+        density: f64,
+    },
+    /// A boundary.
+    #[error("boundary {field} = {value} is not allowed; it must be {allowed}")]
+    Boundary {
+        /// Which number.
+        field: &'static str,
+        /// Its value.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+}
+
+/// Refuse a parameter unless `holds`.
+pub(crate) fn parameter(
+    holds: bool,
+    owner: &'static str,
+    field: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<f64, SceneError> {
+    if holds { Ok(value) } else { Err(SceneError::Parameter { owner, field, value, allowed }) }
+}

@@ -1,0 +1,341 @@
+//! The solver: what it holds, and how it is set up.
+
+use mpm_core::boundary::BodyForce;
+use mpm_core::step::control::ControlError;
+use mpm_core::{Boundary, Embedding, Team, TimeControl};
+use mpm_materials::Constitutive;
+use mpm_materials::point::{flatten, unflatten};
+
+use crate::boundary::{Given, check};
+use crate::elements::{Elements, Incidence};
+use crate::kinematics::Dilatation;
+use crate::ledger::Audit;
+use crate::method::Composition;
+use crate::particles::{Packing, Particle, SceneError, number, parameter};
+use crate::search::Neighbours;
+use crate::simplex::{mean_radius, volume};
+use crate::tessellation::{Tessellation, View, corners};
+
+/// Where the masses of particles come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Masses {
+    /// Each element gives its mass to its particles, as printed: a third to each of a triangle's (around an axis by the
+    /// radius: the integral of the shape function). Exact if the elements cover the body once. Where they cover it
+    /// twice its mass is twice too large, and so are stiffness and forces.
+    FromElements,
+    /// Density times the volumes of the packing. Elements then weigh what their particles weigh: an element's reference
+    /// volume is its own times the mean, over its particles, of given volume over volume covered. A body that is
+    /// covered twice has elements of half weight.
+    FromVolumes,
+}
+
+/// Particle-contact meshfree method in `D` dimensions, with a law `C` and the parts of `M`.
+///
+/// A scene has one law; particles of it that touch make elements, whatever body they came from: what meets is welded.
+#[derive(Clone)]
+pub struct Pcmm<const D: usize, C, M> {
+    pub(crate) method: M,
+    pub(crate) law: C,
+    pub(crate) particles: Vec<Particle<D>>,
+    pub(crate) elements: Elements,
+    /// Forces of the elements on their corners, N.
+    pub(crate) forces: Vec<[f64; D]>,
+    /// A number an element, if volumes are averaged.
+    pub(crate) scalars: Vec<f64>,
+    /// A number a particle, if volumes are averaged.
+    pub(crate) averages: Vec<f64>,
+    /// Reference volume of the elements at each particle, if volumes are averaged.
+    pub(crate) weights: Vec<f64>,
+    /// The state each particle had last, for newborn elements.
+    pub(crate) memory: Vec<f64>,
+    pub(crate) virgin: Vec<f64>,
+    pub(crate) neighbours: Neighbours<D>,
+    pub(crate) boundaries: Vec<Boundary<D>>,
+    pub(crate) body_force: Option<BodyForce<D>>,
+    pub(crate) team: Team,
+    pub(crate) control: TimeControl,
+    pub(crate) every: u64,
+    pub(crate) time: f64,
+    pub(crate) steps: u64,
+    pub(crate) last: Option<f64>,
+    /// Largest wave speed over altitude, or speed over diameter, 1/s.
+    pub(crate) rate: f64,
+    pub(crate) given: Given,
+    pub(crate) audit: Audit,
+}
+
+/// The default safety factor of the time step.
+const COURANT: f64 = 0.5;
+/// Particles of a scene for which more than one thread is used.
+pub const SMALL: usize = 2000;
+/// The skin of the neighbour lists over the smallest radius.
+const SKIN: f64 = 0.6;
+
+impl<const D: usize, C, M> Pcmm<D, C, M>
+where
+    C: Constitutive<f64>,
+    M: Composition<D>,
+{
+    /// Particles of a law, with their velocity (m/s) at a position (m); elements are made at once. Tessellates anew
+    /// after every step, takes half of altitude over wave speed for a step, on the caller's thread.
+    ///
+    /// # Errors
+    /// No particle; a position, radius, volume or velocity that no particle can have; a particle without mass.
+    pub fn new(
+        method: M,
+        law: C,
+        packing: &Packing<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+        masses: Masses,
+    ) -> Result<Self, SceneError> {
+        packing.check()?;
+        let density = law.density();
+        if !(density > 0.0 && density.is_finite()) {
+            return Err(SceneError::Density { law: law.name(), density });
+        }
+        let mut particles = Vec::with_capacity(packing.positions.len());
+        for (n, (&position, &radius)) in packing.positions.iter().zip(&packing.radii).enumerate() {
+            let velocity = velocity(position);
+            for v in velocity {
+                number(v.is_finite(), "velocity", n, v, "finite")?;
+            }
+            if M::Embedding::HOOP {
+                number(position[0] >= 0.0, "distance from the axis", n, position[0], "zero or positive")?;
+            }
+            particles.push(Particle { position, velocity, mass: 0.0, radius });
+        }
+        let smallest = particles.iter().fold(f64::INFINITY, |m, p| m.min(p.radius));
+        let virgin = flatten::<f64, C::State<f64>>(&law.virgin());
+        let mut solver = Pcmm {
+            neighbours: Neighbours::new(method.tessellation().reach(), SKIN * smallest),
+            memory: virgin.repeat(particles.len()),
+            method,
+            law,
+            particles,
+            elements: Elements::default(),
+            forces: Vec::new(),
+            scalars: Vec::new(),
+            averages: Vec::new(),
+            weights: Vec::new(),
+            virgin,
+            boundaries: Vec::new(),
+            body_force: None,
+            team: Team::one(),
+            control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
+            every: 1,
+            time: 0.0,
+            steps: 0,
+            last: None,
+            rate: 0.0,
+            given: Given::default(),
+            audit: Audit::default(),
+        };
+        solver.first_elements();
+        solver.weigh(masses, &packing.volumes)?;
+        for p in &solver.particles {
+            let square: f64 = p.velocity.iter().map(|v| v * v).sum();
+            solver.rate = solver.rate.max(square.sqrt() / (2.0 * p.radius));
+        }
+        solver.forces_of_states();
+        Ok(solver)
+    }
+
+    /// Virgin elements, at reference density.
+    fn first_elements(&mut self) {
+        let none = Incidence::of_elements(&[], self.particles.len());
+        self.neighbours.update(&self.particles, &self.team);
+        let view = View {
+            particles: &self.particles,
+            neighbours: &self.neighbours,
+            nodes: &[],
+            incidence: &none,
+            team: &self.team,
+        };
+        let nodes = self.method.tessellation().revise(&view).born;
+        let hoop = M::Embedding::HOOP;
+        let reference: Vec<f64> =
+            nodes.chunks_exact(D + 1).map(|n| volume(&corners(&self.particles, n), hoop)).collect();
+        let states = self.virgin.repeat(reference.len());
+        self.elements = Elements::assemble(nodes, reference, &states, &self.virgin, self.particles.len());
+        self.make_room();
+    }
+
+    /// Masses of particles, and reference volumes of elements that go with them.
+    fn weigh(&mut self, masses: Masses, volumes: &[f64]) -> Result<(), SceneError> {
+        let density = self.law.density();
+        let mut covered = vec![0.0; self.particles.len()];
+        for (e, nodes) in self.elements.nodes.chunks_exact(D + 1).enumerate() {
+            let x = corners(&self.particles, nodes);
+            let mean = mean_radius(&x);
+            for (a, &n) in nodes.iter().enumerate() {
+                let part = if M::Embedding::HOOP {
+                    // The integral of N_a r over a triangle is (r_a + 3 r_mean) / 12 times its area.
+                    (x[a][0] + 3.0 * mean) / (12.0 * mean)
+                } else {
+                    1.0 / (D + 1) as f64
+                };
+                covered[n as usize] += part * self.elements.reference[e];
+            }
+        }
+        if masses == Masses::FromVolumes {
+            parameter(
+                volumes.len() == self.particles.len(),
+                "masses from volumes",
+                "number of volumes",
+                volumes.len() as f64,
+                "one a particle",
+            )?;
+            for (e, nodes) in self.elements.nodes.chunks_exact(D + 1).enumerate() {
+                let mean = |n: &u32| volumes[*n as usize] / covered[*n as usize];
+                self.elements.reference[e] *= nodes.iter().map(mean).sum::<f64>() / (D + 1) as f64;
+            }
+            covered.copy_from_slice(volumes);
+            self.make_room();
+        }
+        for (n, p) in self.particles.iter_mut().enumerate() {
+            p.mass = density * covered[n];
+            if !(p.mass > 0.0 && p.mass.is_finite()) {
+                return Err(SceneError::NoMass { particle: n, position: p.position.to_vec() });
+            }
+        }
+        Ok(())
+    }
+
+    /// Lists that are as long as there are elements.
+    pub(crate) fn make_room(&mut self) {
+        self.forces.resize(self.elements.len() * (D + 1), [0.0; D]);
+        if M::Dilatation::AVERAGED {
+            self.scalars.resize(self.elements.len(), 0.0);
+            self.averages.resize(self.particles.len(), 0.0);
+            let Elements { incidence, reference, .. } = &self.elements;
+            let weight = |n| incidence.of(n).iter().map(|&at| reference[at as usize / (D + 1)]).sum::<f64>();
+            self.weights = (0..self.particles.len()).map(weight).collect();
+        }
+    }
+
+    /// Run on these threads. Results are the same bits for any number. Below [`SMALL`] particles one thread is faster
+    /// than waking more, and is used.
+    pub fn set_team(&mut self, team: Team) {
+        self.team = if self.particles.len() < SMALL { Team::one() } else { team };
+    }
+
+    /// Choose the time step otherwise. The Courant rate is c over the smallest altitude of an element, or speed over
+    /// diameter of a particle if that is larger.
+    ///
+    /// # Errors
+    /// A control that no run can use.
+    pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
+        control.check()?;
+        self.control = control;
+        Ok(())
+    }
+
+    /// Tessellate anew every so many steps.
+    ///
+    /// # Errors
+    /// Zero.
+    pub fn set_revision_interval(&mut self, steps: u64) -> Result<(), SceneError> {
+        parameter(steps > 0, "revision", "interval in steps", steps as f64, "at least 1")?;
+        self.every = steps;
+        Ok(())
+    }
+
+    /// Add a condition: a wall keeps the centres of particles in front of it and only pushes; a plane of symmetry takes
+    /// the velocity across it from particles on it; fixed and prescribed velocities hold for the particles that are
+    /// then behind the plane, or in the region. Conditions act in the order they were added.
+    ///
+    /// # Errors
+    /// An axis that is not there, a position or velocity that is not finite.
+    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
+        check(&boundary)?;
+        self.boundaries.push(boundary);
+        Ok(())
+    }
+
+    /// An acceleration of all particles, m/s^2, over time.
+    pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
+        self.body_force = Some(acceleration);
+    }
+
+    /// Give an element's state to `change`, for initial stresses.
+    ///
+    /// # Errors
+    /// An element that is not there.
+    pub fn set_states(
+        &mut self,
+        mut change: impl FnMut([f64; D], C::State<f64>) -> C::State<f64>,
+    ) -> Result<(), SceneError> {
+        let mut states = vec![0.0; self.elements.len() * self.virgin.len()];
+        for e in 0..self.elements.len() {
+            let out = &mut states[e * self.virgin.len()..(e + 1) * self.virgin.len()];
+            self.elements.read(e, out);
+            let x = corners(&self.particles, &self.elements.nodes[e * (D + 1)..(e + 1) * (D + 1)]);
+            let mut centre = [0.0; D];
+            for d in 0..D {
+                centre[d] = x[..=D].iter().map(|c| c[d]).sum::<f64>() / (D + 1) as f64;
+            }
+            if let Ok(state) = unflatten::<f64, C::State<f64>>(out) {
+                out.copy_from_slice(&flatten(&change(centre, state)));
+            }
+            number(out.iter().all(|x| x.is_finite()), "state of element", e, f64::NAN, "finite")?;
+        }
+        let elements = std::mem::take(&mut self.elements);
+        self.elements = Elements::assemble(
+            elements.nodes,
+            elements.reference,
+            &states,
+            &self.virgin,
+            self.particles.len(),
+        );
+        self.forces_of_states();
+        Ok(())
+    }
+
+    /// The particles.
+    pub fn particles(&self) -> &[Particle<D>] {
+        &self.particles
+    }
+    /// The elements: `D + 1` particles each, positively oriented.
+    pub fn element_nodes(&self) -> &[u32] {
+        &self.elements.nodes
+    }
+    /// How many elements there are.
+    pub fn elements(&self) -> usize {
+        self.elements.len()
+    }
+    /// The law.
+    pub fn law(&self) -> &C {
+        &self.law
+    }
+    /// A line that names the method.
+    pub fn describe(&self) -> String {
+        self.method.describe()
+    }
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+    /// Steps made.
+    pub fn steps(&self) -> u64 {
+        self.steps
+    }
+    /// What boundaries gave to the particles since the start.
+    pub fn given(&self) -> Given {
+        self.given
+    }
+    /// What revisions did since the start.
+    pub fn audit(&self) -> &Audit {
+        &self.audit
+    }
+    /// Searches for neighbours made.
+    pub fn searches(&self) -> u64 {
+        self.neighbours.searches()
+    }
+    /// Bytes of memory, by its own count.
+    pub fn bytes(&self) -> usize {
+        self.elements.bytes()
+            + self.particles.len() * size_of::<Particle<D>>()
+            + self.forces.capacity() * size_of::<[f64; D]>()
+            + self.memory.capacity() * size_of::<f64>()
+    }
+}

@@ -1,0 +1,332 @@
+//! A step: the stages in the order of the flow chart of \[Feng2014\].
+
+use std::marker::PhantomData;
+
+use mpm_core::boundary::BodyForce;
+use mpm_core::parallel::Float;
+use mpm_core::{Boundary, TimeControl};
+use mpm_materials::{Breakdown, Constitutive};
+
+use crate::boundary::{Given, constrain};
+use crate::elements::{BATCH, Batch, Elements, Incidence};
+use crate::kinematics::Dilatation;
+use crate::method::Composition;
+use crate::particles::Particle;
+use crate::solver::Pcmm;
+use crate::sweep::{Output, Pass, Sweep};
+use crate::tessellation::corners;
+
+/// Particles a task moves.
+const CHUNK: usize = 512;
+
+/// A step that could not be made. The solver must not be stepped on.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StepError {
+    /// An element's law broke down.
+    #[error(
+        "step {step}, t = {time:.6e} s: element {element} of particles {particles:?} at {position:?} m: \
+         law `{law}`: {cause}"
+    )]
+    Law {
+        /// The step.
+        step: u64,
+        /// Time at its end, s.
+        time: f64,
+        /// The element.
+        element: usize,
+        /// Its particles.
+        particles: Vec<u32>,
+        /// Its centroid, m.
+        position: Vec<f64>,
+        /// The law.
+        law: &'static str,
+        /// Why.
+        cause: Breakdown,
+    },
+    /// A particle's velocity is not a finite number.
+    #[error(
+        "step {step}, t = {time:.6e} s: particle {particle} at {position:?} m: its velocity {velocity:?} m/s is \
+         not finite"
+    )]
+    Velocity {
+        /// The step.
+        step: u64,
+        /// Time at its end, s.
+        time: f64,
+        /// The particle.
+        particle: usize,
+        /// Where it was, m.
+        position: Vec<f64>,
+        /// Its velocity, m/s.
+        velocity: Vec<f64>,
+    },
+    /// The time step has no finite, positive size.
+    #[error("step {step}, t = {time:.6e} s: a time step of {dt} s is not possible")]
+    TimeStep {
+        /// The step.
+        step: u64,
+        /// Time at its start, s.
+        time: f64,
+        /// The time step, s.
+        dt: f64,
+    },
+    /// An end that cannot be reached.
+    #[error("end = {end} s is not allowed; it must be finite and not before the time reached, {time} s")]
+    End {
+        /// The end given, s.
+        end: f64,
+        /// Simulated time, s.
+        time: f64,
+    },
+}
+
+/// What moving the particles of a chunk found.
+#[derive(Clone, Copy, Debug, Default)]
+struct Moved {
+    given: Given,
+    /// Largest speed over diameter, 1/s.
+    rate: f64,
+    trouble: Option<usize>,
+}
+
+impl<const D: usize, C, M> Pcmm<D, C, M>
+where
+    C: Constitutive<f64>,
+    M: Composition<D>,
+{
+    /// One step of size `dt`. Forces are those of the elements as the last step left them, so the paper's cycle is
+    /// entered at its step 11; its steps 1 to 10 follow on the new positions.
+    fn step(&mut self, dt: f64) -> Result<(), StepError> {
+        self.move_particles(dt)?;
+        self.strain_elements(dt)?;
+        if (self.steps + 1).is_multiple_of(self.every) {
+            self.revise();
+        }
+        self.time += dt;
+        self.steps += 1;
+        self.last = Some(dt);
+        Ok(())
+    }
+
+    /// Step 11: forces summed at each particle, F/m, new velocity, boundaries, new position.
+    fn move_particles(&mut self, dt: f64) -> Result<(), StepError> {
+        let motion = Motion {
+            incidence: &self.elements.incidence,
+            forces: &self.forces,
+            boundaries: &self.boundaries,
+            acceleration: self.body_force.as_ref().map_or([0.0; D], |f: &BodyForce<D>| f(self.time)),
+            time: self.time,
+            dt,
+        };
+        let mut chunks = vec![Moved::default(); self.particles.len().div_ceil(CHUNK)];
+        self.team.each_piece(&mut self.particles, CHUNK, &mut chunks, |chunk, particles, found| {
+            for (k, p) in particles.iter_mut().enumerate() {
+                motion.advance(chunk * CHUNK + k, p, found);
+            }
+        });
+        self.rate = 0.0;
+        for found in &chunks {
+            self.given = self.given.plus(&found.given);
+            self.rate = self.rate.max(found.rate);
+            if let Some(particle) = found.trouble {
+                let p = &self.particles[particle];
+                return Err(StepError::Velocity {
+                    step: self.steps,
+                    time: self.time + dt,
+                    particle,
+                    position: p.position.to_vec(),
+                    velocity: p.velocity.to_vec(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Steps 1 to 10: velocity gradient, law, nodal forces.
+    fn strain_elements(&mut self, dt: f64) -> Result<(), StepError> {
+        if M::Dilatation::AVERAGED {
+            self.sweep(Pass::Stretch, dt);
+            self.average();
+            self.sweep(Pass::Stress, dt);
+            self.sound(dt)?;
+            self.average();
+            self.sweep(Pass::Force, dt);
+        } else {
+            self.sweep(Pass::Stress, dt);
+            self.sound(dt)?;
+        }
+        self.take_rates();
+        Ok(())
+    }
+
+    /// Nodal forces (step 10) of states as they are.
+    pub(crate) fn forces_of_states(&mut self) {
+        if M::Dilatation::AVERAGED {
+            self.sweep(Pass::Pressure, 0.0);
+            self.average();
+        }
+        self.sweep(Pass::Force, 0.0);
+        self.take_rates();
+    }
+
+    fn take_rates(&mut self) {
+        for batch in &self.elements.batches {
+            self.rate = self.rate.max(batch.report.rate);
+        }
+    }
+
+    /// The first element whose law broke down, if any.
+    fn sound(&self, dt: f64) -> Result<(), StepError> {
+        for (b, batch) in self.elements.batches.iter().enumerate() {
+            if let Some((at, cause)) = batch.report.trouble {
+                let element = b * BATCH + at;
+                let nodes = &self.elements.nodes[element * (D + 1)..(element + 1) * (D + 1)];
+                let x = corners(&self.particles, nodes);
+                let centre = |d: usize| x[..=D].iter().map(|c| c[d]).sum::<f64>() / (D + 1) as f64;
+                return Err(StepError::Law {
+                    step: self.steps,
+                    time: self.time + dt,
+                    element,
+                    particles: nodes.to_vec(),
+                    position: (0..D).map(centre).collect(),
+                    law: self.law.name(),
+                    cause,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// One pass over all elements.
+    fn sweep(&mut self, pass: Pass, dt: f64) {
+        let Elements { nodes, reference, batches, .. } = &mut self.elements;
+        let (law, particles, averages) = (&self.law, &self.particles, &self.averages);
+        let work = |b: usize, batch: &mut Batch, output: Output<'_, D>| {
+            let (first, last) = (b * BATCH, ((b + 1) * BATCH).min(reference.len()));
+            <f64 as Float>::dispatch(Sweep::<'_, D, C, M> {
+                pass,
+                law,
+                particles,
+                nodes: &nodes[first * (D + 1)..last * (D + 1)],
+                reference: &reference[first..last],
+                averages,
+                dt,
+                batch,
+                output,
+                method: PhantomData,
+            });
+        };
+        let scalars = M::Dilatation::AVERAGED && pass != Pass::Force;
+        if scalars {
+            self.team.each_piece(&mut self.scalars, BATCH, batches, |b, s, batch| {
+                work(b, batch, Output::Scalars(s))
+            });
+        } else {
+            self.team.each_piece(&mut self.forces, BATCH * (D + 1), batches, |b, f, batch| {
+                work(b, batch, Output::Forces(f));
+            });
+        }
+    }
+
+    /// The mean at each particle over its elements, weighted by mass.
+    fn average(&mut self) {
+        let Elements { incidence, reference, .. } = &self.elements;
+        let (scalars, weights) = (&self.scalars, &self.weights);
+        self.team.each(&mut self.averages, |n, mean| {
+            let mut sum = 0.0;
+            for &at in incidence.of(n) {
+                let e = at as usize / (D + 1);
+                sum += reference[e] * scalars[e];
+            }
+            *mean = if weights[n] > 0.0 { sum / weights[n] } else { 0.0 };
+        });
+    }
+
+    /// The size of the next step by the time control, s.
+    pub fn next_time_step(&self) -> f64 {
+        match self.control {
+            TimeControl::Fixed(dt) => dt,
+            TimeControl::Courant { factor, growth } => {
+                let dt = factor / self.rate;
+                self.last.map_or(dt, |last| dt.min(growth * last))
+            }
+        }
+    }
+
+    /// One step, not beyond `end` (s). The last two steps before it share what is left.
+    ///
+    /// # Errors
+    /// An end before the time reached, an element whose law breaks down, a velocity that is not finite.
+    pub fn step_towards(&mut self, end: f64) -> Result<(), StepError> {
+        let left = end - self.time;
+        if !(left >= 0.0 && end.is_finite()) {
+            return Err(StepError::End { end, time: self.time });
+        }
+        let dt = self.next_time_step();
+        // Without elements and motion nothing limits the step. Rounding must not leave a last step of nothing.
+        let dt = if dt >= left * (1.0 - 1e-9) { left } else { dt.min(0.5 * left) };
+        if !(dt >= 0.0 && dt.is_finite()) {
+            return Err(StepError::TimeStep { step: self.steps, time: self.time, dt });
+        }
+        if dt > 0.0 {
+            self.step(dt)?;
+        }
+        if dt == left {
+            self.time = end;
+        }
+        Ok(())
+    }
+
+    /// Step until `end` (s), which is met exactly.
+    ///
+    /// # Errors
+    /// As [`Pcmm::step_towards`].
+    pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
+        if !(end.is_finite() && end >= self.time) {
+            return Err(StepError::End { end, time: self.time });
+        }
+        while self.time < end {
+            self.step_towards(end)?;
+        }
+        Ok(())
+    }
+}
+
+/// What moves a particle.
+struct Motion<'a, const D: usize> {
+    incidence: &'a Incidence,
+    forces: &'a [[f64; D]],
+    boundaries: &'a [Boundary<D>],
+    acceleration: [f64; D],
+    time: f64,
+    dt: f64,
+}
+
+impl<const D: usize> Motion<'_, D> {
+    fn advance(&self, n: usize, p: &mut Particle<D>, found: &mut Moved) {
+        let mut force = [0.0; D];
+        for &at in self.incidence.of(n) {
+            let f = &self.forces[at as usize];
+            for d in 0..D {
+                force[d] += f[d];
+            }
+        }
+        let start = p.velocity;
+        for d in 0..D {
+            p.velocity[d] += self.dt * (force[d] / p.mass + self.acceleration[d]);
+        }
+        for boundary in self.boundaries {
+            constrain(boundary, p, &start, self.time, self.dt, &mut found.given);
+        }
+        let mut square = 0.0;
+        for d in 0..D {
+            p.position[d] += self.dt * p.velocity[d];
+            square += p.velocity[d] * p.velocity[d];
+        }
+        if !square.is_finite() && found.trouble.is_none() {
+            found.trouble = Some(n);
+        }
+        found.rate = found.rate.max(square.sqrt() / (2.0 * p.radius));
+    }
+}

@@ -1,0 +1,340 @@
+//! A tessellation without double cover.
+
+use super::{Limits, Revision, Tessellation, View, corners, failing, orient, sorted};
+use crate::particles::{Particle, SceneError, parameter};
+use crate::simplex::{Corners, angles, circumsphere, distance_squared, measure, overlap};
+
+/// Shear of the coordinates in which spheres are tested, so that lattices are not degenerate: a square is cut along
+/// one diagonal, a cube into six tetrahedra around one (Freudenthal's), everywhere the same. Edges of a cube must meet at
+/// obtuse angles for that, so it is negative. Rounding is far below it.
+const SHEAR: f64 = -1e-3;
+/// Two elements that share less than this part of the smaller one do not overlap.
+const TOUCHING: f64 = 1e-9;
+/// A particle this much nearer to the centre than the radius (squares, relative) lies within a sphere.
+const INSIDE: f64 = 1e-9;
+
+/// Elements whose circumsphere is empty (Delaunay), laid only where none is yet; hysteresis between creation and
+/// deletion; in two dimensions poor pairs of triangles exchange their diagonal.
+///
+/// A revision
+/// 1. exchanges the diagonal of pairs of triangles with an angle below `improve`, if the smallest angle of the pair
+///    grows by a fifth or more (two dimensions);
+/// 2. deletes what fails the limits `keep`;
+/// 3. among the particles that are not surrounded looks for elements with an empty circumsphere that meet the limits
+///    `create` and overlap no element there is, and lays them, smallest sphere first.
+///
+/// What overlaps is not laid, so that matter is never covered twice; a new element needs better angles and shorter
+/// edges than an old one, so that none is made and unmade in turn. Ties of lattices are broken by a slight shear of the
+/// coordinates.
+///
+/// Limits: overlap is looked for among the elements at the new element's particles and at the neighbours of its first
+/// one; two sheets that pass through each other with elements longer than the range of contact may escape it. In
+/// three dimensions nothing is exchanged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalDelaunay {
+    create: Limits,
+    keep: Limits,
+    improve: f64,
+    gain: f64,
+}
+
+impl LocalDelaunay {
+    /// With a tolerance of contact delta, m: elements are created with angles from 10 to 160 degrees and edges of at
+    /// least half the mean radius, kept with angles from 0.5 to 179 degrees, edges of at least a tenth of the
+    /// mean radius and gaps up to `stretch` times delta. Diagonals are exchanged below 25 degrees.
+    ///
+    /// On a square lattice of spacing h with radii h/2 the diagonals touch with delta of 0.42 h or more. A body that
+    /// flows must be allowed to stretch: elements that lose contact are cracks.
+    ///
+    /// # Errors
+    /// A tolerance that is not positive and finite, a stretch below 1.
+    pub fn new(tolerance: f64, stretch: f64) -> Result<Self, SceneError> {
+        let owner = "local Delaunay";
+        parameter(tolerance > 0.0, owner, "tolerance delta", tolerance, "positive and finite")?;
+        parameter(stretch >= 1.0, owner, "stretch", stretch, "at least 1 and finite")?;
+        let create = Limits::new(tolerance, [10.0, 160.0], 0.5)?;
+        let keep = Limits::new(tolerance * stretch, [0.5, 179.0], 0.1)?;
+        Ok(LocalDelaunay { create, keep, improve: 25f64.to_radians().cos(), gain: 1.2 })
+    }
+
+    /// With other limits for creating and keeping elements.
+    #[must_use]
+    pub fn with_limits(self, create: Limits, keep: Limits) -> Self {
+        LocalDelaunay { create, keep, ..self }
+    }
+
+    /// Exchange the diagonals of pairs with an angle below this, degrees; 0 for never.
+    ///
+    /// # Errors
+    /// An angle outside [0, 60).
+    pub fn with_exchange_below(self, angle: f64) -> Result<Self, SceneError> {
+        let good = (0.0..60.0).contains(&angle);
+        parameter(good, "local Delaunay", "angle of exchange", angle, "from 0 to below 60 degrees")?;
+        Ok(LocalDelaunay { improve: angle.to_radians().cos(), ..self })
+    }
+}
+
+/// A facet of an element: its particles in ascending order, its element, and the corner it faces.
+type Facet = ([u32; 4], u32, u32);
+
+/// All facets of the elements for which `alive` holds, sorted so that two of one place are next to each other.
+fn facets<const D: usize>(nodes: &[u32], alive: impl Fn(usize) -> bool) -> Vec<Facet> {
+    let mut list = Vec::with_capacity(nodes.len());
+    for (e, element) in nodes.chunks_exact(D + 1).enumerate() {
+        if alive(e) {
+            for k in 0..=D {
+                let mut facet = [u32::MAX; 4];
+                for i in 0..D {
+                    facet[i] = element[(k + 1 + i) % (D + 1)];
+                }
+                facet.sort_unstable();
+                list.push((facet, e as u32, k as u32));
+            }
+        }
+    }
+    list.sort_unstable();
+    list
+}
+
+/// Smallest angle of a triangle, radians; zero if it is not positively oriented.
+fn smallest_angle<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> f64 {
+    let x = corners(particles, nodes);
+    if measure(&x) > 0.0 { angles(&x).0.acos() } else { 0.0 }
+}
+
+impl LocalDelaunay {
+    /// Exchange diagonals of pairs of triangles: dead and born elements are added to the revision.
+    fn exchange<const D: usize>(&self, view: &View<'_, D>, revision: &mut Revision) {
+        let poor = |e: usize| {
+            let (small, _) = angles(&view.corners(view.element(e)));
+            small.is_nan() || small > self.improve
+        };
+        let worst: Vec<usize> = (0..view.elements()).filter(|&e| poor(e)).collect();
+        if worst.is_empty() {
+            return;
+        }
+        let facets = facets::<D>(view.nodes, |_| true);
+        let across = |e: usize, k: usize| {
+            let element = view.element(e);
+            let mut facet = [u32::MAX; 4];
+            facet[0] = element[(k + 1) % 3];
+            facet[1] = element[(k + 2) % 3];
+            facet.sort_unstable();
+            let from = facets.partition_point(|f| f.0 < facet);
+            let mut same = facets[from..].iter().take_while(|f| f.0 == facet);
+            same.find(|f| f.1 as usize != e).map(|f| (f.1 as usize, f.2 as usize))
+        };
+        let mut used = vec![false; view.elements()];
+        for e in worst {
+            if used[e] {
+                continue;
+            }
+            let element = view.element(e);
+            let mut best: Option<(f64, usize, [u32; 6])> = None;
+            for k in 0..3 {
+                let Some((other, opposite)) = across(e, k) else { continue };
+                if used[other] {
+                    continue;
+                }
+                let (top, a, b) = (element[k], element[(k + 1) % 3], element[(k + 2) % 3]);
+                let foot = view.element(other)[opposite];
+                let pair = [top, a, foot, top, foot, b];
+                let angle = |nodes: &[u32]| smallest_angle(view.particles, nodes);
+                let before = angle(element).min(angle(view.element(other)));
+                let after = angle(&pair[..3]).min(angle(&pair[3..]));
+                let sound = |nodes: &[u32]| self.keep.flaw(view.particles, nodes).is_none();
+                let better = after > self.gain * before && best.is_none_or(|(most, ..)| after > most);
+                if better && sound(&pair[..3]) && sound(&pair[3..]) {
+                    best = Some((after, other, pair));
+                }
+            }
+            if let Some((_, other, pair)) = best {
+                used[e] = true;
+                used[other] = true;
+                revision.dead.extend([e as u32, other as u32]);
+                revision.born.extend(pair);
+            }
+        }
+    }
+
+    /// Elements with an empty circumsphere among particles that are `open`, smallest sphere first.
+    fn candidates<const D: usize>(&self, view: &View<'_, D>, open: &[bool]) -> Vec<(f64, [u32; 4])> {
+        const CHUNK: usize = 128;
+        let particles = view.particles.len();
+        let mut parts: Vec<Vec<(f64, [u32; 4])>> = vec![Vec::new(); particles.div_ceil(CHUNK)];
+        view.team.each(&mut parts, |chunk, found| {
+            for a in chunk * CHUNK..((chunk + 1) * CHUNK).min(particles) {
+                if open[a] {
+                    let near = |&n: &u32| {
+                        n as usize > a
+                            && open[n as usize]
+                            && self.create.touch(&view.particles[a], &view.particles[n as usize])
+                    };
+                    let partners: Vec<u32> = view.neighbours.of(a).iter().copied().filter(near).collect();
+                    let mut nodes = [u32::MAX; 4];
+                    nodes[0] = a as u32;
+                    self.choose(view, &partners, &mut nodes, 1, found);
+                }
+            }
+        });
+        let mut found = parts.concat();
+        found.sort_unstable_by(|p, q| p.0.total_cmp(&q.0).then(p.1.cmp(&q.1)));
+        found
+    }
+
+    /// Complete `nodes`, of which `chosen` are set, by partners in ascending order.
+    fn choose<const D: usize>(
+        &self,
+        view: &View<'_, D>,
+        partners: &[u32],
+        nodes: &mut [u32; 4],
+        chosen: usize,
+        found: &mut Vec<(f64, [u32; 4])>,
+    ) {
+        if chosen == D + 1 {
+            let mut element = *nodes;
+            orient(view.particles, &mut element[..=D]);
+            if self.create.flaw(view.particles, &element[..=D]).is_none()
+                && let Some(squared) = empty_sphere(view, &element[..=D])
+            {
+                found.push((squared, element));
+            }
+            return;
+        }
+        for (k, &n) in partners.iter().enumerate() {
+            let touches =
+                |&m: &u32| self.create.touch(&view.particles[m as usize], &view.particles[n as usize]);
+            if nodes[..chosen].iter().all(touches) {
+                nodes[chosen] = n;
+                self.choose(view, &partners[k + 1..], nodes, chosen + 1, found);
+            }
+        }
+    }
+}
+
+/// Coordinates relative to `origin`, sheared.
+fn sheared<const D: usize>(x: &[f64; D], origin: &[f64; D]) -> [f64; D] {
+    let mut y = [0.0; D];
+    for d in 0..D {
+        y[d] = x[d] - origin[d];
+    }
+    let sum: f64 = y.iter().sum();
+    for d in 0..D {
+        y[d] += SHEAR * (sum - y[d]);
+    }
+    y
+}
+
+/// The squared radius of the circumsphere (in sheared coordinates), if no neighbour lies within.
+fn empty_sphere<const D: usize>(view: &View<'_, D>, nodes: &[u32]) -> Option<f64> {
+    let at = |n: u32| &view.particles[n as usize].position;
+    let origin = at(nodes[0]);
+    let mut x: Corners<D> = [[0.0; D]; 4];
+    for (a, &n) in nodes.iter().enumerate() {
+        x[a] = sheared(at(n), origin);
+    }
+    let (centre, squared) = circumsphere(&x);
+    let within = |&n: &u32| {
+        !nodes.contains(&n) && distance_squared(&sheared(at(n), origin), &centre) < squared * (1.0 - INSIDE)
+    };
+    let blocked = nodes.iter().any(|&n| view.neighbours.of(n as usize).iter().any(within));
+    (!blocked && squared.is_finite()).then_some(squared)
+}
+
+/// Elements that grow, by particle.
+struct Laid {
+    nodes: Vec<u32>,
+    at: Vec<Vec<u32>>,
+}
+
+impl Laid {
+    fn push(&mut self, element: &[u32]) {
+        let e = (self.nodes.len() / element.len()) as u32;
+        for &n in element {
+            self.at[n as usize].push(e);
+        }
+        self.nodes.extend_from_slice(element);
+    }
+}
+
+impl<const D: usize> Tessellation<D> for LocalDelaunay {
+    const NAME: &'static str = "local Delaunay with hysteresis";
+
+    fn reach(&self) -> f64 {
+        self.create.tolerance()
+    }
+
+    fn revise(&self, view: &View<'_, D>) -> Revision {
+        let mut revision = Revision::default();
+        if D == 2 {
+            self.exchange(view, &mut revision);
+        }
+        revision.dead.sort_unstable();
+        let bad = failing(view, &self.keep);
+        let exchanged = revision.dead.clone();
+        for e in bad.dead {
+            if exchanged.binary_search(&e).is_err() {
+                revision.dead.push(e);
+            }
+        }
+        revision.flaws = bad.flaws;
+        revision.dead.sort_unstable();
+
+        // What stands: the survivors and the exchanged pairs.
+        let mut dead = vec![false; view.elements()];
+        for &e in &revision.dead {
+            dead[e as usize] = true;
+        }
+        let mut standing: Vec<u32> = Vec::with_capacity(view.nodes.len());
+        for (e, element) in view.nodes.chunks_exact(D + 1).enumerate() {
+            if !dead[e] {
+                standing.extend_from_slice(element);
+            }
+        }
+        standing.extend_from_slice(&revision.born);
+
+        // Particles on a facet with one side only, or in no element.
+        let mut open = vec![true; view.particles.len()];
+        for &n in &standing {
+            open[n as usize] = false;
+        }
+        let list = facets::<D>(&standing, |_| true);
+        for (k, (facet, ..)) in list.iter().enumerate() {
+            let twin = |other: Option<&Facet>| other.is_some_and(|o| o.0 == *facet);
+            if !twin(list.get(k + 1)) && !twin(k.checked_sub(1).and_then(|k| list.get(k))) {
+                for &n in &facet[..D] {
+                    open[n as usize] = true;
+                }
+            }
+        }
+        let candidates = self.candidates(view, &open);
+        if candidates.is_empty() {
+            return revision;
+        }
+        let mut laid = Laid { nodes: Vec::new(), at: vec![Vec::new(); view.particles.len()] };
+        for element in standing.chunks_exact(D + 1) {
+            laid.push(element);
+        }
+        for (_, element) in &candidates {
+            let element = &element[..=D];
+            if !overlaps(view, &laid, element) {
+                laid.push(element);
+                revision.born.extend_from_slice(element);
+            }
+        }
+        revision
+    }
+}
+
+/// Does the element lie over one that is laid?
+fn overlaps<const D: usize>(view: &View<'_, D>, laid: &Laid, element: &[u32]) -> bool {
+    let x = view.corners(element);
+    let size = measure(&x);
+    let over = |&e: &u32| {
+        let other = &laid.nodes[e as usize * (D + 1)..(e as usize + 1) * (D + 1)];
+        let y = view.corners(other);
+        sorted(other) == sorted(element) || overlap(&x, &y, false) > TOUCHING * size.min(measure(&y))
+    };
+    let first = view.neighbours.of(element[0] as usize);
+    element.iter().chain(first).any(|&n| laid.at[n as usize].iter().any(over))
+}

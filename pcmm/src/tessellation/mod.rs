@@ -1,0 +1,239 @@
+//! Which particles make elements: strategies, and the conditions they ask for.
+
+mod delaunay;
+mod fan;
+
+use mpm_core::Team;
+
+pub use delaunay::LocalDelaunay;
+pub use fan::AzimuthFan;
+
+use crate::elements::Incidence;
+use crate::particles::{Particle, SceneError, parameter};
+use crate::search::Neighbours;
+use crate::simplex::{Corners, angles, distance_squared, measure};
+
+/// What a strategy may look at.
+#[derive(Debug)]
+pub struct View<'a, const D: usize> {
+    /// All particles.
+    pub particles: &'a [Particle<D>],
+    /// Who is in range of whom, by [`Tessellation::reach`].
+    pub neighbours: &'a Neighbours<D>,
+    /// The elements there are: `D + 1` particles each, positively oriented.
+    pub nodes: &'a [u32],
+    /// Which elements meet at each particle.
+    pub incidence: &'a Incidence,
+    /// Threads to use.
+    pub team: &'a Team,
+}
+
+impl<const D: usize> View<'_, D> {
+    /// How many elements there are.
+    pub fn elements(&self) -> usize {
+        self.nodes.len() / (D + 1)
+    }
+    /// The particles of element `e`.
+    pub fn element(&self, e: usize) -> &[u32] {
+        &self.nodes[e * (D + 1)..(e + 1) * (D + 1)]
+    }
+    /// Where the particles `nodes` are.
+    pub fn corners(&self, nodes: &[u32]) -> Corners<D> {
+        corners(self.particles, nodes)
+    }
+    /// Is there an element of these particles, in any order?
+    pub fn has(&self, nodes: &[u32]) -> bool {
+        let wanted = sorted(nodes);
+        self.incidence
+            .of(nodes[0] as usize)
+            .iter()
+            .any(|&at| sorted(self.element(at as usize / (D + 1))) == wanted)
+    }
+}
+
+/// Where the particles `nodes` are.
+pub(crate) fn corners<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> Corners<D> {
+    let mut x = [[0.0; D]; 4];
+    for (a, &n) in nodes.iter().enumerate() {
+        x[a] = particles[n as usize].position;
+    }
+    x
+}
+
+/// The particles of an element in ascending order; places beyond the last hold `u32::MAX`.
+pub(crate) fn sorted(nodes: &[u32]) -> [u32; 4] {
+    let mut list = [u32::MAX; 4];
+    list[..nodes.len()].copy_from_slice(nodes);
+    list.sort_unstable();
+    list
+}
+
+/// What a strategy wants changed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Revision {
+    /// Elements to delete, in ascending order.
+    pub dead: Vec<u32>,
+    /// Elements to create: `D + 1` particles each, positively oriented.
+    pub born: Vec<u32>,
+    /// How many of the dead failed which condition; those that made room for better ones are not among them.
+    pub flaws: [usize; Flaw::COUNT],
+}
+
+impl Revision {
+    /// Nothing to do?
+    pub fn is_empty(&self) -> bool {
+        self.dead.is_empty() && self.born.is_empty()
+    }
+}
+
+/// Makes and unmakes elements.
+pub trait Tessellation<const D: usize>: Clone + Send + Sync + 'static {
+    /// The name in tables and messages.
+    const NAME: &'static str;
+    /// Particles closer than R_i + R_j + reach are neighbours (delta of \[Feng2014\]), m.
+    fn reach(&self) -> f64;
+    /// What to change now. From no elements at all it makes the first ones.
+    fn revise(&self, view: &View<'_, D>) -> Revision;
+}
+
+/// Which condition an element fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flaw {
+    /// Two of its particles do not touch: d > R_i + R_j + delta.
+    Contact = 0,
+    /// An angle is too small, or the element is flat or turned inside out.
+    SmallAngle = 1,
+    /// An angle is too large.
+    LargeAngle = 2,
+    /// An edge is too short against the mean radius.
+    ShortEdge = 3,
+}
+
+impl Flaw {
+    /// How many kinds there are.
+    pub const COUNT: usize = 4;
+}
+
+/// The conditions of \[Feng2014\] on an element:
+///
+/// 1. d_ij <= R_i + R_j + delta for all pairs;
+/// 2. all angles between facets (in a triangle the inner angles, in a tetrahedron the dihedral ones) in a range;
+/// 3. d_ij >= a part of the mean radius of its particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    tolerance: f64,
+    cosine_small: f64,
+    cosine_large: f64,
+    shortest_edge: f64,
+}
+
+impl Limits {
+    /// As printed, angles from 30 to 150 degrees and edges of at least half the mean radius, for a tolerance delta
+    /// (m; \[Feng2014\] gives no value).
+    ///
+    /// # Errors
+    /// A tolerance that is negative or not finite.
+    pub fn printed(tolerance: f64) -> Result<Self, SceneError> {
+        Self::new(tolerance, [30.0, 150.0], 0.5)
+    }
+
+    /// With tolerance delta, m, the smallest and the largest angle, degrees, and the shortest edge over the mean
+    /// radius.
+    ///
+    /// # Errors
+    /// A tolerance or edge that is negative, angles that are not 0 <= smallest < largest <= 180.
+    pub fn new(
+        tolerance: f64,
+        [smallest, largest]: [f64; 2],
+        shortest_edge: f64,
+    ) -> Result<Self, SceneError> {
+        let owner = "limits of an element";
+        let zero_or_more = "zero or positive, and finite";
+        let good = |x: f64| x >= 0.0 && x.is_finite();
+        parameter(good(tolerance), owner, "tolerance delta", tolerance, zero_or_more)?;
+        parameter(
+            (0.0..180.0).contains(&smallest),
+            owner,
+            "smallest angle",
+            smallest,
+            "from 0 to below 180",
+        )?;
+        let above = largest > smallest && largest <= 180.0;
+        parameter(above, owner, "largest angle", largest, "above the smallest and at most 180")?;
+        parameter(good(shortest_edge), owner, "shortest edge", shortest_edge, zero_or_more)?;
+        Ok(Limits {
+            tolerance,
+            cosine_small: smallest.to_radians().cos(),
+            cosine_large: largest.to_radians().cos(),
+            shortest_edge,
+        })
+    }
+
+    /// The tolerance of contact delta, m.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// Is the distance between two particles one of contact?
+    pub fn touch<const D: usize>(&self, a: &Particle<D>, b: &Particle<D>) -> bool {
+        let range = a.radius + b.radius + self.tolerance;
+        distance_squared(&a.position, &b.position) <= range * range
+    }
+
+    /// The first condition that the element of the particles `nodes` fails, if any. One that is turned inside out has
+    /// a [`Flaw::SmallAngle`].
+    pub fn flaw<const D: usize>(&self, particles: &[Particle<D>], nodes: &[u32]) -> Option<Flaw> {
+        let mean = nodes.iter().map(|&n| particles[n as usize].radius).sum::<f64>() / nodes.len() as f64;
+        let shortest = (self.shortest_edge * mean).powi(2);
+        let mut short = false;
+        for (k, &a) in nodes.iter().enumerate() {
+            for &b in &nodes[..k] {
+                let (a, b) = (&particles[a as usize], &particles[b as usize]);
+                if !self.touch(a, b) {
+                    return Some(Flaw::Contact);
+                }
+                short |= distance_squared(&a.position, &b.position) < shortest;
+            }
+        }
+        let x = corners(particles, nodes);
+        let (small, large) = angles(&x);
+        // A flat simplex has angles that are not numbers.
+        if !(small <= self.cosine_small && measure(&x) > 0.0) {
+            return Some(Flaw::SmallAngle);
+        }
+        if large < self.cosine_large {
+            return Some(Flaw::LargeAngle);
+        }
+        short.then_some(Flaw::ShortEdge)
+    }
+}
+
+/// Put the particles of an element in positive orientation.
+pub(crate) fn orient<const D: usize>(particles: &[Particle<D>], nodes: &mut [u32]) {
+    if measure(&corners(particles, nodes)) < 0.0 {
+        nodes.swap(0, 1);
+    }
+}
+
+/// The elements that fail the limits, and how many fail which.
+pub(crate) fn failing<const D: usize>(view: &View<'_, D>, limits: &Limits) -> Revision {
+    const CHUNK: usize = 1024;
+    let elements = view.elements();
+    let mut parts: Vec<Revision> = vec![Revision::default(); elements.div_ceil(CHUNK)];
+    view.team.each(&mut parts, |chunk, part| {
+        for e in chunk * CHUNK..((chunk + 1) * CHUNK).min(elements) {
+            if let Some(flaw) = limits.flaw(view.particles, view.element(e)) {
+                part.dead.push(e as u32);
+                part.flaws[flaw as usize] += 1;
+            }
+        }
+    });
+    let mut all = Revision::default();
+    for part in parts {
+        all.dead.extend(part.dead);
+        for k in 0..Flaw::COUNT {
+            all.flaws[k] += part.flaws[k];
+        }
+    }
+    all
+}
