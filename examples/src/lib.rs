@@ -8,12 +8,15 @@
 //! | `bouncing_blocks` | bars, discs, balls and a block on an incline in contact, against exact values |
 //! | `pressed_balls` | a loaded plate on a thousand balls: stress waves through contacts, and what contact costs |
 //! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
+//! | `oblique_penetration` | an ogive rod through an aluminium plate: residual speed against experiment |
 //! | `plate_impact` | a plate hits a plate: shock lines of the library's metals, spall |
 //! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
 //! | `throughput` | particle updates a second on fixed scenes |
 
 pub mod case;
 mod normals;
+mod ogive;
 
 pub use case::{CaseError, Check, Common, Report, Resolution, Totals};
 pub use normals::Normals;
+pub use ogive::Ogive;
