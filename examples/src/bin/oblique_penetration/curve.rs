@@ -39,8 +39,7 @@ pub fn shoot(setup: &Setup, folder: &Path) -> Result<(Vec<Point>, Vec<Outcome>),
             outcomes.push(outcome);
         }
     }
-    let columns =
-        [("angle", "rad"), ("impact speed", "m/s"), ("residual speed", "m/s"), ("estimate", "m/s")];
+    let columns = [("angle", "rad"), ("impact speed", "m/s"), ("residual speed", "m/s"), ("estimate", "m/s")];
     let mut file = History::create(folder.join("curve.csv"), columns)?;
     for p in &points {
         file.push(&[p.angle, p.speed, p.residual, p.estimate])?;

@@ -42,17 +42,15 @@ fn cut(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
     let size = ParticleSize::Uniform(h / f64::from(outcome.setup.parts));
     let section =
         Snapshot::new(2, snapshot.time(), snapshot.step(), places, size)?.with_scalar("strain", strains)?;
-    let reach = ROD.length * outcome.setup.angle.sin();
-    let drift = outcome.setup.way() * outcome.setup.angle.sin();
-    FieldPicture::new(470, 620)
+    FieldPicture::new(470, 560)
         .colour_by(
-            Quantity::scalar("strain").label("plastic strain").range(0.0, MOST_STRAIN).map(ColourMap::Viridis),
+            Quantity::scalar("strain")
+                .label("plastic strain")
+                .range(0.0, MOST_STRAIN)
+                .map(ColourMap::Viridis),
         )
         .axes("x", "z")
-        .bounds(
-            [-reach - ROD.diameter, -THICKNESS - 0.75 * ROD.length],
-            [drift + 0.8 * reach + 1.5 * ROD.diameter, ROD.length],
-        )
+        .bounds([-0.6 * ROD.length, -THICKNESS - 0.5 * ROD.length], [0.6 * ROD.length, 0.85 * ROD.length])
         .draw(&section)
 }
 
@@ -63,7 +61,8 @@ pub fn histories(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
         .y(Axis::new("speed of the rod's centre of mass").unit("m/s", 1.0));
     for (n, outcome) in outcomes.iter().enumerate() {
         let (t, v): (Vec<f64>, Vec<f64>) = outcome.rows.iter().map(|r| (r.time, r.speed())).unzip();
-        let name = format!("{} cells through the plate, friction {}", outcome.setup.cells, outcome.setup.friction);
+        let name =
+            format!("{} cells through the plate, friction {}", outcome.setup.cells, outcome.setup.friction);
         chart = chart.series(Series::new(name, &t, &v)?.colour(palette(n)));
     }
     let end = outcomes.iter().map(|o| o.last().time).fold(0.0, f64::max);
@@ -71,9 +70,11 @@ pub fn histories(outcomes: &[&Outcome]) -> Result<Picture, CaseError> {
         Ok(Series::new(name, &[0.0, end], &[v; 2])?.stroke(stroke).colour([60; 3]))
     };
     if outcomes.iter().any(|o| o.setup.is_the_paper_s()) {
-        chart = chart
-            .series(level("experiment", EXPERIMENT, Stroke::Dashed)?)
-            .series(level("MPM3Dpp", PAPER, Stroke::Dotted)?);
+        chart = chart.series(level("experiment", EXPERIMENT, Stroke::Dashed)?).series(level(
+            "MPM3Dpp",
+            PAPER,
+            Stroke::Dotted,
+        )?);
     }
     Ok(chart.draw()?)
 }

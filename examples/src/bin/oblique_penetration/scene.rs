@@ -34,6 +34,7 @@ pub struct Outcome {
     /// Most cells with particles at a snapshot, and cells of the box around all particles at all snapshots.
     pub cells: [usize; 2],
     pub totals: Totals,
+    /// Energy and momentum over time.
     pub ledger: Vec<LedgerEntry>,
 }
 
@@ -62,7 +63,8 @@ impl Outcome {
 
 /// Shoot; snapshots at the given ways of a rod that is not slowed, m, and ParaView frames in a folder.
 pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
-    let blend = Blend::new(setup.memory * setup.spacing() / SOUND).map_err(|e| CaseError::Other(e.to_string()))?;
+    let blend =
+        Blend::new(setup.memory * setup.spacing() / SOUND).map_err(|e| CaseError::Other(e.to_string()))?;
     match setup.kernel {
         Kernel::Hat => meet(setup, ways, files, Method::new(Linear, blend, Musl, FullSpace)),
         Kernel::Cpgimp => meet(setup, ways, files, Method::new(CpGimp, blend, Musl, FullSpace)),

@@ -4,6 +4,9 @@ use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
 
 use crate::setup::{ROD, Setup, THICKNESS};
 
+/// Slices of the rod whose centres make its centre line.
+const SLICES: usize = 20;
+
 /// The rod at one moment.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Row {
@@ -18,7 +21,7 @@ pub struct Row {
     pub tail: f64,
     /// Force of the plate on the whole rod, mean since the row before, N.
     pub force: [f64; 2],
-    /// How deep the deepest particle of the plate is inside the rod, taken as rigid, m.
+    /// How deep the deepest particle of the plate is inside the rod, which bends and is else rigid, m.
     pub overlap: f64,
     /// Particles of the plate deeper than half a cell inside it.
     pub inside: usize,
@@ -81,13 +84,23 @@ impl Observer<f64, 3> for Track {
         });
         let norm = axis[0].hypot(axis[1]);
         let axis = axis.map(|a| a / norm);
+        // How far the rod is bent: its centre line off the axis, in slices.
+        let mut slices = [[0.0; 2]; SLICES];
+        let slice = |s: f64| ((s / ROD.length * SLICES as f64) as usize).min(SLICES - 1);
+        rod.for_each(&mut |p| {
+            let off = (p.position[0] - x[0]) * axis[1] - (p.position[2] - x[1]) * axis[0];
+            let [sum, weight] = &mut slices[slice(self.from_tail[p.number])];
+            *sum += p.mass * off;
+            *weight += p.mass;
+        });
         let (mut failed, mut inside, mut overlap) = (0, 0, f64::NEG_INFINITY);
         let half = 0.5 * self.setup.spacing();
         let damage = plate.state_names().iter().position(|n| n == "failure_damage");
         plate.for_each(&mut |p| {
             let [a, b] = [p.position[0] - x[0], p.position[2] - x[1]];
             let along = a * axis[0] + b * axis[1];
-            let across = (a * axis[1] - b * axis[0]).hypot(p.position[1]);
+            let [sum, weight] = slices[slice(s + along)];
+            let across = (a * axis[1] - b * axis[0] - sum / weight).hypot(p.position[1]);
             let depth = ROD.radius_at(s + along) - across;
             overlap = overlap.max(depth);
             inside += usize::from(depth > half);
