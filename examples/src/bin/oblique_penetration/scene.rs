@@ -43,10 +43,10 @@ impl Outcome {
     pub fn last(&self) -> Row {
         self.rows.last().copied().unwrap_or_default()
     }
-    /// Speed behind the plate, m/s; 0 if the rod stayed or came back.
+    /// Speed behind the plate, m/s; 0 if the rod stayed in it, carried along or not, or came back.
     pub fn residual(&self) -> f64 {
         let last = self.last();
-        if last.tail < -THICKNESS { last.speed() } else { 0.0 }
+        if last.tail - last.carried[0] < -THICKNESS { last.speed() } else { 0.0 }
     }
     /// Most of the plate's particles ever found deeper than half a cell inside the rod, as volume over that of the
     /// hole.

@@ -19,6 +19,8 @@ pub struct Row {
     /// Height of tip and tail above the front of the plate, m.
     pub tip: f64,
     pub tail: f64,
+    /// How far the plate as a whole was carried along z, m, and how fast, m/s: its edges are free.
+    pub carried: [f64; 2],
     /// Force of the plate on the whole rod, mean since the row before, N.
     pub force: [f64; 2],
     /// How deep the deepest particle of the plate is inside the rod, which bends and is else rigid, m.
@@ -51,10 +53,10 @@ impl Track {
         Track { pace, from_tail, setup: *setup, rows: Vec::new() }
     }
 
-    /// Did the rod come out behind the plate, or turn round?
+    /// Did the rod come out behind the plate, or stick in it?
     pub fn over(&self) -> bool {
         let Some(row) = self.rows.last() else { return false };
-        row.tail < -THICKNESS - self.setup.spacing() || row.velocity[1] > 0.0
+        row.tail - row.carried[0] < -THICKNESS - self.setup.spacing() || row.velocity[1] > row.carried[1]
     }
 }
 
@@ -95,8 +97,12 @@ impl Observer<f64, 3> for Track {
         });
         let (mut failed, mut inside, mut overlap) = (0, 0, f64::NEG_INFINITY);
         let half = 0.5 * self.setup.spacing();
+        let (mut all, mut height, mut sink) = (0.0, 0.0, 0.0);
         let damage = plate.state_names().iter().position(|n| n == "failure_damage");
         plate.for_each(&mut |p| {
+            all += p.mass;
+            height += p.mass * p.position[2];
+            sink += p.mass * p.velocity[2];
             let [a, b] = [p.position[0] - x[0], p.position[2] - x[1]];
             let along = a * axis[0] + b * axis[1];
             let [sum, weight] = slices[slice(s + along)];
@@ -116,6 +122,7 @@ impl Observer<f64, 3> for Track {
             pitch: axis[0].atan2(-axis[1]),
             tip: x[1] + (ROD.length - s) * axis[1],
             tail: x[1] - s * axis[1],
+            carried: [height / all + 0.5 * THICKNESS, sink / all],
             force,
             overlap,
             inside,
