@@ -9,6 +9,7 @@
 //! | `pressed_balls` | a loaded plate on a thousand balls: stress waves through contacts, and what contact costs |
 //! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
 //! | `shaken_discs` | three large and 207 small discs in a shaken container: the large ones rise, the pile rests |
+//! | `oblique_penetration` | an ogive rod through an aluminium plate: residual speed against experiment |
 //! | `plate_impact` | a plate hits a plate: shock lines of the library's metals, spall |
 //! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
 //! | `debris_cloud_2d` | a disc goes through a plate at 5 km/s, by the particle-contact meshfree method |
@@ -18,6 +19,8 @@
 
 pub mod case;
 mod normals;
+mod ogive;
 
 pub use case::{CaseError, Check, Common, Report, Resolution, Totals};
 pub use normals::Normals;
+pub use ogive::Ogive;

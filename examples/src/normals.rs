@@ -12,8 +12,8 @@ pub enum Normals {
     Regression,
 }
 
-impl NormalRule<f64, 2> for Normals {
-    fn prepare(&self, at: &SharedNodes<'_, f64, 2>, memory: &mut Memory<'_, f64>) {
+impl<const D: usize> NormalRule<f64, D> for Normals {
+    fn prepare(&self, at: &SharedNodes<'_, f64, D>, memory: &mut Memory<'_, f64>) {
         match self {
             Normals::Gradients(rule) => rule.prepare(at, memory),
             Normals::Regression => Regression.prepare(at, memory),
@@ -21,7 +21,7 @@ impl NormalRule<f64, 2> for Normals {
     }
     fn normals(
         &self,
-        at: &SharedNodes<'_, f64, 2>,
+        at: &SharedNodes<'_, f64, D>,
         pair: [usize; 2],
         nodes: u64,
         memory: &Memory<'_, f64>,

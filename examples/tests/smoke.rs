@@ -282,6 +282,21 @@ fn rolling_cylinder() {
 }
 
 #[test]
+fn oblique_penetration() {
+    let name = "oblique";
+    let program = env!("CARGO_BIN_EXE_oblique_penetration");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "oblique_penetration");
+    let checks = value["checks"].as_array().expect("checks");
+    // Energy, momentum and interpenetration; the speed of so coarse a rod is shown only.
+    assert!(checks.iter().filter(|c| c["pass"] == true).count() >= 3);
+    let out = folder(name);
+    for file in ["cuts.png", "speed.png", "rod_575_30deg_8.csv", "result.json"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn pressed_balls() {
     let name = "balls";
     let program = env!("CARGO_BIN_EXE_pressed_balls");
@@ -342,6 +357,11 @@ fn bad_input_is_refused_by_name() {
     let rolling = env!("CARGO_BIN_EXE_rolling_cylinder");
     let angle = said(rolling, &["--angle", "90"]);
     assert!(angle.contains("'90' for '--angle <DEGREES>'") && angle.contains("from 1 to 80"), "{angle}");
+    let oblique = said(env!("CARGO_BIN_EXE_oblique_penetration"), &["--angle", "46"]);
+    assert!(
+        oblique.contains("'46' for '--angle <DEGREES>'") && oblique.contains("from 0 to 45"),
+        "{oblique}"
+    );
     let friction = said(rolling, &["--friction", "0.3,-1"]);
     assert!(friction.contains("'-1' for '--friction <MU>'"), "{friction}");
     let folder = said(bar, &["--resolution", "smoke", "--out", "/dev/null/here"]);

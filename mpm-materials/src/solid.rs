@@ -268,15 +268,21 @@ where
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.volume_ratio
     }
-    /// c^2 = (dp/drho)_s + 4 G/(3 rho), the bulk part floored at zero. Neither plastic flow nor failure lowers
-    /// it; pressure raises it where it stiffens the strength. Bulk viscosity is left out; see [`BulkViscosity`] for
-    /// what it does to the step.
+    /// c^2 = (dp/drho)_s + 4 G/(3 rho), the bulk part floored at zero. Plastic flow does not lower it; pressure raises
+    /// it where it stiffens the strength. A point that failed and carries no shear has none in c either: debris flies
+    /// apart, and 4 G/(3 rho) of what is left of its density would govern the step of the whole scene. Bulk viscosity
+    /// is left out; see [`BulkViscosity`] for what it does to the step.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         let bulk = self.eos.speed_squared(now.volume_ratio, now.energy).max(L::zero());
         let shear = L::splat(self.strength.shear_modulus() * T::of(4.0 / 3.0) / self.eos.density());
         let stiffening = self.strength.stiffening(-now.stress.mean(), now.volume_ratio, &now.strength);
-        (shear * stiffening).mul_add(now.volume_ratio, bulk).sqrt()
+        let mut stiff = shear * stiffening;
+        if F::POSSIBLE && !F::REMAINS.shear() {
+            let failed = self.failure.failed(&now.failure, self.strength.plastic_strain(&now.strength));
+            stiff = stiff * L::select(failed, L::zero(), L::one());
+        }
+        stiff.mul_add(now.volume_ratio, bulk).sqrt()
     }
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {

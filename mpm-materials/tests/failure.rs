@@ -258,3 +258,19 @@ mod battery {
         );
     }
 }
+
+#[test]
+fn debris_that_flies_apart_has_no_shear_wave() {
+    let whole =
+        Solid::new(J2::linear(26e9, 300e6, 0.0).unwrap(), LogarithmicBulk::new(2700.0, 70e9).unwrap());
+    let law = whole.with_failure(PlasticStrainLimit::new(0.1).unwrap());
+    let mut state = law.virgin();
+    assert_relative_eq!(law.wave_speed(&state), whole.wave_speed(&whole.virgin()), max_relative = 1e-15);
+    state.strength.plastic_strain = 0.2;
+    state.volume_ratio = 50.0;
+    let bulk = whole.eos().speed_squared(50.0, 0.0).max(0.0).sqrt();
+    assert_relative_eq!(law.wave_speed(&state), bulk, max_relative = 1e-15);
+    // Only what carries no shear: a cracked point keeps its wave.
+    let cracked = whole.with_failure(LosesTension(PlasticStrainLimit::new(0.1).unwrap()));
+    assert!(cracked.wave_speed(&state) > bulk);
+}

@@ -1,0 +1,169 @@
+//! Rod, plate and the run.
+//!
+//! The plate is normal to z and lies at -thickness < z < 0; the rod comes from above along (sin, 0, -cos) and its
+//! axis meets the front at the origin. y = 0 is a plane of symmetry: sums are those of half of it all.
+
+use std::f64::consts::PI;
+use std::path::Path;
+
+use examples::{CaseError, Normals, Totals};
+use mpm_contact::{Coulomb, Gradients, GridContact, Pairs, SurfaceDistance};
+use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{
+    Blend, BlockGrid, Boundary, Composition, Contact, CpGimp, FullSpace, Linear, Method, Mpm, Musl, OneField,
+    Side, Team, TimeControl,
+};
+use mpm_materials::{LinearElastic, Moduli, library};
+
+use crate::cells::Cells;
+use crate::setup::{Detection, Kernel, ROD, STEEL, Setup, THICKNESS};
+use crate::track::{Row, Track};
+
+/// Longitudinal wave speed in the plate, m/s, for the memory of the blend.
+const SOUND: f64 = 6100.0;
+/// Between two rows of a history, s.
+const HISTORY: f64 = 2.0e-6;
+
+/// What came of a run.
+pub struct Outcome {
+    pub setup: Setup,
+    pub rows: Vec<Row>,
+    pub snapshots: Vec<Snapshot>,
+    /// Most cells with particles at a snapshot, and cells of the box around all particles at all snapshots.
+    pub cells: [usize; 2],
+    pub totals: Totals,
+    /// Energy and momentum over time.
+    pub ledger: Vec<LedgerEntry>,
+}
+
+impl Outcome {
+    /// The last row.
+    pub fn last(&self) -> Row {
+        self.rows.last().copied().unwrap_or_default()
+    }
+    /// Speed behind the plate, m/s; 0 if the rod stayed in it, carried along or not, or came back.
+    pub fn residual(&self) -> f64 {
+        let last = self.last();
+        if last.tail - last.carried[0] < -THICKNESS { last.speed() } else { 0.0 }
+    }
+    /// Most of the plate's particles ever found deeper than half a cell inside the rod, as volume over that of the
+    /// hole.
+    pub fn overlap(&self) -> f64 {
+        let most = self.rows.iter().map(|r| r.inside).max().unwrap_or(0) as f64;
+        let particle = (self.setup.spacing() / f64::from(self.setup.parts)).powi(3);
+        most * particle / (0.5 * PI * ROD.radius().powi(2) * self.setup.way())
+    }
+    /// The last entry of the ledger.
+    pub fn books(&self) -> LedgerEntry {
+        self.ledger.last().copied().unwrap_or_default()
+    }
+}
+
+/// Shoot; snapshots at the given ways of a rod that is not slowed, m, and ParaView frames in a folder.
+pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
+    let blend =
+        Blend::new(setup.memory * setup.spacing() / SOUND).map_err(|e| CaseError::Other(e.to_string()))?;
+    match setup.kernel {
+        Kernel::Hat => meet(setup, ways, files, Method::new(Linear, blend, Musl, FullSpace)),
+        Kernel::Cpgimp => meet(setup, ways, files, Method::new(CpGimp, blend, Musl, FullSpace)),
+    }
+}
+
+fn meet<M: Composition<f64, 3>>(
+    setup: &Setup,
+    ways: &[f64],
+    files: Option<&Path>,
+    method: M,
+) -> Result<Outcome, CaseError> {
+    let laws = Pairs::new(Coulomb::new(setup.friction)?);
+    let gradients = SurfaceDistance::new(Normals::Gradients(Gradients::default()), 0.0)?;
+    let detector = match setup.detection {
+        Detection::Off => return run(setup, ways, files, method, OneField),
+        Detection::Distance => gradients,
+        Detection::Local => gradients.locally(),
+        Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?.locally(),
+    };
+    run(setup, ways, files, method, GridContact::new(detector, laws))
+}
+
+fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
+    setup: &Setup,
+    ways: &[f64],
+    files: Option<&Path>,
+    method: M,
+    contact: K,
+) -> Result<Outcome, CaseError> {
+    let h = setup.spacing();
+    let lattice = Lattice::new([0.0; 3], h)?;
+    let mut mpm = Mpm::<f64, 3, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
+    let steel = LinearElastic::new(STEEL, Moduli::young_poisson(206e9, 0.3)?)?;
+    let (sine, cosine) = setup.angle.sin_cos();
+    // A quarter of a cell before the plate.
+    let before = 0.25 * h;
+    let tip = [-before * sine, 0.0, before * cosine];
+    let (seeds, from_tail) = ROD.rings(tip, setup.angle, PI, h / f64::from(setup.parts))?;
+    let velocity = [setup.speed * sine, 0.0, -setup.speed * cosine];
+    mpm.add("rod", steel, &seeds, |_| velocity)?;
+    let aluminium =
+        library::aluminium_6061_t6().with_failure(setup.ductility()?).with_bulk_viscosity(0.06, 1.5)?;
+    let middle = 0.5 * THICKNESS * setup.angle.tan();
+    let half = setup.half_width;
+    let plate = Cuboid::new([middle - half, 0.0, -THICKNESS], [middle + half, half, 0.0])?;
+    let plate = fill(&plate, &lattice, setup.parts as usize, &Filling::new())?;
+    mpm.add("plate", aluminium, &plate, |_| [0.0; 3])?;
+    mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
+    mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
+    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+
+    let mut track = Track::new(Pace::interval(HISTORY)?, from_tail, setup);
+    let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    if let Some(folder) = files {
+        ledger = ledger.with_csv(folder.join(format!("ledger_{}.csv", setup.name())))?;
+    }
+    let mut bar = Progress::new(setup.name());
+    let mut frames = match files {
+        Some(folder) => {
+            let pace = Pace::interval(40.0e-6)?;
+            Some(VtkSeries::create(folder.join("paraview"), setup.name(), pace)?)
+        }
+        None => None,
+    };
+    let mut summary = RunSummary::default();
+    let mut snapshots = Vec::new();
+    let mut occupied = Cells::new(h);
+    // A rod that is still in the plate after four times as long as at full speed stays there.
+    let through = (ROD.length + setup.way()) / setup.speed;
+    let mut ends: Vec<f64> = ways.iter().map(|w| w / setup.speed).collect();
+    ends.extend((0..60).map(|n| through * (1.0 + 0.05 * f64::from(n))));
+    ends.sort_by(f64::total_cmp);
+    for end in ends {
+        let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
+        let run = mpm.run_observed(end, &mut observers)?;
+        summary.steps += run.steps;
+        summary.wall_seconds += run.wall_seconds;
+        summary.updates += run.updates;
+        occupied.look(&mpm.moment());
+        if snapshots.len() < ways.len() {
+            snapshots.push(mpm.snapshot()?);
+        }
+        if track.over() {
+            break;
+        }
+    }
+    let totals = Totals {
+        particles: mpm.particles(),
+        steps: summary.steps,
+        simulated_seconds: mpm.time(),
+        wall_seconds: summary.wall_seconds,
+        updates: summary.updates,
+        bytes: mpm.bytes(),
+        energy_error: ledger.worst_energy_error(),
+        momentum_error: ledger.worst_momentum_error(),
+    };
+    let ledger = ledger.entries().to_vec();
+    let cells = occupied.share();
+    Ok(Outcome { setup: *setup, rows: track.rows, snapshots, cells, totals, ledger })
+}

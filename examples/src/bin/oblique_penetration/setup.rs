@@ -1,0 +1,108 @@
+//! What a run is made of.
+
+use clap::ValueEnum;
+use examples::Ogive;
+use mpm_materials::JohnsonCookDamage;
+use serde::Serialize;
+
+use crate::plate::Ductility;
+use examples::CaseError;
+
+/// The rod \[Piekutowski1996\].
+pub const ROD: Ogive = Ogive { diameter: 12.9e-3, length: 88.9e-3, crh: 3.0 };
+/// Thickness of the plate, m.
+pub const THICKNESS: f64 = 26.3e-3;
+/// Density of the rod, kg/m^3: 4340 steel; 81.06 g.
+pub const STEEL: f64 = 7830.0;
+
+/// How a rod meets a plate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Detection {
+    /// By the distance of the surfaces
+    Distance,
+    /// By the distance of the surfaces within half a cell of the line through the node
+    Local,
+    /// The same, along the normal of the plane that best separates the particles
+    Regression,
+    /// They stick where they share a node: one velocity field
+    Off,
+}
+
+/// Shape function, transfer and stress update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kernel {
+    /// Linear hats, FLIP or a blend, MUSL
+    Hat,
+    /// Convected-particle GIMP, FLIP or a blend, MUSL
+    Cpgimp,
+}
+
+/// When the plate fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Criterion {
+    /// Never
+    None,
+    /// At a plastic strain (--failure-strain)
+    Strain,
+    /// Johnson-Cook damage, D1 to D5 of 6061-T6
+    JohnsonCook,
+}
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Setup {
+    /// Of impact, m/s.
+    pub speed: f64,
+    /// Between the rod's way and the plate's normal, radians.
+    pub angle: f64,
+    /// Cells through the plate.
+    pub cells: u32,
+    /// Particles a cell along each axis.
+    pub parts: u32,
+    /// Half the edge of the square plate, m.
+    pub half_width: f64,
+    pub friction: f64,
+    pub criterion: Criterion,
+    /// Of the criterion `Strain`.
+    pub failure_strain: f64,
+    pub kernel: Kernel,
+    /// FLIP forgets what the nodes do not see while sound crosses this many cells.
+    pub memory: f64,
+    pub detection: Detection,
+    /// Of the time step.
+    pub factor: f64,
+    pub threads: usize,
+}
+
+impl Setup {
+    /// Cell size, m.
+    pub fn spacing(&self) -> f64 {
+        THICKNESS / f64::from(self.cells)
+    }
+    /// Way of the rod's axis through the plate, m.
+    pub fn way(&self) -> f64 {
+        THICKNESS / self.angle.cos()
+    }
+    /// Is it the shot of \[Ma2010\]?
+    pub fn is_the_paper_s(&self) -> bool {
+        self.speed == 575.0 && (self.angle.to_degrees() - 30.0).abs() < 1e-9
+    }
+    /// As in the names of files.
+    pub fn name(&self) -> String {
+        format!("{:.0}_{:.0}deg_{}", self.speed, self.angle.to_degrees(), self.cells)
+    }
+    /// The failure of the plate.
+    ///
+    /// # Errors
+    /// A failure strain that is not positive.
+    pub fn ductility(&self) -> Result<Ductility, CaseError> {
+        Ok(match self.criterion {
+            Criterion::None => Ductility::Whole,
+            Criterion::Strain => Ductility::strain(self.failure_strain)?,
+            Criterion::JohnsonCook => Ductility::Damage(JohnsonCookDamage::aluminium_6061()),
+        })
+    }
+}

@@ -1,0 +1,133 @@
+//! Where the rod is, how fast and how it lies.
+
+use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+
+use crate::setup::{ROD, Setup, THICKNESS};
+
+/// Slices of the rod whose centres make its centre line.
+const SLICES: usize = 20;
+
+/// The rod at one moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// s.
+    pub time: f64,
+    /// Velocity of the centre of mass along x and z, m/s.
+    pub velocity: [f64; 2],
+    /// Angle of the axis with the plate's normal, radians.
+    pub pitch: f64,
+    /// Height of tip and tail above the front of the plate, m.
+    pub tip: f64,
+    pub tail: f64,
+    /// How far the plate as a whole was carried along z, m, and how fast, m/s: its edges are free.
+    pub carried: [f64; 2],
+    /// Force of the plate on the whole rod, mean since the row before, N.
+    pub force: [f64; 2],
+    /// How deep the deepest particle of the plate is inside the rod, which bends and is else rigid, m.
+    pub overlap: f64,
+    /// Particles of the plate deeper than half a cell inside it.
+    pub inside: usize,
+    /// Particles of the plate with Johnson-Cook damage one.
+    pub failed: usize,
+}
+
+impl Row {
+    /// Of the centre of mass, m/s.
+    pub fn speed(&self) -> f64 {
+        self.velocity[0].hypot(self.velocity[1])
+    }
+}
+
+/// Follows the rod.
+pub struct Track {
+    pace: Pace,
+    /// Distance of each of the rod's particles from its tail, m.
+    from_tail: Vec<f64>,
+    setup: Setup,
+    pub rows: Vec<Row>,
+}
+
+impl Track {
+    /// For a rod whose particles are at these distances from its tail, m.
+    pub fn new(pace: Pace, from_tail: Vec<f64>, setup: &Setup) -> Self {
+        Track { pace, from_tail, setup: *setup, rows: Vec::new() }
+    }
+
+    /// Did the rod come out behind the plate, or stick in it?
+    pub fn over(&self) -> bool {
+        let Some(row) = self.rows.last() else { return false };
+        row.tail - row.carried[0] < -THICKNESS - self.setup.spacing() || row.velocity[1] > row.carried[1]
+    }
+}
+
+impl Observer<f64, 3> for Track {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+
+    fn observe(&mut self, now: &Moment<'_, f64, 3>) -> Result<(), ObserveError> {
+        let [rod, plate] = now.bodies() else { return Ok(()) };
+        let (mut mass, mut x, mut v, mut s) = (0.0, [0.0; 2], [0.0; 2], 0.0);
+        rod.for_each(&mut |p| {
+            mass += p.mass;
+            for (d, axis) in [0, 2].into_iter().enumerate() {
+                x[d] += p.mass * p.position[axis];
+                v[d] += p.mass * p.velocity[axis];
+            }
+            s += p.mass * self.from_tail[p.number];
+        });
+        let (x, v, s) = (x.map(|x| x / mass), v.map(|v| v / mass), s / mass);
+        // The axis, by regression of place over distance from the tail.
+        let mut axis = [0.0; 2];
+        rod.for_each(&mut |p| {
+            let arm = p.mass * (self.from_tail[p.number] - s);
+            axis[0] += arm * (p.position[0] - x[0]);
+            axis[1] += arm * (p.position[2] - x[1]);
+        });
+        let norm = axis[0].hypot(axis[1]);
+        let axis = axis.map(|a| a / norm);
+        // How far the rod is bent: its centre line off the axis, in slices.
+        let mut slices = [[0.0; 2]; SLICES];
+        let slice = |s: f64| ((s / ROD.length * SLICES as f64) as usize).min(SLICES - 1);
+        rod.for_each(&mut |p| {
+            let off = (p.position[0] - x[0]) * axis[1] - (p.position[2] - x[1]) * axis[0];
+            let [sum, weight] = &mut slices[slice(self.from_tail[p.number])];
+            *sum += p.mass * off;
+            *weight += p.mass;
+        });
+        let (mut failed, mut inside, mut overlap) = (0, 0, f64::NEG_INFINITY);
+        let half = 0.5 * self.setup.spacing();
+        let (mut all, mut height, mut sink) = (0.0, 0.0, 0.0);
+        let damage = plate.state_names().iter().position(|n| n == "failure_damage");
+        plate.for_each(&mut |p| {
+            all += p.mass;
+            height += p.mass * p.position[2];
+            sink += p.mass * p.velocity[2];
+            let [a, b] = [p.position[0] - x[0], p.position[2] - x[1]];
+            let along = a * axis[0] + b * axis[1];
+            let [sum, weight] = slices[slice(s + along)];
+            let across = (a * axis[1] - b * axis[0] - sum / weight).hypot(p.position[1]);
+            let depth = ROD.radius_at(s + along) - across;
+            overlap = overlap.max(depth);
+            inside += usize::from(depth > half);
+            failed += usize::from(damage.is_some_and(|d| p.state[d] >= 1.0));
+        });
+        let force = self.rows.last().map_or([0.0; 2], |last| {
+            let dt = now.time() - last.time;
+            [0, 1].map(|d| if dt > 0.0 { 2.0 * mass * (v[d] - last.velocity[d]) / dt } else { 0.0 })
+        });
+        self.rows.push(Row {
+            time: now.time(),
+            velocity: v,
+            pitch: axis[0].atan2(-axis[1]),
+            tip: x[1] + (ROD.length - s) * axis[1],
+            tail: x[1] - s * axis[1],
+            carried: [height / all + 0.5 * THICKNESS, sink / all],
+            force,
+            overlap,
+            inside,
+            failed,
+        });
+        Ok(())
+    }
+}
