@@ -452,8 +452,10 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
         let alone = self.fields.shared().is_empty();
         if !alone {
+            self.planes.note_velocities(self.grid.nodes());
             self.find_impulses(contact, meeting, encounters);
             self.add_impulses(meeting, encounters);
+            self.copy_velocities(meeting);
         }
         if meeting == Meeting::Trial {
             let [friction, taken] = encounters.book(self.fields, self.grid.lattice(), self.dt.to_double());
@@ -464,6 +466,16 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
         if !alone {
             self.planes.extrapolate(self.grid.nodes_mut());
+        }
+    }
+
+    /// Bring the velocities behind planes of symmetry after those in front.
+    fn copy_velocities(&mut self, meeting: Meeting) {
+        let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff);
+        if meeting == Meeting::Trial
+            && let Some(ledger) = self.ledgers.first_mut()
+        {
+            (0..3).for_each(|d| ledger.impulse[d] += impulse[d]);
         }
     }
 
@@ -530,7 +542,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 }
                 return;
             }
-            for given in found.impulses.iter().filter(|i| i.field == field) {
+            let front = |i: &&NodeImpulse<T>| i.field == field && !place.is_copy(i.node, mirrors);
+            for given in found.impulses.iter().filter(front) {
                 let node = &mut nodes[given.node];
                 let mass = node.first[0];
                 let mut change = [T::default(); 3];
@@ -556,7 +569,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                         continue;
                     }
                     node.second[d + 1] += change[d] * per_dt;
-                    if v[d] != free[d] && !place.is_copy(given.node, mirrors) {
+                    if v[d] != free[d] {
                         let impulse = mass.to_double() * (v[d] - free[d]);
                         ledger.impulse[d] += impulse;
                         ledger.work += impulse * v[d];
@@ -569,7 +582,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// Take back what contact gave to the mapped momentum for the stress update (USF): the trial velocities
     /// start from the uncorrected ones, so that the friction limit of the step holds the whole impulse.
     pub fn part<K: Contact<T, D>>(&mut self, encounters: &Encounters<T>) {
-        let fields = self.fields;
+        let (fields, mirrors, lattice) = (self.fields, self.planes.copied(), *self.grid.lattice());
         if !K::SEPARATES || fields.shared().is_empty() {
             return;
         }
@@ -578,12 +591,15 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             if fields.members(shared)[field].prescribed {
                 return;
             }
-            for given in encounters.found[shared].impulses.iter().filter(|i| i.field == field) {
+            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            let front = |i: &&NodeImpulse<T>| i.field == field && !place.is_copy(i.node, mirrors);
+            for given in encounters.found[shared].impulses.iter().filter(front) {
                 let node = &mut nodes[given.node];
                 for d in 0..D {
                     node.first[d + 1] -= given.impulse[d] / node.first[0];
                 }
             }
         });
+        self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff);
     }
 }

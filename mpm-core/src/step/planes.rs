@@ -32,8 +32,19 @@ pub struct Planes<T> {
     slices: Vec<usize>,
     /// Walls and fixed planes behind which velocities are extrapolated ([`crate::BoundaryModified`]).
     edges: Vec<Columns>,
-    /// The nodes in front of and behind planes of symmetry, each once, as they were mapped.
-    beside: Vec<(u32, Node<T>)>,
+    /// The nodes in front of and behind planes of symmetry, each once.
+    beside: Vec<Beside<T>>,
+}
+
+/// A node in front of or behind a plane of symmetry.
+#[derive(Clone, Copy, Debug)]
+struct Beside<T> {
+    /// Its place.
+    node: u32,
+    /// Is it behind one: a copy?
+    behind: bool,
+    /// As it was mapped.
+    mapped: Node<T>,
 }
 
 impl<T> Default for Planes<T> {
@@ -72,9 +83,11 @@ impl<T: Float> Planes<T> {
                 .iter()
                 .flat_map(|s| &s.columns)
                 .filter(|c| c[0] != NOWHERE && c[2] != NOWHERE);
-            self.beside.extend(pairs.flat_map(|c| [c[0], c[2]]).map(|n| (n, Node::default())));
-            self.beside.sort_unstable_by_key(|(n, _)| *n);
-            self.beside.dedup_by_key(|(n, _)| *n);
+            let both = pairs.flat_map(|c| [(c[0], false), (c[2], true)]);
+            self.beside.extend(both.map(|(node, behind)| Beside { node, behind, mapped: Node::default() }));
+            // A node may be in front of one plane and behind another.
+            self.beside.sort_unstable_by_key(|b| (b.node, !b.behind));
+            self.beside.dedup_by_key(|b| b.node);
         }
         let mirrors = self.copied();
         let closed = |m: &Plane| mirrors.iter().any(|o| o.axis == m.axis && o.node == m.node + m.sign);
@@ -111,10 +124,10 @@ impl<T: Float> Planes<T> {
                 impulse[plane.axis] += still(&mut nodes[on as usize], plane.axis, sums, moves);
             }
         }
-        for (n, mapped) in &mut self.beside {
+        for Beside { node, mapped, .. } in &mut self.beside {
             match sums {
-                Sums::All => *mapped = nodes[*n as usize],
-                _ => mapped.second = nodes[*n as usize].second,
+                Sums::All => *mapped = nodes[*node as usize],
+                _ => mapped.second = nodes[*node as usize].second,
             }
         }
         // Two planes may be two cells apart and share the nodes between them: first give, then copy.
@@ -126,8 +139,8 @@ impl<T: Float> Planes<T> {
             }
         }
         self.close_slices(nodes, sums);
-        for (n, mapped) in &self.beside {
-            let folded = &nodes[*n as usize];
+        for Beside { node, mapped, .. } in &self.beside {
+            let folded = &nodes[*node as usize];
             if folded.first[0] > cutoff {
                 for axis in (0..3).filter(|a| self.mirrors.iter().any(|p| p.axis == *a)) {
                     impulse[axis] += folded_impulse(mapped, folded, axis, moves);
@@ -154,6 +167,42 @@ impl<T: Float> Planes<T> {
         }
     }
 
+    /// Note the velocities in front of and behind planes of symmetry, before contact changes them.
+    pub fn note_velocities(&mut self, nodes: &[Node<T>]) {
+        for Beside { node, mapped, .. } in &mut self.beside {
+            mapped.second = nodes[*node as usize].first;
+        }
+    }
+
+    /// Copy what contact made of the velocities in front of planes of symmetry to the nodes behind. Returns the impulse
+    /// of the planes, N s: what the changes since [`Planes::note_velocities`] give to the particles, less what they
+    /// are for the nodes in front.
+    pub fn copy_velocities(&self, nodes: &mut [Node<T>], cutoff: T) -> [f64; 3] {
+        let mut impulse = [0.0; 3];
+        if !self.wide {
+            return impulse;
+        }
+        for Columns { plane, columns } in &self.symmetries {
+            for &[front, _, back] in columns.iter().filter(|c| c[0] != NOWHERE && c[2] != NOWHERE) {
+                let mass = nodes[back as usize].first[0];
+                copy_mirrored(nodes, front as usize, back as usize, plane.axis, Sums::All);
+                nodes[back as usize].first[0] = mass;
+            }
+        }
+        for Beside { node, behind, mapped } in &self.beside {
+            let now = &nodes[*node as usize];
+            if now.first[0] <= cutoff {
+                continue;
+            }
+            let whole = if *behind { T::default() } else { now.first[0] };
+            for (axis, impulse) in impulse.iter_mut().enumerate() {
+                let change = now.first[1 + axis] - mapped.second[1 + axis];
+                *impulse += ((mapped.first[0] - whole) * change).to_double();
+            }
+        }
+        impulse
+    }
+
     /// Give the nodes behind walls and fixed planes what the others extrapolate to.
     pub fn extrapolate(&self, nodes: &mut [Node<T>]) {
         for column in self.edges.iter().flat_map(|e| &e.columns).filter(|c| !c.contains(&NOWHERE)) {
@@ -169,7 +218,7 @@ impl<T: Float> Planes<T> {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
         let columns = self.symmetries.iter().chain(&self.edges).map(|c| c.columns.capacity()).sum::<usize>();
-        columns * size_of::<Column>() + self.beside.capacity() * size_of::<(u32, Node<T>)>()
+        columns * size_of::<Column>() + self.beside.capacity() * size_of::<Beside<T>>()
     }
 }
 

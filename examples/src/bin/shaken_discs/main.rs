@@ -56,8 +56,8 @@ fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
     }
 }
 
-/// Seconds of shaking after which large discs have risen.
-const LONG: f64 = 2.0;
+/// Seconds of shaking after which large discs shall have risen.
+const LONG: f64 = 5.0;
 /// Deepest overlap, cells.
 const OVERLAP: f64 = 0.2;
 /// How much the energy may grow, over the largest: the energies of MUSL are half a step apart.
