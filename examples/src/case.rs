@@ -5,9 +5,10 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use mpm_core::geometry::GeometryError;
-use mpm_core::observe::{ObserveError, RunError};
+use mpm_core::observe::{Ledger, ObserveError, RunError, RunSummary};
 use mpm_core::output::OutputError;
 use mpm_core::step::SceneError;
+use mpm_core::{Composition, Contact, Float, GridStorage, Mpm};
 use mpm_materials::ParameterError;
 use serde::Serialize;
 
@@ -217,6 +218,14 @@ impl Check {
     }
 }
 
+/// Options on the command line that are numbers from `low` to `high`: a parser for them.
+pub fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
+    move |text| match text.parse::<f64>() {
+        Ok(x) if (low..=high).contains(&x) => Ok(x),
+        _ => Err(format!("it must be a number from {low} to {high}")),
+    }
+}
+
 /// Sums over the runs of a case.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
@@ -239,6 +248,31 @@ pub struct Totals {
 }
 
 impl Totals {
+    /// Of one run, its errors the worst that a ledger saw.
+    #[must_use]
+    pub fn of<T, const D: usize, M, G, K>(
+        mpm: &Mpm<T, D, M, G, K>,
+        run: &RunSummary,
+        ledger: &Ledger,
+    ) -> Totals
+    where
+        T: Float,
+        M: Composition<T, D>,
+        G: GridStorage<T, D>,
+        K: Contact<T, D>,
+    {
+        Totals {
+            particles: mpm.particles(),
+            steps: run.steps,
+            simulated_seconds: mpm.time(),
+            wall_seconds: run.wall_seconds,
+            updates: run.updates,
+            bytes: mpm.bytes(),
+            energy_error: ledger.worst_energy_error(),
+            momentum_error: ledger.worst_momentum_error(),
+        }
+    }
+
     /// Sums, and the worst of the errors.
     #[must_use]
     pub fn plus(self, o: &Totals) -> Totals {

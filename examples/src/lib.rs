@@ -21,6 +21,6 @@ pub mod case;
 mod normals;
 mod ogive;
 
-pub use case::{CaseError, Check, Common, Report, Resolution, Totals};
+pub use case::{CaseError, Check, Common, Report, Resolution, Totals, within};
 pub use normals::Normals;
 pub use ogive::Ogive;

@@ -82,16 +82,7 @@ pub fn run<M: Composition<f64, 2>>(
         observers.push(&mut series);
     }
     let summary = mpm.run_observed(end, &mut observers)?;
-    Ok(Totals {
-        particles: mpm.particles(),
-        steps: summary.steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: summary.wall_seconds,
-        updates: summary.updates,
-        bytes: mpm.bytes(),
-        energy_error: ledger.worst_energy_error(),
-        momentum_error: ledger.worst_momentum_error(),
-    })
+    Ok(Totals::of(mpm, &summary, &ledger))
 }
 
 struct Eye<F>(Pace, F);

@@ -15,7 +15,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case};
+use examples::{CaseError, Common, Report, Totals, case, within};
 
 use scene::Outcome;
 use setup::{Criterion, Detection, Kernel, ROD, Setup};
@@ -69,14 +69,6 @@ struct Options {
     /// Write ParaView frames of the finest run
     #[arg(long)]
     frames: bool,
-}
-
-/// Numbers from `low` to `high`.
-fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
-    move |text| match text.parse::<f64>() {
-        Ok(x) if (low..=high).contains(&x) => Ok(x),
-        _ => Err(format!("it must be a number from {low} to {high}")),
-    }
 }
 
 /// Residual speed of the experiment, m/s \[Ma2010\].

@@ -153,16 +153,7 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
             break;
         }
     }
-    let totals = Totals {
-        particles: mpm.particles(),
-        steps: summary.steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: summary.wall_seconds,
-        updates: summary.updates,
-        bytes: mpm.bytes(),
-        energy_error: ledger.worst_energy_error(),
-        momentum_error: ledger.worst_momentum_error(),
-    };
+    let totals = Totals::of(&mpm, &summary, &ledger);
     let ledger = ledger.entries().to_vec();
     let cells = occupied.share();
     Ok(Outcome { setup: *setup, rows: track.rows, snapshots, cells, totals, ledger })

@@ -145,16 +145,7 @@ pub fn collide<C: Constitutive<f64> + Clone>(
         });
     });
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
-    let totals = Totals {
-        particles: mpm.particles(),
-        steps: summary.steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: summary.wall_seconds,
-        updates: summary.updates,
-        bytes: mpm.bytes(),
-        energy_error: ledger.worst_energy_error(),
-        momentum_error: ledger.worst_momentum_error(),
-    };
+    let totals = Totals::of(&mpm, &summary, &ledger);
     Ok(Outcome { gauges: histories(&cells, probes.rows()), target: points, totals })
 }
 

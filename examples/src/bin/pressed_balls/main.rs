@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, case};
+use examples::{CaseError, Check, Common, Report, case, within};
 use mpm_core::observe::{Pace, VtkSeries};
 use mpm_core::output::History;
 
@@ -47,14 +47,6 @@ struct Options {
     /// Rounds of that measurement, 1 to 1000
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
-}
-
-/// Numbers from `low` to `high`.
-fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
-    move |text| match text.parse::<f64>() {
-        Ok(x) if (low..=high).contains(&x) => Ok(x),
-        _ => Err(format!("it must be a number from {low} to {high}")),
-    }
 }
 
 /// Mean of the reaction in the second half of a run against the load: the pack still swings by 0.8 of the load, and

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Report, Resolution, Totals, case, within};
 use mpm_core::output::History;
 
 use exact::{Course, Incline};
@@ -48,14 +48,6 @@ struct Options {
     /// Leave out the coarser spacings and the other detections
     #[arg(long)]
     alone: bool,
-}
-
-/// Numbers from `low` to `high`.
-fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
-    move |text| match text.parse::<f64>() {
-        Ok(x) if (low..=high).contains(&x) => Ok(x),
-        _ => Err(format!("it must be a number from {low} to {high}")),
-    }
 }
 
 /// Of the way.

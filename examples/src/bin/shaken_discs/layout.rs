@@ -1,6 +1,6 @@
 //! Where the discs start.
 
-/// Half the distance of two particles is a ninth of a millimetre or so; all lengths follow from the small discs' radius.
+/// Of the small discs, m; all lengths follow from it.
 pub const RADIUS: f64 = 8.0e-3;
 /// Of the large discs: 1821 particles to 205 in \[Ma2010\].
 pub const LARGE: f64 = 3.0 * RADIUS;

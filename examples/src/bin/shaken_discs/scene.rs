@@ -11,7 +11,7 @@ use std::path::Path;
 use examples::{CaseError, Totals};
 use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Shape, fill, rings};
-use mpm_core::observe::{Ledger, Observer, Pace, Progress, VtkSeries};
+use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{Apic, BlockGrid, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid, Team, Twist, Usl};
 use mpm_materials::{Moduli, NeoHookean};
@@ -107,25 +107,18 @@ pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
         .with_csv(folder.join("ledger.csv"))?;
     let mut bar = Progress::new("shaken_discs");
     let mut frames = VtkSeries::create(folder.join("paraview"), "discs", Pace::interval(end / 40.0)?)?;
-    let (mut steps, mut seconds, mut updates) = (0, 0.0, 0.0);
+    let mut summary = RunSummary::default();
     let mut snapshots = Vec::new();
     for frame in 0..FRAMES {
         let until = SETTLING + setup.shaking * f64::from(frame) / f64::from(FRAMES - 1);
         let mut observers: [&mut dyn Observer<f64, 2>; 4] = [&mut watch, &mut ledger, &mut bar, &mut frames];
         let run = mpm.run_observed(until, &mut observers)?;
-        (steps, seconds, updates) = (steps + run.steps, seconds + run.wall_seconds, updates + run.updates);
+        summary.steps += run.steps;
+        summary.wall_seconds += run.wall_seconds;
+        summary.updates += run.updates;
         snapshots.push(mpm.snapshot()?);
     }
-    let totals = Totals {
-        particles: mpm.particles(),
-        steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: seconds,
-        updates,
-        bytes: mpm.bytes(),
-        energy_error: ledger.worst_energy_error(),
-        momentum_error: ledger.worst_momentum_error(),
-    };
+    let totals = Totals::of(&mpm, &summary, &ledger);
     Ok(Outcome { setup: *setup, layout, rows: watch.rows, snapshots, growth: growth(&ledger), totals })
 }
 
@@ -141,7 +134,7 @@ fn growth(ledger: &Ledger) -> f64 {
     most / scale
 }
 
-/// Radius of disc `n` of the layout, m.
+/// Is a disc of this radius, m, a large one?
 pub fn is_large(radius: f64) -> bool {
     radius > 0.5 * (RADIUS + LARGE)
 }

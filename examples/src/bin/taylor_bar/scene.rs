@@ -266,16 +266,7 @@ fn run<const D: usize, M: Composition<f64, D>>(
     drop(extra);
     let outline = Outline::of(&mpm.moment(), seeds, setup.spacing());
     let sizes = outline.sizes();
-    let totals = Totals {
-        particles: mpm.particles(),
-        steps: summary.steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: summary.wall_seconds,
-        updates: summary.updates,
-        bytes: mpm.bytes(),
-        energy_error: ledger.worst_energy_error(),
-        momentum_error: ledger.worst_momentum_error(),
-    };
+    let totals = Totals::of(&mpm, &summary, &ledger);
     let (ledger, snapshot) = (ledger.entries().to_vec(), mpm.snapshot()?);
     Ok(Outcome { setup: *setup, sizes, outline, ledger, snapshot, totals })
 }

@@ -54,16 +54,7 @@ fn run<E: Embedding<2>>(
     let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
     let summary = mpm.run_observed(END, &mut observers)?;
     let snapshot = mpm.snapshot()?;
-    let totals = Totals {
-        particles: mpm.particles(),
-        steps: summary.steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: summary.wall_seconds,
-        updates: summary.updates,
-        bytes: mpm.bytes(),
-        energy_error: ledger.worst_energy_error(),
-        momentum_error: ledger.worst_momentum_error(),
-    };
+    let totals = Totals::of(&mpm, &summary, &ledger);
     let mut places = vec![[f64::NAN; 2]; seeds.len()];
     for body in mpm.moment().bodies() {
         body.for_each(&mut |p| {

@@ -151,16 +151,7 @@ pub fn burn(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseEr
     });
     profile.sort_by(|a, b| a.x.total_cmp(&b.x));
     let exact = TaylorWave::of(&Jwl::tnt());
-    let totals = Totals {
-        particles: mpm.particles(),
-        steps: summary.steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: summary.wall_seconds,
-        updates: summary.updates,
-        bytes: mpm.bytes(),
-        energy_error: ledger.worst_energy_error(),
-        momentum_error: ledger.worst_momentum_error(),
-    };
+    let totals = Totals::of(&mpm, &summary, &ledger);
     let mut first = 0;
     let gauges = cells.iter().map(|cell| {
         let own = first..first + cell.len();
