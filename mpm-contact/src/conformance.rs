@@ -177,7 +177,7 @@ fn run<S: ContactDetector<f64, 2>>(
 }
 
 fn pushes(node: &ContactNode) -> Result<(), Broken> {
-    let (normal, impulse) = (node.contact.normal, node.contact.impulse);
+    let (normal, impulse) = (node.normal, node.impulse);
     require((length(normal) - 1.0).abs() < 1e-12, "a unit normal", || format!("{node:?}"))?;
     require(dot(normal, impulse) > 0.0, "no pull", || format!("{node:?}"))
 }

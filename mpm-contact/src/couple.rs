@@ -11,7 +11,7 @@ use mpm_core::parallel::Float;
 use mpm_core::step::contact::{SharedNodes, Touch};
 
 use crate::law::Contact;
-use crate::solve::Pair;
+use crate::solve::Meets;
 use crate::vector::{difference, dot, length, sum, times};
 
 /// Most iterations for all nodes of free rigid bodies.
@@ -23,7 +23,10 @@ const FOUND: f64 = 1e-10;
 pub struct Coupling<'a, T> {
     block: usize,
     touch: Touch<T>,
-    pair: Pair<'a, T>,
+    fields: [usize; 2],
+    meets: Meets<'a, T>,
+    /// Where the iteration looks from.
+    ahead: [T; 3],
     /// Who moves: a rigid body by its number, or the node.
     movers: [usize; 2],
     /// Masses that the pair sees.
@@ -36,7 +39,8 @@ impl<'a, T: Float> Coupling<'a, T> {
         block: usize,
         at: &SharedNodes<'_, T, D>,
         touch: Touch<T>,
-        pair: Pair<'a, T>,
+        fields: [usize; 2],
+        meets: Meets<'a, T>,
     ) -> Self {
         // Bodies come before nodes; a node is one with its field.
         let mover = |field: usize| {
@@ -44,11 +48,11 @@ impl<'a, T: Float> Coupling<'a, T> {
             if free {
                 at.body(field)
             } else {
-                NODES + (block * at.fields() + field) * at.nodes() + touch.node
+                NODES + (block * at.fields() + field) * at.nodes() + touch.node as usize
             }
         };
-        let (movers, seen) = (touch.fields.map(mover), pair.masses);
-        Coupling { block, touch, pair, movers, seen }
+        let (movers, seen) = (fields.map(mover), meets.masses);
+        Coupling { block, touch, fields, meets, ahead: [T::of(0.0); 3], movers, seen }
     }
 }
 
@@ -70,14 +74,14 @@ impl<'a, T: Float> Coupled<'a, T> {
         share(at, &mut pairs);
         let mut steps = 0.0;
         for _ in 0..ITERATIONS {
-            let given = gather(at, &pairs, |t| t.ahead);
+            let given = gather(at, &pairs, |c| c.ahead);
             let mut next = Vec::with_capacity(pairs.len());
             for pair in &pairs {
-                let Coupling { touch, pair: Pair { law, velocities, area, .. }, seen, .. } = pair;
+                let Coupling { touch, meets: Meets { law, velocities, area, .. }, seen, ahead, .. } = pair;
                 let mut free = *velocities;
                 for side in 0..2 {
                     let change = response(at, pair, side, &given);
-                    let own = times(touch.ahead, T::of(if side == 0 { 1.0 } else { -1.0 }) / seen[side]);
+                    let own = times(*ahead, T::of(if side == 0 { 1.0 } else { -1.0 }) / seen[side]);
                     free[side] = sum(velocities[side], sum(change, own));
                 }
                 let contact = Contact { normal: touch.normal, gap: touch.gap, area: *area };
@@ -87,17 +91,17 @@ impl<'a, T: Float> Coupled<'a, T> {
                 break;
             }
         }
-        let sums = gather(at, &pairs, |t| t.impulse);
+        let sums = gather(at, &pairs, |c| c.touch.impulse);
         Coupled { pairs, sums }
     }
 
-    /// The nodes, with the touches at each.
-    pub fn nodes(&self) -> impl Iterator<Item = (usize, usize, Vec<Touch<T>>)> + '_ {
+    /// The nodes, with the impulses of the pairs at each.
+    pub fn nodes(&self) -> impl Iterator<Item = (usize, u8, Vec<[T; 3]>)> + '_ {
         let same =
             |a: &Coupling<'_, T>, b: &Coupling<'_, T>| (a.block, a.touch.node) == (b.block, b.touch.node);
         self.pairs
             .chunk_by(same)
-            .map(|chunk| (chunk[0].block, chunk[0].touch.node, chunk.iter().map(|c| c.touch).collect()))
+            .map(|chunk| (chunk[0].block, chunk[0].touch.node, chunk.iter().map(|c| c.touch.impulse).collect()))
     }
 
     /// Velocity of a field at a node once its mover has this part of its impulses.
@@ -105,23 +109,23 @@ impl<'a, T: Float> Coupled<'a, T> {
         &self,
         at: &[SharedNodes<'_, T, D>],
         block: usize,
-        node: usize,
+        node: u8,
         field: usize,
         part: f64,
     ) -> [T; 3] {
-        let start = at[block].velocity(field, node);
+        let start = at[block].velocity(field, node as usize);
         let here = |p: &&Coupling<'a, T>| {
-            p.block == block && p.touch.node == node && p.touch.fields.contains(&field)
+            p.block == block && p.touch.node == node && p.fields.contains(&field)
         };
         let Some(pair) = self.pairs.iter().find(here) else { return start };
-        let side = usize::from(pair.touch.fields[1] == field);
+        let side = usize::from(pair.fields[1] == field);
         sum(start, times(response(at, pair, side, &self.sums), T::of(part)))
     }
 }
 
 /// Share masses among the pairs that they are in.
 fn share<T: Float, const D: usize>(at: &[SharedNodes<'_, T, D>], pairs: &mut [Coupling<'_, T>]) {
-    let held = |p: &Coupling<'_, T>, side: usize| p.pair.masses[side];
+    let held = |p: &Coupling<'_, T>, side: usize| p.meets.masses[side];
     let mut sums: BTreeMap<usize, T> = BTreeMap::new();
     for pair in pairs.iter() {
         for side in 0..2 {
@@ -135,8 +139,8 @@ fn share<T: Float, const D: usize>(at: &[SharedNodes<'_, T, D>], pairs: &mut [Co
                 continue;
             }
             let at = &at[pair.block];
-            let whole = match at.rigid(pair.touch.fields[side]) {
-                Some(rigid) => T::of(rigid.least_mass(&at.position(pair.touch.node))),
+            let whole = match at.rigid(pair.fields[side]) {
+                Some(rigid) => T::of(rigid.least_mass(&at.position(pair.touch.node as usize))),
                 None => mass,
             };
             pair.seen[side] = whole * (mass / all);
@@ -148,17 +152,17 @@ fn share<T: Float, const D: usize>(at: &[SharedNodes<'_, T, D>], pairs: &mut [Co
 fn gather<T: Float, const D: usize>(
     at: &[SharedNodes<'_, T, D>],
     pairs: &[Coupling<'_, T>],
-    impulse: fn(&Touch<T>) -> [T; 3],
+    impulse: fn(&Coupling<'_, T>) -> [T; 3],
 ) -> Sums<T> {
     let mut sums = Sums::new();
     for pair in pairs {
         let here = &at[pair.block];
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
-            let impulse = times(impulse(&pair.touch), T::of(sign));
+            let impulse = times(impulse(pair), T::of(sign));
             let entry = sums.entry(pair.movers[side]).or_insert(([T::of(0.0); 3], [0.0; 3]));
             entry.0 = sum(entry.0, impulse);
-            if let Some(rigid) = here.rigid(pair.touch.fields[side]) {
-                let moment = rigid.moment(&here.position(pair.touch.node), &impulse.map(T::to_double));
+            if let Some(rigid) = here.rigid(pair.fields[side]) {
+                let moment = rigid.moment(&here.position(pair.touch.node as usize), &impulse.map(T::to_double));
                 (0..3).for_each(|d| entry.1[d] += moment[d]);
             }
         }
@@ -175,10 +179,10 @@ fn response<T: Float, const D: usize>(
 ) -> [T; 3] {
     let Some((impulse, moment)) = sums.get(&pair.movers[side]) else { return [T::of(0.0); 3] };
     let here = &at[pair.block];
-    match here.rigid(pair.touch.fields[side]).filter(|r| !r.is_prescribed()) {
-        None => times(*impulse, T::of(1.0) / pair.pair.masses[side]),
+    match here.rigid(pair.fields[side]).filter(|r| !r.is_prescribed()) {
+        None => times(*impulse, T::of(1.0) / pair.meets.masses[side]),
         Some(rigid) => {
-            let seen = here.position(pair.touch.node);
+            let seen = here.position(pair.touch.node as usize);
             rigid.response(&impulse.map(T::to_double), moment, &seen).map(T::of)
         }
     }
@@ -192,13 +196,13 @@ fn accept<T: Float>(pairs: &mut [Coupling<'_, T>], next: &[[T; 3]], steps: &mut 
         let step = difference(*next, pair.touch.impulse);
         change = change.max(length(step));
         size = size.max(length(*next));
-        back += dot(difference(pair.touch.ahead, *next), step);
+        back += dot(difference(pair.ahead, *next), step);
     }
     *steps = if back > zero { 0.0 } else { *steps + 1.0 };
     let momentum = T::of(*steps / (*steps + 3.0));
     for (pair, next) in pairs.iter_mut().zip(next) {
         let step = difference(*next, pair.touch.impulse);
-        pair.touch.ahead = sum(*next, times(step, momentum));
+        pair.ahead = sum(*next, times(step, momentum));
         pair.touch.impulse = *next;
     }
     change <= size * T::of(FOUND).max(T::default_epsilon() * T::of(4.0))

@@ -11,6 +11,8 @@ use crate::vector::times;
 /// A test whether two bodies touch at the nodes they share. Whether they approach is asked before it
 /// ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\]), unless the law pulls or a third body is at the node.
 pub trait ContactDetector<T: Float, const D: usize>: Send + Sync + 'static {
+    /// Does it ask for nothing but where particles are? Then it is not asked again while they hardly move.
+    const GEOMETRIC: bool = false;
     /// Where the normals come from.
     type Normals: NormalRule<T, D>;
     /// The rule for the normals.
@@ -32,6 +34,7 @@ pub trait ContactDetector<T: Float, const D: usize>: Send + Sync + 'static {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Approach<N = Gradients>(pub N);
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Approach<N> {
+    const GEOMETRIC: bool = true;
     type Normals = N;
     fn normals(&self) -> &N {
         &self.0
@@ -131,6 +134,7 @@ impl<N> SurfaceDistance<N> {
     }
 }
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for SurfaceDistance<N> {
+    const GEOMETRIC: bool = true;
     type Normals = N;
     fn normals(&self) -> &N {
         &self.normals

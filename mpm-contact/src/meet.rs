@@ -2,15 +2,20 @@
 
 use mpm_core::parallel::Float;
 use mpm_core::step::Contact as NodeAlgorithm;
-use mpm_core::step::contact::{Found, Meeting, NodeContact, NodeImpulse, SharedNodes, Touch};
+use mpm_core::step::contact::{Found, Meeting, Pair, Scratch, SharedNodes, Touch};
 use mpm_core::step::survey::Survey;
+use mpm_materials::{Check, ParameterError};
 
 use crate::couple::{Coupled, Coupling};
 use crate::detect::ContactDetector;
 use crate::law::Pairs;
-use crate::normal::{Memory, Nodal, each};
-use crate::solve::{Pair, solve, total};
+use crate::normal::{Memory, Nodal, NormalRule, each};
+use crate::solve::{Meets, solve, total};
 use crate::vector::{difference, dot, length, sum, times};
+
+/// How far bodies may move, in cells, before normals and gaps are looked at anew: well below the errors of either
+/// (docs/notes.md 7.2). Not a number that a sum of equal steps meets.
+const KEEPS: f64 = 1.03e-3;
 
 /// Contact of any number of bodies through the nodes they share: a detector and the laws of the pairs.
 ///
@@ -33,12 +38,13 @@ pub struct GridContact<S, T> {
     detector: S,
     laws: Pairs<T>,
     strain: bool,
+    keeps: f64,
 }
 
 impl<S, T> GridContact<S, T> {
     /// A detector and laws.
     pub fn new(detector: S, laws: Pairs<T>) -> Self {
-        GridContact { detector, laws, strain: false }
+        GridContact { detector, laws, strain: false, keeps: KEEPS }
     }
     /// Also correct the velocities that the strain is taken from (before the stress update of USF, after the
     /// second mapping of MUSL), as the flow chart of \[Ma2010\] does. Impacts then gain energy, since the strain
@@ -47,6 +53,15 @@ impl<S, T> GridContact<S, T> {
     pub fn with_strain_corrected(mut self) -> Self {
         self.strain = true;
         self
+    }
+    /// Look anew at normals and gaps once bodies may have moved by this many cells (1e-3 by default); zero: in every
+    /// step. Detectors that ask for more than where particles are ([`ContactDetector::GEOMETRIC`]) look in every step.
+    ///
+    /// # Errors
+    /// A negative number, or more than 0.1.
+    pub fn keeping(mut self, cells: f64) -> Result<Self, ParameterError> {
+        self.keeps = Check("grid contact").that((0.0..=0.1).contains(&cells), "keeping", cells, "0 to 0.1")?;
+        Ok(self)
     }
     /// The laws.
     pub fn laws(&self) -> &Pairs<T> {
@@ -62,23 +77,32 @@ where
     fn corrects_strain(&self) -> bool {
         self.strain
     }
+    fn keeps(&self) -> f64 {
+        if S::GEOMETRIC { self.keeps } else { 0.0 }
+    }
 
-    fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut Found<T>) {
-        let Found { impulses, contacts, touches, scratch, bits } = found;
-        touches.clear();
-        scratch.clear();
+    fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut Found<T>, scratch: &mut Scratch<T>) {
+        let Scratch { numbers, bits, vectors } = scratch;
         let crowded = share(at, bits);
         if bits.iter().all(|&nodes| nodes == 0) {
+            found.pairs.clear();
+            found.touches.clear();
             return;
         }
-        let mut memory = Memory { numbers: scratch, shared: bits };
-        crate::normal::NormalRule::prepare(self.detector.normals(), at, &mut memory);
-        self.find(at, &memory, crowded, touches);
-        touches.sort_unstable_by_key(|t| (t.node, t.fields));
-        for touches in touches.chunk_by_mut(|a, b| a.node == b.node) {
-            if !couples(at, touches) {
-                self.exchange(at, touches);
-                book(at, touches, |field, part| moved(at, touches, field, part), impulses, contacts);
+        self.look(at, found, bits, numbers, crowded);
+        let zero = [T::of(0.0); 3];
+        for touch in &mut found.touches {
+            let Pair { fields, bodies, .. } = &found.pairs[touch.pair as usize];
+            let pulls = self.laws.law(bodies[0] as usize, bodies[1] as usize).pulls();
+            touch.acts = pulls || has(crowded, touch.node) || approach(at, fields, touch.node, touch.normal);
+            touch.impulse = zero;
+        }
+        found.pairs.iter_mut().for_each(|p| (p.friction, p.taken) = (0.0, 0.0));
+        for touches in found.touches.chunk_by_mut(|a, b| a.node == b.node) {
+            if touches[0].acts && !couples(at, &found.pairs, touches) {
+                let pairs = &found.pairs;
+                solve(touches, |t| fields(pairs, t), |t| self.meeting(at, pairs, t), at.dt(), vectors);
+                book(at, touches, &mut found.pairs, |pairs, f, part| moved(at, pairs, touches, f, part));
             }
         }
     }
@@ -86,25 +110,53 @@ where
     fn couple(&self, at: &[SharedNodes<'_, T, D>], found: &mut [Found<T>]) {
         let mut couplings = Vec::new();
         for (block, (at, found)) in at.iter().zip(found.iter()).enumerate() {
-            for touches in found.touches.chunk_by(|a, b| a.node == b.node).filter(|t| couples(at, t)) {
-                couplings.extend(
-                    touches.iter().map(|touch| Coupling::new(block, at, *touch, self.pair(at, touch))),
-                );
+            let nodes = found.touches.chunk_by(|a, b| a.node == b.node);
+            for touch in nodes.filter(|t| t[0].acts && couples(at, &found.pairs, t)).flatten() {
+                let meets = self.meeting(at, &found.pairs, touch);
+                couplings.push(Coupling::new(block, at, *touch, fields(&found.pairs, touch), meets));
             }
         }
         let solved = Coupled::solve(at, couplings);
-        for (block, node, touches) in solved.nodes() {
-            let Found { impulses, contacts, .. } = &mut found[block];
-            let moved = |field, part| solved.moved(at, block, node, field, part);
-            book(&at[block], &touches, moved, impulses, contacts);
+        for (block, node, impulses) in solved.nodes() {
+            let Found { pairs, touches, .. } = &mut found[block];
+            let Some(touches) = touches.chunk_by_mut(|a, b| a.node == b.node).find(|t| t[0].node == node)
+            else {
+                continue;
+            };
+            touches.iter_mut().zip(impulses).for_each(|(touch, impulse)| touch.impulse = impulse);
+            book(&at[block], touches, pairs, |_, field, part| solved.moved(at, block, node, field, part));
         }
     }
 }
 
+/// Is the node in the set?
+fn has(nodes: u64, node: u8) -> bool {
+    nodes >> node & 1 != 0
+}
+
+fn fields<T>(pairs: &[Pair], touch: &Touch<T>) -> [usize; 2] {
+    pairs[touch.pair as usize].fields.map(|f| f as usize)
+}
+
+/// Do the two fields approach each other at a node ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\])?
+fn approach<T: Float, const D: usize>(
+    at: &SharedNodes<'_, T, D>,
+    fields: &[u32; 2],
+    node: u8,
+    normal: [T; 3],
+) -> bool {
+    let velocity = |side: usize| at.velocity(fields[side] as usize, node as usize);
+    dot(difference(velocity(0), velocity(1)), normal) > T::of(0.0)
+}
+
 /// Is a free rigid body among those at the node? Then all its nodes are solved together.
-fn couples<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, touches: &[Touch<T>]) -> bool {
+fn couples<T: Float, const D: usize>(
+    at: &SharedNodes<'_, T, D>,
+    pairs: &[Pair],
+    touches: &[Touch<T>],
+) -> bool {
     let free = |field: usize| !at.is_prescribed(field) && at.rigid(field).is_some();
-    at.has_rigid() && touches.iter().any(|t| t.fields.iter().any(|&f| free(f)))
+    at.has_rigid() && touches.iter().any(|t| fields(pairs, t).into_iter().any(free))
 }
 
 /// Fill `bits` with each field's nodes that others have mass at, too. Returns the nodes of three and more.
@@ -123,70 +175,124 @@ fn share<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, bits: &mut Vec<u6
 }
 
 impl<S, T: Float> GridContact<S, T> {
-    fn find<const D: usize>(
+    /// Find out where the surfaces touch, at nodes of which it is not known; `shared` are the nodes that each field
+    /// shares with others.
+    ///
+    /// Where bodies move far in every step, only nodes where they approach are looked at. Where they do not, and what is
+    /// found will last, all are.
+    fn look<const D: usize>(
         &self,
         at: &SharedNodes<'_, T, D>,
+        found: &mut Found<T>,
+        shared: &mut Vec<u64>,
+        numbers: &mut Vec<[T; 4]>,
+        crowded: u64,
+    ) where
+        S: ContactDetector<T, D>,
+    {
+        let fields = at.fields();
+        let both = |shared: &[u64], r: usize, s: usize| {
+            if at.is_prescribed(r) && at.is_prescribed(s) { 0 } else { shared[r] & shared[s] }
+        };
+        for pair in &mut found.pairs {
+            pair.known &= both(shared, pair.fields[0] as usize, pair.fields[1] as usize);
+        }
+        found.touches.retain(|t| has(found.pairs[t.pair as usize].known, t.node));
+        shared.resize(2 * fields, 0);
+        for r in 0..fields {
+            for s in r + 1..fields {
+                let unknown = both(shared, r, s) & !known(&found.pairs, r, s);
+                shared[fields + r] |= unknown;
+                shared[fields + s] |= unknown;
+            }
+        }
+        let (shared, unknown) = shared.split_at(fields);
+        if unknown.iter().all(|&nodes| nodes == 0) {
+            return;
+        }
+        numbers.clear();
+        let mut memory = Memory { numbers, nodes: unknown };
+        self.detector.normals().prepare(at, &mut memory);
+        let before = found.touches.len();
+        for r in 0..fields {
+            for s in r + 1..fields {
+                let nodes = both(shared, r, s) & !known(&found.pairs, r, s);
+                if nodes != 0 {
+                    self.look_at(at, [r, s], nodes, &memory, crowded, found);
+                }
+            }
+        }
+        if found.touches.len() > before {
+            let Found { pairs, touches, .. } = found;
+            touches.sort_unstable_by_key(|t| (t.node, pairs[t.pair as usize].fields));
+        }
+    }
+
+    /// Find out where a pair touches among `nodes`.
+    fn look_at<const D: usize>(
+        &self,
+        at: &SharedNodes<'_, T, D>,
+        pair: [usize; 2],
+        nodes: u64,
         memory: &Memory<'_, T>,
         crowded: u64,
-        touches: &mut Vec<Touch<T>>,
+        found: &mut Found<T>,
     ) where
         S: ContactDetector<T, D>,
     {
         let zero = [T::of(0.0); 3];
         let mut normals: Nodal<[T; 3]> = [zero; 64];
         let mut gaps: Nodal<Option<T>> = [None; 64];
-        for r in 0..at.fields() {
-            for s in r + 1..at.fields() {
-                let both = memory.shared[r] & memory.shared[s];
-                if both == 0 || at.is_prescribed(r) && at.is_prescribed(s) {
-                    continue;
-                }
-                let rule = self.detector.normals();
-                let mut nodes =
-                    crate::normal::NormalRule::normals(rule, at, [r, s], both, memory, &mut normals);
-                if !self.laws.law(at.body(r), at.body(s)).pulls() {
-                    let approach = |n: usize| {
-                        let relative = difference(at.velocity(r, n), at.velocity(s, n));
-                        dot(relative, normals[n]) > T::of(0.0)
-                    };
-                    nodes = each(nodes)
-                        .filter(|&n| crowded & (1 << n) != 0 || approach(n))
-                        .fold(0, |bits, n| bits | 1 << n);
-                }
-                if nodes == 0 {
-                    continue;
-                }
-                nodes = self.detector.touching(at, [r, s], nodes, &normals, &mut gaps);
-                let touch = |node: usize| Touch {
-                    node,
-                    fields: [r, s],
-                    normal: normals[node],
-                    gap: gaps[node],
-                    impulse: zero,
-                    next: zero,
-                    ahead: zero,
-                };
-                touches.extend(each(nodes).map(touch));
-            }
+        let bodies = pair.map(|f| at.body(f));
+        let fields = pair.map(|f| f as u32);
+        let mut nodes = self.detector.normals().normals(at, pair, nodes, memory, &mut normals);
+        let all = found.lasts() || self.laws.law(bodies[0], bodies[1]).pulls();
+        if !all {
+            let meets = |n: &usize| has(crowded, *n as u8) || approach(at, &fields, *n as u8, normals[*n]);
+            nodes = each(nodes).filter(meets).fold(0, |bits, n| bits | 1 << n);
         }
+        if nodes == 0 {
+            return;
+        }
+        let touching = self.detector.touching(at, pair, nodes, &normals, &mut gaps);
+        let place = found.pairs.iter().position(|p| p.fields == fields).unwrap_or_else(|| {
+            let bodies = bodies.map(|b| b as u32);
+            found.pairs.push(Pair { fields, bodies, known: 0, friction: 0.0, taken: 0.0 });
+            found.pairs.len() - 1
+        });
+        found.pairs[place].known |= nodes;
+        found.touches.extend(each(touching).map(|node| Touch {
+            node: node as u8,
+            acts: false,
+            image: at.is_image(node),
+            pair: place as u32,
+            normal: normals[node],
+            gap: gaps[node],
+            impulse: zero,
+        }));
     }
 
-    /// The impulses of the pairs at one node.
-    fn exchange<const D: usize>(&self, at: &SharedNodes<'_, T, D>, touches: &mut [Touch<T>]) {
-        solve(touches, |touch| self.pair(at, touch), at.dt());
-    }
-
-    fn pair<const D: usize>(&self, at: &SharedNodes<'_, T, D>, touch: &Touch<T>) -> Pair<'_, T> {
-        let [r, s] = touch.fields;
-        let law = self.laws.law(at.body(r), at.body(s));
-        let node = touch.node;
-        Pair {
+    fn meeting<const D: usize>(
+        &self,
+        at: &SharedNodes<'_, T, D>,
+        pairs: &[Pair],
+        touch: &Touch<T>,
+    ) -> Meets<'_, T> {
+        let Pair { fields, bodies, .. } = pairs[touch.pair as usize];
+        let law = self.laws.law(bodies[0] as usize, bodies[1] as usize);
+        let (fields, node) = (fields.map(|f| f as usize), touch.node as usize);
+        Meets {
             law,
-            masses: [at.mass(r, node), at.mass(s, node)],
-            velocities: trial(at, touch, law.pulls()),
-            area: if law.needs_area() { area(at, touch) } else { T::of(0.0) },
+            masses: fields.map(|f| at.mass(f, node)),
+            velocities: trial(at, fields, touch, law.pulls()),
+            area: if law.needs_area() { area(at, fields, node) } else { T::of(0.0) },
         }
     }
+}
+
+/// The nodes of which it is known whether a pair touches.
+fn known(pairs: &[Pair], r: usize, s: usize) -> u64 {
+    pairs.iter().find(|p| p.fields == [r as u32, s as u32]).map_or(0, |p| p.known)
 }
 
 /// The velocities that the law sees: the trial ones, less what keeps contact from doing work.
@@ -195,8 +301,13 @@ impl<S, T: Float> GridContact<S, T> {
 /// the first at the start and at the end of the step. Where the bodies part already (w . n > 0, as after the map
 /// of particles that did not follow the nodes), J would drive them on. There they may end the step with the opposite
 /// of w . n at most, and J does none along the normal.
-fn trial<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, touch: &Touch<T>, pulls: bool) -> [[T; 3]; 2] {
-    let ([r, s], node) = (touch.fields, touch.node);
+fn trial<T: Float, const D: usize>(
+    at: &SharedNodes<'_, T, D>,
+    [r, s]: [usize; 2],
+    touch: &Touch<T>,
+    pulls: bool,
+) -> [[T; 3]; 2] {
+    let node = touch.node as usize;
     let mut velocities = [at.velocity(r, node), at.velocity(s, node)];
     if !pulls && at.meeting() == Meeting::Trial {
         let parting = dot(difference(at.old_velocity(s, node), at.old_velocity(r, node)), touch.normal);
@@ -206,63 +317,50 @@ fn trial<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, touch: &Touch<T>,
 }
 
 /// Area of contact that a node stands for, m^2: the smaller of |sum_p V_p grad N_ip| of both.
-fn area<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, touch: &Touch<T>) -> T {
+fn area<T: Float, const D: usize>(at: &SharedNodes<'_, T, D>, fields: [usize; 2], node: usize) -> T {
     let of = |field: usize| {
         let mut out: Nodal<[T; 3]> = [[T::of(0.0); 3]; 64];
-        at.survey(field, Survey::VolumeGradient, 1 << touch.node, &[], &mut out);
-        length(out[touch.node])
+        at.survey(field, Survey::VolumeGradient, 1 << node, &[], &mut out);
+        length(out[node])
     };
-    of(touch.fields[0]).min(of(touch.fields[1]))
+    of(fields[0]).min(of(fields[1]))
 }
 
 /// Velocity of a field at a node once it has this part of its impulses.
 fn moved<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
+    pairs: &[Pair],
     touches: &[Touch<T>],
     field: usize,
     part: f64,
 ) -> [T; 3] {
-    let node = touches[0].node;
+    let node = touches[0].node as usize;
     let share = T::of(part) / at.mass(field, node);
-    sum(at.velocity(field, node), times(total(touches, field), share))
+    let given = total(touches, |t| fields(pairs, t), field);
+    sum(at.velocity(field, node), times(given, share))
 }
 
-/// Note the impulses of one node by field, and what they did by pair. `moved` knows the velocity of a field once it
-/// has a part of its impulses.
+/// Note by pair what the impulses at one node did. `moved` knows the velocity of a field once it has a part of its
+/// impulses.
 fn book<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
     touches: &[Touch<T>],
-    moved: impl Fn(usize, f64) -> [T; 3],
-    impulses: &mut Vec<NodeImpulse<T>>,
-    contacts: &mut Vec<NodeContact>,
+    pairs: &mut [Pair],
+    moved: impl Fn(&[Pair], usize, f64) -> [T; 3],
 ) {
-    let zero = T::of(0.0);
-    let node = touches[0].node;
-    for field in 0..at.fields() {
-        let impulse = total(touches, field);
-        if impulse.iter().any(|&x| x != zero) {
-            impulses.push(NodeImpulse { field, node, impulse });
-        }
-    }
-    if at.meeting() != Meeting::Trial || at.is_image(node) {
+    if at.meeting() != Meeting::Trial || touches[0].image {
         return;
     }
     // With the mean of the velocities before and after, impulse times velocity is the change of kinetic energy.
-    for touch in touches.iter().filter(|t| t.impulse.iter().any(|&x| x != zero)) {
-        let [r, s] = touch.fields;
-        let mean = difference(moved(r, 0.5), moved(s, 0.5));
-        let slip = difference(moved(r, 1.0), moved(s, 1.0));
+    for touch in touches.iter().filter(|t| t.impulse.iter().any(|&x| x != T::of(0.0))) {
+        let [r, s] = fields(pairs, touch);
+        let mean = difference(moved(pairs, r, 0.5), moved(pairs, s, 0.5));
+        let slip = difference(moved(pairs, r, 1.0), moved(pairs, s, 1.0));
         let along = dot(touch.impulse, touch.normal);
         // What slips at the end of the step; stopping a slip takes energy as stopping an approach does.
         let friction = dot(touch.impulse, slip) - along * dot(slip, touch.normal);
-        contacts.push(NodeContact {
-            bodies: [at.body(r), at.body(s)],
-            node,
-            normal: touch.normal.map(T::to_double),
-            gap: touch.gap.map(T::to_double),
-            impulse: touch.impulse.map(T::to_double),
-            friction: friction.to_double(),
-            taken: (dot(touch.impulse, mean) - friction).to_double(),
-        });
+        let pair = &mut pairs[touch.pair as usize];
+        pair.friction += friction.to_double();
+        pair.taken += (dot(touch.impulse, mean) - friction).to_double();
     }
 }

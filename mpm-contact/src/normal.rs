@@ -11,14 +11,14 @@ use crate::vector::{difference, times, unit};
 pub struct Memory<'a, T> {
     /// Numbers of nodes.
     pub numbers: &'a mut Vec<[T; 4]>,
-    /// For each field: its nodes that others have mass at, too, a bit each.
-    pub shared: &'a [u64],
+    /// For each field: the nodes that are looked at, a bit each; others have mass there, too.
+    pub nodes: &'a [u64],
 }
 
 /// A number a node of a block.
 pub type Nodal<X> = [X; 64];
 
-/// A rule for the normal between two bodies at a node. One normal serves both (the bodies' own normals are not
+/// A rule for the normal between two bodies at a node, from where their particles are. One normal serves both (the bodies' own normals are not
 /// opposite, and momentum would drift).
 pub trait NormalRule<T: Float, const D: usize>: Send + Sync + 'static {
     /// Look at the fields once, before their pairs.
@@ -119,7 +119,7 @@ impl<T: Float, const D: usize> NormalRule<T, D> for Gradients {
         };
         let zero = T::of(0.0);
         let mut out: Nodal<[T; 3]> = [[zero; 3]; 64];
-        for (field, &nodes) in memory.shared.iter().enumerate() {
+        for (field, &nodes) in memory.nodes.iter().enumerate() {
             if nodes == 0 {
                 continue;
             }
@@ -137,13 +137,13 @@ impl<T: Float, const D: usize> NormalRule<T, D> for Gradients {
         memory: &Memory<'_, T>,
         normals: &mut Nodal<[T; 3]>,
     ) -> u64 {
-        let start = pair.map(|f| memory.shared[..f].iter().map(|s| s.count_ones() as usize).sum::<usize>());
+        let start = pair.map(|f| memory.nodes[..f].iter().map(|s| s.count_ones() as usize).sum::<usize>());
         let bodies = pair.map(|f| at.body(f));
         let mut have = 0;
         for node in each(nodes) {
             let mut gradients = [[T::of(0.0); 3]; 2];
             for side in 0..2 {
-                let [x, y, z, _] = memory.numbers[start[side] + rank(memory.shared[pair[side]], node)];
+                let [x, y, z, _] = memory.numbers[start[side] + rank(memory.nodes[pair[side]], node)];
                 gradients[side] = [x, y, z];
             }
             if let Some(normal) = self.combine(bodies, gradients) {

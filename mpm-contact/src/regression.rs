@@ -90,6 +90,7 @@ impl<T: Float, const D: usize> NormalRule<T, D> for Regression {
 }
 
 impl<T: Float, const D: usize> ContactDetector<T, D> for Regression {
+    const GEOMETRIC: bool = true;
     type Normals = Regression;
     fn normals(&self) -> &Regression {
         self

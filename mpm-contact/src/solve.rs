@@ -16,42 +16,51 @@ use crate::vector::{difference, dot, length, sum, times};
 /// Most iterations at a node with three bodies or more.
 const ITERATIONS: usize = 400;
 
-/// Two fields that touch at a node, with what their law needs.
-pub struct Pair<'a, T> {
+/// What the law of two fields that touch at a node needs.
+pub struct Meets<'a, T> {
     pub law: &'a dyn ContactLaw<T>,
     pub masses: [T; 2],
     pub velocities: [[T; 3]; 2],
     pub area: T,
 }
 
-/// Find the impulses of the pairs in `touches`, all of one node. `pair` tells about one of them.
-pub fn solve<'a, T: Float>(touches: &mut [Touch<T>], pair: impl Fn(&Touch<T>) -> Pair<'a, T>, dt: T) {
+/// Find the impulses of `touches`, all of one node. `fields` and `meets` tell about one of them; `vectors` is memory.
+pub fn solve<'a, T: Float>(
+    touches: &mut [Touch<T>],
+    fields: impl Fn(&Touch<T>) -> [usize; 2] + Copy,
+    meets: impl Fn(&Touch<T>) -> Meets<'a, T>,
+    dt: T,
+    vectors: &mut Vec<[[T; 3]; 2]>,
+) {
     let zero = T::of(0.0);
     if let [touch] = touches {
-        let Pair { law, masses, velocities, area } = pair(touch);
+        let Meets { law, masses, velocities, area } = meets(touch);
         let contact = Contact { normal: touch.normal, gap: touch.gap, area };
         touch.impulse = law.impulse(&contact, masses, velocities, dt);
         return;
     }
+    // Of every touch: its next impulse, and where the iteration looks from.
+    vectors.clear();
+    vectors.resize(touches.len(), [[zero; 3]; 2]);
     let mut steps = 0.0;
     for _ in 0..ITERATIONS {
         for t in 0..touches.len() {
-            touches[t].next = alone(touches, t, pair(&touches[t]), dt);
+            vectors[t][0] = alone(touches, vectors, t, fields, meets(&touches[t]), dt);
         }
         let (mut change, mut size, mut back) = (zero, zero, zero);
-        for touch in touches.iter() {
-            let step = difference(touch.next, touch.impulse);
+        for (touch, [next, ahead]) in touches.iter().zip(&*vectors) {
+            let step = difference(*next, touch.impulse);
             change = change.max(length(step));
-            size = size.max(length(touch.next));
-            back += dot(difference(touch.ahead, touch.next), step);
+            size = size.max(length(*next));
+            back += dot(difference(*ahead, *next), step);
         }
         // Nesterov's momentum, which starts anew where it overshoots.
         steps = if back > zero { 0.0 } else { steps + 1.0 };
         let momentum = T::of(steps / (steps + 3.0));
-        for touch in touches.iter_mut() {
-            let step = difference(touch.next, touch.impulse);
-            touch.ahead = sum(touch.next, times(step, momentum));
-            touch.impulse = touch.next;
+        for (touch, [next, ahead]) in touches.iter_mut().zip(&mut *vectors) {
+            let step = difference(*next, touch.impulse);
+            *ahead = sum(*next, times(step, momentum));
+            touch.impulse = *next;
         }
         if change <= size * T::default_epsilon() * T::of(4.0) {
             break;
@@ -60,37 +69,50 @@ pub fn solve<'a, T: Float>(touches: &mut [Touch<T>], pair: impl Fn(&Touch<T>) ->
 }
 
 /// What the law of one pair says, with the others as they are.
-fn alone<T: Float>(touches: &[Touch<T>], t: usize, pair: Pair<'_, T>, dt: T) -> [T; 3] {
+fn alone<T: Float>(
+    touches: &[Touch<T>],
+    vectors: &[[[T; 3]; 2]],
+    t: usize,
+    fields: impl Fn(&Touch<T>) -> [usize; 2],
+    meets: Meets<'_, T>,
+    dt: T,
+) -> [T; 3] {
     let touch = &touches[t];
-    let Pair { law, masses, velocities, area } = pair;
+    let Meets { law, masses, velocities, area } = meets;
     let contact = Contact { normal: touch.normal, gap: touch.gap, area };
     let (mut split, mut free) = (masses, velocities);
+    let own = fields(touch);
     for side in 0..2 {
-        let field = touch.fields[side];
-        let share = T::of(touches.iter().filter(|o| o.fields.contains(&field)).count() as f64);
+        let field = own[side];
+        let share = T::of(touches.iter().filter(|o| fields(o).contains(&field)).count() as f64);
         split[side] = masses[side] / share;
         let sign = if side == 0 { share } else { -share };
         // With the impulses of all pairs, less that of this one on its share of the mass.
-        let given = sum(on(touches, field, |t| t.ahead), times(touch.ahead, sign));
+        let all = on(touches.iter().zip(vectors).map(|(t, v)| (fields(t), v[1])), field);
+        let given = sum(all, times(vectors[t][1], sign));
         free[side] = sum(velocities[side], times(given, T::of(1.0) / masses[side]));
     }
     law.impulse(&contact, split, free, dt)
 }
 
 /// The sum of the impulses on a field.
-pub fn total<T: Float>(touches: &[Touch<T>], field: usize) -> [T; 3] {
-    on(touches, field, |t| t.impulse)
+pub fn total<T: Float>(
+    touches: &[Touch<T>],
+    fields: impl Fn(&Touch<T>) -> [usize; 2],
+    field: usize,
+) -> [T; 3] {
+    on(touches.iter().map(|t| (fields(t), t.impulse)), field)
 }
 
-fn on<T: Float>(touches: &[Touch<T>], field: usize, impulse: fn(&Touch<T>) -> [T; 3]) -> [T; 3] {
+/// The sum of impulses between pairs on one of them.
+fn on<T: Float>(impulses: impl Iterator<Item = ([usize; 2], [T; 3])>, field: usize) -> [T; 3] {
     let mut sum = [T::of(0.0); 3];
-    for touch in touches {
-        let sign = match touch.fields.iter().position(|&f| f == field) {
+    for (fields, impulse) in impulses {
+        let sign = match fields.iter().position(|&f| f == field) {
             Some(0) => T::of(-1.0),
             Some(_) => T::of(1.0),
             None => continue,
         };
-        let impulse = impulse(touch);
         for d in 0..3 {
             sum[d] += sign * impulse[d];
         }

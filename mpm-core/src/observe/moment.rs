@@ -3,13 +3,13 @@
 use std::cell::OnceCell;
 
 use crate::embedding::Embedding;
+use crate::geometry::Lattice;
 use crate::grid::GridStorage;
 use crate::method::Composition;
 use crate::output::{FieldValues, OutputError, ParticleSize, Snapshot};
 use crate::parallel::Float;
-use crate::step::contact::ContactNode;
 use crate::step::nodes::NodeLedger;
-use crate::step::{Body, Contact, Mpm, PairContact, Particle, Totals};
+use crate::step::{Body, Contact, ContactNode, Encounters, Mpm, PairContact, Particle, Totals};
 
 /// A run between two steps. Knows neither the method nor the grid, so that observers need not either.
 pub struct Moment<'a, T: Float, const D: usize> {
@@ -18,7 +18,8 @@ pub struct Moment<'a, T: Float, const D: usize> {
     pub(super) step: u64,
     pub(super) bodies: &'a [Box<dyn Body<T, D>>],
     pub(super) contacts: &'a [PairContact],
-    pub(super) contact_nodes: &'a [ContactNode],
+    pub(super) encounters: &'a Encounters<T>,
+    pub(super) lattice: Lattice<D>,
     pub(super) ledger: NodeLedger,
     pub(super) axisymmetric: bool,
     pub(super) updates: f64,
@@ -55,8 +56,8 @@ impl<T: Float, const D: usize> Moment<'_, T, D> {
     }
     /// The nodes in contact in the last step, with gap, normal and impulse.
     #[must_use]
-    pub fn contact_nodes(&self) -> &[ContactNode] {
-        self.contact_nodes
+    pub fn contact_nodes(&self) -> Vec<ContactNode> {
+        self.encounters.nodes(&self.lattice)
     }
     /// What boundaries and loads gave to the material since the start, and what contact took.
     #[must_use]
@@ -212,7 +213,8 @@ where
             step: self.steps(),
             bodies: self.bodies(),
             contacts: self.contacts(),
-            contact_nodes: self.contact_nodes(),
+            encounters: self.encounters(),
+            lattice: *self.grid().lattice(),
             ledger: self.ledger(),
             axisymmetric: <M::Embedding as Embedding<D>>::HOOP,
             updates: 0.0,

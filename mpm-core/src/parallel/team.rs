@@ -1,6 +1,6 @@
 //! A chosen number of threads.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -60,6 +60,22 @@ impl Team {
                 pool.install(|| items.par_iter_mut().enumerate().for_each(|(i, x)| task(i, x)));
             }
         }
+    }
+
+    /// `task` on every element with memory of the thread it runs on, of which there must be one for each thread; what
+    /// the task makes must not depend on what it finds there.
+    pub fn each_with<X: Send, S: Send>(
+        &self,
+        items: &mut [X],
+        memory: &[Mutex<S>],
+        task: impl Fn(usize, &mut X, &mut S) + Send + Sync,
+    ) {
+        self.each(items, |i, x| {
+            let thread = rayon::current_thread_index().filter(|_| self.0.is_some()).unwrap_or(0);
+            // No other thread waits for it. A task that panicked leaves nothing that the next would trust.
+            let mut own = memory[thread % memory.len()].lock().unwrap_or_else(PoisonError::into_inner);
+            task(i, x, &mut own);
+        });
     }
 
     /// `task` on every piece of `length` elements of `items`, with the matching element of `with`.

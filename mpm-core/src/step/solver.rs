@@ -3,8 +3,9 @@
 use mpm_materials::Constitutive;
 
 use super::body::{Body, BodyTrouble, InitialState, ParticleBody, Steps, Totals, Which};
-use super::contact::{Contact, ContactNode, Encounters, Meeting, OneField, PairContact};
+use super::contact::{Contact, ContactNode, Meeting, OneField, PairContact};
 use super::control::TimeControl;
+use super::encounters::Encounters;
 use super::fields::Fields;
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
@@ -634,7 +635,7 @@ where
     /// Have the node blocks that the particles reach, and tell the bodies where they are.
     fn arrange(&mut self) -> Result<(), OutsideGrid> {
         self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES)?;
-        self.encounters.arrange(self.fields.shared().len());
+        self.encounters.arrange(self.fields.shared().len(), self.bodies.len());
         self.arrange_planes();
         Ok(())
     }
@@ -727,8 +728,12 @@ where
         self.encounters.pairs()
     }
     /// The nodes in contact in the last step, with gap, normal and impulse.
-    pub fn contact_nodes(&self) -> &[ContactNode] {
-        self.encounters.nodes()
+    pub fn contact_nodes(&self) -> Vec<ContactNode> {
+        self.encounters.nodes(self.grid.lattice())
+    }
+    /// What contact keeps.
+    pub(crate) fn encounters(&self) -> &Encounters<T> {
+        &self.encounters
     }
     /// Bytes of particles, grid and all scratch.
     pub fn bytes(&self) -> usize {

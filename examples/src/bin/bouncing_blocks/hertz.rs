@@ -182,7 +182,7 @@ fn collide<M: Composition<f64, 2>>(
         }
         let (mut sum, mut second) = (0.0, 0.0);
         for node in now.contact_nodes() {
-            let (x, impulse) = (node.position[0], node.contact.impulse[1]);
+            let (x, impulse) = (node.position[0], node.impulse[1]);
             sum += impulse;
             second += impulse * x * x;
         }

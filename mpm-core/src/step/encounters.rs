@@ -1,0 +1,321 @@
+//! What contact keeps from step to step, and what it reports.
+
+use std::sync::Mutex;
+
+use super::contact::Scratch;
+use super::nodes::BlockPlace;
+use crate::geometry::Lattice;
+use crate::parallel::Float;
+
+/// Two fields of a block that meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pair {
+    /// The fields, the smaller first.
+    pub fields: [u32; 2],
+    /// Their bodies.
+    pub bodies: [u32; 2],
+    /// Nodes of which it is known whether the surfaces touch, a bit each. Where they do, there is a [`Touch`].
+    pub known: u64,
+    /// Energy dissipated by friction in this step, J.
+    pub friction: f64,
+    /// Kinetic energy of the nodes taken beside that in this step, J.
+    pub taken: f64,
+}
+
+/// A pair that touches at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch<T> {
+    /// Which node of the block.
+    pub node: u8,
+    /// Do the bodies act on each other there in this step?
+    pub acts: bool,
+    /// Is it the image of another node behind a plane of symmetry ([`super::contact::SharedNodes::is_image`])?
+    pub image: bool,
+    /// Which of the block's pairs.
+    pub pair: u32,
+    /// Unit normal, from the first field to the second.
+    pub normal: [T; 3],
+    /// Distance of the surfaces along it, m, where it is measured; negative if they overlap.
+    pub gap: Option<T>,
+    /// Impulse on the second field, N s; the first gets its opposite.
+    pub impulse: [T; 3],
+}
+
+/// What a contact algorithm found at a shared block. Pairs and touches stay as they are from step to step, until bodies
+/// have moved as far as [`super::Contact::keeps`] says or the block's bodies change.
+#[derive(Clone, Debug)]
+pub struct Found<T> {
+    /// The pairs of fields that share nodes.
+    pub pairs: Vec<Pair>,
+    /// Where they touch, by node and pair.
+    pub touches: Vec<Touch<T>>,
+    lasts: bool,
+    stale: bool,
+    /// The way of its bodies when it was looked at, m.
+    way: f64,
+    block: [i32; 3],
+}
+
+impl<T> Default for Found<T> {
+    fn default() -> Self {
+        Found {
+            pairs: Vec::new(),
+            touches: Vec::new(),
+            lasts: false,
+            stale: true,
+            way: 0.0,
+            block: [0; 3],
+        }
+    }
+}
+
+impl<T: Float> Found<T> {
+    /// Is it from an earlier step, and may it serve in further ones?
+    pub fn lasts(&self) -> bool {
+        self.lasts
+    }
+
+    /// Impulses on a field: node by node, the sum of its pairs'.
+    pub fn impulses(&self, field: usize) -> impl Iterator<Item = (usize, [T; 3])> + '_ {
+        let at_node = self.touches.chunk_by(|a, b| a.node == b.node);
+        at_node.filter_map(move |touches| {
+            let (mut sum, mut any) = ([T::default(); 3], false);
+            for touch in touches.iter().filter(|t| t.acts) {
+                let [first, second] = self.pairs[touch.pair as usize].fields;
+                let sign = match field as u32 {
+                    f if f == first => T::of(-1.0),
+                    f if f == second => T::of(1.0),
+                    _ => continue,
+                };
+                for d in 0..3 {
+                    sum[d] += sign * touch.impulse[d];
+                    any |= touch.impulse[d] != T::default();
+                }
+            }
+            any.then_some((touches[0].node as usize, sum))
+        })
+    }
+
+    /// Forget what bodies have moved away from by `keeps`, m; `way` is how far those of the block moved so far.
+    pub(super) fn renew<const D: usize>(&mut self, block: &[i32; D], way: f64, keeps: f64) {
+        let here = extended(block);
+        self.lasts = !self.stale && here == self.block && way - self.way < keeps;
+        if !self.lasts {
+            self.forget();
+            (self.stale, self.way, self.block) = (false, way, here);
+        }
+    }
+
+    fn forget(&mut self) {
+        self.pairs.clear();
+        self.touches.clear();
+    }
+
+    fn bytes(&self) -> usize {
+        self.pairs.capacity() * size_of::<Pair>() + self.touches.capacity() * size_of::<Touch<T>>()
+    }
+}
+
+fn extended<const D: usize>(block: &[i32; D]) -> [i32; 3] {
+    let mut all = [0; 3];
+    all[..D].copy_from_slice(block);
+    all
+}
+
+/// A pair of bodies in contact at a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactNode {
+    /// Position of the node, m.
+    pub position: [f64; 3],
+    /// The bodies, by number; the smaller first.
+    pub bodies: [usize; 2],
+    /// Unit normal, from the first body to the second.
+    pub normal: [f64; 3],
+    /// Distance of the surfaces along it, m, where the detector measures it; negative if they overlap.
+    pub gap: Option<f64>,
+    /// Impulse on the second body, N s; the first gets its opposite.
+    pub impulse: [f64; 3],
+}
+
+/// A pair of bodies in the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairContact {
+    /// The bodies, by number; the smaller first.
+    pub bodies: [usize; 2],
+    /// Contact force on the second body, N, mean of the step; the first feels its opposite.
+    pub force: [f64; 3],
+    /// Nodes in contact.
+    pub nodes: usize,
+    /// Smallest distance of the surfaces at those nodes, m, where the detector measures it.
+    pub gap: Option<f64>,
+    /// Energy dissipated by friction since the start, J.
+    pub friction: f64,
+    /// Kinetic energy of the nodes taken beside that since the start, J.
+    pub taken: f64,
+}
+
+impl PairContact {
+    fn new(bodies: [usize; 2]) -> Self {
+        PairContact { bodies, force: [0.0; 3], nodes: 0, gap: None, friction: 0.0, taken: 0.0 }
+    }
+}
+
+/// What contact keeps from step to step.
+#[derive(Debug)]
+pub struct Encounters<T> {
+    /// One a shared block, and behind those what was found in blocks that are shared no longer.
+    pub(super) found: Vec<Found<T>>,
+    shared: usize,
+    pairs: Vec<PairContact>,
+    /// How far particles of each body may have moved since the start, m.
+    way: Vec<f64>,
+    /// Square of the largest speed by block, and by body.
+    squares: Vec<T>,
+    steps: Vec<T>,
+    /// One a thread.
+    pub(super) scratch: Vec<Mutex<Scratch<T>>>,
+}
+
+impl<T> Default for Encounters<T> {
+    fn default() -> Self {
+        Encounters {
+            found: Vec::new(),
+            shared: 0,
+            pairs: Vec::new(),
+            way: Vec::new(),
+            squares: Vec::new(),
+            steps: Vec::new(),
+            scratch: Vec::new(),
+        }
+    }
+}
+
+impl<T: Float> Encounters<T> {
+    /// The pairs that were ever in contact, by number.
+    pub(super) fn pairs(&self) -> &[PairContact] {
+        &self.pairs
+    }
+
+    /// The nodes in contact in the last step.
+    pub(crate) fn nodes<const D: usize>(&self, lattice: &Lattice<D>) -> Vec<ContactNode> {
+        let mut nodes = Vec::new();
+        for found in &self.found {
+            let block: [i32; D] = std::array::from_fn(|d| found.block[d]);
+            let place = BlockPlace::new(lattice, &block);
+            for touch in found.touches.iter().filter(|t| counts(t)) {
+                let mut position = [0.0; 3];
+                position[..D].copy_from_slice(&place.node(touch.node as usize));
+                nodes.push(ContactNode {
+                    position,
+                    bodies: found.pairs[touch.pair as usize].bodies.map(|b| b as usize),
+                    normal: touch.normal.map(T::to_double),
+                    gap: touch.gap.map(T::to_double),
+                    impulse: touch.impulse.map(T::to_double),
+                });
+            }
+        }
+        nodes
+    }
+
+    /// Node blocks have changed: what is known of them is as good as nothing, but what was found can be told until
+    /// bodies meet again.
+    pub(super) fn arrange(&mut self, shared: usize, bodies: usize) {
+        self.found.iter_mut().for_each(|f| f.stale = true);
+        if self.found.len() < shared {
+            self.found.resize_with(shared, Found::default);
+        }
+        self.shared = shared;
+        self.way.resize(bodies, 0.0);
+    }
+
+    /// The shared blocks before bodies meet there; how far each body has moved; memory for `threads`.
+    #[allow(clippy::type_complexity)]
+    pub(super) fn open(&mut self, threads: usize) -> (&mut [Found<T>], &[f64], &[Mutex<Scratch<T>>]) {
+        let (here, gone) = self.found.split_at_mut(self.shared);
+        gone.iter_mut().for_each(Found::forget);
+        self.scratch.resize_with(threads, Mutex::default);
+        (here, &self.way, &self.scratch)
+    }
+
+    /// Room for the squares of the largest speeds, one a block.
+    pub(super) fn squares(&mut self, blocks: usize) -> &mut [T] {
+        self.squares.resize(blocks, T::default());
+        &mut self.squares
+    }
+
+    /// Note the way of every body in a step of `dt`, s, from the squares of its blocks' speeds.
+    pub(super) fn follow(&mut self, owner: impl Fn(usize) -> u32, dt: f64) {
+        self.steps.clear();
+        self.steps.resize(self.way.len(), T::default());
+        for (block, &square) in self.squares.iter().enumerate() {
+            if let Some(step) = self.steps.get_mut(owner(block) as usize) {
+                *step = step.max(square);
+            }
+        }
+        for (way, &square) in self.way.iter_mut().zip(&self.steps) {
+            *way += square.sqrt().to_double() * dt;
+        }
+    }
+
+    /// Book what the trial velocities met with: friction and what else contact took, J.
+    pub(super) fn book(&mut self, dt: f64) -> [f64; 2] {
+        for pair in &mut self.pairs {
+            (pair.force, pair.nodes, pair.gap) = ([0.0; 3], 0, None);
+        }
+        let mut sums = [0.0; 2];
+        for found in &self.found[..self.shared] {
+            for (number, pair) in found.pairs.iter().enumerate() {
+                let mine = |t: &&Touch<T>| t.pair as usize == number && counts(t);
+                let mut touches = found.touches.iter().filter(mine).peekable();
+                if touches.peek().is_none() {
+                    continue;
+                }
+                let entry = entry(&mut self.pairs, pair.bodies.map(|b| b as usize));
+                for touch in touches {
+                    for d in 0..3 {
+                        entry.force[d] += touch.impulse[d].to_double() / dt;
+                    }
+                    entry.nodes += 1;
+                    let gap = touch.gap.map(T::to_double);
+                    entry.gap = match (entry.gap, gap) {
+                        (Some(a), Some(b)) => Some(a.min(b)),
+                        (a, b) => a.or(b),
+                    };
+                }
+                entry.friction += pair.friction;
+                entry.taken += pair.taken;
+                sums[0] += pair.friction;
+                sums[1] += pair.taken;
+            }
+        }
+        sums
+    }
+
+    /// Bytes of its memory.
+    pub(super) fn bytes(&self) -> usize {
+        let scratch = |s: &Mutex<Scratch<T>>| s.lock().map_or(0, |s| s.bytes() + size_of::<Scratch<T>>());
+        self.found.iter().map(Found::bytes).sum::<usize>()
+            + self.found.capacity() * size_of::<Found<T>>()
+            + self.pairs.capacity() * size_of::<PairContact>()
+            + self.way.capacity() * size_of::<f64>()
+            + (self.squares.capacity() + self.steps.capacity()) * size_of::<T>()
+            + self.scratch.iter().map(scratch).sum::<usize>()
+    }
+}
+
+/// Is it in contact, and not told of as another node?
+fn counts<T: Float>(touch: &Touch<T>) -> bool {
+    touch.acts && !touch.image && touch.impulse.iter().any(|&x| x != T::default())
+}
+
+/// The entry of a pair of bodies in a sorted list.
+fn entry(pairs: &mut Vec<PairContact>, bodies: [usize; 2]) -> &mut PairContact {
+    let place = match pairs.binary_search_by_key(&bodies, |p| p.bodies) {
+        Ok(place) => place,
+        Err(place) => {
+            pairs.insert(place, PairContact::new(bodies));
+            place
+        }
+    };
+    &mut pairs[place]
+}

@@ -1,0 +1,196 @@
+//! The stage in which bodies meet.
+//!
+//! The step calls [`Stage::meet`] where \[Ma2010\] 1.4 adjusts momenta and forces (iv, vii, x). It works in two
+//! phases. First every shared block, on its own, asks the scene's [`Contact`] for the impulses at its nodes; nodes
+//! are only read. Then every field block adds its own impulses to its nodes. No task writes what another reads, and
+//! all sums have a fixed order, so that results do not depend on threads.
+
+use super::contact::{Contact, Meeting};
+use super::encounters::Encounters;
+use super::nodes::{BlockPlace, Stage};
+use super::rigid_body;
+use super::shared::SharedNodes;
+use crate::dim::block_nodes;
+use crate::grid::{GridStorage, Node};
+use crate::parallel::Float;
+
+impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
+    /// Let the bodies meet at the nodes they share: contact impulses on the velocities of `meeting`, then
+    /// boundaries again where any acted.
+    pub fn meet<K: Contact<T, D>>(&mut self, contact: &K, meeting: Meeting, encounters: &mut Encounters<T>) {
+        if !K::SEPARATES {
+            return;
+        }
+        let alone = self.fields.shared().is_empty();
+        if !alone {
+            self.planes.note_velocities(self.grid.nodes());
+            self.find_impulses(contact, meeting, encounters);
+            self.add_impulses(meeting, encounters);
+            self.copy_velocities(meeting);
+        }
+        if meeting == Meeting::Trial {
+            let [friction, taken] = encounters.book(self.dt.to_double());
+            if let Some(ledger) = self.ledgers.first_mut() {
+                ledger.friction += friction;
+                ledger.contact += taken;
+            }
+            if !alone && contact.keeps() > 0.0 {
+                self.follow(encounters);
+            }
+        }
+        if !alone {
+            self.planes.extrapolate(self.grid.nodes_mut());
+        }
+    }
+
+    /// Note how far bodies move in this step: no particle goes further than its fastest node.
+    fn follow(&self, encounters: &mut Encounters<T>) {
+        let (nodes, fields, cutoff) = (self.grid.nodes(), self.fields, self.cutoff);
+        let squares = encounters.squares(fields.len());
+        self.team.each(squares, |block, square| {
+            *square = T::default();
+            for node in nodes[block * block_nodes(D)..][..block_nodes(D)].iter().filter(|n| n.first[0] > cutoff) {
+                let [_, x, y, z] = node.first;
+                *square = square.max(x * x + y * y + z * z);
+            }
+        });
+        encounters.follow(|block| fields.owner(block), self.dt.to_double());
+    }
+
+    /// Bring the velocities behind planes of symmetry after those in front.
+    fn copy_velocities(&mut self, meeting: Meeting) {
+        let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff);
+        if meeting == Meeting::Trial
+            && let Some(ledger) = self.ledgers.first_mut()
+        {
+            (0..3).for_each(|d| ledger.impulse[d] += impulse[d]);
+        }
+    }
+
+    fn find_impulses<K: Contact<T, D>>(
+        &mut self,
+        contact: &K,
+        meeting: Meeting,
+        encounters: &mut Encounters<T>,
+    ) {
+        let lattice = *self.grid.lattice();
+        let mirrors = self.planes.mirrors();
+        let (fields, bodies, nodes) = (self.fields, self.bodies, self.grid.nodes());
+        let (wide, cutoff, dt, rigid) = (self.wide, self.cutoff, self.dt, self.rigid);
+        let view = |s: usize| {
+            let coordinates = fields.shared()[s].coordinates;
+            SharedNodes {
+                nodes,
+                members: fields.members(s),
+                bodies,
+                fields,
+                mirrors,
+                wide,
+                place: BlockPlace::new(&lattice, &coordinates),
+                coordinates,
+                meeting,
+                spacing: lattice.spacing(),
+                rigid,
+                cutoff,
+                dt,
+            }
+        };
+        let keeps = contact.keeps() * lattice.spacing();
+        let (found, way, scratch) = encounters.open(self.team.threads());
+        self.team.each_with(found, scratch, |s, found, scratch| {
+            let at = view(s);
+            let way = at.members.iter().map(|m| way[m.body as usize]).sum();
+            found.renew(&at.coordinates, way, keeps);
+            contact.impulses(&at, found, scratch);
+        });
+        if self.rigid {
+            let all: Vec<SharedNodes<'_, T, D>> = (0..fields.shared().len()).map(view).collect();
+            contact.couple(&all, found);
+        }
+    }
+
+    fn add_impulses(&mut self, meeting: Meeting, encounters: &Encounters<T>) {
+        let lattice = *self.grid.lattice();
+        let (bodies, fields, dt) = (self.bodies, self.fields, self.dt);
+        let (conditions, time) = (self.conditions, self.time);
+        let end = if meeting == Meeting::Momentum { time } else { time + dt.to_double() };
+        let tolerance = 1e-6 * lattice.spacing();
+        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
+        let mirrors = self.planes.copied();
+        let per_dt = T::of(1.0) / dt;
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
+            let Some((shared, field)) = fields.field_of(block) else { return };
+            let found = &encounters.found[shared];
+            if found.touches.is_empty() {
+                return;
+            }
+            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            if fields.members(shared)[field].prescribed {
+                let body = bodies[fields.owner(block) as usize].rigid();
+                let real = found.impulses(field);
+                let real = real.filter(|i| meeting == Meeting::Trial && !place.is_copy(i.0, mirrors));
+                for ((node, impulse), body) in real.zip(body.into_iter().cycle()) {
+                    rigid_body::book(body, &place.node(node), &impulse.map(T::to_double), ledger);
+                }
+                return;
+            }
+            for (n, impulse) in found.impulses(field).filter(|i| !place.is_copy(i.0, mirrors)) {
+                let node = &mut nodes[n];
+                let mass = node.first[0];
+                let mut change = [T::default(); 3];
+                let mut v = [0.0; 3];
+                for d in 0..D {
+                    change[d] = impulse[d] / mass;
+                    let now = if meeting == Meeting::Remapped { node.second } else { node.first };
+                    v[d] = (now[d + 1] + change[d]).to_double();
+                }
+                let free = v;
+                let x = place.node(n);
+                for b in &conditions.boundaries {
+                    b.constrain(&x, &mut v, end, tolerance, copies);
+                }
+                for d in 0..D {
+                    change[d] += T::of(v[d] - free[d]);
+                    if meeting == Meeting::Remapped {
+                        node.second[d + 1] += change[d];
+                        continue;
+                    }
+                    node.first[d + 1] += change[d];
+                    if meeting == Meeting::Momentum {
+                        continue;
+                    }
+                    node.second[d + 1] += change[d] * per_dt;
+                    if v[d] != free[d] {
+                        let impulse = mass.to_double() * (v[d] - free[d]);
+                        ledger.impulse[d] += impulse;
+                        ledger.work += impulse * v[d];
+                    }
+                }
+            }
+        });
+    }
+
+    /// Take back what contact gave to the mapped momentum for the stress update (USF): the trial velocities
+    /// start from the uncorrected ones, so that the friction limit of the step holds the whole impulse.
+    pub fn part<K: Contact<T, D>>(&mut self, encounters: &Encounters<T>) {
+        let (fields, mirrors, lattice) = (self.fields, self.planes.copied(), *self.grid.lattice());
+        if !K::SEPARATES || fields.shared().is_empty() {
+            return;
+        }
+        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
+            let Some((shared, field)) = fields.field_of(block) else { return };
+            if fields.members(shared)[field].prescribed {
+                return;
+            }
+            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            let front = |i: &(usize, [T; 3])| !place.is_copy(i.0, mirrors);
+            for (n, impulse) in encounters.found[shared].impulses(field).filter(front) {
+                let node: &mut Node<T> = &mut nodes[n];
+                for d in 0..D {
+                    node.first[d + 1] -= impulse[d] / node.first[0];
+                }
+            }
+        });
+        self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff);
+    }
+}

@@ -1,0 +1,192 @@
+//! The nodes that bodies share, as a contact algorithm sees them.
+
+use super::body::Body;
+use super::contact::Meeting;
+use super::fields::{Fields, Member};
+use super::nodes::BlockPlace;
+use super::rigid::RigidState;
+use super::survey::{Near, Survey};
+use crate::boundary::Plane;
+use crate::dim::{BLOCK, block_nodes};
+use crate::grid::Node;
+use crate::parallel::Float;
+
+/// The nodes of a block that several bodies share, as a [`super::Contact`] sees them.
+pub struct SharedNodes<'a, T: Float, const D: usize> {
+    pub(super) nodes: &'a [Node<T>],
+    pub(super) members: &'a [Member],
+    pub(super) bodies: &'a [Box<dyn Body<T, D>>],
+    pub(super) fields: &'a Fields<D>,
+    pub(super) mirrors: &'a [Plane],
+    pub(super) wide: bool,
+    pub(super) place: BlockPlace<D>,
+    pub(super) coordinates: [i32; D],
+    pub(super) meeting: Meeting,
+    pub(super) spacing: f64,
+    pub(super) rigid: bool,
+    pub(super) cutoff: T,
+    pub(super) dt: T,
+}
+
+impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
+    /// Number of fields.
+    pub fn fields(&self) -> usize {
+        self.members.len()
+    }
+    /// Number of a field's body; fields are in the order of bodies.
+    pub fn body(&self, field: usize) -> usize {
+        self.members[field].body as usize
+    }
+    /// Nodes in the block.
+    pub fn nodes(&self) -> usize {
+        block_nodes(D)
+    }
+    /// Nodes where the field has mass, a bit each.
+    pub fn occupied(&self, field: usize) -> u64 {
+        let mut bits = 0;
+        for (n, node) in self.of(field).iter().enumerate() {
+            bits |= u64::from(node.first[0] > self.cutoff) << n;
+        }
+        bits
+    }
+    /// Is any body of the scene rigid?
+    pub fn has_rigid(&self) -> bool {
+        self.rigid
+    }
+    /// Place and motion of the field's body, if it is rigid.
+    pub fn rigid(&self, field: usize) -> Option<&RigidState<D>> {
+        self.bodies[self.body(field)].rigid()
+    }
+    /// Does the field's body move as prescribed, whatever meets it? Two of them have nothing to give to each other.
+    pub fn is_prescribed(&self, field: usize) -> bool {
+        self.members[field].prescribed
+    }
+    /// Mass of a field at a node, kg: infinite if the body's motion is prescribed. Of a free rigid body, the share of its
+    /// mass that the node holds.
+    pub fn mass(&self, field: usize, node: usize) -> T {
+        if self.is_prescribed(field) { T::of(f64::INFINITY) } else { self.of(field)[node].first[0] }
+    }
+    /// Its velocity there, m/s.
+    pub fn velocity(&self, field: usize, node: usize) -> [T; 3] {
+        let node = &self.of(field)[node];
+        let [_, x, y, z] = if self.meeting == Meeting::Remapped { node.second } else { node.first };
+        [x, y, z]
+    }
+    /// Its velocity at the start of the step, m/s, before forces and contact; where momentum and impulse are
+    /// mapped together, that is not known, and this is the trial velocity.
+    pub fn old_velocity(&self, field: usize, node: usize) -> [T; 3] {
+        let mut v = self.velocity(field, node);
+        if self.meeting == Meeting::Trial {
+            let a = self.of(field)[node].second;
+            for d in 0..D {
+                v[d] -= a[d + 1] * self.dt;
+            }
+        }
+        v
+    }
+    /// Position of a node, m.
+    pub fn position(&self, node: usize) -> [f64; D] {
+        self.place.node(node)
+    }
+    /// Node spacing, m.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+    /// Time step, s.
+    pub fn dt(&self) -> T {
+        self.dt
+    }
+    /// Which velocities meet.
+    pub fn meeting(&self) -> Meeting {
+        self.meeting
+    }
+    /// Is the node the image of another behind a plane of symmetry?
+    pub fn is_image(&self, node: usize) -> bool {
+        self.wide && self.place.is_copy(node, self.mirrors)
+    }
+
+    /// Ask a field's particles about some nodes, a bit each; see [`Body::survey`]. What lies beyond planes of
+    /// symmetry counts.
+    pub fn survey(&self, field: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
+        let member = self.members[field];
+        let body = &self.bodies[member.body as usize];
+        body.survey(member.local as usize, what, nodes, normals, out);
+        for mirror in self.mirrors {
+            self.mirror(mirror, member, what, nodes, normals, out);
+        }
+    }
+
+    /// Call `visit` for every particle of a field near some nodes, a bit each, with the node.
+    pub fn near(&self, field: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+        let member = self.members[field];
+        self.bodies[member.body as usize].near(member.local as usize, nodes, visit);
+    }
+
+    fn of(&self, field: usize) -> &[Node<T>] {
+        &self.nodes[self.members[field].block as usize * block_nodes(D)..][..block_nodes(D)]
+    }
+
+    /// Add what the mirror image of the body would say.
+    fn mirror(
+        &self,
+        mirror: &Plane,
+        member: Member,
+        what: Survey,
+        nodes: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        let (axis, block) = (mirror.axis, BLOCK as i32);
+        let stride = BLOCK.pow(axis as u32);
+        let vector = matches!(what, Survey::MassGradient | Survey::VolumeGradient);
+        let largest = matches!(what, Survey::Reach | Survey::LocalReach | Survey::CentreReach);
+        for layer in -1..=1 {
+            let index = mirror.node + layer;
+            if index.div_euclid(block) != self.coordinates[axis] {
+                continue;
+            }
+            let within = index.rem_euclid(block) as usize;
+            let mine = (0..block_nodes(D)).filter(|n| n / stride % BLOCK == within && nodes & (1 << n) != 0);
+            if layer == 0 {
+                // Both halves of the body give the same along the plane and cancel across it.
+                if vector {
+                    mine.for_each(|n| out[n][axis] = T::default());
+                }
+                continue;
+            }
+            if !self.wide {
+                continue;
+            }
+            let image = mirror.node - layer;
+            let mut at = self.coordinates;
+            at[axis] = image.div_euclid(block);
+            let Some(local) = self.fields.local(&at, member.body) else { continue };
+            let there = |n: usize| n - within * stride + image.rem_euclid(block) as usize * stride;
+            let mut bits = 0;
+            let mut turned = [[T::default(); 3]; 64];
+            let mut found = [[T::default(); 3]; 64];
+            for n in mine.clone() {
+                bits |= 1 << there(n);
+                if let Some(normal) = normals.get(n) {
+                    turned[there(n)] = *normal;
+                    turned[there(n)][axis] = -normal[axis];
+                }
+                found[there(n)][0] = if largest { out[n][0] } else { T::default() };
+            }
+            self.bodies[member.body as usize].survey(local, what, bits, &turned, &mut found);
+            for n in mine {
+                let mut image = found[there(n)];
+                if largest {
+                    out[n][0] = image[0];
+                    continue;
+                }
+                if vector {
+                    image[axis] = -image[axis];
+                }
+                for d in 0..3 {
+                    out[n][d] += image[d];
+                }
+            }
+        }
+    }
+}
