@@ -246,7 +246,9 @@ impl<S, T: Float> GridContact<S, T> {
         let bodies = pair.map(|f| at.body(f));
         let fields = pair.map(|f| f as u32);
         let mut nodes = self.detector.normals().normals(at, pair, nodes, memory, &mut normals);
-        let all = found.lasts() || self.laws.law(bodies[0], bodies[1]).pulls();
+        let place = found.pairs.iter().position(|p| p.fields == fields);
+        let lasts = place.is_some_and(|p| found.pairs[p].lasts);
+        let all = lasts || self.laws.law(bodies[0], bodies[1]).pulls();
         if !all {
             let meets = |n: &usize| has(crowded, *n as u8) || approach(at, &fields, *n as u8, normals[*n]);
             nodes = each(nodes).filter(meets).fold(0, |bits, n| bits | 1 << n);
@@ -255,9 +257,8 @@ impl<S, T: Float> GridContact<S, T> {
             return;
         }
         let touching = self.detector.touching(at, pair, nodes, &normals, &mut gaps);
-        let place = found.pairs.iter().position(|p| p.fields == fields).unwrap_or_else(|| {
-            let bodies = bodies.map(|b| b as u32);
-            found.pairs.push(Pair { fields, bodies, known: 0, friction: 0.0, taken: 0.0 });
+        let place = place.unwrap_or_else(|| {
+            found.pairs.push(Pair::new(fields, bodies.map(|b| b as u32)));
             found.pairs.len() - 1
         });
         found.pairs[place].known |= nodes;

@@ -16,10 +16,21 @@ pub struct Pair {
     pub bodies: [u32; 2],
     /// Nodes of which it is known whether the surfaces touch, a bit each. Where they do, there is a [`Touch`].
     pub known: u64,
+    /// Has it been known since an earlier step?
+    pub lasts: bool,
     /// Energy dissipated by friction in this step, J.
     pub friction: f64,
     /// Kinetic energy of the nodes taken beside that in this step, J.
     pub taken: f64,
+    /// How far both had moved when they were looked at, m.
+    way: f64,
+}
+
+impl Pair {
+    /// A pair of fields, of these bodies, that was not looked at before.
+    pub fn new(fields: [u32; 2], bodies: [u32; 2]) -> Self {
+        Pair { fields, bodies, known: 0, lasts: false, friction: 0.0, taken: 0.0, way: 0.0 }
+    }
 }
 
 /// A pair that touches at a node.
@@ -41,18 +52,15 @@ pub struct Touch<T> {
     pub impulse: [T; 3],
 }
 
-/// What a contact algorithm found at a shared block. Pairs and touches stay as they are from step to step, until bodies
-/// have moved as far as [`super::Contact::keeps`] says or the block's bodies change.
+/// What a contact algorithm found at a shared block. Pairs and their touches stay as they are from step to step, until
+/// their bodies have moved as far as [`super::Contact::keeps`] says or the block's bodies change.
 #[derive(Clone, Debug)]
 pub struct Found<T> {
     /// The pairs of fields that share nodes.
     pub pairs: Vec<Pair>,
     /// Where they touch, by node and pair.
     pub touches: Vec<Touch<T>>,
-    lasts: bool,
     stale: bool,
-    /// The way of its bodies when it was looked at, m.
-    way: f64,
     block: [i32; 3],
 }
 
@@ -61,20 +69,13 @@ impl<T> Default for Found<T> {
         Found {
             pairs: Vec::new(),
             touches: Vec::new(),
-            lasts: false,
             stale: true,
-            way: 0.0,
             block: [0; 3],
         }
     }
 }
 
 impl<T: Float> Found<T> {
-    /// Is it from an earlier step, and may it serve in further ones?
-    pub fn lasts(&self) -> bool {
-        self.lasts
-    }
-
     /// Impulses on a field: node by node, the sum of its pairs'.
     pub fn impulses(&self, field: usize) -> impl Iterator<Item = (usize, [T; 3])> + '_ {
         let at_node = self.touches.chunk_by(|a, b| a.node == b.node);
@@ -96,13 +97,23 @@ impl<T: Float> Found<T> {
         })
     }
 
-    /// Forget what bodies have moved away from by `keeps`, m; `way` is how far those of the block moved so far.
-    pub(super) fn renew<const D: usize>(&mut self, block: &[i32; D], way: f64, keeps: f64) {
-        let here = extended(block);
-        self.lasts = !self.stale && here == self.block && way - self.way < keeps;
-        if !self.lasts {
+    /// Forget of every pair what its bodies have moved away from by `keeps`, m; `way` is how far each body moved so far.
+    pub(super) fn renew<const D: usize>(&mut self, block: &[i32; D], way: &[f64], keeps: f64) {
+        if self.stale {
             self.forget();
-            (self.stale, self.way, self.block) = (false, way, here);
+            (self.stale, self.block) = (false, extended(block));
+        }
+        let mut forgotten = false;
+        for pair in &mut self.pairs {
+            let now = pair.bodies.iter().map(|&b| way[b as usize]).sum();
+            pair.lasts = now - pair.way < keeps && pair.known != 0;
+            if !pair.lasts {
+                (pair.known, pair.way) = (0, now);
+                forgotten = true;
+            }
+        }
+        if forgotten {
+            self.touches.retain(|t| self.pairs[t.pair as usize].lasts);
         }
     }
 

@@ -43,15 +43,17 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
     }
 
-    /// Note how far bodies move in this step: no particle goes further than its fastest node.
+    /// Note how far bodies move in this step: no particle goes further than its fastest node. A node that holds less than
+    /// a particle moves it by its weight at most.
     fn follow(&self, encounters: &mut Encounters<T>) {
         let (nodes, fields, cutoff) = (self.grid.nodes(), self.fields, self.cutoff);
-        let squares = encounters.squares(fields.len());
-        self.team.each(squares, |block, square| {
+        let (per_particle, one) = (T::of(1.0) / self.lightest, T::of(1.0));
+        self.team.each(encounters.squares(fields.len()), |block, square| {
             *square = T::default();
             for node in nodes[block * block_nodes(D)..][..block_nodes(D)].iter().filter(|n| n.first[0] > cutoff) {
-                let [_, x, y, z] = node.first;
-                *square = square.max(x * x + y * y + z * z);
+                let [mass, x, y, z] = node.first;
+                let weight = (mass * per_particle).min(one);
+                *square = square.max(weight * weight * (x * x + y * y + z * z));
             }
         });
         encounters.follow(|block| fields.owner(block), self.dt.to_double());
@@ -99,7 +101,6 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let (found, way, scratch) = encounters.open(self.team.threads());
         self.team.each_with(found, scratch, |s, found, scratch| {
             let at = view(s);
-            let way = at.members.iter().map(|m| way[m.body as usize]).sum();
             found.renew(&at.coordinates, way, keeps);
             contact.impulses(&at, found, scratch);
         });

@@ -81,6 +81,8 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub time: f64,
     /// Mass below which a node carries no momentum, kg.
     pub cutoff: T,
+    /// Mass of the lightest particle, kg.
+    pub lightest: T,
     /// Do stencils reach behind a plane that particles touch?
     pub wide: bool,
     /// How much of the nodes' velocity particles take for their own: none with FLIP, all with PIC and its kin.

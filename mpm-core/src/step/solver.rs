@@ -121,6 +121,7 @@ macro_rules! stage {
             ledgers: &mut $mpm.ledgers,
             time: $mpm.time,
             cutoff: lightest * mass_cutoff::<T>(),
+            lightest,
             wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
             takes: taken($mpm.method.transfer(), $dt),
             dt: $dt,
