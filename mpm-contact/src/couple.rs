@@ -99,9 +99,9 @@ impl<'a, T: Float> Coupled<'a, T> {
     pub fn nodes(&self) -> impl Iterator<Item = (usize, u8, Vec<[T; 3]>)> + '_ {
         let same =
             |a: &Coupling<'_, T>, b: &Coupling<'_, T>| (a.block, a.touch.node) == (b.block, b.touch.node);
-        self.pairs
-            .chunk_by(same)
-            .map(|chunk| (chunk[0].block, chunk[0].touch.node, chunk.iter().map(|c| c.touch.impulse).collect()))
+        self.pairs.chunk_by(same).map(|chunk| {
+            (chunk[0].block, chunk[0].touch.node, chunk.iter().map(|c| c.touch.impulse).collect())
+        })
     }
 
     /// Velocity of a field at a node once its mover has this part of its impulses.
@@ -114,9 +114,8 @@ impl<'a, T: Float> Coupled<'a, T> {
         part: f64,
     ) -> [T; 3] {
         let start = at[block].velocity(field, node as usize);
-        let here = |p: &&Coupling<'a, T>| {
-            p.block == block && p.touch.node == node && p.fields.contains(&field)
-        };
+        let here =
+            |p: &&Coupling<'a, T>| p.block == block && p.touch.node == node && p.fields.contains(&field);
         let Some(pair) = self.pairs.iter().find(here) else { return start };
         let side = usize::from(pair.fields[1] == field);
         sum(start, times(response(at, pair, side, &self.sums), T::of(part)))
@@ -162,7 +161,8 @@ fn gather<T: Float, const D: usize>(
             let entry = sums.entry(pair.movers[side]).or_insert(([T::of(0.0); 3], [0.0; 3]));
             entry.0 = sum(entry.0, impulse);
             if let Some(rigid) = here.rigid(pair.fields[side]) {
-                let moment = rigid.moment(&here.position(pair.touch.node as usize), &impulse.map(T::to_double));
+                let moment =
+                    rigid.moment(&here.position(pair.touch.node as usize), &impulse.map(T::to_double));
                 (0..3).for_each(|d| entry.1[d] += moment[d]);
             }
         }

@@ -60,7 +60,8 @@ impl<S, T> GridContact<S, T> {
     /// # Errors
     /// A negative number, or more than 0.1.
     pub fn keeping(mut self, cells: f64) -> Result<Self, ParameterError> {
-        self.keeps = Check("grid contact").that((0.0..=0.1).contains(&cells), "keeping", cells, "0 to 0.1")?;
+        self.keeps =
+            Check("grid contact").that((0.0..=0.1).contains(&cells), "keeping", cells, "0 to 0.1")?;
         Ok(self)
     }
     /// The laws.

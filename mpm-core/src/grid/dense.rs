@@ -1,7 +1,7 @@
 //! Every block of a box.
 
 use super::{GridStorage, Node, OutsideGrid, zeroed};
-use crate::dim::{BLOCK, block_nodes};
+use crate::dim::BLOCK;
 use crate::geometry::Lattice;
 use crate::parallel::Float;
 
@@ -70,8 +70,7 @@ impl<T: Float, const D: usize> GridStorage<T, D> for DenseGrid<T, D> {
             }),
         }
     }
-    fn arrange_fields(&mut self, extra: usize) {
-        let count = (self.blocks.len() + extra) * block_nodes(D);
+    fn arrange_nodes(&mut self, count: usize) {
         self.nodes.reserve_exact(count.saturating_sub(self.nodes.len()));
         self.nodes.resize(count, Node::default());
     }

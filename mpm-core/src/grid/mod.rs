@@ -36,20 +36,20 @@ impl<T: Real> Default for Node<T> {
 pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
     /// The lattice of nodes.
     fn lattice(&self) -> &Lattice<D>;
-    /// Have (at least) these blocks, sorted and without repetition. All nodes are zero afterwards if the set
-    /// of blocks changed.
+    /// Have (at least) these blocks, sorted and without repetition, of 4^D nodes each. All nodes are zero afterwards if
+    /// the set of blocks changed.
     ///
     /// # Errors
     /// The first block that this grid cannot hold.
     fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid>;
-    /// Have `extra` further blocks of nodes behind those of [`GridStorage::blocks`]: the fields of bodies that
-    /// share a block with others ([`crate::step::Contact`]).
-    fn arrange_fields(&mut self, extra: usize);
+    /// Have `count` nodes, where bodies share blocks ([`crate::step::Contact`]): each has its own there, though not all
+    /// of the block's.
+    fn arrange_nodes(&mut self, count: usize);
     /// Coordinates of the blocks, in the order of storage.
     fn blocks(&self) -> &[[i32; D]];
     /// Place of a block in that order.
     fn find(&self, coordinates: &[i32; D]) -> Option<usize>;
-    /// All nodes: 4^D a block, x fastest; those of the extra blocks last.
+    /// All nodes: 4^D a block, x fastest, after [`GridStorage::arrange`].
     fn nodes(&self) -> &[Node<T>];
     /// All nodes.
     fn nodes_mut(&mut self) -> &mut [Node<T>];

@@ -30,12 +30,11 @@ impl<T: Float, const D: usize> GridStorage<T, D> for BlockGrid<T, D> {
             self.blocks.clear();
             self.blocks.extend_from_slice(wanted);
             self.nodes.clear();
-            self.arrange_fields(0);
+            self.arrange_nodes(self.blocks.len() * block_nodes(D));
         }
         Ok(())
     }
-    fn arrange_fields(&mut self, extra: usize) {
-        let count = (self.blocks.len() + extra) * block_nodes(D);
+    fn arrange_nodes(&mut self, count: usize) {
         self.nodes.reserve_exact(count.saturating_sub(self.nodes.len()));
         self.nodes.resize(count, Node::default());
     }

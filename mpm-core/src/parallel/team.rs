@@ -62,6 +62,23 @@ impl Team {
         }
     }
 
+    /// `task` on every part `starts[i]..starts[i + 1]` of `items`, with the matching element of `with`.
+    pub fn each_part<X: Send, Y: Send>(
+        &self,
+        items: &mut [X],
+        starts: &[u32],
+        with: &mut [Y],
+        task: impl Fn(usize, &mut [X], &mut Y) + Send + Sync,
+    ) {
+        match &self.0 {
+            None => parts(items, starts, 0, with, usize::MAX, &task),
+            Some(pool) => {
+                let grain = with.len() / (16 * pool.current_num_threads()) + 1;
+                pool.install(|| parts(items, starts, 0, with, grain, &task));
+            }
+        }
+    }
+
     /// `task` on every element with memory of the thread it runs on, of which there must be one for each thread; what
     /// the task makes must not depend on what it finds there.
     pub fn each_with<X: Send, S: Send>(
@@ -97,4 +114,33 @@ impl Team {
             }),
         }
     }
+}
+
+/// The parts from `first` on, in halves until they are few.
+fn parts<X: Send, Y: Send>(
+    items: &mut [X],
+    starts: &[u32],
+    first: usize,
+    with: &mut [Y],
+    grain: usize,
+    task: &(impl Fn(usize, &mut [X], &mut Y) + Send + Sync),
+) {
+    let start = |part: usize| (starts[part] - starts[first]) as usize;
+    if with.len() <= grain {
+        let mut rest = items;
+        for (i, with) in with.iter_mut().enumerate() {
+            let length = start(first + i + 1) - start(first + i);
+            let (part, after) = rest.split_at_mut(length);
+            task(first + i, part, with);
+            rest = after;
+        }
+        return;
+    }
+    let middle = with.len() / 2;
+    let (left, right) = items.split_at_mut(start(first + middle));
+    let (with_left, with_right) = with.split_at_mut(middle);
+    rayon::join(
+        || parts(left, starts, first, with_left, grain, task),
+        || parts(right, starts, first + middle, with_right, grain, task),
+    );
 }

@@ -39,6 +39,8 @@ pub struct Block<T: Float, const D: usize> {
     /// The list of free groups.
     free: u32,
     particles: usize,
+    /// Bins with particles, a bit each.
+    occupied: u64,
     /// What a lane without a particle holds.
     dummy: Vec<T>,
 }
@@ -80,6 +82,7 @@ impl<T: Float, const D: usize> Block<T, D> {
             before: Vec::new(),
             free: NONE,
             particles: 0,
+            occupied: 0,
             dummy,
         }
     }
@@ -104,6 +107,10 @@ impl<T: Float, const D: usize> Block<T, D> {
             + self.before.capacity() * size_of::<u32>()
             + self.runs.capacity() * size_of::<Run>()
             + self.dummy.capacity() * size_of::<T>()
+    }
+    /// Bins with particles, a bit each.
+    pub fn occupied(&self) -> u64 {
+        self.occupied
     }
     /// Number of particles in a bin.
     #[inline(always)]
@@ -165,6 +172,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
         self.runs[bin] = Run { last: group, particles: particles + 1 };
         self.particles += 1;
+        self.occupied |= 1 << bin;
     }
 
     /// Remove a particle of a bin; the bin's last one takes its place.
@@ -180,6 +188,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
         self.runs[bin].particles -= 1;
         self.particles -= 1;
+        self.occupied &= !(u64::from(particles == 1) << bin);
         if lane == 0 {
             self.runs[bin].last = std::mem::replace(&mut self.before[last as usize], self.free);
             self.free = last;

@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use mpm_materials::{Constitutive, Lane, State};
 
 use super::fields::Claim;
+use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
 use super::rigid::RigidState;
@@ -144,7 +145,13 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     ///
     /// # Errors
     /// The first particle that cannot go on.
-    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble>;
+    fn pass(
+        &mut self,
+        which: Which,
+        nodes: Nodes<'_, T>,
+        dt: Steps<T>,
+        team: &Team,
+    ) -> Result<T, BodyTrouble>;
     /// Force and power of the surface load that the last pass mapped.
     fn loading(&self) -> Loading;
     /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
@@ -152,8 +159,8 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool;
     /// Append the node blocks that the particles reach or may come to, as claims of body `number`.
     fn claims(&self, number: u32, list: &mut Vec<Claim<D>>);
-    /// Did a particle come to a node block that its slot is not linked to?
-    fn reaches_further(&self) -> bool;
+    /// Did a particle come to where the body has no node?
+    fn reaches_further(&mut self, layout: &Layout) -> bool;
     /// Does a particle reach this block of the body's own list?
     fn reaches(&self, block: usize) -> bool;
     /// Note where the node blocks are now, and append their places: this is the body's own list of blocks.
@@ -386,7 +393,12 @@ where
         }
     }
 
-    fn sweep<K: PassKind>(&mut self, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble> {
+    fn sweep<K: PassKind>(
+        &mut self,
+        nodes: Nodes<'_, T>,
+        dt: Steps<T>,
+        team: &Team,
+    ) -> Result<T, BodyTrouble> {
         let common = self.common(dt);
         let (law, method) = (&self.law, &self.method);
         let nodes_around = &self.nodes_around;
@@ -555,6 +567,7 @@ fn new_slot<T: Float, const D: usize, E: Stencil>(
         block: Block::new(coordinates, dummy.to_vec()),
         tile: vec![[T::default(); 4]; tile_nodes::<E>(D) * records],
         slots_around: vec![NONE; neighbours(D)],
+        linked: 0,
         report: Report::default(),
     }
 }
@@ -600,7 +613,13 @@ where
         fastest / T::of(spacing)
     }
 
-    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble> {
+    fn pass(
+        &mut self,
+        which: Which,
+        nodes: Nodes<'_, T>,
+        dt: Steps<T>,
+        team: &Team,
+    ) -> Result<T, BodyTrouble> {
         match which {
             Which::Map => self.sweep::<L::Pass<<M::Update as StressUpdate>::Map>>(nodes, dt, team),
             Which::First => self.sweep::<L::Pass<<M::Update as StressUpdate>::First>>(nodes, dt, team),
@@ -635,8 +654,8 @@ where
     fn claims(&self, number: u32, list: &mut Vec<Claim<D>>) {
         self.claim_blocks(number, list);
     }
-    fn reaches_further(&self) -> bool {
-        self.reaches_beyond_links()
+    fn reaches_further(&mut self, layout: &Layout) -> bool {
+        self.reaches_beyond_links(layout)
     }
     fn reaches(&self, block: usize) -> bool {
         self.reaches_block(block)

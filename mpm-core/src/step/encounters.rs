@@ -66,12 +66,7 @@ pub struct Found<T> {
 
 impl<T> Default for Found<T> {
     fn default() -> Self {
-        Found {
-            pairs: Vec::new(),
-            touches: Vec::new(),
-            stale: true,
-            block: [0; 3],
-        }
+        Found { pairs: Vec::new(), touches: Vec::new(), stale: true, block: [0; 3] }
     }
 }
 

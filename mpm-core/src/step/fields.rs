@@ -3,22 +3,25 @@
 //! A block of nodes that the particles of one body reach belongs to that body. Where several bodies reach the
 //! same block, and the scene's [`Contact`](super::Contact) keeps them apart, each has a **field block** of its
 //! own: the first body the grid's block, the others blocks behind the grid's. Particles read and write their
-//! body's block as if they were alone; only the contact stages know that there are others.
+//! body's block as if they were alone; only the contact stages know that there are others. A field block holds the
+//! nodes that the body's particles reach, if they are few ([`Layout`]).
 
 use super::body::Body;
+use super::layout::{Layout, whole_block};
 use super::rigid::RigidState;
+use crate::dim::block_nodes;
 use crate::grid::{GridStorage, OutsideGrid};
 use crate::parallel::Float;
 
 /// A body's claim to a node block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Claim<const D: usize> {
     /// Coordinates of the block.
     pub coordinates: [i32; D],
     /// Number of the body.
     pub body: u32,
-    /// Is no particle's stencil in it yet, though one may come there? (Sorted by: reached first.)
-    pub idle: bool,
+    /// The nodes that its particles reach, a bit each; none if they may come there, but are not there yet.
+    pub reached: u64,
 }
 
 /// A field of a shared block: whose it is, and where.
@@ -59,6 +62,9 @@ pub struct Fields<const D: usize> {
     coordinates: Vec<[i32; D]>,
     /// The body of each block, or [`NOBODY`].
     owners: Vec<u32>,
+    /// The nodes that each block keeps, a bit each, and where.
+    kept: Vec<u64>,
+    layout: Layout,
     /// Where the givers of each block start; one more than there are blocks.
     starts: Vec<u32>,
     givers: Vec<Giver>,
@@ -80,6 +86,8 @@ impl<const D: usize> Default for Fields<D> {
         Fields {
             coordinates: Vec::new(),
             owners: Vec::new(),
+            kept: Vec::new(),
+            layout: Layout::default(),
             starts: Vec::new(),
             givers: Vec::new(),
             shared: Vec::new(),
@@ -108,8 +116,12 @@ impl<const D: usize> Fields<D> {
         for (number, body) in bodies.iter().enumerate() {
             body.claims(number as u32, &mut claims);
         }
-        claims.sort_unstable();
-        claims.dedup_by_key(|c| (c.coordinates, c.body));
+        claims.sort_unstable_by_key(|c| (c.coordinates, c.body));
+        claims.dedup_by(|next, kept| {
+            let same = (next.coordinates, next.body) == (kept.coordinates, kept.body);
+            kept.reached |= if same { next.reached } else { 0 };
+            same
+        });
         self.wanted.clear();
         self.wanted.extend(claims.iter().map(|c| c.coordinates));
         self.wanted.dedup();
@@ -128,6 +140,8 @@ impl<const D: usize> Fields<D> {
         self.coordinates.extend_from_slice(grid.blocks());
         self.owners.clear();
         self.owners.resize(self.coordinates.len(), NOBODY);
+        self.kept.clear();
+        self.kept.resize(self.coordinates.len(), whole_block(D));
         self.table.clear();
         self.shared.clear();
         self.members.clear();
@@ -137,7 +151,8 @@ impl<const D: usize> Fields<D> {
                 self.divide(grid.find(&claims[0].coordinates), claims);
             }
         }
-        grid.arrange_fields(self.coordinates.len() - grid.blocks().len());
+        self.layout.arrange(D, self.kept.iter().copied());
+        grid.arrange_nodes(self.layout.len());
         self.field_of.resize(self.coordinates.len(), None);
         for (s, shared) in self.shared.iter().enumerate() {
             for (f, member) in self.members[shared.fields.clone()].iter().enumerate() {
@@ -153,13 +168,16 @@ impl<const D: usize> Fields<D> {
         let coordinates = claims[0].coordinates;
         let alone = claims.len() == 1;
         let first = self.members.len();
-        for claim in claims.iter().filter(|c| alone || !c.idle) {
+        let sharing = claims.iter().filter(|c| c.reached != 0).count();
+        for claim in claims.iter().filter(|c| alone || c.reached != 0) {
+            let kept = if sharing < CROWD { whole_block(D) } else { worth_keeping::<D>(claim.reached) };
             let block = if self.members.len() == first {
-                self.owners[block] = claim.body;
+                (self.owners[block], self.kept[block]) = (claim.body, kept);
                 block
             } else {
                 self.coordinates.push(coordinates);
                 self.owners.push(claim.body);
+                self.kept.push(kept);
                 self.coordinates.len() - 1
             };
             self.table.push((coordinates, claim.body, block as u32));
@@ -217,6 +235,10 @@ impl<const D: usize> Fields<D> {
     pub(super) fn len(&self) -> usize {
         self.coordinates.len()
     }
+    /// Where their nodes are.
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
+    }
     /// Coordinates of the node blocks.
     pub(super) fn coordinates(&self) -> &[[i32; D]] {
         &self.coordinates
@@ -269,6 +291,8 @@ impl<const D: usize> Fields<D> {
     pub(super) fn bytes(&self) -> usize {
         self.coordinates.capacity() * size_of::<[i32; D]>()
             + (self.owners.capacity() + self.starts.capacity()) * size_of::<u32>()
+            + self.kept.capacity() * size_of::<u64>()
+            + self.layout.bytes()
             + self.givers.capacity() * size_of::<Giver>()
             + self.shared.capacity() * size_of::<SharedBlock<D>>()
             + self.members.capacity() * size_of::<Member>()
@@ -279,6 +303,16 @@ impl<const D: usize> Fields<D> {
             + self.places.capacity() * size_of::<u32>()
             + self.found.capacity() * size_of::<(u32, Giver)>()
     }
+}
+
+/// Bodies in a block from which on fields keep only the nodes that are reached. Where two bodies meet, particles reach
+/// further nodes all the time, and every such change means to arrange all blocks anew.
+const CROWD: usize = 3;
+
+/// The nodes that a field keeps whose particles reach these: all, if they are most.
+fn worth_keeping<const D: usize>(reached: u64) -> u64 {
+    let most = 4 * reached.count_ones() as usize > 3 * block_nodes(D);
+    if most { whole_block(D) } else { reached }
 }
 
 fn find_in<const D: usize>(table: &[([i32; D], u32, u32)], at: &[i32; D], body: u32) -> Option<usize> {

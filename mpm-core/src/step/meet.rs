@@ -10,8 +10,7 @@ use super::encounters::Encounters;
 use super::nodes::{BlockPlace, Stage};
 use super::rigid_body;
 use super::shared::SharedNodes;
-use crate::dim::block_nodes;
-use crate::grid::{GridStorage, Node};
+use crate::grid::GridStorage;
 use crate::parallel::Float;
 
 impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
@@ -47,10 +46,11 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// a particle moves it by its weight at most.
     fn follow(&self, encounters: &mut Encounters<T>) {
         let (nodes, fields, cutoff) = (self.grid.nodes(), self.fields, self.cutoff);
+        let layout = fields.layout();
         let (per_particle, one) = (T::of(1.0) / self.lightest, T::of(1.0));
         self.team.each(encounters.squares(fields.len()), |block, square| {
             *square = T::default();
-            for node in nodes[block * block_nodes(D)..][..block_nodes(D)].iter().filter(|n| n.first[0] > cutoff) {
+            for node in layout.of(nodes, block).iter().filter(|n| n.first[0] > cutoff) {
                 let [mass, x, y, z] = node.first;
                 let weight = (mass * per_particle).min(one);
                 *square = square.max(weight * weight * (x * x + y * y + z * z));
@@ -119,7 +119,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let mirrors = self.planes.copied();
         let per_dt = T::of(1.0) / dt;
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, ledger| {
             let Some((shared, field)) = fields.field_of(block) else { return };
             let found = &encounters.found[shared];
             if found.touches.is_empty() {
@@ -136,7 +137,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 return;
             }
             for (n, impulse) in found.impulses(field).filter(|i| !place.is_copy(i.0, mirrors)) {
-                let node = &mut nodes[n];
+                let Some(node) = nodes.get(n) else { continue };
                 let mass = node.first[0];
                 let mut change = [T::default(); 3];
                 let mut v = [0.0; 3];
@@ -178,7 +179,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         if !K::SEPARATES || fields.shared().is_empty() {
             return;
         }
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, _| {
             let Some((shared, field)) = fields.field_of(block) else { return };
             if fields.members(shared)[field].prescribed {
                 return;
@@ -186,7 +188,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
             let front = |i: &(usize, [T; 3])| !place.is_copy(i.0, mirrors);
             for (n, impulse) in encounters.found[shared].impulses(field).filter(front) {
-                let node: &mut Node<T> = &mut nodes[n];
+                let Some(node) = nodes.get(n) else { continue };
                 for d in 0..D {
                     node.first[d + 1] -= impulse[d] / node.first[0];
                 }

@@ -8,6 +8,7 @@ use crate::parallel::{Float, Team};
 
 use super::body::Body;
 use super::fields::Fields;
+use super::layout::Piece;
 use super::planes::Planes;
 use super::rigid::RigidState;
 use super::rigid_body::{self, rigid_of};
@@ -122,19 +123,20 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let constraints = constraints!(self);
         let at_once = self.planes.is_empty();
         let rigid = self.rigid;
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
-            match sums {
-                Sums::All => nodes.fill(Node::default()),
-                Sums::Force | Sums::Again | Sums::Smoothed => {
-                    nodes.iter_mut().for_each(|n| n.second = [T::default(); 4])
-                }
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, ledger| {
+            if nodes.is_whole() {
+                sum_up(bodies, fields, block, sums, nodes.items);
+            } else {
+                let mut all = [Node::default(); block_nodes(3)];
+                nodes.numbered().for_each(|(n, node)| all[n] = *node);
+                sum_up(bodies, fields, block, sums, &mut all[..block_nodes(D)]);
+                nodes.numbered().for_each(|(n, node)| *node = std::mem::take(&mut all[n]));
+                debug_assert!(all.iter().all(|n| n.first[0] == T::default()), "mass where the body has no node");
             }
-            for giver in fields.givers(block) {
-                bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
-            }
-            let complete = rigid && carry(bodies, fields, &constraints, block, sums, nodes);
+            let complete = rigid && carry(bodies, fields, &constraints, block, sums, &mut nodes);
             if at_once && !complete {
-                constraints.apply(update, block, nodes, ledger);
+                constraints.apply(update, block, &mut nodes, ledger);
             }
         });
         if at_once {
@@ -201,13 +203,13 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let mirrors = self.planes.copied();
         let nodes = self.grid.nodes();
-        self.team.each_piece(terms, block_nodes(D), self.ledgers, |block, terms, ledger| {
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, terms, self.ledgers, |block, mut terms, ledger| {
             if rigid && rigid_of(bodies, fields, block).is_some() {
                 return;
             }
             let place = BlockPlace::new(&lattice, &blocks[block]);
-            let nodes = &nodes[block * block_nodes(D)..][..block_nodes(D)];
-            for (n, (node, term)) in nodes.iter().zip(terms.iter_mut()).enumerate() {
+            for ((n, term), node) in terms.numbered().zip(layout.of(nodes, block)) {
                 let mass = node.first[0];
                 if mass <= cutoff {
                     continue;
@@ -225,11 +227,11 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             }
         });
         let terms = &*terms;
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
+        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, nodes, _| {
             if rigid && rigid_of(bodies, fields, block).is_some() {
                 return;
             }
-            for (node, term) in nodes.iter_mut().zip(&terms[block * block_nodes(D)..]) {
+            for (node, term) in nodes.items.iter_mut().zip(layout.of(terms, block)) {
                 if node.first[0] <= cutoff {
                     continue;
                 }
@@ -256,11 +258,31 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     fn each_node(&mut self, update: &impl NodeUpdate<T>) {
         let constraints = constraints!(self);
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, ledger| {
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, ledger| {
             if !(rigid && rigid_of(bodies, fields, block).is_some_and(RigidState::is_prescribed)) {
-                constraints.apply(update, block, nodes, ledger);
+                constraints.apply(update, block, &mut nodes, ledger);
             }
         });
+    }
+}
+
+/// The sums of what bodies map to a block.
+fn sum_up<T: Float, const D: usize>(
+    bodies: &[Box<dyn Body<T, D>>],
+    fields: &Fields<D>,
+    block: usize,
+    sums: Sums,
+    nodes: &mut [Node<T>],
+) {
+    match sums {
+        Sums::All => nodes.fill(Node::default()),
+        Sums::Force | Sums::Again | Sums::Smoothed => {
+            nodes.iter_mut().for_each(|n| n.second = [T::default(); 4]);
+        }
+    }
+    for giver in fields.givers(block) {
+        bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
     }
 }
 
@@ -271,7 +293,7 @@ fn carry<T: Float, const D: usize>(
     constraints: &Constraints<'_, D>,
     block: usize,
     sums: Sums,
-    nodes: &mut [Node<T>],
+    nodes: &mut Piece<'_, Node<T>>,
 ) -> bool {
     let Some(body) = rigid_of(bodies, fields, block) else { return false };
     let place = BlockPlace::new(&constraints.lattice, &constraints.blocks[block]);
@@ -296,7 +318,7 @@ impl<const D: usize> Constraints<'_, D> {
         &self,
         update: &impl NodeUpdate<T>,
         block: usize,
-        nodes: &mut [Node<T>],
+        nodes: &mut Piece<'_, Node<T>>,
         ledger: &mut NodeLedger,
     ) {
         let spacing = self.lattice.spacing();
@@ -304,10 +326,10 @@ impl<const D: usize> Constraints<'_, D> {
         let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
         let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, self.time, reach);
         if !self.boundaries.iter().any(|b| reaches(&b)) {
-            nodes.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
+            nodes.items.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
             return;
         }
-        for (n, node) in nodes.iter_mut().enumerate() {
+        for (n, node) in nodes.numbered() {
             let x = place.node(n);
             let constrain = |v: &mut [f64; 3], time: f64| {
                 let before = *v;

@@ -253,7 +253,8 @@ fn columns<T: Float, const D: usize, G: GridStorage<T, D>>(
         for n in (0..block_nodes(D)).filter(|n| (n / stride).is_multiple_of(BLOCK)) {
             columns.push(std::array::from_fn(|i| {
                 let within = layers[i].rem_euclid(BLOCK as i32) as usize * stride;
-                blocks[i].map_or(NOWHERE, |b| (b * block_nodes(D) + n + within) as u32)
+                let place = blocks[i].and_then(|b| fields.layout().place(b, n + within));
+                place.map_or(NOWHERE, |place| place as u32)
             }));
         }
     }

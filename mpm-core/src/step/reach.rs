@@ -4,7 +4,9 @@ use mpm_materials::Constitutive;
 
 use super::body::{NONE, ParticleBody, offset, shifted};
 use super::fields::Claim;
+use super::layout::Layout;
 use super::load::Load;
+use super::survey::nodes_of;
 use super::sweep::ExtentOf;
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
 use crate::method::Composition;
@@ -37,10 +39,7 @@ fn reaching_all<E: Stencil, const D: usize>() -> Reaching {
 
 /// Bit `n` is set if a particle's stencil reaches into neighbour `n` (3^D, x fastest).
 fn reach<T: Float, const D: usize>(block: &Block<T, D>, reaching: &Reaching) -> u32 {
-    let mut occupied = 0_u64;
-    for bin in 0..block_nodes(D) {
-        occupied |= u64::from(block.bin_len(bin) > 0) << bin;
-    }
+    let occupied = block.occupied();
     let mut bits = 0;
     for n in 0..neighbours(D) {
         let mut bins = occupied & reaching[0][n % 3] & reaching[1][n / 3 % 3];
@@ -59,16 +58,18 @@ where
     M: Composition<T, D>,
     L: Load<D>,
 {
-    /// Does a particle reach a node block that its slot is not linked to?
-    pub(super) fn reaches_beyond_links(&self) -> bool {
-        let reaching = reaching_all::<ExtentOf<M, T, D>, D>();
-        let mut around = self.nodes_around.chunks(neighbours(D));
-        self.slots.iter().any(|slot| {
-            let mut linked = 0;
-            for (n, &block) in around.next().unwrap_or_default().iter().enumerate() {
-                linked |= u32::from(block != NONE) << n;
-            }
-            reach(&slot.block, &reaching) & !linked != 0
+    /// Does a particle reach a node that its body does not have?
+    pub(super) fn reaches_beyond_links(&mut self, layout: &Layout) -> bool {
+        let around = self.nodes_around.chunks(neighbours(D));
+        self.slots.iter_mut().zip(around).any(|(slot, around)| {
+            let new = slot.block.occupied() & !slot.linked;
+            let beyond = new != 0
+                && around.iter().enumerate().any(|(n, &block)| {
+                    let kept = if block == NONE { 0 } else { layout.kept(block as usize) };
+                    nodes_of::<ExtentOf<M, T, D>, D>(&offset(n), new) & !kept != 0
+                });
+            slot.linked |= if beyond { 0 } else { new };
+            beyond
         })
     }
 
@@ -83,16 +84,15 @@ where
     }
 
     pub(super) fn claim_blocks(&self, number: u32, list: &mut Vec<Claim<D>>) {
-        let reaching = reaching_all::<ExtentOf<M, T, D>, D>();
         for slot in &self.slots {
-            let reached = reach(&slot.block, &reaching);
             for n in 0..neighbours(D) {
                 let o = offset::<D>(n);
                 if ExtentOf::<M, T, D>::BASE == 0 && o.iter().any(|&x| x < 0) {
                     continue;
                 }
                 let coordinates = shifted(&slot.block.coordinates, &o);
-                list.push(Claim { coordinates, body: number, idle: reached & (1 << n) == 0 });
+                let reached = nodes_of::<ExtentOf<M, T, D>, D>(&o, slot.block.occupied());
+                list.push(Claim { coordinates, body: number, reached });
             }
         }
     }
@@ -101,7 +101,8 @@ where
         let mut links = std::mem::take(&mut self.links);
         links.clear();
         self.nodes_around.clear();
-        for (s, slot) in self.slots.iter().enumerate() {
+        for (s, slot) in self.slots.iter_mut().enumerate() {
+            slot.linked = slot.block.occupied();
             for n in 0..neighbours(D) {
                 let found = find(&shifted(&slot.block.coordinates, &offset(n)));
                 let block = found.map_or(NONE, |b| b as u32);

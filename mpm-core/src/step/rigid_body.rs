@@ -4,13 +4,13 @@ use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Real, Sym3, Update};
 
 use super::body::{Body, BodyTrouble, Particle, ParticleBody, Steps, Totals, Which};
 use super::fields::{Claim, Fields};
+use super::layout::{Layout, Nodes, Piece, numbers};
 use super::load::Loading;
 use super::nodes::{BlockPlace, NodeLedger, Stage};
 use super::rigid::{Rigid, RigidState};
 use super::scene::SceneError;
 use super::survey::{Near, Survey};
 use super::tile::Sums;
-use crate::dim::block_nodes;
 use crate::embedding::Embedding;
 use crate::geometry::{Lattice, Seeds};
 use crate::grid::{GridStorage, Node};
@@ -103,7 +103,13 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     fn rate(&self, spacing: f64) -> T {
         self.particles.rate(spacing)
     }
-    fn pass(&mut self, which: Which, nodes: &[Node<T>], dt: Steps<T>, team: &Team) -> Result<T, BodyTrouble> {
+    fn pass(
+        &mut self,
+        which: Which,
+        nodes: Nodes<'_, T>,
+        dt: Steps<T>,
+        team: &Team,
+    ) -> Result<T, BodyTrouble> {
         self.particles.pass(which, nodes, dt, team)
     }
     fn loading(&self) -> Loading {
@@ -115,8 +121,8 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     fn claims(&self, number: u32, list: &mut Vec<Claim<D>>) {
         self.particles.claims(number, list);
     }
-    fn reaches_further(&self) -> bool {
-        self.particles.reaches_further()
+    fn reaches_further(&mut self, layout: &Layout) -> bool {
+        self.particles.reaches_further(layout)
     }
     fn reaches(&self, block: usize) -> bool {
         self.particles.reaches(block)
@@ -180,10 +186,10 @@ pub(super) fn carry<T: Float, const D: usize>(
     body: &RigidState<D>,
     sums: Sums,
     place: &BlockPlace<D>,
-    nodes: &mut [Node<T>],
+    nodes: &mut Piece<'_, Node<T>>,
 ) -> bool {
     let free = !body.is_prescribed();
-    for (n, node) in nodes.iter_mut().enumerate() {
+    for (n, node) in nodes.numbered() {
         let x = place.node(n);
         let mass = node.first[0];
         let put = |record: &mut [T; 4], values: [f64; 3], by: T| {
@@ -219,10 +225,11 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let (fields, takes, dt) = (self.fields, self.takes.to_double(), self.dt.to_double());
         let mirrors = self.planes.copied();
         let mut sum = Push::default();
-        let blocks = self.grid.nodes().chunks(block_nodes(D)).enumerate();
-        for (block, nodes) in blocks.filter(|(block, _)| fields.owner(*block) as usize == number) {
+        let layout = fields.layout();
+        for block in (0..fields.len()).filter(|block| fields.owner(*block) as usize == number) {
             let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
-            for (n, node) in nodes.iter().enumerate() {
+            let nodes = layout.of(self.grid.nodes(), block);
+            for (n, node) in numbers(layout.kept(block)).zip(nodes) {
                 if node.first[0] <= self.cutoff || place.is_copy(n, mirrors) {
                     continue;
                 }
@@ -248,10 +255,11 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     pub fn move_rigid(&mut self) {
         let lattice = *self.grid.lattice();
         let (bodies, fields) = (self.bodies, self.fields);
-        self.team.each_piece(self.grid.nodes_mut(), block_nodes(D), self.ledgers, |block, nodes, _| {
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, _| {
             let Some(body) = rigid_of(bodies, fields, block).filter(|b| !b.is_prescribed()) else { return };
             let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
-            for (n, node) in nodes.iter_mut().enumerate() {
+            for (n, node) in nodes.numbered() {
                 let x = place.node(n);
                 let (way, gain) = (body.mean_velocity(&x), body.acceleration(&x));
                 for d in 0..D {

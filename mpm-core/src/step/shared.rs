@@ -3,6 +3,7 @@
 use super::body::Body;
 use super::contact::Meeting;
 use super::fields::{Fields, Member};
+use super::layout::numbers;
 use super::nodes::BlockPlace;
 use super::rigid::RigidState;
 use super::survey::{Near, Survey};
@@ -43,8 +44,10 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     }
     /// Nodes where the field has mass, a bit each.
     pub fn occupied(&self, field: usize) -> u64 {
+        let block = self.members[field].block as usize;
+        let layout = self.fields.layout();
         let mut bits = 0;
-        for (n, node) in self.of(field).iter().enumerate() {
+        for (n, node) in numbers(layout.kept(block)).zip(layout.of(self.nodes, block)) {
             bits |= u64::from(node.first[0] > self.cutoff) << n;
         }
         bits
@@ -64,11 +67,11 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     /// Mass of a field at a node, kg: infinite if the body's motion is prescribed. Of a free rigid body, the share of its
     /// mass that the node holds.
     pub fn mass(&self, field: usize, node: usize) -> T {
-        if self.is_prescribed(field) { T::of(f64::INFINITY) } else { self.of(field)[node].first[0] }
+        if self.is_prescribed(field) { T::of(f64::INFINITY) } else { self.of(field, node).first[0] }
     }
     /// Its velocity there, m/s.
     pub fn velocity(&self, field: usize, node: usize) -> [T; 3] {
-        let node = &self.of(field)[node];
+        let node = self.of(field, node);
         let [_, x, y, z] = if self.meeting == Meeting::Remapped { node.second } else { node.first };
         [x, y, z]
     }
@@ -77,7 +80,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     pub fn old_velocity(&self, field: usize, node: usize) -> [T; 3] {
         let mut v = self.velocity(field, node);
         if self.meeting == Meeting::Trial {
-            let a = self.of(field)[node].second;
+            let a = self.of(field, node).second;
             for d in 0..D {
                 v[d] -= a[d + 1] * self.dt;
             }
@@ -122,8 +125,10 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         self.bodies[member.body as usize].near(member.local as usize, nodes, visit);
     }
 
-    fn of(&self, field: usize) -> &[Node<T>] {
-        &self.nodes[self.members[field].block as usize * block_nodes(D)..][..block_nodes(D)]
+    /// A node of a field; empty where the body has none.
+    fn of(&self, field: usize, node: usize) -> Node<T> {
+        let place = self.fields.layout().place(self.members[field].block as usize, node);
+        place.map_or_else(Node::default, |place| self.nodes[place])
     }
 
     /// Add what the mirror image of the body would say.

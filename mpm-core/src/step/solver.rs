@@ -7,6 +7,7 @@ use super::contact::{Contact, ContactNode, Meeting, OneField, PairContact};
 use super::control::TimeControl;
 use super::encounters::Encounters;
 use super::fields::Fields;
+use super::layout::Nodes;
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
 use super::planes::Planes;
@@ -535,9 +536,10 @@ where
 
     /// Do particles reach node blocks where their body has no field, or (asked with `prune`) none any more where
     /// it has one?
-    fn fields_changed(&self, prune: bool) -> bool {
+    fn fields_changed(&mut self, prune: bool) -> bool {
+        let layout = self.fields.layout();
         K::SEPARATES
-            && (self.bodies.iter().any(|b| b.reaches_further())
+            && (self.bodies.iter_mut().any(|b| b.reaches_further(layout))
                 || prune && self.fields.outdated(&self.bodies))
     }
 
@@ -591,7 +593,8 @@ where
         let dt = Steps { this: dt, next: self.planned, adapt, force_time };
         let mut rate = T::default();
         for b in 0..self.bodies.len() {
-            match self.bodies[b].pass(which, self.grid.nodes(), dt, &self.team) {
+            let nodes = Nodes { all: self.grid.nodes(), layout: self.fields.layout() };
+            match self.bodies[b].pass(which, nodes, dt, &self.team) {
                 Ok(r) => rate = if r > rate { r } else { rate },
                 Err(BodyTrouble { particle, position, cause }) => {
                     // The run ends here, with all particles where they went.

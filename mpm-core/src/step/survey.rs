@@ -104,6 +104,20 @@ fn moved(set: u64, by: i32, axis: usize) -> u64 {
     if by < 0 { set.wrapping_shr(shift) } else { set.wrapping_shl(shift) }
 }
 
+/// The nodes of a block at offset `o` from a slot that stencils of the slot's `bins` have.
+#[inline(always)]
+pub(super) fn nodes_of<E: Stencil, const D: usize>(o: &[i32; D], bins: u64) -> u64 {
+    let mut set = bins;
+    for d in 0..D {
+        let mut nodes = 0;
+        for a in 0..E::NODES as i32 {
+            nodes |= moved(set, E::BASE + a - o[d] * BLOCK as i32, d);
+        }
+        set = nodes;
+    }
+    set
+}
+
 /// The bins of a slot at offset `o` from the block whose stencils have one of `nodes`.
 #[inline(always)]
 fn bins_at<E: Stencil, const D: usize>(o: &[i32; D], nodes: u64) -> u64 {

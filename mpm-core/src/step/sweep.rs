@@ -10,12 +10,12 @@ use std::marker::PhantomData;
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
 use super::gather::{Wanted, gather};
+use super::layout::Nodes;
 use super::migrate::{Domains, send_away, take_in};
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::tile::{Reads, Stencilled, TileIn, clear_tile, tile_corner, tile_nodes};
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
 use crate::embedding::Embedding;
-use crate::grid::Node;
 use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel, Pack};
 use crate::particles::{Block, Columns, Outbox};
@@ -33,6 +33,8 @@ pub struct Slot<T: Float, const D: usize> {
     pub tile: Vec<[T; 4]>,
     /// Slots around, likewise.
     pub slots_around: Vec<u32>,
+    /// Bins whose stencils the body's nodes hold, a bit each.
+    pub linked: u64,
     /// What the last pass found.
     pub report: Report<T>,
 }
@@ -113,7 +115,7 @@ pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
     /// The method.
     pub method: &'a M,
     /// All nodes of the grid.
-    pub nodes: &'a [Node<T>],
+    pub nodes: Nodes<'a, T>,
     /// Blocks of nodes around the block, 3^D, x fastest (`u32::MAX` where there is none), and those around the
     /// block that comes next, if one does.
     pub around: [&'a [u32]; 2],

@@ -4,6 +4,7 @@
 use std::marker::PhantomData;
 
 use super::gather::to_coefficients;
+use super::layout::{Nodes, numbers, rank};
 use super::scatter::Maps;
 use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
 use crate::grid::Node;
@@ -50,7 +51,46 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
 
     /// Copy the records out of the blocks of the grid.
     #[inline(always)]
-    pub(super) fn load<const D: usize>(&mut self, nodes: &[Node<T>], around: &[u32], reads: Reads) {
+    pub(super) fn load<const D: usize>(&mut self, nodes: Nodes<'_, T>, around: &[u32], reads: Reads) {
+        if nodes.layout.is_whole() {
+            self.load_whole::<D>(nodes.all, around, reads);
+        } else {
+            self.load_kept::<D>(nodes, around, reads);
+        }
+    }
+
+    /// The same where blocks may lack nodes.
+    #[inline(never)]
+    fn load_kept<const D: usize>(&mut self, nodes: Nodes<'_, T>, around: &[u32], reads: Reads) {
+        let layers = if D == 3 { E::TILE } else { 1 };
+        for (n, &block) in around.iter().enumerate().filter(|(_, b)| **b != u32::MAX) {
+            let [x, y, z] = [n % 3, n / 3 % 3, if D == 3 { n / 9 } else { 0 }].map(thirds::<E>);
+            let z = if D == 3 { z } else { 0..layers };
+            if x.is_empty() || y.is_empty() || z.is_empty() {
+                continue;
+            }
+            let (kept, start) = (nodes.layout.kept(block as usize), nodes.layout.start(block as usize));
+            for k in z {
+                let nz = if D == 3 { place::<E>(k).1 } else { 0 };
+                for j in y.clone() {
+                    let line = (nz * BLOCK + place::<E>(j).1) * BLOCK + place::<E>(x.start).1;
+                    let to = (k * E::TILE + j) * E::TILE + x.start;
+                    let row = kept >> line & !(u64::MAX << x.len());
+                    let from = start + rank(kept, line);
+                    if row.count_ones() as usize == x.len() {
+                        self.piece(nodes.all, from, to, x.len(), reads);
+                    } else {
+                        for (found, n) in numbers(row).enumerate() {
+                            self.piece(nodes.all, from + found, to + n, 1, reads);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn load_whole<const D: usize>(&mut self, nodes: &[Node<T>], around: &[u32], reads: Reads) {
         let layers = if D == 3 { E::TILE } else { 1 };
         let [left, _, right] = [0, 1, 2].map(thirds::<E>);
         for z in 0..layers {
@@ -69,7 +109,11 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
 
     /// Ask for row `row` of the nodes that another block of particles reads soon.
     #[inline(always)]
-    pub(super) fn prefetch<const D: usize>(nodes: &[Node<T>], around: &[u32], row: usize) {
+    pub(super) fn prefetch<const D: usize>(nodes: Nodes<'_, T>, around: &[u32], row: usize) {
+        if !nodes.layout.is_whole() {
+            return;
+        }
+        let nodes = nodes.all;
         let (y, z) = (row % E::TILE, row / E::TILE);
         let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
         let (by, ny) = place::<E>(y);
