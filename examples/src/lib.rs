@@ -18,9 +18,9 @@
 //! | `throughput` | particle updates a second on fixed scenes |
 
 pub mod case;
-mod normals;
+mod detection;
 mod ogive;
 
 pub use case::{CaseError, Check, Common, Report, Resolution, Totals, within};
-pub use normals::Normals;
+pub use detection::{Detection, Detector, Normals};
 pub use ogive::Ogive;

@@ -12,7 +12,9 @@ use crate::vector::times;
 /// ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\]), unless the law pulls or a third body is at the node.
 pub trait ContactDetector<T: Float, const D: usize>: Send + Sync + 'static {
     /// Does it ask for nothing but where particles are? Then it is not asked again while they hardly move.
-    const GEOMETRIC: bool = false;
+    fn is_geometric(&self) -> bool {
+        false
+    }
     /// Where the normals come from.
     type Normals: NormalRule<T, D>;
     /// The rule for the normals.
@@ -34,8 +36,10 @@ pub trait ContactDetector<T: Float, const D: usize>: Send + Sync + 'static {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Approach<N = Gradients>(pub N);
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Approach<N> {
-    const GEOMETRIC: bool = true;
     type Normals = N;
+    fn is_geometric(&self) -> bool {
+        true
+    }
     fn normals(&self) -> &N {
         &self.0
     }
@@ -134,8 +138,10 @@ impl<N> SurfaceDistance<N> {
     }
 }
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for SurfaceDistance<N> {
-    const GEOMETRIC: bool = true;
     type Normals = N;
+    fn is_geometric(&self) -> bool {
+        true
+    }
     fn normals(&self) -> &N {
         &self.normals
     }

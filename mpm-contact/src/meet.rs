@@ -55,7 +55,7 @@ impl<S, T> GridContact<S, T> {
         self
     }
     /// Look anew at normals and gaps once bodies may have moved by this many cells (1e-3 by default); zero: in every
-    /// step. Detectors that ask for more than where particles are ([`ContactDetector::GEOMETRIC`]) look in every step.
+    /// step. Detectors that ask for more than where particles are ([`ContactDetector::is_geometric`]) look in every step.
     ///
     /// # Errors
     /// A negative number, or more than 0.1.
@@ -79,7 +79,7 @@ where
         self.strain
     }
     fn keeps(&self) -> f64 {
-        if S::GEOMETRIC { self.keeps } else { 0.0 }
+        if self.detector.is_geometric() { self.keeps } else { 0.0 }
     }
 
     fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut Found<T>, scratch: &mut Scratch<T>) {
@@ -247,9 +247,11 @@ impl<S, T: Float> GridContact<S, T> {
         let bodies = pair.map(|f| at.body(f));
         let fields = pair.map(|f| f as u32);
         let mut nodes = self.detector.normals().normals(at, pair, nodes, memory, &mut normals);
-        let place = found.pairs.iter().position(|p| p.fields == fields);
-        let lasts = place.is_some_and(|p| found.pairs[p].lasts);
-        let all = lasts || self.laws.law(bodies[0], bodies[1]).pulls();
+        let place = found.pairs.iter().position(|p| p.fields == fields).unwrap_or_else(|| {
+            found.pairs.push(Pair::new(fields, bodies.map(|b| b as u32)));
+            found.pairs.len() - 1
+        });
+        let all = found.pairs[place].lasts || self.laws.law(bodies[0], bodies[1]).pulls();
         if !all {
             let meets = |n: &usize| has(crowded, *n as u8) || approach(at, &fields, *n as u8, normals[*n]);
             nodes = each(nodes).filter(meets).fold(0, |bits, n| bits | 1 << n);
@@ -258,10 +260,6 @@ impl<S, T: Float> GridContact<S, T> {
             return;
         }
         let touching = self.detector.touching(at, pair, nodes, &normals, &mut gaps);
-        let place = place.unwrap_or_else(|| {
-            found.pairs.push(Pair::new(fields, bodies.map(|b| b as u32)));
-            found.pairs.len() - 1
-        });
         found.pairs[place].known |= nodes;
         found.touches.extend(each(touching).map(|node| Touch {
             node: node as u8,

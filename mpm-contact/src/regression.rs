@@ -90,8 +90,10 @@ impl<T: Float, const D: usize> NormalRule<T, D> for Regression {
 }
 
 impl<T: Float, const D: usize> ContactDetector<T, D> for Regression {
-    const GEOMETRIC: bool = true;
     type Normals = Regression;
+    fn is_geometric(&self) -> bool {
+        true
+    }
     fn normals(&self) -> &Regression {
         self
     }

@@ -101,7 +101,7 @@ impl<T: Float> Found<T> {
         let mut forgotten = false;
         for pair in &mut self.pairs {
             let now = pair.bodies.iter().map(|&b| way[b as usize]).sum();
-            pair.lasts = now - pair.way < keeps && pair.known != 0;
+            pair.lasts = now - pair.way < keeps;
             if !pair.lasts {
                 (pair.known, pair.way) = (0, now);
                 forgotten = true;

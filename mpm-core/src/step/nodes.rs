@@ -132,7 +132,10 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 nodes.numbered().for_each(|(n, node)| all[n] = *node);
                 sum_up(bodies, fields, block, sums, &mut all[..block_nodes(D)]);
                 nodes.numbered().for_each(|(n, node)| *node = std::mem::take(&mut all[n]));
-                debug_assert!(all.iter().all(|n| n.first[0] == T::default()), "mass where the body has no node");
+                debug_assert!(
+                    all.iter().all(|n| n.first[0] == T::default()),
+                    "mass where the body has no node"
+                );
             }
             let complete = rigid && carry(bodies, fields, &constraints, block, sums, &mut nodes);
             if at_once && !complete {

@@ -3,11 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use examples::{CaseError, Check, Totals};
+use examples::{CaseError, Check, Detection, Totals};
+use mpm_contact::Gradients;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{BlockGrid, Boundary, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Side, Traction};
 
-use crate::scene::{Reach, Run, Watch, mean, of_both, rubber, run, touch, velocity};
+use crate::scene::{Asked, Run, Watch, mean, rubber, run, velocity};
 use crate::{Outcome, figures};
 
 /// Density, kg/m^3; wave speed, m/s; length of a bar, m.
@@ -23,10 +24,11 @@ const VISCOSITY: f64 = 0.1;
 type Hat = Method<Linear, Flip, Musl, PlaneStrain>;
 
 /// A strip two cells high between planes of symmetry.
-fn strip(h: f64) -> Result<(Run<Hat>, Lattice<2>), CaseError> {
+fn strip(h: f64, asked: Asked) -> Result<(Run<Hat>, Lattice<2>), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     let method = Method::new(Linear, Flip, Musl, PlaneStrain);
-    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), touch(0.0, of_both(), Reach::Around)?);
+    let contact = asked.touch(0.0, Gradients::default(), Detection::Distance)?;
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: 2.0 * h, side: Side::Below })?;
     Ok((mpm, lattice))
@@ -38,13 +40,13 @@ fn piece(lattice: &Lattice<2>, from: f64, to: f64) -> Result<Seeds<2>, CaseError
 }
 
 /// Equal bars, bars of different impedance, bars of different length.
-pub fn impact(cells: u32, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn impact(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
     let (mut checks, mut totals, mut curves) = (Vec::new(), Totals::default(), Vec::new());
     for (name, ratio, second) in
         [("equal bars", 1.0, 1.0), ("second twice as heavy", 2.0, 1.0), ("second twice as long", 1.0, 2.0)]
     {
         let h = LENGTH / f64::from(cells);
-        let (mut mpm, lattice) = strip(h)?;
+        let (mut mpm, lattice) = strip(h, asked)?;
         let young = DENSITY * WAVE * WAVE;
         let law = |m: f64| rubber(m * DENSITY, m * young, 0.0, VISCOSITY);
         mpm.add("first", law(1.0)?, &piece(&lattice, -LENGTH, 0.0)?, |_| [SPEED, 0.0])?;
@@ -98,9 +100,9 @@ const PULSE: f64 = 0.4 * LENGTH / WAVE;
 
 /// A bar of one or two pieces, pressed and then hit (or pulled) at its left end with `pulse` Pa. Returns time after
 /// the pulse began and velocity and stress at a quarter and three quarters.
-fn pressed(cells: u32, joined: bool, pulse: f64) -> Result<(Vec<[f64; 5]>, Totals), CaseError> {
+fn pressed(cells: u32, joined: bool, pulse: f64, asked: Asked) -> Result<(Vec<[f64; 5]>, Totals), CaseError> {
     let h = 0.5 * LENGTH / f64::from(cells / 2);
-    let (mut mpm, lattice) = strip(h)?;
+    let (mut mpm, lattice) = strip(h, asked)?;
     mpm.bound(Boundary::Fixed { axis: 0, at: LENGTH, side: Side::Below })?;
     let law = || rubber(DENSITY, DENSITY * WAVE * WAVE, 0.0, 0.0);
     let load = Traction {
@@ -137,13 +139,13 @@ fn pressed(cells: u32, joined: bool, pulse: f64) -> Result<(Vec<[f64; 5]>, Total
 }
 
 /// The same pulse through one piece and two.
-pub fn wave(cells: u32, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn wave(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
     let push = 0.5 * PRELOAD;
-    let (bonded, a) = pressed(cells, true, push)?;
-    let (split, b) = pressed(cells, false, push)?;
+    let (bonded, a) = pressed(cells, true, push, asked)?;
+    let (split, b) = pressed(cells, false, push, asked)?;
     let pull = -2.0 * PRELOAD;
-    let (whole, c) = pressed(cells, true, pull)?;
-    let (open, d) = pressed(cells, false, pull)?;
+    let (whole, c) = pressed(cells, true, pull, asked)?;
+    let (open, d) = pressed(cells, false, pull, asked)?;
     let totals = [b, c, d].iter().fold(a, |sum, t| sum.plus(t));
     let most = |rows: &[[f64; 5]], column: usize, sign: f64| {
         let start = rows.first().map_or(f64::NAN, |r| r[column]);

@@ -2,13 +2,14 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Check, Normals, Totals};
+use examples::{CaseError, Check, Detection, Totals};
+use mpm_contact::Gradients;
 use mpm_core::geometry::Lattice;
 use mpm_core::output::Snapshot;
 use mpm_core::{BlockGrid, Flip, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline};
 
 use crate::circles::{Part, disc};
-use crate::scene::{Reach, Watch, rubber, run, touch, velocity};
+use crate::scene::{Asked, Watch, rubber, run, velocity};
 use crate::{Outcome, figures};
 
 /// Radius, m; speed along each axis, m/s; end, s; cell of Sulsky, m.
@@ -31,8 +32,8 @@ pub struct Collision {
 }
 
 /// With cells of 0.05 m over each of `finer`. At a `smoke` run a loss of energy that is too large is only noted.
-pub fn all(finer: &[u32], smoke: bool, folder: &Path) -> Result<Outcome, CaseError> {
-    let collisions = finer.iter().map(|&f| collide(f, folder)).collect::<Result<Vec<_>, _>>()?;
+pub fn all(finer: &[u32], smoke: bool, asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
+    let collisions = finer.iter().map(|&f| collide(f, asked, folder)).collect::<Result<Vec<_>, _>>()?;
     figures::discs(&collisions, folder)?;
     let closing = 2.0 * 2.0f64.sqrt() * SPEED;
     let touch = (0.4 * 2.0f64.sqrt() - 2.0 * RADIUS) / closing;
@@ -67,11 +68,11 @@ pub fn all(finer: &[u32], smoke: bool, folder: &Path) -> Result<Outcome, CaseErr
     Ok(Outcome { checks, totals })
 }
 
-fn collide(finer: u32, folder: &Path) -> Result<Collision, CaseError> {
+fn collide(finer: u32, asked: Asked, folder: &Path) -> Result<Collision, CaseError> {
     let h = CELL / f64::from(finer);
     let lattice = Lattice::new([0.0; 2], h)?;
     let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
-    let contact = touch(0.0, Normals::Regression, Reach::Around)?;
+    let contact = asked.touch(0.0, Gradients::default(), Detection::Regression)?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     for (name, at, v) in [("low", 0.3, SPEED), ("high", 0.7, -SPEED)] {
         let seeds = disc([at; 2], RADIUS, 0.5 * h, Part::Whole);

@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use examples::{CaseError, Check, Normals, Totals};
+use examples::{CaseError, Check, Detection, Totals};
+use mpm_contact::Gradients;
 use mpm_core::geometry::Lattice;
 use mpm_core::observe::Moment;
 use mpm_core::{
@@ -12,7 +13,7 @@ use mpm_core::{
 };
 
 use crate::circles::{Part, disc};
-use crate::scene::{Reach, Run, Watch, rubber, run, touch};
+use crate::scene::{Asked, Run, Watch, rubber, run};
 use crate::{Outcome, ball, figures};
 
 /// Radius, m; density, kg/m^3; Young's modulus, Pa; Poisson's ratio.
@@ -66,12 +67,12 @@ impl Row {
 }
 
 /// Balls and cylinders.
-pub fn all(size: Size, threads: usize, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn all(size: Size, asked: Asked, threads: usize, folder: &Path) -> Result<Outcome, CaseError> {
     let h = RADIUS / f64::from(size.cells);
     let turned = Method::new(QuadraticBSpline, Flip, Musl, Axisymmetric);
     let plane = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
-    let (balls, a) = collide(turned, Part::Ball, h, size.ball, threads)?;
-    let (cylinders, b) = collide(plane, Part::Half, h, size.cylinder, threads)?;
+    let (balls, a) = collide(turned, Part::Ball, h, size.ball, asked, threads)?;
+    let (cylinders, b) = collide(plane, Part::Half, h, size.cylinder, asked, threads)?;
     let (ball_top, cylinder_top) = (top(&balls), top(&cylinders));
     let radius = mean(ball_top, |r| r.width);
     let part = ball::approach_over_hertz(radius / RADIUS, POISSON);
@@ -157,11 +158,12 @@ fn collide<M: Composition<f64, 2>>(
     part: Part,
     h: f64,
     speed: f64,
+    asked: Asked,
     threads: usize,
 ) -> Result<(Vec<Row>, Totals), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     // Balls curve away from the nodes beside the contact: only what is on a node's own line counts.
-    let contact = touch(0.0, Normals::Regression, Reach::Local)?;
+    let contact = asked.touch(0.0, Gradients::default(), Detection::LocalRegression)?;
     let mut mpm: Run<M> = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     let wave = (YOUNG / DENSITY).sqrt();

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Check, Totals};
+use examples::{CaseError, Check, Detection, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{Blend, BlockGrid, Boundary, Linear, Method, Mpm, Musl, PlaneStrain, Side};
 
-use crate::scene::{Reach, Watch, of_first, rubber, run, touch};
+use crate::scene::{Asked, Watch, of_first, rubber, run};
 use crate::{Outcome, figures};
 
 /// m/s^2.
@@ -27,12 +27,12 @@ const STICK: f64 = 5.0;
 pub type Row = [f64; 3];
 
 /// Slide and stick.
-pub fn all(finer: u32, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn all(finer: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
     let h = 0.1 / f64::from(finer);
     let (sin, cos) = (std::f64::consts::PI / 6.0).sin_cos();
     let friction = [0.3, 0.7];
-    let (slid, a) = one(h, friction[0], SLIDE)?;
-    let (stuck, b) = one(h, friction[1], STICK)?;
+    let (slid, a) = one(h, friction[0], SLIDE, asked)?;
+    let (stuck, b) = one(h, friction[1], STICK, asked)?;
     let rest = SLIDE - RAMP;
     let exact =
         GRAVITY * (sin - friction[0] * cos) * (0.5 * rest * rest + 0.5 * RAMP * rest + RAMP * RAMP / 6.0);
@@ -53,12 +53,12 @@ pub fn all(finer: u32, folder: &Path) -> Result<Outcome, CaseError> {
     Ok(Outcome { checks, totals: a.plus(&b) })
 }
 
-fn one(h: f64, friction: f64, end: f64) -> Result<(Vec<Row>, Totals), CaseError> {
+fn one(h: f64, friction: f64, end: f64, asked: Asked) -> Result<(Vec<Row>, Totals), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     let damping = DAMPING * h / (YOUNG / DENSITY).sqrt();
     let method = Method::new(Linear, Blend::new(damping)?, Musl, PlaneStrain);
-    let mut mpm =
-        Mpm::with_contact(method, BlockGrid::new(lattice), touch(friction, of_first(), Reach::Around)?);
+    let contact = asked.touch(friction, of_first(), Detection::Distance)?;
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     let law = || rubber(DENSITY, YOUNG, 0.2, 0.1);
     let floor = fill(&Cuboid::new([-0.5, -0.4], [4.5, 0.0])?, &lattice, 2, &Filling::new())?;
     let block = fill(&Cuboid::new([0.0, 0.0], [0.8, 0.4])?, &lattice, 2, &Filling::new())?;

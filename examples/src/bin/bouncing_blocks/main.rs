@@ -14,7 +14,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::{CaseError, Check, Common, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Detection, Report, Resolution, Totals, case};
+use scene::Asked;
 use serde::Serialize;
 
 /// Blocks, bars, discs and balls in contact against exact values.
@@ -26,6 +27,9 @@ struct Options {
     /// Scenes to run
     #[arg(long, value_enum, value_delimiter = ',', default_values = ["impact", "wave", "discs", "incline", "hertz"])]
     scene: Vec<Scene>,
+    /// How contact is detected [default: as suits each scene]
+    #[arg(long, value_enum)]
+    detection: Option<Detection>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -61,25 +65,26 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         totals = totals.plus(&outcome.totals);
         checks.extend(outcome.checks);
     }
-    let settings = serde_json::json!({ "scenes": options.scene });
+    let settings = serde_json::json!({ "scenes": options.scene, "detection": options.detection });
     Report::new("bouncing_blocks", options.common.resolution, settings, &totals, checks)
         .finish(&options.common, &folder)
 }
 
 fn of(scene: Scene, options: &Options, folder: &Path) -> Result<Outcome, CaseError> {
     let resolution = options.common.resolution;
+    let asked = Asked(options.detection);
     match scene {
-        Scene::Impact => bars::impact(resolution.choose(100, 200, 400), folder),
-        Scene::Wave => bars::wave(resolution.choose(100, 200, 400), folder),
+        Scene::Impact => bars::impact(resolution.choose(100, 200, 400), asked, folder),
+        Scene::Wave => bars::wave(resolution.choose(100, 200, 400), asked, folder),
         Scene::Discs => {
             let finer: &[u32] = resolution.choose(&[1], &[1, 2, 4], &[1, 2, 4, 8]);
-            discs::all(finer, resolution == Resolution::Smoke, folder)
+            discs::all(finer, resolution == Resolution::Smoke, asked, folder)
         }
-        Scene::Incline => incline::all(resolution.choose(1, 1, 2), folder),
+        Scene::Incline => incline::all(resolution.choose(1, 1, 2), asked, folder),
         Scene::Hertz => {
             let size = |cells, ball, cylinder| hertz::Size { cells, ball, cylinder };
             let size = resolution.choose(size(40, 1e-2, 3e-2), size(64, 3e-3, 1.2e-2), size(128, 1e-3, 4e-3));
-            hertz::all(size, options.common.threads(), folder)
+            hertz::all(size, asked, options.common.threads(), folder)
         }
     }
 }

@@ -2,16 +2,16 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Normals, Totals};
-use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
+use examples::{CaseError, Detection, Detector, Totals};
+use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, Weight};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
 use mpm_core::{BlockGrid, Composition, Mpm, Team};
 use mpm_materials::{BulkViscosity, Elastic, Jaumann, LinearDensity, NoFailure, Solid};
 
 /// Linear elastic, with bulk viscosity.
 pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, Jaumann>;
-/// The distance of the surfaces, Coulomb friction.
-pub type Touch = GridContact<SurfaceDistance<Normals>, f64>;
+/// Any test of contact, Coulomb friction.
+pub type Touch = GridContact<Detector, f64>;
 /// A scene.
 pub type Run<M> = Mpm<f64, 2, M, BlockGrid<f64, 2>, Touch>;
 
@@ -23,30 +23,21 @@ pub fn rubber(density: f64, young: f64, poisson: f64, viscosity: f64) -> Result<
     Ok(Solid::new(Elastic::new(shear)?, eos).with_bulk_viscosity(viscosity, 0.0)?)
 }
 
-/// How the distance of the surfaces is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reach {
-    /// By all particles around a node.
-    Around,
-    /// By those on the line through the node.
-    Local,
-}
+/// How a scene tells that bodies touch: as it is best for the scene, or as it was asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked(pub Option<Detection>);
 
-/// Contact where the surfaces meet.
-pub fn touch(friction: f64, normals: Normals, reach: Reach) -> Result<Touch, CaseError> {
-    let around = SurfaceDistance::new(normals, 0.0)?;
-    let distance = if reach == Reach::Local { around.locally() } else { around };
-    Ok(GridContact::new(distance, Pairs::new(Coulomb::new(friction)?)))
-}
-
-/// Normals that both bodies make.
-pub fn of_both() -> Normals {
-    Normals::Gradients(Gradients::default())
+impl Asked {
+    /// Contact with friction by `best` if nothing else was asked for.
+    pub fn touch(self, friction: f64, normals: Gradients, best: Detection) -> Result<Touch, CaseError> {
+        let detector = self.0.unwrap_or(best).detector(normals)?;
+        Ok(GridContact::new(detector, Pairs::new(Coulomb::new(friction)?)))
+    }
 }
 
 /// Normals that the first body makes.
-pub fn of_first() -> Normals {
-    Normals::Gradients(Gradients::new(Weight::Mass, Choice::OneBody(vec![0])))
+pub fn of_first() -> Gradients {
+    Gradients::new(Weight::Mass, Choice::OneBody(vec![0]))
 }
 
 /// How a run is watched.

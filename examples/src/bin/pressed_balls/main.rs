@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, case, within};
+use examples::{CaseError, Check, Common, Detection, Report, case, within};
 use mpm_core::observe::{Pace, VtkSeries};
 use mpm_core::output::History;
 
@@ -32,6 +32,9 @@ struct Options {
     /// Keep the balls apart, or let them share one velocity field
     #[arg(long, value_enum, default_value = "on")]
     contact: Switch,
+    /// How contact is detected
+    #[arg(long, value_enum, default_value = "distance")]
+    detection: Detection,
     /// Coefficient of friction, 0 to 10
     #[arg(long, value_name = "MU", default_value_t = 0.0, value_parser = within(0.0, 10.0))]
     friction: f64,
@@ -66,6 +69,7 @@ impl Options {
         Setup {
             balls,
             contact: self.contact,
+            detection: self.detection,
             friction: self.friction,
             pressure: 1e6 * self.pressure,
             threads: self.common.threads(),
@@ -94,6 +98,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let settings = serde_json::json!({
         "balls": setup.balls,
         "contact": setup.contact,
+        "detection": setup.detection,
         "friction": setup.friction,
         "pressure": setup.pressure,
         "end": setup.end(),

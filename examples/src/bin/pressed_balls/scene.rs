@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use clap::ValueEnum;
-use examples::{CaseError, Totals};
-use mpm_contact::{Coulomb, GridContact, Pairs, SurfaceDistance};
+use examples::{CaseError, Detection, Totals};
+use mpm_contact::{Coulomb, Gradients, GridContact, Pairs};
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, fill};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -44,6 +44,7 @@ pub struct Setup {
     /// Balls along each edge of the pack.
     pub balls: u32,
     pub contact: Switch,
+    pub detection: Detection,
     pub friction: f64,
     /// On the plate from the start, Pa.
     pub pressure: f64,
@@ -86,7 +87,7 @@ pub type Pack<K> = Mpm<f64, 3, Hat, BlockGrid<f64, 3>, K>;
 /// The contact algorithm.
 pub fn contact(setup: &Setup) -> Result<impl Contact<f64, 3> + use<>, CaseError> {
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
-    Ok(GridContact::new(SurfaceDistance::default(), laws))
+    Ok(GridContact::new(setup.detection.detector(Gradients::default())?, laws))
 }
 
 /// The pack in its container, five planes that nothing crosses, under the plate. (Walls that only push would let

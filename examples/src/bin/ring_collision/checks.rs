@@ -1,9 +1,9 @@
 //! What the runs should show.
 
-use examples::{Check, case};
+use examples::{Check, Detection, case};
 
 use crate::scene::Outcome;
-use crate::setup::{Detection, Kernel, Scheme, Seeding};
+use crate::setup::{Kernel, Scheme, Seeding};
 
 /// Surfaces meet within this many cells of each other.
 const GAP_TOLERANCE: f64 = 0.1;
@@ -19,7 +19,7 @@ pub fn closely(outcome: &Outcome) -> Vec<Check> {
     let gaps = [("gap at onset", cells(outcome.onset)), ("gap while pressed", cells(outcome.pressed()))];
     let mut checks = Vec::new();
     for (what, gap) in gaps {
-        if setup.detection == Detection::Velocity {
+        if setup.detection == Detection::Approach {
             let source = "about a cell or more, Ma 2010";
             checks.push(Check::at_least(name(what), gap, "cells", ABOUT_A_CELL, source));
         } else if setup.seeding == Seeding::Circles || what == gaps[0].0 {
@@ -59,10 +59,10 @@ pub fn curves(sweep: &[Outcome], (kernel, scheme): (Kernel, Scheme)) -> Vec<Chec
         sweep.iter().filter(is)
     };
     let first = |detection| of(detection).min_by(|a, b| a.setup.factor.total_cmp(&b.setup.factor));
-    let (Some(base), Some(old_base)) = (first(Detection::Distance), first(Detection::Velocity)) else {
+    let (Some(base), Some(old_base)) = (first(Detection::Distance), first(Detection::Approach)) else {
         return Vec::new();
     };
-    let old = |factor: f64| of(Detection::Velocity).find(|o| o.setup.factor == factor);
+    let old = |factor: f64| of(Detection::Approach).find(|o| o.setup.factor == factor);
     let longer = of(Detection::Distance).filter(|o| o.setup.factor > base.setup.factor);
     let pairs: Vec<_> = longer.filter_map(|o| Some((o, old(o.setup.factor)?))).collect();
     let count =

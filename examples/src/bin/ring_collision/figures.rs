@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use clap::ValueEnum;
-use examples::CaseError;
+use examples::{CaseError, Detection};
 use mpm_core::output::History;
 use mpm_core::output::picture::{
     Axis, Chart, ColourMap, FieldPicture, Marker, Panels, Picture, Quantity, Series, Stroke, palette,
 };
 
 use crate::scene::{Outcome, PICTURES};
-use crate::setup::{Detection, Kernel, Scheme};
+use crate::setup::{Kernel, Scheme};
 use crate::watch::Row;
 
 /// A panel each.
@@ -121,7 +121,7 @@ fn write_sweep(sweep: &[Outcome], path: &Path) -> Result<(), CaseError> {
     let columns = [
         ("shape (0 linear, 1 cpgimp)", "-"),
         ("scheme (0 usf, 1 musl)", "-"),
-        ("detection (0 velocity, 1 distance, 2 centres, 3 regression, 4 local)", "-"),
+        ("detection (by place among the options)", "-"),
         ("time factor", "-"),
         ("energy error at the end", "-"),
         ("largest rise of the energy", "-"),

@@ -3,7 +3,6 @@
 //! MUSL, the test of approach against the distance of the surfaces.
 
 mod checks;
-mod detector;
 mod figures;
 mod scene;
 mod setup;
@@ -14,10 +13,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Detection, Report, Resolution, Totals, case};
 
 use scene::Outcome;
-use setup::{Detection, Kernel, Scheme, Seeding, Setup};
+use setup::{Kernel, Scheme, Seeding, Setup};
 use watch::Look;
 
 /// Two elastic rings (radii 30 and 40 mm) collide at 60 m/s.
@@ -40,7 +39,7 @@ struct Options {
     #[arg(long, value_enum, default_value = "circles")]
     seeding: Seeding,
     /// Tests of contact to run
-    #[arg(long, value_enum, value_delimiter = ',', default_values = ["velocity", "distance"])]
+    #[arg(long, value_enum, value_delimiter = ',', default_values = ["approach", "distance"])]
     detection: Vec<Detection>,
     /// Cell sizes, mm; particles are half as far apart [default: 2, or 2 and 1, or 2, 1 and 0.5 by resolution]
     #[arg(long, value_name = "MM", value_delimiter = ',', value_parser = cell)]

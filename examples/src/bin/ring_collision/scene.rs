@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use examples::{CaseError, Totals};
-use mpm_contact::{Coulomb, GridContact, Pairs};
+use mpm_contact::{Coulomb, Gradients, GridContact, Pairs};
 use mpm_core::geometry::{Filling, Lattice, Ring, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, RunError, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -169,7 +169,7 @@ fn run<M: Composition<f64, 2>>(
     let lattice = Lattice::new([0.0; 2], setup.cell)?;
     let law = NeoHookean::new(DENSITY, Moduli::bulk_shear(MODULI[0], MODULI[1])?)?;
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
-    let contact = GridContact::new(setup.detection.detector()?, laws);
+    let contact = GridContact::new(setup.detection.detector(Gradients::default())?, laws);
     let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.set_team(Team::new(1).map_err(|e| CaseError::Other(e.to_string()))?);
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;

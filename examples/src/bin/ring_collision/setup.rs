@@ -1,6 +1,7 @@
 //! What a run may be made of, by name.
 
 use clap::ValueEnum;
+use examples::Detection;
 use serde::Serialize;
 
 /// The stress update.
@@ -33,22 +34,6 @@ pub enum Kernel {
     Cpgimp,
 }
 
-/// How contact is detected.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Detection {
-    /// Where rings share a node and approach: the old test
-    Velocity,
-    /// Where their surfaces meet, too: particle half sizes, threshold zero
-    Distance,
-    /// The same from particle centres, closer than half a cell
-    Centres,
-    /// Normal and gap by logistic regression
-    Regression,
-    /// The distance along the line through the node
-    Local,
-}
-
 macro_rules! names {
     ($($type:ty),*) => {$(
         impl $type {
@@ -59,7 +44,7 @@ macro_rules! names {
         }
     )*};
 }
-names!(Scheme, Kernel, Detection);
+names!(Scheme, Kernel);
 
 /// One run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]

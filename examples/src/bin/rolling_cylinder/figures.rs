@@ -1,12 +1,12 @@
 //! Pictures and charts.
 
-use examples::CaseError;
+use examples::{CaseError, Detection};
 use mpm_core::output::picture::{
     Axis, Chart, ColourMap, FieldPicture, Marker, Panels, Picture, Quantity, Series, Stroke, palette,
 };
 use mpm_core::output::{OutputError, ParticleSize, Snapshot};
 
-use crate::scene::{Detection, LENGTH, Outcome, RADIUS, THICKNESS};
+use crate::scene::{LENGTH, Outcome, RADIUS, THICKNESS};
 use crate::{errors, rigid};
 
 /// Sectors of the cylinder that are coloured by turns.

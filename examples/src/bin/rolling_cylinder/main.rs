@@ -11,11 +11,11 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, Resolution, Totals, case, within};
+use examples::{CaseError, Check, Common, Detection, Report, Resolution, Totals, case, within};
 use mpm_core::output::History;
 
 use exact::{Course, Incline};
-use scene::{Detection, GRAVITY, Outcome, RADIUS, Setup};
+use scene::{GRAVITY, Outcome, RADIUS, Setup};
 
 /// A cylinder rolls down a rough incline: elastic, plane strain, radius 3.2 m.
 ///

@@ -10,8 +10,8 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use clap::ValueEnum;
-use examples::{CaseError, Totals};
-use mpm_contact::{Approach, Coulomb, Gradients, GridContact, Pairs, SurfaceDistance};
+use examples::{CaseError, Detection, Totals};
+use mpm_contact::{Coulomb, Gradients, GridContact, Pairs};
 use mpm_core::geometry::{Cuboid, Filling, GeometryError, Lattice, Seeds, fill, rings};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -54,25 +54,6 @@ fn grown(part: f64) -> f64 {
 /// The part of gravity along the incline that acts at a time, s.
 pub fn along(time: f64) -> f64 {
     grown(0.5 + time / LETTING)
-}
-
-/// How contact is found; normals are collinear mass gradients.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Detection {
-    /// By the distance of the surfaces, measured within half a cell of the line through the node
-    Local,
-    /// By the distance of the surfaces
-    Distance,
-    /// By approach alone: the old one, which touches too early
-    Approach,
-}
-
-impl Detection {
-    /// As on the command line.
-    pub fn name(self) -> String {
-        self.to_possible_value().map_or(String::new(), |v| v.get_name().to_string())
-    }
 }
 
 /// One run.
@@ -138,14 +119,8 @@ fn meet<const D: usize, M: Composition<f64, D>>(
     method: M,
 ) -> Result<Outcome, CaseError> {
     let friction = Pairs::new(Coulomb::new(setup.incline.friction)?);
-    let distance = SurfaceDistance::default();
-    match setup.detection {
-        Detection::Local => run(setup, files, method, GridContact::new(distance.locally(), friction)),
-        Detection::Distance => run(setup, files, method, GridContact::new(distance, friction)),
-        Detection::Approach => {
-            run(setup, files, method, GridContact::new(Approach(Gradients::default()), friction))
-        }
-    }
+    let detector = setup.detection.detector(Gradients::default())?;
+    run(setup, files, method, GridContact::new(detector, friction))
 }
 
 /// The first coordinates of a point.

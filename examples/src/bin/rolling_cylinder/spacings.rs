@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Check, case};
+use examples::{CaseError, Check, Detection, case};
 use mpm_core::output::History;
 
-use crate::scene::{self, Detection, Outcome};
+use crate::scene::{self, Outcome};
 use crate::{Options, errors, figures, gap};
 
 /// Repeat the runs with the other detections and at three spacings; a table, a file and a picture, and a check a
@@ -65,7 +65,7 @@ fn table(outcomes: &[Outcome]) -> String {
 fn write_table(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     let columns = [
         ("friction", "-"),
-        ("detection (1 local, 2 distance, 3 approach)", "-"),
+        ("detection (by place among the options)", "-"),
         ("cell size", "m"),
         ("error of the way", "-"),
         ("error of the spin", "-"),
@@ -75,11 +75,7 @@ fn write_table(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     ];
     let mut file = History::create(folder.join("spacings.csv"), columns)?;
     for o in outcomes {
-        let detection = match o.setup.detection {
-            Detection::Local => 1.0,
-            Detection::Distance => 2.0,
-            Detection::Approach => 3.0,
-        };
+        let detection = f64::from(o.setup.detection as u8);
         let ([way, spin], t) = (errors(o), &o.totals);
         let friction = o.setup.incline.friction;
         file.push(&[

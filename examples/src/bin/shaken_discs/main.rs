@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, case, within};
+use examples::{CaseError, Check, Common, Detection, Report, case, within};
 use mpm_core::output::History;
 
 use scene::{Outcome, SETTLING, Setup};
@@ -34,6 +34,9 @@ struct Options {
     /// Young's modulus of the discs, MPa, 0.1 to 1000 [default: 1 at smoke, else 4]; in softer ones collisions overlap
     #[arg(long, value_name = "MPA", value_parser = within(0.1, 1000.0))]
     young: Option<f64>,
+    /// How contact is detected
+    #[arg(long, value_enum, default_value = "local")]
+    detection: Detection,
     /// Coefficient of friction, 0 to 2
     #[arg(long, value_name = "MU", default_value_t = 0.3, value_parser = within(0.0, 2.0))]
     friction: f64,
@@ -69,6 +72,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         small: usize::from(options.small.unwrap_or(resolution.choose(25, 207, 207))),
         cells: options.cells.unwrap_or(resolution.choose(2, 2, 4)),
         young: 1e6 * options.young.unwrap_or(resolution.choose(1.0, 4.0, 4.0)),
+        detection: options.detection,
         friction: options.friction,
         strength: options.strength,
         frequency: options.frequency,
@@ -84,6 +88,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         "small": outcome.layout.discs.len() - setup.large,
         "cells_per_small_radius": setup.cells,
         "young": setup.young,
+        "detection": setup.detection,
         "friction": setup.friction,
         "strength": setup.strength,
         "frequency": setup.frequency,

@@ -8,8 +8,8 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use examples::{CaseError, Totals};
-use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
+use examples::{CaseError, Detection, Totals};
+use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, Weight};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Shape, fill, rings};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -39,6 +39,7 @@ pub struct Setup {
     pub cells: u32,
     /// Young's modulus, Pa.
     pub young: f64,
+    pub detection: Detection,
     pub friction: f64,
     /// Largest acceleration of the shaking over gravity.
     pub strength: f64,
@@ -80,10 +81,8 @@ pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
     let normals = Gradients::new(Weight::Mass, Choice::Collinear);
-    let contact = GridContact::new(
-        SurfaceDistance::new(normals, 0.0)?.locally(),
-        Pairs::new(Coulomb::new(setup.friction)?),
-    );
+    let contact =
+        GridContact::new(setup.detection.detector(normals)?, Pairs::new(Coulomb::new(setup.friction)?));
     let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
     let (young, [density, poisson]) = (setup.young, MATERIAL);
     let [width, height] = layout.inside;

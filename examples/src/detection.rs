@@ -1,0 +1,126 @@
+//! A test of contact that is chosen at run time, so that a step is compiled once for all of them.
+
+use clap::ValueEnum;
+use mpm_contact::{
+    Compression, ContactDetector, Gradients, Memory, Nodal, NormalRule, Regression, SurfaceDistance,
+};
+use mpm_core::step::contact::SharedNodes;
+use serde::Serialize;
+
+use crate::CaseError;
+
+/// How contact is detected.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Detection {
+    /// Where bodies share a node and approach: the old test
+    Approach,
+    /// Where they approach and the traction between them is compressive
+    Compression,
+    /// Where they approach and their surfaces meet: particle half sizes, threshold zero
+    Distance,
+    /// The same from particle centres, closer than half a cell
+    Centres,
+    /// The distance along the line through the node
+    Local,
+    /// The distance along normals by logistic regression
+    Regression,
+    /// The same along the line through the node
+    LocalRegression,
+}
+
+impl Detection {
+    /// As on the command line.
+    pub fn name(self) -> String {
+        self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_string())
+    }
+
+    /// The detector of this name, with normals by regression or by `gradients`.
+    ///
+    /// # Errors
+    /// None of these settings is refused today.
+    pub fn detector(self, gradients: Gradients) -> Result<Detector, CaseError> {
+        let gradients = Normals::Gradients(gradients);
+        let distance = match self {
+            Detection::Approach | Detection::Compression | Detection::Distance => {
+                SurfaceDistance::new(gradients, 0.0)?
+            }
+            Detection::Centres => SurfaceDistance::between_centres(gradients, 0.5)?,
+            Detection::Local => SurfaceDistance::new(gradients, 0.0)?.locally(),
+            Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?,
+            Detection::LocalRegression => SurfaceDistance::new(Normals::Regression, 0.0)?.locally(),
+        };
+        Ok(match self {
+            Detection::Approach => Detector { test: Test::Approach, distance },
+            Detection::Compression => Detector { test: Test::Compression(Compression::default()), distance },
+            _ => Detector { test: Test::Distance, distance },
+        })
+    }
+}
+
+/// The test of a [`Detection`].
+pub struct Detector {
+    test: Test,
+    distance: SurfaceDistance<Normals>,
+}
+
+enum Test {
+    Approach,
+    Compression(Compression<Gradients>),
+    Distance,
+}
+
+impl<const D: usize> ContactDetector<f64, D> for Detector {
+    type Normals = Normals;
+    fn is_geometric(&self) -> bool {
+        !matches!(self.test, Test::Compression(_))
+    }
+    fn normals(&self) -> &Normals {
+        ContactDetector::<f64, D>::normals(&self.distance)
+    }
+    fn touching(
+        &self,
+        at: &SharedNodes<'_, f64, D>,
+        pair: [usize; 2],
+        nodes: u64,
+        normals: &Nodal<[f64; 3]>,
+        gaps: &mut Nodal<Option<f64>>,
+    ) -> u64 {
+        match &self.test {
+            Test::Approach => nodes,
+            Test::Compression(traction) => traction.touching(at, pair, nodes, normals, gaps),
+            Test::Distance => self.distance.touching(at, pair, nodes, normals, gaps),
+        }
+    }
+}
+
+/// A rule for the normal between two bodies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Normals {
+    /// From gradients of mass or volume.
+    Gradients(Gradients),
+    /// Of the plane that best tells the particles of both bodies apart.
+    Regression,
+}
+
+impl<const D: usize> NormalRule<f64, D> for Normals {
+    fn prepare(&self, at: &SharedNodes<'_, f64, D>, memory: &mut Memory<'_, f64>) {
+        match self {
+            Normals::Gradients(rule) => rule.prepare(at, memory),
+            Normals::Regression => Regression.prepare(at, memory),
+        }
+    }
+    fn normals(
+        &self,
+        at: &SharedNodes<'_, f64, D>,
+        pair: [usize; 2],
+        nodes: u64,
+        memory: &Memory<'_, f64>,
+        normals: &mut Nodal<[f64; 3]>,
+    ) -> u64 {
+        match self {
+            Normals::Gradients(rule) => rule.normals(at, pair, nodes, memory, normals),
+            Normals::Regression => NormalRule::normals(&Regression, at, pair, nodes, memory, normals),
+        }
+    }
+}
