@@ -9,7 +9,6 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use clap::ValueEnum;
 use examples::{CaseError, Detection, Totals};
 use mpm_contact::{Coulomb, Gradients, GridContact, Pairs};
 use mpm_core::geometry::{Cuboid, Filling, GeometryError, Lattice, Seeds, fill, rings};
@@ -20,7 +19,6 @@ use mpm_core::{
     Team,
 };
 use mpm_materials::{Moduli, NeoHookean};
-use serde::Serialize;
 
 use crate::exact::Incline;
 use crate::track::{Row, Track};
