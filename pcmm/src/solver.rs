@@ -49,6 +49,9 @@ pub struct Pcmm<const D: usize, C, M> {
     /// The state each particle had last, for newborn elements.
     pub(crate) memory: Vec<f64>,
     pub(crate) virgin: Vec<f64>,
+    /// Reference volume and internal energy of matter that is in no element, by particle; empty before the first
+    /// element dies.
+    pub(crate) stores: Vec<[f64; 2]>,
     pub(crate) neighbours: Neighbours<D>,
     pub(crate) boundaries: Vec<Boundary<D>>,
     pub(crate) body_force: Option<BodyForce<D>>,
@@ -118,6 +121,7 @@ where
             averages: Vec::new(),
             weights: Vec::new(),
             virgin,
+            stores: Vec::new(),
             boundaries: Vec::new(),
             body_force: None,
             team: Team::one(),
