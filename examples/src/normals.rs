@@ -1,7 +1,6 @@
 //! Normals that are chosen at run time, so that a step is compiled once for all of them.
 
-use mpm_contact::{Gradients, Memory, Nodal, NormalRule, Regression};
-use mpm_core::step::contact::SharedNodes;
+use mpm_contact::{Gradients, Memory, Nodal, NormalRule, Places, Regression};
 
 /// A rule for the normal between two bodies.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,7 +12,7 @@ pub enum Normals {
 }
 
 impl<const D: usize> NormalRule<f64, D> for Normals {
-    fn prepare(&self, at: &SharedNodes<'_, f64, D>, memory: &mut Memory<'_, f64>) {
+    fn prepare(&self, at: &dyn Places<f64, D>, memory: &mut Memory<'_, f64>) {
         match self {
             Normals::Gradients(rule) => rule.prepare(at, memory),
             Normals::Regression => Regression.prepare(at, memory),
@@ -21,7 +20,7 @@ impl<const D: usize> NormalRule<f64, D> for Normals {
     }
     fn normals(
         &self,
-        at: &SharedNodes<'_, f64, D>,
+        at: &dyn Places<f64, D>,
         pair: [usize; 2],
         nodes: u64,
         memory: &Memory<'_, f64>,

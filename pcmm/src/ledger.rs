@@ -79,6 +79,52 @@ pub struct Totals {
     pub stored: f64,
 }
 
+impl Lot {
+    fn plus(self, o: &Lot) -> Lot {
+        Lot {
+            elements: self.elements + o.elements,
+            volume: self.volume + o.volume,
+            mass: self.mass + o.mass,
+            energy: self.energy + o.energy,
+        }
+    }
+}
+
+impl Audit {
+    /// The sum, of two bodies.
+    #[must_use]
+    pub fn plus(mut self, o: &Audit) -> Audit {
+        self.revisions += o.revisions;
+        self.removed = self.removed.plus(&o.removed);
+        self.created = self.created.plus(&o.created);
+        self.stored_mass += o.stored_mass;
+        self.stored_energy += o.stored_energy;
+        for k in 0..Flaw::COUNT {
+            self.flaws[k] += o.flaws[k];
+        }
+        self
+    }
+}
+
+impl Totals {
+    /// The sum, of two bodies.
+    #[must_use]
+    pub fn plus(mut self, o: &Totals) -> Totals {
+        self.mass += o.mass;
+        self.covered += o.covered;
+        self.volume += o.volume;
+        for d in 0..3 {
+            self.momentum[d] += o.momentum[d];
+            self.angular_momentum[d] += o.angular_momentum[d];
+        }
+        self.momentum_scale += o.momentum_scale;
+        self.kinetic += o.kinetic;
+        self.internal += o.internal;
+        self.stored += o.stored;
+        self
+    }
+}
+
 impl<const D: usize, C, M> Pcmm<D, C, M>
 where
     C: Constitutive<f64>,

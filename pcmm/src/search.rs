@@ -96,7 +96,7 @@ impl<const D: usize> Neighbours<D> {
 }
 
 /// Particles sorted by cell.
-struct Cells<const D: usize> {
+pub(crate) struct Cells<const D: usize> {
     low: [f64; D],
     edge: f64,
     counts: [usize; D],
@@ -105,7 +105,7 @@ struct Cells<const D: usize> {
 }
 
 impl<const D: usize> Cells<D> {
-    fn sort(particles: &[Particle<D>], range: f64) -> Self {
+    pub(crate) fn sort(particles: &[Particle<D>], range: f64) -> Self {
         let mut low = [f64::INFINITY; D];
         let mut high = [f64::NEG_INFINITY; D];
         for p in particles {
@@ -154,7 +154,7 @@ impl<const D: usize> Cells<D> {
         (0..D).rev().fold(0, |n, d| n * self.counts[d] + cell[d])
     }
 
-    fn around(&self, x: &[f64; D], mut visit: impl FnMut(u32)) {
+    pub(crate) fn around(&self, x: &[f64; D], mut visit: impl FnMut(u32)) {
         let centre = self.cell(x);
         for offset in 0..3usize.pow(D as u32) {
             let mut cell = [0; D];

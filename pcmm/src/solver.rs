@@ -37,6 +37,8 @@ pub struct Pcmm<const D: usize, C, M> {
     pub(crate) method: M,
     pub(crate) law: C,
     pub(crate) particles: Vec<Particle<D>>,
+    /// How far the surface lies beyond centres, in radii.
+    pub(crate) surface: f64,
     pub(crate) elements: Elements,
     /// Forces of the elements on their corners, N.
     pub(crate) forces: Vec<[f64; D]>,
@@ -68,7 +70,7 @@ pub struct Pcmm<const D: usize, C, M> {
 }
 
 /// The default safety factor of the time step.
-const COURANT: f64 = 0.5;
+pub(crate) const COURANT: f64 = 0.5;
 /// Particles of a scene for which more than one thread is used.
 pub const SMALL: usize = 2000;
 /// The skin of the neighbour lists over the smallest radius.
@@ -115,6 +117,7 @@ where
             method,
             law,
             particles,
+            surface: packing.surface,
             elements: Elements::default(),
             forces: Vec::new(),
             scalars: Vec::new(),

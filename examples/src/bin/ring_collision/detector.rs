@@ -1,8 +1,7 @@
 //! A detector that is chosen at run time, so that the step is compiled once for all of them.
 
 use examples::{CaseError, Normals};
-use mpm_contact::{ContactDetector, Gradients, Nodal, SurfaceDistance};
-use mpm_core::step::contact::SharedNodes;
+use mpm_contact::{ContactDetector, Gradients, Nodal, Places, SurfaceDistance};
 
 use crate::setup::Detection;
 
@@ -34,7 +33,7 @@ impl ContactDetector<f64, 2> for Chosen {
     }
     fn touching(
         &self,
-        at: &SharedNodes<'_, f64, 2>,
+        at: &dyn Places<f64, 2>,
         pair: [usize; 2],
         nodes: u64,
         normals: &Nodal<[f64; 3]>,
