@@ -38,7 +38,11 @@ pub type Metal = Solid<
 pub fn tungsten() -> Result<Metal, CaseError> {
     let heat = Heat { room: 298.0, melt: 1723.0, exponent: 0.4, heat_capacity: 134.0, taylor_quinney: 0.9 };
     let strength = JohnsonCook::new(134.8e9, 1.2e9, 1.03e9, 0.019)?.with_rate(Logarithmic::new(0.034, 1.0)?);
-    metal(strength.with_heat(Adiabatic::new(heat)?), MieGruneisen::new(19220.0, 4020.0, 1.24, 1.67)?, SPALL[1])
+    metal(
+        strength.with_heat(Adiabatic::new(heat)?),
+        MieGruneisen::new(19220.0, 4020.0, 1.24, 1.67)?,
+        SPALL[1],
+    )
 }
 
 /// The aluminium of the target.
@@ -54,7 +58,9 @@ fn metal(
     spall: f64,
 ) -> Result<Metal, CaseError> {
     let [linear, quadratic] = BULK_VISCOSITY;
-    Ok(Solid::new(strength, eos).with_failure(TensilePressure::new(spall)?).with_bulk_viscosity(linear, quadratic)?)
+    Ok(Solid::new(strength, eos)
+        .with_failure(TensilePressure::new(spall)?)
+        .with_bulk_viscosity(linear, quadratic)?)
 }
 
 /// Bullet and target, filled with particles on a lattice: `parts` a cell and axis, moved at random by up to
