@@ -85,7 +85,7 @@ impl Candidates {
         if !found.is_empty() {
             let cells = Cells::sort(&found, reach);
             for (i, (p, owner)) in found.iter().zip(&owners).enumerate() {
-                cells.around(&p.position, |j| {
+                cells.around(&p.position, |j, _, _| {
                     let (q, other) = (&found[j as usize], owners[j as usize]);
                     let range = RANGE * (p.radius + q.radius) + self.skin;
                     if owner.body < other.body && distance_squared(&p.position, &q.position) <= range * range
