@@ -16,8 +16,9 @@ where
     C: Constitutive<f64>,
     M: Composition<D>,
 {
-    /// Search, delete, create, inherit, and book what was added and removed.
-    pub(crate) fn revise(&mut self) {
+    /// Search, delete, create, inherit, and book what was added and removed. Steps do this by themselves every
+    /// [`Pcmm::set_revision_interval`] steps.
+    pub fn revise(&mut self) {
         self.neighbours.update(&self.particles, &self.team);
         let view = View {
             particles: &self.particles,
@@ -25,6 +26,7 @@ where
             nodes: &self.elements.nodes,
             incidence: &self.elements.incidence,
             team: &self.team,
+            open: &self.elements.open,
         };
         let revision = self.method.tessellation().revise(&view);
         if !revision.is_empty() {

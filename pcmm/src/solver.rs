@@ -1,5 +1,7 @@
 //! The solver: what it holds, and how it is set up.
 
+use std::sync::OnceLock;
+
 use mpm_core::boundary::BodyForce;
 use mpm_core::step::control::ControlError;
 use mpm_core::{Boundary, Embedding, Team, TimeControl};
@@ -157,6 +159,7 @@ where
             nodes: &[],
             incidence: &none,
             team: &self.team,
+            open: &OnceLock::new(),
         };
         let nodes = self.method.tessellation().revise(&view).born;
         let hoop = M::Embedding::HOOP;
