@@ -20,7 +20,7 @@ pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
                 .unit("m/s", 1.0)
                 .range(0.0, SPEED)
                 .map(ColourMap::Viridis);
-            let picture = FieldPicture::new(470, 520)
+            let picture = FieldPicture::new(520, 400)
                 .colour_by(speed)
                 .bounds([-BULLET[0] - 4e-3, -0.2 * TARGET[1]], [TARGET[0] + 14e-3, 0.2 * TARGET[1]])
                 .draw(frame)?;

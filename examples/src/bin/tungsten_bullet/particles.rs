@@ -7,7 +7,7 @@ use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
 use mpm_core::geometry::Lattice;
 use mpm_core::output::Progress;
 use mpm_core::{PlaneStrain, Team, TimeControl};
-use pcmm::{Bodies, LocalDelaunay, Masses, Method, Packing, Pcmm};
+use pcmm::{Bodies, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm};
 
 use crate::scene::{BULLET, END, Entry, HISTORY, MOMENTS, Metal, Outcome, SPEED, TARGET, bodies};
 
@@ -15,6 +15,15 @@ use crate::scene::{BULLET, END, Entry, HISTORY, MOMENTS, Metal, Outcome, SPEED, 
 const EVERY: u64 = 2;
 /// Every particle is moved at random by up to this part of half a spacing.
 const JITTER: f64 = 0.5;
+/// Smallest angle of an element, degrees.
+const KEEP: f64 = 4.0;
+
+/// Elements flatter than those that new ones may be by much go sooner than by default: they would shorten every step.
+fn tessellation(spacing: f64) -> Result<LocalDelaunay, CaseError> {
+    let create = Limits::new(0.8 * spacing, [10.0, 160.0], 0.5)?;
+    let keep = Limits::new(2.4 * spacing, [KEEP, 180.0 - 2.0 * KEEP], 0.2)?;
+    Ok(LocalDelaunay::new(0.8 * spacing, 3.0)?.with_limits(create, keep))
+}
 
 /// Shoot with particles this far apart, m; `metals` are the laws of bullet and target.
 pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) -> Result<Outcome, CaseError> {
@@ -26,7 +35,7 @@ pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) ->
     let sizes = [BULLET, TARGET];
     for (b, (law, seeds)) in metals.into_iter().zip(&seeds).enumerate() {
         exact += mpm_materials::Constitutive::<f64>::density(&law) * sizes[b][0] * sizes[b][1];
-        let method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.8 * spacing, 3.0)?);
+        let method = Method::consistent(PlaneStrain, tessellation(spacing)?);
         let velocity = if b == 0 { SPEED } else { 0.0 };
         let packing = Packing::of_seeds(seeds);
         let mut body = Pcmm::new(method, law, &packing, |_| [velocity, 0.0], Masses::FromVolumes)?;
