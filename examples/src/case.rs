@@ -114,6 +114,12 @@ impl From<pcmm::SceneError> for CaseError {
     }
 }
 
+impl From<pcmm::BodyError> for CaseError {
+    fn from(e: pcmm::BodyError) -> Self {
+        CaseError::Other(e.to_string())
+    }
+}
+
 impl From<pcmm::StepError> for CaseError {
     fn from(e: pcmm::StepError) -> Self {
         CaseError::Other(e.to_string())

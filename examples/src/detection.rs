@@ -2,9 +2,8 @@
 
 use clap::ValueEnum;
 use mpm_contact::{
-    Compression, ContactDetector, Gradients, Memory, Nodal, NormalRule, Regression, SurfaceDistance,
+    Compression, ContactDetector, Gradients, Memory, Nodal, NormalRule, Places, Regression, SurfaceDistance,
 };
-use mpm_core::step::contact::SharedNodes;
 use serde::Serialize;
 
 use crate::CaseError;
@@ -80,7 +79,7 @@ impl<const D: usize> ContactDetector<f64, D> for Detector {
     }
     fn touching(
         &self,
-        at: &SharedNodes<'_, f64, D>,
+        at: &dyn Places<f64, D>,
         pair: [usize; 2],
         nodes: u64,
         normals: &Nodal<[f64; 3]>,
@@ -104,7 +103,7 @@ pub enum Normals {
 }
 
 impl<const D: usize> NormalRule<f64, D> for Normals {
-    fn prepare(&self, at: &SharedNodes<'_, f64, D>, memory: &mut Memory<'_, f64>) {
+    fn prepare(&self, at: &dyn Places<f64, D>, memory: &mut Memory<'_, f64>) {
         match self {
             Normals::Gradients(rule) => rule.prepare(at, memory),
             Normals::Regression => Regression.prepare(at, memory),
@@ -112,7 +111,7 @@ impl<const D: usize> NormalRule<f64, D> for Normals {
     }
     fn normals(
         &self,
-        at: &SharedNodes<'_, f64, D>,
+        at: &dyn Places<f64, D>,
         pair: [usize; 2],
         nodes: u64,
         memory: &Memory<'_, f64>,

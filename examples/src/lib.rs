@@ -15,6 +15,8 @@
 //! | `debris_cloud_2d` | a disc goes through a plate at 5 km/s, by the particle-contact meshfree method |
 //! | `elastic_bar` | an elastic bar hits a wall, by the particle-contact meshfree method, against the exact solution |
 //! | `taylor_copper` | a long copper bar hits a wall, by the particle-contact meshfree method: as printed, ours, and by MPM |
+//! | `tungsten_bullet` | a tungsten bullet goes through an aluminium plate, by particle contacts and by MPM, against theory |
+//! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
 //! | `throughput` | particle updates a second on fixed scenes |
 
 pub mod case;

@@ -1,11 +1,11 @@
 //! Do two bodies touch at a node?
 
 use mpm_core::parallel::Float;
-use mpm_core::step::contact::SharedNodes;
 use mpm_core::step::survey::Survey;
 use mpm_materials::{Check, ParameterError};
 
 use crate::normal::{Gradients, Nodal, NormalRule, each};
+use crate::places::Places;
 use crate::vector::times;
 
 /// A test whether two bodies touch at the nodes they share. Whether they approach is asked before it
@@ -23,7 +23,7 @@ pub trait ContactDetector<T: Float, const D: usize>: Send + Sync + 'static {
     /// second. Fills in the gaps, m, if it measures them. Must not depend on which field is the first.
     fn touching(
         &self,
-        at: &SharedNodes<'_, T, D>,
+        at: &dyn Places<T, D>,
         pair: [usize; 2],
         nodes: u64,
         normals: &Nodal<[T; 3]>,
@@ -45,7 +45,7 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Ap
     }
     fn touching(
         &self,
-        _at: &SharedNodes<'_, T, D>,
+        _at: &dyn Places<T, D>,
         _pair: [usize; 2],
         nodes: u64,
         _normals: &Nodal<[T; 3]>,
@@ -67,7 +67,7 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Co
     }
     fn touching(
         &self,
-        at: &SharedNodes<'_, T, D>,
+        at: &dyn Places<T, D>,
         pair: [usize; 2],
         nodes: u64,
         normals: &Nodal<[T; 3]>,
@@ -147,7 +147,7 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Su
     }
     fn touching(
         &self,
-        at: &SharedNodes<'_, T, D>,
+        at: &dyn Places<T, D>,
         pair: [usize; 2],
         nodes: u64,
         normals: &Nodal<[T; 3]>,

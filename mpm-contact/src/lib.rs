@@ -7,7 +7,8 @@
 //! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`Stick`], [`Adhesion`]; a table of [`Pairs`] |
 //!
 //! [`GridContact`] makes a contact algorithm of them for [`mpm_core::Mpm::with_contact`]. Every body then has
-//! velocities of its own at the nodes of the blocks that others reach, too, and only there. Any number of bodies
+//! velocities of its own at the nodes of the blocks that others reach, too, and only there. Detectors, normals and laws
+//! see [`Places`], and so serve the pairs of particles of the crate `pcmm` as well. Any number of bodies
 //! may meet at a node; every impulse acts on two bodies with opposite signs.
 //!
 //! Units are SI; normals point from the first body of a pair to the second; a gap is negative where bodies overlap.
@@ -23,6 +24,7 @@ mod detect;
 mod law;
 mod meet;
 mod normal;
+mod places;
 mod regression;
 mod solve;
 mod vector;
@@ -31,4 +33,5 @@ pub use detect::{Approach, Compression, ContactDetector, SurfaceDistance};
 pub use law::{Adhesion, Contact, ContactLaw, Coulomb, Frictionless, Pairs, Stick};
 pub use meet::GridContact;
 pub use normal::{Choice, Gradients, Memory, Nodal, NormalRule, Weight};
+pub use places::Places;
 pub use regression::Regression;

@@ -1,9 +1,9 @@
 //! Normals at the nodes that bodies share.
 
 use mpm_core::parallel::Float;
-use mpm_core::step::contact::SharedNodes;
 use mpm_core::step::survey::Survey;
 
+use crate::places::Places;
 use crate::vector::{difference, times, unit};
 
 /// What detectors may remember while they look at one block: cleared for every block, kept in memory.
@@ -22,12 +22,12 @@ pub type Nodal<X> = [X; 64];
 /// opposite, and momentum would drift).
 pub trait NormalRule<T: Float, const D: usize>: Send + Sync + 'static {
     /// Look at the fields once, before their pairs.
-    fn prepare(&self, at: &SharedNodes<'_, T, D>, memory: &mut Memory<'_, T>);
+    fn prepare(&self, at: &dyn Places<T, D>, memory: &mut Memory<'_, T>);
     /// Unit normals from the first to the second field of `pair` at `nodes` (a bit each). Returns the nodes
     /// that have one.
     fn normals(
         &self,
-        at: &SharedNodes<'_, T, D>,
+        at: &dyn Places<T, D>,
         pair: [usize; 2],
         nodes: u64,
         memory: &Memory<'_, T>,
@@ -112,7 +112,7 @@ pub(crate) fn each(mut nodes: u64) -> impl Iterator<Item = usize> {
 }
 
 impl<T: Float, const D: usize> NormalRule<T, D> for Gradients {
-    fn prepare(&self, at: &SharedNodes<'_, T, D>, memory: &mut Memory<'_, T>) {
+    fn prepare(&self, at: &dyn Places<T, D>, memory: &mut Memory<'_, T>) {
         let what = match self.weight {
             Weight::Mass => Survey::MassGradient,
             Weight::Volume => Survey::VolumeGradient,
@@ -131,7 +131,7 @@ impl<T: Float, const D: usize> NormalRule<T, D> for Gradients {
 
     fn normals(
         &self,
-        at: &SharedNodes<'_, T, D>,
+        at: &dyn Places<T, D>,
         pair: [usize; 2],
         nodes: u64,
         memory: &Memory<'_, T>,

@@ -3,10 +3,10 @@
 use std::cell::RefCell;
 
 use mpm_core::parallel::Float;
-use mpm_core::step::contact::SharedNodes;
 
 use crate::detect::ContactDetector;
 use crate::normal::{Memory, Nodal, NormalRule, each};
+use crate::places::Places;
 use crate::vector::{dot, unit};
 
 /// The plane that best tells the particles of two bodies near a node apart \[Nairn2020\]; its direction is the normal,
@@ -42,7 +42,7 @@ thread_local! {
 
 /// Call `with` with the particles of both fields near `nodes`, sorted by node, the first field's first.
 fn with_points<T: Float, const D: usize, R>(
-    at: &SharedNodes<'_, T, D>,
+    at: &dyn Places<T, D>,
     pair: [usize; 2],
     nodes: u64,
     with: impl FnOnce(&mut [Point]) -> R,
@@ -65,11 +65,11 @@ fn with_points<T: Float, const D: usize, R>(
 }
 
 impl<T: Float, const D: usize> NormalRule<T, D> for Regression {
-    fn prepare(&self, _at: &SharedNodes<'_, T, D>, _memory: &mut Memory<'_, T>) {}
+    fn prepare(&self, _at: &dyn Places<T, D>, _memory: &mut Memory<'_, T>) {}
 
     fn normals(
         &self,
-        at: &SharedNodes<'_, T, D>,
+        at: &dyn Places<T, D>,
         pair: [usize; 2],
         nodes: u64,
         _memory: &Memory<'_, T>,
@@ -99,7 +99,7 @@ impl<T: Float, const D: usize> ContactDetector<T, D> for Regression {
     }
     fn touching(
         &self,
-        at: &SharedNodes<'_, T, D>,
+        at: &dyn Places<T, D>,
         pair: [usize; 2],
         nodes: u64,
         normals: &Nodal<[T; 3]>,

@@ -7,10 +7,9 @@ use std::sync::{Arc, Mutex};
 use common::{H, WAVE, build, cuboid, particles, plane, space, three, two};
 use mpm_contact::{
     Adhesion, Approach, Choice, Compression, ContactDetector, Coulomb, Frictionless, Gradients, GridContact,
-    Nodal, Pairs, Regression, Stick, SurfaceDistance, Weight,
+    Nodal, Pairs, Places, Regression, Stick, SurfaceDistance, Weight,
 };
 use mpm_core::geometry::{Ball, Cuboid, Filling, Seeds, Shape, fill};
-use mpm_core::step::contact::SharedNodes;
 use mpm_core::{
     Apic, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Musl, OneField, PlaneStrain,
     QuadraticBSpline, Side, Team, TimeControl, Usf, Usl,
@@ -383,7 +382,7 @@ impl ContactDetector<f64, 2> for Recorded {
     }
     fn touching(
         &self,
-        at: &SharedNodes<'_, f64, 2>,
+        at: &dyn Places<f64, 2>,
         pair: [usize; 2],
         nodes: u64,
         normals: &Nodal<[f64; 3]>,
@@ -391,7 +390,7 @@ impl ContactDetector<f64, 2> for Recorded {
     ) -> u64 {
         let touching = self.0.touching(at, pair, nodes, normals, gaps);
         let mut list = self.1.lock().expect("list");
-        for n in (0..at.nodes()).filter(|n| nodes & (1 << n) != 0) {
+        for n in (0..64).filter(|n| nodes & (1 << n) != 0) {
             list.extend(gaps[n].map(|gap| (at.position(n), normals[n], gap)));
         }
         touching

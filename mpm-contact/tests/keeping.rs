@@ -7,10 +7,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{H, WAVE, ball, build, cuboid, particles, plane, three};
 use mpm_contact::{
-    ContactDetector, Coulomb, Frictionless, Gradients, GridContact, Nodal, Pairs, SurfaceDistance,
+    ContactDetector, Coulomb, Frictionless, Gradients, GridContact, Nodal, Pairs, Places, SurfaceDistance,
 };
 use mpm_core::TimeControl;
-use mpm_core::step::contact::SharedNodes;
 
 /// Counts how often it is asked.
 struct Counted(SurfaceDistance, Arc<AtomicUsize>);
@@ -25,7 +24,7 @@ impl ContactDetector<f64, 2> for Counted {
     }
     fn touching(
         &self,
-        at: &SharedNodes<'_, f64, 2>,
+        at: &dyn Places<f64, 2>,
         pair: [usize; 2],
         nodes: u64,
         normals: &Nodal<[f64; 3]>,

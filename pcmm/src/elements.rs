@@ -1,5 +1,7 @@
 //! Elements, and which of them meet at a particle.
 
+use std::sync::OnceLock;
+
 use mpm_core::Float;
 
 /// Elements of a batch: what one task computes. A multiple of the lanes of every vector.
@@ -68,6 +70,8 @@ pub(crate) struct Elements {
     pub reference: Vec<f64>,
     pub batches: Vec<Batch>,
     pub incidence: Incidence,
+    /// Which particles are not surrounded, once somebody asked.
+    pub open: OnceLock<Vec<bool>>,
     /// Numbers of a state.
     pub numbers: usize,
 }
@@ -108,7 +112,7 @@ impl Elements {
             }
         }
         let incidence = Incidence::of_elements(&nodes, particles);
-        Elements { nodes, reference, batches, incidence, numbers }
+        Elements { nodes, reference, batches, incidence, open: OnceLock::new(), numbers }
     }
 
     pub fn bytes(&self) -> usize {

@@ -25,6 +25,9 @@ pub struct Lot {
 }
 
 /// What revisions did. Masses and velocities of particles stay, and with them momentum and kinetic energy.
+///
+/// Matter that loses its element is still there: what a dead element held and left to no newborn, its particles hold
+/// in store, as heat, until newborns take it up again. Only what a newborn has beyond that is added.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Audit {
     /// Revisions that changed something.
@@ -33,19 +36,23 @@ pub struct Audit {
     pub removed: Lot,
     /// What was created.
     pub created: Lot,
+    /// Mass that left elements and is in none, kg.
+    pub stored_mass: f64,
+    /// Internal energy of that, J.
+    pub stored_energy: f64,
     /// Deleted elements by the condition they failed: contact, small angle, large angle, short edge (see [`Flaw`]). Those
     /// that made room for better ones are not among them.
     pub flaws: [u64; Flaw::COUNT],
 }
 
 impl Audit {
-    /// Internal energy that revisions added, J; negative if they removed some.
+    /// Internal energy that revisions made of nothing, J.
     pub fn energy_added(&self) -> f64 {
-        self.created.energy - self.removed.energy
+        self.created.energy - self.removed.energy + self.stored_energy
     }
-    /// Mass of elements that revisions added, kg.
+    /// Mass of elements that revisions made of nothing, kg.
     pub fn mass_added(&self) -> f64 {
-        self.created.mass - self.removed.mass
+        self.created.mass - self.removed.mass + self.stored_mass
     }
 }
 
@@ -66,8 +73,56 @@ pub struct Totals {
     pub angular_momentum: [f64; 3],
     /// Kinetic energy, J, with the velocities of the particles, which are those of the middle of the last step.
     pub kinetic: f64,
-    /// Internal energy of the elements, J.
+    /// Internal energy, J: of the elements, and what particles hold in store ([`Audit`]).
     pub internal: f64,
+    /// The part of it in store, J.
+    pub stored: f64,
+}
+
+impl Lot {
+    fn plus(self, o: &Lot) -> Lot {
+        Lot {
+            elements: self.elements + o.elements,
+            volume: self.volume + o.volume,
+            mass: self.mass + o.mass,
+            energy: self.energy + o.energy,
+        }
+    }
+}
+
+impl Audit {
+    /// The sum, of two bodies.
+    #[must_use]
+    pub fn plus(mut self, o: &Audit) -> Audit {
+        self.revisions += o.revisions;
+        self.removed = self.removed.plus(&o.removed);
+        self.created = self.created.plus(&o.created);
+        self.stored_mass += o.stored_mass;
+        self.stored_energy += o.stored_energy;
+        for k in 0..Flaw::COUNT {
+            self.flaws[k] += o.flaws[k];
+        }
+        self
+    }
+}
+
+impl Totals {
+    /// The sum, of two bodies.
+    #[must_use]
+    pub fn plus(mut self, o: &Totals) -> Totals {
+        self.mass += o.mass;
+        self.covered += o.covered;
+        self.volume += o.volume;
+        for d in 0..3 {
+            self.momentum[d] += o.momentum[d];
+            self.angular_momentum[d] += o.angular_momentum[d];
+        }
+        self.momentum_scale += o.momentum_scale;
+        self.kinetic += o.kinetic;
+        self.internal += o.internal;
+        self.stored += o.stored;
+        self
+    }
 }
 
 impl<const D: usize, C, M> Pcmm<D, C, M>
@@ -100,6 +155,8 @@ where
             sum.volume += volume(&corners(&self.particles, nodes), M::Embedding::HOOP);
             sum.internal += reference * self.energy_of(&state);
         }
+        sum.stored = self.stored()[1];
+        sum.internal += sum.stored;
         sum
     }
 

@@ -35,6 +35,7 @@
 //! | [`Dilatation`] | [`OfElement`] | [`OfParticles`] |
 //! | rotation of stress | [`NoRotation`] | those of the laws |
 //! | [`Masses`] | from elements | from volumes |
+//! | contact of bodies | not described | [`Bodies`]: pairs of particles |
 //!
 //! # The cycle
 //! Steps of the paper's cycle and where they are:
@@ -53,10 +54,12 @@
 //! revisions add and remove, which [`Audit`] books.
 //!
 //! # Limits
-//! One law a scene, `f64` only. What touches is welded: there is no contact between bodies beside the creation of
-//! elements, and walls hold back the centres of particles. Masses and radii of particles never change.
+//! `f64` only. One law a body; several bodies, of any laws and methods, meet in a scene of [`Bodies`], by the detectors and
+//! laws of `mpm-contact`. Within a body what touches is welded: particles of it that come together make elements, whatever
+//! piece they came from. Masses and radii of particles never change.
 
 mod boundary;
+mod contact;
 mod elements;
 mod inheritance;
 mod kinematics;
@@ -72,6 +75,7 @@ mod sweep;
 mod tessellation;
 
 pub use boundary::Given;
+pub use contact::{Bodies, BodyError, Encounter, PairContact, RigidWall};
 pub use elements::Incidence;
 pub use inheritance::{Inheritance, Newborn, OverlapWeighted, Parent, ParticleMean, Taken};
 pub use kinematics::{

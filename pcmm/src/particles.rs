@@ -25,6 +25,9 @@ pub struct Packing<const D: usize> {
     pub radii: Vec<f64>,
     /// Volumes, m^3 (m^2 in plane strain, m^3 per radian in axisymmetric scenes), one a particle or none at all.
     pub volumes: Vec<f64>,
+    /// How far the surface of the body lies beyond the centres of its outermost particles, in their radii: where other
+    /// bodies meet it. 0 for particles on the surface, 1 for such as lie half a spacing within it.
+    pub surface: f64,
 }
 
 /// Most particles.
@@ -67,7 +70,7 @@ impl<const D: usize> Packing<D> {
             }
         }
         let radii = vec![0.5 * h; positions.len()];
-        Ok(Packing { positions, radii, volumes: Vec::new() })
+        Ok(Packing { positions, radii, volumes: Vec::new(), surface: 0.0 })
     }
 
     /// Seeds of a shape, touching: the radius is half the edge of a particle, the volumes are the seeds'. The surface of
@@ -78,12 +81,13 @@ impl<const D: usize> Packing<D> {
             positions: seeds.positions.clone(),
             radii: vec![radius; seeds.len()],
             volumes: seeds.volumes.clone(),
+            surface: 1.0,
         }
     }
 
     /// Spheres (circles) of known radii.
     pub fn of_spheres(positions: Vec<[f64; D]>, radii: Vec<f64>) -> Self {
-        Packing { positions, radii, volumes: Vec::new() }
+        Packing { positions, radii, volumes: Vec::new(), surface: 1.0 }
     }
 
     /// Refuse what cannot be.
@@ -98,6 +102,8 @@ impl<const D: usize> Packing<D> {
                 return Err(SceneError::Length { field, found, particles });
             }
         }
+        let allowed = "zero or positive, and finite";
+        parameter(self.surface >= 0.0, "packing", "surface beyond centres in radii", self.surface, allowed)?;
         for (particle, x) in self.positions.iter().enumerate() {
             for value in *x {
                 number(value.is_finite(), "position", particle, value, "finite")?;
@@ -206,5 +212,9 @@ pub(crate) fn parameter(
     value: f64,
     allowed: &'static str,
 ) -> Result<f64, SceneError> {
-    if holds { Ok(value) } else { Err(SceneError::Parameter { owner, field, value, allowed }) }
+    if holds && value.is_finite() {
+        Ok(value)
+    } else {
+        Err(SceneError::Parameter { owner, field, value, allowed })
+    }
 }

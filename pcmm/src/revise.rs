@@ -16,8 +16,9 @@ where
     C: Constitutive<f64>,
     M: Composition<D>,
 {
-    /// Search, delete, create, inherit, and book what was added and removed.
-    pub(crate) fn revise(&mut self) {
+    /// Search, delete, create, inherit, and book what was added and removed. Steps do this by themselves every
+    /// [`Pcmm::set_revision_interval`] steps.
+    pub fn revise(&mut self) {
         self.neighbours.update(&self.particles, &self.team);
         let view = View {
             particles: &self.particles,
@@ -25,6 +26,7 @@ where
             nodes: &self.elements.nodes,
             incidence: &self.elements.incidence,
             team: &self.team,
+            open: &self.elements.open,
         };
         let revision = self.method.tessellation().revise(&view);
         if !revision.is_empty() {
@@ -88,6 +90,7 @@ where
         let mut state = vec![0.0; numbers];
         let mut dead = revision.dead.iter().copied().peekable();
         let mut is_dead = vec![false; self.elements.len()];
+        let mut left: Vec<Estate> = Vec::with_capacity(revision.dead.len());
         for e in 0..self.elements.len() {
             self.elements.read(e, &mut state);
             if dead.next_if_eq(&(e as u32)).is_some() {
@@ -95,24 +98,39 @@ where
                 self.audit.removed.elements += 1;
                 self.audit.removed.volume += self.element_volume(self.nodes_of(e));
                 self.audit.removed.mass += self.law.density() * self.elements.reference[e];
-                self.audit.removed.energy += self.elements.reference[e] * self.energy_of(&state);
+                let estate =
+                    Estate { reference: self.elements.reference[e], density: self.energy_of(&state) };
+                self.audit.removed.energy += estate.reference * estate.density;
+                left.push(estate);
                 continue;
             }
             nodes.extend_from_slice(self.nodes_of(e));
             reference.push(self.elements.reference[e]);
             states.extend_from_slice(&state);
         }
+        let mut wants: Vec<[f64; 2]> = Vec::with_capacity(revision.born.len() / (D + 1));
         for newborn in revision.born.chunks_exact(D + 1) {
             let volume = self.element_volume(newborn);
-            let own = self.inherit(newborn, volume, &is_dead, &mut state);
+            let Heir { reference: own, parents } = self.inherit(newborn, volume, &is_dead, &mut state);
+            let energy = own * self.energy_of(&state);
+            let mut want = [own, energy];
+            for (e, taken) in parents {
+                if let Ok(k) = revision.dead.binary_search(&(e as u32)) {
+                    left[k].reference -= taken;
+                    want[0] -= taken;
+                    want[1] -= taken * left[k].density;
+                }
+            }
+            wants.push(want);
             self.audit.created.elements += 1;
             self.audit.created.volume += volume;
             self.audit.created.mass += self.law.density() * own;
-            self.audit.created.energy += own * self.energy_of(&state);
+            self.audit.created.energy += energy;
             nodes.extend_from_slice(newborn);
             reference.push(own);
             states.extend_from_slice(&state);
         }
+        self.settle(revision, &left, &wants);
         for k in 0..self.audit.flaws.len() {
             self.audit.flaws[k] += revision.flaws[k] as u64;
         }
@@ -120,8 +138,43 @@ where
         self.elements = Elements::assemble(nodes, reference, &states, &self.virgin, self.particles.len());
     }
 
-    /// The state of a newborn, and its reference volume.
-    fn inherit(&self, newborn: &[u32], volume: f64, is_dead: &[bool], state: &mut [f64]) -> f64 {
+    /// What the dead leave to no newborn goes to their particles; what newborns have beyond what they took from the
+    /// dead comes from theirs, as far as these hold it.
+    fn settle(&mut self, revision: &Revision, left: &[Estate], wants: &[[f64; 2]]) {
+        self.stores.resize(self.particles.len(), [0.0; 2]);
+        let part = 1.0 / (D + 1) as f64;
+        let before = self.stored();
+        for (&e, estate) in revision.dead.iter().zip(left) {
+            for &n in &self.elements.nodes[e as usize * (D + 1)..(e as usize + 1) * (D + 1)] {
+                self.stores[n as usize][0] += part * estate.reference;
+                self.stores[n as usize][1] += part * estate.reference * estate.density;
+            }
+        }
+        for (newborn, want) in revision.born.chunks_exact(D + 1).zip(wants) {
+            for k in 0..2 {
+                let held: f64 = newborn.iter().map(|&n| self.stores[n as usize][k]).sum();
+                for &n in newborn {
+                    let store = &mut self.stores[n as usize][k];
+                    if want[k] < 0.0 {
+                        *store -= part * want[k];
+                    } else if held > 0.0 {
+                        *store *= (1.0 - want[k] / held).max(0.0);
+                    }
+                }
+            }
+        }
+        let after = self.stored();
+        self.audit.stored_mass += self.law.density() * (after[0] - before[0]);
+        self.audit.stored_energy += after[1] - before[1];
+    }
+
+    /// Reference volume and internal energy that particles hold outside elements.
+    pub(crate) fn stored(&self) -> [f64; 2] {
+        self.stores.iter().fold([0.0; 2], |sum, s| [sum[0] + s[0], sum[1] + s[1]])
+    }
+
+    /// The state of a newborn, its reference volume, and what it took from whom.
+    fn inherit(&self, newborn: &[u32], volume: f64, is_dead: &[bool], state: &mut [f64]) -> Heir {
         let numbers = self.virgin.len();
         let hoop = M::Embedding::HOOP;
         let x = corners(&self.particles, newborn);
@@ -153,6 +206,27 @@ where
         let taken =
             M::Inheritance::inherit(&Newborn { volume, parents: &parents, particles: &particles }, state);
         let ratio = unflatten::<f64, C::State<f64>>(state).map_or(1.0, |s| self.law.volume_ratio(&s));
-        taken.reference + (1.0 - taken.part) * volume / ratio
+        // Each parent gives in proportion to how much of it lay there.
+        let lay = |k: usize| shares[k].0 / shares[k].1 * self.elements.reference[near[k]];
+        let gave = |k: &usize| shares[*k].0 > 0.0 && shares[*k].1 > 0.0;
+        let all: f64 = (0..near.len()).filter(gave).map(lay).sum();
+        let share = if all > 0.0 { taken.reference / all } else { 0.0 };
+        let parents = (0..near.len()).filter(gave).map(|k| (near[k], share * lay(k))).collect();
+        Heir { reference: taken.reference + (1.0 - taken.part) * volume / ratio, parents }
     }
+}
+
+/// What a dead element has left to give.
+struct Estate {
+    /// Reference volume.
+    reference: f64,
+    /// Internal energy per reference volume, J/m^3.
+    density: f64,
+}
+
+/// What a newborn has.
+struct Heir {
+    reference: f64,
+    /// Dead elements, and the reference volume it took from each.
+    parents: Vec<(usize, f64)>,
 }

@@ -63,15 +63,16 @@ impl<const D: usize> Neighbours<D> {
         let reach = self.tolerance + self.skin;
         let largest = particles.iter().fold(0.0f64, |m, p| m.max(p.radius));
         let cells = Cells::sort(particles, 2.0 * largest + reach);
+        // In the order of cells, so that what is looked at is near in memory.
         let mut rows: Vec<(Vec<u32>, Vec<u32>)> = vec![Default::default(); particles.len().div_ceil(CHUNK)];
         team.each(&mut rows, |chunk, (counts, found)| {
             let first = chunk * CHUNK;
-            for i in first..(first + CHUNK).min(particles.len()) {
+            for place in first..(first + CHUNK).min(particles.len()) {
                 let before = found.len();
-                cells.around(&particles[i].position, |j| {
-                    let (a, b) = (&particles[i], &particles[j as usize]);
-                    let range = a.radius + b.radius + reach;
-                    if j as usize != i && distance_squared(&a.position, &b.position) <= range * range {
+                let (i, x, radius) = cells.sorted[place];
+                cells.around(&x, |j, y, other| {
+                    let range = radius + other + reach;
+                    if j != i && distance_squared(&x, y) <= range * range {
                         found.push(j);
                     }
                 });
@@ -80,15 +81,24 @@ impl<const D: usize> Neighbours<D> {
             }
         });
         self.starts.clear();
-        self.list.clear();
-        self.starts.push(0);
-        let mut end = 0;
+        self.starts.resize(particles.len() + 1, 0);
+        let counts = rows.iter().flat_map(|(counts, _)| counts);
+        for (&(i, ..), &count) in cells.sorted.iter().zip(counts) {
+            self.starts[i as usize + 1] = count;
+        }
+        for i in 0..particles.len() {
+            self.starts[i + 1] += self.starts[i];
+        }
+        self.list.resize(self.starts[particles.len()] as usize, 0);
+        let mut place = 0;
         for (counts, found) in &rows {
-            for count in counts {
-                end += count;
-                self.starts.push(end);
+            let mut rest = &found[..];
+            for &count in counts {
+                let (mine, others) = rest.split_at(count as usize);
+                let start = self.starts[cells.sorted[place].0 as usize] as usize;
+                self.list[start..start + mine.len()].copy_from_slice(mine);
+                (rest, place) = (others, place + 1);
             }
-            self.list.extend_from_slice(found);
         }
         self.searched_at.clear();
         self.searched_at.extend(particles.iter().map(|p| p.position));
@@ -96,16 +106,17 @@ impl<const D: usize> Neighbours<D> {
 }
 
 /// Particles sorted by cell.
-struct Cells<const D: usize> {
+pub(crate) struct Cells<const D: usize> {
     low: [f64; D],
     edge: f64,
     counts: [usize; D],
     starts: Vec<u32>,
-    sorted: Vec<u32>,
+    /// Number, position and radius of the particles, cell by cell.
+    sorted: Vec<(u32, [f64; D], f64)>,
 }
 
 impl<const D: usize> Cells<D> {
-    fn sort(particles: &[Particle<D>], range: f64) -> Self {
+    pub(crate) fn sort(particles: &[Particle<D>], range: f64) -> Self {
         let mut low = [f64::INFINITY; D];
         let mut high = [f64::NEG_INFINITY; D];
         for p in particles {
@@ -124,7 +135,8 @@ impl<const D: usize> Cells<D> {
         for d in 0..D {
             counts[d] = along(edge, d) as usize;
         }
-        let mut cells = Cells { low, edge, counts, starts: Vec::new(), sorted: vec![0; particles.len()] };
+        let mut cells =
+            Cells { low, edge, counts, starts: Vec::new(), sorted: vec![(0, low, 0.0); particles.len()] };
         let of: Vec<usize> = particles.iter().map(|p| cells.index(&cells.cell(&p.position))).collect();
         let mut starts = vec![0u32; counts.iter().product::<usize>() + 1];
         for &c in &of {
@@ -135,7 +147,7 @@ impl<const D: usize> Cells<D> {
         }
         let mut next = starts.clone();
         for (i, &c) in of.iter().enumerate() {
-            cells.sorted[next[c] as usize] = i as u32;
+            cells.sorted[next[c] as usize] = (i as u32, particles[i].position, particles[i].radius);
             next[c] += 1;
         }
         cells.starts = starts;
@@ -154,7 +166,7 @@ impl<const D: usize> Cells<D> {
         (0..D).rev().fold(0, |n, d| n * self.counts[d] + cell[d])
     }
 
-    fn around(&self, x: &[f64; D], mut visit: impl FnMut(u32)) {
+    pub(crate) fn around(&self, x: &[f64; D], mut visit: impl FnMut(u32, &[f64; D], f64)) {
         let centre = self.cell(x);
         for offset in 0..3usize.pow(D as u32) {
             let mut cell = [0; D];
@@ -167,8 +179,8 @@ impl<const D: usize> Cells<D> {
             });
             if inside {
                 let n = self.index(&cell);
-                for &j in &self.sorted[self.starts[n] as usize..self.starts[n + 1] as usize] {
-                    visit(j);
+                for (j, y, radius) in &self.sorted[self.starts[n] as usize..self.starts[n + 1] as usize] {
+                    visit(*j, y, *radius);
                 }
             }
         }

@@ -1,5 +1,7 @@
 //! The solver: what it holds, and how it is set up.
 
+use std::sync::OnceLock;
+
 use mpm_core::boundary::BodyForce;
 use mpm_core::step::control::ControlError;
 use mpm_core::{Boundary, Embedding, Team, TimeControl};
@@ -37,6 +39,8 @@ pub struct Pcmm<const D: usize, C, M> {
     pub(crate) method: M,
     pub(crate) law: C,
     pub(crate) particles: Vec<Particle<D>>,
+    /// How far the surface lies beyond centres, in radii.
+    pub(crate) surface: f64,
     pub(crate) elements: Elements,
     /// Forces of the elements on their corners, N.
     pub(crate) forces: Vec<[f64; D]>,
@@ -49,6 +53,9 @@ pub struct Pcmm<const D: usize, C, M> {
     /// The state each particle had last, for newborn elements.
     pub(crate) memory: Vec<f64>,
     pub(crate) virgin: Vec<f64>,
+    /// Reference volume and internal energy of matter that is in no element, by particle; empty before the first
+    /// element dies.
+    pub(crate) stores: Vec<[f64; 2]>,
     pub(crate) neighbours: Neighbours<D>,
     pub(crate) boundaries: Vec<Boundary<D>>,
     pub(crate) body_force: Option<BodyForce<D>>,
@@ -65,7 +72,7 @@ pub struct Pcmm<const D: usize, C, M> {
 }
 
 /// The default safety factor of the time step.
-const COURANT: f64 = 0.5;
+pub(crate) const COURANT: f64 = 0.5;
 /// Particles of a scene for which more than one thread is used.
 pub const SMALL: usize = 2000;
 /// The skin of the neighbour lists over the smallest radius.
@@ -112,12 +119,14 @@ where
             method,
             law,
             particles,
+            surface: packing.surface,
             elements: Elements::default(),
             forces: Vec::new(),
             scalars: Vec::new(),
             averages: Vec::new(),
             weights: Vec::new(),
             virgin,
+            stores: Vec::new(),
             boundaries: Vec::new(),
             body_force: None,
             team: Team::one(),
@@ -150,6 +159,7 @@ where
             nodes: &[],
             incidence: &none,
             team: &self.team,
+            open: &OnceLock::new(),
         };
         let nodes = self.method.tessellation().revise(&view).born;
         let hoop = M::Embedding::HOOP;

@@ -99,6 +99,11 @@ where
     /// entered at its step 11; its steps 1 to 10 follow on the new positions.
     fn step(&mut self, dt: f64) -> Result<(), StepError> {
         self.move_particles(dt)?;
+        self.finish(dt)
+    }
+
+    /// Steps 1 to 10 on the new positions, and the revision when it is due.
+    pub(crate) fn finish(&mut self, dt: f64) -> Result<(), StepError> {
         self.strain_elements(dt)?;
         if (self.steps + 1).is_multiple_of(self.every) {
             self.revise();
@@ -111,6 +116,30 @@ where
 
     /// Step 11: forces summed at each particle, F/m, new velocity, boundaries, new position.
     fn move_particles(&mut self, dt: f64) -> Result<(), StepError> {
+        let chunks = self.each_particle(dt, |motion, n, p, found| {
+            let start = p.velocity;
+            motion.accelerate(n, p);
+            motion.advance(n, p, &start, found);
+        });
+        self.take(&chunks, dt)
+    }
+
+    /// The first half of step 11: new velocities.
+    pub(crate) fn accelerate(&mut self, dt: f64) {
+        self.each_particle(dt, |motion, n, p, _| motion.accelerate(n, p));
+    }
+
+    /// Its second half: boundaries, new positions, of particles that had the velocities `start` before forces acted.
+    pub(crate) fn advance(&mut self, dt: f64, start: &[[f64; D]]) -> Result<(), StepError> {
+        let chunks = self.each_particle(dt, |motion, n, p, found| motion.advance(n, p, &start[n], found));
+        self.take(&chunks, dt)
+    }
+
+    fn each_particle(
+        &mut self,
+        dt: f64,
+        task: impl Fn(&Motion<'_, D>, usize, &mut Particle<D>, &mut Moved) + Sync + Send,
+    ) -> Vec<Moved> {
         let motion = Motion {
             incidence: &self.elements.incidence,
             forces: &self.forces,
@@ -122,11 +151,16 @@ where
         let mut chunks = vec![Moved::default(); self.particles.len().div_ceil(CHUNK)];
         self.team.each_piece(&mut self.particles, CHUNK, &mut chunks, |chunk, particles, found| {
             for (k, p) in particles.iter_mut().enumerate() {
-                motion.advance(chunk * CHUNK + k, p, found);
+                task(&motion, chunk * CHUNK + k, p, found);
             }
         });
+        chunks
+    }
+
+    /// What moving the particles found.
+    fn take(&mut self, chunks: &[Moved], dt: f64) -> Result<(), StepError> {
         self.rate = 0.0;
-        for found in &chunks {
+        for found in chunks {
             self.given = self.given.plus(&found.given);
             self.rate = self.rate.max(found.rate);
             if let Some(particle) = found.trouble {
@@ -245,13 +279,7 @@ where
 
     /// The size of the next step by the time control, s.
     pub fn next_time_step(&self) -> f64 {
-        match self.control {
-            TimeControl::Fixed(dt) => dt,
-            TimeControl::Courant { factor, growth } => {
-                let dt = factor / self.rate;
-                self.last.map_or(dt, |last| dt.min(growth * last))
-            }
-        }
+        step_size(&self.control, self.rate, self.last)
     }
 
     /// One step, not beyond `end` (s). The last two steps before it share what is left.
@@ -293,6 +321,17 @@ where
     }
 }
 
+/// The size of a step by a time control, s, for the largest rate, 1/s, and the last step.
+pub(crate) fn step_size(control: &TimeControl, rate: f64, last: Option<f64>) -> f64 {
+    match *control {
+        TimeControl::Fixed(dt) => dt,
+        TimeControl::Courant { factor, growth } => {
+            let dt = factor / rate;
+            last.map_or(dt, |last| dt.min(growth * last))
+        }
+    }
+}
+
 /// What moves a particle.
 struct Motion<'a, const D: usize> {
     incidence: &'a Incidence,
@@ -304,7 +343,8 @@ struct Motion<'a, const D: usize> {
 }
 
 impl<const D: usize> Motion<'_, D> {
-    fn advance(&self, n: usize, p: &mut Particle<D>, found: &mut Moved) {
+    #[inline]
+    fn accelerate(&self, n: usize, p: &mut Particle<D>) {
         let mut force = [0.0; D];
         for &at in self.incidence.of(n) {
             let f = &self.forces[at as usize];
@@ -312,12 +352,15 @@ impl<const D: usize> Motion<'_, D> {
                 force[d] += f[d];
             }
         }
-        let start = p.velocity;
         for d in 0..D {
             p.velocity[d] += self.dt * (force[d] / p.mass + self.acceleration[d]);
         }
+    }
+
+    #[inline]
+    fn advance(&self, n: usize, p: &mut Particle<D>, start: &[f64; D], found: &mut Moved) {
         for boundary in self.boundaries {
-            constrain(boundary, p, &start, self.time, self.dt, &mut found.given);
+            constrain(boundary, p, start, self.time, self.dt, &mut found.given);
         }
         let mut square = 0.0;
         for d in 0..D {

@@ -100,8 +100,12 @@ fn a_run_that_breaks_says_where_and_why() {
 
 #[test]
 fn particles_without_elements_fly_on_and_walls_stop_them() {
-    let packing =
-        Packing { positions: vec![[0.0, 1.0], [5.0, 1.0]], radii: vec![0.1; 2], volumes: vec![1.0, 2.0] };
+    let packing = Packing {
+        positions: vec![[0.0, 1.0], [5.0, 1.0]],
+        radii: vec![0.1; 2],
+        volumes: vec![1.0, 2.0],
+        surface: 0.0,
+    };
     let method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.1, 2.0).unwrap());
     let mut two = Pcmm::new(method, steel(), &packing, |_| [1.0, -2.0], Masses::FromVolumes).unwrap();
     two.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.5 }).unwrap();

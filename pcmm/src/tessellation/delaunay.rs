@@ -1,6 +1,6 @@
 //! A tessellation without double cover.
 
-use super::{Limits, Revision, Tessellation, View, corners, failing, orient, sorted};
+use super::{Inspected, Limits, Revision, Tessellation, View, corners, inspect, orient, sorted};
 use crate::particles::{Particle, SceneError, parameter};
 use crate::simplex::{Corners, angles, circumsphere, distance_squared, measure, overlap};
 
@@ -74,28 +74,6 @@ impl LocalDelaunay {
     }
 }
 
-/// A facet of an element: its particles in ascending order, its element, and the corner it faces.
-type Facet = ([u32; 4], u32, u32);
-
-/// All facets of the elements for which `alive` holds, sorted so that two of one place are next to each other.
-fn facets<const D: usize>(nodes: &[u32], alive: impl Fn(usize) -> bool) -> Vec<Facet> {
-    let mut list = Vec::with_capacity(nodes.len());
-    for (e, element) in nodes.chunks_exact(D + 1).enumerate() {
-        if alive(e) {
-            for k in 0..=D {
-                let mut facet = [u32::MAX; 4];
-                for i in 0..D {
-                    facet[i] = element[(k + 1 + i) % (D + 1)];
-                }
-                facet.sort_unstable();
-                list.push((facet, e as u32, k as u32));
-            }
-        }
-    }
-    list.sort_unstable();
-    list
-}
-
 /// Smallest angle of a triangle, radians; zero if it is not positively oriented.
 fn smallest_angle<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> f64 {
     let x = corners(particles, nodes);
@@ -104,35 +82,19 @@ fn smallest_angle<const D: usize>(particles: &[Particle<D>], nodes: &[u32]) -> f
 
 impl LocalDelaunay {
     /// Exchange diagonals of pairs of triangles: dead and born elements are added to the revision.
-    fn exchange<const D: usize>(&self, view: &View<'_, D>, revision: &mut Revision) {
-        let poor = |e: usize| {
-            let (small, _) = angles(&view.corners(view.element(e)));
-            small.is_nan() || small > self.improve
-        };
-        let worst: Vec<usize> = (0..view.elements()).filter(|&e| poor(e)).collect();
+    fn exchange<const D: usize>(&self, view: &View<'_, D>, worst: &[u32], revision: &mut Revision) {
         if worst.is_empty() {
             return;
         }
-        let facets = facets::<D>(view.nodes, |_| true);
-        let across = |e: usize, k: usize| {
-            let element = view.element(e);
-            let mut facet = [u32::MAX; 4];
-            facet[0] = element[(k + 1) % 3];
-            facet[1] = element[(k + 2) % 3];
-            facet.sort_unstable();
-            let from = facets.partition_point(|f| f.0 < facet);
-            let mut same = facets[from..].iter().take_while(|f| f.0 == facet);
-            same.find(|f| f.1 as usize != e).map(|f| (f.1 as usize, f.2 as usize))
-        };
         let mut used = vec![false; view.elements()];
-        for e in worst {
+        for e in worst.iter().map(|&e| e as usize) {
             if used[e] {
                 continue;
             }
             let element = view.element(e);
             let mut best: Option<(f64, usize, [u32; 6])> = None;
             for k in 0..3 {
-                let Some((other, opposite)) = across(e, k) else { continue };
+                let Some((other, opposite)) = view.across(e, k) else { continue };
                 if used[other] {
                     continue;
                 }
@@ -266,11 +228,11 @@ impl<const D: usize> Tessellation<D> for LocalDelaunay {
 
     fn revise(&self, view: &View<'_, D>) -> Revision {
         let mut revision = Revision::default();
+        let Inspected { failing: bad, poor } = inspect(view, &self.keep, self.improve);
         if D == 2 {
-            self.exchange(view, &mut revision);
+            self.exchange(view, &poor, &mut revision);
         }
         revision.dead.sort_unstable();
-        let bad = failing(view, &self.keep);
         let exchanged = revision.dead.clone();
         for e in bad.dead {
             if exchanged.binary_search(&e).is_err() {
@@ -280,39 +242,26 @@ impl<const D: usize> Tessellation<D> for LocalDelaunay {
         revision.flaws = bad.flaws;
         revision.dead.sort_unstable();
 
-        // What stands: the survivors and the exchanged pairs.
-        let mut dead = vec![false; view.elements()];
+        // Whoever loses an element may take part in a new one.
+        let mut open = std::borrow::Cow::Borrowed(view.open());
         for &e in &revision.dead {
-            dead[e as usize] = true;
-        }
-        let mut standing: Vec<u32> = Vec::with_capacity(view.nodes.len());
-        for (e, element) in view.nodes.chunks_exact(D + 1).enumerate() {
-            if !dead[e] {
-                standing.extend_from_slice(element);
-            }
-        }
-        standing.extend_from_slice(&revision.born);
-
-        // Particles on a facet with one side only, or in no element.
-        let mut open = vec![true; view.particles.len()];
-        for &n in &standing {
-            open[n as usize] = false;
-        }
-        let list = facets::<D>(&standing, |_| true);
-        for (k, (facet, ..)) in list.iter().enumerate() {
-            let twin = |other: Option<&Facet>| other.is_some_and(|o| o.0 == *facet);
-            if !twin(list.get(k + 1)) && !twin(k.checked_sub(1).and_then(|k| list.get(k))) {
-                for &n in &facet[..D] {
-                    open[n as usize] = true;
-                }
+            for &n in view.element(e as usize) {
+                open.to_mut()[n as usize] = true;
             }
         }
         let candidates = self.candidates(view, &open);
         if candidates.is_empty() {
             return revision;
         }
+        // What stands: the survivors and the exchanged pairs.
         let mut laid = Laid { nodes: Vec::new(), at: vec![Vec::new(); view.particles.len()] };
-        for element in standing.chunks_exact(D + 1) {
+        let mut dead = revision.dead.iter().peekable();
+        for (e, element) in view.nodes.chunks_exact(D + 1).enumerate() {
+            if dead.next_if(|d| **d as usize == e).is_none() {
+                laid.push(element);
+            }
+        }
+        for element in revision.born.chunks_exact(D + 1) {
             laid.push(element);
         }
         for (_, element) in &candidates {

@@ -1,6 +1,6 @@
 //! Triangles in the fans of particles, as printed.
 
-use super::{Limits, Revision, Tessellation, View, failing, orient, sorted};
+use super::{Limits, Revision, Tessellation, View, inspect, orient, sorted};
 use crate::particles::SceneError;
 use crate::simplex::distance_squared;
 
@@ -67,7 +67,7 @@ impl Tessellation<2> for AzimuthFan {
 
     fn revise(&self, view: &View<'_, 2>) -> Revision {
         const CHUNK: usize = 256;
-        let mut revision = failing(view, &self.limits);
+        let mut revision = inspect(view, &self.limits, 1.0).failing;
         let particles = view.particles.len();
         let mut parts: Vec<Vec<([u32; 4], [u32; 3])>> = vec![Vec::new(); particles.div_ceil(CHUNK)];
         view.team.each(&mut parts, |chunk, found| {

@@ -3,6 +3,8 @@
 mod delaunay;
 mod fan;
 
+use std::sync::OnceLock;
+
 use mpm_core::Team;
 
 pub use delaunay::LocalDelaunay;
@@ -26,6 +28,8 @@ pub struct View<'a, const D: usize> {
     pub incidence: &'a Incidence,
     /// Threads to use.
     pub team: &'a Team,
+    /// Memory for [`View::open`].
+    pub(crate) open: &'a OnceLock<Vec<bool>>,
 }
 
 impl<const D: usize> View<'_, D> {
@@ -40,6 +44,40 @@ impl<const D: usize> View<'_, D> {
     /// Where the particles `nodes` are.
     pub fn corners(&self, nodes: &[u32]) -> Corners<D> {
         corners(self.particles, nodes)
+    }
+    /// The element on the other side of the facet of element `e` that faces its corner `k`, and which of its corners faces
+    /// it; the first one, if more than one lie there.
+    pub fn across(&self, e: usize, k: usize) -> Option<(usize, usize)> {
+        let element = self.element(e);
+        let mut facet = [0; 3];
+        for i in 0..D {
+            facet[i] = element[(k + 1 + i) % (D + 1)];
+        }
+        for &at in self.incidence.of(facet[0] as usize) {
+            let other = at as usize / (D + 1);
+            let nodes = self.element(other);
+            if other != e && facet[1..D].iter().all(|n| nodes.contains(n)) {
+                return nodes.iter().position(|n| !facet[..D].contains(n)).map(|corner| (other, corner));
+            }
+        }
+        None
+    }
+    /// For each particle: is it on a facet with one side only, or in no element?
+    pub fn open(&self) -> &[bool] {
+        self.open.get_or_init(|| {
+            let mut open = vec![false; self.particles.len()];
+            for (n, open) in open.iter_mut().enumerate() {
+                *open = self.incidence.of(n).is_empty();
+            }
+            for e in 0..self.elements() {
+                for k in (0..=D).filter(|&k| self.across(e, k).is_none()) {
+                    for (a, &n) in self.element(e).iter().enumerate() {
+                        open[n as usize] |= a != k;
+                    }
+                }
+            }
+            open
+        })
     }
     /// Is there an element of these particles, in any order?
     pub fn has(&self, nodes: &[u32]) -> bool {
@@ -183,6 +221,18 @@ impl Limits {
     /// The first condition that the element of the particles `nodes` fails, if any. One that is turned inside out has
     /// a [`Flaw::SmallAngle`].
     pub fn flaw<const D: usize>(&self, particles: &[Particle<D>], nodes: &[u32]) -> Option<Flaw> {
+        let x = corners(particles, nodes);
+        self.flaw_of(particles, nodes, &x, angles(&x))
+    }
+
+    /// The same with the element's corners and angles.
+    fn flaw_of<const D: usize>(
+        &self,
+        particles: &[Particle<D>],
+        nodes: &[u32],
+        x: &Corners<D>,
+        (small, large): (f64, f64),
+    ) -> Option<Flaw> {
         let mean = nodes.iter().map(|&n| particles[n as usize].radius).sum::<f64>() / nodes.len() as f64;
         let shortest = (self.shortest_edge * mean).powi(2);
         let mut short = false;
@@ -195,10 +245,8 @@ impl Limits {
                 short |= distance_squared(&a.position, &b.position) < shortest;
             }
         }
-        let x = corners(particles, nodes);
-        let (small, large) = angles(&x);
         // A flat simplex has angles that are not numbers.
-        if !(small <= self.cosine_small && measure(&x) > 0.0) {
+        if !(small <= self.cosine_small && measure(x) > 0.0) {
             return Some(Flaw::SmallAngle);
         }
         if large < self.cosine_large {
@@ -215,24 +263,39 @@ pub(crate) fn orient<const D: usize>(particles: &[Particle<D>], nodes: &mut [u32
     }
 }
 
-/// The elements that fail the limits, and how many fail which.
-pub(crate) fn failing<const D: usize>(view: &View<'_, D>, limits: &Limits) -> Revision {
+/// What a look at all elements found.
+pub(crate) struct Inspected {
+    /// The elements that fail the limits, and how many fail which.
+    pub failing: Revision,
+    /// The elements with a smallest angle whose cosine is above a limit, and those that are flat.
+    pub poor: Vec<u32>,
+}
+
+/// Look at all elements.
+pub(crate) fn inspect<const D: usize>(view: &View<'_, D>, limits: &Limits, poor: f64) -> Inspected {
     const CHUNK: usize = 1024;
     let elements = view.elements();
-    let mut parts: Vec<Revision> = vec![Revision::default(); elements.div_ceil(CHUNK)];
+    let none = || Inspected { failing: Revision::default(), poor: Vec::new() };
+    let mut parts: Vec<Inspected> = (0..elements.div_ceil(CHUNK)).map(|_| none()).collect();
     view.team.each(&mut parts, |chunk, part| {
         for e in chunk * CHUNK..((chunk + 1) * CHUNK).min(elements) {
-            if let Some(flaw) = limits.flaw(view.particles, view.element(e)) {
-                part.dead.push(e as u32);
-                part.flaws[flaw as usize] += 1;
+            let x = view.corners(view.element(e));
+            let angles = angles(&x);
+            if angles.0.is_nan() || angles.0 > poor {
+                part.poor.push(e as u32);
+            }
+            if let Some(flaw) = limits.flaw_of(view.particles, view.element(e), &x, angles) {
+                part.failing.dead.push(e as u32);
+                part.failing.flaws[flaw as usize] += 1;
             }
         }
     });
-    let mut all = Revision::default();
+    let mut all = none();
     for part in parts {
-        all.dead.extend(part.dead);
+        all.poor.extend(part.poor);
+        all.failing.dead.extend(part.failing.dead);
         for k in 0..Flaw::COUNT {
-            all.flaws[k] += part.flaws[k];
+            all.failing.flaws[k] += part.failing.flaws[k];
         }
     }
     all

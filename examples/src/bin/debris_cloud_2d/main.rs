@@ -33,6 +33,7 @@ const ARRIVAL_TOLERANCE: f64 = 0.06;
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 /// What revisions do not explain.
 const ENERGY_TOLERANCE: f64 = 0.02;
+const ADDED_TOLERANCE: f64 = 0.02;
 
 fn main() -> ExitCode {
     case::exit(run(&Options::parse()))
@@ -74,6 +75,7 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
     let start = outcome.start;
     let removed = outcome.audit.removed.energy / start;
     let added = outcome.audit.energy_added() / start;
+    let stored = outcome.audit.stored_energy / start;
     let Outcome { shock, arrival, front, cloud, bound, mass, .. } = *outcome;
     let (energy, momentum) = (outcome.totals.energy_error, outcome.totals.momentum_error);
     vec![
@@ -92,7 +94,8 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
         Check::gate("mass", mass, "-", 1.0, 1e-9, "exact volumes"),
         Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM_TOLERANCE, free),
         Check::gate("energy error, but for revisions", energy, "-", 0.0, ENERGY_TOLERANCE, free),
-        Check::shown("energy added by revisions", added, "-", 0.0, free),
+        Check::gate("energy added by revisions", added, "-", 0.0, ADDED_TOLERANCE, free),
+        Check::shown("energy in particles without elements", stored, "-", 0.0, "audit"),
         Check::shown("energy of the elements they deleted", removed, "-", 0.0, "audit"),
         Check::shown("particles in elements at the end", bound, "-", 1.0, "audit"),
     ]

@@ -1,0 +1,354 @@
+//! Scenes in which elements are distorted until they are unmade, for any parts of the method.
+
+use examples::CaseError;
+use mpm_core::geometry::{Cuboid, Lattice};
+use mpm_core::output::Snapshot;
+use mpm_core::{Boundary, PlaneStrain, Side};
+use mpm_materials::{
+    Constitutive, Elastic, JohnsonCook, LogarithmicBulk, MieGruneisen, Moduli, ObjectiveRate, Solid, Sym3,
+};
+use pcmm::simplex::overlap;
+use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm};
+
+/// Which parts of the method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Parts {
+    /// As printed: fans, means of particles, no rotation of stress, elements' own volumes.
+    Printed,
+    /// Ours.
+    Consistent,
+}
+
+/// What is left of a body.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    /// Time reached over the time asked for.
+    pub reached: f64,
+    /// What broke.
+    pub broke: Option<String>,
+    /// Change of momentum but for what boundaries gave, over the sum of m |v| at the start.
+    pub momentum: f64,
+    /// Energy that neither boundaries nor revisions explain, over the kinetic energy at the start; the largest.
+    pub energy: f64,
+    /// Energy that revisions made of nothing, likewise.
+    pub added: f64,
+    /// Mass in elements over that at the start.
+    pub covered: f64,
+    /// Steps.
+    pub steps: u64,
+    /// The end.
+    pub snapshot: Snapshot,
+}
+
+type Steel<R> =
+    Solid<Elastic<f64>, LogarithmicBulk<f64>, mpm_materials::NoFailure, mpm_materials::BulkViscosity<f64>, R>;
+
+fn steel() -> Result<Steel<mpm_materials::Jaumann>, CaseError> {
+    let moduli = Moduli::young_poisson(206e9, 0.3)?;
+    Ok(Solid::new(Elastic::new(moduli.shear)?, LogarithmicBulk::new(7850.0, moduli.bulk)?)
+        .with_bulk_viscosity(0.06, 1.5)?)
+}
+
+fn copper() -> Solid<JohnsonCook<f64>, MieGruneisen<f64>> {
+    Solid::new(JohnsonCook::copper_taylor(), MieGruneisen::copper())
+}
+
+/// Step a body to its end, and look after it on the way.
+fn watch<C: Constitutive<f64>, M: Composition<2>>(
+    body: &mut Pcmm<2, C, M>,
+    end: f64,
+) -> Result<Outcome, CaseError> {
+    let start = body.totals();
+    let scale = start.kinetic;
+    let (mut energy, mut momentum) = (0.0f64, 0.0f64);
+    let mut broke = None;
+    while body.time() < end {
+        if let Err(e) = body.step_towards(end) {
+            broke = Some(e.to_string());
+            break;
+        }
+        let (now, given, audit) = (body.totals(), body.given(), body.audit());
+        let unexplained = now.kinetic + now.internal - given.work - audit.energy_added();
+        let error = unexplained / scale - (start.kinetic + start.internal) / scale;
+        if error.abs() > energy.abs() {
+            energy = error;
+        }
+        let missing = (0..2).map(|d| (now.momentum[d] - start.momentum[d] - given.impulse[d]).powi(2));
+        momentum = momentum.max(missing.sum::<f64>().sqrt() / start.momentum_scale);
+    }
+    Ok(Outcome {
+        reached: body.time() / end,
+        broke,
+        momentum,
+        energy,
+        added: body.audit().energy_added() / scale,
+        covered: body.totals().covered / start.covered,
+        steps: body.steps(),
+        snapshot: body.snapshot()?,
+    })
+}
+
+/// Run `body` with a law and the parts, for either set of them.
+macro_rules! with_parts {
+    ($parts:expr, $h:expr, $stretch:expr, $law:expr, |$method:ident, $by:ident| $body:expr) => {
+        match $parts {
+            Parts::Printed => {
+                let $method = Method::printed(PlaneStrain, AzimuthFan::new(0.45 * $h)?);
+                let $by = $law.with_rate(NoRotation);
+                $body
+            }
+            Parts::Consistent => {
+                let $method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.45 * $h, $stretch)?);
+                let $by = $law;
+                $body
+            }
+        }
+    };
+}
+
+fn block(size: [f64; 2], h: f64) -> Result<Packing<2>, CaseError> {
+    Ok(Packing::on_nodes(&Cuboid::new([0.0; 2], size)?, &Lattice::new([0.0; 2], h)?)?)
+}
+
+/// The elastic bar of case 1, 1 mm x 20 mm, at ten times its speed: 500 m/s on a rigid wall, for 9 microseconds.
+pub fn fast_bar(parts: Parts, cells: u32) -> Result<Outcome, CaseError> {
+    let h = 1.0e-3 / f64::from(cells);
+    let packing = block([1.0e-3, 20.0e-3], h)?;
+    with_parts!(parts, h, 2.0, steel()?, |method, law| {
+        let mut bar = Pcmm::new(method, law, &packing, |_| [0.0, -500.0], Masses::FromElements)?;
+        bar.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+        watch(&mut bar, 9.0e-6)
+    })
+}
+
+/// A block of copper, 10 spacings a side, is sheared by 4 in 20 microseconds; sides free.
+pub fn shear_flow(parts: Parts, cells: u32) -> Result<Outcome, CaseError> {
+    let h = 1.0e-2 / f64::from(cells);
+    let packing = block([1.0e-2; 2], h)?;
+    let rate = 2.0e5;
+    with_parts!(parts, h, 20.0, copper(), |method, law| {
+        let speed = |[_, y]: [f64; 2]| [rate * (y - 0.5e-2), 0.0];
+        let mut body = Pcmm::new(method, law, &packing, speed, Masses::FromElements)?;
+        // Ends of the block move as the flow does.
+        for (at, side, v) in [(0.0, -1.0, -0.5e-2 * rate), (1.0e-2, 1.0, 0.5e-2 * rate)] {
+            body.bound(Boundary::Prescribed {
+                region: std::sync::Arc::new(Strip { at, side, half: 0.25 * h }),
+                velocity: std::sync::Arc::new(move |_| [Some(v), Some(0.0), None]),
+            })?;
+        }
+        watch(&mut body, 4.0 / rate)
+    })
+}
+
+/// All x, y within `half` of `at` and beyond it.
+struct Strip {
+    at: f64,
+    side: f64,
+    half: f64,
+}
+
+impl mpm_core::geometry::Shape<2> for Strip {
+    fn signed_distance(&self, x: [f64; 2]) -> f64 {
+        -(x[1] - self.at) * self.side - self.half
+    }
+    fn bounds(&self) -> mpm_core::geometry::Bounds<2> {
+        mpm_core::geometry::Bounds { min: [-1.0; 2], max: [1.0; 2] }
+    }
+}
+
+/// A disc of steel with residual stress in balance spins by one turn and a quarter: the outcome, and how far the deviators of its
+/// elements are from those turned, over their size.
+pub fn spinning_disc(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseError> {
+    let h = 1.0e-2 / f64::from(cells);
+    // Rings, so that the edge is one.
+    let mut positions = vec![[0.0; 2]];
+    for ring in 1..=cells {
+        for k in 0..6 * ring {
+            let angle = std::f64::consts::TAU * f64::from(k) / f64::from(6 * ring);
+            positions.push([h * f64::from(ring) * angle.cos(), h * f64::from(ring) * angle.sin()]);
+        }
+    }
+    let radii = vec![0.5 * h; positions.len()];
+    let packing = Packing::of_spheres(positions, radii);
+    let omega = 2.0e3;
+    let spin = |[x, y]: [f64; 2]| [-omega * y, omega * x];
+    with_parts!(parts, h, 2.0, steel()?, |method, law| disc(method, law, &packing, spin, omega))
+}
+
+fn disc<R: ObjectiveRate, M: Composition<2>>(
+    method: M,
+    law: Steel<R>,
+    packing: &Packing<2>,
+    spin: impl Fn([f64; 2]) -> [f64; 2],
+    omega: f64,
+) -> Result<(Outcome, f64), CaseError> {
+    let radius: f64 = 1.0e-2;
+    // In balance, d(r sigma_r)/dr = sigma_t, without traction at R; the same after any rotation.
+    let residual = move |[x, y]: [f64; 2]| {
+        let part = (x * x + y * y) / (radius * radius);
+        let (radial, hoop) = (200e6 * (1.0 - part), 200e6 * (1.0 - 3.0 * part));
+        let r = x.hypot(y).max(f64::MIN_POSITIVE);
+        let (n, t) = (x / r, y / r);
+        let (xx, yy) = (radial * n * n + hoop * t * t, radial * t * t + hoop * n * n);
+        Sym3([xx, yy, 0.3 * (xx + yy), 0.0, 0.0, (radial - hoop) * n * t])
+    };
+    let bulk = 206e9 / (3.0 * 0.4);
+    let mut body = Pcmm::new(method, law, packing, spin, Masses::FromElements)?;
+    body.set_revision_interval(10)?;
+    body.set_states(|x, mut state| {
+        state.stress = residual(x);
+        state.volume_ratio = (residual(x).mean() / bulk).exp();
+        state
+    })?;
+    let turns = 1.25;
+    let outcome = watch(&mut body, turns * std::f64::consts::TAU / omega)?;
+    let (mut off, mut size) = (0.0, 0.0);
+    for (e, nodes) in body.element_nodes().chunks_exact(3).enumerate() {
+        let mut centre = [0.0; 2];
+        for &n in nodes {
+            for d in 0..2 {
+                centre[d] += body.particles()[n as usize].position[d] / 3.0;
+            }
+        }
+        let wanted = residual(centre).deviator();
+        if let Some(state) = body.element_state(e) {
+            off += (state.stress.deviator() + wanted * -1.0).equivalent();
+            size += wanted.equivalent();
+        }
+    }
+    Ok((outcome, off / size))
+}
+
+/// A copper strip, 20 mm x 5 mm, whose particles start with the velocities of a stretch at a constant rate: the outcome and
+/// the stretch of the whole when its matter first falls into two, or at the end.
+pub fn stretch(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseError> {
+    let h = 0.5e-2 / f64::from(cells);
+    let packing = block([2.0e-2, 0.5e-2], h)?;
+    let (rate, most) = (5.0e4, 5.0);
+    with_parts!(parts, h, 20.0, copper(), |method, law| {
+        let speed = |[x, _]: [f64; 2]| [rate * (x - 1.0e-2), 0.0];
+        let mut body = Pcmm::new(method, law, &packing, speed, Masses::FromElements)?;
+        for step in 1..=40 {
+            let free = (most - 1.0) * f64::from(step) / 40.0;
+            if body.run_until(free / rate).is_err() || pieces(&body) > 1 {
+                break;
+            }
+        }
+        let places = || body.particles().iter().map(|p| p.position[0]);
+        let parted = (places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min)) / 2.0e-2;
+        let start = body.time();
+        let mut outcome = watch(&mut body, start.max(1e-9))?;
+        outcome.reached = 1.0;
+        let end = body.totals();
+        outcome.covered = end.covered / (8930.0 * 1.0e-4 * if parts == Parts::Printed { 2.0 } else { 1.0 });
+        Ok((outcome, parted))
+    })
+}
+
+/// Pieces of more than a twentieth of the elements, that hang together.
+fn pieces<C: Constitutive<f64>, M: Composition<2>>(body: &Pcmm<2, C, M>) -> usize {
+    let mut root: Vec<u32> = (0..body.particles().len() as u32).collect();
+    fn find(root: &mut [u32], mut n: u32) -> u32 {
+        while root[n as usize] != n {
+            root[n as usize] = root[root[n as usize] as usize];
+            n = root[n as usize];
+        }
+        n
+    }
+    for nodes in body.element_nodes().chunks_exact(3) {
+        for k in 1..3 {
+            let (a, b) = (find(&mut root, nodes[0]), find(&mut root, nodes[k]));
+            root[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut count = vec![0usize; root.len()];
+    for nodes in body.element_nodes().chunks_exact(3) {
+        count[find(&mut root, nodes[0]) as usize] += 1;
+    }
+    let least = body.elements() / 20;
+    count.iter().filter(|&&c| c > least).count()
+}
+
+/// What a random packing shows.
+#[derive(Clone, Copy, Debug)]
+pub struct Cover {
+    /// Area without an element, and area under two, of the inner square, over its area.
+    pub holes: f64,
+    pub double: f64,
+}
+
+/// Circles thrown at random (radii from 0.015 to 0.03) into a unit square: how they are covered, and what a copper body
+/// of them does that hits a wall at 200 m/s until the wave has crossed it.
+pub fn random_packing(parts: Parts, seed: u64) -> Result<(Outcome, Cover), CaseError> {
+    let packing = thrown(seed);
+    // The widest gap of such packings is near two of the largest radii.
+    let delta = 0.06;
+    match parts {
+        Parts::Printed => {
+            let method = Method::printed(PlaneStrain, AzimuthFan::new(delta)?);
+            packed(method, copper().with_rate(NoRotation), &packing)
+        }
+        Parts::Consistent => {
+            packed(Method::consistent(PlaneStrain, LocalDelaunay::new(delta, 2.0)?), copper(), &packing)
+        }
+    }
+}
+
+fn packed<C: Constitutive<f64>, M: Composition<2>>(
+    method: M,
+    law: C,
+    packing: &Packing<2>,
+) -> Result<(Outcome, Cover), CaseError> {
+    let mut body = Pcmm::new(method, law, packing, |_| [0.0, -200.0], Masses::FromElements)?;
+    let corners: Vec<[[f64; 2]; 4]> = body
+        .element_nodes()
+        .chunks_exact(3)
+        .map(|n| {
+            let x = |k: usize| body.particles()[n[k] as usize].position;
+            [x(0), x(1), x(2), [0.0; 2]]
+        })
+        .collect();
+    let halves =
+        [[[0.1, 0.1], [0.9, 0.1], [0.9, 0.9], [0.0; 2]], [[0.1, 0.1], [0.9, 0.9], [0.1, 0.9], [0.0; 2]]];
+    let (mut covered, mut double) = (0.0, 0.0);
+    for (k, x) in corners.iter().enumerate() {
+        let inside: f64 = halves.iter().map(|half| overlap(half, x, false)).sum();
+        covered += inside;
+        if inside > 0.0 {
+            double += corners[..k].iter().map(|y| overlap(x, y, false)).sum::<f64>();
+        }
+    }
+    let cover = Cover { holes: 1.0 - (covered - double) / 0.64, double: double / 0.64 };
+    body.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+    Ok((watch(&mut body, 2.5e-4)?, cover))
+}
+
+/// A number in [0, 1) from a seed and a place.
+fn random(seed: u64, place: u64) -> f64 {
+    let mut z = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ place.wrapping_mul(0xD1B5_4A32_D192_ED03);
+    for _ in 0..3 {
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z ^= z >> 27;
+    }
+    (z >> 11) as f64 / (1u64 << 53) as f64
+}
+
+fn thrown(seed: u64) -> Packing<2> {
+    let (mut positions, mut radii): (Vec<[f64; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
+    let (mut place, mut failed) = (0, 0);
+    while failed < 4000 {
+        let x = [random(seed, place), random(seed, place + 1)];
+        let r = 0.015 + 0.015 * random(seed, place + 2);
+        place += 3;
+        let free = positions
+            .iter()
+            .zip(&radii)
+            .all(|(y, s)| (x[0] - y[0]).powi(2) + (x[1] - y[1]).powi(2) >= (r + s).powi(2));
+        failed = if free { 0 } else { failed + 1 };
+        if free {
+            positions.push(x);
+            radii.push(r);
+        }
+    }
+    Packing::of_spheres(positions, radii)
+}

@@ -1,0 +1,92 @@
+//! By the particle-contact meshfree method.
+
+use std::time::Instant;
+
+use examples::{CaseError, Totals};
+use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
+use mpm_core::geometry::Lattice;
+use mpm_core::output::Progress;
+use mpm_core::{PlaneStrain, Team, TimeControl};
+use pcmm::{Bodies, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm};
+
+use crate::scene::{BULLET, END, Entry, HISTORY, MOMENTS, Metal, Outcome, SPEED, TARGET, bodies};
+
+/// Steps between two revisions.
+const EVERY: u64 = 2;
+/// Every particle is moved at random by up to this part of half a spacing.
+const JITTER: f64 = 0.5;
+/// Smallest angle of an element, degrees.
+const KEEP: f64 = 4.0;
+
+/// Elements flatter than those that new ones may be by much go sooner than by default: they would shorten every step.
+fn tessellation(spacing: f64) -> Result<LocalDelaunay, CaseError> {
+    let create = Limits::new(0.8 * spacing, [10.0, 160.0], 0.5)?;
+    let keep = Limits::new(2.4 * spacing, [KEEP, 180.0 - 2.0 * KEEP], 0.2)?;
+    Ok(LocalDelaunay::new(0.8 * spacing, 3.0)?.with_limits(create, keep))
+}
+
+/// Shoot with particles this far apart, m; `metals` are the laws of bullet and target.
+pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) -> Result<Outcome, CaseError> {
+    let laws = Pairs::new(Coulomb::new(friction)?);
+    let mut scene = Bodies::<2, _>::new(SurfaceDistance::default(), laws);
+    let seeds = bodies(&Lattice::new([0.0; 2], spacing)?, 1, JITTER)?;
+    let mut exact = 0.0;
+    let names = ["bullet", "target"];
+    let sizes = [BULLET, TARGET];
+    for (b, (law, seeds)) in metals.into_iter().zip(&seeds).enumerate() {
+        exact += mpm_materials::Constitutive::<f64>::density(&law) * sizes[b][0] * sizes[b][1];
+        let method = Method::consistent(PlaneStrain, tessellation(spacing)?);
+        let velocity = if b == 0 { SPEED } else { 0.0 };
+        let packing = Packing::of_seeds(seeds);
+        let mut body = Pcmm::new(method, law, &packing, |_| [velocity, 0.0], Masses::FromVolumes)?;
+        body.set_revision_interval(EVERY)?;
+        scene.add(names[b], body);
+    }
+    scene.set_team(Team::new(threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    scene
+        .set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 })
+        .map_err(|e| CaseError::Other(e.to_string()))?;
+
+    let start = scene.totals();
+    let particles = seeds.iter().map(|s| s.len()).sum();
+    let mut totals = Totals { particles, ..Totals::default() };
+    let (mut history, mut frames) = (Vec::new(), Vec::new());
+    let mut progress = Progress::new("particle contacts".to_string());
+    loop {
+        if scene.time() >= (history.len() as f64 * HISTORY).min(END) {
+            let (now, added) = (scene.totals(), scene.audit().energy_added());
+            let taken = scene.taken() - added;
+            let all = (now.kinetic + now.internal + taken) / start.kinetic;
+            let missing = (0..2).map(|d| (now.momentum[d] - start.momentum[d]).powi(2)).sum::<f64>().sqrt();
+            let errors = Totals {
+                energy_error: all - 1.0,
+                momentum_error: missing / start.momentum_scale,
+                ..Totals::default()
+            };
+            totals = totals.plus(&errors);
+            let tip = scene.particles(0).iter().map(|p| p.position[0] + p.radius).fold(f64::MIN, f64::max);
+            let bullet = scene.totals_of(0).unwrap_or_default();
+            let speed = bullet.momentum[0] / bullet.mass;
+            let energies = [now.kinetic, now.internal, taken].map(|e| e / start.kinetic);
+            history.push(Entry { time: scene.time(), tip, speed, energies });
+            progress.update(scene.time(), END, scene.steps(), totals.updates / totals.wall_seconds.max(1e-9));
+        }
+        if frames.len() < MOMENTS.len() && scene.time() >= MOMENTS[frames.len()] {
+            frames.push(scene.snapshot()?);
+        }
+        if scene.time() >= END {
+            break;
+        }
+        let clock = Instant::now();
+        // Pictures are of their moments.
+        scene.step_towards(MOMENTS.get(frames.len()).copied().unwrap_or(END))?;
+        totals.wall_seconds += clock.elapsed().as_secs_f64();
+        totals.updates += particles as f64;
+    }
+    progress.finish();
+    totals.steps = scene.steps();
+    totals.simulated_seconds = scene.time();
+    totals.bytes = scene.bytes();
+    let added = Some(scene.audit().energy_added() / start.kinetic);
+    Ok(Outcome { name: "pcmm", history, frames, mass: start.mass / exact, added, totals })
+}

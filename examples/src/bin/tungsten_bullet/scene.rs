@@ -1,0 +1,137 @@
+//! Bullet, target, and what is asked of them, whatever the method.
+
+use std::path::Path;
+
+use examples::{CaseError, Totals};
+use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
+use mpm_core::output::{History, Snapshot};
+use mpm_materials::{Adiabatic, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure};
+
+/// Length and width of the bullet, m.
+pub const BULLET: [f64; 2] = [28.4e-3, 8.0e-3];
+/// Thickness and height of the target, m.
+pub const TARGET: [f64; 2] = [50.0e-3, 200.0e-3];
+/// Impact speed, m/s.
+pub const SPEED: f64 = 1140.0;
+/// Moments of the pictures, s.
+pub const MOMENTS: [f64; 3] = [10.0e-6, 32.0e-6, 65.0e-6];
+/// End of a run, s.
+pub const END: f64 = 72.0e-6;
+/// Between two entries of a history, s.
+pub const HISTORY: f64 = 0.5e-6;
+/// Mean area of a particle of the paper, m^2.
+pub const PAPER_AREA: f64 = (BULLET[0] * BULLET[1] + TARGET[0] * TARGET[1]) / 11428.0;
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
+const BULK_VISCOSITY: [f64; 2] = [0.1, 1.5];
+/// Tension that aluminium and tungsten alloys bear at these rates, Pa \[M\]; the paper prints no failure.
+const SPALL: [f64; 2] = [1.2e9, 2.5e9];
+
+/// A metal of the table of the paper.
+pub type Metal = Solid<
+    JohnsonCook<f64, Logarithmic<f64>, Adiabatic<f64>>,
+    MieGruneisen<f64>,
+    TensilePressure<f64>,
+    mpm_materials::BulkViscosity<f64>,
+>;
+
+/// The tungsten of the bullet.
+pub fn tungsten() -> Result<Metal, CaseError> {
+    let heat = Heat { room: 298.0, melt: 1723.0, exponent: 0.4, heat_capacity: 134.0, taylor_quinney: 0.9 };
+    let strength = JohnsonCook::new(134.8e9, 1.2e9, 1.03e9, 0.019)?.with_rate(Logarithmic::new(0.034, 1.0)?);
+    metal(
+        strength.with_heat(Adiabatic::new(heat)?),
+        MieGruneisen::new(19220.0, 4020.0, 1.24, 1.67)?,
+        SPALL[1],
+    )
+}
+
+/// The aluminium of the target.
+pub fn aluminium() -> Result<Metal, CaseError> {
+    let heat = Heat { room: 298.0, melt: 877.0, exponent: 1.34, heat_capacity: 875.0, taylor_quinney: 0.9 };
+    let strength = JohnsonCook::new(26.7e9, 324e6, 114e6, 0.42)?.with_rate(Logarithmic::new(0.016, 1.0)?);
+    metal(strength.with_heat(Adiabatic::new(heat)?), MieGruneisen::new(2703.0, 5350.0, 1.34, 1.97)?, SPALL[0])
+}
+
+fn metal(
+    strength: JohnsonCook<f64, Logarithmic<f64>, Adiabatic<f64>>,
+    eos: MieGruneisen<f64>,
+    spall: f64,
+) -> Result<Metal, CaseError> {
+    let [linear, quadratic] = BULK_VISCOSITY;
+    Ok(Solid::new(strength, eos)
+        .with_failure(TensilePressure::new(spall)?)
+        .with_bulk_viscosity(linear, quadratic)?)
+}
+
+/// Bullet and target, filled with particles on a lattice: `parts` a cell and axis, moved at random by up to
+/// `jitter` of half their edge. The front of the target is x = 0, the bullet flies along x.
+pub fn bodies(lattice: &Lattice<2>, parts: usize, jitter: f64) -> Result<[Seeds<2>; 2], CaseError> {
+    let bullet = Cuboid::new([-BULLET[0], -0.5 * BULLET[1]], [0.0, 0.5 * BULLET[1]])?;
+    let target = Cuboid::new([0.0, -0.5 * TARGET[1]], [TARGET[0], 0.5 * TARGET[1]])?;
+    let filling = if jitter > 0.0 { Filling::new().jittered(7, jitter) } else { Filling::new() };
+    Ok([fill(&bullet, lattice, parts, &filling)?, fill(&target, lattice, parts, &filling)?])
+}
+
+/// A moment of the history.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Entry {
+    /// s.
+    pub time: f64,
+    /// How deep the bullet's first particle is behind the front of the target, m.
+    pub tip: f64,
+    /// Velocity of the bullet's centre of mass, m/s.
+    pub speed: f64,
+    /// Kinetic and internal energy, and what contact and revisions took, over the kinetic energy at the start.
+    pub energies: [f64; 3],
+}
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Outcome {
+    pub name: &'static str,
+    pub history: Vec<Entry>,
+    pub frames: Vec<Snapshot>,
+    /// Mass of the particles over that of bullet and target.
+    pub mass: f64,
+    /// Energy added by revisions, over that at the start; none without revisions.
+    pub added: Option<f64>,
+    pub totals: Totals,
+}
+
+impl Outcome {
+    /// Depth of the tip at a time, m.
+    pub fn tip(&self, time: f64) -> f64 {
+        let pair = self.history.windows(2).find(|p| p[1].time >= time);
+        pair.map_or(f64::NAN, |p| {
+            let part = (time - p[0].time) / (p[1].time - p[0].time);
+            p[0].tip + part * (p[1].tip - p[0].tip)
+        })
+    }
+    /// When the tip is as deep as the target was thick, s; NaN if it never is.
+    pub fn through(&self) -> f64 {
+        let pair = self.history.windows(2).find(|p| p[1].tip >= TARGET[0]);
+        pair.map_or(f64::NAN, |p| {
+            p[0].time + (TARGET[0] - p[0].tip) / (p[1].tip - p[0].tip) * (p[1].time - p[0].time)
+        })
+    }
+    /// Mean speed of the tip between the first two pictures, m/s.
+    pub fn interface_speed(&self) -> f64 {
+        (self.tip(MOMENTS[1]) - self.tip(MOMENTS[0])) / (MOMENTS[1] - MOMENTS[0])
+    }
+    /// The history as a file.
+    pub fn save(&self, folder: &Path) -> Result<(), CaseError> {
+        let columns = [
+            ("time", "s"),
+            ("tip", "m"),
+            ("bullet", "m/s"),
+            ("kinetic", "-"),
+            ("internal", "-"),
+            ("taken", "-"),
+        ];
+        let mut csv = History::create(folder.join(format!("history_{}.csv", self.name)), columns)?;
+        for e in &self.history {
+            csv.push(&[e.time, e.tip, e.speed, e.energies[0], e.energies[1], e.energies[2]])?;
+        }
+        Ok(())
+    }
+}

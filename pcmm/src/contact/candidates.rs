@@ -1,0 +1,148 @@
+//! Pairs of particles of different bodies that may touch.
+
+use crate::contact::body::Part;
+use crate::contact::wall::RigidWall;
+use crate::particles::Particle;
+use crate::search::Cells;
+use crate::simplex::distance_squared;
+
+/// Particles are looked at up to this many sums of radii apart: with surfaces through the centres, particles of two bodies
+/// face each other half a spacing beside each other.
+pub(crate) const RANGE: f64 = 1.5;
+/// The skin of the lists over the mean radius.
+const SKIN: f64 = 1.0;
+
+/// A particle of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub(crate) struct Place {
+    pub body: u32,
+    /// Zero for a wall.
+    pub particle: u32,
+}
+
+/// Pairs within range plus a skin, kept until something has moved half the skin. In ascending order: the list does not
+/// depend on where cells lie.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Candidates {
+    pairs: Vec<[Place; 2]>,
+    searched: bool,
+    /// How far the fastest particle may have moved since the search, m.
+    moved: f64,
+    skin: f64,
+    pub searches: u64,
+}
+
+/// A body or a wall.
+pub(crate) enum Member<const D: usize> {
+    Body { name: String, part: Box<dyn Part<D>>, start: Vec<[f64; D]> },
+    Wall { wall: RigidWall<D> },
+}
+
+impl<const D: usize> Member<D> {
+    pub fn part(&self) -> Option<&dyn Part<D>> {
+        match self {
+            Member::Body { part, .. } => Some(part.as_ref()),
+            Member::Wall { .. } => None,
+        }
+    }
+}
+
+impl Candidates {
+    /// The lists are no longer of this scene.
+    pub fn forget(&mut self) {
+        self.searched = false;
+    }
+
+    /// Something moved at most this far.
+    pub fn moved(&mut self, distance: f64) {
+        self.moved += distance;
+    }
+
+    /// The pairs; searched anew if they may have changed.
+    pub fn update<const D: usize>(&mut self, members: &[Member<D>]) -> &[[Place; 2]] {
+        // Two that approach each other may both have moved.
+        if !self.searched || 2.0 * self.moved > self.skin {
+            self.search(members);
+        }
+        &self.pairs
+    }
+
+    fn search<const D: usize>(&mut self, members: &[Member<D>]) {
+        (self.searched, self.moved) = (true, 0.0);
+        self.searches += 1;
+        self.pairs.clear();
+        let (mut radii, mut count, mut largest) = (0.0, 0usize, 0.0f64);
+        for part in members.iter().filter_map(Member::part) {
+            count += part.particles().len();
+            for p in part.particles() {
+                radii += p.radius;
+                largest = largest.max(p.radius);
+            }
+        }
+        self.skin = SKIN * radii / count.max(1) as f64;
+        let reach = 2.0 * RANGE * largest + self.skin;
+        let (found, owners) = near_others(members, reach);
+        if !found.is_empty() {
+            let cells = Cells::sort(&found, reach);
+            for (i, (p, owner)) in found.iter().zip(&owners).enumerate() {
+                cells.around(&p.position, |j, _, _| {
+                    let (q, other) = (&found[j as usize], owners[j as usize]);
+                    let range = RANGE * (p.radius + q.radius) + self.skin;
+                    if owner.body < other.body && distance_squared(&p.position, &q.position) <= range * range
+                    {
+                        self.pairs.push([owners[i], other]);
+                    }
+                });
+            }
+        }
+        for (w, member) in members.iter().enumerate() {
+            let Member::Wall { wall } = member else { continue };
+            for (b, part) in members.iter().enumerate().filter_map(|(b, m)| Some((b, m.part()?))) {
+                for (n, p) in part.particles().iter().enumerate() {
+                    if wall.height(&p.position) <= part.beyond(n) + self.skin {
+                        let at = Place { body: b as u32, particle: n as u32 };
+                        let wall = Place { body: w as u32, particle: 0 };
+                        self.pairs.push(if b < w { [at, wall] } else { [wall, at] });
+                    }
+                }
+            }
+        }
+        self.pairs.sort_unstable();
+    }
+}
+
+type Box2<const D: usize> = ([f64; D], [f64; D]);
+
+/// The particles of each body that lie in the box of another, `reach` wider.
+fn near_others<const D: usize>(members: &[Member<D>], reach: f64) -> (Vec<Particle<D>>, Vec<Place>) {
+    let bounds = |part: &dyn Part<D>| -> Box2<D> {
+        let mut range = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        for p in part.particles() {
+            for d in 0..D {
+                range.0[d] = range.0[d].min(p.position[d]);
+                range.1[d] = range.1[d].max(p.position[d]);
+            }
+        }
+        range
+    };
+    let boxes: Vec<Option<Box2<D>>> = members.iter().map(|m| m.part().map(bounds)).collect();
+    let (mut found, mut owners) = (Vec::new(), Vec::new());
+    for (b, part) in members.iter().enumerate().filter_map(|(b, m)| Some((b, m.part()?))) {
+        let others: Vec<&Box2<D>> = boxes
+            .iter()
+            .enumerate()
+            .filter(|(o, _)| *o != b)
+            .filter_map(|(_, range)| range.as_ref())
+            .collect();
+        for (n, p) in part.particles().iter().enumerate() {
+            let within = |range: &&Box2<D>| {
+                (0..D).all(|d| p.position[d] >= range.0[d] - reach && p.position[d] <= range.1[d] + reach)
+            };
+            if others.iter().any(within) {
+                found.push(*p);
+                owners.push(Place { body: b as u32, particle: n as u32 });
+            }
+        }
+    }
+    (found, owners)
+}

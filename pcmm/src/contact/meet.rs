@@ -1,0 +1,305 @@
+//! Contact in one step: who faces whom, who touches, impulses, books.
+
+use std::collections::HashMap;
+
+use mpm_contact::{Contact, ContactDetector, Memory, Nodal, NormalRule, Pairs};
+
+use crate::contact::body::Facing;
+use crate::contact::candidates::{Member, Place, RANGE};
+use crate::contact::places::{FacingPair, PairPlaces, Side};
+use crate::contact::solve::{Touch, gather, solve};
+use crate::contact::wall::wide;
+use crate::simplex::distance_squared;
+
+/// Pairs looked at together: a bit each.
+const BATCH: usize = 64;
+/// Two partners whose distances differ by less than this part are equally near.
+const EQUALLY_NEAR: f64 = 1e-9;
+
+/// Two particles, or a particle and a wall, in contact in the last step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairContact {
+    /// The bodies, by number; the smaller first.
+    pub bodies: [usize; 2],
+    /// Their particles; of a wall 0.
+    pub particles: [usize; 2],
+    /// Half way between them, m.
+    pub position: [f64; 3],
+    /// Unit normal, from the first body to the second.
+    pub normal: [f64; 3],
+    /// Distance of the surfaces along it, m, where the detector measures it; negative if they overlap.
+    pub gap: Option<f64>,
+    /// Impulse on the second body, N s; the first gets its opposite.
+    pub impulse: [f64; 3],
+    /// Work of friction on the slip that is left at the end of the step, J.
+    pub friction: f64,
+    /// Kinetic energy that the impulse took beside that, J: what colliding particles lose.
+    pub taken: f64,
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+fn difference(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// A particle, by itself; a wall without a place.
+fn alone<const D: usize>(members: &[Member<D>], place: Place) -> Side<D> {
+    match &members[place.body as usize] {
+        Member::Body { part, .. } => {
+            let n = place.particle as usize;
+            let p = &part.particles()[n];
+            let (position, mass, radius) = (p.position, p.mass, p.radius);
+            Side { place, position, mass, facing: part.facing(n), radius, beyond: part.beyond(n) }
+        }
+        Member::Wall { wall } => {
+            let facing = Facing { area: wall.normal(), mass: wall.normal(), lone: false };
+            let mass = f64::INFINITY;
+            Side { place, position: [0.0; D], mass, facing, radius: 0.0, beyond: 0.0 }
+        }
+    }
+}
+
+/// One side of a pair, towards the other.
+fn side<const D: usize>(members: &[Member<D>], mut one: Side<D>, two: &Side<D>) -> Side<D> {
+    let (at, other) = (one.place, two.place);
+    let towards = |normal: [f64; 3], amount: f64| normal.map(|c| c * amount);
+    match (&members[at.body as usize], &members[other.body as usize]) {
+        // The foot of the particle.
+        (Member::Wall { wall }, _) => {
+            one.position = two.position;
+            let (height, normal) = (wall.height(&two.position), wall.normal());
+            for d in 0..D {
+                one.position[d] -= height * normal[d];
+            }
+        }
+        // A plane is known better than the particle's surface.
+        (_, Member::Wall { wall }) => {
+            let amount = |v: &[f64; 3]| if one.facing.lone { 1.0 } else { dot(v, v).sqrt() };
+            let minus = wall.normal().map(|c| -c);
+            let (area, mass) = (amount(&one.facing.area), amount(&one.facing.mass));
+            one.facing.area = towards(minus, area);
+            one.facing.mass = towards(minus, mass);
+        }
+        _ if one.facing.lone => {
+            // A ball.
+            let apart = difference(&wide(&two.position), &wide(&one.position));
+            let length = dot(&apart, &apart).sqrt();
+            if length > 0.0 {
+                let normal = apart.map(|c| c / length);
+                let extent = 2.0 * one.radius;
+                one.facing.area = towards(normal, if D == 2 { extent } else { extent * extent });
+                one.facing.mass = towards(normal, one.mass / extent);
+            }
+        }
+        _ => {}
+    }
+    one
+}
+
+fn in_range<const D: usize>(members: &[Member<D>], pair: [Place; 2]) -> bool {
+    let [a, b] =
+        pair.map(|p| members[p.body as usize].part().map(|part| &part.particles()[p.particle as usize]));
+    let (Some(a), Some(b)) = (a, b) else { return false };
+    distance_squared(&a.position, &b.position) <= (RANGE * (a.radius + b.radius)).powi(2)
+}
+
+/// The candidates whose surfaces face each other and that are nearest to each other: every particle with its nearest in
+/// every other body.
+fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> Vec<FacingPair<D>> {
+    let is_wall = |p: &Place| members[p.body as usize].part().is_none();
+    let mut known: HashMap<Place, Side<D>> = HashMap::new();
+    let mut pairs = Vec::new();
+    for &[a, b] in candidates {
+        let wall = is_wall(&a) || is_wall(&b);
+        if !wall && !in_range(members, [a, b]) {
+            continue;
+        }
+        let [one, two] = [a, b].map(|p| *known.entry(p).or_insert_with(|| alone(members, p)));
+        let pair = FacingPair { sides: [side(members, one, &two), side(members, two, &one)] };
+        let sides = &pair.sides;
+        // What lies deep within a body meets nobody; it may be under a wall.
+        let within = !wall && sides.iter().any(|s| s.facing.is_within());
+        let opposite = dot(&sides[0].facing.area, &sides[1].facing.area) < 0.0;
+        if !within && (wall || opposite) {
+            pairs.push(pair);
+        }
+    }
+    // Nearest by particle and other body.
+    let mut nearest = HashMap::new();
+    for pair in &pairs {
+        let apart = pair.apart();
+        let square = dot(&apart, &apart);
+        for (s, o) in [(0, 1), (1, 0)] {
+            let key = (pair.sides[s].place, pair.sides[o].place.body);
+            let least = nearest.entry(key).or_insert(f64::INFINITY);
+            *least = least.min(square);
+        }
+    }
+    pairs.retain(|pair| {
+        let apart = pair.apart();
+        let square = dot(&apart, &apart) * (1.0 - EQUALLY_NEAR);
+        let is_nearest = |s: usize, o: usize| {
+            let key = (pair.sides[s].place, pair.sides[o].place.body);
+            nearest.get(&key).is_some_and(|least| square <= *least)
+        };
+        pair.sides.iter().any(|s| is_wall(&s.place)) || is_nearest(0, 1) || is_nearest(1, 0)
+    });
+    pairs
+}
+
+/// A pair that touches.
+struct Touching<const D: usize> {
+    pair: FacingPair<D>,
+    normal: [f64; 3],
+    gap: Option<f64>,
+}
+
+/// Normals and detection, batch by batch.
+fn touching<const D: usize, S: ContactDetector<f64, D>>(
+    members: &[Member<D>],
+    detector: &S,
+    spacing: f64,
+    pairs: &[FacingPair<D>],
+) -> Vec<Touching<D>> {
+    let bodies = |p: &FacingPair<D>| p.sides.map(|s| s.place.body);
+    let mut list = Vec::new();
+    let mut scratch = Vec::new();
+    for batch in pairs.chunk_by(|a, b| bodies(a) == bodies(b)).flat_map(|of_two| of_two.chunks(BATCH)) {
+        let at = PairPlaces { pairs: batch, members, spacing };
+        let all = if batch.len() == BATCH { u64::MAX } else { (1 << batch.len()) - 1 };
+        scratch.clear();
+        let mut memory = Memory { numbers: &mut scratch, nodes: &[all, all] };
+        let mut normals: Nodal<[f64; 3]> = [[0.0; 3]; BATCH];
+        let mut gaps: Nodal<Option<f64>> = [None; BATCH];
+        detector.normals().prepare(&at, &mut memory);
+        let have = detector.normals().normals(&at, [0, 1], all, &memory, &mut normals);
+        let touches = detector.touching(&at, [0, 1], have, &normals, &mut gaps);
+        for (n, pair) in batch.iter().enumerate().filter(|(n, _)| touches & (1 << n) != 0) {
+            // Beside each other by more than both radii, they pass.
+            let (apart, normal) = (pair.apart(), normals[n]);
+            let along = dot(&apart, &normal);
+            let beside = dot(&apart, &apart) - along * along;
+            let [a, b] = &pair.sides;
+            let wall = a.mass.is_infinite() || b.mass.is_infinite();
+            if wall || beside <= (a.radius + b.radius).powi(2) {
+                list.push(Touching { pair: *pair, normal, gap: gaps[n] });
+            }
+        }
+    }
+    list
+}
+
+/// What contact did in a step.
+#[derive(Debug, Default)]
+pub(crate) struct Met {
+    pub contacts: Vec<PairContact>,
+    /// Impulse of walls on bodies, N s, and its work with their velocities, J.
+    pub impulse: [f64; 3],
+    pub work: f64,
+}
+
+/// Exchange impulses between members that have their trial velocities.
+pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
+    members: &mut [Member<D>],
+    detector: &S,
+    laws: &Pairs<f64>,
+    spacing: f64,
+    candidates: &[[Place; 2]],
+    dt: f64,
+) -> Met {
+    let found = touching(members, detector, spacing, &facing(members, candidates));
+    if found.is_empty() {
+        return Met::default();
+    }
+    let mut movers: Vec<Place> = found.iter().flat_map(|t| t.pair.sides.map(|s| s.place)).collect();
+    movers.sort_unstable();
+    movers.dedup();
+    let number = |place: &Place| movers.binary_search(place).unwrap_or(0);
+    let velocities = |place: &Place| match &members[place.body as usize] {
+        Member::Body { part, start, .. } => {
+            let n = place.particle as usize;
+            [wide(&start[n]), wide(&part.particles()[n].velocity)]
+        }
+        Member::Wall { wall } => [wall.velocity(); 2],
+    };
+    let mut touches: Vec<Touch<'_>> = Vec::with_capacity(found.len());
+    for Touching { pair, normal, gap } in &found {
+        let [a, b] = &pair.sides;
+        let law = laws.law(a.place.body as usize, b.place.body as usize);
+        let [[old_a, new_a], [old_b, new_b]] = [velocities(&a.place), velocities(&b.place)];
+        let mut seen = [new_a, new_b];
+        if !law.pulls() {
+            // Where they part already an impulse would drive them on: they may end with the opposite of that at most
+            // (mpm-contact, `meet.rs`).
+            let parting = dot(&difference(&old_b, &old_a), normal).max(0.0);
+            for d in 0..3 {
+                seen[0][d] -= parting * normal[d];
+            }
+        }
+        let extent = |s: &Side<D>| {
+            if s.mass.is_infinite() { f64::INFINITY } else { dot(&s.facing.area, &s.facing.area).sqrt() }
+        };
+        let area = if law.needs_area() { extent(a).min(extent(b)) } else { 0.0 };
+        touches.push(Touch {
+            law,
+            contact: Contact { normal: *normal, gap: *gap, area },
+            movers: [number(&a.place), number(&b.place)],
+            masses: [a.mass, b.mass],
+            velocities: seen,
+            impulse: [0.0; 3],
+            ahead: [0.0; 3],
+        });
+    }
+    solve(&mut touches, movers.len(), dt);
+    let sums = gather(&touches, movers.len(), |t| t.impulse);
+    let mut met = Met::default();
+    for (touch, Touching { pair, normal, gap }) in touches.iter().zip(&found) {
+        if touch.impulse == [0.0; 3] {
+            continue;
+        }
+        let [a, b] = &pair.sides;
+        let change = |s: &Side<D>, m: usize| sums[m].map(|j| j / s.mass);
+        let [[old_a, new_a], [old_b, new_b]] = [velocities(&a.place), velocities(&b.place)];
+        let (on_a, on_b) = (change(a, touch.movers[0]), change(b, touch.movers[1]));
+        // Velocity of the first relative to the second, at the start and at the end of the step.
+        let before = difference(&old_a, &old_b);
+        let mut after = difference(&new_a, &new_b);
+        for d in 0..3 {
+            after[d] += on_a[d] - on_b[d];
+        }
+        let along = dot(&touch.impulse, normal);
+        let friction = dot(&touch.impulse, &after) - along * dot(&after, normal);
+        let all = 0.5 * (dot(&touch.impulse, &before) + dot(&touch.impulse, &after));
+        for (sign, other, wall) in
+            [(1.0, b, &members[a.place.body as usize]), (-1.0, a, &members[b.place.body as usize])]
+        {
+            if let Member::Wall { wall } = wall {
+                debug_assert!(other.mass.is_finite());
+                for d in 0..3 {
+                    met.impulse[d] += sign * touch.impulse[d];
+                    met.work += sign * touch.impulse[d] * wall.velocity()[d];
+                }
+            }
+        }
+        let (x, y) = (wide(&a.position), wide(&b.position));
+        met.contacts.push(PairContact {
+            bodies: [a.place.body as usize, b.place.body as usize],
+            particles: [a.place.particle as usize, b.place.particle as usize],
+            position: std::array::from_fn(|d| 0.5 * (x[d] + y[d])),
+            normal: *normal,
+            gap: *gap,
+            impulse: touch.impulse,
+            friction,
+            taken: all - friction,
+        });
+    }
+    drop(touches);
+    for (place, impulse) in movers.iter().zip(&sums) {
+        if let Member::Body { part, .. } = &mut members[place.body as usize] {
+            part.push(place.particle as usize, impulse);
+        }
+    }
+    met
+}

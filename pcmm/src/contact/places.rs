@@ -1,0 +1,124 @@
+//! Pairs of particles as detectors and rules for normals see them.
+
+use mpm_contact::Places;
+use mpm_core::step::survey::{Near, Survey};
+
+use crate::contact::body::{Facing, Part};
+use crate::contact::candidates::{Member, Place};
+use crate::contact::wall::wide;
+
+/// A particle, or the foot of one on a wall, as one side of a pair.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Side<const D: usize> {
+    pub place: Place,
+    pub position: [f64; D],
+    /// Infinite for a wall.
+    pub mass: f64,
+    /// Out of its body: of a lone particle, and beside a wall, towards the other side.
+    pub facing: Facing,
+    pub radius: f64,
+    /// How far the surface lies beyond the position, m.
+    pub beyond: f64,
+}
+
+/// A pair whose surfaces face each other.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct FacingPair<const D: usize> {
+    pub sides: [Side<D>; 2],
+}
+
+impl<const D: usize> FacingPair<D> {
+    /// From the first to the second.
+    pub fn apart(&self) -> [f64; 3] {
+        let [a, b] = &self.sides;
+        let (a, b) = (wide(&a.position), wide(&b.position));
+        [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
+    }
+}
+
+/// Up to 64 pairs of two bodies.
+pub(crate) struct PairPlaces<'a, const D: usize> {
+    pub pairs: &'a [FacingPair<D>],
+    pub members: &'a [Member<D>],
+    pub spacing: f64,
+}
+
+fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The places that have a bit.
+fn each(places: u64) -> impl Iterator<Item = usize> {
+    (0..64).filter(move |n| places & (1 << n) != 0)
+}
+
+impl<'a, const D: usize> PairPlaces<'a, D> {
+    fn part(&self, side: &Side<D>) -> Option<&'a dyn Part<D>> {
+        self.members[side.place.body as usize].part()
+    }
+}
+
+impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
+    fn body(&self, field: usize) -> usize {
+        self.pairs[0].sides[field].place.body as usize
+    }
+    fn spacing(&self) -> f64 {
+        self.spacing
+    }
+    fn position(&self, n: usize) -> [f64; D] {
+        let [a, b] = &self.pairs[n].sides;
+        let mut middle = a.position;
+        for d in 0..D {
+            middle[d] += 0.5 * (b.position[d] - a.position[d]);
+        }
+        middle
+    }
+
+    fn survey(&self, field: usize, what: Survey, places: u64, normals: &[[f64; 3]], out: &mut [[f64; 3]]) {
+        for n in each(places) {
+            let side = &self.pairs[n].sides[field];
+            let vector = match what {
+                Survey::MassGradient => side.facing.mass,
+                Survey::VolumeGradient => side.facing.area,
+                Survey::Reach | Survey::LocalReach | Survey::CentreReach => {
+                    let (x, at) = (wide(&side.position), wide(&self.position(n)));
+                    let along = dot(&[x[0] - at[0], x[1] - at[1], x[2] - at[2]], &normals[n]);
+                    let half = if what == Survey::CentreReach { 0.0 } else { side.beyond };
+                    out[n][0] = out[n][0].max(along + half);
+                    continue;
+                }
+                Survey::Traction => {
+                    let particle = side.place.particle as usize;
+                    if let Some(part) = self.part(side) {
+                        out[n][0] += side.mass * part.traction(particle, &normals[n]);
+                    }
+                    continue;
+                }
+            };
+            for d in 0..3 {
+                out[n][d] += vector[d];
+            }
+        }
+    }
+
+    /// The particle of the pair and those it shares elements with; of a wall, the foot of the other side.
+    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(usize, &Near<f64>)) {
+        for n in each(places) {
+            let (side, at) = (&self.pairs[n].sides[field], self.position(n));
+            let mut show = |x: &[f64; D], mass: f64, half: f64| {
+                let offset: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] - at[d] } else { 0.0 });
+                let weight = (1.0 - 0.5 * dot(&offset, &offset).sqrt() / self.spacing).max(0.0);
+                let mut halves = [0.0; 3];
+                halves[..D].fill(half);
+                visit(n, &Near { offset, half: halves, mass, weight });
+            };
+            match self.part(side) {
+                None => show(&side.position, side.mass, side.beyond),
+                Some(part) => part.around(side.place.particle as usize, &mut |m| {
+                    let p = &part.particles()[m];
+                    show(&p.position, p.mass, part.beyond(m));
+                }),
+            }
+        }
+    }
+}

@@ -1,0 +1,68 @@
+//! Rigid planes.
+
+use crate::particles::{SceneError, parameter};
+
+/// A rigid half space that moves as prescribed and meets bodies by the laws of the scene, friction included.
+///
+/// [`mpm_core::Boundary::Wall`] is the cheaper wall: frictionless, across an axis, it holds back the centres of particles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidWall<const D: usize> {
+    point: [f64; D],
+    normal: [f64; D],
+    velocity: [f64; D],
+}
+
+impl<const D: usize> RigidWall<D> {
+    /// Through a point (m), its normal towards the bodies (any length), at rest.
+    ///
+    /// # Errors
+    /// Numbers that are not finite, a normal without length.
+    pub fn new(point: [f64; D], normal: [f64; D]) -> Result<Self, SceneError> {
+        let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt();
+        let owner = "rigid wall";
+        for x in point {
+            parameter(x.is_finite(), owner, "point", x, "finite")?;
+        }
+        parameter(length > 0.0, owner, "length of the normal", length, "positive and finite")?;
+        Ok(RigidWall { point, normal: normal.map(|n| n / length), velocity: [0.0; D] })
+    }
+
+    /// With a constant velocity, m/s; along the wall it drags what it touches by friction.
+    ///
+    /// # Errors
+    /// A velocity that is not finite.
+    pub fn moving(self, velocity: [f64; D]) -> Result<Self, SceneError> {
+        for v in velocity {
+            parameter(v.is_finite(), "rigid wall", "velocity", v, "finite")?;
+        }
+        Ok(RigidWall { velocity, ..self })
+    }
+
+    /// Height of a place above it, m.
+    pub(crate) fn height(&self, x: &[f64; D]) -> f64 {
+        (0..D).map(|d| (x[d] - self.point[d]) * self.normal[d]).sum()
+    }
+
+    pub(crate) fn advance(&mut self, dt: f64) {
+        for d in 0..D {
+            self.point[d] += dt * self.velocity[d];
+        }
+    }
+
+    pub(crate) fn normal(&self) -> [f64; 3] {
+        wide(&self.normal)
+    }
+    pub(crate) fn velocity(&self) -> [f64; 3] {
+        wide(&self.velocity)
+    }
+    pub(crate) fn speed(&self) -> f64 {
+        self.velocity.iter().map(|v| v * v).sum::<f64>().sqrt()
+    }
+}
+
+/// As a vector of three.
+pub(crate) fn wide<const D: usize>(x: &[f64; D]) -> [f64; 3] {
+    let mut y = [0.0; 3];
+    y[..D].copy_from_slice(x);
+    y
+}
