@@ -14,7 +14,7 @@ use crate::solve::{Meets, solve, total};
 use crate::vector::{difference, dot, length, sum, times};
 
 /// How far bodies may move, in cells, before normals and gaps are looked at anew: well below the errors of either
-/// (docs/notes.md 7.2). Not a number that a sum of equal steps meets.
+/// (docs/notes.md 7.2, 7.7). Not a number that a sum of equal steps meets.
 const KEEPS: f64 = 1.03e-3;
 
 /// Contact of any number of bodies through the nodes they share: a detector and the laws of the pairs.
