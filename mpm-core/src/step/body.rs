@@ -22,6 +22,7 @@ use crate::parallel::{Float, Team};
 use crate::particles::{Block, Columns, Outbox, Place, split};
 use crate::scheme::{PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
+use crate::transfer::Transfer;
 
 /// Which pass of a method to make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -657,6 +658,8 @@ where
             Which::Map => self.sweep::<L::Pass<<M::Update as StressUpdate>::Map>>(nodes, dt, team),
             Which::First => self.sweep::<L::Pass<<M::Update as StressUpdate>::First>>(nodes, dt, team),
             Which::Second => self.sweep::<L::Pass<<M::Update as StressUpdate>::Second>>(nodes, dt, team),
+            // Known when compiling: a transfer that smooths nothing has no kernel for it.
+            Which::Smooth if <M::Transfer as Transfer<T>>::ORDER < 2 => Ok(T::default()),
             Which::Smooth => self.sweep::<Smooth>(nodes, dt, team),
         }
     }
