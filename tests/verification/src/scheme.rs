@@ -110,8 +110,11 @@ impl Scheme {
     /// Is it compiled here? There is none of the hat with APIC; in the reference configuration cpGIMP is uGIMP, and that lies
     /// between the hat and the quadratic spline.
     pub fn is_legal(self) -> bool {
-        !(self.kernel == Kernel::Linear && self.velocity == Velocity::ApicUsl)
-            && !(matches!(self.kernel, Kernel::Gimp | Kernel::CpGimp) && self.total)
+        match self.kernel {
+            Kernel::Linear => self.velocity != Velocity::ApicUsl,
+            Kernel::Gimp | Kernel::CpGimp => !self.total,
+            Kernel::Quadratic | Kernel::Cubic => true,
+        }
     }
     /// Its name, as in `TL quadratic APIC`.
     pub fn name(self) -> String {
