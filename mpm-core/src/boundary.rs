@@ -102,6 +102,12 @@ pub enum BoundaryError {
         /// Nearest plane of nodes, m.
         nearest: f64,
     },
+    /// A wall where the grid lies in the reference configuration.
+    #[error(
+        "a wall is not allowed with a total-Lagrangian method, whose nodes do not know where material is; it must \
+         be a symmetry plane, a fixed plane or a prescribed velocity"
+    )]
+    WallInReference,
     /// Not a finite number.
     #[error("boundary {field} = {value} is not allowed; it must be finite")]
     NotFinite {

@@ -25,7 +25,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`method`], [`shape`], [`transfer`], [`scheme`], [`embedding`] | the parts of a method, and which go together |
+//! | [`method`], [`shape`], [`transfer`], [`scheme`], [`embedding`], [`frame`] | the parts of a method, and which go together |
 //! | [`step`] | the solver, the stages of a step, the time step |
 //! | [`particles`], [`grid`] | where particles and nodes are kept |
 //! | [`boundary`] | conditions and loads |
@@ -46,6 +46,7 @@ pub mod boundary;
 pub mod conformance;
 pub mod dim;
 pub mod embedding;
+pub mod frame;
 pub mod geometry;
 pub mod grid;
 pub mod method;
@@ -61,6 +62,7 @@ pub mod transfer;
 pub use boundary::{Boundary, Side};
 pub use dim::Dim;
 pub use embedding::{Axisymmetric, Embedding, FullSpace, PlaneStrain};
+pub use frame::{Frame, TotalLagrangian, UpdatedLagrangian};
 pub use grid::{BlockGrid, DenseGrid, GridStorage};
 pub use method::{Composition, Method};
 pub use parallel::{Float, Team};
@@ -69,8 +71,8 @@ pub use shape::{
     AffineShape, BoundaryModified, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction,
 };
 pub use step::{
-    Body, Contact, Mpm, OneField, Particle, Rigid, RigidState, StepError, Stopped, TimeControl, Totals,
-    Traction, Twist,
+    Body, Contact, FieldForce, Mpm, OneField, Particle, Rigid, RigidState, StepError, Stopped, TimeControl,
+    Totals, Traction, Twist,
 };
 pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
 

@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 use mpm_materials::Real;
 
 use crate::embedding::Embedding;
+use crate::frame::{Frame, TotalLagrangian, UpdatedLagrangian};
 use crate::scheme::StressUpdate;
 use crate::shape::ShapeFunction;
 use crate::transfer::{Allows, Suits, Transfer};
@@ -33,16 +34,20 @@ use crate::transfer::{Allows, Suits, Transfer};
 /// check(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Method<S, X, U, E> {
+pub struct Method<S, X, U, E, F = UpdatedLagrangian> {
     shape: S,
     transfer: X,
-    ingredients: PhantomData<(U, E)>,
+    ingredients: PhantomData<(U, E, F)>,
 }
 
 impl<S, X, U, E> Method<S, X, U, E> {
     /// A method from its ingredients.
     pub fn new(shape: S, transfer: X, _stress_update: U, _embedding: E) -> Self {
         Method { shape, transfer, ingredients: PhantomData }
+    }
+    /// The same, mapped in the reference configuration: [`TotalLagrangian`].
+    pub fn total_lagrangian(self) -> Method<S, X, U, E, TotalLagrangian> {
+        Method { shape: self.shape, transfer: self.transfer, ingredients: PhantomData }
     }
 }
 
@@ -56,6 +61,8 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     type Update: StressUpdate;
     /// Embedding.
     type Embedding: Embedding<D>;
+    /// Frame of reference of weights and gradients.
+    type Frame: Frame;
     /// Does a step need only the sum of momentum and impulse at the nodes? So it is with USL and a transfer
     /// that does not read the acceleration: then force goes to the nodes as the impulse of the step to come,
     /// whose size is planned one step ahead.
@@ -67,8 +74,9 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     fn transfer(&self) -> &Self::Transfer;
     /// A line that names the ingredients.
     fn describe(&self) -> String {
+        let frame = if Self::Frame::TOTAL { Self::Frame::NAME.to_string() + ", " } else { String::new() };
         format!(
-            "{}, {}-{}, {}",
+            "{}, {frame}{}-{}, {}",
             Self::Embedding::NAME,
             Self::Update::NAME,
             Self::Transfer::NAME,
@@ -77,18 +85,20 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     }
 }
 
-impl<T, const D: usize, S, X, U, E> Composition<T, D> for Method<S, X, U, E>
+impl<T, const D: usize, S, X, U, E, F> Composition<T, D> for Method<S, X, U, E, F>
 where
     T: Real,
     S: ShapeFunction<T, D> + Suits<T, D, X>,
     X: Transfer<T>,
     U: StressUpdate + Allows<X>,
     E: Embedding<D>,
+    F: Frame,
 {
     type Shape = S;
     type Transfer = X;
     type Update = U;
     type Embedding = E;
+    type Frame = F;
     #[inline(always)]
     fn shape(&self) -> &S {
         &self.shape

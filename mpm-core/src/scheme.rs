@@ -24,6 +24,8 @@ pub struct Pass {
     pub force: bool,
     /// Add the surface load of particles that carry one to that force.
     pub load: bool,
+    /// Add the body force of particles that carry one.
+    pub field: bool,
     /// Instead of all this: gather the second nodal vector and map it back as momentum (FMPM).
     pub smooth: bool,
 }
@@ -45,6 +47,7 @@ impl Pass {
         momentum: false,
         force: false,
         load: false,
+        field: false,
         smooth: false,
     };
 }
@@ -89,6 +92,13 @@ passes! {
 pub struct Loaded<K>(std::marker::PhantomData<K>);
 impl<K: PassKind> PassKind for Loaded<K> {
     const DOES: Pass = Pass { load: K::DOES.force, ..K::DOES };
+}
+
+/// The pass `K` of a body with a force field.
+#[derive(Clone, Copy, Debug)]
+pub struct Driven<K>(std::marker::PhantomData<K>);
+impl<K: PassKind> PassKind for Driven<K> {
+    const DOES: Pass = Pass { field: K::DOES.force, ..K::DOES };
 }
 
 /// When the stress is updated.

@@ -1,7 +1,7 @@
 //! The fast step and the plain reference, side by side.
 
 use mpm_core::parallel::Float;
-use mpm_core::{BlockGrid, Composition, GridStorage, Mpm, Particle, ShapeFunction, TimeControl};
+use mpm_core::{BlockGrid, Composition, Frame, GridStorage, Mpm, Particle, ShapeFunction, TimeControl};
 use mpm_materials::Constitutive;
 
 use crate::reference::{Order, Point, Reference, Rule};
@@ -126,7 +126,7 @@ pub fn difference<const D: usize>(
         let q = &fast[p.body][p.number];
         assert_eq!(q.mass, p.mass, "mass of particle {} of body {}", p.number, p.body);
         for d in 0..D {
-            rise(&mut found.position, (q.position[d] - p.x[d]).abs() / spacing);
+            rise(&mut found.position, (q.position[d] - p.x[d] - p.displacement[d]).abs() / spacing);
             rise(&mut found.velocity, (q.velocity[d] - p.v[d]).abs() / speed);
         }
         for i in 0..6 {
@@ -156,6 +156,7 @@ where
 {
     let mut mpm = fast(method, BlockGrid::new(scene.lattice), scene, law);
     let mut reference = plain(shape, rule, order, scene);
+    reference.total = M::Frame::TOTAL;
     for (seeds, velocity) in &scene.bodies {
         reference.add(law.clone(), seeds, velocity);
     }

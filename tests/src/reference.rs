@@ -107,6 +107,12 @@ pub struct Point<const D: usize> {
     pub half: [f64; D],
     /// The affine matrix of APIC, 1/s.
     pub affine: [[f64; D]; D],
+    /// Displacement since the start, m, where the grid lies in the reference configuration (else `x` moves).
+    pub displacement: [f64; D],
+    /// Deformation gradient, likewise.
+    pub deformation: [[f64; 3]; 3],
+    /// Where it started, m.
+    pub start: [f64; D],
 }
 
 /// A node.
@@ -128,6 +134,9 @@ impl<const D: usize> Default for Node<D> {
 }
 
 type Index<const D: usize> = [i64; D];
+
+/// An acceleration by place and time.
+pub type Field<const D: usize> = Box<dyn Fn(&[f64; D], f64) -> [f64; D]>;
 
 /// Weight and gradient of a particle on a node.
 #[derive(Clone, Copy, Debug)]
@@ -163,6 +172,10 @@ pub struct Reference<const D: usize, S> {
     pub boundaries: Vec<Boundary<D>>,
     /// Acceleration of all material.
     pub gravity: [f64; D],
+    /// Acceleration by where a particle started and time.
+    pub field: Option<Field<D>>,
+    /// Does the grid lie in the reference configuration? Then `x` of a point does not change.
+    pub total: bool,
     /// Time, s.
     pub time: f64,
     nodes: BTreeMap<Index<D>, Node<D>>,
@@ -183,6 +196,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             points: Vec::new(),
             boundaries: Vec::new(),
             gravity: [0.0; D],
+            field: None,
+            total: false,
             time: 0.0,
             nodes: BTreeMap::new(),
             images: Vec::new(),
@@ -207,6 +222,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 state: law.virgin(),
                 half: seeds.half_size.map(|half| half / self.lattice.spacing()),
                 affine: [[0.0; D]; D],
+                displacement: [0.0; D],
+                deformation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                start: x,
             });
         }
         self.laws.push(Box::new(law));
@@ -389,7 +407,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         for (point, images) in self.points.iter().zip(&self.images) {
             let law = &self.laws[point.body];
             let [xx, yy, zz, yz, xz, xy] = law.stress(&point.state);
-            let stress = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+            let mut stress = [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+            if self.total {
+                stress = times(&stress, &transpose(&inverse(&point.deformation)));
+            }
+            let field = self.field.as_ref().map_or([0.0; D], |f| f(&point.start, self.time));
             let volume = point.mass / law.density() * law.volume_ratio(&point.state);
             for image in images {
                 for w in &image.weights {
@@ -403,6 +425,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                     if self.space == Space::Axisymmetric {
                         let r = image.sign[0] * point.x[0];
                         node.force[0] -= volume * stress[2][2] / r * w.value;
+                    }
+                    for c in 0..D {
+                        node.force[c] += image.sign[c] * point.mass * field[c] * w.value;
                     }
                 }
             }
@@ -518,7 +543,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         for (point, images) in self.points.iter_mut().zip(&self.images) {
             let v = interpolate(&images[0].weights, |index| self.nodes[index].velocity);
             for d in 0..D {
-                point.x[d] += dt * v[d];
+                if self.total {
+                    point.displacement[d] += dt * v[d];
+                } else {
+                    point.x[d] += dt * v[d];
+                }
             }
         }
     }
@@ -567,6 +596,15 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 let r = images[0].weights.iter().map(|w| w.value * self.lattice.node(w.node)[0]).sum::<f64>();
                 increment[2][2] = hoop / r;
             }
+            if self.total {
+                let before = point.deformation;
+                for c in 0..3 {
+                    for d in 0..3 {
+                        point.deformation[c][d] += increment[c][d];
+                    }
+                }
+                increment = times(&increment, &inverse(&before));
+            }
             (point.state, _) = self.laws[point.body].update(increment, dt, h, &point.state);
         }
     }
@@ -581,6 +619,46 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
         }
     }
+}
+
+fn times(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut r = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            r[i][j] = (0..3).map(|k| a[i][k] * b[k][j]).sum();
+        }
+    }
+    r
+}
+
+fn transpose(a: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut r = *a;
+    for i in 0..3 {
+        for j in 0..3 {
+            r[i][j] = a[j][i];
+        }
+    }
+    r
+}
+
+/// By Gauss and Jordan, on the identity beside it; the matrices here need no exchange of rows.
+fn inverse(a: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let (mut left, mut right) = (*a, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    for i in 0..3 {
+        let pivot = left[i][i];
+        for j in 0..3 {
+            left[i][j] /= pivot;
+            right[i][j] /= pivot;
+        }
+        for k in (0..3).filter(|&k| k != i) {
+            let share = left[k][i];
+            for j in 0..3 {
+                left[k][j] -= share * left[i][j];
+                right[k][j] -= share * right[i][j];
+            }
+        }
+    }
+    right
 }
 
 /// sum N v.

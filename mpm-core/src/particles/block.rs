@@ -155,6 +155,12 @@ impl<T: Float, const D: usize> Block<T, D> {
         self.group(at.group)[column].as_ref()[at.lane as usize]
     }
 
+    /// Set the number of column `column` of a particle.
+    #[inline(always)]
+    pub fn set(&mut self, at: Place, column: usize, number: T) {
+        self.group_mut(at.group)[column].as_mut()[at.lane as usize] = number;
+    }
+
     /// All numbers of a particle.
     #[inline(always)]
     pub fn read(&self, at: Place, numbers: &mut Vec<T>) {

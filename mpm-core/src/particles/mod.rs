@@ -18,18 +18,20 @@ pub struct Columns {
     state: usize,
     domain: usize,
     load: usize,
+    frame: usize,
     names: Vec<String>,
 }
 
 impl Columns {
-    /// Columns of a body: the numbers of its law's `state`, by name, domain half sizes if `domain`, and a loaded
-    /// area if `load`.
-    pub fn new(dimension: usize, state: Vec<String>, domain: bool, load: bool) -> Self {
+    /// Columns of a body: the numbers of its law's `state`, by name, domain half sizes if `domain`, `load`
+    /// numbers of a load, and `frame` of displacement and deformation.
+    pub fn new(dimension: usize, state: Vec<String>, domain: bool, load: usize, frame: usize) -> Self {
         Columns {
             dimension,
             state: state.len(),
             domain: if domain { dimension } else { 0 },
-            load: usize::from(load),
+            load,
+            frame,
             names: state,
         }
     }
@@ -63,7 +65,7 @@ impl Columns {
     pub fn domain(&self) -> usize {
         Self::state(self.dimension) + self.state
     }
-    /// Row of the loaded area, m^2 (if carried).
+    /// First row of a load, if one is carried: loaded area, m^2, or acceleration, m/s^2.
     #[inline(always)]
     pub fn load(&self) -> usize {
         self.domain() + self.domain
@@ -71,6 +73,11 @@ impl Columns {
     /// Row of the particle's number, by which it can be told all its life.
     #[inline(always)]
     pub fn number(&self) -> usize {
+        self.frame() + self.frame
+    }
+    /// First row of displacement (in units of h) and deformation gradient (if carried).
+    #[inline(always)]
+    pub fn frame(&self) -> usize {
         self.load() + self.load
     }
     /// Names of the law's state columns.

@@ -13,7 +13,9 @@ use super::rigid::RigidState;
 use super::survey::{Near, Survey};
 use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
+use super::total;
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
+use crate::frame::Frame;
 use crate::geometry::{Lattice, Seeds};
 use crate::grid::Node;
 use crate::method::Composition;
@@ -21,6 +23,7 @@ use crate::parallel::{Float, Team};
 use crate::particles::{Block, Columns, Outbox, Place, split};
 use crate::scheme::{PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
+use crate::transfer::Transfer;
 
 /// Which pass of a method to make.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -215,6 +218,8 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Sum of the loaded areas, m^2.
     loaded_area: f64,
     loading: Loading,
+    /// Where the particles started, by number, if a force field asks for it, m.
+    starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
     dummy: Vec<T>,
 }
@@ -255,12 +260,21 @@ where
 {
     /// Records a node that the method maps.
     const RECORDS: usize = if M::MAPS_TOGETHER { 1 } else { 2 };
+    /// Numbers a particle carries for a load.
+    const LOADS: usize = if L::FIELD {
+        D
+    } else if L::ACTS {
+        1
+    } else {
+        0
+    };
 
     /// A body for the particles of `seeds`, without them.
     pub fn empty(name: &str, law: C, method: M, lattice: Lattice<D>, seeds: &Seeds<D>, load: L) -> Self {
         let mut names = Vec::new();
         C::State::<T::Single>::names("state", &mut names);
-        let columns = Columns::new(D, names, ShapeOf::<M, T, D>::CARRIES_DOMAIN, L::ACTS);
+        let (loads, frame) = (Self::LOADS, total::rows::<T, D, M>());
+        let columns = Columns::new(D, names, ShapeOf::<M, T, D>::CARRIES_DOMAIN, loads, frame);
         let virgin: Vec<T> =
             mpm_materials::point::flatten(&law.virgin()).into_iter().map(|x: T::Single| x.into()).collect();
         let mut half = [T::of(0.5); 3];
@@ -273,9 +287,8 @@ where
         if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
             dummy.extend_from_slice(&half[..D]);
         }
-        if L::ACTS {
-            dummy.push(T::default());
-        }
+        dummy.resize(dummy.len() + loads, T::default());
+        dummy.extend(total::undeformed::<T, D, M>());
         dummy.push(T::default());
         ParticleBody {
             name: name.into(),
@@ -296,6 +309,7 @@ where
             load,
             loaded_area: 0.0,
             loading: Loading::default(),
+            starts: Vec::new(),
             dummy,
         }
     }
@@ -311,6 +325,9 @@ where
         let density = self.law.density();
         let mut index: BTreeMap<[i32; D], usize> = BTreeMap::new();
         let mut numbers = self.dummy.clone();
+        if L::FIELD {
+            self.starts.extend_from_slice(&seeds.positions);
+        }
         for (n, (&x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
             let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
             let v = velocity(x);
@@ -381,6 +398,22 @@ where
         traction
     }
 
+    /// Give every particle the acceleration of a force field at a time, s.
+    fn accelerate(&mut self, time: f64, team: &Team) {
+        let (load, starts, columns) = (&self.load, &self.starts, &self.columns);
+        team.each(&mut self.slots, |_, slot| {
+            let places: Vec<Place> = slot.block.places().map(|(_, place)| place).collect();
+            for place in places {
+                let number = slot.block.get(place, columns.number()).to_double() as usize;
+                let Some(start) = starts.get(number) else { continue };
+                let a = load.acceleration(start, time);
+                for d in 0..D {
+                    slot.block.set(place, columns.load() + d, T::of(a[d]));
+                }
+            }
+        });
+    }
+
     fn common(&self, steps: Steps<T>) -> Common<T> {
         Common {
             dt: steps.this,
@@ -399,6 +432,9 @@ where
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble> {
+        if L::FIELD && K::DOES.field {
+            self.accelerate(dt.force_time, team);
+        }
         let common = self.common(dt);
         let (law, method) = (&self.law, &self.method);
         let nodes_around = &self.nodes_around;
@@ -417,6 +453,15 @@ where
                 let flux: f64 = self.slots.iter().map(|s| s.report.flux[d].to_double()).sum();
                 self.loading.force[d] = traction[d] * self.loaded_area;
                 self.loading.power += traction[d] * flux;
+            }
+        }
+        if L::FIELD && K::DOES.field {
+            self.loading = Loading::default();
+            for slot in &self.slots {
+                self.loading.power += slot.report.power.to_double();
+                for d in 0..D {
+                    self.loading.force[d] += slot.report.flux[d].to_double();
+                }
             }
         }
         let mut rate = T::default();
@@ -453,7 +498,7 @@ where
     }
 
     fn take_in<K: PassKind>(&mut self, team: &Team) {
-        if !K::DOES.moves {
+        if !K::DOES.moves || M::Frame::TOTAL {
             return;
         }
         let common =
@@ -516,7 +561,10 @@ where
             state: Vec::new(),
         };
         for d in 0..D {
-            let cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
+            let mut cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
+            if M::Frame::TOTAL {
+                cells += numbers[self.columns.frame() + d].to_double();
+            }
             p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells;
             p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
         }
@@ -604,7 +652,12 @@ where
                 for d in 0..D {
                     square += numbers[Columns::velocity(D) + d] * numbers[Columns::velocity(D) + d];
                 }
-                if let Ok(state) = state {
+                let Ok(state) = state else { continue };
+                if M::Frame::TOTAL {
+                    let f = total::gradient::<T, D, M>(&numbers[self.columns.frame()..]);
+                    let c: T = total::speed(&self.law, &state, &total::inverse::<T::Single, D>(&f)).into();
+                    fastest = fastest.max(c);
+                } else {
                     let c: T = self.law.wave_speed(&state).into();
                     fastest = fastest.max(c + square.sqrt());
                 }
@@ -624,6 +677,8 @@ where
             Which::Map => self.sweep::<L::Pass<<M::Update as StressUpdate>::Map>>(nodes, dt, team),
             Which::First => self.sweep::<L::Pass<<M::Update as StressUpdate>::First>>(nodes, dt, team),
             Which::Second => self.sweep::<L::Pass<<M::Update as StressUpdate>::Second>>(nodes, dt, team),
+            // Known when compiling: a transfer that smooths nothing has no kernel for it.
+            Which::Smooth if <M::Transfer as Transfer<T>>::ORDER < 2 => Ok(T::default()),
             Which::Smooth => self.sweep::<Smooth>(nodes, dt, team),
         }
     }
@@ -736,6 +791,7 @@ where
             + self.wanted.capacity() * size_of::<[i32; D]>()
             + self.links.capacity() * size_of::<(u32, u32, usize)>()
             + self.outboxes.iter().map(sent).sum::<usize>()
+            + self.starts.capacity() * size_of::<[f64; D]>()
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
     }
     fn columns(&self) -> usize {

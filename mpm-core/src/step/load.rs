@@ -1,20 +1,26 @@
-//! Surface loads.
+//! Loads of a body: tractions on surface particles, and forces on all particles.
 
 use std::sync::Arc;
 
 use crate::geometry::Shape;
-use crate::scheme::{Loaded, PassKind};
+use crate::scheme::{Driven, Loaded, PassKind};
 
-/// A surface load as a type, so that a body without one carries nothing for it.
+/// A load as a type, so that a body without one carries nothing for it.
 pub trait Load<const D: usize>: Send + Sync + 'static {
-    /// Is there one?
+    /// Is there one on surfaces?
     const ACTS: bool;
+    /// Is there one on all particles?
+    const FIELD: bool = false;
     /// The pass `K` of a body with this load.
     type Pass<K: PassKind>: PassKind;
     /// Traction at a time (s), Pa.
     fn traction(&self, time: f64) -> [f64; D];
     /// Loaded area of a particle that takes the half sizes `half` (m) around `x` (m), m^2.
     fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64;
+    /// Acceleration, m/s^2, at a time (s) of the particle that started at `start`, m.
+    fn acceleration(&self, _start: &[f64; D], _time: f64) -> [f64; D] {
+        [0.0; D]
+    }
 }
 
 /// No surface load.
@@ -59,7 +65,32 @@ impl<const D: usize> Load<D> for Traction<D> {
     }
 }
 
-/// What a surface load gave to a body in a pass.
+/// An acceleration by the place where a particle started (m) and time (s), m/s^2.
+pub type Field<const D: usize> = Arc<dyn Fn(&[f64; D], f64) -> [f64; D] + Send + Sync>;
+
+/// A body force that varies in space and time, given at the particles by where they **started**: what a manufactured
+/// solution asks for, or a force field that is frozen into the material. A particle carries D numbers for it.
+#[derive(Clone)]
+pub struct FieldForce<const D: usize> {
+    /// The acceleration.
+    pub acceleration: Field<D>,
+}
+impl<const D: usize> Load<D> for FieldForce<D> {
+    const ACTS: bool = false;
+    const FIELD: bool = true;
+    type Pass<K: PassKind> = Driven<K>;
+    fn traction(&self, _time: f64) -> [f64; D] {
+        [0.0; D]
+    }
+    fn area(&self, _x: &[f64; D], _half: &[f64; D]) -> f64 {
+        0.0
+    }
+    fn acceleration(&self, start: &[f64; D], time: f64) -> [f64; D] {
+        (self.acceleration)(start, time)
+    }
+}
+
+/// What a load gave to a body in a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loading {
     /// Force, N.

@@ -22,12 +22,13 @@ mod solver;
 pub mod survey;
 pub mod sweep;
 pub mod tile;
+mod total;
 
 pub use body::{Body, Particle, ParticleBody, Totals};
 pub use contact::{Contact, ContactNode, OneField, PairContact};
 pub use control::TimeControl;
 pub(crate) use encounters::Encounters;
-pub use load::{Load, Traction, Unloaded};
+pub use load::{FieldForce, Load, Traction, Unloaded};
 pub use rigid::{Rigid, RigidState, Twist};
 pub use scene::SceneError;
 pub use solver::{Mpm, StepError, Stopped};

@@ -156,6 +156,17 @@ where
 {
     /// An empty scene whose bodies will meet by this contact algorithm.
     pub fn with_contact(method: M, grid: G, contact: K) -> Self {
+        const {
+            let total = <M::Frame as crate::Frame>::TOTAL;
+            assert!(
+                !(total && K::SEPARATES),
+                "bodies mapped in the reference configuration never meet: no contact"
+            );
+            assert!(
+                !(total && <M::Shape as ShapeFunction<T, D>>::CARRIES_DOMAIN),
+                "domains tile for ever in the reference configuration: use `Gimp` for `CpGimp`"
+            );
+        }
         Mpm {
             method,
             grid,
@@ -359,6 +370,9 @@ where
     /// An axis that does not exist, a symmetry plane between nodes, numbers that are not finite.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         boundary.check(self.grid.lattice())?;
+        if <M::Frame as crate::Frame>::TOTAL && matches!(boundary, Boundary::Wall { .. }) {
+            return Err(crate::boundary::BoundaryError::WallInReference.into());
+        }
         self.conditions.boundaries.push(boundary);
         self.arrange_planes();
         Ok(())

@@ -14,8 +14,10 @@ use super::layout::Nodes;
 use super::migrate::{Domains, send_away, take_in};
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::tile::{Reads, Stencilled, TileIn, clear_tile, tile_corner, tile_nodes};
+use super::total;
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
 use crate::embedding::Embedding;
+use crate::frame::Frame;
 use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel, Pack};
 use crate::particles::{Block, Columns, Outbox};
@@ -47,8 +49,10 @@ const AHEAD: usize = 4;
 pub struct Report<T> {
     /// Largest (c + |v|) / h, 1/s.
     pub rate: T,
-    /// Sum of loaded area times velocity, m^3/s.
+    /// Sum of loaded area times velocity, m^3/s; or the force of a force field, N.
     pub flux: [T; 3],
+    /// Power of a force field, W.
+    pub power: T,
     /// The first particle that cannot go on.
     pub trouble: Option<Trouble>,
 }
@@ -61,7 +65,7 @@ pub(super) fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>(
         momentum: does.momentum,
         affine: does.velocity && does.momentum && M::Transfer::AFFINE,
         force: does.force,
-        direct: does.force && (M::Embedding::HOOP || does.load),
+        direct: does.force && (M::Embedding::HOOP || does.load || does.field),
         together: does.force && does.momentum && M::MAPS_TOGETHER,
         least_squares: does.force && M::Transfer::LEAST_SQUARES,
     }
@@ -181,6 +185,7 @@ where
         let does = K::DOES;
         let maps = maps::<T, D, M, K>();
         let strain_first = matches!(does.strain, Some(Nodal::First));
+        let total = M::Frame::TOTAL;
         let stretches = ShapeOf::<M, T, D>::CARRIES_DOMAIN && does.moves;
         let slopes_first = strain_first || (stretches && does.strain.is_none());
         let strain_second = matches!(does.strain, Some(Nodal::Second));
@@ -219,6 +224,7 @@ where
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
         let mut rate = zero;
         let mut flux = [zero; 3];
+        let mut power = zero;
 
         let side = <ExtentOf<M, T, D> as Stencil>::TILE;
         let rows_in = if D == 3 { side * side } else { side };
@@ -265,7 +271,7 @@ where
                     };
                 }
                 let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
-                if !does.moves {
+                if !does.moves || total {
                     for d in 0..D {
                         at[d] = method.shape().weights(xi[d], domain[d]);
                     }
@@ -325,6 +331,14 @@ where
                 let cells = step * per_spacing;
                 let radius = xi[0].mul_add(spacing, bin_x);
 
+                // Deformation gradient, if mapped in the reference configuration, and its inverse.
+                let frame = rest.len() - 1 - total::rows::<T, D, M>();
+                let (mut f, mut inverse) = (Mat3::identity(), Mat3::identity());
+                if total && (does.strain.is_some() || does.force || does.moves) {
+                    f = total::load::<T, A::Pack, D, M>(&rest[frame..]);
+                    inverse = total::inverse::<A::Pack, D>(&f);
+                }
+
                 // Stress update, at the old position.
                 let mut stress = Sym3::<A::Pack>::zero();
                 let mut volume = zero;
@@ -332,6 +346,12 @@ where
                     let mut deformation = gradient * cells;
                     if M::Embedding::HOOP {
                         deformation.0[2][2] = step * hoop_velocity / radius;
+                    }
+                    if total {
+                        f = f + deformation;
+                        total::store::<T, A::Pack, D, M>(&f, &mut rest[frame..]);
+                        deformation = total::product::<A::Pack, D>(&deformation, &inverse);
+                        inverse = total::inverse::<A::Pack, D>(&f);
                     }
                     let kinematics = Kinematics { increment: deformation, dt, length: spacing };
                     let old = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
@@ -344,18 +364,30 @@ where
                         note_fault(report, bin, &numbers[..here], new.fault);
                     }
                     if does.force && common.speeds {
-                        rate = rate.max(A::Pack::select(alive, speed(law, &new.state, &v), zero));
+                        rate = rate.max(A::Pack::select(
+                            alive,
+                            signal::<T, A::Pack, C>(law, &new.state, &v, &inverse, total),
+                            zero,
+                        ));
                     }
                 } else if does.force {
                     let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
                     stress = law.stress(&now);
                     volume = law.volume_ratio(&now) * mass * per_density;
                     if common.speeds {
-                        rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
+                        rate = rate.max(A::Pack::select(
+                            alive,
+                            signal::<T, A::Pack, C>(law, &now, &v, &inverse, total),
+                            zero,
+                        ));
                     }
                 } else if does.moves && common.speeds {
                     let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
-                    rate = rate.max(A::Pack::select(alive, speed(law, &now, &v), zero));
+                    rate = rate.max(A::Pack::select(
+                        alive,
+                        signal::<T, A::Pack, C>(law, &now, &v, &inverse, total),
+                        zero,
+                    ));
                 }
 
                 // Domains keep their sizes until the particles move, so that all passes of a step use the same
@@ -369,7 +401,12 @@ where
 
                 // Position.
                 let mut stays = !0;
-                if does.moves {
+                if does.moves && total {
+                    for d in 0..D {
+                        let moved = cells.mul_add(nodal[d], A::Pack::load(&rest[frame + d]));
+                        moved.store(&mut rest[frame + d]);
+                    }
+                } else if does.moves {
                     let mut inside = <A::Pack as Lane>::Mask::splat(true);
                     for d in 0..D {
                         xi[d] = cells.mul_add(nodal[d], xi[d]);
@@ -388,7 +425,10 @@ where
                 if maps.together {
                     force_scale = force_scale * A::Pack::splat(common.next_dt);
                 }
-                let mut force = stress * -force_scale;
+                // In the reference configuration not symmetric.
+                let carried =
+                    if total { total::nominal::<A::Pack, D>(&stress, &inverse) } else { stress.to_mat() };
+                let mut force = carried * -force_scale;
                 let mut momenta = [[zero; 3]; 3];
                 for d in 0..D {
                     for c in 0..D {
@@ -397,19 +437,19 @@ where
                         }
                         if maps.least_squares {
                             momenta[c][d] = momenta[c][d]
-                                + force.at(c, d) * method.shape().inertia(xi[d], domain[d]).recip();
+                                + force.0[c][d] * method.shape().inertia(xi[d], domain[d]).recip();
                         }
                     }
                 }
                 if maps.least_squares {
-                    force = Sym3::zero();
+                    force = Mat3::zero();
                 }
                 let mut impulse = [mass * momentum[0], mass * momentum[1], mass * momentum[2]];
                 if maps.direct {
                     let mut direct = [zero; 3];
                     if M::Embedding::HOOP {
                         // The radius of the new position, like the weights.
-                        direct[0] = -(volume * stress.0[2]) / xi[0].mul_add(spacing, bin_x);
+                        direct[0] = -(volume * carried.0[2][2]) / xi[0].mul_add(spacing, bin_x);
                     }
                     if does.load {
                         let columns = if ShapeOf::<M, T, D>::CARRIES_DOMAIN { D } else { 0 };
@@ -417,6 +457,15 @@ where
                         for d in 0..D {
                             direct[d] = area.mul_add(A::Pack::splat(common.traction[d]), direct[d]);
                             flux[d] = area.mul_add(v[d], flux[d]);
+                        }
+                    }
+                    if does.field {
+                        let column = frame - D;
+                        for d in 0..D {
+                            let push = mass * A::Pack::load(&rest[column + d]);
+                            direct[d] = direct[d] + push;
+                            flux[d] = flux[d] + push;
+                            power = push.mul_add(v[d], power);
                         }
                     }
                     for d in 0..D {
@@ -431,7 +480,7 @@ where
                 }
                 fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, &force, maps);
                 spread.fill(&at, maps.slopes());
-                if does.moves {
+                if does.moves && !total {
                     let gone = !stays & ((1 << here) - 1);
                     if gone != 0 {
                         send_away::<T, D>(block, outbox, report, (bin, group, gone), &mut records, maps);
@@ -457,7 +506,7 @@ where
                 }
             }
         }
-        if does.moves {
+        if does.moves && !total {
             let here = neighbours(D) / 2;
             let scratch = (&mut records, &mut spread);
             take_in::<T, A, D, M, K>(method, block, tile, outbox, here, common.domains, scratch);
@@ -467,6 +516,7 @@ where
             for d in 0..D {
                 report.flux[d] += flux[d].lane(i);
             }
+            report.power += power.lane(i);
         }
         report.rate /= common.spacing;
     }
@@ -491,7 +541,7 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     mut p: [A::Pack; 3],
     affine: &[[A::Pack; 3]; 3],
     xi: &[A::Pack; 3],
-    force: &Sym3<A::Pack>,
+    force: &Mat3<A::Pack>,
     maps: Maps,
 ) {
     let zero = A::Pack::zero();
@@ -509,10 +559,21 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     }
     if maps.slopes() {
         for d in 0..D {
-            let third = if D == 3 { force.at(2, d) } else { zero };
-            A::Pack::records(zero, force.at(0, d), force.at(1, d), third, &mut records[FORCE + d]);
+            let third = if D == 3 { force.0[2][d] } else { zero };
+            A::Pack::records(zero, force.0[0][d], force.0[1][d], third, &mut records[FORCE + d]);
         }
     }
+}
+
+/// Speed of signals over the cells, m/s: past a particle, or through the reference configuration.
+#[inline(always)]
+fn signal<T, P, C>(law: &C, now: &C::State<P>, v: &[P; 3], inverse: &Mat3<P>, total: bool) -> P
+where
+    T: Float,
+    P: Pack<T>,
+    C: Constitutive<T>,
+{
+    if total { total::speed::<T, P, C>(law, now, inverse) } else { speed(law, now, v) }
 }
 
 #[cold]

@@ -1,0 +1,213 @@
+//! Total-Lagrangian steps equal the plain reference within round-off, and do what their configuration promises.
+
+use std::sync::Arc;
+
+use impactite_tests::compare::{compare, fast, particles, plain, run_both, surround};
+use impactite_tests::reference::{Order, Rule};
+use impactite_tests::scene::{self, Scene, block, metal, moduli, rubber};
+use mpm_core::geometry::Lattice;
+use mpm_core::{
+    Apic, Axisymmetric, BlockGrid, Boundary, BoundaryModified, Composition, CubicBSpline, FieldForce, Flip,
+    Fmpm, FullSpace, Gimp, Linear, Method, Mls, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Side, Team,
+    TimeControl, Usf, Usl,
+};
+use mpm_materials::{JohnsonCook, MieGruneisen, NeoHookean, Solid};
+
+/// As for updated-Lagrangian steps (`reference_2d.rs`).
+const TOLERANCE: f64 = 1e-11;
+
+/// The scene with fixed planes for walls, and its end clamped there.
+fn clamped<const D: usize>(mut scene: Scene<D>) -> Scene<D> {
+    for boundary in &mut scene.boundaries {
+        if let Boundary::Wall { axis, at, side, .. } = *boundary {
+            *boundary = Boundary::Fixed { axis, at, side };
+        }
+    }
+    scene
+}
+
+macro_rules! table {
+    ($($name:ident: $shape:expr, $transfer:expr, $rule:expr, $order:ident, $space:ident, [$($scene:expr),*], $law:expr;)*) => {$(
+        #[test]
+        fn $name() {
+            $(
+                let scene = clamped($scene);
+                let method = Method::new($shape, $transfer, $order, $space).total_lagrangian();
+                let found = compare(method, $shape, $rule, Order::$order, &scene, &$law);
+                println!("{}: {found:?}", scene.name);
+                assert!(found.worst() < TOLERANCE, "{}: {found:?}", scene.name);
+            )*
+        }
+    )*};
+}
+
+table! {
+    linear_flip_musl: Linear, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    gimp_flip_usf: Gimp, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], metal();
+    quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    quadratic_mls_usl: QuadraticBSpline, Mls, Rule::Mls, Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    quadratic_pic_usf: QuadraticBSpline, Pic, Rule::Pic, Usf, PlaneStrain, [scene::flow()], metal();
+    modified_quadratic_flip_usl: BoundaryModified(QuadraticBSpline), Flip, Rule::Flip, Usl, PlaneStrain, [scene::bar(), scene::collision()], metal();
+    cubic_fmpm4_usl: CubicBSpline, Fmpm::<4>, Rule::Fmpm(4), Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    axisymmetric_linear_flip_musl: Linear, Flip, Rule::Flip, Musl, Axisymmetric, [scene::cylinder()], rubber();
+    axisymmetric_quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, Axisymmetric, [scene::cylinder()], metal();
+    solid_linear_flip_usl: Linear, Flip, Rule::Flip, Usl, FullSpace, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    solid_quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, FullSpace, [scene::flow(), scene::bar()], metal();
+    solid_cubic_flip_musl: CubicBSpline, Flip, Rule::Flip, Musl, FullSpace, [scene::flow()], rubber();
+}
+
+/// A law with a history and an equation of state: the rate form sees the increment of the motion.
+#[test]
+fn copper_yields_in_both_configurations_alike() {
+    let law = Solid::new(JohnsonCook::<f64>::copper_taylor(), MieGruneisen::copper());
+    let lattice = Lattice::new([0.0; 2], 1e-3).expect("lattice");
+    let seeds = block(&lattice, [1, 1], [4, 4], 2, 0.0);
+    // Simple shear and squeeze, the same for all points: no node is nearer to one than to another, so that both
+    // configurations have one answer, but for the kinks of moving weights at the free rim.
+    let dt = 2e-9;
+    let v = |x: [f64; 2]| [2e4 * (x[1] - 3e-3), -1e4 * (x[1] - 3e-3)];
+    let mut still = Mpm::<f64, 2, _, _>::new(
+        Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian(),
+        BlockGrid::new(lattice),
+    );
+    let mut moving =
+        Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Usl, PlaneStrain), BlockGrid::new(lattice));
+    still.add("copper", law, &seeds, v).expect("body");
+    moving.add("copper", law, &seeds, v).expect("body");
+    still.set_time_control(TimeControl::Fixed(dt)).expect("control");
+    moving.set_time_control(TimeControl::Fixed(dt)).expect("control");
+    still.step().expect("step");
+    moving.step().expect("step");
+    // The first step is the same in both: the configurations are still one.
+    for (a, b) in particles(&still)[0].iter().zip(&particles(&moving)[0]) {
+        for (x, y) in a.state.iter().zip(&b.state) {
+            assert!((x - y).abs() <= 1e-12 * x.abs().max(1.0), "{:?} {:?}", a.state, b.state);
+        }
+    }
+    for _ in 0..300 {
+        still.step().expect("step");
+        moving.step().expect("step");
+    }
+    let yielded = particles(&still)[0].iter().map(|p| p.state[8]).fold(0.0, f64::max);
+    assert!(yielded > 5e-3, "plastic strain {yielded}");
+    for (a, b) in particles(&still)[0].iter().zip(&particles(&moving)[0]) {
+        let inside = (0..2).all(|d| (seeds.positions[a.number][d] - 3e-3).abs() < 1e-3);
+        if inside {
+            // Positions differ by what 0.8 % of strain moves quadrature points: squares of that, in stress 2 %.
+            assert!((a.state[8] - b.state[8]).abs() < 0.05 * yielded, "{:?} {:?}", a.state, b.state);
+        }
+    }
+}
+
+/// A rigid flight and turn: nothing crosses, no stress arises but that of a finite step.
+#[test]
+fn a_block_flies_without_stress() {
+    let lattice = scene::lattice::<3>();
+    let seeds = block(&lattice, [0; 3], [3; 3], 2, 0.4);
+    let method = Method::new(QuadraticBSpline, Flip, Usl, FullSpace).total_lagrangian();
+    let mut mpm = Mpm::<f64, 3, _, _>::new(method, BlockGrid::new(lattice));
+    mpm.add("block", rubber(), &seeds, |_| [3.0, -1.0, 0.5]).expect("body");
+    mpm.set_time_control(TimeControl::Fixed(0.01)).expect("control");
+    mpm.run_until(5.0).expect("run");
+    for p in &particles(&mpm)[0] {
+        for (d, v) in [3.0, -1.0, 0.5].into_iter().enumerate() {
+            let error = p.position[d] - seeds.positions[p.number][d] - 5.0 * v;
+            // 500 additions of round-off of 150 cells.
+            assert!(error.abs() < 1e-11, "{p:?}");
+        }
+        // Round-off of velocities of 3 over a cell of 0.1, 500 times: 500 x 1e-16 x 30 x dt of strain.
+        assert!(p.stress.iter().all(|s| s.abs() < 1e-12 * scene::YOUNG), "{p:?}");
+    }
+}
+
+/// A force field by where particles started, in both configurations, against the plain reference.
+fn driven<M: Composition<f64, 2>>(method: M) {
+    use mpm_core::Frame;
+    let scene = scene::flow::<2>();
+    let field = |x: &[f64; 2], t: f64| [0.7 * (9.0 * x[1]).sin() + t, 2.0 * x[0] * (30.0 * t).cos()];
+    let mut mpm = Mpm::new(method, BlockGrid::new(scene.lattice));
+    let mut reference = plain(QuadraticBSpline, Rule::Apic, Order::Usl, &scene);
+    reference.total = M::Frame::TOTAL;
+    reference.field = Some(Box::new(field));
+    for (seeds, velocity) in &scene.bodies {
+        mpm.add_loaded("block", rubber(), seeds, velocity, FieldForce { acceleration: Arc::new(field) })
+            .expect("body");
+        reference.add(rubber(), seeds, velocity);
+    }
+    surround(&mut mpm, &scene);
+    let before = mpm.totals();
+    let found = run_both(&mut mpm, &mut reference, &scene);
+    assert!(found.worst() < TOLERANCE, "{found:?}");
+    let (after, ledger) = (mpm.totals(), mpm.ledger());
+    for d in 0..2 {
+        let gained = after.momentum[d] - before.momentum[d] - ledger.load[d];
+        assert!(gained.abs() < 1e-12 * after.momentum_scale, "component {d}: momentum error {gained:e}");
+    }
+}
+
+#[test]
+fn a_force_field_on_moving_particles() {
+    driven(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain));
+}
+
+#[test]
+fn a_force_field_in_the_reference_configuration() {
+    driven(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain).total_lagrangian());
+}
+
+/// The same bits for any number of threads.
+#[test]
+fn threads_change_nothing() {
+    let run = |threads: usize| {
+        let scene = clamped(scene::bar::<3>());
+        let method = Method::new(CubicBSpline, Fmpm::<2>, Usl, FullSpace).total_lagrangian();
+        let mut mpm = fast::<f64, 3, _, _, _>(method, BlockGrid::new(scene.lattice), &scene, &rubber());
+        mpm.set_team(Team::new(threads).expect("team"));
+        for _ in 0..scene.steps {
+            mpm.step().expect("step");
+        }
+        particles(&mpm)
+    };
+    let one = run(1);
+    for threads in 2..=4 {
+        assert_eq!(one, run(threads), "{threads} threads");
+    }
+}
+
+/// The default step follows the compression of the reference cells: squeezed to a third along x, a cell is crossed
+/// in a third of the time by waves that are faster than at rest.
+#[test]
+fn the_step_shrinks_with_the_cells() {
+    let lattice = Lattice::new([0.0; 2], 0.1).expect("lattice");
+    let law = NeoHookean::new(scene::DENSITY, moduli()).expect("law");
+    let seeds = block(&lattice, [0, 0], [4, 4], 2, 0.0);
+    let method = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    mpm.add("block", law, &seeds, |x| [-1e3 * x[0], 0.0]).expect("body");
+    mpm.set_time_control(TimeControl::Fixed(6.666e-4)).expect("control");
+    mpm.step().expect("step");
+    let rate = mpm.bodies()[0].rate(0.1);
+    let squeezed = 1.0 - 1e3 * 6.666e-4;
+    // In the middle; at the rim a lumped map does not reproduce the velocity.
+    let all = particles(&mpm);
+    let middle = |p: &&mpm_core::Particle| (0..2).all(|d| (seeds.positions[p.number][d] - 0.2).abs() < 0.1);
+    let p = all[0].iter().find(middle).expect("a particle in the middle");
+    assert!((p.state[0] - squeezed).abs() < 1e-9, "{p:?}");
+    // rho c^2 = [lambda (1 - ln J) + 2 G] / J along x for a neo-Hookean point squeezed to J, of density rho0 / J; in
+    // reference cells sqrt([lambda (1 - ln J) + 2 G] / rho0) / J; the law's own bound is never below it.
+    let m = moduli();
+    let exact =
+        ((m.lambda() * (1.0 - squeezed.ln()) + 2.0 * m.shear) / scene::DENSITY).sqrt() / squeezed / 0.1;
+    // The law's bound of the largest stretch (1) from the invariants of b is (4 - J^2) / 3: 2.9 % more speed.
+    assert!(rate > exact * (1.0 - 1e-9) && rate < 1.03 * exact, "{rate} {exact}");
+}
+
+#[test]
+fn a_wall_is_refused() {
+    let method = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
+    let mut mpm =
+        Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(Lattice::new([0.0; 2], 0.1).expect("lattice")));
+    let wall = Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 };
+    let error = mpm.bound(wall).expect_err("refused").to_string();
+    assert!(error.contains("wall") && error.contains("prescribed velocity"), "{error}");
+}

@@ -1,0 +1,61 @@
+//! The cases whose errors are stored, and that the tests run: some tens of seconds in all on two cores.
+
+use crate::case::{Case, Problem};
+use crate::problems::gas::{tube_schemes, vortices_schemes};
+use crate::problems::solid_schemes;
+use crate::scheme::{Kernel, Scheme, Velocity};
+
+/// All of them.
+pub fn cases() -> Vec<Case> {
+    let mut list = Vec::new();
+    let all = Scheme::all();
+    add(&mut list, Problem::Bar, &all, 2, &[10, 20, 40], |_| 0.3);
+    add(&mut list, Problem::Drift, &all, 2, &[20], |_| 0.3);
+    add(&mut list, Problem::Axes, &all, 2, &[16, 32, 64], |_| 0.2);
+    // Smaller steps on finer grids, so that the second order of time does not cover a higher one of space.
+    let sharp = [Scheme::total(Kernel::Cubic, Velocity::Fmpm4Usl)];
+    add(&mut list, Problem::Axes, &sharp, 2, &[12, 24, 48], |cells| 2.4 / cells as f64);
+    add(&mut list, Problem::Axes3, &solid_schemes(), 2, &[6, 12, 24], |_| 0.2);
+    let total: Vec<Scheme> = all.iter().copied().filter(|s| s.total).collect();
+    add(&mut list, Problem::Vortex, &total, 3, &[32, 48, 64], |_| 0.05);
+    let moving = [Kernel::CpGimp, Kernel::Quadratic, Kernel::Cubic]
+        .map(|kernel| Scheme::moving(kernel, Velocity::ApicUsl));
+    add(&mut list, Problem::Vortex, &moving, 2, &[16, 32, 64], |_| 0.05);
+    add(&mut list, Problem::Ring, &all, 2, &[4, 8, 16], |_| 0.3);
+    add(&mut list, Problem::Flight, &all, 2, &[20], |_| 0.3);
+    // Not FLIP, whose trembling over thousands of steps no table can hold.
+    let filtered: Vec<Scheme> = all
+        .iter()
+        .copied()
+        .filter(|s| matches!(s.kernel, Kernel::Quadratic | Kernel::Cubic))
+        .filter(|s| matches!(s.velocity, Velocity::ApicUsl | Velocity::Fmpm4Usl))
+        .collect();
+    add(&mut list, Problem::Turn, &filtered, 2, &[4], |_| 0.4);
+    add(&mut list, Problem::Pulse, &all, 2, &[50, 100, 200], |_| 0.3);
+    for problem in [Problem::Sod, Problem::SodBare] {
+        add(&mut list, problem, &tube_schemes(), 2, &[100, 200, 400], |_| 0.3);
+    }
+    let squeezed: Vec<Scheme> = all
+        .iter()
+        .copied()
+        .filter(|s| s.velocity == Velocity::FlipMusl || s.velocity == Velocity::ApicUsl)
+        .collect();
+    add(&mut list, Problem::Column, &squeezed, 2, &[8, 16, 32, 64], |_| 0.3);
+    add(&mut list, Problem::TaylorGreen, &vortices_schemes(), 2, &[8, 16, 32], |_| 0.3);
+    list
+}
+
+fn add(
+    list: &mut Vec<Case>,
+    problem: Problem,
+    schemes: &[Scheme],
+    per_axis: usize,
+    cells: &[usize],
+    courant: impl Fn(usize) -> f64,
+) {
+    for &scheme in schemes {
+        for &cells in cells {
+            list.push(Case { problem, scheme, per_axis, cells, courant: courant(cells) });
+        }
+    }
+}

@@ -1,0 +1,98 @@
+//! Bars with E = rho = length = 1 and nu = 0, so that c = 1: V1, V2, V7. A row of cells between planes of symmetry.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use mpm_core::{Boundary, Side};
+use mpm_materials::NeoHookean;
+
+use crate::case::{Case, Outcome};
+use crate::problems::{box_of_planes, lattice, rubber, run_plane};
+use crate::scene::{Norm, Scene, block};
+
+fn scene(
+    case: &Case,
+    velocity: impl Fn(f64) -> f64 + 'static,
+    duration: f64,
+) -> Result<Scene<NeoHookean<f64>, 2>, String> {
+    let h = 1.0 / case.cells as f64;
+    let lattice = lattice([0.0; 2], h)?;
+    let dt = case.courant * h;
+    Ok(Scene {
+        lattice,
+        seeds: block(&lattice, [0; 2], [case.cells, 1], case.per_axis),
+        law: rubber(1.0, 1.0, 0.0)?,
+        velocity: Box::new(move |x| [velocity(x[0]), 0.0]),
+        field: None,
+        boundaries: box_of_planes(1..2, 0.0, h),
+        dt,
+        steps: (duration / dt).round() as u64,
+        every: 1,
+    })
+}
+
+/// V1: a bar held at one end swings in its first mode, v = V cos(w t) sin(b x), b = pi/2, w = b c, V = 1e-5 c. `cells` are those
+/// of the bar, half of them in a half wave. Measured is the period, from five of them, by the changes of sign of the
+/// momentum; "period" is its relative error.
+pub(crate) fn period(case: &Case) -> Result<Outcome, String> {
+    let mut scene = scene(case, |x| 1e-5 * (FRAC_PI_2 * x).sin(), 5.2 * 4.0)?;
+    scene.boundaries.push(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above });
+    let (mut crossings, mut last) = (Vec::new(), 0.0);
+    let dt = scene.dt;
+    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+        let now = moment.totals().momentum[0];
+        if last * now < 0.0 {
+            crossings.push(moment.time - dt + dt * last / (last - now));
+        }
+        last = now;
+    });
+    let period = match crossings[..] {
+        [first, .., last] => 2.0 * (last - first) / (crossings.len() as f64 - 1.0),
+        _ => f64::NAN,
+    };
+    Ok(outcome.with("period", period / 4.0 - 1.0))
+}
+
+/// V2: a free bar flies at 0.05 c and swings in its first mode with 0.05 c, ten periods, so that particles cross cells
+/// at large strain. Measured is the change of the energy, as seen by the centre of mass, between the means over the first and the last
+/// period.
+pub(crate) fn drift(case: &Case) -> Result<Outcome, String> {
+    let speed = 0.05;
+    let scene = scene(case, move |x| speed * (1.0 + (PI * x).cos()), 20.0)?;
+    let length = scene.steps / 10;
+    let (mut first, mut last, mut step) = (0.0, 0.0, 0);
+    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+        let t = moment.totals();
+        let drift = t.momentum[0] / t.mass;
+        let energy = t.kinetic + t.internal - 0.5 * t.mass * drift * drift;
+        if step < length {
+            first += energy;
+        }
+        if step >= 9 * length && step < 10 * length {
+            last += energy;
+        }
+        step += 1;
+    });
+    Ok(outcome.with("energy", last / first - 1.0))
+}
+
+/// V7: a bump of velocity, V exp(-((x - 1/2) / s)^2) with s = 0.08, splits into two that run apart (d'Alembert):
+/// v = [V(x - t) + V(x + t)] / 2. V = 1e-5 c. Measured is the root mean square of the error at t = 0.25, over V.
+pub(crate) fn pulse(case: &Case) -> Result<Outcome, String> {
+    let size = 1e-5;
+    let bump = |x: f64| (-((x - 0.5) / 0.08).powi(2)).exp();
+    // Half a step before the start the bump is at its middle, and there is no acceleration: v(-dt/2) = V + O(dt^2).
+    let mut scene = scene(case, move |x| size * bump(x), 0.25)?;
+    scene.boundaries.extend(box_of_planes::<2>(0..1, 0.0, 1.0));
+    scene.every = scene.steps;
+    let mut error = f64::NAN;
+    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+        let mut of_v = Norm::default();
+        let t = moment.velocity_time;
+        moment.for_each(&mut |p| {
+            let x = moment.starts[p.number][0];
+            of_v.add(p.mass, &[p.velocity[0] / size - 0.5 * (bump(x - t) + bump(x + t))]);
+        });
+        error = of_v.l2();
+    });
+    Ok(outcome.with("v", error))
+}

@@ -1,0 +1,221 @@
+//! Sod's shock tube (V13) and Taylor-Green vortices (V22).
+
+use std::f64::consts::PI;
+
+use mpm_core::{
+    Apic, BlockGrid, Composition, CpGimp, CubicBSpline, Flip, Fmpm, Linear, Method, Mpm, Musl, PlaneStrain,
+    QuadraticBSpline, TimeControl, Usl,
+};
+use mpm_materials::fluid::FluidState;
+use mpm_materials::{Fluid, IdealGas, Newtonian, Tait};
+
+use crate::case::{Case, Outcome};
+use crate::problems::{box_of_planes, lattice};
+use crate::scene::{Ended, Moment, Norm, Run, Scene, block};
+use crate::scheme::{Kernel, Scheme, Velocity, Visit};
+use crate::work::{Stopwatch, Work};
+
+const GAMMA: f64 = 1.4;
+/// Of the contact and the shock.
+const PLATEAU_PRESSURE: f64 = 0.303130;
+const PLATEAU_SPEED: f64 = 0.927453;
+const LEFT_DENSITY: f64 = 0.426319;
+const RIGHT_DENSITY: f64 = 0.265574;
+const SHOCK: f64 = 1.752156;
+/// Tail of the rarefaction.
+const TAIL: f64 = -0.070273;
+const END: f64 = 0.2;
+
+/// Density at x / t.
+fn density(s: f64) -> f64 {
+    let c = GAMMA.sqrt();
+    if s < -c {
+        1.0
+    } else if s < TAIL {
+        let speed = 2.0 / (GAMMA + 1.0) * (c + s);
+        (1.0 - 0.5 * (GAMMA - 1.0) * speed / c).powf(2.0 / (GAMMA - 1.0))
+    } else if s < PLATEAU_SPEED {
+        LEFT_DENSITY
+    } else if s < SHOCK {
+        RIGHT_DENSITY
+    } else {
+        0.125
+    }
+}
+
+struct Tube<'a> {
+    case: &'a Case,
+    viscous: bool,
+}
+
+/// What is measured of the tube.
+#[derive(Clone, Copy, Debug, Default)]
+struct Profile {
+    density: f64,
+    pressure: f64,
+    overshoot: f64,
+}
+
+impl Visit<2> for Tube<'_> {
+    type Output = Result<(Ended, Profile), String>;
+
+    fn with<M: Composition<f64, 2>>(self, method: M) -> Self::Output {
+        let Tube { case, viscous } = self;
+        let h = 1.0 / case.cells as f64;
+        let lattice = lattice([0.0; 2], h)?;
+        let gas = IdealGas::new(1.0, GAMMA, 1.0).map_err(|e| e.to_string())?;
+        let (linear, quadratic) = if viscous { (0.5, 2.0) } else { (0.0, 0.0) };
+        let law = Fluid::new(gas).with_bulk_viscosity(linear, quadratic).map_err(|e| e.to_string())?;
+        let seeds = block(&lattice, [0; 2], [case.cells, 1], case.per_axis);
+        let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice));
+        // One gas: on the right at an eighth of the density and a tenth of the pressure, p = 0.4 e / J.
+        let state = |x: [f64; 2]| {
+            let (volume_ratio, energy) = if x[0] < 0.5 { (1.0, 2.5) } else { (8.0, 2.0) };
+            FluidState { volume_ratio, energy, viscous_stress: (), viscous_pressure: 0.0 }
+        };
+        mpm.add_in_state("gas", law, &seeds, |_| [0.0; 2], state).map_err(|e| e.to_string())?;
+        let mut boundaries = box_of_planes(0..1, 0.0, 1.0);
+        boundaries.extend(box_of_planes(1..2, 0.0, h));
+        for boundary in boundaries {
+            mpm.bound(boundary).map_err(|e| e.to_string())?;
+        }
+        // The fastest signal is that of the shock.
+        let steps = (END * 2.0 / (case.courant * h)).ceil() as u64;
+        mpm.set_time_control(TimeControl::Fixed(END / steps as f64)).map_err(|e| e.to_string())?;
+        let mut work = Work { particles: seeds.positions.len() as u64, ..Work::default() };
+        let mut profile = Profile::default();
+        let watch = Stopwatch::start();
+        for _ in 0..steps {
+            if let Err(error) = mpm.step() {
+                return Ok(((work, Some(error.to_string())), profile));
+            }
+            work.steps += 1;
+        }
+        work.seconds = watch.seconds();
+        let (mut error, mut pressure, mut inside, mut fastest) = (0.0, 0.0, 0.0, 0.0f64);
+        // A fifth of the plateau at either end is left out.
+        let margin = 0.2 * (SHOCK - TAIL);
+        mpm.bodies()[0].for_each(&mut |p| {
+            let s = (p.position[0] - 0.5) / END;
+            // Per metre of the tube.
+            error += p.volume / h * (p.mass / p.volume - density(s)).abs();
+            if s > TAIL + margin && s < SHOCK - margin {
+                pressure -= p.volume * (p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
+                inside += p.volume;
+            }
+            fastest = fastest.max(p.velocity[0]);
+        });
+        profile.density = error;
+        profile.pressure = pressure / inside / PLATEAU_PRESSURE - 1.0;
+        profile.overshoot = fastest / PLATEAU_SPEED - 1.0;
+        Ok(((work, None), profile))
+    }
+}
+
+/// The schemes that Sod's tube is compiled for.
+pub fn tube_schemes() -> Vec<Scheme> {
+    vec![
+        Scheme::moving(Kernel::Linear, Velocity::FlipMusl),
+        Scheme::moving(Kernel::CpGimp, Velocity::FlipUsl),
+        Scheme::moving(Kernel::Quadratic, Velocity::FlipUsl),
+        Scheme::moving(Kernel::Quadratic, Velocity::ApicUsl),
+        Scheme::moving(Kernel::Quadratic, Velocity::Fmpm4Usl),
+        Scheme::moving(Kernel::Cubic, Velocity::ApicUsl),
+    ]
+}
+
+/// V13, Sod: gamma 1.4, (rho, u, p) = (1, 0, 1) and (0.125, 0, 0.1), a tube of length 1 with its middle as diaphragm, to t
+/// = 0.2, with bulk viscosity of q1 = 0.5, q2 = 2 or without. `cells` are those of the tube; particles are of one size, so that
+/// those on the right weigh an eighth. "density" is the L1 norm of its error, "pressure" the relative error of the mean on the plateau,
+/// "overshoot" the largest speed over that of the plateau, less 1.
+pub(crate) fn sod(case: &Case, viscous: bool) -> Result<Outcome, String> {
+    let tube = Tube { case, viscous };
+    let space = PlaneStrain;
+    let made = match (case.scheme.kernel, case.scheme.velocity, case.scheme.total) {
+        (Kernel::Linear, Velocity::FlipMusl, false) => tube.with(Method::new(Linear, Flip, Musl, space)),
+        (Kernel::CpGimp, Velocity::FlipUsl, false) => tube.with(Method::new(CpGimp, Flip, Usl, space)),
+        (Kernel::Quadratic, Velocity::FlipUsl, false) => {
+            tube.with(Method::new(QuadraticBSpline, Flip, Usl, space))
+        }
+        (Kernel::Quadratic, Velocity::ApicUsl, false) => {
+            tube.with(Method::new(QuadraticBSpline, Apic, Usl, space))
+        }
+        (Kernel::Quadratic, Velocity::Fmpm4Usl, false) => {
+            tube.with(Method::new(QuadraticBSpline, Fmpm::<4>, Usl, space))
+        }
+        (Kernel::Cubic, Velocity::ApicUsl, false) => tube.with(Method::new(CubicBSpline, Apic, Usl, space)),
+        _ => return Err("Sod's tube is not compiled for this scheme".into()),
+    };
+    let (ended, profile) = made?;
+    let outcome = Outcome::of(case.scheme, 2, Some(ended));
+    Ok(outcome
+        .with("density", profile.density)
+        .with("pressure", profile.pressure)
+        .with("overshoot", profile.overshoot))
+}
+
+/// The schemes that Taylor-Green vortices are compiled for.
+pub fn vortices_schemes() -> Vec<Scheme> {
+    vec![
+        Scheme::moving(Kernel::Quadratic, Velocity::FlipUsl),
+        Scheme::moving(Kernel::Quadratic, Velocity::ApicUsl),
+        Scheme::moving(Kernel::Cubic, Velocity::ApicUsl),
+    ]
+}
+
+/// V22: v = V (sin k x cos k y, -cos k x sin k y) in a unit square between planes of symmetry, k = pi, falls as
+/// exp(-2 nu k^2 t) where the fluid is incompressible. Here V = 0.05 c in Tait water, nu so that the fall is by e in 1 / V, Reynolds
+/// number 20. Measured is the part of the field that is left at that time (its projection), over exp(-1), less 1.
+pub(crate) fn taylor_green(case: &Case) -> Result<Outcome, String> {
+    let h = 1.0 / case.cells as f64;
+    let lattice = lattice([0.0; 2], h)?;
+    let speed = 0.05;
+    let end = 1.0 / speed;
+    let nu = speed / (2.0 * PI * PI);
+    let tait = Tait::new(1.0, 1.0).map_err(|e| e.to_string())?;
+    let law = Fluid::new(tait).with_shear_viscosity(Newtonian::new(nu).map_err(|e| e.to_string())?);
+    let field = |x: [f64; 2]| {
+        let ((sx, cx), (sy, cy)) = ((PI * x[0]).sin_cos(), (PI * x[1]).sin_cos());
+        [sx * cy, -cx * sy]
+    };
+    let steps = (end / (case.courant * h)).ceil() as u64;
+    let scene = Scene {
+        lattice,
+        seeds: block(&lattice, [0; 2], [case.cells; 2], case.per_axis),
+        law,
+        velocity: Box::new(move |x| field(x).map(|v| speed * v)),
+        field: None,
+        boundaries: box_of_planes(0..2, 0.0, 1.0),
+        dt: end / steps as f64,
+        steps,
+        every: steps,
+    };
+    let (mut left, mut rest) = (f64::NAN, f64::NAN);
+    let mut look = |moment: &Moment<'_, 2>| {
+        let (mut along, mut square) = (0.0, 0.0);
+        let mut of_v = Norm::default();
+        let exact = (-1.0f64).exp();
+        moment.for_each(&mut |p| {
+            let v = field([p.position[0], p.position[1]]);
+            along += p.volume * (p.velocity[0] * v[0] + p.velocity[1] * v[1]) / speed;
+            square += p.volume * (v[0] * v[0] + v[1] * v[1]);
+            of_v.add(p.volume, &[0, 1].map(|d| p.velocity[d] / speed - exact * v[d]));
+        });
+        left = along / square / exact - 1.0;
+        rest = of_v.l2();
+    };
+    let run = Run { scene: &scene, look: &mut look };
+    let ended = match (case.scheme.kernel, case.scheme.velocity, case.scheme.total) {
+        (Kernel::Quadratic, Velocity::FlipUsl, false) => {
+            run.with(Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain))
+        }
+        (Kernel::Quadratic, Velocity::ApicUsl, false) => {
+            run.with(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain))
+        }
+        (Kernel::Cubic, Velocity::ApicUsl, false) => {
+            run.with(Method::new(CubicBSpline, Apic, Usl, PlaneStrain))
+        }
+        _ => return Err("Taylor-Green vortices are not compiled for this scheme".into()),
+    };
+    Ok(Outcome::of(case.scheme, 2, Some(ended)).with("left", left).with("v", rest))
+}

@@ -1,0 +1,206 @@
+//! Schemes: which method, named at run time.
+
+use mpm_core::{
+    AffineShape, Apic, Composition, CpGimp, CubicBSpline, Embedding, Flip, Fmpm, Gimp, Linear, Method, Musl,
+    QuadraticBSpline, ShapeFunction, Usl,
+};
+
+/// Shape functions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kernel {
+    /// Linear hat.
+    Linear,
+    /// GIMP of fixed boxes.
+    Gimp,
+    /// GIMP of boxes that follow the stretch.
+    CpGimp,
+    /// Quadratic B-spline.
+    Quadratic,
+    /// Cubic B-spline.
+    Cubic,
+}
+
+/// Transfer and stress update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Velocity {
+    /// FLIP, stress last.
+    FlipUsl,
+    /// FLIP, stress last from momentum mapped again.
+    FlipMusl,
+    /// APIC, stress last.
+    ApicUsl,
+    /// FMPM(4), stress last.
+    Fmpm4Usl,
+}
+
+/// A method by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Scheme {
+    /// Shape function.
+    pub kernel: Kernel,
+    /// Transfer and stress update.
+    pub velocity: Velocity,
+    /// In the reference configuration?
+    pub total: bool,
+}
+
+impl Kernel {
+    /// All.
+    pub const ALL: [Kernel; 5] =
+        [Kernel::Linear, Kernel::Gimp, Kernel::CpGimp, Kernel::Quadratic, Kernel::Cubic];
+    /// Nodes that a particle weighs on, in `d` dimensions.
+    pub fn nodes(self, d: u32) -> u64 {
+        match self {
+            Kernel::Linear => 2u64.pow(d),
+            Kernel::Gimp | Kernel::CpGimp | Kernel::Quadratic => 3u64.pow(d),
+            Kernel::Cubic => 4u64.pow(d),
+        }
+    }
+    /// Its short name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Kernel::Linear => "linear",
+            Kernel::Gimp => "uGIMP",
+            Kernel::CpGimp => "cpGIMP",
+            Kernel::Quadratic => "quadratic",
+            Kernel::Cubic => "cubic",
+        }
+    }
+}
+
+impl Velocity {
+    /// All.
+    pub const ALL: [Velocity; 4] =
+        [Velocity::FlipUsl, Velocity::FlipMusl, Velocity::ApicUsl, Velocity::Fmpm4Usl];
+    /// Its short name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Velocity::FlipUsl => "FLIP-USL",
+            Velocity::FlipMusl => "FLIP-MUSL",
+            Velocity::ApicUsl => "APIC",
+            Velocity::Fmpm4Usl => "FMPM(4)",
+        }
+    }
+}
+
+impl Scheme {
+    /// Updated Lagrangian.
+    pub const fn moving(kernel: Kernel, velocity: Velocity) -> Self {
+        Scheme { kernel, velocity, total: false }
+    }
+    /// Total Lagrangian.
+    pub const fn total(kernel: Kernel, velocity: Velocity) -> Self {
+        Scheme { kernel, velocity, total: true }
+    }
+    /// All that the compiler accepts.
+    pub fn all() -> Vec<Scheme> {
+        let mut list = Vec::new();
+        for total in [false, true] {
+            for kernel in Kernel::ALL {
+                for velocity in Velocity::ALL {
+                    let scheme = Scheme { kernel, velocity, total };
+                    if scheme.is_legal() {
+                        list.push(scheme);
+                    }
+                }
+            }
+        }
+        list
+    }
+    /// Is it compiled here? There is none of the hat with APIC; in the reference configuration cpGIMP is uGIMP, and that lies
+    /// between the hat and the quadratic spline.
+    pub fn is_legal(self) -> bool {
+        match self.kernel {
+            Kernel::Linear => self.velocity != Velocity::ApicUsl,
+            Kernel::Gimp | Kernel::CpGimp => !self.total,
+            Kernel::Quadratic | Kernel::Cubic => true,
+        }
+    }
+    /// Its name, as in `TL quadratic APIC`.
+    pub fn name(self) -> String {
+        let frame = if self.total { "TL " } else { "" };
+        format!("{frame}{} {}", self.kernel.name(), self.velocity.name())
+    }
+    /// The scheme of a name.
+    pub fn named(name: &str) -> Option<Scheme> {
+        Scheme::all().into_iter().find(|s| s.name() == name)
+    }
+}
+
+/// What is done with a method.
+pub trait Visit<const D: usize> {
+    /// What comes of it.
+    type Output;
+    /// Do it.
+    fn with<M: Composition<f64, D>>(self, method: M) -> Self::Output;
+}
+
+/// Hand the composition of a scheme to a visitor; `None` if there is no such one.
+pub fn visit<V: Visit<D>, E: Embedding<D> + Default, const D: usize>(
+    scheme: Scheme,
+    visitor: V,
+) -> Option<V::Output>
+where
+    Linear: ShapeFunction<f64, D>,
+    Gimp: AffineShape<f64, D>,
+    CpGimp: AffineShape<f64, D>,
+    QuadraticBSpline: AffineShape<f64, D>,
+    CubicBSpline: AffineShape<f64, D>,
+{
+    match (scheme.kernel, scheme.total) {
+        (Kernel::Linear, _) => any::<V, E, Linear, D>(Linear, scheme, visitor).ok(),
+        (Kernel::CpGimp, false) => moving::<V, E, CpGimp, D>(CpGimp, scheme, visitor),
+        (Kernel::Gimp | Kernel::CpGimp, true) => None,
+        (Kernel::Gimp, false) => moving::<V, E, Gimp, D>(Gimp, scheme, visitor),
+        (Kernel::Quadratic, _) => affine::<V, E, QuadraticBSpline, D>(QuadraticBSpline, scheme, visitor),
+        (Kernel::Cubic, _) => affine::<V, E, CubicBSpline, D>(CubicBSpline, scheme, visitor),
+    }
+}
+
+/// Any shape function but one that carries its domain, transfers without an affine matrix.
+fn any<V: Visit<D>, E: Embedding<D> + Default, S: ShapeFunction<f64, D>, const D: usize>(
+    shape: S,
+    scheme: Scheme,
+    visitor: V,
+) -> Result<V::Output, V> {
+    let space = E::default();
+    Ok(match (scheme.velocity, scheme.total) {
+        (Velocity::FlipUsl, false) => visitor.with(Method::new(shape, Flip, Usl, space)),
+        (Velocity::FlipMusl, false) => visitor.with(Method::new(shape, Flip, Musl, space)),
+        (Velocity::Fmpm4Usl, false) => visitor.with(Method::new(shape, Fmpm::<4>, Usl, space)),
+        (Velocity::FlipUsl, true) => visitor.with(Method::new(shape, Flip, Usl, space).total_lagrangian()),
+        (Velocity::FlipMusl, true) => visitor.with(Method::new(shape, Flip, Musl, space).total_lagrangian()),
+        (Velocity::Fmpm4Usl, true) => {
+            visitor.with(Method::new(shape, Fmpm::<4>, Usl, space).total_lagrangian())
+        }
+        (Velocity::ApicUsl, _) => return Err(visitor),
+    })
+}
+
+fn affine<V: Visit<D>, E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(
+    shape: S,
+    scheme: Scheme,
+    visitor: V,
+) -> Option<V::Output> {
+    Some(match any::<V, E, S, D>(shape, scheme, visitor) {
+        Ok(output) => output,
+        Err(visitor) if scheme.total => {
+            visitor.with(Method::new(shape, Apic, Usl, E::default()).total_lagrangian())
+        }
+        Err(visitor) => visitor.with(Method::new(shape, Apic, Usl, E::default())),
+    })
+}
+
+fn moving<V: Visit<D>, E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(
+    shape: S,
+    scheme: Scheme,
+    visitor: V,
+) -> Option<V::Output> {
+    let space = E::default();
+    Some(match scheme.velocity {
+        Velocity::FlipUsl => visitor.with(Method::new(shape, Flip, Usl, space)),
+        Velocity::FlipMusl => visitor.with(Method::new(shape, Flip, Musl, space)),
+        Velocity::Fmpm4Usl => visitor.with(Method::new(shape, Fmpm::<4>, Usl, space)),
+        Velocity::ApicUsl => visitor.with(Method::new(shape, Apic, Usl, space)),
+    })
+}
