@@ -107,7 +107,8 @@ impl Scheme {
         }
         list
     }
-    /// Is it compiled here? There is none of the hat with APIC; in the reference configuration cpGIMP is uGIMP, and that lies
+    /// Is it compiled here? There is none of the hat with APIC; in the reference configuration cpGIMP is uGIMP,
+    /// and that lies
     /// between the hat and the quadratic spline.
     pub fn is_legal(self) -> bool {
         match self.kernel {

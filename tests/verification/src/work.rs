@@ -42,7 +42,8 @@ impl Stopwatch {
     }
 }
 
-/// Nanoseconds that this thread ran. The system brings the number up to date when it looks at the thread: it is asked to.
+/// Nanoseconds that this thread ran. The system brings the number up to date when it looks at the thread: it is
+/// asked to.
 fn on_processor() -> Option<u64> {
     std::thread::yield_now();
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;

@@ -46,7 +46,8 @@ fn stops(runs: &Runs, scheme: Scheme) -> bool {
     runs.iter().any(|(case, outcome)| case.scheme == scheme && outcome.failure.is_some())
 }
 
-/// V1: period errors at 20 cells a half wave as predicted (docs/notes.md 1, finding 9), falling as the square of the cell.
+/// V1: period errors at 20 cells a half wave as predicted (docs/notes.md 1, finding 9), falling as the square of
+/// the cell.
 #[test]
 fn v1_period_of_a_bar() {
     let runs = judged(Problem::Bar);
@@ -74,7 +75,8 @@ fn v1_period_of_a_bar() {
     }
 }
 
-/// V2: after ten periods of drifting through cells the energy is kept to 5 % (FMPM: 10 %), and within 1 % by what neither
+/// V2: after ten periods of drifting through cells the energy is kept to 5 % (FMPM: 10 %), and within 1 % by what
+/// neither
 /// dissipates nor crosses. Hats with USL, whose step limit is none in almost empty cells, break.
 #[test]
 fn v2_energy_of_a_drifting_bar() {
@@ -130,7 +132,8 @@ fn v3_axis_aligned_strain_in_space() {
     }
 }
 
-/// V4: only in the reference configuration, where shears of 7 tear nothing apart. There errors fall with an order of 1.5 or
+/// V4: only in the reference configuration, where shears of 7 tear nothing apart. There errors fall with an order
+/// of 1.5 or
 /// more, to 2 % on 64 cells with three particles an axis, but for the cubic spline with APIC, which damps most.
 #[test]
 fn v4_vortex() {
@@ -157,7 +160,8 @@ fn v4_vortex() {
     }
 }
 
-/// V5: better than first order in the reference configuration by the mean, and first, within 0.15, by the worst particle: the rims
+/// V5: better than first order in the reference configuration by the mean, and first, within 0.15, by the worst
+/// particle: the rims
 /// are cut out of a lattice.
 #[test]
 fn v5_expanding_ring() {
@@ -193,7 +197,8 @@ fn v6_flight() {
     }
 }
 
-/// V6: a turn. The particles' part of the angular momentum of APIC stays within 1e-3 (with that of the affine matrices it is exact:
+/// V6: a turn. The particles' part of the angular momentum of APIC stays within 1e-3 (with that of the affine
+/// matrices it is exact:
 /// `tests/tests/conformance.rs`), in both configurations. FMPM(4) takes most of it from a disc of four cells.
 #[test]
 fn v6_turn() {

@@ -1,6 +1,7 @@
 //! V3: large axis-aligned stretch of a unit square or cube (\[WallstedtGuilkey2008\]).
 //!
-//! u_i = A sin(k X_i) sin(w t + phi_i), so that F is diagonal with F_ii = 1 + A k cos(k X_i) sin(w t + phi_i), and for
+//! u_i = A sin(k X_i) sin(w t + phi_i), so that F is diagonal with F_ii = 1 + A k cos(k X_i) sin(w t + phi_i),
+//! and for
 //! the neo-Hookean law of the library the body force is
 //! `b_i = -w^2 u_i + (k^2 u_i / rho0) [G + (lambda (1 - ln J) + G) / F_ii^2]`. Here k = 2 pi, w = pi c, c the root of
 //! E / rho0, A = 0.05 (31 % strain), nu = 0.3, phases 0 and pi (and 0): nothing moves at the start and normal

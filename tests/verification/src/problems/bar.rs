@@ -30,7 +30,8 @@ fn scene(
     })
 }
 
-/// V1: a bar held at one end swings in its first mode, v = V cos(w t) sin(b x), b = pi/2, w = b c, V = 1e-5 c. `cells` are those
+/// V1: a bar held at one end swings in its first mode, v = V cos(w t) sin(b x), b = pi/2, w = b c, V = 1e-5 c.
+/// `cells` are those
 /// of the bar, half of them in a half wave. Measured is the period, from five of them, by the changes of sign of the
 /// momentum; "period" is its relative error.
 pub(crate) fn period(case: &Case) -> Result<Outcome, String> {
@@ -52,8 +53,10 @@ pub(crate) fn period(case: &Case) -> Result<Outcome, String> {
     Ok(outcome.with("period", period / 4.0 - 1.0))
 }
 
-/// V2: a free bar flies at 0.05 c and swings in its first mode with 0.05 c, ten periods, so that particles cross cells
-/// at large strain. Measured is the change of the energy, as seen by the centre of mass, between the means over the first and the last
+/// V2: a free bar flies at 0.05 c and swings in its first mode with 0.05 c, ten periods, so that particles cross
+/// cells
+/// at large strain. Measured is the change of the energy, as seen by the centre of mass, between the means over
+/// the first and the last
 /// period.
 pub(crate) fn drift(case: &Case) -> Result<Outcome, String> {
     let speed = 0.05;

@@ -1,8 +1,11 @@
 //! V14: a confined column under its own weight, whose nominal stress is -rho0 g (L - X) for any law.
 //!
-//! Without lateral strain that is the Cauchy stress along the column, too. E 1e4 Pa, nu 0, rho0 80 kg/m^3, L 50 m as in
-//! AMPLE, but for the neo-Hookean law, which at g = 10 m/s^2 would be squeezed to 0.12 at the foot, g = 2.5 m/s^2: 0.41. The weight is
-//! laid on smoothly over ten periods 4 L / c, and the stress is that of the mean of the last of two more periods, so that
+//! Without lateral strain that is the Cauchy stress along the column, too. E 1e4 Pa, nu 0, rho0 80 kg/m^3, L 50 m
+//! as in
+//! AMPLE, but for the neo-Hookean law, which at g = 10 m/s^2 would be squeezed to 0.12 at the foot, g = 2.5
+//! m/s^2: 0.41. The weight is
+//! laid on smoothly over ten periods 4 L / c, and the stress is that of the mean of the last of two more periods,
+//! so that
 //! what swings drops out. Error: sum |s - s_a| V0 / (rho0 g L sum V0).
 
 use std::f64::consts::PI;

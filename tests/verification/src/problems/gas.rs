@@ -124,9 +124,12 @@ pub fn tube_schemes() -> Vec<Scheme> {
     ]
 }
 
-/// V13, Sod: gamma 1.4, (rho, u, p) = (1, 0, 1) and (0.125, 0, 0.1), a tube of length 1 with its middle as diaphragm, to t
-/// = 0.2, with bulk viscosity of q1 = 0.5, q2 = 2 or without. `cells` are those of the tube; particles are of one size, so that
-/// those on the right weigh an eighth. "density" is the L1 norm of its error, "pressure" the relative error of the mean on the plateau,
+/// V13, Sod: gamma 1.4, (rho, u, p) = (1, 0, 1) and (0.125, 0, 0.1), a tube of length 1 with its middle as
+/// diaphragm, to t
+/// = 0.2, with bulk viscosity of q1 = 0.5, q2 = 2 or without. `cells` are those of the tube; particles are of one
+/// size, so that
+/// those on the right weigh an eighth. "density" is the L1 norm of its error, "pressure" the relative error of
+/// the mean on the plateau,
 /// "overshoot" the largest speed over that of the plateau, less 1.
 pub(crate) fn sod(case: &Case, viscous: bool) -> Result<Outcome, String> {
     let tube = Tube { case, viscous };
@@ -164,7 +167,8 @@ pub fn vortices_schemes() -> Vec<Scheme> {
 }
 
 /// V22: v = V (sin k x cos k y, -cos k x sin k y) in a unit square between planes of symmetry, k = pi, falls as
-/// exp(-2 nu k^2 t) where the fluid is incompressible. Here V = 0.05 c in Tait water, nu so that the fall is by e in 1 / V, Reynolds
+/// exp(-2 nu k^2 t) where the fluid is incompressible. Here V = 0.05 c in Tait water, nu so that the fall is by e
+/// in 1 / V, Reynolds
 /// number 20. Measured is the part of the field that is left at that time (its projection), over exp(-1), less 1.
 pub(crate) fn taylor_green(case: &Case) -> Result<Outcome, String> {
     let h = 1.0 / case.cells as f64;

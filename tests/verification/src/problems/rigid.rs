@@ -34,8 +34,10 @@ pub(crate) fn flight(case: &Case) -> Result<Outcome, String> {
     Ok(outcome.with("stress", largest))
 }
 
-/// A disc of a radius of `cells` cells turns once, its rim at 0.02 c. Measured are the change of the angular momentum of the
-/// particles from a fiftieth of the turn on (before, that of APIC goes from particles to their affine matrices) and the largest
+/// A disc of a radius of `cells` cells turns once, its rim at 0.02 c. Measured are the change of the angular
+/// momentum of the
+/// particles from a fiftieth of the turn on (before, that of APIC goes from particles to their affine matrices)
+/// and the largest
 /// stress over E; that of the centrifugal force is below (omega R / c)^2 = 4e-4.
 pub(crate) fn turn(case: &Case) -> Result<Outcome, String> {
     let radius = case.cells as f64;

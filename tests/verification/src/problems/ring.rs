@@ -1,9 +1,12 @@
 //! V5: an expanding ring with free surfaces, manufactured.
 //!
-//! r = R + u(R) T(t), u = c1 R + c2 R^2 + c3 R^3 with u' = 0 at both radii, where it is free of traction since nu = 0;
+//! r = R + u(R) T(t), u = c1 R + c2 R^2 + c3 R^3 with u' = 0 at both radii, where it is free of traction since nu
+//! = 0;
 //! T = A sin(pi c t / 2 r_b). With l_r = 1 + u' T, l_t = 1 + u T / R and P(s) = G (s - 1/s),
-//! `b_R = u T'' - (1/rho) [G u'' T (1 + 1/l_r^2) + (P(l_r) - P(l_t)) / R]`. Radii 0.4, 0.5 and 0.6 m, E 1e7 Pa, rho 1000
-//! kg/m^3, A 0.1 m. A quarter between planes of symmetry, particles on a lattice, those at the rim with the part of their volume
+//! `b_R = u T'' - (1/rho) [G u'' T (1 + 1/l_r^2) + (P(l_r) - P(l_t)) / R]`. Radii 0.4, 0.5 and 0.6 m, E 1e7 Pa,
+//! rho 1000
+//! kg/m^3, A 0.1 m. A quarter between planes of symmetry, particles on a lattice, those at the rim with the part
+//! of their volume
 //! that is inside. Run to t = 2 r_b / c, half a period; errors over A.
 
 use std::f64::consts::PI;

@@ -1,7 +1,8 @@
 //! V4: the generalised vortex (Kamojjala, Brannon et al. 2015).
 //!
 //! In a square of 3 m, which stands still otherwise, the annulus 0.75 < R < 1.25 m turns by alpha = g(t) H(R),
-//! H = 1 - 32 (R - 1)^2 + 256 (R - 1)^4, g = A sin(pi c t), at constant volume and with shears up to 7. In the polar frame
+//! H = 1 - 32 (R - 1)^2 + 256 (R - 1)^4, g = A sin(pi c t), at constant volume and with shears up to 7. In the
+//! polar frame
 //! that turns along, `b_r = -R (g' H)^2 + (G / rho) R (g H')^2` and
 //! `b_theta = R g'' H - (G / rho) g (R H'' + 3 H')`. E 1000 Pa, nu 0.3, rho 1000 kg/m^3, A 1. Run to t = 1 s; what is
 //! measured is the largest error of 20 moments, over the largest displacement 2 sin(1/2) m.

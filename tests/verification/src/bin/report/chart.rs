@@ -82,7 +82,8 @@ pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// The chart of some runs. A line is a scheme's own unbeaten runs; the others of the scheme are faint; runs that stopped
+/// The chart of some runs. A line is a scheme's own unbeaten runs; the others of the scheme are faint; runs that
+/// stopped
 /// or whose error is above the top are crosses on the top edge; the broad line joins the unbeaten of all.
 pub fn draw(runs: &[&Record], error: &str, error_label: &str, cost: Cost) -> Option<String> {
     let x = Scale::around(runs.iter().map(|r| cost.of(r)), LEFT, RIGHT)?;
