@@ -2,7 +2,8 @@
 
 use clap::ValueEnum;
 use mpm_contact::{
-    Compression, ContactDetector, Gradients, Memory, Nodal, NormalRule, Places, Regression, SurfaceDistance,
+    Compression, ContactDetector, Criterion, Gradients, Memory, Nodal, NormalRule, Places, Regression,
+    SurfaceDistance,
 };
 use serde::Serialize;
 
@@ -71,8 +72,12 @@ enum Test {
 
 impl<const D: usize> ContactDetector<f64, D> for Detector {
     type Normals = Normals;
-    fn is_geometric(&self) -> bool {
-        !matches!(self.test, Test::Compression(_))
+    fn criterion(&self, spacing: f64) -> Criterion {
+        match self.test {
+            Test::Approach => Criterion::Always,
+            Test::Compression(_) => Criterion::State,
+            Test::Distance => ContactDetector::<f64, D>::criterion(&self.distance, spacing),
+        }
     }
     fn normals(&self) -> &Normals {
         ContactDetector::<f64, D>::normals(&self.distance)

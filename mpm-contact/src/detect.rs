@@ -8,12 +8,23 @@ use crate::normal::{Gradients, Nodal, NormalRule, each};
 use crate::places::Places;
 use crate::vector::times;
 
+/// What it follows from whether bodies touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Criterion {
+    /// From their state, stress for example: asked in every step.
+    State,
+    /// They do wherever they share a node.
+    Always,
+    /// The gap is at most this, m. It is measured now and then, and followed in between.
+    Gap(f64),
+}
+
 /// A test whether two bodies touch at the nodes they share. Whether they approach is asked before it
 /// ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\]), unless the law pulls or a third body is at the node.
 pub trait ContactDetector<T: Float, const D: usize>: Send + Sync + 'static {
-    /// Does it ask for nothing but where particles are? Then it is not asked again while they hardly move.
-    fn is_geometric(&self) -> bool {
-        false
+    /// What the answer of [`ContactDetector::touching`] follows from, for cells of `spacing`, m.
+    fn criterion(&self, _spacing: f64) -> Criterion {
+        Criterion::State
     }
     /// Where the normals come from.
     type Normals: NormalRule<T, D>;
@@ -37,8 +48,8 @@ pub trait ContactDetector<T: Float, const D: usize>: Send + Sync + 'static {
 pub struct Approach<N = Gradients>(pub N);
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Approach<N> {
     type Normals = N;
-    fn is_geometric(&self) -> bool {
-        true
+    fn criterion(&self, _spacing: f64) -> Criterion {
+        Criterion::Always
     }
     fn normals(&self) -> &N {
         &self.0
@@ -139,8 +150,8 @@ impl<N> SurfaceDistance<N> {
 }
 impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for SurfaceDistance<N> {
     type Normals = N;
-    fn is_geometric(&self) -> bool {
-        true
+    fn criterion(&self, spacing: f64) -> Criterion {
+        Criterion::Gap(self.threshold * spacing)
     }
     fn normals(&self) -> &N {
         &self.normals

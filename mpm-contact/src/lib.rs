@@ -29,7 +29,7 @@ mod regression;
 mod solve;
 mod vector;
 
-pub use detect::{Approach, Compression, ContactDetector, SurfaceDistance};
+pub use detect::{Approach, Compression, ContactDetector, Criterion, SurfaceDistance};
 pub use law::{Adhesion, Contact, ContactLaw, Coulomb, Frictionless, Pairs, Stick};
 pub use meet::GridContact;
 pub use normal::{Choice, Gradients, Memory, Nodal, NormalRule, Weight};

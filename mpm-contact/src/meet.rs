@@ -7,7 +7,7 @@ use mpm_core::step::survey::Survey;
 use mpm_materials::{Check, ParameterError};
 
 use crate::couple::{Coupled, Coupling};
-use crate::detect::ContactDetector;
+use crate::detect::{ContactDetector, Criterion};
 use crate::law::Pairs;
 use crate::normal::{Memory, Nodal, NormalRule, each};
 use crate::solve::{Meets, solve, total};
@@ -55,7 +55,7 @@ impl<S, T> GridContact<S, T> {
         self
     }
     /// Look anew at normals and gaps once bodies may have moved by this many cells (1e-3 by default); zero: in every
-    /// step. Detectors that ask for more than where particles are ([`ContactDetector::is_geometric`]) look in every step.
+    /// step. Detectors that ask for more than where particles are ([`Criterion::State`]) look in every step.
     ///
     /// # Errors
     /// A negative number, or more than 0.1.
@@ -78,8 +78,8 @@ where
     fn corrects_strain(&self) -> bool {
         self.strain
     }
-    fn keeps(&self) -> f64 {
-        if self.detector.is_geometric() { self.keeps } else { 0.0 }
+    fn keeps(&self, spacing: f64) -> f64 {
+        if self.detector.criterion(spacing) == Criterion::State { 0.0 } else { self.keeps * spacing }
     }
 
     fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut Found<T>, scratch: &mut Scratch<T>) {
@@ -91,19 +91,25 @@ where
             return;
         }
         self.look(at, found, bits, numbers, crowded);
-        let zero = [T::of(0.0); 3];
+        let (zero, criterion) = ([T::of(0.0); 3], self.detector.criterion(at.spacing()));
+        let limit = if let Criterion::Gap(limit) = criterion { limit } else { f64::INFINITY };
+        let limit = T::of(limit);
         for touch in &mut found.touches {
             let Pair { fields, bodies, .. } = &found.pairs[touch.pair as usize];
             let pulls = self.laws.law(bodies[0] as usize, bodies[1] as usize).pulls();
-            touch.acts = pulls || has(crowded, touch.node) || approach(at, fields, touch.node, touch.normal);
+            let meets = || approach(at, fields, touch.node, touch.normal);
+            touch.acts =
+                touch.gap.is_none_or(|gap| gap <= limit) && (pulls || has(crowded, touch.node) || meets());
             touch.impulse = zero;
         }
         found.pairs.iter_mut().for_each(|p| (p.friction, p.taken) = (0.0, 0.0));
         for touches in found.touches.chunk_by_mut(|a, b| a.node == b.node) {
-            if touches[0].acts && !couples(at, &found.pairs, touches) {
+            if !couples(at, &found.pairs, touches) {
                 let pairs = &found.pairs;
                 solve(touches, |t| fields(pairs, t), |t| self.meeting(at, pairs, t), at.dt(), vectors);
-                book(at, touches, &mut found.pairs, |pairs, f, part| moved(at, pairs, touches, f, part));
+                book(at, touches, &mut found.pairs, |pairs, touches, f, part| {
+                    moved(at, pairs, touches, f, part)
+                });
             }
         }
     }
@@ -112,7 +118,7 @@ where
         let mut couplings = Vec::new();
         for (block, (at, found)) in at.iter().zip(found.iter()).enumerate() {
             let nodes = found.touches.chunk_by(|a, b| a.node == b.node);
-            for touch in nodes.filter(|t| t[0].acts && couples(at, &found.pairs, t)).flatten() {
+            for touch in nodes.filter(|t| couples(at, &found.pairs, t)).flatten().filter(|t| t.acts) {
                 let meets = self.meeting(at, &found.pairs, touch);
                 couplings.push(Coupling::new(block, at, *touch, fields(&found.pairs, touch), meets));
             }
@@ -124,8 +130,9 @@ where
             else {
                 continue;
             };
-            touches.iter_mut().zip(impulses).for_each(|(touch, impulse)| touch.impulse = impulse);
-            book(&at[block], touches, pairs, |_, field, part| solved.moved(at, block, node, field, part));
+            let acting = touches.iter_mut().filter(|t| t.acts);
+            acting.zip(impulses).for_each(|(touch, impulse)| touch.impulse = impulse);
+            book(&at[block], touches, pairs, |_, _, field, part| solved.moved(at, block, node, field, part));
         }
     }
 }
@@ -259,7 +266,13 @@ impl<S, T: Float> GridContact<S, T> {
         if nodes == 0 {
             return;
         }
-        let touching = self.detector.touching(at, pair, nodes, &normals, &mut gaps);
+        let mut touching = self.detector.touching(at, pair, nodes, &normals, &mut gaps);
+        if let Criterion::Gap(limit) = self.detector.criterion(at.spacing()) {
+            // Those, too, that may touch before they are looked at anew.
+            let limit = T::of(limit + self.keeps * at.spacing());
+            let near = |n: &usize| gaps[*n].is_some_and(|gap| gap <= limit);
+            touching |= each(nodes).filter(near).fold(0, |bits, n| bits | 1 << n);
+        }
         found.pairs[place].known |= nodes;
         found.touches.extend(each(touching).map(|node| Touch {
             node: node as u8,
@@ -340,25 +353,30 @@ fn moved<T: Float, const D: usize>(
     sum(at.velocity(field, node), times(given, share))
 }
 
-/// Note by pair what the impulses at one node did. `moved` knows the velocity of a field once it has a part of its
-/// impulses.
+/// Note by pair what the impulses at one node did, and follow the gaps. `moved` knows the velocity of a field once it has
+/// a part of its impulses.
 fn book<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
-    touches: &[Touch<T>],
+    touches: &mut [Touch<T>],
     pairs: &mut [Pair],
-    moved: impl Fn(&[Pair], usize, f64) -> [T; 3],
+    moved: impl Fn(&[Pair], &[Touch<T>], usize, f64) -> [T; 3],
 ) {
-    if at.meeting() != Meeting::Trial || touches[0].image {
+    if at.meeting() != Meeting::Trial {
         return;
     }
-    // With the mean of the velocities before and after, impulse times velocity is the change of kinetic energy.
-    for touch in touches.iter().filter(|t| t.impulse.iter().any(|&x| x != T::of(0.0))) {
-        let [r, s] = fields(pairs, touch);
-        let mean = difference(moved(pairs, r, 0.5), moved(pairs, s, 0.5));
-        let slip = difference(moved(pairs, r, 1.0), moved(pairs, s, 1.0));
-        let along = dot(touch.impulse, touch.normal);
+    for t in 0..touches.len() {
+        let touch = touches[t];
+        let [r, s] = fields(pairs, &touch);
+        let slip = difference(moved(pairs, touches, r, 1.0), moved(pairs, touches, s, 1.0));
+        let closing = dot(slip, touch.normal);
+        touches[t].gap = touch.gap.map(|gap| gap - closing * at.dt());
+        if touch.image || touch.impulse.iter().all(|&x| x == T::of(0.0)) {
+            continue;
+        }
+        // With the mean of the velocities before and after, impulse times velocity is the change of kinetic energy.
+        let mean = difference(moved(pairs, touches, r, 0.5), moved(pairs, touches, s, 0.5));
         // What slips at the end of the step; stopping a slip takes energy as stopping an approach does.
-        let friction = dot(touch.impulse, slip) - along * dot(slip, touch.normal);
+        let friction = dot(touch.impulse, slip) - dot(touch.impulse, touch.normal) * closing;
         let pair = &mut pairs[touch.pair as usize];
         pair.friction += friction.to_double();
         pair.taken += (dot(touch.impulse, mean) - friction).to_double();

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use mpm_core::parallel::Float;
 
-use crate::detect::ContactDetector;
+use crate::detect::{ContactDetector, Criterion};
 use crate::normal::{Memory, Nodal, NormalRule, each};
 use crate::places::Places;
 use crate::vector::{dot, unit};
@@ -91,8 +91,8 @@ impl<T: Float, const D: usize> NormalRule<T, D> for Regression {
 
 impl<T: Float, const D: usize> ContactDetector<T, D> for Regression {
     type Normals = Regression;
-    fn is_geometric(&self) -> bool {
-        true
+    fn criterion(&self, _spacing: f64) -> Criterion {
+        Criterion::Gap(0.0)
     }
     fn normals(&self) -> &Regression {
         self

@@ -24,7 +24,7 @@ pub struct Meets<'a, T> {
     pub area: T,
 }
 
-/// Find the impulses of `touches`, all of one node. `fields` and `meets` tell about one of them; `vectors` is memory.
+/// Find the impulses of those of `touches`, all of one node, that act. `fields` and `meets` tell about one of them; `vectors` is memory.
 pub fn solve<'a, T: Float>(
     touches: &mut [Touch<T>],
     fields: impl Fn(&Touch<T>) -> [usize; 2] + Copy,
@@ -33,7 +33,11 @@ pub fn solve<'a, T: Float>(
     vectors: &mut Vec<[[T; 3]; 2]>,
 ) {
     let zero = T::of(0.0);
-    if let [touch] = touches {
+    let acting = touches.iter().filter(|t| t.acts).count();
+    if acting == 0 {
+        return;
+    }
+    if let (1, Some(touch)) = (acting, touches.iter_mut().find(|t| t.acts)) {
         let Meets { law, masses, velocities, area } = meets(touch);
         let contact = Contact { normal: touch.normal, gap: touch.gap, area };
         touch.impulse = law.impulse(&contact, masses, velocities, dt);
@@ -44,7 +48,7 @@ pub fn solve<'a, T: Float>(
     vectors.resize(touches.len(), [[zero; 3]; 2]);
     let mut steps = 0.0;
     for _ in 0..ITERATIONS {
-        for t in 0..touches.len() {
+        for t in (0..touches.len()).filter(|&t| touches[t].acts) {
             vectors[t][0] = alone(touches, vectors, t, fields, meets(&touches[t]), dt);
         }
         let (mut change, mut size, mut back) = (zero, zero, zero);
@@ -84,7 +88,8 @@ fn alone<T: Float>(
     let own = fields(touch);
     for side in 0..2 {
         let field = own[side];
-        let share = T::of(touches.iter().filter(|o| fields(o).contains(&field)).count() as f64);
+        let share = touches.iter().filter(|o| o.acts && fields(o).contains(&field)).count();
+        let share = T::of(share as f64);
         split[side] = masses[side] / share;
         let sign = if side == 0 { share } else { -share };
         // With the impulses of all pairs, less that of this one on its share of the mass.

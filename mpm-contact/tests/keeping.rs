@@ -7,7 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use common::{H, WAVE, ball, build, cuboid, particles, plane, three};
 use mpm_contact::{
-    ContactDetector, Coulomb, Frictionless, Gradients, GridContact, Nodal, Pairs, Places, SurfaceDistance,
+    ContactDetector, Coulomb, Criterion, Frictionless, Gradients, GridContact, Nodal, Pairs, Places,
+    SurfaceDistance,
 };
 use mpm_core::TimeControl;
 
@@ -16,8 +17,8 @@ struct Counted(SurfaceDistance, Arc<AtomicUsize>);
 
 impl ContactDetector<f64, 2> for Counted {
     type Normals = Gradients;
-    fn is_geometric(&self) -> bool {
-        true
+    fn criterion(&self, spacing: f64) -> Criterion {
+        ContactDetector::<f64, 2>::criterion(&self.0, spacing)
     }
     fn normals(&self) -> &Gradients {
         ContactDetector::<f64, 2>::normals(&self.0)

@@ -21,8 +21,9 @@ pub trait Contact<T: Float, const D: usize>: Send + Sync + 'static {
     fn corrects_strain(&self) -> bool {
         false
     }
-    /// How far bodies may move, in cells, before what [`Found`] knows of them is forgotten. Zero: in every step.
-    fn keeps(&self) -> f64 {
+    /// How far bodies may move, m, before what [`Found`] knows of them is forgotten, for cells of `spacing`, m. Zero:
+    /// in every step.
+    fn keeps(&self, _spacing: f64) -> f64 {
         0.0
     }
     /// Bring what is found up to date at the nodes of a block that several bodies share: who touches where, and the

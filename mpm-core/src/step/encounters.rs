@@ -33,7 +33,7 @@ impl Pair {
     }
 }
 
-/// A pair that touches at a node.
+/// A pair that touches at a node, or may before it is looked at anew.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch<T> {
     /// Which node of the block.
@@ -46,7 +46,8 @@ pub struct Touch<T> {
     pub pair: u32,
     /// Unit normal, from the first field to the second.
     pub normal: [T; 3],
-    /// Distance of the surfaces along it, m, where it is measured; negative if they overlap.
+    /// Distance of the surfaces along it, m, where it is measured; negative if they overlap. Since it was measured it
+    /// follows the nodes.
     pub gap: Option<T>,
     /// Impulse on the second field, N s; the first gets its opposite.
     pub impulse: [T; 3],

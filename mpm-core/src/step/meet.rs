@@ -33,7 +33,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 ledger.friction += friction;
                 ledger.contact += taken;
             }
-            if !alone && contact.keeps() > 0.0 {
+            if !alone && contact.keeps(self.grid.lattice().spacing()) > 0.0 {
                 self.follow(encounters);
             }
         }
@@ -97,7 +97,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 dt,
             }
         };
-        let keeps = contact.keeps() * lattice.spacing();
+        let keeps = contact.keeps(lattice.spacing());
         let (found, way, scratch) = encounters.open(self.team.threads());
         self.team.each_with(found, scratch, |s, found, scratch| {
             let at = view(s);
