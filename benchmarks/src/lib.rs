@@ -5,11 +5,11 @@
 //! |---|---|
 //! | [`pcmm::Neighbours`] | cells of the largest range, counting sort |
 //! | [`tree`] | a balanced tree of boxes, cut at medians |
-//! | [`pib`] | points in a box by two sorted coordinates \[Attaway et al. 1993\] |
+//! | [`pib`] | points in a box by two sorted coordinates \[Attaway1993\] |
 //! | [`strip_pib`] | the same in strips \[Xiao2015\] |
 
-pub mod pib;
-pub mod tree;
+mod pib;
+mod tree;
 
 pub use pib::{pib, strip_pib};
 pub use tree::tree;

@@ -15,6 +15,8 @@ use crate::simplex::distance_squared;
 const BATCH: usize = 64;
 /// Two partners whose distances differ by less than this part are equally near.
 const EQUALLY_NEAR: f64 = 1e-9;
+/// Cosine of the angle between outward normals above which they point the same way.
+const SAME_WAY: f64 = 0.7;
 
 /// Two particles, or a particle and a wall, in contact in the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,6 +100,12 @@ fn side<const D: usize>(members: &[Member<D>], mut one: Side<D>, two: &Side<D>) 
     one
 }
 
+/// Do two surfaces with these normals face each other? Corners of two blocks that meet face to face are at angles of 90
+/// degrees, in space of 71; a sheet's far side points the same way as what comes from the near one.
+fn face(a: &[f64; 3], b: &[f64; 3]) -> bool {
+    dot(a, b) < SAME_WAY * (dot(a, a) * dot(b, b)).sqrt()
+}
+
 fn in_range<const D: usize>(members: &[Member<D>], pair: [Place; 2]) -> bool {
     let [a, b] =
         pair.map(|p| members[p.body as usize].part().map(|part| &part.particles()[p.particle as usize]));
@@ -121,8 +129,7 @@ fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> V
         let sides = &pair.sides;
         // What lies deep within a body meets nobody; it may be under a wall.
         let within = !wall && sides.iter().any(|s| s.facing.is_within());
-        let opposite = dot(&sides[0].facing.area, &sides[1].facing.area) < 0.0;
-        if !within && (wall || opposite) {
+        if !within && (wall || face(&sides[0].facing.area, &sides[1].facing.area)) {
             pairs.push(pair);
         }
     }

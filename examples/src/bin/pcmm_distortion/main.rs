@@ -58,6 +58,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         let bar = scenes::fast_bar(parts, cells)?;
         note(&bar);
         list.body("bar at 500 m/s", &bar);
+        list.gate("bar at 500 m/s: mass in elements / at the start", bar.covered, 1.0, COVER_TOLERANCE);
         ends.push((format!("{name}: bar at 500 m/s"), bar.snapshot));
         let flow = scenes::shear_flow(parts, cells)?;
         note(&flow);

@@ -64,7 +64,10 @@ pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) ->
                 ..Totals::default()
             };
             totals = totals.plus(&errors);
-            let tip = scene.particles(0).iter().map(|p| p.position[0] + p.radius).fold(f64::MIN, f64::max);
+            // Of what hangs together: single particles may fly ahead.
+            let (particles, bound) = (scene.particles(0), scene.element_nodes(0));
+            let reach = |n: &u32| particles[*n as usize].position[0] + particles[*n as usize].radius;
+            let tip = bound.iter().map(reach).fold(f64::MIN, f64::max);
             let bullet = scene.totals_of(0).unwrap_or_default();
             let speed = bullet.momentum[0] / bullet.mass;
             let energies = [now.kinetic, now.internal, taken].map(|e| e / start.kinetic);

@@ -77,7 +77,8 @@ pub fn bodies(lattice: &Lattice<2>, parts: usize, jitter: f64) -> Result<[Seeds<
 pub struct Entry {
     /// s.
     pub time: f64,
-    /// How deep the bullet's first particle is behind the front of the target, m.
+    /// How deep the bullet's first particle is behind the front of the target, m; by particle contacts, of those in
+    /// elements.
     pub tip: f64,
     /// Velocity of the bullet's centre of mass, m/s.
     pub speed: f64,
