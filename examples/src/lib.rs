@@ -10,6 +10,9 @@
 //! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
 //! | `shaken_discs` | three large and 207 small discs in a shaken container: the large ones rise, the pile rests |
 //! | `oblique_penetration` | an ogive rod through an aluminium plate: residual speed against experiment |
+//! | `concrete_perforation` | an ogive rod through a slab of concrete: residual speeds of seven shots, cracks |
+//! | `granular_column` | a column of aluminium bars collapses: run-out and deposit against published fits |
+//! | `slope_failure` | a slope of soil fails: strength at failure and slip surface against circles of Bishop |
 //! | `plate_impact` | a plate hits a plate: shock lines of the library's metals, spall |
 //! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
 //! | `debris_cloud_2d` | a disc goes through a plate at 5 km/s, by the particle-contact meshfree method |
@@ -21,8 +24,10 @@
 
 pub mod case;
 mod detection;
+mod heap;
 mod ogive;
 
 pub use case::{CaseError, Check, Common, Report, Resolution, Totals, within};
 pub use detection::{Detection, Detector, Normals};
+pub use heap::Heap;
 pub use ogive::Ogive;

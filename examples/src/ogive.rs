@@ -4,6 +4,37 @@ use std::f64::consts::PI;
 
 use mpm_core::geometry::{GeometryError, OgiveRod, Seeds, Shape};
 
+/// A ring of a rod, m.
+struct Ring {
+    low: f64,
+    high: f64,
+    /// Where its particles lie.
+    r: f64,
+    /// Distance from the tail.
+    s: f64,
+    depth: f64,
+}
+
+/// Seeds of these volumes, all scaled by one factor so that they add up to `exact`.
+fn scaled<const D: usize>(
+    positions: Vec<[f64; D]>,
+    mut volumes: Vec<f64>,
+    edge: f64,
+    exact: f64,
+) -> Seeds<D> {
+    let raw: f64 = volumes.iter().sum();
+    volumes.iter_mut().for_each(|v| *v *= exact / raw);
+    Seeds {
+        positions,
+        volumes,
+        half_size: [0.5 * edge; D],
+        raw_measure: raw,
+        exact_measure: Some(exact),
+        sampled_measure: None,
+        correction: exact / raw,
+    }
+}
+
 /// A rod with a tangent ogive nose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ogive {
@@ -63,9 +94,45 @@ impl Ogive {
         edge: f64,
     ) -> Result<(Seeds<3>, Vec<f64>), GeometryError> {
         let (sine, cosine) = angle.sin_cos();
+        let (mut positions, mut volumes, mut from_tail) = (Vec::new(), Vec::new(), Vec::new());
+        for Ring { low, high, r, s, depth } in self.cut(edge) {
+            let around = (sector * r / edge).round().max(1.0);
+            for n in 0..around as usize {
+                let (sin, cos) = (sector * (n as f64 + 0.5) / around).sin_cos();
+                // Across the rod in the plane of flight, along y, back from the tip.
+                let (across, side, back) = (r * cos, r * sin, self.length - s);
+                positions.push([
+                    tip[0] + across * cosine - back * sine,
+                    tip[1] + side,
+                    tip[2] + across * sine + back * cosine,
+                ]);
+                volumes.push(0.5 * sector * (high * high - low * low) * depth / around);
+                from_tail.push(s);
+            }
+        }
+        let exact = self.volume()? * sector / (2.0 * PI);
+        let seeds = scaled(positions, volumes, edge, exact);
+        Ok((seeds, from_tail))
+    }
+
+    /// The same rod in the half plane of (r, z), flying along -z on the axis r = 0 with its tip at the height `tip`, m;
+    /// volumes are per radian.
+    ///
+    /// # Errors
+    /// Sizes that make no rod.
+    pub fn profile(&self, tip: f64, edge: f64) -> Result<Seeds<2>, GeometryError> {
+        let rings = self.cut(edge);
+        let positions = rings.iter().map(|ring| [ring.r, tip + self.length - ring.s]).collect();
+        let volume = |ring: &Ring| 0.5 * (ring.high * ring.high - ring.low * ring.low) * ring.depth;
+        let volumes = rings.iter().map(volume).collect();
+        Ok(scaled(positions, volumes, edge, self.volume()? / (2.0 * PI)))
+    }
+
+    /// The rod cut into layers and these into rings about `edge` wide.
+    fn cut(&self, edge: f64) -> Vec<Ring> {
         let layers = (self.length / edge).round().max(1.0);
         let depth = self.length / layers;
-        let (mut positions, mut volumes, mut from_tail) = (Vec::new(), Vec::new(), Vec::new());
+        let mut cut = Vec::new();
         for layer in 0..layers as usize {
             let s = (layer as f64 + 0.5) * depth;
             let outer = self.radius_at(s);
@@ -73,40 +140,14 @@ impl Ogive {
             let inner = (outer - edge).max(0.0);
             let count = (inner / edge).round().max(if inner > 0.25 * edge { 1.0 } else { 0.0 });
             let core = if count > 0.0 { inner } else { 0.0 };
-            let mut rings = vec![(core, outer, (outer - 0.5 * edge).max(0.5 * outer))];
+            let r = (outer - 0.5 * edge).max(0.5 * outer);
+            cut.push(Ring { low: core, high: outer, r, s, depth });
             for ring in 0..count as usize {
                 let (low, high) = (core * ring as f64 / count, core * (ring as f64 + 1.0) / count);
-                rings.push((low, high, 0.5 * (low + high)));
-            }
-            for (low, high, r) in rings {
-                let around = (sector * r / edge).round().max(1.0);
-                for n in 0..around as usize {
-                    let (sin, cos) = (sector * (n as f64 + 0.5) / around).sin_cos();
-                    // Across the rod in the plane of flight, along y, back from the tip.
-                    let (across, side, back) = (r * cos, r * sin, self.length - s);
-                    positions.push([
-                        tip[0] + across * cosine - back * sine,
-                        tip[1] + side,
-                        tip[2] + across * sine + back * cosine,
-                    ]);
-                    volumes.push(0.5 * sector * (high * high - low * low) * depth / around);
-                    from_tail.push(s);
-                }
+                cut.push(Ring { low, high, r: 0.5 * (low + high), s, depth });
             }
         }
-        let exact = self.volume()? * sector / (2.0 * PI);
-        let raw: f64 = volumes.iter().sum();
-        volumes.iter_mut().for_each(|v| *v *= exact / raw);
-        let seeds = Seeds {
-            positions,
-            volumes,
-            half_size: [0.5 * edge; 3],
-            raw_measure: raw,
-            exact_measure: Some(exact),
-            sampled_measure: None,
-            correction: exact / raw,
-        };
-        Ok((seeds, from_tail))
+        cut
     }
 }
 
@@ -145,5 +186,17 @@ mod tests {
             }
             assert!((nearest / (-0.5 * edge) - 1.0).abs() < 1e-9, "{nearest}");
         }
+    }
+
+    #[test]
+    fn the_profile_has_the_mass_of_the_rod_per_radian() {
+        let edge = 0.7e-3;
+        let seeds = ROD.profile(0.01, edge).expect("a rod");
+        assert!((2.0 * PI * seeds.measure() / 1.0352e-5 - 1.0).abs() < 1e-4);
+        assert!((seeds.correction - 1.0).abs() < 2e-3, "{}", seeds.correction);
+        let (most, lowest) =
+            seeds.positions.iter().fold((0.0_f64, f64::INFINITY), |(r, z), x| (r.max(x[0]), z.min(x[1])));
+        assert!((most - (ROD.radius() - 0.5 * edge)).abs() < 1e-12, "{most}");
+        assert!(lowest > 0.01 && lowest < 0.01 + edge, "{lowest}");
     }
 }

@@ -335,6 +335,51 @@ fn oblique_penetration() {
 }
 
 #[test]
+fn concrete_perforation() {
+    let name = "concrete";
+    let program = env!("CARGO_BIN_EXE_concrete_perforation");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "concrete_perforation");
+    let checks = value["checks"].as_array().expect("checks");
+    // A faster rod comes out faster; energy, momentum, interpenetration. The experiment is from memory.
+    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 4);
+    let out = folder(name);
+    for file in ["curve.png", "speed.png", "cuts.png", "cracks.png", "curve.csv", "rod_quarter_1058_12.csv"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn granular_column() {
+    let name = "granular";
+    let program = env!("CARGO_BIN_EXE_granular_column");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "granular_column");
+    let checks = value["checks"].as_array().expect("checks");
+    // Run-out of four columns of bars from below, of three of sand from both sides; area, rest, energy, momentum.
+    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 4 + 3 * 2 + 4);
+    let out = folder(name);
+    for file in ["column.png", "deposits.png", "fronts.png", "front_0.5_19.8deg_20.csv"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn slope_failure() {
+    let name = "slope";
+    let program = env!("CARGO_BIN_EXE_slope_failure");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "slope_failure");
+    let checks = value["checks"].as_array().expect("checks");
+    // Area, momentum, rest; the strength at failure from below.
+    assert!(checks.iter().filter(|c| c["pass"] == true).count() >= 3);
+    let out = folder(name);
+    for file in ["slope.png", "slip.png", "run_out.png", "slip_2500mm.csv", "history_2500mm.csv"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn pressed_balls() {
     let name = "balls";
     let program = env!("CARGO_BIN_EXE_pressed_balls");
@@ -400,6 +445,12 @@ fn bad_input_is_refused_by_name() {
         oblique.contains("'46' for '--angle <DEGREES>'") && oblique.contains("from 0 to 45"),
         "{oblique}"
     );
+    let concrete = said(env!("CARGO_BIN_EXE_concrete_perforation"), &["--speed", "606,20"]);
+    assert!(concrete.contains("'20' for '--speed <M/S,M/S>'"), "{concrete}");
+    let column = said(env!("CARGO_BIN_EXE_granular_column"), &["--friction", "60"]);
+    assert!(column.contains("'60' for '--friction <DEGREES>'"), "{column}");
+    let slope = said(env!("CARGO_BIN_EXE_slope_failure"), &["--spacing", "9"]);
+    assert!(slope.contains("'9' for '--spacing <M,M>'"), "{slope}");
     let friction = said(rolling, &["--friction", "0.3,-1"]);
     assert!(friction.contains("'-1' for '--friction <MU>'"), "{friction}");
     let folder = said(bar, &["--resolution", "smoke", "--out", "/dev/null/here"]);

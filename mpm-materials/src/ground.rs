@@ -68,6 +68,13 @@ pub trait Geomaterial<T: Real>: Clone + Send + Sync + 'static {
     ) -> Admissible<L, Self::History<L>>;
     /// Bulk modulus -J dp/dJ, Pa, the larger of loading and unloading.
     fn bulk_modulus<L: Lane<Real = T>>(&self, volume_ratio: L, history: &Self::History<L>) -> L;
+    /// Shear modulus for the wave speed, Pa: zero where a point has no shear strength now and cannot get any within a
+    /// step, as torn debris. By default [`Geomaterial::shear_modulus`].
+    #[inline(always)]
+    fn shear_stiffness<L: Lane<Real = T>>(&self, volume_ratio: L, history: &Self::History<L>) -> L {
+        let _ = (volume_ratio, history);
+        L::splat(self.shear_modulus())
+    }
     /// Accumulated equivalent plastic strain.
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L;
     /// Damage in \[0, 1\]; zero for a law without.
@@ -286,11 +293,12 @@ where
         now.volume_ratio
     }
     /// c^2 = (K + 4 G/3)/rho with the larger bulk modulus of loading and unloading. Flow does not lower it; bulk
-    /// viscosity is left out.
+    /// viscosity is left out. Debris without strength has no shear in it ([`Geomaterial::shear_stiffness`]): it flies
+    /// apart, and 4 G/(3 rho) of what is left of its density would govern the step of the whole scene.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         let bulk = self.law.bulk_modulus(now.volume_ratio, &now.history);
-        let shear = L::splat(self.law.shear_modulus() * T::of(4.0 / 3.0));
+        let shear = self.law.shear_stiffness(now.volume_ratio, &now.history) * L::of(4.0 / 3.0);
         ((bulk + shear) * now.volume_ratio * L::splat(T::of(1.0) / self.law.density())).sqrt()
     }
     #[inline(always)]

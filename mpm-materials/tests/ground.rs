@@ -179,6 +179,37 @@ fn concrete_breaks_in_tension_at_its_strength() {
     assert_relative_eq!(state.stress.mean(), 4e6, max_relative = 1e-12);
 }
 
+#[test]
+fn torn_concrete_is_no_faster_than_its_bulk() {
+    let law = Ground::new(HolmquistJohnsonCook::<f64>::concrete_48());
+    let shear = |state: &_| {
+        // What c^2 has beyond the bulk modulus, in G: (4/3) J for a point that carries shear.
+        let GroundState { volume_ratio, history, .. } = state;
+        let bulk: f64 = law.law().bulk_modulus(*volume_ratio, history);
+        (law.wave_speed(state).powi(2) * 2440.0 / volume_ratio - bulk) / (4.0 / 3.0 * 14.86e9)
+    };
+    let mut state = law.virgin();
+    assert_relative_eq!(shear(&state), 1.0, max_relative = 1e-12);
+    // Sheared until nothing is left of its cohesion.
+    while state.history.damage < 1.0 {
+        let slide = Mat3([[0.0, 2e-3, 0.0], [2e-3, 0.0, 0.0], [0.0; 3]]);
+        state = law.update(&Kinematics { increment: slide, dt: 1e-6, length: 1e-3 }, &state).state;
+    }
+    // Closed, or open by less than a tenth, it may be pressed in the next step and carries friction.
+    for j in [0.99, 1.0, 1.05] {
+        state = law.update(&sized(state.volume_ratio, j), &state).state;
+        assert_relative_eq!(shear(&state), 1.0, max_relative = 1e-12);
+    }
+    for j in [1.2, 3.0, 50.0] {
+        state = law.update(&sized(state.volume_ratio, j), &state).state;
+        assert!(shear(&state).abs() < 1e-9, "{}", shear(&state));
+        assert_eq!(invariants(&state.stress), [0.0, 0.0]);
+    }
+    // Closed again it carries shear again.
+    state = law.update(&sized(state.volume_ratio, 0.99), &state).state;
+    assert_relative_eq!(shear(&state), 1.0, max_relative = 1e-12);
+}
+
 /// tau and mean stress.
 fn invariants(stress: &Sym3<f64>) -> [f64; 2] {
     let s = stress.deviator();

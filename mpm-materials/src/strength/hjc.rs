@@ -21,6 +21,9 @@ state! {
     }
 }
 
+/// By which part of its volume a fully damaged point must be open to count as debris: far more than one step closes.
+const OPEN: f64 = 1.1;
+
 /// The constants of strength and damage of [`HolmquistJohnsonCook`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConcreteConstants<T> {
@@ -246,6 +249,17 @@ impl<T: Real, B: Localisation<T>> Geomaterial<T> for HolmquistJohnsonCook<T, B> 
         let largest = history.largest_compression;
         let slope = self.crush.unloading_slope(largest).max(self.crush.loading_slope(largest));
         slope / volume_ratio
+    }
+    /// None where a fully damaged point is open by a tenth of its volume beyond the end of its unloading line: its
+    /// strength is that of no pressure, which is zero.
+    #[inline(always)]
+    fn shear_stiffness<L: Lane<Real = T>>(&self, volume_ratio: L, history: &Concrete<L>) -> L {
+        let (zero, one) = (L::zero(), L::one());
+        let closed = self
+            .crush
+            .pressure((volume_ratio * L::of(1.0 / OPEN)).recip() - one, history.largest_compression);
+        let torn = history.damage.ge(one) & closed.lt(zero);
+        L::select(torn, zero, L::splat(self.constants.shear))
     }
     #[inline(always)]
     fn plastic_strain<L: Lane<Real = T>>(&self, history: &Concrete<L>) -> L {

@@ -1,0 +1,179 @@
+//! Rod, slab and the run.
+//!
+//! The slab is normal to z and lies at -thickness < z < 0; the rod comes from above along -z, on the axis. A quarter of
+//! it all is computed, or its half plane of revolution; the slab's edges are free.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::Path;
+
+use examples::{CaseError, Normals, Totals};
+use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
+use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{
+    Axisymmetric, Blend, BlockGrid, Boundary, Composition, CpGimp, FullSpace, Linear, Method, Mpm, Musl,
+    Rigid, Side, Team, TimeControl,
+};
+use mpm_materials::{LinearElastic, Moduli, library};
+
+use crate::setup::{Detection, Kernel, MASS, Model, ROD, Rod, Setup, THICKNESS, YOUNG};
+use crate::track::{Row, Track};
+
+/// Longitudinal wave speed in the concrete, m/s, for the memory of the blend.
+const SOUND: f64 = 3830.0;
+/// Between two rows of a history, s.
+const HISTORY: f64 = 4.0e-6;
+
+/// What came of a run.
+pub struct Outcome {
+    pub setup: Setup,
+    pub rows: Vec<Row>,
+    pub snapshots: Vec<Snapshot>,
+    /// Did the rod come through?
+    pub through: bool,
+    pub totals: Totals,
+    /// Energy and momentum over time.
+    pub ledger: Vec<LedgerEntry>,
+}
+
+impl Outcome {
+    /// The last row.
+    pub fn last(&self) -> Row {
+        self.rows.last().copied().unwrap_or_default()
+    }
+    /// Speed behind the slab, m/s; 0 if the rod stayed in it or came back.
+    pub fn residual(&self) -> f64 {
+        if self.through { self.last().speed } else { 0.0 }
+    }
+    /// Most of the slab ever found deeper than half a cell inside the rod, over the volume of the hole.
+    pub fn overlap(&self) -> f64 {
+        let most = self.rows.iter().map(|r| r.inside).fold(0.0, f64::max);
+        most / (PI * ROD.radius().powi(2) * THICKNESS)
+    }
+}
+
+/// Shoot; snapshots at the given ways of a rod that is not slowed, m, and at the end, if there are any ways; and ParaView frames in a folder.
+pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
+    let memory = setup.memory * setup.spacing() / SOUND;
+    let blend = Blend::new(memory).map_err(|e| CaseError::Other(e.to_string()))?;
+    let task = Task { setup: *setup, ways, files };
+    match (setup.model, setup.kernel) {
+        (Model::Quarter, Kernel::Hat) => quarter(task, Method::new(Linear, blend, Musl, FullSpace)),
+        (Model::Quarter, Kernel::Cpgimp) => quarter(task, Method::new(CpGimp, blend, Musl, FullSpace)),
+        (Model::Axisymmetric, Kernel::Hat) => revolved(task, Method::new(Linear, blend, Musl, Axisymmetric)),
+        (Model::Axisymmetric, Kernel::Cpgimp) => {
+            revolved(task, Method::new(CpGimp, blend, Musl, Axisymmetric))
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Task<'a> {
+    setup: Setup,
+    ways: &'a [f64],
+    files: Option<&'a Path>,
+}
+
+/// Seeds of both bodies, planes of symmetry, and how a rigid rod is held between them.
+struct Bodies<const D: usize> {
+    lattice: Lattice<D>,
+    rod: Seeds<D>,
+    slab: Seeds<D>,
+    planes: Vec<usize>,
+}
+
+fn quarter<M: Composition<f64, 3>>(task: Task, method: M) -> Result<Outcome, CaseError> {
+    let setup = task.setup;
+    let lattice = Lattice::new([0.0; 3], setup.spacing())?;
+    let (rod, _) = ROD.rings([0.0, 0.0, 0.25 * setup.spacing()], 0.0, FRAC_PI_2, setup.edge())?;
+    let slab = Cuboid::new([0.0, 0.0, -THICKNESS], [setup.half_width, setup.half_width, 0.0])?;
+    let slab = fill(&slab, &lattice, setup.parts as usize, &Filling::new())?;
+    let held = |rigid: Rigid<3>| rigid.holding([true, true, false]).without_turning();
+    run(task, method, Bodies { lattice, rod, slab, planes: vec![0, 1] }, held)
+}
+
+fn revolved<M: Composition<f64, 2>>(task: Task, method: M) -> Result<Outcome, CaseError> {
+    let setup = task.setup;
+    let lattice = Lattice::new([0.0; 2], setup.spacing())?;
+    let rod = ROD.profile(0.25 * setup.spacing(), setup.edge())?;
+    let slab = Cuboid::new([0.0, -THICKNESS], [setup.half_width, 0.0])?;
+    let slab = fill(&slab, &lattice, setup.parts as usize, &Filling::new().axisymmetric())?;
+    run(task, method, Bodies { lattice, rod, slab, planes: vec![0] }, |rigid| rigid)
+}
+
+fn run<const D: usize, M: Composition<f64, D>>(
+    task: Task,
+    method: M,
+    bodies: Bodies<D>,
+    held: impl Fn(Rigid<D>) -> Rigid<D>,
+) -> Result<Outcome, CaseError> {
+    let Task { setup, ways, files } = task;
+    let laws = Pairs::new(Coulomb::new(setup.friction)?);
+    let normals = match setup.detection {
+        Detection::Gradients => Normals::Gradients(Gradients::default()),
+        Detection::Regression => Normals::Regression,
+        Detection::Rod => Normals::Gradients(Gradients::new(Weight::Volume, Choice::OneBody(vec![0]))),
+    };
+    let contact = GridContact::new(SurfaceDistance::new(normals, 0.0)?.locally(), laws);
+    let mut mpm = Mpm::<f64, D, _, _, _>::with_contact(method, BlockGrid::new(bodies.lattice), contact);
+    let density = MASS / ROD.volume()?;
+    let mut velocity = [0.0; D];
+    velocity[D - 1] = -setup.speed;
+    match setup.rod {
+        Rod::Rigid => {
+            let rigid = held(Rigid::free(density)?.with_velocity(velocity));
+            mpm.add_rigid("rod", &rigid, &bodies.rod)?;
+        }
+        Rod::Elastic => {
+            let steel = LinearElastic::new(density, Moduli::young_poisson(YOUNG, 0.3)?)?;
+            mpm.add("rod", steel, &bodies.rod, |_| velocity)?;
+        }
+    }
+    let concrete = library::concrete_48().with_bulk_viscosity(0.06, 1.5)?;
+    mpm.add("slab", concrete, &bodies.slab, |_| [0.0; D])?;
+    for axis in bodies.planes {
+        mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;
+    }
+    mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
+    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+
+    let mut track = Track::new(Pace::interval(HISTORY)?, &setup);
+    let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    let mut bar = Progress::new(setup.name());
+    let mut frames = match files {
+        Some(folder) => {
+            ledger = ledger.with_csv(folder.join(format!("ledger_{}.csv", setup.name())))?;
+            let pace = Pace::interval(100.0e-6)?;
+            Some(VtkSeries::create(folder.join("paraview"), setup.name(), pace)?)
+        }
+        None => None,
+    };
+    let mut summary = RunSummary::default();
+    let mut snapshots = Vec::new();
+    // A rod that is still in the slab after eight times as long as at full speed stays there.
+    let through = (ROD.length + THICKNESS) / setup.speed;
+    let looks: Vec<f64> = ways.iter().map(|w| w / setup.speed).collect();
+    let mut ends = looks.clone();
+    ends.extend((0..360).map(|n| through * (0.5 + 0.02 * f64::from(n))));
+    ends.sort_by(f64::total_cmp);
+    for end in ends {
+        let mut observers: Vec<&mut dyn Observer<f64, D>> = vec![&mut track, &mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, D>));
+        let run = mpm.run_observed(end, &mut observers)?;
+        summary.steps += run.steps;
+        summary.wall_seconds += run.wall_seconds;
+        summary.updates += run.updates;
+        let over = track.through() || track.stopped();
+        // The last one is of what is left of the slab.
+        if looks.contains(&end) || (over && !looks.is_empty()) {
+            snapshots.push(mpm.snapshot()?);
+        }
+        if over {
+            break;
+        }
+    }
+    let totals = Totals::of(&mpm, &summary, &ledger);
+    let (through, ledger) = (track.through(), ledger.entries().to_vec());
+    Ok(Outcome { setup, rows: track.rows, snapshots, through, totals, ledger })
+}

@@ -1,0 +1,95 @@
+//! Where the rod is and how fast.
+
+use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+
+use crate::setup::{ROD, Setup, THICKNESS};
+
+/// A rod is through when the force on it, for as long as it takes to leave the slab, would take less than this part of
+/// the impact speed.
+const DONE: f64 = 2.0e-3;
+
+/// The rod at one moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// s.
+    pub time: f64,
+    /// Velocity of the centre of mass into the slab, m/s.
+    pub speed: f64,
+    /// Height of the tip above the front of the slab, m.
+    pub tip: f64,
+    /// Force of the slab on the whole rod, mean since the row before, N.
+    pub force: f64,
+    /// Part of the slab that is fully damaged.
+    pub damaged: f64,
+    /// Volume of the slab more than half a cell inside the rod, m^3: in the whole model.
+    pub inside: f64,
+}
+
+/// Follows the rod.
+pub struct Track {
+    pace: Pace,
+    setup: Setup,
+    /// From the tip to the centre of mass, m.
+    arm: Option<f64>,
+    pub rows: Vec<Row>,
+}
+
+impl Track {
+    /// For this run.
+    pub fn new(pace: Pace, setup: &Setup) -> Self {
+        Track { pace, setup: *setup, arm: None, rows: Vec::new() }
+    }
+
+    /// Did the rod come through?
+    pub fn through(&self) -> bool {
+        let Some(row) = self.rows.last() else { return false };
+        let left = (row.tip + ROD.length + THICKNESS).max(0.0);
+        // The force falls as the slab opens: its mean since the nose came out bounds what is still to come.
+        let mass = crate::setup::MASS;
+        let recent = self.rows.iter().rev().take(10);
+        let force = recent.fold(0.0, |sum: f64, r| sum + r.force) / 10.0;
+        let loss = force / mass * left / row.speed.max(1e-9);
+        row.speed > 0.0 && row.tip < -THICKNESS - ROD.nose() && loss < DONE * self.setup.speed
+    }
+    /// Did it come to rest, or turn back?
+    pub fn stopped(&self) -> bool {
+        self.rows.last().is_some_and(|row| row.speed <= 0.0)
+    }
+}
+
+impl<const D: usize> Observer<f64, D> for Track {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+
+    fn observe(&mut self, now: &Moment<'_, f64, D>) -> Result<(), ObserveError> {
+        let [rod, slab] = now.bodies() else { return Ok(()) };
+        let (mut mass, mut z, mut v) = (0.0, 0.0, 0.0);
+        rod.for_each(&mut |p| {
+            mass += p.mass;
+            z += p.mass * p.position[D - 1];
+            v -= p.mass * p.velocity[D - 1];
+        });
+        let (z, speed) = (z / mass, v / mass);
+        let start = 0.25 * self.setup.spacing();
+        let tip = z - *self.arm.get_or_insert(z - start);
+        let half = 0.5 * self.setup.spacing();
+        let (mut all, mut damaged, mut inside) = (0.0, 0.0, 0.0);
+        let place = slab.state_names().iter().position(|n| n == "damage");
+        slab.for_each(&mut |p| {
+            all += p.mass;
+            damaged += if place.is_some_and(|d| p.state[d] >= 1.0) { p.mass } else { 0.0 };
+            let across = if D == 3 { p.position[0].hypot(p.position[1]) } else { p.position[0] };
+            let depth = ROD.radius_at(ROD.length - (p.position[D - 1] - tip)) - across;
+            inside += if depth > half { p.volume } else { 0.0 };
+        });
+        let whole = crate::setup::MASS;
+        let force = self.rows.last().map_or(0.0, |last| {
+            let dt = now.time() - last.time;
+            if dt > 0.0 { whole * (last.speed - speed) / dt } else { 0.0 }
+        });
+        let inside = inside * self.setup.copies();
+        self.rows.push(Row { time: now.time(), speed, tip, force, damaged: damaged / all, inside });
+        Ok(())
+    }
+}

@@ -1,0 +1,148 @@
+//! Floor, wall, column and the run.
+
+use std::path::Path;
+
+use examples::{CaseError, Heap, Totals};
+use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{Apic, BlockGrid, Boundary, Method, Mpm, PlaneStrain, QuadraticBSpline, Side, Team, Usl};
+use mpm_materials::strength::{Cone, DruckerPrager};
+use mpm_materials::{Ground, Moduli};
+use serde::Serialize;
+
+/// m/s^2.
+pub const GRAVITY: f64 = 9.81;
+/// Of the bars \[Bui2008\]: density, kg/m^3, Young's modulus, Pa, and Poisson's ratio.
+const DENSITY: f64 = 2650.0;
+const YOUNG: f64 = 0.84e6;
+const POISSON: f64 = 0.3;
+/// Rows of a history over a run.
+const ROWS: f64 = 200.0;
+
+/// One run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Setup {
+    /// Height of the column, m.
+    pub height: f64,
+    /// Height over width.
+    pub aspect: f64,
+    /// Angle of friction, radians.
+    pub friction: f64,
+    /// Cells over the height; two particles a cell along each axis.
+    pub cells: u32,
+    /// End of the run, in times sqrt(height / g).
+    pub end: f64,
+    pub threads: usize,
+}
+
+impl Setup {
+    /// Cell size, m.
+    pub fn spacing(&self) -> f64 {
+        self.height / f64::from(self.cells)
+    }
+    /// Width of the column, m.
+    pub fn width(&self) -> f64 {
+        self.height / self.aspect
+    }
+    /// Time of free fall over half the height, s.
+    pub fn fall(&self) -> f64 {
+        (self.height / GRAVITY).sqrt()
+    }
+    /// As in the names of files.
+    pub fn name(&self) -> String {
+        format!("{:.1}_{:.1}deg_{}", self.aspect, self.friction.to_degrees(), self.cells)
+    }
+}
+
+/// What came of a run.
+pub struct Outcome {
+    pub setup: Setup,
+    pub snapshots: Vec<Snapshot>,
+    /// Time, s, and place of the front, m.
+    pub fronts: Vec<[f64; 2]>,
+    /// The deposit at the end.
+    pub heap: Heap,
+    pub totals: Totals,
+    pub ledger: Vec<LedgerEntry>,
+}
+
+impl Outcome {
+    /// Way of the front, in widths of the column.
+    pub fn run_out(&self) -> f64 {
+        let last = self.fronts.last().map_or(f64::NAN, |f| f[1]);
+        last / self.setup.width() - 1.0
+    }
+    /// Kinetic energy at the end, over the potential energy that the column had.
+    pub fn unrest(&self) -> f64 {
+        let kinetic = self.ledger.last().map_or(f64::NAN, |e| e.kinetic);
+        kinetic / self.potential()
+    }
+    /// Over the floor, J/m.
+    fn potential(&self) -> f64 {
+        0.5 * DENSITY * GRAVITY * self.setup.height.powi(2) * self.setup.width()
+    }
+    /// Energy that the method took or gave, over the potential energy.
+    pub fn energy_errors(&self) -> [f64; 2] {
+        let first = self.ledger.first().map_or(f64::NAN, |e| e.total);
+        let errors = || self.ledger.iter().map(|e| (e.total - first) / self.potential());
+        [-errors().fold(0.0, f64::min), errors().fold(0.0, f64::max)]
+    }
+}
+
+/// The height that the deposit must have to count, m: half a particle.
+fn least(setup: &Setup) -> f64 {
+    0.25 * setup.spacing()
+}
+
+fn heap(setup: &Setup, snapshot: &Snapshot) -> Heap {
+    Heap::new(snapshot, [0.0, setup.width() * (2.0 + 6.0 * setup.aspect)], setup.spacing())
+}
+
+/// Let the column go; snapshots at the given times over sqrt(height / g).
+pub fn collapse(setup: &Setup, times: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
+    let lattice = Lattice::new([0.0; 2], setup.spacing())?;
+    let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let column = Cuboid::new([0.0; 2], [setup.width(), setup.height])?;
+    let seeds = fill(&column, &lattice, 2, &Filling::new())?;
+    let elastic = Moduli::young_poisson(YOUNG, POISSON)?;
+    let bars = DruckerPrager::matching(DENSITY, elastic, Cone::PlaneStrain, setup.friction, 0.0, 0.0)?;
+    mpm.add("column", Ground::new(bars), &seeds, |_| [0.0; 2])?;
+    // A smooth wall on the left, a floor that holds on.
+    mpm.bound(Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+    mpm.bound(Boundary::Fixed { axis: 1, at: 0.0, side: Side::Above })?;
+    mpm.set_body_force(|_| [0.0, -GRAVITY]);
+    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+
+    let end = setup.end * setup.fall();
+    let mut ledger = Ledger::new(Pace::interval(end / ROWS)?);
+    let mut bar = Progress::new(setup.name());
+    let mut frames = match files {
+        Some(folder) => {
+            ledger = ledger.with_csv(folder.join(format!("ledger_{}.csv", setup.name())))?;
+            Some(VtkSeries::create(folder.join("paraview"), setup.name(), Pace::interval(end / 40.0)?)?)
+        }
+        None => None,
+    };
+    let (mut summary, mut snapshots, mut fronts) = (RunSummary::default(), Vec::new(), Vec::new());
+    let steps = 100;
+    for n in 1..=steps {
+        let now = end * f64::from(n) / f64::from(steps);
+        let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 2>));
+        let run = mpm.run_observed(now, &mut observers)?;
+        summary.steps += run.steps;
+        summary.wall_seconds += run.wall_seconds;
+        summary.updates += run.updates;
+        let snapshot = mpm.snapshot()?;
+        fronts.push([now, heap(setup, &snapshot).front(0.5 * setup.width(), least(setup))]);
+        if times.get(snapshots.len()).is_some_and(|t| now >= t * setup.fall() * (1.0 - 1e-9)) || n == steps {
+            snapshots.push(snapshot);
+        }
+    }
+    let last = mpm.snapshot()?;
+    let heap = heap(setup, &last);
+    let totals = Totals::of(&mpm, &summary, &ledger);
+    Ok(Outcome { setup: *setup, snapshots, fronts, heap, totals, ledger: ledger.entries().to_vec() })
+}
