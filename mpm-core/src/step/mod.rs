@@ -6,7 +6,7 @@ pub mod control;
 mod encounters;
 pub mod fields;
 mod gather;
-mod layout;
+pub mod layout;
 pub mod load;
 mod meet;
 mod migrate;
