@@ -8,48 +8,9 @@ use super::layout::Layout;
 use super::load::Load;
 use super::survey::nodes_of;
 use super::sweep::ExtentOf;
-use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
+use crate::dim::{Stencil, neighbours};
 use crate::method::Composition;
 use crate::parallel::Float;
-use crate::particles::Block;
-
-/// The bins of a block, a bit each (x fastest), that reach the block before, the same block and the one after
-/// along an axis.
-fn reaching<E: Stencil, const D: usize>(axis: usize) -> [u64; 3] {
-    let mut bits = [0; 3];
-    for bin in 0..block_nodes(D) {
-        let first = (bin / BLOCK.pow(axis as u32) % BLOCK) as i32 + E::BASE;
-        let last = first + E::NODES as i32 - 1;
-        for (o, bits) in bits.iter_mut().enumerate() {
-            let low = (o as i32 - 1) * BLOCK as i32;
-            if last >= low && first < low + BLOCK as i32 {
-                *bits |= 1 << bin;
-            }
-        }
-    }
-    bits
-}
-
-/// The same along each axis.
-type Reaching = [[u64; 3]; 3];
-
-fn reaching_all<E: Stencil, const D: usize>() -> Reaching {
-    [reaching::<E, D>(0), reaching::<E, D>(1), reaching::<E, D>(D - 1)]
-}
-
-/// Bit `n` is set if a particle's stencil reaches into neighbour `n` (3^D, x fastest).
-fn reach<T: Float, const D: usize>(block: &Block<T, D>, reaching: &Reaching) -> u32 {
-    let occupied = block.occupied();
-    let mut bits = 0;
-    for n in 0..neighbours(D) {
-        let mut bins = occupied & reaching[0][n % 3] & reaching[1][n / 3 % 3];
-        if D == 3 {
-            bins &= reaching[2][n / 9];
-        }
-        bits |= u32::from(bins != 0) << n;
-    }
-    bits
-}
 
 impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
 where
@@ -75,11 +36,12 @@ where
 
     /// Does a particle reach a block of the body's own list?
     pub(super) fn reaches_block(&self, block: usize) -> bool {
-        let reaching = reaching_all::<ExtentOf<M, T, D>, D>();
         let around = &self.contributors[block * neighbours(D)..][..neighbours(D)];
         around.iter().enumerate().any(|(n, &slot)| {
+            // Seen from the slot, the node block lies in the opposite direction.
+            let o = offset::<D>(neighbours(D) - 1 - n);
             let slot = self.slots.get(slot as usize);
-            slot.is_some_and(|s| reach(&s.block, &reaching) & (1 << (neighbours(D) - 1 - n)) != 0)
+            slot.is_some_and(|s| nodes_of::<ExtentOf<M, T, D>, D>(&o, s.block.occupied()) != 0)
         })
     }
 

@@ -53,7 +53,8 @@ impl Outcome {
     }
 }
 
-/// Shoot; snapshots at the given ways of a rod that is not slowed, m, and at the end, if there are any ways; and ParaView frames in a folder.
+/// Shoot; snapshots at the given ways of a rod that is not slowed, m, and at the end, if there are any ways; and ParaView
+/// frames in a folder.
 pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
     let memory = setup.memory * setup.spacing() / SOUND;
     let blend = Blend::new(memory).map_err(|e| CaseError::Other(e.to_string()))?;
