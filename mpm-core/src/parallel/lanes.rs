@@ -9,7 +9,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use mpm_materials::{Lane, Mask};
 
-use super::{Arch, Pack, Quad, Row};
+use super::{Arch, Pack, Quad, Record, Row, Sixteen, ThirtyTwo};
 
 /// Does this processor have what [`Avx2`] needs?
 #[inline]
@@ -233,7 +233,7 @@ macro_rules! pack {
 impl Pack<f64> for F64x4 {
     pack!(F64x4, f64, 4, _mm256_load_pd, _mm256_store_pd);
     #[inline(always)]
-    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[f64; 4]]) {
+    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [Record<f64, ThirtyTwo>]) {
         let out = &mut out[..4];
         unsafe {
             let (ab0, ab1) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
@@ -254,7 +254,7 @@ impl F64x4 {
 impl Pack<f32> for F32x8 {
     pack!(F32x8, f32, 8, _mm256_load_ps, _mm256_store_ps);
     #[inline(always)]
-    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[f32; 4]]) {
+    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [Record<f32, Sixteen>]) {
         let out = &mut out[..8];
         unsafe {
             let (ab0, ab1) = (_mm256_unpacklo_ps(a.0, b.0), _mm256_unpackhi_ps(a.0, b.0));

@@ -534,7 +534,7 @@ where
             let slot = match self.spare.pop() {
                 Some(mut slot) => {
                     slot.block.place_at(c);
-                    slot.tile.fill([T::default(); 4]);
+                    slot.tile.fill(T::Record::default());
                     slot.report = Report::default();
                     slot
                 }
@@ -613,7 +613,7 @@ fn new_slot<T: Float, const D: usize, E: Stencil>(
 ) -> Slot<T, D> {
     Slot {
         block: Block::new(coordinates, dummy.to_vec()),
-        tile: vec![[T::default(); 4]; tile_nodes::<E>(D) * records],
+        tile: vec![T::Record::default(); tile_nodes::<E>(D) * records],
         slots_around: vec![NONE; neighbours(D)],
         linked: 0,
         report: Report::default(),
@@ -776,13 +776,13 @@ where
     fn bytes(&self) -> usize {
         let slot = |s: &Slot<T, D>| {
             s.block.bytes()
-                + s.tile.capacity() * size_of::<[T; 4]>()
+                + s.tile.capacity() * size_of::<T::Record>()
                 + s.slots_around.len() * size_of::<u32>()
                 + size_of::<Slot<T, D>>()
         };
         let sent = |o: &Outbox<T>| {
             o.numbers.capacity() * size_of::<T>()
-                + o.records.capacity() * size_of::<[T; 4]>()
+                + o.records.capacity() * size_of::<T::Record>()
                 + o.to.capacity()
                 + o.bin.capacity()
         };

@@ -95,7 +95,7 @@ pub struct Domains<T> {
 pub(super) fn take_in<T, A, const D: usize, M, K>(
     method: &M,
     block: &mut Block<T, D>,
-    tile: &mut [[T; 4]],
+    tile: &mut [T::Record],
     outbox: &Outbox<T>,
     to: usize,
     domains: Domains<T>,
@@ -174,7 +174,7 @@ where
     fn run<A: Arch<T>>(self) {
         let TakeIn { method, slot, outboxes, common, .. } = self;
         let Slot { block, tile, slots_around, .. } = slot;
-        let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
+        let mut records: Records<T> = [[T::Record::default(); MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
         for from in 0..neighbours(D) {
             // What lies in direction `from` of here sent towards the opposite direction.

@@ -32,7 +32,7 @@ pub struct Slot<T: Float, const D: usize> {
     pub block: Block<T, D>,
     /// What they add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
     /// the method maps two, all second ones.
-    pub tile: Vec<[T; 4]>,
+    pub tile: Vec<T::Record>,
     /// Slots around, likewise.
     pub slots_around: Vec<u32>,
     /// Bins whose stencils the body's nodes hold, a bit each.
@@ -220,7 +220,7 @@ where
         for i in 0..A::Pack::WIDTH {
             lane_index = lane_index.with_lane(i, T::of(i as f64));
         }
-        let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
+        let mut records: Records<T> = [[T::Record::default(); MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
         let mut rate = zero;
         let mut flux = [zero; 3];
@@ -489,7 +489,7 @@ where
                 for lane in here..T::GROUP {
                     for kind in 0..RECORDS {
                         if maps.uses::<D>(kind) {
-                            records[kind][lane] = [T::default(); 4];
+                            records[kind][lane] = T::Record::default();
                         }
                     }
                 }
