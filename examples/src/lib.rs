@@ -26,6 +26,7 @@ pub mod case;
 mod detection;
 mod heap;
 mod ogive;
+pub mod throughput;
 
 pub use case::{CaseError, Check, Common, Report, Resolution, Totals, within};
 pub use detection::{Detection, Detector, Normals};

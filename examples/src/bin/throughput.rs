@@ -1,15 +1,13 @@
 //! Throughput: particle updates a second on fixed scenes, one JSON line a run, and the ratio to a yardstick of
 //! hand-written kernels, run in alternation.
 
-mod scenes;
-
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 use clap::{Parser, ValueEnum};
 use examples::{CaseError, Check, Report, Resolution, Totals, case};
 
-use scenes::{Job, Kernel, Measured};
+use examples::throughput::{self, Job, Kernel, Measured};
 
 /// Particle updates a second on fixed scenes: a cube with a smooth velocity field (S1) and a copper cylinder on
 /// a wall (S2). Prints one JSON line a run.
@@ -101,8 +99,8 @@ impl Options {
 
     fn measure(&self, job: &Job) -> Result<Measured, CaseError> {
         match self.precision {
-            Precision::F64 => scenes::measure::<f64>(job),
-            Precision::F32 => scenes::measure::<f32>(job),
+            Precision::F64 => throughput::measure::<f64>(job),
+            Precision::F32 => throughput::measure::<f32>(job),
         }
     }
 }

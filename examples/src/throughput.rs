@@ -3,16 +3,18 @@
 use std::time::Instant;
 
 use clap::ValueEnum;
-use examples::CaseError;
+
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::grid::Node;
 use mpm_core::{
-    BlockGrid, Boundary, Composition, Flip, Float, FullSpace, Linear, Method, Mls, Mpm, Musl,
-    QuadraticBSpline, Side, Team, TimeControl, Usl,
+    BlockGrid, Boundary, Composition, Contact, Flip, Float, FullSpace, GridStorage, Linear, Method, Mls, Mpm,
+    Musl, QuadraticBSpline, Side, Team, TimeControl, Usl,
 };
 use mpm_materials::strength::{Adiabatic, Heat, Logarithmic};
 use mpm_materials::{Constitutive, JohnsonCook, LinearElastic, MieGruneisen, Moduli, NeoHookean, Solid};
 use serde::Serialize;
+
+use crate::CaseError;
 
 /// What a step computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -43,28 +45,38 @@ impl Kernel {
 /// One run.
 #[derive(Clone, Copy, Debug)]
 pub struct Job {
+    /// What a step computes.
     pub kernel: Kernel,
     /// Particles wanted; the scene has about as many.
     pub particles: usize,
+    /// Threads.
     pub threads: usize,
+    /// Steps that are timed.
     pub steps: u64,
 }
 
 /// What a run measured: the keys of the yardstick, and two more.
 #[derive(Clone, Debug, Serialize)]
 pub struct Measured {
+    /// Its name.
     pub kernel: String,
+    /// Name of the scene.
     pub scene: &'static str,
+    /// Particles.
     pub particles: usize,
     /// Cells with particles at the end.
     pub cells: usize,
+    /// Threads.
     pub threads: usize,
+    /// Steps timed.
     pub steps: u64,
     /// Wall-clock time of the steps, s. Building the scene and the first step are not timed.
     pub seconds: f64,
+    /// Particles times steps over seconds.
     pub particle_updates_per_second: f64,
     /// Numbers stored a particle, times their size.
     pub bytes_per_particle: usize,
+    /// Bytes of a node.
     pub bytes_per_node: usize,
     /// Of positions, velocities and stresses at the end; the same for any number of threads.
     pub checksum: String,
@@ -74,21 +86,25 @@ pub struct Measured {
     pub energy_drift: f64,
     /// All memory of the solver, grid and scratch included, a particle.
     pub total_bytes_per_particle: f64,
+    /// Bits of a number.
     pub bits: usize,
 }
 
 /// Run a job in the precision `T`.
+///
+/// # Errors
+/// What a scene refuses, and a step that breaks.
 pub fn measure<T: Float>(job: &Job) -> Result<Measured, CaseError> {
     let of = T::of;
     let moduli = || Moduli::bulk_shear(of(1.0 + 1.6 / 3.0), of(0.8));
     match job.kernel {
         Kernel::LinearMuslElastic => {
             let law = LinearElastic::new(of(1.0), moduli()?)?;
-            cube(job, Method::new(Linear, Flip, Musl, FullSpace), law)
+            timed(job, cube(job.particles, Method::new(Linear, Flip, Musl, FullSpace), law)?)
         }
         Kernel::QuadraticApicUsl => {
             let law = NeoHookean::new(of(1.0), moduli()?)?;
-            cube(job, Method::new(QuadraticBSpline, Mls, Usl, FullSpace), law)
+            timed(job, cube(job.particles, Method::new(QuadraticBSpline, Mls, Usl, FullSpace), law)?)
         }
         Kernel::LinearMuslJohnsonCook => {
             let heat = Heat {
@@ -103,13 +119,13 @@ pub fn measure<T: Float>(job: &Job) -> Result<Measured, CaseError> {
                 .with_heat(Adiabatic::new(heat)?);
             let eos = MieGruneisen::new(of(8960.0), of(3940.0), of(1.489), of(1.99))?;
             let law = Solid::new(strength, eos).with_bulk_viscosity(of(0.06), of(1.5))?;
-            cylinder(job, Method::new(Linear, Flip, Musl, FullSpace), law)
+            timed(job, cylinder(job.particles, Method::new(Linear, Flip, Musl, FullSpace), law)?)
         }
     }
 }
 
 /// Particles on a 2 x 2 x 2 lattice in the cells `low..high` of edge `h` that are `inside` (in cells).
-fn lattice_points(low: [i64; 3], high: [i64; 3], h: f64, inside: impl Fn([f64; 3]) -> bool) -> Seeds<3> {
+pub fn lattice_points(low: [i64; 3], high: [i64; 3], h: f64, inside: impl Fn([f64; 3]) -> bool) -> Seeds<3> {
     let mut positions = Vec::new();
     for k in 2 * low[2]..2 * high[2] {
         for j in 2 * low[1]..2 * high[1] {
@@ -134,30 +150,40 @@ fn lattice_points(low: [i64; 3], high: [i64; 3], h: f64, inside: impl Fn([f64; 3
     }
 }
 
-/// S1: a cube in a smooth field of velocity, h = 1, dt = 0.19.
-fn cube<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
-    job: &Job,
+/// A solver on blocks of nodes.
+pub type Solver<T, M> = Mpm<T, 3, M, BlockGrid<T, 3>>;
+
+/// S1: a cube of about so many particles in a smooth field of velocity, h = 1, to be run with dt = 0.19.
+///
+/// # Errors
+/// What a scene refuses.
+pub fn cube<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
+    particles: usize,
     method: M,
     law: C,
-) -> Result<Measured, CaseError> {
-    let cells = (job.particles as f64 / 8.0).cbrt().round().max(1.0);
+) -> Result<Solver<T, M>, CaseError> {
+    let cells = (particles as f64 / 8.0).cbrt().round().max(1.0);
     let seeds = lattice_points([8; 3], [8 + cells as i64; 3], 1.0, |_| true);
     let velocity = |x: [f64; 3]| {
         let wave = |d: usize| 0.1 * (0.4 + 0.6 * (x[(d + 1) % 3] * 6.0 / cells).sin());
         [wave(0), wave(1), wave(2)]
     };
-    let mut mpm = Mpm::<T, 3, _, _>::new(method, BlockGrid::new(Lattice::new([0.0; 3], 1.0)?));
+    let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 3], 1.0)?));
     mpm.add("cube", law, &seeds, velocity)?;
-    timed(job, mpm, 0.19)
+    mpm.set_time_control(TimeControl::Fixed(0.19))?;
+    Ok(mpm)
 }
 
 /// S2: a cylinder 25.4 mm long, four radii, hits a wall at 190 m/s; dt = h / 20 km/s.
-fn cylinder<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
-    job: &Job,
+///
+/// # Errors
+/// What a scene refuses.
+pub fn cylinder<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
+    particles: usize,
     method: M,
     law: C,
-) -> Result<Measured, CaseError> {
-    let radius = (job.particles as f64 / 8.0 / (4.0 * std::f64::consts::PI)).cbrt();
+) -> Result<Solver<T, M>, CaseError> {
+    let radius = (particles as f64 / 8.0 / (4.0 * std::f64::consts::PI)).cbrt();
     let (around, length) = (radius.ceil() as i64, (4.0 * radius).round().max(1.0) as i64);
     let (wall, middle) = (4, 6 + around + around / 2);
     let h = 25.4e-3 / length as f64;
@@ -165,19 +191,22 @@ fn cylinder<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
     let high = [middle + around, middle + around, wall + length];
     let axis = middle as f64;
     let seeds = lattice_points(low, high, h, |x| (x[0] - axis).hypot(x[1] - axis) < radius);
-    let mut mpm = Mpm::<T, 3, _, _>::new(method, BlockGrid::new(Lattice::new([0.0; 3], h)?));
+    let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 3], h)?));
     mpm.add("bar", law, &seeds, |_| [0.0, 0.0, -190.0])?;
     mpm.bound(Boundary::Wall { axis: 2, at: wall as f64 * h, side: Side::Above, velocity: 0.0 })?;
-    timed(job, mpm, 0.25 * h / 5000.0)
+    mpm.set_time_control(TimeControl::Fixed(0.25 * h / 5000.0))?;
+    Ok(mpm)
 }
 
-fn timed<T: Float, M: Composition<T, 3>>(
+/// Run a scene for the steps of a job, and measure.
+///
+/// # Errors
+/// A step that breaks.
+pub fn timed<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<T, 3>>(
     job: &Job,
-    mut mpm: Mpm<T, 3, M, BlockGrid<T, 3>>,
-    dt: f64,
+    mut mpm: Mpm<T, 3, M, G, K>,
 ) -> Result<Measured, CaseError> {
     mpm.set_team(Team::new(job.threads).map_err(|e| CaseError::Other(e.to_string()))?);
-    mpm.set_time_control(TimeControl::Fixed(dt)).map_err(|e| CaseError::Other(e.to_string()))?;
     let before = mpm.totals();
     mpm.step()?; // the first step maps the particles, which later ones find done
     let clock = Instant::now();
@@ -212,8 +241,10 @@ fn timed<T: Float, M: Composition<T, 3>>(
 }
 
 /// The number of cells with particles, and a hash of what the particles carry (FNV-1a).
-fn fingerprint<T: Float, M: Composition<T, 3>>(mpm: &Mpm<T, 3, M, BlockGrid<T, 3>>) -> (usize, u64) {
-    let h = mpm_core::GridStorage::lattice(mpm.grid()).spacing();
+fn fingerprint<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<T, 3>>(
+    mpm: &Mpm<T, 3, M, G, K>,
+) -> (usize, u64) {
+    let h = mpm.grid().lattice().spacing();
     let (mut cells, mut hash) = (Vec::with_capacity(mpm.particles()), 0xcbf2_9ce4_8422_2325_u64);
     for body in mpm.bodies() {
         body.for_each(&mut |p| {

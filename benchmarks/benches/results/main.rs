@@ -1,0 +1,104 @@
+//! Speed and memory, measured in one run and written down: `RESULTS.md` beside this crate.
+//!
+//! ```text
+//! cargo bench -p benchmarks --bench results -- [--quick] [--yardstick PROGRAM] [--section NAME,..] [--out FILE]
+//! ```
+//!
+//! What is compared runs in alternation in this process or as a child, several rounds; the page shows medians with
+//! the least and the most. Sections that are not asked for keep what the page says.
+
+mod compile;
+mod contact;
+mod kernels;
+mod page;
+mod peers;
+mod sample;
+mod scenes;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Parser, ValueEnum};
+use examples::{CaseError, case};
+
+use page::Page;
+
+/// Measure speed and memory, and write them down.
+#[derive(Debug, Parser)]
+#[command(name = "results", version)]
+struct Options {
+    /// Small scenes and few rounds: some minutes
+    #[arg(long)]
+    quick: bool,
+    /// Sections, separated by commas [default: all but `compile`]
+    #[arg(long, value_enum, value_delimiter = ',')]
+    section: Vec<Section>,
+    /// A built yardstick of hand-written kernels to compare with
+    #[arg(long, value_name = "PROGRAM")]
+    yardstick: Option<PathBuf>,
+    /// Python with the packages of peers
+    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
+    python: PathBuf,
+    /// The page
+    #[arg(long, value_name = "FILE", default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/RESULTS.md"))]
+    out: PathBuf,
+    /// What cargo passes
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// A part of the page.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Section {
+    /// The same job twice: what a difference must exceed to be one
+    Noise,
+    /// Ours against hand-written kernels
+    Yardstick,
+    /// Cost a particle over the number of particles
+    Sizes,
+    /// Shape functions, transfers, precisions, memory
+    Compositions,
+    /// Memory and speed of laws
+    Laws,
+    /// Single against double precision: gain and error
+    Single,
+    /// What contact and its absence cost
+    Contact,
+    /// Blocks of nodes against a dense grid
+    Sparse,
+    /// Programs that others can install
+    Peers,
+    /// Times of compilers
+    Compile,
+}
+
+fn main() -> ExitCode {
+    case::exit(run(&Options::parse()))
+}
+
+fn run(options: &Options) -> Result<ExitCode, CaseError> {
+    let all = Section::value_variants().iter().filter(|s| **s != Section::Compile).copied();
+    let wanted: Vec<Section> =
+        if options.section.is_empty() { all.collect() } else { options.section.clone() };
+    let mut page = Page::open(&options.out)?;
+    for section in wanted {
+        eprintln!("{section:?} ...");
+        let text = match section {
+            Section::Noise => kernels::noise(options.quick)?,
+            Section::Yardstick => kernels::yardstick(options.quick, options.yardstick.as_deref())?,
+            Section::Sizes => kernels::sizes(options.quick)?,
+            Section::Compositions => kernels::compositions(options.quick)?,
+            Section::Laws => kernels::laws(options.quick)?,
+            Section::Single => kernels::single(options.quick)?,
+            Section::Contact => contact::cost(options.quick, options.yardstick.as_deref())?,
+            Section::Sparse => contact::sparse(options.quick)?,
+            Section::Peers => peers::compare(options.quick, &options.python)?,
+            Section::Compile => compile::times()?,
+        };
+        let Some(text) = text else { continue };
+        page.put(&format!("{section:?}").to_lowercase(), &text);
+        page.save()?;
+    }
+    println!("{}", options.out.display());
+    Ok(ExitCode::SUCCESS)
+}

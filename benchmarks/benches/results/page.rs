@@ -1,0 +1,88 @@
+//! The page: sections between markers, so that some can be measured again and others stay.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use examples::CaseError;
+
+/// A page of sections.
+pub struct Page {
+    path: PathBuf,
+    /// Name and text, in order.
+    sections: Vec<(String, String)>,
+}
+
+const HEAD: &str = "\
+# Speed and memory, measured
+
+Written by `cargo bench -p benchmarks --bench results`; do not edit. Rates are million particle updates a second
+(particles x steps / seconds of stepping; scenes are built before), medians with [least - most] of rounds in
+alternation. Compare within one table; between tables the machine may have changed its clock. How a step is laid out
+and why, and what did not help: [docs/notes.md, section 6](../docs/notes.md#6-speed).
+";
+
+fn marker(name: &str) -> String {
+    format!("<!-- section: {name} -->")
+}
+
+impl Page {
+    /// The page at `path`, if there is one, or an empty one.
+    pub fn open(path: &Path) -> Result<Self, CaseError> {
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        let mut sections: Vec<(String, String)> = Vec::new();
+        for line in text.lines() {
+            let name = line.strip_prefix("<!-- section: ").and_then(|rest| rest.strip_suffix(" -->"));
+            if let Some(name) = name {
+                sections.push((name.into(), String::new()));
+            } else if let Some((_, text)) = sections.last_mut() {
+                text.push_str(line);
+                text.push('\n');
+            }
+        }
+        Ok(Page { path: path.into(), sections })
+    }
+
+    /// Set a section.
+    pub fn put(&mut self, name: &str, text: &str) {
+        let text = format!("{}\n*{}.*\n\n", text.trim_end(), origin());
+        match self.sections.iter_mut().find(|s| s.0 == name) {
+            Some(found) => found.1 = text,
+            None => self.sections.push((name.into(), text)),
+        }
+    }
+
+    /// Write it.
+    pub fn save(&self) -> Result<(), CaseError> {
+        let mut text = String::from(HEAD);
+        for (name, section) in &self.sections {
+            text.push_str(&format!("\n{}\n{}\n", marker(name), section.trim_end()));
+        }
+        std::fs::write(&self.path, text).map_err(|source| CaseError::File { path: self.path.clone(), source })
+    }
+}
+
+/// Class of the machine and commit.
+fn origin() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|l| l.strip_prefix("model name")?.split(':').nth(1));
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+    let wide = if info.contains("avx512f") { ", AVX-512" } else { "" };
+    let git = Command::new("git").args(["describe", "--always", "--dirty"]).output();
+    let commit = git.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_string()).unwrap_or_default();
+    format!(
+        "{} x{cores}{wide}; commit {}",
+        model.unwrap_or("processor unknown").trim(),
+        if commit.is_empty() { "unknown" } else { &commit }
+    )
+}
+
+/// A table of Markdown.
+pub fn table<const N: usize>(head: [&str; N], rows: &[[String; N]]) -> String {
+    let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
+    let mut text = line(head.to_vec());
+    text.push_str(&line(vec!["---"; N]));
+    for row in rows {
+        text.push_str(&line(row.iter().map(String::as_str).collect()));
+    }
+    text
+}

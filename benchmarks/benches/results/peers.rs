@@ -1,0 +1,118 @@
+//! Programs that others can install: Taichi and Warp from the package registry of Python, and a kernel in C.
+
+use std::path::Path;
+use std::process::Command;
+
+use examples::CaseError;
+use examples::throughput::{Job, Kernel, timed};
+use mpm_core::{FullSpace, Method, Mls, QuadraticBSpline, Usl};
+use mpm_materials::{LinearElastic, Moduli, NeoHookean};
+
+use crate::page::table;
+use crate::sample::{Spread, Subject, alternate};
+use crate::scenes::{blocks, hats};
+
+const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers");
+
+/// A run of a peer: the number after "Mpups", its own median of three.
+fn rate(command: &mut Command) -> Option<f64> {
+    let output = command.output().ok()?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let after = text.lines().find_map(|line| line.split("Mpups ").nth(1))?;
+    after.split_whitespace().next()?.parse().ok()
+}
+
+/// Ours beside theirs on two elastic blocks.
+pub fn compare(quick: bool, python: &Path) -> Result<Option<String>, CaseError> {
+    let steps = if quick { 30 } else { 100 };
+    let has = |package: &str| {
+        Command::new(python)
+            .args(["-c", &format!("import {package}")])
+            .output()
+            .is_ok_and(|o| o.status.success())
+    };
+    let folder = std::env::temp_dir().join(format!("impactite-peers-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).map_err(|source| CaseError::File { path: folder.clone(), source })?;
+    let compiled = folder.join("ref_hat");
+    let has_c = Command::new("cc")
+        .args(["-O3", "-march=native", "-ffast-math", "-fopenmp", "-DMUSL", "-o"])
+        .arg(&compiled)
+        .arg(format!("{FOLDER}/ref_hat.c"))
+        .arg("-lm")
+        .output()
+        .is_ok_and(|o| o.status.success());
+
+    let moduli = || Moduli::young_poisson(100.0, 0.3);
+    let mut rows = Vec::new();
+    let mut missing = Vec::new();
+    for threads in [1, 2] {
+        let job = Job { kernel: Kernel::LinearMuslElastic, particles: 200_000, threads, steps };
+        let samples = alternate(
+            &[
+                Subject::new("MUSL, hats, FLIP, linear elastic", || {
+                    timed(&job, blocks(hats(), LinearElastic::new(1.0, moduli()?)?)?)
+                }),
+                Subject::new("USL, quadratic, APIC, neo-Hookean", || {
+                    let method = Method::new(QuadraticBSpline, Mls, Usl, FullSpace);
+                    timed(&job, blocks(method, NeoHookean::new(1.0, moduli()?)?)?)
+                }),
+            ],
+            3,
+        )?;
+        for (scheme, sample) in ["musl", "mls"].into_iter().zip(&samples) {
+            let ours = sample.rates();
+            let mut add = |who: &str, theirs: Option<f64>| match theirs {
+                Some(theirs) => rows.push([
+                    sample.name.clone(),
+                    threads.to_string(),
+                    ours.text(1),
+                    who.into(),
+                    format!("{theirs:.1}"),
+                    format!("{:.1}", ours.median / theirs),
+                ]),
+                None => eprintln!("{who}: its program failed"),
+            };
+            let median = |run: &dyn Fn() -> Option<f64>| {
+                let rates: Vec<f64> = (0..3).filter_map(|_| run()).collect();
+                (!rates.is_empty()).then(|| Spread::of(rates.into_iter()).median)
+            };
+            let (threads, steps) = (threads.to_string(), steps.to_string());
+            if has("taichi") {
+                let program = format!("{FOLDER}/taichi_w1.py");
+                add(
+                    "Taichi",
+                    median(&|| rate(Command::new(python).args([&program, scheme, "f64", &threads, &steps]))),
+                );
+            }
+            if has("warp") && threads == "1" {
+                let program = format!("{FOLDER}/warp_w1.py");
+                add("Warp", median(&|| rate(Command::new(python).args([&program, scheme, "f64", &steps]))));
+            }
+            if has_c && scheme == "musl" {
+                add("C, by hand", median(&|| rate(Command::new(&compiled).args([&threads, &steps]))));
+            }
+        }
+    }
+    for (package, install) in [("taichi", "taichi"), ("warp", "warp-lang")] {
+        if !has(package) {
+            eprintln!("{package} is absent and left out; `pip install {install} numpy` brings it");
+            missing.push(package);
+        }
+    }
+    if !has_c {
+        missing.push("a C compiler with OpenMP");
+    }
+    let _ = std::fs::remove_dir_all(&folder);
+    let absent = if missing.is_empty() {
+        String::new()
+    } else {
+        format!(" Absent on this machine: {}.", missing.join(", "))
+    };
+    Ok(Some(format!(
+        "## Peers\n\nTwo elastic blocks, 200 000 particles, f64, {steps} steps: our programs for packages that anybody \
+         can install (`benchmarks/peers`), Taichi and Warp on the processor (Warp runs a kernel on one thread), and a kernel \
+         in C written by hand; each the median of three runs. None of them sorts in 2 x 2 x 2 blocks, keeps books or \
+         checks for failures.{absent}\n\n{}",
+        table(["scheme", "threads", "ours", "peer", "its rate", "ours / its"], &rows)
+    )))
+}

@@ -1,0 +1,82 @@
+//! Runs in alternation.
+
+use examples::CaseError;
+use examples::throughput::Measured;
+
+/// What is run.
+pub struct Subject<'a> {
+    /// Its name in the table.
+    pub name: String,
+    run: Box<dyn Fn() -> Result<Measured, CaseError> + 'a>,
+}
+
+impl<'a> Subject<'a> {
+    /// A subject of this name.
+    pub fn new(name: impl Into<String>, run: impl Fn() -> Result<Measured, CaseError> + 'a) -> Self {
+        Subject { name: name.into(), run: Box::new(run) }
+    }
+}
+
+/// All runs of a subject.
+pub struct Sample {
+    /// Its name.
+    pub name: String,
+    /// In the order of the rounds.
+    pub runs: Vec<Measured>,
+}
+
+/// Run all subjects so many times, in turns.
+pub fn alternate(subjects: &[Subject], rounds: usize) -> Result<Vec<Sample>, CaseError> {
+    let mut samples: Vec<Sample> =
+        subjects.iter().map(|s| Sample { name: s.name.clone(), runs: Vec::new() }).collect();
+    for _ in 0..rounds {
+        for (subject, sample) in subjects.iter().zip(&mut samples) {
+            sample.runs.push((subject.run)()?);
+        }
+    }
+    Ok(samples)
+}
+
+impl Sample {
+    /// Rates, 10^6 updates a second.
+    pub fn rates(&self) -> Spread {
+        Spread::of(self.runs.iter().map(|r| 1e-6 * r.particle_updates_per_second))
+    }
+    /// Rate over that of another one, round by round.
+    pub fn over(&self, other: &Sample) -> Spread {
+        let pairs = self.runs.iter().zip(&other.runs);
+        Spread::of(pairs.map(|(a, b)| a.particle_updates_per_second / b.particle_updates_per_second))
+    }
+    /// The first run.
+    pub fn first(&self) -> &Measured {
+        &self.runs[0]
+    }
+}
+
+/// Median, least and most.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread {
+    /// Median.
+    pub median: f64,
+    /// Least.
+    pub least: f64,
+    /// Most.
+    pub most: f64,
+}
+
+impl Spread {
+    /// Of some values.
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut v: Vec<f64> = values.collect();
+        v.sort_by(f64::total_cmp);
+        let n = v.len();
+        if n == 0 {
+            return Spread { median: f64::NAN, least: f64::NAN, most: f64::NAN };
+        }
+        Spread { median: 0.5 * (v[(n - 1) / 2] + v[n / 2]), least: v[0], most: v[n - 1] }
+    }
+    /// As text, with so many digits after the point.
+    pub fn text(&self, digits: usize) -> String {
+        format!("{:.digits$} [{:.digits$} - {:.digits$}]", self.median, self.least, self.most)
+    }
+}
