@@ -86,6 +86,8 @@ pub struct Measured {
     pub energy_drift: f64,
     /// All memory of the solver, grid and scratch included, a particle.
     pub total_bytes_per_particle: f64,
+    /// Bytes of the grid.
+    pub grid_bytes: usize,
     /// Bits of a number.
     pub bits: usize,
 }
@@ -236,6 +238,7 @@ pub fn timed<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<T,
         momentum_drift: drift / before.momentum_scale,
         energy_drift: energy(&after) / energy(&before) - 1.0,
         total_bytes_per_particle: mpm.bytes() as f64 / n as f64,
+        grid_bytes: mpm.grid().bytes(),
         bits: 8 * size_of::<T>(),
     })
 }

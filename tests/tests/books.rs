@@ -1,4 +1,5 @@
-//! The books of momentum close where planes of symmetry meet: in corners, and in slices a cell or two thick.
+//! The books of momentum close where planes of symmetry meet, in corners and in slices a cell or two thick, and where
+//! they meet planes that hold the material.
 
 use impactite_tests::laws::Prestressed;
 use impactite_tests::scene::{YOUNG, block, rubber, wave_speed};
@@ -13,8 +14,13 @@ use mpm_materials::Constitutive;
 const H: f64 = 0.1;
 
 /// Error of momentum of a body between planes of symmetry, `thick` cells apart (or only one), along every axis,
-/// and a wall that moves towards the first if that is alone.
-fn error<const D: usize, M: Composition<f64, D>, C>(method: M, law: C, thick: [Option<usize>; D]) -> f64
+/// and a wall that moves towards the first if that is alone; or, `held`, with the first axis' planes holding it.
+fn error<const D: usize, M: Composition<f64, D>, C>(
+    method: M,
+    law: C,
+    thick: [Option<usize>; D],
+    held: bool,
+) -> f64
 where
     C: Constitutive<f64>,
 {
@@ -26,13 +32,17 @@ where
     let velocity = |x: [f64; D]| std::array::from_fn(|d| speed * (8.0 * x[(d + 1) % D] * x[d] - 1.0));
     mpm.add("body", law, &seeds, velocity).expect("body");
     for (axis, thick) in thick.iter().enumerate() {
+        if held && axis == 0 {
+            mpm.bound(Boundary::Fixed { axis, at: 0.0, side: Side::Above }).expect("held plane");
+            continue;
+        }
         mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above }).expect("plane");
         if let Some(cells) = thick {
             let at = *cells as f64 * H;
             mpm.bound(Boundary::Symmetry { axis, at, side: Side::Below }).expect("plane");
         }
     }
-    if thick[0].is_none() {
+    if thick[0].is_none() && !held {
         mpm.bound(Boundary::Wall { axis: 0, at: 3.0 * H, side: Side::Below, velocity: -speed })
             .expect("wall");
     }
@@ -47,17 +57,22 @@ where
 fn closes<M2: Composition<f64, 2>, M3: Composition<f64, 3>>(flat: impl Fn() -> M2, solid: impl Fn() -> M3) {
     for thick in [None, Some(1), Some(2), Some(3)] {
         for other in [None, Some(1)] {
-            let e = error(flat(), rubber(), [other, thick]);
+            let e = error(flat(), rubber(), [other, thick], false);
             assert!(e < 1e-12, "{} in a slice of {other:?} x {thick:?} cells: {e:e}", flat().describe());
         }
         let e = error(
             flat(),
             Prestressed::new([-1e-3, -2e-3, 5e-4, 3e-4, 0.0, 0.0].map(|s| s * YOUNG)),
             [None, thick],
+            false,
         );
         assert!(e < 1e-12, "{}, prestressed, {thick:?} cells: {e:e}", flat().describe());
-        let e = error(solid(), rubber(), [None, None, thick]);
+        let e = error(solid(), rubber(), [None, None, thick], false);
         assert!(e < 1e-12, "{} in a corner of {thick:?} cells: {e:e}", solid().describe());
+        let e = error(flat(), rubber(), [None, thick], true);
+        assert!(e < 1e-12, "{}, held, {thick:?} cells: {e:e}", flat().describe());
+        let e = error(solid(), rubber(), [None, None, thick], true);
+        assert!(e < 1e-12, "{}, held in a corner of {thick:?} cells: {e:e}", solid().describe());
     }
 }
 

@@ -21,20 +21,37 @@ impl<'a> Subject<'a> {
 pub struct Sample {
     /// Its name.
     pub name: String,
-    /// In the order of the rounds.
+    /// In the order of the rounds; none of a subject that failed.
     pub runs: Vec<Measured>,
+    /// What stopped it.
+    pub failure: Option<String>,
 }
 
-/// Run all subjects so many times, in turns.
+/// Run all subjects so many times, in turns. The first failure ends it.
 pub fn alternate(subjects: &[Subject], rounds: usize) -> Result<Vec<Sample>, CaseError> {
-    let mut samples: Vec<Sample> =
-        subjects.iter().map(|s| Sample { name: s.name.clone(), runs: Vec::new() }).collect();
+    let samples = attempt(subjects, rounds);
+    match samples.iter().find_map(|s| s.failure.clone()) {
+        Some(failure) => Err(CaseError::Other(failure)),
+        None => Ok(samples),
+    }
+}
+
+/// The same; a subject that fails is not run again, and its sample says why.
+pub fn attempt(subjects: &[Subject], rounds: usize) -> Vec<Sample> {
+    let empty = |s: &Subject| Sample { name: s.name.clone(), runs: Vec::new(), failure: None };
+    let mut samples: Vec<Sample> = subjects.iter().map(empty).collect();
     for _ in 0..rounds {
-        for (subject, sample) in subjects.iter().zip(&mut samples) {
-            sample.runs.push((subject.run)()?);
+        for (subject, sample) in subjects.iter().zip(&mut samples).filter(|(_, s)| s.failure.is_none()) {
+            match (subject.run)() {
+                Ok(run) => sample.runs.push(run),
+                Err(error) => {
+                    sample.runs.clear();
+                    sample.failure = Some(error.to_string());
+                }
+            }
         }
     }
-    Ok(samples)
+    samples
 }
 
 impl Sample {

@@ -8,7 +8,7 @@ use crate::parallel::{Float, Team};
 
 use super::body::Body;
 use super::fields::Fields;
-use super::layout::Piece;
+use super::layout::{Layout, Piece};
 use super::planes::Planes;
 use super::rigid::RigidState;
 use super::rigid_body::{self, rigid_of};
@@ -45,6 +45,16 @@ impl NodeLedger {
         self.work += o.work;
         self.friction += o.friction;
         self.contact += o.contact;
+    }
+
+    /// Add a part of what became of a node.
+    fn add_share(&mut self, share: f64, o: &NodeLedger) {
+        for d in 0..3 {
+            self.impulse[d] += share * o.impulse[d];
+            self.load[d] += share * o.load[d];
+            self.dropped[d] += share * o.dropped[d];
+        }
+        self.work += share * o.work;
     }
 }
 
@@ -101,7 +111,8 @@ macro_rules! constraints {
     ($stage:expr) => {
         Constraints {
             boundaries: &$stage.conditions.boundaries,
-            mirrors: $stage.planes.copied(),
+            planes: &*$stage.planes,
+            layout: $stage.fields.layout(),
             lattice: *$stage.grid.lattice(),
             blocks: $stage.fields.coordinates(),
             time: $stage.time,
@@ -204,7 +215,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let blocks = self.fields.coordinates();
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
-        let mirrors = self.planes.copied();
+        let planes = &*self.planes;
+        let mirrors = planes.copied();
         let nodes = self.grid.nodes();
         let (layout, team) = (fields.layout(), self.team);
         layout.each(team, terms, self.ledgers, |block, mut terms, ledger| {
@@ -212,19 +224,22 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
                 return;
             }
             let place = BlockPlace::new(&lattice, &blocks[block]);
-            for ((n, term), node) in terms.numbered().zip(layout.of(nodes, block)) {
+            let nodes = layout.of(nodes, block);
+            let own = planes.own_masses(layout.start(block), nodes.len());
+            for (i, ((n, term), node)) in terms.numbered().zip(nodes).enumerate() {
                 let mass = node.first[0];
                 if mass <= cutoff {
                     continue;
                 }
                 let x = place.node(n);
                 let free = free_directions(conditions, &x, time, lattice.spacing(), copies);
-                let booked = !place.is_copy(n, mirrors);
+                let whole = if place.is_copy(n, mirrors) { 0.0 } else { 1.0 };
+                let share = own.share(i, node).unwrap_or(whole);
                 for d in 0..D {
                     let next = term[d] - node.second[d + 1] / mass;
                     term[d] = if free[d] { next } else { T::default() };
-                    if !free[d] && booked {
-                        ledger.impulse[d] -= (mass * next).to_double();
+                    if !free[d] {
+                        ledger.impulse[d] -= share * (mass * next).to_double();
                     }
                 }
             }
@@ -293,7 +308,7 @@ fn sum_up<T: Float, const D: usize>(
 fn carry<T: Float, const D: usize>(
     bodies: &[Box<dyn Body<T, D>>],
     fields: &Fields<D>,
-    constraints: &Constraints<'_, D>,
+    constraints: &Constraints<'_, T, D>,
     block: usize,
     sums: Sums,
     nodes: &mut Piece<'_, Node<T>>,
@@ -304,10 +319,11 @@ fn carry<T: Float, const D: usize>(
 }
 
 /// The boundaries as seen from node blocks.
-struct Constraints<'a, const D: usize> {
+struct Constraints<'a, T, const D: usize> {
     boundaries: &'a [Boundary<D>],
-    /// Nodes behind these are copies: what happens to them is booked at their originals.
-    mirrors: &'a [Plane],
+    /// Beside these, nodes stand for their images, too: what happens to them is booked by their own mass.
+    planes: &'a Planes<T>,
+    layout: &'a Layout,
     lattice: Lattice<D>,
     blocks: &'a [[i32; D]],
     time: f64,
@@ -315,9 +331,9 @@ struct Constraints<'a, const D: usize> {
     copies: f64,
 }
 
-impl<const D: usize> Constraints<'_, D> {
+impl<T: Float, const D: usize> Constraints<'_, T, D> {
     /// Change the nodes of a block as `update` says.
-    fn apply<T: Float>(
+    fn apply(
         &self,
         update: &impl NodeUpdate<T>,
         block: usize,
@@ -332,7 +348,9 @@ impl<const D: usize> Constraints<'_, D> {
             nodes.items.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
             return;
         }
-        for (n, node) in nodes.numbered() {
+        let mirrors = self.planes.copied();
+        let own = self.planes.own_masses(self.layout.start(block), nodes.items.len());
+        for (i, (n, node)) in nodes.numbered().enumerate() {
             let x = place.node(n);
             let constrain = |v: &mut [f64; 3], time: f64| {
                 let before = *v;
@@ -341,7 +359,11 @@ impl<const D: usize> Constraints<'_, D> {
                 }
                 *v != before
             };
-            if place.is_copy(n, self.mirrors) {
+            if let Some(share) = own.share(i, node) {
+                let mut all = NodeLedger::default();
+                update.update(node, &constrain, &mut all);
+                ledger.add_share(share, &all);
+            } else if place.is_copy(n, mirrors) {
                 update.update(node, &constrain, &mut NodeLedger::default());
             } else {
                 update.update(node, &constrain, ledger);

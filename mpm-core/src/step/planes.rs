@@ -215,10 +215,34 @@ impl<T: Float> Planes<T> {
         }
     }
 
+    /// What the nodes at `start..start + count` were given themselves, of those that stand for their images, too.
+    pub(super) fn own_masses(&self, start: usize, count: usize) -> OwnMasses<'_, T> {
+        let place = |node: usize| self.beside.partition_point(|b| (b.node as usize) < node);
+        let beside =
+            if self.beside.is_empty() { &[][..] } else { &self.beside[place(start)..place(start + count)] };
+        OwnMasses { start, beside }
+    }
+
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
         let columns = self.symmetries.iter().chain(&self.edges).map(|c| c.columns.capacity()).sum::<usize>();
         columns * size_of::<Column>() + self.beside.capacity() * size_of::<Beside<T>>()
+    }
+}
+
+/// What nodes beside planes of symmetry were given themselves.
+pub(super) struct OwnMasses<'a, T> {
+    start: usize,
+    beside: &'a [Beside<T>],
+}
+
+impl<T: Float> OwnMasses<'_, T> {
+    /// The part of the `i`-th node's mass that its own particles gave: of what happens to the node they get as much. The
+    /// rest goes to its images, mirrored. None of a node without images.
+    pub(super) fn share(&self, i: usize, node: &Node<T>) -> Option<f64> {
+        let found = self.beside.binary_search_by_key(&(self.start + i), |b| b.node as usize).ok()?;
+        let (own, all) = (self.beside[found].mapped.first[0], node.first[0]);
+        Some(if all > T::default() { (own / all).to_double() } else { 0.0 })
     }
 }
 
