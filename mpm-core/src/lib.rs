@@ -25,7 +25,7 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`method`], [`shape`], [`transfer`], [`scheme`], [`embedding`], [`frame`] | the parts of a method, and which go together |
+//! | [`method`], [`shape`], [`transfer`], [`scheme`], [`embedding`], [`frame`], [`dilatation`] | the parts of a method, and which go together |
 //! | [`step`] | the solver, the stages of a step, the time step |
 //! | [`particles`], [`grid`] | where particles and nodes are kept |
 //! | [`boundary`] | conditions and loads |
@@ -44,6 +44,7 @@
 pub mod boundary;
 #[cfg(feature = "conformance")]
 pub mod conformance;
+pub mod dilatation;
 pub mod dim;
 pub mod embedding;
 pub mod frame;
@@ -60,6 +61,7 @@ pub mod step;
 pub mod transfer;
 
 pub use boundary::{Boundary, Side};
+pub use dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 pub use dim::Dim;
 pub use embedding::{Axisymmetric, Embedding, FullSpace, PlaneStrain};
 pub use frame::{Frame, TotalLagrangian, UpdatedLagrangian};

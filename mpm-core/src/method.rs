@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use mpm_materials::Real;
 
+use crate::dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 use crate::embedding::Embedding;
 use crate::frame::{Frame, TotalLagrangian, UpdatedLagrangian};
 use crate::scheme::StressUpdate;
@@ -34,10 +35,10 @@ use crate::transfer::{Allows, Suits, Transfer};
 /// check(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
 /// ```
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Method<S, X, U, E, F = UpdatedLagrangian> {
+pub struct Method<S, X, U, E, F = UpdatedLagrangian, V = OwnDilatation> {
     shape: S,
     transfer: X,
-    ingredients: PhantomData<(U, E, F)>,
+    ingredients: PhantomData<(U, E, F, V)>,
 }
 
 impl<S, X, U, E> Method<S, X, U, E> {
@@ -45,8 +46,15 @@ impl<S, X, U, E> Method<S, X, U, E> {
     pub fn new(shape: S, transfer: X, _stress_update: U, _embedding: E) -> Self {
         Method { shape, transfer, ingredients: PhantomData }
     }
+}
+
+impl<S, X, U, E, F, V> Method<S, X, U, E, F, V> {
     /// The same, mapped in the reference configuration: [`TotalLagrangian`].
-    pub fn total_lagrangian(self) -> Method<S, X, U, E, TotalLagrangian> {
+    pub fn total_lagrangian(self) -> Method<S, X, U, E, TotalLagrangian, V> {
+        Method { shape: self.shape, transfer: self.transfer, ingredients: PhantomData }
+    }
+    /// The same, with the dilatation of a cell for that of its particles: [`MeanDilatation`].
+    pub fn mean_dilatation(self) -> Method<S, X, U, E, F, MeanDilatation> {
         Method { shape: self.shape, transfer: self.transfer, ingredients: PhantomData }
     }
 }
@@ -63,6 +71,8 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     type Embedding: Embedding<D>;
     /// Frame of reference of weights and gradients.
     type Frame: Frame;
+    /// Whose change of volume laws see.
+    type Dilatation: Dilatation;
     /// Does a step need only the sum of momentum and impulse at the nodes? So it is with USL and a transfer
     /// that does not read the acceleration: then force goes to the nodes as the impulse of the step to come,
     /// whose size is planned one step ahead.
@@ -75,8 +85,10 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     /// A line that names the ingredients.
     fn describe(&self) -> String {
         let frame = if Self::Frame::TOTAL { Self::Frame::NAME.to_string() + ", " } else { String::new() };
+        let mean =
+            if Self::Dilatation::MEAN { Self::Dilatation::NAME.to_string() + ", " } else { String::new() };
         format!(
-            "{}, {frame}{}-{}, {}",
+            "{}, {frame}{mean}{}-{}, {}",
             Self::Embedding::NAME,
             Self::Update::NAME,
             Self::Transfer::NAME,
@@ -85,7 +97,7 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     }
 }
 
-impl<T, const D: usize, S, X, U, E, F> Composition<T, D> for Method<S, X, U, E, F>
+impl<T, const D: usize, S, X, U, E, F, V> Composition<T, D> for Method<S, X, U, E, F, V>
 where
     T: Real,
     S: ShapeFunction<T, D> + Suits<T, D, X>,
@@ -93,12 +105,14 @@ where
     U: StressUpdate + Allows<X>,
     E: Embedding<D>,
     F: Frame,
+    V: Dilatation,
 {
     type Shape = S;
     type Transfer = X;
     type Update = U;
     type Embedding = E;
     type Frame = F;
+    type Dilatation = V;
     #[inline(always)]
     fn shape(&self) -> &S {
         &self.shape

@@ -1,7 +1,9 @@
 //! The fast step and the plain reference, side by side.
 
 use mpm_core::parallel::Float;
-use mpm_core::{BlockGrid, Composition, Frame, GridStorage, Mpm, Particle, ShapeFunction, TimeControl};
+use mpm_core::{
+    BlockGrid, Composition, Dilatation, Frame, GridStorage, Mpm, Particle, ShapeFunction, TimeControl,
+};
 use mpm_materials::Constitutive;
 
 use crate::reference::{Order, Point, Reference, Rule};
@@ -157,6 +159,7 @@ where
     let mut mpm = fast(method, BlockGrid::new(scene.lattice), scene, law);
     let mut reference = plain(shape, rule, order, scene);
     reference.total = M::Frame::TOTAL;
+    reference.mean_dilatation = M::Dilatation::MEAN;
     for (seeds, velocity) in &scene.bodies {
         reference.add(law.clone(), seeds, velocity);
     }

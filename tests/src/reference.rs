@@ -10,6 +10,7 @@
 
 use std::collections::BTreeMap;
 
+use mpm_core::dim::Stencil;
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::shape::node_offset;
 use mpm_core::{Boundary, ShapeFunction, Side};
@@ -176,11 +177,15 @@ pub struct Reference<const D: usize, S> {
     pub field: Option<Field<D>>,
     /// Does the grid lie in the reference configuration? Then `x` of a point does not change.
     pub total: bool,
+    /// Do laws see the mean dilatation of the particles of a body in a cell?
+    pub mean_dilatation: bool,
     /// Time, s.
     pub time: f64,
     nodes: BTreeMap<Index<D>, Node<D>>,
     /// Images of every particle; the first is itself.
     images: Vec<Vec<Image<D>>>,
+    /// The cell that every particle is in while its weights hold.
+    cells: Vec<Index<D>>,
 }
 
 impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
@@ -198,9 +203,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             gravity: [0.0; D],
             field: None,
             total: false,
+            mean_dilatation: false,
             time: 0.0,
             nodes: BTreeMap::new(),
             images: Vec::new(),
+            cells: Vec::new(),
         }
     }
 
@@ -272,7 +279,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     /// The weights of the step: those of the positions and domains at its start.
     fn weights(&mut self) {
         self.images.clear();
+        self.cells.clear();
         for point in &self.points {
+            self.cells.push(self.cell(&point.x));
             let mut images = vec![(point.x, [1.0; D])];
             for boundary in &self.boundaries {
                 if let Boundary::Symmetry { axis, at, .. } = *boundary {
@@ -579,6 +588,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     /// (18), (19), and the constitutive law.
     fn update_stress(&mut self, dt: f64, velocity: impl Fn(&Node<D>) -> [f64; D]) {
         let h = self.lattice.spacing();
+        let mut increments = Vec::new();
         for (point, images) in self.points.iter_mut().zip(&self.images) {
             let mut increment = [[0.0; 3]; 3];
             let mut hoop = 0.0;
@@ -605,7 +615,41 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 }
                 increment = times(&increment, &inverse(&before));
             }
+            increments.push(increment);
+        }
+        if self.mean_dilatation {
+            self.share_dilatation(&mut increments);
+        }
+        for (point, increment) in self.points.iter_mut().zip(increments) {
             (point.state, _) = self.laws[point.body].update(increment, dt, h, &point.state);
+        }
+    }
+
+    /// The cell of a place. Particles of a cell share a stencil: cells lie around nodes where it has an odd number of
+    /// them along an axis, between nodes otherwise.
+    fn cell(&self, x: &[f64; D]) -> Index<D> {
+        let (origin, h) = (self.lattice.origin(), self.lattice.spacing());
+        std::array::from_fn(|d| {
+            let at = (x[d] - origin[d]) / h;
+            if <S::Extent as Stencil>::NODES % 2 == 1 { (at + 0.5).floor() as i64 } else { at.floor() as i64 }
+        })
+    }
+
+    /// Give the increments of a body's particles in a cell one trace, their mean by mass.
+    fn share_dilatation(&self, increments: &mut [[[f64; 3]; 3]]) {
+        let mut sums: BTreeMap<(usize, Index<D>), [f64; 2]> = BTreeMap::new();
+        for ((point, cell), dl) in self.points.iter().zip(&self.cells).zip(&*increments) {
+            let sum = sums.entry((point.body, *cell)).or_default();
+            sum[0] += point.mass * (dl[0][0] + dl[1][1] + dl[2][2]);
+            sum[1] += point.mass;
+        }
+        let axes = if D == 2 && self.space != Space::Axisymmetric { 2 } else { 3 };
+        for ((point, cell), dl) in self.points.iter().zip(&self.cells).zip(increments) {
+            let [trace, mass] = sums[&(point.body, *cell)];
+            let more = (trace / mass - (dl[0][0] + dl[1][1] + dl[2][2])) / axes as f64;
+            for d in 0..axes {
+                dl[d][d] += more;
+            }
         }
     }
 

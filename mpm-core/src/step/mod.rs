@@ -8,6 +8,7 @@ pub mod fields;
 mod gather;
 pub mod layout;
 pub mod load;
+mod mean;
 mod meet;
 mod migrate;
 pub mod nodes;

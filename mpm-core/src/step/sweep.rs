@@ -11,10 +11,12 @@ use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Sou
 
 use super::gather::{Wanted, gather};
 use super::layout::Nodes;
+use super::mean::{Strained, with_trace};
 use super::migrate::{Domains, send_away, take_in};
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::tile::{Reads, Stencilled, TileIn, clear_tile, tile_corner, tile_nodes};
 use super::total;
+use crate::dilatation::Dilatation;
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
@@ -249,6 +251,18 @@ where
             );
             let bin_x = A::Pack::splat(common.origin + common.spacing * bin_x);
 
+            // What laws see of a change of volume, if it is not their own.
+            let mean = match does.strain {
+                Some(nodal) if M::Dilatation::MEAN => {
+                    let block = &*block;
+                    let bin_x = bin_x.lane(0);
+                    let bin =
+                        Strained { method, block, bin, stencil: &stencil, nodal, common: &common, bin_x };
+                    Some(bin.mean_trace::<A>())
+                }
+                _ => None,
+            };
+
             while let Some((group, here)) = next {
                 next = block.group_before(group);
                 let alive = lane_index.lt(A::Pack::of(here as f64));
@@ -352,6 +366,9 @@ where
                         total::store::<T, A::Pack, D, M>(&f, &mut rest[frame..]);
                         deformation = total::product::<A::Pack, D>(&deformation, &inverse);
                         inverse = total::inverse::<A::Pack, D>(&f);
+                    }
+                    if let Some(mean) = mean {
+                        deformation = with_trace::<T, D, M, A::Pack>(deformation, mean);
                     }
                     let kinematics = Kinematics { increment: deformation, dt, length: spacing };
                     let old = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
