@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{
-    BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Mls, Mpm, Musl,
-    QuadraticBSpline, TimeControl, Traction, Usf, Usl,
+    BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Mls, Mpm, Musl, PlaneStrain,
+    QuadraticBSpline, Side, TimeControl, Traction, Usf, Usl,
 };
 use mpm_materials::{LinearElastic, Moduli};
 
@@ -90,4 +90,66 @@ fn a_dragged_block_takes_the_prescribed_velocity() {
     let given = totals.momentum[0] - ledger.impulse[0];
     assert!(given.abs() < 1e-12 * totals.momentum_scale, "momentum error {given:e}");
     assert!(ledger.work > 0.0);
+}
+
+/// Local damping: what it takes is booked, and a column under its weight comes to rest under the static stress.
+#[test]
+fn a_damped_column_comes_to_rest() {
+    fn column<M: Composition<f64, 2>>(method: M) {
+        let (h, cells, gravity) = (0.1, 10, 0.01);
+        let lattice = Lattice::new([0.0; 2], h).unwrap();
+        let length = f64::from(cells) * h;
+        let seeds = fill(&Cuboid::new([0.0; 2], [h, length]).unwrap(), &lattice, 2, &Filling::new()).unwrap();
+        let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.0).unwrap()).unwrap();
+        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+        mpm.add("column", law, &seeds, |_| [0.0; 2]).unwrap();
+        mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
+        mpm.bound(Boundary::Symmetry { axis: 0, at: h, side: Side::Below }).unwrap();
+        mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
+        mpm.set_body_force(move |_| [0.0, -gravity]);
+        mpm.set_time_control(TimeControl::Fixed(0.3 * h)).unwrap();
+        mpm.set_local_damping(0.5).unwrap();
+        let mut largest: f64 = 0.0;
+        for _ in 0..1500 {
+            mpm.step().unwrap();
+            largest = largest.max(mpm.totals().kinetic);
+        }
+        let (totals, ledger) = (mpm.totals(), mpm.ledger());
+        for d in 0..2 {
+            let error = totals.momentum[d] - ledger.load[d] - ledger.impulse[d];
+            assert!(error.abs() < 1e-12 * gravity * 45.0, "{}: {error:e}", mpm.method().describe());
+        }
+        let energy = totals.kinetic + totals.internal;
+        assert!((energy - ledger.work).abs() < 0.02 * energy, "energy {energy}, work {}", ledger.work);
+        // What nodes do not see of the particles' velocities, no force of theirs can damp.
+        assert!(totals.kinetic < 1e-6 * largest, "{} of {largest} is left", totals.kinetic);
+        mpm.bodies()[0].for_each(&mut |p| {
+            let start = seeds.positions[p.number];
+            // Hats hold the mean of a cell, a quarter of a cell away, and the strain is 1 %.
+            let exact = -gravity * (length - start[1]);
+            assert!(
+                (p.stress[1] - exact).abs() < (0.25 * h + 0.02 * length) * gravity,
+                "{} for {exact}",
+                p.stress[1]
+            );
+        });
+    }
+    column(Method::new(Linear, Flip, Musl, PlaneStrain));
+    column(Method::new(QuadraticBSpline, Flip, Usf, PlaneStrain));
+    column(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian());
+}
+
+#[test]
+fn damping_that_cannot_be_is_refused() {
+    let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
+    let mut mpm =
+        Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    for bad in [-0.1, 1.0, f64::NAN] {
+        let error = mpm.set_local_damping(bad).unwrap_err().to_string();
+        assert!(error.contains("[0, 1)"), "{error}");
+    }
+    let method = Method::new(QuadraticBSpline, Mls, Usl, PlaneStrain);
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let error = mpm.set_local_damping(0.5).unwrap_err().to_string();
+    assert!(error.contains("forces of the nodes"), "{error}");
 }

@@ -65,6 +65,8 @@ pub struct Conditions<const D: usize> {
     pub boundaries: Vec<Boundary<D>>,
     /// Acceleration of all material.
     pub gravity: Option<BodyForce<D>>,
+    /// Local damping coefficient; zero for none.
+    pub damping: f64,
 }
 
 /// A node counts as massless below this part of the smallest particle mass: the square of the rounding unit.
@@ -191,8 +193,9 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     pub fn integrate_momentum(&mut self, dt: T, from_velocity: bool) {
         let (cutoff, end) = (self.cutoff, self.time + dt.to_double());
         let gravity = self.conditions.gravity.as_ref().map(|g| g(self.time));
+        let damping = self.conditions.damping;
         let sums = if from_velocity { Sums::Force } else { Sums::All };
-        self.collect_and(sums, &Integrate::<T, D> { cutoff, dt, end, gravity, from_velocity });
+        self.collect_and(sums, &Integrate::<T, D> { cutoff, dt, end, gravity, damping, from_velocity });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
@@ -433,6 +436,7 @@ struct Integrate<T, const D: usize> {
     dt: T,
     end: f64,
     gravity: Option<[f64; D]>,
+    damping: f64,
     from_velocity: bool,
 }
 
@@ -452,14 +456,18 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
         let per_mass = T::of(1.0) / mass;
         let per_first = if self.from_velocity { T::of(1.0) } else { per_mass };
         let (mut old, mut new) = ([T::default(); 3], [T::default(); 3]);
+        let mut given = [0.0; 3];
         for d in 0..D {
             old[d] = node.first[d + 1] * per_first;
             let mut a = node.second[d + 1] * per_mass;
             if let Some(g) = self.gravity {
                 a += T::of(g[d]);
-                ledger.load[d] += (mass * dt).to_double() * g[d];
-                let middle = (old[d] + a * dt).to_double() - 0.5 * dt.to_double() * g[d];
-                ledger.work += (mass * dt).to_double() * g[d] * middle;
+                given[d] = g[d];
+            }
+            if self.damping > 0.0 {
+                let more = self.damped(a, old[d]);
+                a += more;
+                given[d] += more.to_double();
             }
             new[d] = old[d] + a * dt;
             node.first[d + 1] = new[d];
@@ -476,6 +484,21 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
                 node.second[d + 1] = (node.first[d + 1] - old[d]) * per_dt;
             }
         }
+        if self.gravity.is_some() || self.damping > 0.0 {
+            for d in 0..D {
+                let impulse = (mass * dt).to_double() * given[d];
+                ledger.load[d] += impulse;
+                ledger.work += impulse * 0.5 * (old[d].to_double() + v[d]);
+            }
+        }
+    }
+}
+
+impl<T: Float, const D: usize> Integrate<T, D> {
+    /// What local damping adds to the acceleration `a` of a node that moves with `v`: alpha |a| against v.
+    fn damped(&self, a: T, v: T) -> T {
+        let against = if v == T::default() { 0.0 } else { -v.to_double().signum() };
+        T::of(against * self.damping * a.to_double().abs())
     }
 }
 

@@ -13,6 +13,14 @@ pub enum SceneError {
     /// The time control.
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// A coefficient of local damping.
+    #[error("local damping {0} is not allowed; it must be in [0, 1)")]
+    Damping(f64),
+    /// Damping of forces that the nodes do not know.
+    #[error(
+        "local damping needs the forces of the nodes, which `{0}` maps together with momentum; take FLIP, MUSL or USF"
+    )]
+    NoForces(String),
     /// A body without particles.
     #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
     Empty(String),

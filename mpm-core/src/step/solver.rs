@@ -174,7 +174,7 @@ where
             fields: Fields::default(),
             encounters: Encounters::default(),
             bodies: Vec::new(),
-            conditions: Conditions { boundaries: Vec::new(), gravity: None },
+            conditions: Conditions { boundaries: Vec::new(), gravity: None, damping: 0.0 },
             control: TimeControl::default_for::<T, D, M>(),
             team: Team::one(),
             time: 0.0,
@@ -381,6 +381,25 @@ where
     /// Accelerate all material, m/s^2 over time.
     pub fn set_body_force(&mut self, acceleration: impl Fn(f64) -> [f64; D] + Send + Sync + 'static) {
         self.conditions.gravity = Some(std::sync::Arc::new(acceleration));
+    }
+
+    /// Damp towards rest: every node's unbalanced force, weight included, is lowered by its part `coefficient` along each
+    /// axis while it speeds the node up, and raised by as much while it slows it down, f <- f - alpha |f| sign(v)
+    /// (Cundall 1987). It leaves balanced forces alone, so that a state at rest is the true one; what it takes is booked as a
+    /// load. 0.05 for slow processes, 0.7 to come to rest soonest.
+    ///
+    /// # Errors
+    /// A coefficient outside \[0, 1), or a method that maps momentum and impulse together
+    /// ([`Composition::MAPS_TOGETHER`]), where nodes know no forces.
+    pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
+        if !(0.0..1.0).contains(&coefficient) {
+            return Err(SceneError::Damping(coefficient));
+        }
+        if M::MAPS_TOGETHER && coefficient > 0.0 {
+            return Err(SceneError::NoForces(self.method.describe()));
+        }
+        self.conditions.damping = coefficient;
+        Ok(())
     }
 
     /// Choose how the time step is found.
