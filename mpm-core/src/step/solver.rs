@@ -386,7 +386,8 @@ where
     /// Damp towards rest: every node's unbalanced force, weight included, is lowered by its part `coefficient` along each
     /// axis while it speeds the node up, and raised by as much while it slows it down, f <- f - alpha |f| sign(v)
     /// (Cundall 1987). It leaves balanced forces alone, so that a state at rest is the true one; what it takes is booked as a
-    /// load. 0.05 for slow processes, 0.7 to come to rest soonest.
+    /// load. 0.05 for slow processes, 0.7 to come to rest soonest. What particles keep of velocity that nodes do not see is
+    /// not damped, and FLIP with wide stencils gathers it: take a [`Blend`](crate::Blend) there.
     ///
     /// # Errors
     /// A coefficient outside \[0, 1), or a method that maps momentum and impulse together
