@@ -120,6 +120,8 @@ pub struct Row {
     pub source: &'static str,
     /// Why it is not as expected, if that is known; then it must not be.
     pub noted: Option<&'static str>,
+    /// Does the note hold for the full set alone, whose runs are longer?
+    pub long: bool,
     /// A limit of its own.
     pub limit: Option<Limit>,
     /// Left out of the fast set: takes more than a few seconds.
@@ -138,6 +140,11 @@ impl Row {
     pub fn noted(mut self, why: &'static str) -> Self {
         self.noted = Some(why);
         self
+    }
+    /// The same of the full set alone: shorter runs are as expected.
+    pub fn noted_when_long(mut self, why: &'static str) -> Self {
+        self.long = true;
+        self.noted(why)
     }
     /// With a limit of its own.
     pub fn limit(mut self, limit: Limit) -> Self {
@@ -182,7 +189,16 @@ impl Scene {
         self.row(scheme.into(), Expect::Fails, source, Box::new(trial))
     }
     fn row(mut self, scheme: String, expect: Expect, source: &'static str, trial: Trial) -> Self {
-        self.rows.push(Row { scheme, expect, source, noted: None, limit: None, slow: false, trial });
+        self.rows.push(Row {
+            scheme,
+            expect,
+            source,
+            noted: None,
+            long: false,
+            limit: None,
+            slow: false,
+            trial,
+        });
         self
     }
     /// Change the last row.
@@ -236,6 +252,8 @@ pub struct Judged<'a> {
     pub limit: Limit,
     /// What is said of it.
     pub verdict: Verdict,
+    /// Why it is not as expected, if it is known that it is not.
+    pub noted: Option<&'static str>,
     /// Seconds it took.
     pub seconds: f64,
 }
@@ -253,7 +271,8 @@ impl<'a> Judged<'a> {
             (Expect::Fails, false) => Verdict::FailExpected,
             (Expect::Fails, true) => Verdict::UnexpectedPass,
         };
-        Judged { scene, row, measured, limit, verdict, seconds: start.elapsed().as_secs_f64() }
+        let noted = row.noted.filter(|_| size == Size::Full || !row.long);
+        Judged { scene, row, measured, limit, verdict, noted, seconds: start.elapsed().as_secs_f64() }
     }
 
     /// Is it as expected?
@@ -264,7 +283,7 @@ impl<'a> Judged<'a> {
     /// Is it as known: as expected, or not and noted? A scene that could not be set up is never known.
     pub fn known(&self) -> bool {
         let set_up = self.measured.stopped.as_ref().is_none_or(|s| s.step > 0);
-        set_up && self.expected() != self.row.noted.is_some()
+        set_up && self.expected() != self.noted.is_some()
     }
 
     /// A line about it.

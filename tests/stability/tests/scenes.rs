@@ -54,7 +54,7 @@ scenes! {
     /// Long runs.
     runs_are_long: "T17";
     /// Rotation.
-    bodies_turn: "T19" "O1";
+    bodies_turn: "T19" "O1" "O2";
     /// Shocks.
     shocks_are_strong: "T26n" "T26" "T26h";
     /// Ties and threads.

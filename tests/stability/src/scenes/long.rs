@@ -10,6 +10,10 @@ use crate::stage::{
 };
 use crate::verdict::{Limit, Measured, Scene, Size};
 
+const GAINS: &str = "gains steadily: 2 % after 1e5 steps, 7 after 4e5, 12 after 1e6; the list has 6e4 steps";
+const MIXED: &str = "list has 6e4 steps. The first mode has gone over into short waves by then (cubic: 46 % of its amplitude left after 2e5 steps, 1 % after \
+                     8e5), the energy is kept to 1.1 % up to 9e5 and falls after that";
+
 /// T17.
 pub fn vibration() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
@@ -45,8 +49,10 @@ pub fn vibration() -> Scene {
     .fails("cubic APIC", "list T17 [C]", trial(ul(Cubic, ApicUsl)))
     .fails("quadratic FMPM(4)", "list T17 [C]", trial(ul(Quadratic, Fmpm4Usl)))
     .holds("uGIMP FLIP-MUSL", "list T17 [C]", trial(ul(Gimp, FlipMusl)))
+    .but(|row| row.noted_when_long(GAINS))
     .holds("quadratic FLIP-MUSL", "list T17 [C]", trial(ul(Quadratic, FlipMusl)))
     .holds("cubic FLIP-MUSL", "list T17 [C]", trial(ul(Cubic, FlipMusl)))
+    .but(|row| row.noted_when_long(MIXED))
     .holds("TL linear FLIP-MUSL", "finding 1 [C]", trial(tl(Linear, FlipMusl)))
     .holds("TL quadratic FLIP-MUSL", "finding 1 [C]", trial(tl(Quadratic, FlipMusl)))
 }

@@ -45,6 +45,7 @@ pub fn all() -> Vec<Scene> {
         masses::light_and_heavy(),
         long::vibration(),
         spin::disc(),
+        spin::size(),
         spin::stress(),
         gas::noh(),
         gas::piston(),

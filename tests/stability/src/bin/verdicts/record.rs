@@ -55,7 +55,7 @@ impl Record {
             limit: judged.limit.text(),
             share: finite(judged.limit.share(measured.value)),
             verdict: judged.verdict.name(),
-            noted: row.noted.map(Into::into),
+            noted: judged.noted.map(Into::into),
             known: judged.known(),
             steps: measured.steps,
             stopped_at: stop.map(|s| s.step),
