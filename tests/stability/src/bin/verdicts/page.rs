@@ -69,7 +69,8 @@ pub fn page(scenes: &[Scene], records: &[Record], making: &Making) -> String {
          <p>Scenes in which material point methods are known to fail, each with the schemes that should fail and those that should hold. \
          All of them are run; a scheme that holds where it should fail is reported like one that fails where it should hold. \
          Lengths in cells, speeds in wave speeds c of a bar. <a href=\"index.html\">Error against work</a> is another page.</p>\
-         <p>{}. Set: {}. Commit {}, {}.</p><h2 id=\"map\">Map</h2><p>",
+         <p>{}. Set: {}. Commit {}, {}. Data: <a href=\"stability.csv\">stability.csv</a>, <a href=\"stability.json\">stability.json</a>. Made by \
+         <code>cargo run --release -p stability --bin verdicts</code>.</p><h2 id=\"map\">Map</h2><p>",
         summary(records),
         making.set,
         escape(&making.commit),
