@@ -163,6 +163,10 @@ fn not_a_number_stops_in_the_same_step() {
         for part in ["block", "linear elastic", "step 5"] {
             assert!(text.contains(part), "`{part}` is missing in: {text}");
         }
+        // Where it was, not where a NaN would have it; and a volume that is not a number is not an inverted one.
+        let Stopped::Particle { position, cause, .. } = stopped.what else { panic!("{text}") };
+        assert!(position.iter().all(|x| x.is_finite()), "{text}");
+        assert_ne!(cause, Cause::Law(Breakdown::InvertedVolume), "{text}");
     }
 }
 
@@ -241,15 +245,31 @@ fn bad_surroundings_are_refused() {
     );
 }
 
-/// A body that leaves a dense grid is reported with its name.
+/// A particle that leaves a dense grid is named, with its body, place and law.
 #[test]
 fn leaving_the_grid_is_reported() {
     let at_zero = Lattice::new([0.0; 2], 0.1).expect("lattice");
     let grid = DenseGrid::new(at_zero, [0, 0], [15, 15]).expect("box");
     let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Gimp, Flip, Usl, PlaneStrain), grid);
+    mpm.add("rock", metal(), &block(&at_zero, [4, 4], [2, 2], 2, 0.0), |_| [0.0; 2]).expect("body");
     mpm.add("stone", metal(), &block(&at_zero, [8, 8], [2, 2], 2, 0.0), |_| [1.0, 0.0]).expect("body");
     mpm.set_time_control(TimeControl::Fixed(0.02)).expect("time control");
     let stopped = (0..60).find_map(|_| mpm.step().err()).expect("it must leave");
-    assert!(matches!(stopped.what, Stopped::Outside { .. }), "{stopped}");
-    assert!(stopped.to_string().contains("stone"), "{stopped}");
+    let Stopped::Outside { body, particle, position, law, .. } = &stopped.what else { panic!("{stopped}") };
+    assert_eq!((body.as_str(), *law), ("stone", "linear elastic"));
+    let (mut front, mut there) = (f64::MIN, [0.0; 3]);
+    mpm.bodies()[1].for_each(&mut |p| {
+        front = front.max(p.position[0]);
+        if p.number == *particle {
+            there = p.position;
+        }
+    });
+    // Of those in front, one asks for the next nodes; they move together.
+    assert_eq!(*position, there, "{stopped}");
+    assert!(there[0] > front - 1e-9, "{stopped}");
+    let text = stopped.to_string();
+    for part in ["stone", "linear elastic", &particle.to_string()] {
+        assert!(text.contains(part), "`{part}` is missing in: {text}");
+    }
+    assert!(!text.contains("rock"), "{text}");
 }

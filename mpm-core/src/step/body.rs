@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
-use mpm_materials::{Constitutive, Lane, State};
+use mpm_materials::{Breakdown, Constitutive, Lane, State};
 
 use super::fields::Claim;
 use super::layout::{Layout, Nodes};
@@ -474,7 +474,8 @@ where
         Ok(rate)
     }
 
-    /// Which particle, and where: its position, or the centre of its bin if it is on its way to another.
+    /// Which particle, and where: its position, or the centre of its bin if it is on its way to another or its position
+    /// is none. A volume that is not a number is not an inverted one.
     fn describe(&self, slot: &Slot<T, D>, trouble: &Trouble) -> BodyTrouble {
         let Trouble { bin, particle, cause } = *trouble;
         let staying = slot
@@ -482,7 +483,10 @@ where
             .bin_places(bin)
             .map(|place| self.particle(&slot.block, bin, place))
             .find(|p| p.number == particle);
-        let position = staying.map_or_else(
+        let nowhere = staying.as_ref().is_some_and(|p| p.volume.is_nan());
+        let inverted = cause == Cause::Law(Breakdown::InvertedVolume);
+        let cause = if inverted && nowhere { Cause::Law(Breakdown::NotFinite) } else { cause };
+        let position = staying.filter(|p| p.position.iter().all(|x| x.is_finite())).map_or_else(
             || {
                 let mut x = [0.0; 3];
                 let coordinates = slot.block.bin_coordinates(bin);

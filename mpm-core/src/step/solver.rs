@@ -17,7 +17,7 @@ use super::scene::SceneError;
 use super::sweep::Cause;
 
 use crate::boundary::Boundary;
-use crate::dim::Stencil;
+use crate::dim::{BLOCK, Stencil};
 use crate::geometry::Seeds;
 use crate::grid::{GridStorage, OutsideGrid};
 use crate::method::Composition;
@@ -56,12 +56,18 @@ pub enum Stopped {
         cause: Cause,
     },
     /// A particle came to where the grid has no nodes.
-    #[error("a particle of body `{body}` left the grid: {outside}")]
+    #[error("particle {particle} of body `{body}` (law: {law}) at {position:?} m leaves the grid: {outside}")]
     Outside {
-        /// The body.
+        /// Its body.
         body: String,
-        /// Where.
-        outside: OutsideGrid,
+        /// Its number.
+        particle: usize,
+        /// Its position, m.
+        position: [f64; 3],
+        /// The body's law.
+        law: &'static str,
+        /// Which nodes there are none of.
+        outside: Box<OutsideGrid>,
     },
     /// A rigid body is told to move as none can.
     #[error(transparent)]
@@ -497,8 +503,7 @@ where
             changed |= body.locate(last, prune, &self.team);
         }
         if changed || self.fields_changed(prune) {
-            self.arrange()
-                .map_err(|outside| self.stopped(Stopped::Outside { body: self.names(), outside }))?;
+            self.arrange().map_err(|outside| self.stopped(self.who_left(outside)))?;
         }
         self.time += dt.to_double();
         self.steps += 1;
@@ -686,8 +691,27 @@ where
         self.planes.arrange(&self.grid, &self.fields, &self.conditions.boundaries, reach);
     }
 
-    fn names(&self) -> String {
-        self.bodies.iter().map(|b| b.name()).collect::<Vec<_>>().join(", ")
+    /// The particle nearest to a block of nodes that the grid has not: the one that asks for it.
+    fn who_left(&self, outside: OutsideGrid) -> Stopped {
+        let lattice = self.grid.lattice();
+        let (origin, width) = (lattice.origin(), BLOCK as f64 * lattice.spacing());
+        let mut nearest = f64::INFINITY;
+        let (mut who, mut number, mut place) = (0, 0, [0.0; 3]);
+        for (k, body) in self.bodies.iter().enumerate() {
+            body.for_each(&mut |p| {
+                let mut square = 0.0;
+                for d in 0..D {
+                    let low = origin[d] + width * f64::from(outside.coordinates[d]);
+                    square += (low - p.position[d]).max(p.position[d] - low - width).max(0.0).powi(2);
+                }
+                if square < nearest {
+                    (nearest, who, number, place) = (square, k, p.number, p.position);
+                }
+            });
+        }
+        let body = &self.bodies[who];
+        let (law, body) = (body.law(), body.name().to_string());
+        Stopped::Outside { body, particle: number, position: place, law, outside: Box::new(outside) }
     }
 
     fn stopped(&self, what: Stopped) -> StepError {

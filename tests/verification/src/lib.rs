@@ -21,6 +21,7 @@
 
 pub mod case;
 pub mod fast;
+pub mod machine;
 pub mod problems;
 pub mod scene;
 pub mod scheme;

@@ -2,14 +2,12 @@
 
 use std::f64::consts::PI;
 
-use mpm_core::{
-    Apic, BlockGrid, Composition, CpGimp, CubicBSpline, Flip, Fmpm, Linear, Method, Mpm, Musl, PlaneStrain,
-    QuadraticBSpline, TimeControl, Usl,
-};
+use mpm_core::{Apic, CubicBSpline, Flip, Method, PlaneStrain, QuadraticBSpline, TimeControl, Usl};
 use mpm_materials::fluid::FluidState;
 use mpm_materials::{Fluid, IdealGas, Newtonian, Tait};
 
 use crate::case::{Case, Outcome};
+use crate::machine::{gas_machine, gas_schemes};
 use crate::problems::{box_of_planes, lattice};
 use crate::scene::{Ended, Moment, Norm, Run, Scene, block};
 use crate::scheme::{Kernel, Scheme, Velocity, Visit};
@@ -43,11 +41,6 @@ fn density(s: f64) -> f64 {
     }
 }
 
-struct Tube<'a> {
-    case: &'a Case,
-    viscous: bool,
-}
-
 /// What is measured of the tube.
 #[derive(Clone, Copy, Debug, Default)]
 struct Profile {
@@ -56,72 +49,61 @@ struct Profile {
     overshoot: f64,
 }
 
-impl Visit<2> for Tube<'_> {
-    type Output = Result<(Ended, Profile), String>;
-
-    fn with<M: Composition<f64, 2>>(self, method: M) -> Self::Output {
-        let Tube { case, viscous } = self;
-        let h = 1.0 / case.cells as f64;
-        let lattice = lattice([0.0; 2], h)?;
-        let gas = IdealGas::new(1.0, GAMMA, 1.0).map_err(|e| e.to_string())?;
-        let (linear, quadratic) = if viscous { (0.5, 2.0) } else { (0.0, 0.0) };
-        let law = Fluid::new(gas).with_bulk_viscosity(linear, quadratic).map_err(|e| e.to_string())?;
-        let seeds = block(&lattice, [0; 2], [case.cells, 1], case.per_axis);
-        let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice));
-        // One gas: on the right at an eighth of the density and a tenth of the pressure, p = 0.4 e / J.
-        let state = |x: [f64; 2]| {
-            let (volume_ratio, energy) = if x[0] < 0.5 { (1.0, 2.5) } else { (8.0, 2.0) };
-            FluidState { volume_ratio, energy, viscous_stress: (), viscous_pressure: 0.0 }
-        };
-        mpm.add_in_state("gas", law, &seeds, |_| [0.0; 2], state).map_err(|e| e.to_string())?;
-        let mut boundaries = box_of_planes(0..1, 0.0, 1.0);
-        boundaries.extend(box_of_planes(1..2, 0.0, h));
-        for boundary in boundaries {
-            mpm.bound(boundary).map_err(|e| e.to_string())?;
-        }
-        // The fastest signal is that of the shock.
-        let steps = (END * 2.0 / (case.courant * h)).ceil() as u64;
-        mpm.set_time_control(TimeControl::Fixed(END / steps as f64)).map_err(|e| e.to_string())?;
-        let mut work = Work { particles: seeds.positions.len() as u64, ..Work::default() };
-        let mut profile = Profile::default();
-        let watch = Stopwatch::start();
-        for _ in 0..steps {
-            if let Err(error) = mpm.step() {
-                return Ok(((work, Some(error.to_string())), profile));
-            }
-            work.steps += 1;
-        }
-        work.seconds = watch.seconds();
-        let (mut error, mut pressure, mut inside, mut fastest) = (0.0, 0.0, 0.0, 0.0f64);
-        // A fifth of the plateau at either end is left out.
-        let margin = 0.2 * (SHOCK - TAIL);
-        mpm.bodies()[0].for_each(&mut |p| {
-            let s = (p.position[0] - 0.5) / END;
-            // Per metre of the tube.
-            error += p.volume / h * (p.mass / p.volume - density(s)).abs();
-            if s > TAIL + margin && s < SHOCK - margin {
-                pressure -= p.volume * (p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
-                inside += p.volume;
-            }
-            fastest = fastest.max(p.velocity[0]);
-        });
-        profile.density = error;
-        profile.pressure = pressure / inside / PLATEAU_PRESSURE - 1.0;
-        profile.overshoot = fastest / PLATEAU_SPEED - 1.0;
-        Ok(((work, None), profile))
+/// Run the tube.
+fn tube(case: &Case, viscous: bool) -> Result<(Ended, Profile), String> {
+    let h = 1.0 / case.cells as f64;
+    let lattice = lattice([0.0; 2], h)?;
+    let gas = IdealGas::new(1.0, GAMMA, 1.0).map_err(|e| e.to_string())?;
+    let (linear, quadratic) = if viscous { (0.5, 2.0) } else { (0.0, 0.0) };
+    let law = Fluid::new(gas).with_bulk_viscosity(linear, quadratic).map_err(|e| e.to_string())?;
+    let seeds = block(&lattice, [0; 2], [case.cells, 1], case.per_axis);
+    let mut mpm = gas_machine(case.scheme, lattice).ok_or("Sod's tube is not compiled for this scheme")?;
+    // One gas: on the right at an eighth of the density and a tenth of the pressure, p = 0.4 e / J.
+    let state = |x: [f64; 2]| {
+        let (volume_ratio, energy) = if x[0] < 0.5 { (1.0, 2.5) } else { (8.0, 2.0) };
+        FluidState { volume_ratio, energy, viscous_stress: (), viscous_pressure: 0.0 }
+    };
+    mpm.add_gas("gas", law, &seeds, &|_| [0.0; 2], &state).map_err(|e| e.to_string())?;
+    let mut boundaries = box_of_planes(0..1, 0.0, 1.0);
+    boundaries.extend(box_of_planes(1..2, 0.0, h));
+    for boundary in boundaries {
+        mpm.bound(boundary).map_err(|e| e.to_string())?;
     }
+    // The fastest signal is that of the shock.
+    let steps = (END * 2.0 / (case.courant * h)).ceil() as u64;
+    mpm.control(TimeControl::Fixed(END / steps as f64)).map_err(|e| e.to_string())?;
+    let mut work = Work { particles: seeds.positions.len() as u64, ..Work::default() };
+    let mut profile = Profile::default();
+    let watch = Stopwatch::start();
+    for _ in 0..steps {
+        if let Err(error) = mpm.step() {
+            return Ok(((work, Some(error.to_string())), profile));
+        }
+        work.steps += 1;
+    }
+    work.seconds = watch.seconds();
+    let (mut error, mut pressure, mut inside, mut fastest) = (0.0, 0.0, 0.0, 0.0f64);
+    // A fifth of the plateau at either end is left out.
+    let margin = 0.2 * (SHOCK - TAIL);
+    mpm.bodies()[0].for_each(&mut |p| {
+        let s = (p.position[0] - 0.5) / END;
+        // Per metre of the tube.
+        error += p.volume / h * (p.mass / p.volume - density(s)).abs();
+        if s > TAIL + margin && s < SHOCK - margin {
+            pressure -= p.volume * (p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
+            inside += p.volume;
+        }
+        fastest = fastest.max(p.velocity[0]);
+    });
+    profile.density = error;
+    profile.pressure = pressure / inside / PLATEAU_PRESSURE - 1.0;
+    profile.overshoot = fastest / PLATEAU_SPEED - 1.0;
+    Ok(((work, None), profile))
 }
 
 /// The schemes that Sod's tube is compiled for.
 pub fn tube_schemes() -> Vec<Scheme> {
-    vec![
-        Scheme::moving(Kernel::Linear, Velocity::FlipMusl),
-        Scheme::moving(Kernel::CpGimp, Velocity::FlipUsl),
-        Scheme::moving(Kernel::Quadratic, Velocity::FlipUsl),
-        Scheme::moving(Kernel::Quadratic, Velocity::ApicUsl),
-        Scheme::moving(Kernel::Quadratic, Velocity::Fmpm4Usl),
-        Scheme::moving(Kernel::Cubic, Velocity::ApicUsl),
-    ]
+    gas_schemes()
 }
 
 /// V13, Sod: gamma 1.4, (rho, u, p) = (1, 0, 1) and (0.125, 0, 0.1), a tube of length 1 with its middle as
@@ -132,24 +114,7 @@ pub fn tube_schemes() -> Vec<Scheme> {
 /// the mean on the plateau,
 /// "overshoot" the largest speed over that of the plateau, less 1.
 pub(crate) fn sod(case: &Case, viscous: bool) -> Result<Outcome, String> {
-    let tube = Tube { case, viscous };
-    let space = PlaneStrain;
-    let made = match (case.scheme.kernel, case.scheme.velocity, case.scheme.total) {
-        (Kernel::Linear, Velocity::FlipMusl, false) => tube.with(Method::new(Linear, Flip, Musl, space)),
-        (Kernel::CpGimp, Velocity::FlipUsl, false) => tube.with(Method::new(CpGimp, Flip, Usl, space)),
-        (Kernel::Quadratic, Velocity::FlipUsl, false) => {
-            tube.with(Method::new(QuadraticBSpline, Flip, Usl, space))
-        }
-        (Kernel::Quadratic, Velocity::ApicUsl, false) => {
-            tube.with(Method::new(QuadraticBSpline, Apic, Usl, space))
-        }
-        (Kernel::Quadratic, Velocity::Fmpm4Usl, false) => {
-            tube.with(Method::new(QuadraticBSpline, Fmpm::<4>, Usl, space))
-        }
-        (Kernel::Cubic, Velocity::ApicUsl, false) => tube.with(Method::new(CubicBSpline, Apic, Usl, space)),
-        _ => return Err("Sod's tube is not compiled for this scheme".into()),
-    };
-    let (ended, profile) = made?;
+    let (ended, profile) = tube(case, viscous)?;
     let outcome = Outcome::of(case.scheme, 2, Some(ended));
     Ok(outcome
         .with("density", profile.density)

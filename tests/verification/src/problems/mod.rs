@@ -17,22 +17,24 @@ use crate::scene::{Moment, Run, Scene};
 use crate::scheme::{Scheme, visit};
 
 /// A neo-Hookean law of Young's modulus (Pa) and Poisson's ratio.
-pub(crate) fn rubber(density: f64, young: f64, poisson: f64) -> Result<NeoHookean<f64>, String> {
+///
+/// # Errors
+/// Constants that no material has.
+pub fn rubber(density: f64, young: f64, poisson: f64) -> Result<NeoHookean<f64>, String> {
     let moduli = Moduli::young_poisson(young, poisson).map_err(|e| e.to_string())?;
     NeoHookean::new(density, moduli).map_err(|e| e.to_string())
 }
 
 /// A lattice from an origin.
-pub(crate) fn lattice<const D: usize>(origin: [f64; D], spacing: f64) -> Result<Lattice<D>, String> {
+///
+/// # Errors
+/// An origin or a spacing that cannot be.
+pub fn lattice<const D: usize>(origin: [f64; D], spacing: f64) -> Result<Lattice<D>, String> {
     Lattice::new(origin, spacing).map_err(|e| e.to_string())
 }
 
 /// Planes of symmetry at `low` and `high` of the axes.
-pub(crate) fn box_of_planes<const D: usize>(
-    axes: std::ops::Range<usize>,
-    low: f64,
-    high: f64,
-) -> Vec<Boundary<D>> {
+pub fn box_of_planes<const D: usize>(axes: std::ops::Range<usize>, low: f64, high: f64) -> Vec<Boundary<D>> {
     axes.flat_map(|axis| {
         [
             Boundary::Symmetry { axis, at: low, side: Side::Above },

@@ -36,7 +36,8 @@ pub fn page(charts: &[Chart], records: &[Record], making: &Making) -> String {
          Down and left is better. A dot is one run; hover or tap it for its settings. A line joins a scheme's own best runs, \
          the broad grey line the best of all (nothing is both cheaper and more accurate). Discs move through the grid \
          (updated Lagrangian), rings stay in the reference configuration (total Lagrangian, TL). \
-         A run that stopped, or whose error exceeds 1, is a cross on the top edge: none is left out.</p>"
+         A run that stopped, or whose error exceeds 1, is a cross on the top edge: none is left out. \
+         Where methods fail is another page: <a href=\"stability.html\">stability</a>.</p>"
     );
     choices(&mut out, charts, records);
     for chart in charts {

@@ -1,0 +1,78 @@
+//! The scenes. Numbers as T5 are those of the list in `docs/notes.md` 10, others are of this crate.
+
+pub mod crossing;
+pub mod crushing;
+pub mod gas;
+pub mod limits;
+pub mod locking;
+pub mod long;
+pub mod masses;
+pub mod noise;
+pub mod spin;
+pub mod stops;
+pub mod stretch;
+pub mod ties;
+
+use crate::verdict::Scene;
+
+/// All of them, in order.
+pub fn all() -> Vec<Scene> {
+    vec![
+        crossing::drift(),
+        crossing::order(),
+        crossing::hypervelocity(),
+        crossing::jitter(),
+        crossing::thin(),
+        limits::cut_cell(),
+        limits::predicted(),
+        limits::factors(),
+        stretch::beads(),
+        stretch::drop_out(),
+        stretch::tension(),
+        noise::null_space(),
+        noise::growth(),
+        noise::hourglass(),
+        locking::beam(),
+        locking::pressure(),
+        crushing::rubber_crush(),
+        crushing::gas_crush(),
+        stops::inverted(),
+        stops::not_a_number(),
+        stops::leaving(),
+        stops::debris(),
+        masses::tiny(),
+        masses::stiff_and_soft(),
+        masses::light_and_heavy(),
+        long::vibration(),
+        spin::disc(),
+        spin::size(),
+        spin::stress(),
+        gas::noh(),
+        gas::piston(),
+        gas::heating(),
+        ties::lattice(),
+        ties::threads(),
+    ]
+}
+
+/// Scenes of the list that are run elsewhere: number, what, where.
+pub const ELSEWHERE: [(&str, &str, &str); 6] = [
+    (
+        "T6",
+        "a closing gap: bodies meet where their surfaces are",
+        "`mpm-contact/tests/onset.rs`, case `ring_collision`",
+    ),
+    ("T7", "impact and rebound of equal bars", "case `bouncing_blocks`"),
+    ("T8", "a light layer under a heavy block, 1e5 steps", "`mpm-contact/tests/rest.rs`"),
+    ("T18", "a pile at rest, 1e5 steps", "`mpm-contact/tests/rest.rs`, case `shaken_discs`"),
+    ("T25", "spall of a plate", "case `plate_impact`"),
+    ("T30", "restart and threads: threads, grids, observers", "`tests/tests/symmetries.rs`"),
+];
+
+/// Scenes of the list for methods that are not there: number, what, what is missing.
+pub const MISSING: [(&str, &str, &str); 4] = [
+    ("T22", "Taylor bar by finite elements that turn into particles", "adaptive finite elements"),
+    ("T23", "finite elements of a solid in a fluid of particles", "coupled finite elements"),
+    ("T24", "tank at rest, dam break", "incompressible flow, cure of pressure noise"),
+    ("T27", "fragmentation on finer and on turned grids", "nonlocal damage, phase field"),
+];

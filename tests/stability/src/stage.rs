@@ -1,0 +1,153 @@
+//! What scenes are put together from: h = 1 m, density 1 kg/m^3, E = 1 Pa and c = 1 m/s unless a scene says otherwise.
+
+use mpm_core::geometry::{Lattice, Seeds};
+use mpm_core::{Boundary, Particle, StepError, Stopped, TimeControl, Totals};
+use verification::machine::{Machine, machine};
+use verification::problems::{box_of_planes, lattice, rubber};
+use verification::scene::block;
+use verification::{Kernel, Scheme, Velocity};
+
+use crate::verdict::Stop;
+
+pub use Kernel::{CpGimp, Cubic, Gimp, Linear, Quadratic};
+pub use Velocity::{ApicUsl, FlipMusl, FlipUsl, Fmpm4Usl};
+
+/// A scheme that moves through the grid.
+pub const fn ul(kernel: Kernel, velocity: Velocity) -> Scheme {
+    Scheme::moving(kernel, velocity)
+}
+
+/// A scheme in the reference configuration.
+pub const fn tl(kernel: Kernel, velocity: Velocity) -> Scheme {
+    Scheme::total(kernel, velocity)
+}
+
+/// An error as text.
+pub fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+/// The lattice of unit cells at the origin.
+pub fn cells() -> Result<Lattice<2>, String> {
+    lattice([0.0; 2], 1.0)
+}
+
+/// A solver of a scheme on unit cells, with fixed steps.
+pub fn solver(scheme: Scheme, dt: f64) -> Result<Box<dyn Machine>, String> {
+    let mut mpm = machine(scheme, cells()?).ok_or("no such composition")?;
+    mpm.control(TimeControl::Fixed(dt)).map_err(text)?;
+    Ok(mpm)
+}
+
+/// A row of cells from node 0 on, `per_axis` particles a cell and axis, moved by `shift` along x.
+pub fn row_of_cells(count: usize, per_axis: usize, shift: f64) -> Result<Seeds<2>, String> {
+    let mut seeds = block(&cells()?, [0; 2], [count, 1], per_axis);
+    for x in &mut seeds.positions {
+        x[0] += shift;
+    }
+    Ok(seeds)
+}
+
+/// A bar one cell wide between planes of symmetry, so that all is along x; nu = 0.
+pub fn bar(
+    scheme: Scheme,
+    dt: f64,
+    seeds: &Seeds<2>,
+    velocity: &dyn Fn(f64) -> f64,
+) -> Result<Box<dyn Machine>, String> {
+    let mut mpm = solver(scheme, dt)?;
+    bound(&mut *mpm, box_of_planes(1..2, 0.0, 1.0))?;
+    mpm.add("bar", rubber(1.0, 1.0, 0.0)?, seeds, &|x| [velocity(x[0]), 0.0], None).map_err(text)?;
+    Ok(mpm)
+}
+
+/// Add boundaries.
+pub fn bound(mpm: &mut dyn Machine, list: Vec<Boundary<2>>) -> Result<(), String> {
+    list.into_iter().try_for_each(|b| mpm.bound(b)).map_err(text)
+}
+
+/// Make steps, and look after each with its number; what stopped them, if something did.
+pub fn steps(mpm: &mut dyn Machine, count: u64, mut look: impl FnMut(&dyn Machine, u64)) -> Option<Stop> {
+    for step in 1..=count {
+        if let Err(error) = mpm.step() {
+            return Some(Stop { step: error.step, what: error.to_string() });
+        }
+        look(mpm, step);
+    }
+    None
+}
+
+/// Make steps until one stops.
+pub fn until_stopped(mpm: &mut dyn Machine, count: u64) -> Option<StepError> {
+    (0..count).find_map(|_| mpm.step().err())
+}
+
+/// Body, particle and position that a message names.
+pub fn named(error: &StepError) -> Option<(&str, usize, [f64; 3])> {
+    match &error.what {
+        Stopped::Particle { body, particle, position, .. } => Some((body, *particle, *position)),
+        _ => None,
+    }
+}
+
+/// All particles.
+pub fn particles(mpm: &dyn Machine) -> Vec<Particle> {
+    let mut list = Vec::new();
+    for body in mpm.bodies() {
+        body.for_each(&mut |p| list.push(p.clone()));
+    }
+    list
+}
+
+/// Kinetic energy of the particles as seen by their centre of mass, and internal energy, J.
+pub fn energy(t: &Totals) -> f64 {
+    let square: f64 = t.momentum.iter().map(|p| p * p).sum();
+    t.kinetic - 0.5 * square / t.mass + t.internal
+}
+
+/// Numbers between -1 and 1 from a seed, the same on every machine (splitmix64).
+pub struct Random(u64);
+
+impl Random {
+    /// From a seed.
+    pub fn new(seed: u64) -> Self {
+        Random(seed)
+    }
+    /// The next.
+    pub fn number(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Means of the energy over the first and the last of `parts` parts of a run.
+#[derive(Clone, Debug)]
+pub struct Means {
+    length: u64,
+    parts: u64,
+    first: f64,
+    last: f64,
+}
+
+impl Means {
+    /// Of a run of so many steps.
+    pub fn new(count: u64, parts: u64) -> Self {
+        Means { length: (count / parts).max(1), parts, first: 0.0, last: 0.0 }
+    }
+    /// Add the value of a step, from 1 on.
+    pub fn add(&mut self, step: u64, value: f64) {
+        if step <= self.length {
+            self.first += value;
+        }
+        if step > (self.parts - 1) * self.length && step <= self.parts * self.length {
+            self.last += value;
+        }
+    }
+    /// The relative change from the first to the last.
+    pub fn change(&self) -> f64 {
+        self.last / self.first - 1.0
+    }
+}
