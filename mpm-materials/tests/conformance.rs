@@ -49,6 +49,16 @@ conformance_suite!(
     metal(0.02)
 );
 
+conformance_suite!(
+    stretching,
+    Stretching::new(Solid::new(
+        J2::linear(26e9, 300e6, 1e9).unwrap(),
+        LinearDensity::new(2700.0, 5000.0).unwrap()
+    )),
+    metal(0.05),
+    yields
+);
+
 // Plastic solids.
 conformance_suite!(
     perfectly_plastic,
