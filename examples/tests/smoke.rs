@@ -131,6 +131,27 @@ fn debris_cloud_2d() {
 }
 
 #[test]
+fn debris_cloud() {
+    let name = "cloud";
+    let program = env!("CARGO_BIN_EXE_debris_cloud");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "debris_cloud");
+    let checks = value["checks"].as_array().expect("checks");
+    // Pressure and density at impact; front, mass, momentum, energy of both clouds.
+    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 2 + 2 * 4);
+    // Splitting is what keeps the cloud together.
+    let alone = |how: &str| {
+        let of = |c: &&Value| c["name"] == format!("{how}: cells of the cloud that touch no other");
+        checks.iter().find(of).and_then(|c| c["value"].as_f64()).expect("cells")
+    };
+    assert!(alone("split") < 0.5 * alone("not split"));
+    let out = folder(name);
+    for file in ["cloud_split.png", "cloud_whole.png", "front.png", "plane.png", "cloud_split.csv"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn pcmm_distortion() {
     let name = "distortion";
     let output = run(env!("CARGO_BIN_EXE_pcmm_distortion"), &["--resolution", "smoke", "--json"], name);

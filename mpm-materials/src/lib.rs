@@ -31,8 +31,8 @@ pub use capability::{Fails, Hyperelastic, Stretches, Yields};
 pub use detonation::Detonation;
 pub use elastic::{LinearElastic, Moduli, NeoHookean};
 pub use eos::{
-    CubicShock, Eos, Gruneisen, IdealGas, Jwl, JwlConstants, KeepEnergy, LinearDensity, LogarithmicBulk,
-    MieGruneisen, Polynomial, PolynomialHugoniot, Tait,
+    CubicShock, Eos, Expanding, Gruneisen, IdealGas, Jwl, JwlConstants, KeepEnergy, LinearDensity,
+    LogarithmicBulk, MieGruneisen, Polynomial, PolynomialHugoniot, Tait,
 };
 pub use explosive::{Explosive, ExplosiveState};
 pub use failure::{
