@@ -240,6 +240,21 @@ fn tnt_slab() {
 }
 
 #[test]
+fn tnt_cased() {
+    let name = "cased";
+    let program = env!("CARGO_BIN_EXE_tnt_cased");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "tnt_cased");
+    let checks = value["checks"].as_array().expect("checks");
+    // Speed of the cylinder's case twice, and that it is round; masses, energy and momentum of both forms.
+    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 3 + 2 * 4);
+    let out = folder(name);
+    for file in ["section_cylinder.png", "section_cube.png", "speed_cylinder.png", "case_cube.csv"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn plate_impact() {
     let name = "plates";
     let output = run(env!("CARGO_BIN_EXE_plate_impact"), &["--resolution", "smoke", "--json"], name);

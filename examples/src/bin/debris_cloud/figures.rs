@@ -47,7 +47,7 @@ fn cut(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
     FieldPicture::new(640, 440)
         .colour_by(speed)
         .mirrored([Mirror::y(0.0)])
-        .bounds([-4.0 * RADIUS, -8.0 * RADIUS], [26.0 * THICKNESS, 8.0 * RADIUS])
+        .bounds([-6.0 * RADIUS, -11.0 * RADIUS], [32.0 * THICKNESS, 11.0 * RADIUS])
         .draw(&flat)
 }
 
