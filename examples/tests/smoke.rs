@@ -190,6 +190,31 @@ fn tungsten_bullet() {
 }
 
 #[test]
+fn validation() {
+    let name = "validation";
+    let out = folder(name);
+    let docs = out.join("page");
+    let arguments = ["--resolution", "smoke", "--cases", "elastic_bar", "--docs"];
+    let arguments = [&arguments[..], &[docs.to_str().expect("a name")]].concat();
+    let output = run(env!("CARGO_BIN_EXE_validation"), &arguments, name);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = std::fs::read_to_string(docs.join("validation.md")).expect("a page");
+    assert!(page.contains("| [elastic_bar](#elastic_bar) | smoke | 18 of 18 | 0 |"), "{page}");
+    let table = std::fs::read_to_string(docs.join("validation.csv")).expect("a table");
+    assert!(table.lines().skip(1).all(|l| l.starts_with("elastic_bar,smoke,\"")), "{table}");
+    // A case that takes too long is on the page, and is a failure.
+    let arguments = ["--at-most", "1", "--resolution", "paper", "--cases", "shaken_discs", "--docs"];
+    let arguments = [&arguments[..], &[docs.to_str().expect("a name")]].concat();
+    let output = run(env!("CARGO_BIN_EXE_validation"), &arguments, name);
+    assert!(!output.status.success());
+    let page = std::fs::read_to_string(docs.join("validation.md")).expect("a page");
+    assert!(page.contains("broke off: not finished after 1 s"), "{page}");
+    let output = run(env!("CARGO_BIN_EXE_validation"), &["--cases", "nothing"], name);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("case = nothing is not allowed"));
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn taylor_bar_does_not_depend_on_threads() {
     let sizes = |threads: &str| {
         let name = format!("threads-{threads}");
