@@ -106,7 +106,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     figures::front(&outcomes)?.save(folder.join("front.png"))?;
 
     let mut found = checks::of_plane(&row);
-    found.extend(outcomes.iter().flat_map(|o| checks::of_cloud(o)));
+    found.extend(outcomes.iter().flat_map(checks::of_cloud));
     // Totals are those of the clouds; the row is next to nothing beside them.
     let totals = outcomes.iter().fold(Totals::default(), |sum, o| sum.plus(&o.totals));
     let settings = serde_json::json!({

@@ -58,13 +58,14 @@ pub fn shoot(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
     let seeds = ball.len() + plate.len();
     let mut add = |name, seeds: &Seeds<3>, speed: f64| -> Result<(), CaseError> {
         let velocity = |_| [speed, 0.0, 0.0];
-        Ok(match setup.cutting {
+        match setup.cutting {
             Some(cutting) => {
                 let splitting = Splitting::at(cutting.stretch)?.at_most(cutting.generations)?;
-                mpm.add_splitting(name, Stretching::new(lead(setup.viscosity)?), seeds, velocity, splitting)?
+                mpm.add_splitting(name, Stretching::new(lead(setup.viscosity)?), seeds, velocity, splitting)?;
             }
             None => mpm.add(name, lead(setup.viscosity)?, seeds, velocity)?,
-        })
+        }
+        Ok(())
     };
     add("sphere", &ball, SPEED)?;
     add("plate", &plate, 0.0)?;
