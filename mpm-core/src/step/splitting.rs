@@ -235,13 +235,24 @@ where
     /// Add a body as [`Mpm::add`] does, whose particles are split where they are stretched too far. Its law must keep
     /// the stretch: [`mpm_materials::Stretching`]. A body added otherwise pays nothing for this.
     ///
+    /// ```
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
+    /// # use mpm_materials::{Stretching, library};
+    /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
+    /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
+    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    /// let lead = Stretching::new(library::lead::<f64>());
+    /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], Splitting::at(2.0).unwrap()).unwrap();
+    /// ```
     /// ```compile_fail
-    /// use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
-    /// use mpm_materials::library;
-    /// let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
-    /// let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
-    /// let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
-    /// let lead = library::lead(); // remembers no stretch: `Stretching::new(lead)` does
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
+    /// # use mpm_materials::{Stretching, library};
+    /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
+    /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
+    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    /// let lead = library::lead::<f64>(); // remembers no stretch
     /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], Splitting::at(2.0).unwrap()).unwrap();
     /// ```
     ///
