@@ -9,8 +9,8 @@ const JWL: [f64; 7] = [371.2e9, 3.21e9, 4.15, 0.95, 0.30, 6930.0, 0.7318];
 const METAL: [f64; 7] = [3300.0, 1.49, 1.96, 117e9 / 2.62, 90e6, 392e6, 0.5];
 /// Linear and quadratic coefficient of the bulk viscosity: little, the zones are many.
 const VISCOSITY: [f64; 2] = [0.1, 1.5];
-/// Width of the burn in zones.
-const BURN: f64 = 4.0;
+/// Width of the burn, m, the same for any number of zones.
+const BURN: f64 = 0.4e-3;
 const FACTOR: f64 = 0.25;
 
 #[derive(Clone, Copy, Default)]
@@ -129,7 +129,7 @@ fn advance(z: &mut Zone, r: [f64; 2], v: [f64; 2], time: f64, dt: f64) {
     }
     if !z.metal {
         let [.., speed, jouguet] = JWL;
-        let ordered = (time * speed - z.middle) / (BURN * CHARGE / 100.0);
+        let ordered = (time * speed - z.middle) / BURN;
         let squeezed = (1.0 - ratio) / (1.0 - jouguet);
         z.burnt = z.burnt.max(ordered.max(squeezed).clamp(0.0, 1.0));
     }
