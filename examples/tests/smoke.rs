@@ -131,6 +131,27 @@ fn debris_cloud_2d() {
 }
 
 #[test]
+fn debris_cloud() {
+    let name = "cloud";
+    let program = env!("CARGO_BIN_EXE_debris_cloud");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "debris_cloud");
+    let checks = value["checks"].as_array().expect("checks");
+    // Pressure and density at impact; front, mass, momentum, energy of both clouds.
+    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 2 + 2 * 4);
+    // Splitting is what keeps the cloud together.
+    let alone = |how: &str| {
+        let of = |c: &&Value| c["name"] == format!("{how}: cells of the cloud that touch no other");
+        checks.iter().find(of).and_then(|c| c["value"].as_f64()).expect("cells")
+    };
+    assert!(alone("split") < 0.5 * alone("not split"));
+    let out = folder(name);
+    for file in ["cloud_split.png", "cloud_whole.png", "front.png", "plane.png", "cloud_split.csv"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
 fn pcmm_distortion() {
     let name = "distortion";
     let output = run(env!("CARGO_BIN_EXE_pcmm_distortion"), &["--resolution", "smoke", "--json"], name);
@@ -165,6 +186,31 @@ fn tungsten_bullet() {
     for file in ["bullet.png", "tip.png", "history_pcmm.csv", "history_mpm.csv", "result.json"] {
         assert!(out.join(file).is_file(), "{file} is missing");
     }
+    std::fs::remove_dir_all(out).expect("removed");
+}
+
+#[test]
+fn validation() {
+    let name = "validation";
+    let out = folder(name);
+    let docs = out.join("page");
+    let arguments = ["--resolution", "smoke", "--cases", "elastic_bar", "--docs"];
+    let arguments = [&arguments[..], &[docs.to_str().expect("a name")]].concat();
+    let output = run(env!("CARGO_BIN_EXE_validation"), &arguments, name);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let page = std::fs::read_to_string(docs.join("validation.md")).expect("a page");
+    assert!(page.contains("| [elastic_bar](#elastic_bar) | smoke | 18 of 18 | **2** |"), "{page}");
+    let table = std::fs::read_to_string(docs.join("validation.csv")).expect("a table");
+    assert!(table.lines().skip(1).all(|l| l.starts_with("elastic_bar,smoke,\"")), "{table}");
+    // A case that takes too long is on the page, and is a failure.
+    let arguments = ["--at-most", "1", "--resolution", "paper", "--cases", "shaken_discs", "--docs"];
+    let arguments = [&arguments[..], &[docs.to_str().expect("a name")]].concat();
+    let output = run(env!("CARGO_BIN_EXE_validation"), &arguments, name);
+    assert!(!output.status.success());
+    let page = std::fs::read_to_string(docs.join("validation.md")).expect("a page");
+    assert!(page.contains("broke off: not finished after 1 s"), "{page}");
+    let output = run(env!("CARGO_BIN_EXE_validation"), &["--cases", "nothing"], name);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("case = nothing is not allowed"));
     std::fs::remove_dir_all(out).expect("removed");
 }
 
@@ -216,6 +262,21 @@ fn tnt_slab() {
         assert!(folder(name).join(file).is_file(), "{file} is missing");
     }
     std::fs::remove_dir_all(folder(name)).expect("removed");
+}
+
+#[test]
+fn tnt_cased() {
+    let name = "cased";
+    let program = env!("CARGO_BIN_EXE_tnt_cased");
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "tnt_cased");
+    let checks = value["checks"].as_array().expect("checks");
+    // Speed of the cylinder's case twice, and that it is round; masses, energy and momentum of both forms.
+    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 3 + 2 * 4);
+    let out = folder(name);
+    for file in ["section_cylinder.png", "section_cube.png", "speed_cylinder.png", "case_cube.csv"] {
+        assert!(out.join(file).is_file(), "{file} is missing");
+    }
+    std::fs::remove_dir_all(out).expect("removed");
 }
 
 #[test]

@@ -73,8 +73,8 @@ pub use shape::{
     AffineShape, BoundaryModified, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction,
 };
 pub use step::{
-    Body, Contact, FieldForce, Mpm, OneField, Particle, Rigid, RigidState, StepError, Stopped, TimeControl,
-    Totals, Traction, Twist,
+    Body, Contact, FieldForce, Mpm, OneField, Particle, Rigid, RigidState, SplitBook, Splitting, StepError,
+    Stopped, TimeControl, Totals, Traction, Twist,
 };
 pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
 

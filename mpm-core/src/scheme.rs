@@ -26,6 +26,8 @@ pub struct Pass {
     pub load: bool,
     /// Add the body force of particles that carry one.
     pub field: bool,
+    /// Cut particles in two that were stretched too far, when they have moved.
+    pub splits: bool,
     /// Instead of all this: gather the second nodal vector and map it back as momentum (FMPM).
     pub smooth: bool,
 }
@@ -48,6 +50,7 @@ impl Pass {
         force: false,
         load: false,
         field: false,
+        splits: false,
         smooth: false,
     };
 }
@@ -99,6 +102,13 @@ impl<K: PassKind> PassKind for Loaded<K> {
 pub struct Driven<K>(std::marker::PhantomData<K>);
 impl<K: PassKind> PassKind for Driven<K> {
     const DOES: Pass = Pass { field: K::DOES.force, ..K::DOES };
+}
+
+/// The pass `K` of a body whose particles are split.
+#[derive(Clone, Copy, Debug)]
+pub struct Splits<K>(std::marker::PhantomData<K>);
+impl<K: PassKind> PassKind for Splits<K> {
+    const DOES: Pass = Pass { splits: K::DOES.moves, ..K::DOES };
 }
 
 /// When the stress is updated.

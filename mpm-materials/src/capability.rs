@@ -29,3 +29,15 @@ pub trait Fails<T: Real>: Constitutive<T> {
     /// Where has the point failed?
     fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask;
 }
+
+/// A law whose points keep their accumulated stretch, which tells when and along which direction to cut a particle in
+/// two: [`Stretching`](crate::Stretching) makes one of any law.
+#[diagnostic::on_unimplemented(
+    message = "particles of the law `{Self}` cannot be split: they do not keep their accumulated stretch",
+    note = "wrap the law: `Stretching::new(law)`"
+)]
+pub trait Stretches<T: Real>: Constitutive<T> {
+    /// Place among the numbers of the state of the first of seven: the components xx, yy, zz, yz, xz, xy of b = F F^T,
+    /// and how often the point was cut.
+    const PLACE: usize;
+}

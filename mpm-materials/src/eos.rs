@@ -7,6 +7,7 @@
 pub mod bulk;
 pub mod chapman_jouguet;
 pub mod crush;
+pub mod expanding;
 pub mod gruneisen;
 pub mod ideal_gas;
 pub mod jwl;
@@ -18,6 +19,7 @@ pub mod tait;
 pub use bulk::LogarithmicBulk;
 pub use chapman_jouguet::{ChapmanJouguet, chapman_jouguet};
 pub use crush::{CrushConstants, CrushCurve};
+pub use expanding::Expanding;
 pub use gruneisen::{CubicShock, Gruneisen, Hugoniot, PolynomialHugoniot};
 pub use ideal_gas::IdealGas;
 pub use jwl::{Jwl, JwlConstants};

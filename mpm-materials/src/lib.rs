@@ -23,15 +23,16 @@ pub mod porous;
 pub mod rate;
 pub mod solid;
 pub mod strength;
+pub mod stretching;
 pub mod tensor;
 pub mod viscosity;
 
-pub use capability::{Fails, Hyperelastic, Yields};
+pub use capability::{Fails, Hyperelastic, Stretches, Yields};
 pub use detonation::Detonation;
 pub use elastic::{LinearElastic, Moduli, NeoHookean};
 pub use eos::{
-    CubicShock, Eos, Gruneisen, IdealGas, Jwl, JwlConstants, KeepEnergy, LinearDensity, LogarithmicBulk,
-    MieGruneisen, Polynomial, PolynomialHugoniot, Tait,
+    CubicShock, Eos, Expanding, Gruneisen, IdealGas, Jwl, JwlConstants, KeepEnergy, LinearDensity,
+    LogarithmicBulk, MieGruneisen, Polynomial, PolynomialHugoniot, Tait,
 };
 pub use explosive::{Explosive, ExplosiveState};
 pub use failure::{
@@ -54,5 +55,6 @@ pub use strength::{
     HolmquistJohnsonCook, Isothermal, J2, JohnsonCook, Logarithmic, MohrCoulomb, PowerRate, RateIndependent,
     SimplifiedJohnsonCook, SmoothLogarithmic, SteinbergGuinan, Strength,
 };
+pub use stretching::{Stretching, StretchingState};
 pub use tensor::{Mat3, Sym3};
 pub use viscosity::{BulkViscosity, NoViscosity, ShockViscosity};

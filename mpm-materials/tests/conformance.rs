@@ -49,6 +49,16 @@ conformance_suite!(
     metal(0.02)
 );
 
+conformance_suite!(
+    stretching,
+    Stretching::new(Solid::new(
+        J2::linear(26e9, 300e6, 1e9).unwrap(),
+        LinearDensity::new(2700.0, 5000.0).unwrap()
+    )),
+    metal(0.05),
+    yields
+);
+
 // Plastic solids.
 conformance_suite!(
     perfectly_plastic,
@@ -200,6 +210,7 @@ fn equations_of_state() {
     eos(&MieGruneisen::aluminium_6061().with_correction(0.48).unwrap(), 0.6..1.2, 2e10).unwrap();
     eos(&MieGruneisen::steel_4340(), 0.7..1.2, 3e10).unwrap();
     eos(&MieGruneisen::lead(), 0.6..1.2, 1e10).unwrap();
+    eos(&Expanding::new(MieGruneisen::lead()), 0.6..3.0, 8e10).unwrap();
     eos(&IdealGas::air(), 0.1..10.0, 1e7).unwrap();
     eos(&LinearDensity::new(1000.0, 50.0).unwrap(), 0.5..2.0, 0.0).unwrap();
     eos(&LogarithmicBulk::new(1000.0, 2e9).unwrap(), 0.5..2.0, 0.0).unwrap();

@@ -23,7 +23,9 @@ pub struct LedgerEntry {
     pub work: f64,
     /// Work of friction between bodies since the first entry, J.
     pub friction: f64,
-    /// kinetic + internal - work + friction, J: constant if energy is conserved.
+    /// Kinetic energy of the motion within particles that splitting brought to light since the first entry, J.
+    pub split: f64,
+    /// kinetic + internal - work + friction - split, J: constant if energy is conserved.
     pub total: f64,
     /// Change of `total` since the first entry, relative to the largest kinetic energy, or sum of kinetic and
     /// internal energy, so far. Negative: the method lost energy.
@@ -119,7 +121,8 @@ impl Ledger {
         let (first, before) = *self.start.get_or_insert((totals, given));
         let work = given.work - before.work;
         let friction = given.friction - before.friction;
-        let total = totals.kinetic + totals.internal - work + friction;
+        let split = given.split - before.split;
+        let total = totals.kinetic + totals.internal - work + friction - split;
         // An explosive's energies are opposite: their sum says nothing about their size.
         self.energy_scale =
             self.energy_scale.max((totals.kinetic + totals.internal).abs()).max(totals.kinetic);
@@ -137,6 +140,7 @@ impl Ledger {
             internal: totals.internal,
             work,
             friction,
+            split,
             total,
             energy_error: relative(total - first.kinetic - first.internal, self.energy_scale),
             momentum: totals.momentum,

@@ -65,6 +65,10 @@ impl Columns {
     pub fn domain(&self) -> usize {
         Self::state(self.dimension) + self.state
     }
+    /// First row of the domain half sizes, and how many there are.
+    pub fn domains(&self) -> (usize, usize) {
+        (self.domain(), self.domain)
+    }
     /// First row of a load, if one is carried: loaded area, m^2, or acceleration, m/s^2.
     #[inline(always)]
     pub fn load(&self) -> usize {

@@ -10,6 +10,7 @@ use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
 use super::rigid::RigidState;
+use super::splitting::{SplitBook, Splitter, Splitting};
 use super::survey::{Near, Survey};
 use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
@@ -89,7 +90,7 @@ impl Totals {
 /// A particle as others see it, in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Particle {
-    /// Its number in the body, by the order of seeding.
+    /// Its number in the body, by the order of seeding; [`Splitting`] tells those of split ones.
     pub number: usize,
     /// Position, m.
     pub position: [f64; 3],
@@ -186,6 +187,10 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn bytes(&self) -> usize;
     /// Numbers stored a particle.
     fn columns(&self) -> usize;
+    /// How its particles were split since the start.
+    fn splits(&self) -> SplitBook {
+        SplitBook::default()
+    }
 }
 
 /// A body of the law `C` in a method `M`.
@@ -218,6 +223,9 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Sum of the loaded areas, m^2.
     loaded_area: f64,
     loading: Loading,
+    /// When particles are split, and how often they were.
+    pub(super) splitter: Splitter<T>,
+    splits: SplitBook,
     /// Where the particles started, by number, if a force field asks for it, m.
     starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
@@ -309,6 +317,8 @@ where
             load,
             loaded_area: 0.0,
             loading: Loading::default(),
+            splitter: Splitter::default(),
+            splits: SplitBook::default(),
             starts: Vec::new(),
             dummy,
         }
@@ -352,7 +362,8 @@ where
                 let ratio: T = self.law.volume_ratio(&state).into();
                 mass /= ratio;
             }
-            self.lightest = self.lightest.min(mass);
+            let parts = self.load.splitting().map_or(1.0, Splitting::lightest);
+            self.lightest = self.lightest.min(mass * T::of(parts));
             numbers[Columns::mass(D)] = mass;
             if L::ACTS {
                 let area = self.load.area(&x, &seeds.half_size);
@@ -423,6 +434,7 @@ where
             spacing: T::of(self.lattice.spacing()),
             origin: T::of(self.lattice.origin()[0]),
             domains: Domains { column: self.columns.domain(), half: self.half },
+            splitter: self.splitter,
         }
     }
 
@@ -466,6 +478,10 @@ where
         }
         let mut rate = T::default();
         for slot in &self.slots {
+            if K::DOES.splits {
+                self.splits.cuts += u64::from(slot.report.splits);
+                self.splits.kinetic += slot.report.revealed.to_double();
+            }
             rate = rate.max(slot.report.rate);
             if let Some(trouble) = slot.report.trouble {
                 return Err(self.describe(slot, &trouble));
@@ -800,6 +816,9 @@ where
     }
     fn columns(&self) -> usize {
         self.columns.count()
+    }
+    fn splits(&self) -> SplitBook {
+        self.splits
     }
 }
 

@@ -1,7 +1,8 @@
-//! Loads of a body: tractions on surface particles, and forces on all particles.
+//! What a body's passes do beside its law's work: tractions on surface particles, forces on all particles, splitting.
 
 use std::sync::Arc;
 
+use super::splitting::Splitting;
 use crate::geometry::Shape;
 use crate::scheme::{Driven, Loaded, PassKind};
 
@@ -11,6 +12,8 @@ pub trait Load<const D: usize>: Send + Sync + 'static {
     const ACTS: bool;
     /// Is there one on all particles?
     const FIELD: bool = false;
+    /// Are particles split?
+    const SPLITS: bool = false;
     /// The pass `K` of a body with this load.
     type Pass<K: PassKind>: PassKind;
     /// Traction at a time (s), Pa.
@@ -20,6 +23,10 @@ pub trait Load<const D: usize>: Send + Sync + 'static {
     /// Acceleration, m/s^2, at a time (s) of the particle that started at `start`, m.
     fn acceleration(&self, _start: &[f64; D], _time: f64) -> [f64; D] {
         [0.0; D]
+    }
+    /// When particles are split, if they are.
+    fn splitting(&self) -> Option<Splitting> {
+        None
     }
 }
 

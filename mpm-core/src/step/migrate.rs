@@ -6,6 +6,7 @@ use std::marker::PhantomData;
 use mpm_materials::Lane;
 
 use super::scatter::{AFFINE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
+use super::splitting::Splitter;
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
 use super::tile::{tile_corner, tile_nodes};
 use crate::dim::{BLOCK, neighbours};
@@ -15,70 +16,125 @@ use crate::particles::{Block, Columns, Outbox, Place};
 use crate::scheme::PassKind;
 use crate::shape::{ShapeFunction, Weights};
 
-/// Take the particles in the lanes `gone` (bits) of a group out of their bin and put them into the outbox with
-/// their records, of which zeros are left.
+/// Who leaves a group of a bin, by bits of lanes.
+pub(super) struct Leaving<'a, T: Float> {
+    pub(super) bin: usize,
+    pub(super) group: u32,
+    /// Particles that left the bin.
+    pub(super) gone: u32,
+    pub(super) cut: Cut<'a, T>,
+}
+
+/// Which particles are cut in two, wherever they are.
+pub(super) struct Cut<'a, T: Float> {
+    pub(super) long: u32,
+    pub(super) splitter: &'a Splitter<T>,
+    /// The velocity gradient in units of 1/s, D x D rows.
+    pub(super) gradient: &'a [T::Row],
+}
+
+/// Take the particles that leave a group out of their bin and put them into the outbox with their records, of which
+/// zeros are left; what is cut in two goes there as two.
 #[cold]
 pub(super) fn send_away<T: Float, const D: usize>(
     block: &mut Block<T, D>,
     outbox: &mut Outbox<T>,
     report: &mut Report<T>,
-    (bin, group, mut gone): (usize, u32, u32),
+    leaving: Leaving<'_, T>,
     records: &mut Records<T>,
     maps: Maps,
 ) {
-    let columns = block.dummy().len();
-    let half = T::of(0.5);
+    let Leaving { bin, group, gone, cut: Cut { long, splitter, gradient } } = leaving;
+    let mut leave = gone | long;
     // The last lane first: the particle that takes the place of one removed has been at work already.
-    while gone != 0 {
-        let lane = gone.ilog2();
-        gone &= !(1 << lane);
-        let numbers = outbox.numbers.len();
+    while leave != 0 {
+        let lane = leave.ilog2();
+        leave &= !(1 << lane);
+        let first = outbox.numbers.len();
         block.read(Place { group, lane }, &mut outbox.numbers);
-        let numbers = &mut outbox.numbers[numbers..numbers + columns];
-        let (mut to, mut to_bin, mut weight, mut bin_weight, mut rest) = (0, 0, 1, 1, bin);
-        for d in 0..D {
-            let xi = numbers[Columns::position() + d];
-            let shift = (xi + half).floor();
-            let one_cell = shift.abs() <= T::of(1.0); // false for a value that is not a number
-            if !one_cell {
-                let particle = numbers[columns - 1].to_double() as usize;
-                let trouble = Trouble { bin, particle, cause: Cause::TooFast };
-                report.trouble = report.trouble.or(Some(trouble));
-            }
-            // Rounding may leave xi - shift at 1/2 where xi was just below -1/2: that is the bin's far edge.
-            numbers[Columns::position() + d] = xi - shift;
-            if maps.has_affine() {
-                // R = [m, m v] - sum A xi refers to the bin's centre.
-                for c in 0..4 {
-                    let a = records[AFFINE + d][lane as usize][c];
-                    records[MOMENTUM][lane as usize][c] += a * shift;
-                }
-            }
-            let at = (rest % BLOCK) as i32
-                + if shift > half {
-                    1
-                } else if shift < -half {
-                    -1
-                } else {
-                    0
-                };
-            rest /= BLOCK;
-            let (block_shift, place) = crate::particles::split(at);
-            to += (block_shift + 1) as usize * weight;
-            to_bin += place * bin_weight;
-            weight *= 3;
-            bin_weight *= BLOCK;
-        }
+        block.remove(bin, Place { group, lane });
+        let mut own = [[T::default(); 4]; RECORDS];
         for kind in 0..RECORDS {
             if maps.uses::<D>(kind) {
-                outbox.records.push(std::mem::take(&mut records[kind][lane as usize]));
+                own[kind] = std::mem::take(&mut records[kind][lane as usize]);
             }
         }
-        outbox.to.push(to as u8);
-        outbox.bin.push(to_bin as u8);
-        outbox.directions |= 1 << to;
-        block.remove(bin, Place { group, lane });
+        let within = too_fast::<T, D>(&outbox.numbers[first..]);
+        if let Some(particle) = within {
+            let trouble = Trouble { bin, particle, cause: Cause::TooFast };
+            report.trouble = report.trouble.or(Some(trouble));
+        }
+        if long >> lane & 1 == 0 || within.is_some() {
+            post::<T, D>(outbox, bin, first, own, maps);
+            continue;
+        }
+        // A child takes half of everything its parent maps, from its own place.
+        for record in &mut own {
+            for x in record {
+                *x *= T::of(0.5);
+            }
+        }
+        report.revealed += splitter.cut::<D>(&mut outbox.numbers, first, gradient, lane as usize);
+        let columns = block.dummy().len();
+        for child in [first, first + columns] {
+            post::<T, D>(outbox, bin, child, own, maps);
+        }
+        report.splits += 1;
     }
+}
+
+/// The number of a particle that moved by more than a cell, or nobody knows where.
+fn too_fast<T: Float, const D: usize>(numbers: &[T]) -> Option<usize> {
+    for d in 0..D {
+        let shift = (numbers[Columns::position() + d] + T::of(0.5)).floor();
+        let one_cell = shift.abs() <= T::of(1.0); // false for a value that is not a number
+        if !one_cell {
+            return Some(numbers[numbers.len() - 1].to_double() as usize);
+        }
+    }
+    None
+}
+
+/// Address a particle whose numbers begin at `first` in the outbox, and that came out of `bin`.
+fn post<T: Float, const D: usize>(
+    outbox: &mut Outbox<T>,
+    bin: usize,
+    first: usize,
+    mut records: [[T; 4]; RECORDS],
+    maps: Maps,
+) {
+    let half = T::of(0.5);
+    let numbers = &mut outbox.numbers[first..];
+    let (mut to, mut to_bin, mut weight, mut bin_weight, mut rest) = (0, 0, 1, 1, bin);
+    for d in 0..D {
+        let xi = numbers[Columns::position() + d];
+        let shift = (xi + half).floor();
+        // Rounding may leave xi - shift at 1/2 where xi was just below -1/2: that is the bin's far edge.
+        numbers[Columns::position() + d] = xi - shift;
+        if maps.has_affine() {
+            // R = [m, m v] - sum A xi refers to the bin's centre.
+            for c in 0..4 {
+                records[MOMENTUM][c] += records[AFFINE + d][c] * shift;
+            }
+        }
+        // Two cells are the most: one moved, less than one from the parent.
+        let cells = (shift.to_double() as i32).clamp(-2, 2);
+        let at = (rest % BLOCK) as i32 + cells;
+        rest /= BLOCK;
+        let (block_shift, place) = crate::particles::split(at);
+        to += (block_shift + 1) as usize * weight;
+        to_bin += place * bin_weight;
+        weight *= 3;
+        bin_weight *= BLOCK;
+    }
+    for (kind, record) in records.into_iter().enumerate() {
+        if maps.uses::<D>(kind) {
+            outbox.records.push(record);
+        }
+    }
+    outbox.to.push(to as u8);
+    outbox.bin.push(to_bin as u8);
+    outbox.directions |= 1 << to;
 }
 
 /// Where taken-in particles' domain half sizes come from: their column, or one size for all.

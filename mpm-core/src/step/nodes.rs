@@ -32,6 +32,9 @@ pub struct NodeLedger {
     /// become one at once. Light nodes, whose velocities forces tear apart in every step, are counted in every
     /// step, so that this is more than what the particles lose.
     pub contact: f64,
+    /// Kinetic energy of the motion within particles that came to light when they were split
+    /// ([`Splitting`](super::Splitting)), J.
+    pub split: f64,
 }
 
 impl NodeLedger {
@@ -45,6 +48,7 @@ impl NodeLedger {
         self.work += o.work;
         self.friction += o.friction;
         self.contact += o.contact;
+        self.split += o.split;
     }
 
     /// Add a part of what became of a node.

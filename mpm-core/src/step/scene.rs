@@ -36,6 +36,21 @@ pub enum SceneError {
         /// Half size in units of h.
         half: f64,
     },
+    /// Particles that are to be split are not as long as they are wide.
+    #[error(
+        "body `{body}`: particle half size {half} h along axis {axis} is not allowed with splitting; it must be the \
+         same along every axis ({first} h along the first)"
+    )]
+    Oblong {
+        /// The body.
+        body: String,
+        /// The axis.
+        axis: usize,
+        /// Half size in units of h.
+        half: f64,
+        /// Half size along the first axis.
+        first: f64,
+    },
     /// A body reaches outside the grid.
     #[error("body `{0}`: {1}")]
     Outside(String, OutsideGrid),

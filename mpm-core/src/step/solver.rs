@@ -82,8 +82,8 @@ pub enum Stopped {
 /// `M` names the ingredients ([`crate::Method`]), `G` the grid, `K` how bodies meet. Bodies may have different
 /// laws; with [`OneField`] they move in one velocity field, that is, they stick where they meet.
 pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
-    method: M,
-    grid: G,
+    pub(super) method: M,
+    pub(super) grid: G,
     contact: K,
     /// Where on the grid each body's nodes are.
     fields: Fields<D>,
@@ -260,7 +260,7 @@ where
         Ok(())
     }
 
-    fn check_states<C: Constitutive<T>>(
+    pub(super) fn check_states<C: Constitutive<T>>(
         &self,
         name: &str,
         law: &C,
@@ -304,7 +304,7 @@ where
         self.enter(name, Box::new(body))
     }
 
-    fn enter(&mut self, name: &str, body: Box<dyn Body<T, D>>) -> Result<(), SceneError> {
+    pub(super) fn enter(&mut self, name: &str, body: Box<dyn Body<T, D>>) -> Result<(), SceneError> {
         self.bodies.push(body);
         self.mapped = false;
         self.arrange().map_err(|outside| {
@@ -313,7 +313,7 @@ where
         })
     }
 
-    fn check_seeds(&self, name: &str, seeds: &Seeds<D>) -> Result<(), SceneError> {
+    pub(super) fn check_seeds(&self, name: &str, seeds: &Seeds<D>) -> Result<(), SceneError> {
         let body = name.to_string();
         let count = seeds.positions.len();
         let most = if size_of::<T>() == 4 { 1 << 24 } else { 1 << 53 };
@@ -337,7 +337,7 @@ where
         Ok(())
     }
 
-    fn check_numbers(
+    pub(super) fn check_numbers(
         &self,
         name: &str,
         seeds: &Seeds<D>,
@@ -496,6 +496,7 @@ where
         }
         self.ledger.work += self.acting.power * dt.to_double();
         self.acting = self.loading();
+        self.ledger.split = self.bodies.iter().map(|b| b.splits().kinetic).sum();
         let last = if M::Update::BEFORE_FORCES || M::Update::REMAP { Which::Second } else { Which::First };
         let prune = self.steps % PRUNE_EVERY == PRUNE_EVERY - 1;
         let mut changed = false;

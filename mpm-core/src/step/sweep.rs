@@ -12,8 +12,9 @@ use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Sou
 use super::gather::{Wanted, gather};
 use super::layout::Nodes;
 use super::mean::{Strained, with_trace};
-use super::migrate::{Domains, send_away, take_in};
+use super::migrate::{Cut, Domains, Leaving, send_away, take_in};
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
+use super::splitting::Splitter;
 use super::tile::{Reads, Stencilled, TileIn, clear_tile, tile_corner, tile_nodes};
 use super::total;
 use crate::dilatation::Dilatation;
@@ -55,6 +56,10 @@ pub struct Report<T> {
     pub flux: [T; 3],
     /// Power of a force field, W.
     pub power: T,
+    /// Particles that were split.
+    pub splits: u32,
+    /// Kinetic energy of the motion within them, J.
+    pub revealed: T,
     /// The first particle that cannot go on.
     pub trouble: Option<Trouble>,
 }
@@ -112,6 +117,8 @@ pub struct Common<T> {
     pub speeds: bool,
     /// Domain half sizes of the particles, in units of h.
     pub domains: Domains<T>,
+    /// When particles are split.
+    pub splitter: Splitter<T>,
 }
 
 /// The pass `K` over one block.
@@ -189,7 +196,8 @@ where
         let strain_first = matches!(does.strain, Some(Nodal::First));
         let total = M::Frame::TOTAL;
         let stretches = ShapeOf::<M, T, D>::CARRIES_DOMAIN && does.moves;
-        let slopes_first = strain_first || (stretches && does.strain.is_none());
+        let splits = does.splits && !total;
+        let slopes_first = strain_first || ((stretches || splits) && does.strain.is_none());
         let strain_second = matches!(does.strain, Some(Nodal::Second));
         let reads = Reads {
             first: does.velocity || does.moves || strain_first,
@@ -436,6 +444,22 @@ where
                     }
                 }
 
+                // Particles stretched so far that they are cut in two.
+                let mut long = 0;
+                if splits {
+                    let (splitter, first) = (&common.splitter, common.splitter.place);
+                    let mut trace = A::Pack::load(&state[first]);
+                    for d in 1..D {
+                        trace = trace + A::Pack::load(&state[first + d]);
+                    }
+                    // The largest principal value is at most the sum of all.
+                    let may = A::Pack::bits(alive & A::Pack::splat(splitter.square).le(trace));
+                    if may != 0 {
+                        let axis = M::Embedding::HOOP.then(|| (bin_x.lane(0) / common.spacing, &motion[0]));
+                        long = splitter.long::<D>(state, may, axis);
+                    }
+                }
+
                 // Particles to grid, at the new position.
                 let momentum = if does.smooth { increment } else { v };
                 let mut force_scale = volume * per_spacing;
@@ -499,8 +523,16 @@ where
                 spread.fill(&at, maps.slopes());
                 if does.moves && !total {
                     let gone = !stays & ((1 << here) - 1);
-                    if gone != 0 {
-                        send_away::<T, D>(block, outbox, report, (bin, group, gone), &mut records, maps);
+                    if gone | long != 0 {
+                        let mut spread = [T::Row::default(); 9];
+                        if splits {
+                            for i in 0..D * D {
+                                (gradient.0[i / D][i % D] * per_spacing).store(&mut spread[i]);
+                            }
+                        }
+                        let cut = Cut { long, splitter: &common.splitter, gradient: &spread };
+                        let leaving = Leaving { bin, group, gone, cut };
+                        send_away::<T, D>(block, outbox, report, leaving, &mut records, maps);
                     }
                 }
                 for lane in here..T::GROUP {

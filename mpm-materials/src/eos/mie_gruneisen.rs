@@ -107,6 +107,11 @@ impl<T: Real> MieGruneisen<T> {
         }
     }
 
+    /// Grueneisen gamma0 at rest.
+    pub fn gruneisen(&self) -> T {
+        self.gruneisen
+    }
+
     /// Bulk modulus at rest, K = rho0 c0^2, Pa.
     pub fn bulk_modulus(&self) -> T {
         self.density * self.sound_speed * self.sound_speed

@@ -1,0 +1,119 @@
+//! Sphere, plate and the run.
+//!
+//! The sphere flies along x into the plate, 0 < x < thickness, and touches it at t = 0. A quarter is computed: y = 0 and
+//! z = 0 are planes of symmetry. As in the deck, both move in one velocity field: lead on lead is glued where it meets.
+
+use std::path::Path;
+
+use examples::{CaseError, Totals};
+use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, Shape, fill};
+use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{BlockGrid, Boundary, FullSpace, Mpm, Side, SplitBook, Splitting, Team, TimeControl};
+use mpm_materials::Stretching;
+
+use crate::parts::{Parts, parts};
+use crate::setup::{END, HALF_WIDTH, RADIUS, SHOCK, SPEED, Setup, THICKNESS, lead};
+use crate::track::{Row, Track};
+
+/// When pictures are taken, s.
+pub const LOOKS: [f64; 4] = [2.0e-6, 10.0e-6, 20.0e-6, END];
+/// Between two rows of a history, s, while the shock is in the plate and later.
+const EARLY: f64 = 0.02e-6;
+const HISTORY: f64 = 0.5e-6;
+
+/// What came of a run.
+pub struct Outcome {
+    pub setup: Setup,
+    pub rows: Vec<Row>,
+    pub snapshots: Vec<Snapshot>,
+    /// Seeds of both bodies.
+    pub seeds: usize,
+    pub cuts: SplitBook,
+    /// Mass at the end over that at the start, and over that of the shapes.
+    pub mass: [f64; 2],
+    /// What is behind the plate at the end, in pieces.
+    pub parts: Parts,
+    pub totals: Totals,
+    /// Energy at the start, J.
+    pub energy: f64,
+}
+
+impl Outcome {
+    /// The last row.
+    pub fn last(&self) -> Row {
+        self.rows.last().copied().unwrap_or_default()
+    }
+}
+
+/// Shoot, with ParaView frames at the looks in a folder.
+pub fn shoot(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> {
+    let lattice = Lattice::new([0.0; 3], setup.spacing())?;
+    let mut mpm = Mpm::<f64, 3, _, _>::new(setup.method(FullSpace)?, BlockGrid::new(lattice));
+    let quarter = Cuboid::new([-2.0 * RADIUS, 0.0, 0.0], [0.0, HALF_WIDTH, HALF_WIDTH])?;
+    let ball = Ball::new([-RADIUS, 0.0, 0.0], RADIUS)?.and(quarter);
+    let plate = Cuboid::new([0.0; 3], [THICKNESS, setup.half_width, setup.half_width])?;
+    let ball = fill(&ball, &lattice, 2, &Filling::new())?;
+    let plate = fill(&plate, &lattice, 2, &Filling::new())?;
+    let seeds = ball.len() + plate.len();
+    let mut add = |name, seeds: &Seeds<3>, speed: f64| -> Result<(), CaseError> {
+        let velocity = |_| [speed, 0.0, 0.0];
+        match setup.cutting {
+            Some(cutting) => {
+                let splitting = Splitting::at(cutting.stretch)?.at_most(cutting.generations)?;
+                mpm.add_splitting(name, Stretching::new(lead(setup.viscosity)?), seeds, velocity, splitting)?;
+            }
+            None => mpm.add(name, lead(setup.viscosity)?, seeds, velocity)?,
+        }
+        Ok(())
+    };
+    add("sphere", &ball, SPEED)?;
+    add("plate", &plate, 0.0)?;
+    for axis in [1, 2] {
+        mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;
+    }
+    mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
+    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+
+    let start = mpm.totals();
+    let mut track = Track::new(Pace::interval(EARLY)?, setup, &plate.positions);
+    let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    let mut frames = None;
+    if let Some(folder) = files {
+        ledger = ledger.with_csv(folder.join(format!("ledger_{}.csv", setup.name())))?;
+        let pace = Pace::interval(END / 6.0)?;
+        frames = Some(VtkSeries::create(folder.join("paraview"), setup.name(), pace)?);
+    }
+    let mut bar = Progress::new(setup.name());
+    let mut summary = RunSummary::default();
+    let mut snapshots = Vec::new();
+    for end in LOOKS {
+        let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
+        let run = mpm.run_observed(end, &mut observers)?;
+        summary.steps += run.steps;
+        summary.wall_seconds += run.wall_seconds;
+        summary.updates += run.updates;
+        snapshots.push(mpm.snapshot()?);
+        track.pace = Pace::interval(HISTORY)?;
+    }
+    let mut cuts = SplitBook::default();
+    for body in mpm.bodies() {
+        cuts.cuts += body.splits().cuts;
+        cuts.kinetic += body.splits().kinetic;
+    }
+    let quarter_ball = std::f64::consts::PI / 3.0 * RADIUS.powi(3);
+    let shapes = SHOCK[0] * (quarter_ball + THICKNESS * setup.half_width.powi(2));
+    let end = mpm.totals().mass;
+    Ok(Outcome {
+        setup: *setup,
+        rows: track.rows,
+        parts: snapshots.last().map_or(Parts::default(), |s| parts(s, setup.spacing())),
+        snapshots,
+        seeds,
+        cuts,
+        mass: [end / start.mass, end / shapes],
+        totals: Totals::of(&mpm, &summary, &ledger),
+        energy: start.kinetic,
+    })
+}

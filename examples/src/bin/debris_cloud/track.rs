@@ -1,0 +1,94 @@
+//! What is followed in time.
+
+use mpm_core::Float;
+use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+
+use crate::setup::{RADIUS, Setup, THICKNESS};
+
+/// Rings in which the plate's hole is looked for, an edge of a seed wide.
+const RINGS: usize = 80;
+
+/// The cloud at a moment. Lengths are from the front face of the plate; a quarter of masses and momenta.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Row {
+    /// Time, s.
+    pub time: f64,
+    /// Largest x of a particle, m.
+    pub front: f64,
+    /// Largest distance from the axis of a particle more than a thickness behind the plate, m.
+    pub radius: f64,
+    /// Smallest x of a particle, m.
+    pub back: f64,
+    /// Mass more than a cell behind the plate, kg, and its momentum along x, kg m/s.
+    pub mass: f64,
+    pub momentum: f64,
+    /// Radius within which less than half of the plate's mass is left in its place, m.
+    pub hole: f64,
+    /// Mean pressure of the seeds near the axis in the middle of the plate, Pa.
+    pub pressure: f64,
+    /// Particles.
+    pub particles: usize,
+}
+
+/// Follows the cloud.
+pub struct Track {
+    pub pace: Pace,
+    edge: f64,
+    /// Which seeds of the plate are those whose pressure is followed.
+    gauge: Vec<bool>,
+    pub rows: Vec<Row>,
+}
+
+impl Track {
+    pub fn new(pace: Pace, setup: &Setup, plate: &[[f64; 3]]) -> Self {
+        let edge = setup.edge();
+        let followed =
+            |[x, y, z]: &[f64; 3]| (x - 0.5 * THICKNESS).abs() < edge && y.hypot(*z) < 0.2 * RADIUS;
+        Track { pace, edge, gauge: plate.iter().map(followed).collect(), rows: Vec::new() }
+    }
+}
+
+impl<T: Float> Observer<T, 3> for Track {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &Moment<'_, T, 3>) -> Result<(), ObserveError> {
+        let mut row = Row { time: now.time(), ..Row::default() };
+        let mut at_gauge = 0.0;
+        let mut rings = [0.0; RINGS];
+        for (index, body) in now.bodies().iter().enumerate() {
+            row.particles += body.len();
+            body.for_each(&mut |p| {
+                let [x, y, z] = p.position;
+                let r = y.hypot(z);
+                row.front = row.front.max(x);
+                row.back = row.back.min(x);
+                if x > 2.0 * THICKNESS {
+                    row.radius = row.radius.max(r);
+                }
+                if x > THICKNESS + 2.0 * self.edge {
+                    row.mass += p.mass;
+                    row.momentum += p.mass * p.velocity[0];
+                }
+                if (0.0..THICKNESS).contains(&x)
+                    && let Some(ring) = rings.get_mut((r / self.edge) as usize)
+                {
+                    *ring += p.mass;
+                }
+                if index == 1 && self.gauge[p.number % self.gauge.len()] {
+                    row.pressure -= p.mass * (p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
+                    at_gauge += p.mass;
+                }
+            });
+        }
+        let full = |n: usize| {
+            let area = std::f64::consts::FRAC_PI_4 * (2 * n + 1) as f64 * self.edge * self.edge;
+            crate::setup::SHOCK[0] * area * THICKNESS
+        };
+        let inner = (0..RINGS).take_while(|&n| rings[n] < 0.5 * full(n)).count();
+        row.pressure /= at_gauge;
+        row.hole = inner as f64 * self.edge;
+        self.rows.push(row);
+        Ok(())
+    }
+}

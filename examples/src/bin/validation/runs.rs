@@ -1,0 +1,214 @@
+//! Cases as child processes, and their results as files.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use examples::{CaseError, Resolution};
+use serde_json::{Value, json};
+
+use crate::machine;
+
+/// All cases. (`throughput` measures speed alone.)
+pub const CASES: [&str; 19] = [
+    "taylor_bar",
+    "taylor_copper",
+    "elastic_bar",
+    "plate_impact",
+    "tnt_slab",
+    "tnt_cased",
+    "debris_cloud",
+    "debris_cloud_2d",
+    "oblique_penetration",
+    "concrete_perforation",
+    "tungsten_bullet",
+    "granular_column",
+    "slope_failure",
+    "ring_collision",
+    "bouncing_blocks",
+    "rolling_cylinder",
+    "pressed_balls",
+    "shaken_discs",
+    "pcmm_distortion",
+];
+
+const RESOLUTIONS: [(Resolution, &str); 3] =
+    [(Resolution::Smoke, "smoke"), (Resolution::Standard, "standard"), (Resolution::Paper, "paper")];
+
+/// What came of a case.
+#[derive(Clone, Debug)]
+pub struct Run {
+    pub case: String,
+    pub resolution: String,
+    /// Its JSON object, if it ended.
+    pub result: Value,
+    /// Why there is none.
+    pub broken: Option<String>,
+    /// Processor time, s; of start, pictures and files, too.
+    pub core_seconds: f64,
+    pub commit: String,
+    pub machine: String,
+}
+
+fn name_of(resolution: Resolution) -> &'static str {
+    RESOLUTIONS.iter().find(|(r, _)| *r == resolution).map_or("smoke", |(_, name)| name)
+}
+
+impl Run {
+    /// Run the case `name`; its files go to a folder in `out`.
+    ///
+    /// # Errors
+    /// A program that is not there, or files that cannot be written.
+    pub fn make(
+        name: &str,
+        resolution: Resolution,
+        threads: Option<u16>,
+        limit: Duration,
+        out: &Path,
+    ) -> Result<Run, CaseError> {
+        let program = program(name)?;
+        let folder = out.join(name_of(resolution)).join(name);
+        let failed = |path: &Path| {
+            let path = path.to_path_buf();
+            move |source| CaseError::File { path, source }
+        };
+        std::fs::create_dir_all(&folder).map_err(failed(&folder))?;
+        // To files, so that no full pipe stops it.
+        let [text, errors] = ["output.txt", "errors.txt"].map(|f| folder.join(f));
+        let mut command = Command::new(&program);
+        command.args(["--resolution", name_of(resolution), "--json", "--out"]).arg(&folder);
+        if let Some(threads) = threads {
+            command.args(["--threads", &threads.to_string()]);
+        }
+        command.stdin(Stdio::null());
+        command.stdout(File::create(&text).map_err(failed(&text))?);
+        command.stderr(File::create(&errors).map_err(failed(&errors))?);
+        let before = machine::children_seconds();
+        let start = Instant::now();
+        let mut child = command.spawn().map_err(failed(&program))?;
+        let mut broken = None;
+        loop {
+            if child.try_wait().map_err(failed(&program))?.is_some() {
+                break;
+            }
+            if start.elapsed() > limit {
+                child.kill().map_err(failed(&program))?;
+                child.wait().map_err(failed(&program))?;
+                broken = Some(format!("not finished after {:.0} s", limit.as_secs_f64()));
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        let wall = start.elapsed().as_secs_f64();
+        let used = machine::children_seconds().zip(before).map(|(now, before)| now - before);
+        let output = std::fs::read_to_string(&text).map_err(failed(&text))?;
+        let result = output.lines().next_back().and_then(|line| serde_json::from_str::<Value>(line).ok());
+        let result = result.filter(|r| r["case"] == name);
+        if result.is_none() && broken.is_none() {
+            let said = std::fs::read_to_string(&errors).map_err(failed(&errors))?;
+            let error = said.lines().rev().find(|l| l.starts_with("error"));
+            broken = Some(error.unwrap_or("it ended without a result").to_string());
+        }
+        Ok(Run {
+            case: name.into(),
+            resolution: name_of(resolution).into(),
+            result: if broken.is_some() { Value::Null } else { result.unwrap_or(Value::Null) },
+            broken,
+            core_seconds: used.unwrap_or(wall),
+            commit: machine::commit(),
+            machine: machine::class(),
+        })
+    }
+
+    /// A line for the terminal.
+    pub fn summary(&self) -> String {
+        match &self.broken {
+            Some(why) => format!("BROKE OFF: {why}"),
+            None => {
+                let [met, decide, noted] = self.counts();
+                format!(
+                    "{met} of {decide} checks met, {noted} noted as not met, {:.1} core-seconds",
+                    self.core_seconds
+                )
+            }
+        }
+    }
+
+    /// The checks.
+    pub fn checks(&self) -> &[Value] {
+        self.result["checks"].as_array().map_or(&[], Vec::as_slice)
+    }
+
+    /// Checks that are met, that decide, and that are noted as not met.
+    pub fn counts(&self) -> [usize; 3] {
+        let count = |of: &dyn Fn(&Value) -> bool| self.checks().iter().filter(|c| of(c)).count();
+        [
+            count(&|c| c["pass"] == true),
+            count(&|c| c["pass"].is_boolean()),
+            count(&|c| c["name"].as_str().is_some_and(|n| n.starts_with("NOT MET"))),
+        ]
+    }
+
+    /// Keep the result in `out`. What broke off does not replace what did not.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn keep(&self, out: &Path) -> Result<(), CaseError> {
+        let path = out.join(&self.resolution).join(&self.case).join("validation.json");
+        let kept = json!({
+            "case": self.case,
+            "resolution": self.resolution,
+            "result": self.result,
+            "broken": self.broken,
+            "core_seconds": self.core_seconds,
+            "commit": self.commit,
+            "machine": self.machine,
+        });
+        std::fs::write(&path, format!("{kept}\n")).map_err(|source| CaseError::File { path, source })
+    }
+
+    fn kept(path: &Path) -> Option<Run> {
+        let value: Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
+        let text = |key: &str| value[key].as_str().map(String::from);
+        Some(Run {
+            case: text("case")?,
+            resolution: text("resolution")?,
+            result: value["result"].clone(),
+            broken: text("broken"),
+            core_seconds: value["core_seconds"].as_f64()?,
+            commit: text("commit")?,
+            machine: text("machine")?,
+        })
+    }
+
+    /// Of every case the finest result that is kept in `out`; one that broke off only where there is no other.
+    ///
+    /// # Errors
+    /// None is kept.
+    pub fn finest(out: &Path) -> Result<Vec<Run>, CaseError> {
+        let mut runs = Vec::new();
+        for case in CASES {
+            let of = |(_, name): &(Resolution, &str)| {
+                Run::kept(&out.join(name).join(case).join("validation.json"))
+            };
+            let kept: Vec<Run> = RESOLUTIONS.iter().filter_map(of).collect();
+            let whole = kept.iter().rev().find(|r| r.broken.is_none());
+            runs.extend(whole.or(kept.last()).cloned());
+        }
+        if runs.is_empty() {
+            return Err(CaseError::Other(format!("there are no results in {}", out.display())));
+        }
+        Ok(runs)
+    }
+}
+
+/// The program of a case, beside this one.
+fn program(name: &str) -> Result<PathBuf, CaseError> {
+    let here = std::env::current_exe().map_err(|e| CaseError::Other(e.to_string()))?;
+    let path = here.with_file_name(format!("{name}{}", std::env::consts::EXE_SUFFIX));
+    if path.is_file() {
+        return Ok(path);
+    }
+    Err(CaseError::Other(format!("{name} is not built: cargo build --release -p examples --bins")))
+}

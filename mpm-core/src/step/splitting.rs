@@ -1,0 +1,305 @@
+//! Splitting of particles: what is stretched too far is cut in two along its longest direction.
+//!
+//! A cell that no particle is in any more is empty: the material breaks there, though nothing in its law says so. In
+//! jets and debris clouds particles part until that happens. The remedy (Ma et al. 2009, in \[Zhang2017\]): when the
+//! accumulated stretch of a particle reaches a limit, two particles half as long take its place.
+
+use mpm_materials::{Check, ParameterError, Stretches};
+use nalgebra::{Matrix3, Vector3};
+
+use super::body::ParticleBody;
+use super::contact::Contact;
+use super::load::{Load, Unloaded};
+use super::scene::SceneError;
+use super::solver::Mpm;
+use crate::frame::Frame;
+use crate::geometry::Seeds;
+use crate::grid::GridStorage;
+use crate::method::Composition;
+use crate::parallel::Float;
+use crate::particles::Columns;
+use crate::scheme::{PassKind, Splits};
+
+/// When the particles of a body are split: [`Mpm::add_splitting`].
+///
+/// A particle whose largest stretch lambda has reached a limit is cut at the end of the stage that moves it. Its length
+/// along the stretched direction n is then L = 2 l lambda, l its half size at the start. Two children take its place,
+/// at x +- (L/4) n, with half of its mass each and its law's state; the stretch they remember along n is half of the
+/// parent's. They have its velocity +- (L/4) (n . grad v n) n: part at the rate of the stretch. So, to rounding,
+///
+/// - mass, momentum and internal energy stay what they were, and angular momentum, too: the velocities differ along
+///   the line that joins the children, which makes no moment;
+/// - kinetic energy grows by that of the motion within the parent, m/2 (L/4)^2 (n . grad v n)^2, which no sum over
+///   particles held before. It is booked ([`SplitBook`]). Children that kept the parent's velocity would leave it as it
+///   is, and FLIP would carry their error for good: strips drawn out to ten times their length break then.
+/// - what the parent would have mapped to the grid, force and affine velocity (APIC) included, the children map, half
+///   each, from their places.
+///
+/// The first child keeps its parent's number, the second one gets the number plus the number of seeds times two to the
+/// power of the cuts before: so every number is unique, the same for any number of threads, and its remainder by the
+/// number of seeds is the seed that it comes from.
+///
+/// In two dimensions directions out of the plane are left alone. About an axis a particle is not cut across it. Children
+/// of a particle next to a plane of symmetry that is cut normal to it lie within half of the parent's domain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Splitting {
+    stretch: f64,
+    generations: u32,
+}
+
+impl Splitting {
+    /// Most generations: numbers stay exact.
+    const MOST: u32 = 16;
+
+    /// Split at this stretch, which is a length over that at the start or after the last cut.
+    ///
+    /// With two particles an axis and cell one is a cell long at a stretch of 2.
+    ///
+    /// # Errors
+    /// A stretch that is not above 1 or above 4.
+    pub fn at(stretch: f64) -> Result<Self, ParameterError> {
+        let holds = stretch > 1.0 && stretch <= 4.0;
+        Check("splitting").that(holds, "stretch", stretch, "above 1 and at most 4")?;
+        Ok(Splitting { stretch, generations: 6 })
+    }
+
+    /// Cut a seed and its descendants at most so many times, 6 unless told: the lightest particle has this many halves
+    /// of a seed's mass. What flies apart in all directions is stretched for ever.
+    ///
+    /// # Errors
+    /// Zero, or more than 16.
+    pub fn at_most(self, generations: u32) -> Result<Self, ParameterError> {
+        let holds = (1..=Self::MOST).contains(&generations);
+        Check("splitting").that(holds, "generations", f64::from(generations), "from 1 to 16")?;
+        Ok(Splitting { generations, ..self })
+    }
+
+    /// Mass of the lightest particle over that of its seed.
+    pub(super) fn lightest(self) -> f64 {
+        0.5f64.powi(self.generations as i32)
+    }
+}
+
+/// What splitting did to a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SplitBook {
+    /// Particles cut in two.
+    pub cuts: u64,
+    /// Kinetic energy of the motion within them that their children show, J.
+    pub kinetic: f64,
+}
+
+/// Where a body's load is told, since it is one more thing that its passes do.
+impl<const D: usize> Load<D> for Splitting {
+    const ACTS: bool = false;
+    const SPLITS: bool = true;
+    type Pass<K: PassKind> = Splits<K>;
+    fn traction(&self, time: f64) -> [f64; D] {
+        Load::<D>::traction(&Unloaded, time)
+    }
+    fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
+        Load::<D>::area(&Unloaded, x, half)
+    }
+    fn splitting(&self) -> Option<Splitting> {
+        Some(*self)
+    }
+}
+
+/// The numbers of a [`Splitting`] that a pass needs; all zero, and never read, without one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Splitter<T> {
+    /// Place of b = F F^T in the law's state.
+    pub place: usize,
+    /// The square of the stretch to split at.
+    pub square: T,
+    /// Most cuts.
+    generations: T,
+    /// Number of seeds.
+    seeds: T,
+    /// Half size of a seed, in units of h.
+    half: T,
+    /// Node spacing h, m.
+    spacing: T,
+    /// Rows of domain half sizes: where they begin, and how many they are.
+    domain: (usize, usize),
+}
+
+/// The largest principal value of b in the coordinates of the scene, and its direction.
+fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>) {
+    let [xx, yy, zz, yz, xz, xy] = b.map(|x| x.to_double());
+    let b = if D == 3 {
+        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+    } else {
+        Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0)
+    };
+    let principal = b.symmetric_eigen();
+    let (at, value) = principal.eigenvalues.argmax();
+    (value, principal.eigenvectors.column(at).into_owned())
+}
+
+impl<T: Float> Splitter<T> {
+    /// Offset of the children, L/4 n in units of h; half a cell at most.
+    fn offset(&self, square: f64, direction: &Vector3<f64>) -> Vector3<f64> {
+        let quarter = 0.5 * self.half.to_double() * square.sqrt();
+        direction * quarter.min(0.5)
+    }
+
+    /// The lanes, of those in `may`, that are to be cut. `axis` is the radius of the bin's centre in units of h, and
+    /// the particles' offsets from there, in a body of revolution.
+    #[cold]
+    pub(super) fn long<const D: usize>(
+        &self,
+        state: &[T::Row],
+        mut may: u32,
+        axis: Option<(T, &T::Row)>,
+    ) -> u32 {
+        let mut long = 0;
+        while may != 0 {
+            let lane = may.trailing_zeros() as usize;
+            may &= may - 1;
+            let number = |row: usize| state[self.place + row].as_ref()[lane];
+            if number(6) >= self.generations {
+                continue;
+            }
+            let (square, direction) = longest::<T, D>([0, 1, 2, 3, 4, 5].map(number));
+            let across = axis.is_some_and(|(centre, xi)| {
+                let radius = (centre + xi.as_ref()[lane]).to_double();
+                self.offset(square, &direction)[0].abs() >= radius
+            });
+            if square >= self.square.to_double() && !across {
+                long |= 1 << lane;
+            }
+        }
+        long
+    }
+
+    /// Make two of the particle whose numbers begin at `first` and end the list: the second one follows it. Lane
+    /// `lane` of `gradient` holds its velocity gradient, 1/s. Returns the kinetic energy gained, J.
+    pub(super) fn cut<const D: usize>(
+        &self,
+        list: &mut Vec<T>,
+        first: usize,
+        gradient: &[T::Row],
+        lane: usize,
+    ) -> T {
+        let parent = &mut list[first..];
+        let state = Columns::state(D) + self.place;
+        let b = [0, 1, 2, 3, 4, 5].map(|i| parent[state + i]);
+        let (square, direction) = longest::<T, D>(b);
+        let offset = self.offset(square, &direction);
+
+        parent[Columns::mass(D)] *= T::of(0.5);
+        // b loses three quarters of its largest principal value: half of the stretch is left.
+        let n = direction;
+        let outer = [n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]];
+        for i in 0..6 {
+            parent[state + i] = b[i] - T::of(0.75 * square * outer[i]);
+        }
+        for d in 0..self.domain.1 {
+            let left = (parent[state + d] / b[d]).max(T::default()).sqrt();
+            parent[self.domain.0 + d] *= left;
+        }
+        let cuts = parent[state + 6].to_double();
+        parent[state + 6] = T::of(cuts + 1.0);
+        let columns = parent.len();
+        list.extend_from_within(first..);
+        for d in 0..D {
+            list[first + Columns::position() + d] -= T::of(offset[d]);
+            list[first + columns + Columns::position() + d] += T::of(offset[d]);
+        }
+        let number = first + 2 * columns - 1;
+        list[number] += self.seeds * T::of(2.0f64.powf(cuts));
+        // Each half of the parent moves as its middle does.
+        let mut rate = 0.0;
+        for i in 0..D * D {
+            rate += direction[i / D] * gradient[i].as_ref()[lane].to_double() * direction[i % D];
+        }
+        let mut square = T::default();
+        for d in 0..D {
+            let w = T::of(rate * self.spacing.to_double() * offset[d]);
+            list[first + Columns::velocity(D) + d] -= w;
+            list[first + columns + Columns::velocity(D) + d] += w;
+            square += w * w;
+        }
+        list[first + Columns::mass(D)] * square
+    }
+}
+
+impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
+where
+    T: Float,
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+    K: Contact<T, D>,
+{
+    /// Add a body as [`Mpm::add`] does, whose particles are split where they are stretched too far. Its law must keep
+    /// the stretch: [`mpm_materials::Stretching`]. A body added otherwise pays nothing for this.
+    ///
+    /// ```
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
+    /// # use mpm_materials::{Stretching, library};
+    /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
+    /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
+    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    /// let lead = Stretching::new(library::lead::<f64>());
+    /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], Splitting::at(2.0).unwrap()).unwrap();
+    /// ```
+    /// ```compile_fail
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
+    /// # use mpm_materials::{Stretching, library};
+    /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
+    /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
+    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    /// let lead = library::lead::<f64>(); // remembers no stretch
+    /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], Splitting::at(2.0).unwrap()).unwrap();
+    /// ```
+    ///
+    /// # Errors
+    /// As [`Mpm::add`]; particles that are not as long as they are wide; more particles than can be numbered.
+    pub fn add_splitting<C: Stretches<T>>(
+        &mut self,
+        name: &str,
+        law: C,
+        seeds: &Seeds<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+        splitting: Splitting,
+    ) -> Result<(), SceneError> {
+        const {
+            assert!(
+                !<M::Frame as Frame>::TOTAL,
+                "particles mapped in the reference configuration never part: nothing to split"
+            );
+        }
+        self.check_seeds(name, seeds)?;
+        self.check_numbers(name, seeds, &velocity)?;
+        let body = || name.to_string();
+        let spacing = self.grid.lattice().spacing();
+        for (axis, &half) in seeds.half_size.iter().enumerate() {
+            if (half / seeds.half_size[0] - 1.0).abs() > 1e-9 {
+                let [half, first] = [half, seeds.half_size[0]].map(|x| x / spacing);
+                return Err(SceneError::Oblong { body: body(), axis, half, first });
+            }
+        }
+        let most = if size_of::<T>() == 4 { 1 << 24 } else { 1usize << 53 };
+        let count = seeds.positions.len() << splitting.generations;
+        if count > most {
+            return Err(SceneError::TooMany { body: body(), count, most });
+        }
+        let lattice = *self.grid.lattice();
+        let mut particles =
+            ParticleBody::<T, D, C, M, Splitting>::empty(name, law, self.method, lattice, seeds, splitting);
+        particles.splitter = Splitter {
+            place: C::PLACE,
+            square: T::of(splitting.stretch * splitting.stretch),
+            generations: T::of(f64::from(splitting.generations)),
+            seeds: T::of(seeds.positions.len() as f64),
+            half: particles.half[0],
+            spacing: T::of(spacing),
+            domain: particles.columns.domains(),
+        };
+        particles.seed(seeds, velocity, None);
+        self.enter(name, Box::new(particles))
+    }
+}

@@ -1,0 +1,120 @@
+//! A law whose points also remember how far they were stretched.
+
+use crate::capability::{Fails, Stretches, Yields};
+use crate::lane::{Lane, Real};
+use crate::point::{Breakdown, Constitutive, Kinematics, Update};
+use crate::state;
+use crate::tensor::{Mat3, Sym3};
+
+state! {
+    /// What a point of a [`Stretching`] law remembers: 7 numbers before those of the law itself.
+    pub struct StretchingState<L, S> {
+        /// Left Cauchy-Green tensor b = F F^T of the motion since the start, or of what is left of it after the
+        /// point was cut in two: its principal values are the squares of the stretches, its axes are where the
+        /// stretched directions point now.
+        pub cauchy_green: Sym3<L>,
+        /// How often the point was cut in two.
+        pub splits: L,
+        /// State of the law.
+        pub law: S,
+    }
+}
+
+/// The law `C`, whose points also keep their accumulated stretch, as splitting of particles asks for it
+/// ([`Stretches`]). Stress, energy and wave speed are those of `C`, bit for bit; a point takes 7 numbers more.
+///
+/// A step takes b to (I + dt grad v) b (I + dt grad v)^T, which is that of the motion exactly. b is that of the whole
+/// motion, plastic or elastic, and of volume, too.
+///
+/// ```
+/// use mpm_materials::{Constitutive, Stretching, library};
+/// let lead = Stretching::new(library::lead::<f64>());
+/// assert_eq!(lead.density(), 11350.0);
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretching<C> {
+    law: C,
+}
+
+impl<C> Stretching<C> {
+    /// The law, with a memory for stretch.
+    pub fn new(law: C) -> Self {
+        Stretching { law }
+    }
+    /// The law itself.
+    pub fn law(&self) -> &C {
+        &self.law
+    }
+}
+
+impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
+    type State<L: Lane<Real = T>> = StretchingState<L, C::State<L>>;
+
+    fn name(&self) -> &'static str {
+        self.law.name()
+    }
+    fn density(&self) -> T {
+        self.law.density()
+    }
+    fn virgin(&self) -> Self::State<T::Single> {
+        let (one, splits) = (T::Single::one(), T::Single::zero());
+        StretchingState { cauchy_green: Sym3::isotropic(one), splits, law: self.law.virgin() }
+    }
+    #[inline(always)]
+    fn update<L: Lane<Real = T>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Self::State<L>,
+    ) -> Update<L, Self::State<L>> {
+        let Update { state, stress, fault } = self.law.update(kinematics, &old.law);
+        let motion = kinematics.increment + Mat3::identity();
+        let cauchy_green = motion.congruence(&old.cauchy_green);
+        let b = &cauchy_green.0;
+        let sum = b[0] + b[1] + b[2] + b[3] + b[4] + b[5] + old.splits;
+        let fault = fault.require(sum.is_finite(), Breakdown::NotFinite);
+        Update { state: StretchingState { cauchy_green, splits: old.splits, law: state }, stress, fault }
+    }
+    #[inline(always)]
+    fn stress<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> Sym3<L> {
+        self.law.stress(&now.law)
+    }
+    #[inline(always)]
+    fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        self.law.volume_ratio(&now.law)
+    }
+    #[inline(always)]
+    fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        self.law.wave_speed(&now.law)
+    }
+    #[inline(always)]
+    fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        self.law.energy(&now.law)
+    }
+}
+
+impl<T: Real, C: Constitutive<T>> Stretches<T> for Stretching<C> {
+    const PLACE: usize = 0;
+}
+
+impl<T: Real, C: Yields<T>> Yields<T> for Stretching<C> {
+    #[inline(always)]
+    fn flow_stress<L: Lane<Real = T>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Self::State<L>,
+        new: &Self::State<L>,
+    ) -> L {
+        self.law.flow_stress(kinematics, &old.law, &new.law)
+    }
+    #[inline(always)]
+    fn plastic_strain<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        self.law.plastic_strain(&now.law)
+    }
+}
+
+impl<T: Real, C: Fails<T>> Fails<T> for Stretching<C> {
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.law.failed(&now.law)
+    }
+}

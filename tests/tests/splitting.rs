@@ -1,0 +1,253 @@
+//! Split particles keep the books, and what is stretched does not break for want of particles.
+
+use impactite_tests::scene::block;
+use mpm_core::geometry::{Lattice, Seeds};
+use mpm_core::step::SceneError;
+use mpm_core::{
+    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Mpm, Musl,
+    Particle, PlaneStrain, QuadraticBSpline, Side, Splitting, Team, TimeControl, Totals, Usf, Usl,
+};
+use mpm_materials::{Moduli, NeoHookean, Stretching};
+use proptest::prelude::*;
+
+const H: f64 = 0.1;
+
+fn particles<const D: usize, M: Composition<f64, D>>(
+    mpm: &Mpm<f64, D, M, BlockGrid<f64, D>>,
+) -> Vec<Particle> {
+    let mut all = Vec::new();
+    mpm.bodies()[0].for_each(&mut |p| all.push(p.clone()));
+    all
+}
+
+/// Neo-Hookean of 1000 kg/m^3 with this wave speed, m/s.
+fn soft(speed: f64) -> NeoHookean<f64> {
+    let young = 1000.0 * speed * speed;
+    NeoHookean::new(1000.0, Moduli::young_poisson(young, 0.0).expect("moduli")).expect("law")
+}
+
+/// One step of a block in the velocity field `mean + gradient x`; its particles are split if `splitting`.
+fn one_step<const D: usize, M: Composition<f64, D>>(
+    method: M,
+    (mean, gradient): ([f64; 3], [[f64; 3]; 3]),
+    splitting: Option<Splitting>,
+) -> Mpm<f64, D, M, BlockGrid<f64, D>> {
+    let lattice = Lattice::new([0.0; D], H).expect("lattice");
+    let seeds: Seeds<D> = block(&lattice, [2; D], [3; D], 2, 0.0);
+    let mut mpm = Mpm::<f64, D, M, _>::new(method, BlockGrid::new(lattice));
+    let velocity = |x: [f64; D]| {
+        let mut v = [0.0; D];
+        for d in 0..D {
+            v[d] = mean[d];
+            for e in 0..D {
+                v[d] += gradient[d][e] * (x[e] - 3.5 * H);
+            }
+        }
+        v
+    };
+    // Its waves go a fiftieth of a cell in the step of 1 s, which is as long as the gradients need.
+    let law = Stretching::new(soft(0.02 * H));
+    match splitting {
+        Some(splitting) => mpm.add_splitting("block", law, &seeds, velocity, splitting).expect("body"),
+        None => mpm.add("block", law, &seeds, velocity).expect("body"),
+    }
+    mpm.set_time_control(TimeControl::Fixed(1.0)).expect("time control");
+    mpm.step().expect("step");
+    mpm
+}
+
+/// The difference of two totals over the scale of each number, the largest.
+fn difference(a: &Totals, b: &Totals, reach: f64) -> f64 {
+    let mut worst = ((a.mass - b.mass) / b.mass).abs();
+    for d in 0..3 {
+        worst = worst.max((a.momentum[d] - b.momentum[d]).abs() / b.momentum_scale);
+        let moment = (a.angular_momentum[d] - b.angular_momentum[d]).abs();
+        worst = worst.max(moment / (b.momentum_scale * reach));
+    }
+    worst = worst.max((a.kinetic - b.kinetic).abs() / b.kinetic);
+    worst.max((a.internal - b.internal).abs() / b.internal.abs().max(1e-30))
+}
+
+fn keeps_the_books<const D: usize, M: Composition<f64, D>>(
+    method: M,
+    motion: ([f64; 3], [[f64; 3]; 3]),
+) -> Result<(), TestCaseError> {
+    let splitting = Splitting::at(1.05).expect("stretch");
+    let whole = one_step::<D, M>(method, motion, None);
+    let split = one_step::<D, M>(method, motion, Some(splitting));
+    let (cuts, seeds) = (split.bodies()[0].splits().cuts, whole.particles());
+    prop_assert_eq!(split.particles(), seeds + cuts as usize);
+    // Sums of a few hundred numbers, each rounded a few times.
+    let mut totals = split.totals();
+    let revealed = split.ledger().split;
+    prop_assert!(revealed >= 0.0 && revealed < totals.kinetic);
+    totals.kinetic -= revealed;
+    let error = difference(&totals, &whole.totals(), 10.0 * H);
+    prop_assert!(error < 2e-14, "{error:e}, {cuts} cuts");
+
+    // Every child has its parent's history, and its own number.
+    let parents = particles(&whole);
+    let children = particles(&split);
+    let mut numbers: Vec<usize> = children.iter().map(|p| p.number).collect();
+    numbers.sort_unstable();
+    numbers.dedup();
+    prop_assert_eq!(numbers.len(), children.len());
+    for p in &parents {
+        let own: Vec<&Particle> = children.iter().filter(|c| c.number % seeds == p.number).collect();
+        prop_assert_eq!(own.iter().map(|c| c.mass).sum::<f64>(), p.mass);
+        for c in &own {
+            prop_assert_eq!(&c.state[7..], &p.state[7..]);
+            prop_assert_eq!(c.stress, p.stress);
+            prop_assert_eq!(c.mass * f64::from(own.len() as u32), p.mass);
+        }
+        if let [a, b] = own[..] {
+            for d in 0..D {
+                let middle = 0.5 * (a.position[d] + b.position[d]);
+                prop_assert!((middle - p.position[d]).abs() < 1e-15, "{middle}");
+                let mean = 0.5 * (a.velocity[d] + b.velocity[d]);
+                prop_assert!((mean - p.velocity[d]).abs() < 1e-16, "{mean}");
+            }
+            // Half of the largest stretch is left: its square is a quarter.
+            let trace = |s: &[f64]| (0..D).map(|d| s[d]).sum::<f64>();
+            let lost = trace(&p.state) - trace(&a.state);
+            let apart: f64 = (0..D).map(|d| (a.position[d] - b.position[d]).powi(2)).sum();
+            // L/2 = l lambda, and three quarters of lambda squared are gone; l is a quarter of a cell.
+            prop_assert!((apart - (0.25 * H).powi(2) * lost / 0.75).abs() < 1e-12 * H * H, "{apart}");
+        }
+    }
+    Ok(())
+}
+
+/// Velocities of some tenths of a cell in a step of 1 s, gradients that stretch by up to a half.
+fn motion() -> impl Strategy<Value = ([f64; 3], [[f64; 3]; 3])> {
+    let gradient = prop::array::uniform3(prop::array::uniform3(-0.2f64..0.2));
+    (prop::array::uniform3(-0.03f64..0.03), gradient).prop_map(|(v, mut g)| {
+        g[1][1] += 0.15;
+        (v, g)
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #[test]
+    fn books_solid_affine(motion in motion()) {
+        keeps_the_books::<3, _>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace), motion)?;
+    }
+    #[test]
+    fn books_plane_domains(motion in motion()) {
+        keeps_the_books::<2, _>(Method::new(CpGimp, Flip, Musl, PlaneStrain), motion)?;
+    }
+    #[test]
+    fn books_revolution(motion in motion()) {
+        keeps_the_books::<2, _>(Method::new(Linear, Flip, Usf, Axisymmetric), motion)?;
+    }
+}
+
+const CELLS: usize = 6;
+const LENGTH: f64 = CELLS as f64 * H;
+/// Rate of the stretch at the start, 1/s.
+const RATE: f64 = 1.0;
+
+/// A strip between planes of symmetry that flies apart, v = rate x: in free flight its stretch is 1 + rate t. The law is
+/// soft enough (waves take 100/rate along it) not to matter for the motion, so that stress is a record of the strain.
+fn stretched<M: Composition<f64, 2>>(
+    method: M,
+    splitting: Option<Splitting>,
+    threads: usize,
+    stretch: f64,
+) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let seeds: Seeds<2> = block(&lattice, [0, 0], [CELLS, 2], 2, 0.0);
+    let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice));
+    let law = soft(0.01 * RATE * LENGTH);
+    let velocity = |x: [f64; 2]| [RATE * x[0], 0.0];
+    match splitting {
+        Some(splitting) => {
+            mpm.add_splitting("strip", Stretching::new(law), &seeds, velocity, splitting).expect("body")
+        }
+        None => mpm.add("strip", law, &seeds, velocity).expect("body"),
+    }
+    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).expect("plane");
+    mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).expect("plane");
+    mpm.bound(Boundary::Symmetry { axis: 1, at: 2.0 * H, side: Side::Below }).expect("plane");
+    mpm.set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 }).expect("time control");
+    mpm.set_team(Team::new(threads).expect("threads"));
+    mpm.run_until((stretch - 1.0) / RATE).expect("run");
+    mpm
+}
+
+/// Cells along the strip without a particle; the mean stretch of the particles, its last tenth left out, where it ends
+/// within a cell; its coefficient of variation.
+fn strip<M: Composition<f64, 2>>(mpm: &Mpm<f64, 2, M, BlockGrid<f64, 2>>) -> (usize, f64, f64) {
+    let all = particles(mpm);
+    let mut cells: Vec<i64> = all.iter().map(|p| (p.position[0] / H).floor() as i64).collect();
+    cells.sort_unstable();
+    cells.dedup();
+    let empty = 1 + cells[cells.len() - 1] - cells[0] - cells.len() as i64;
+    let end = all.iter().map(|p| p.position[0]).fold(0.0, f64::max);
+    let all: Vec<Particle> = all.into_iter().filter(|p| p.position[0] < 0.9 * end).collect();
+    let mass: f64 = all.iter().map(|p| p.mass).sum();
+    // Plane and held at its sides: volume over that at the start is the stretch.
+    let stretch = |p: &Particle| p.volume * 1000.0 / p.mass;
+    let mean = all.iter().map(|p| p.mass * stretch(p)).sum::<f64>() / mass;
+    let variance = all.iter().map(|p| p.mass * (stretch(p) - mean).powi(2)).sum::<f64>() / mass;
+    (empty as usize, mean, variance.sqrt() / mean)
+}
+
+/// Cut at half of what leaves a cell between two particles.
+fn at_two() -> Option<Splitting> {
+    Some(Splitting::at(2.0).expect("stretch"))
+}
+
+/// Drawn out to ten times its length the strip stays whole if its particles are split, and comes apart if not.
+fn stays_whole<M: Composition<f64, 2>>(method: M) {
+    let (empty, stretch, variation) = strip(&stretched(method, None, 1, 10.0));
+    println!("{}: {empty} empty cells, stretch {stretch:.3}, {variation:.3}", method.describe());
+    assert!(empty > 20 && stretch < 5.0, "no particle is split: {empty} empty cells, stretch {stretch}");
+    let mpm = stretched(method, at_two(), 1, 10.0);
+    let (empty, stretch, variation) = strip(&mpm);
+    println!("split: {empty} empty cells, stretch {stretch:.3}, {variation:.3}, {}", mpm.particles());
+    assert_eq!(empty, 0);
+    assert!((stretch - 10.0).abs() < 0.3, "stretch {stretch}");
+    assert!(variation < 0.05, "coefficient of variation {variation}");
+}
+
+#[test]
+fn strips_drawn_out_stay_whole() {
+    stays_whole(Method::new(Linear, Flip, Musl, PlaneStrain));
+    stays_whole(Method::new(CpGimp, Flip, Musl, PlaneStrain));
+    stays_whole(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain));
+}
+
+#[test]
+fn split_particles_do_not_depend_on_threads() {
+    let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
+    let one = particles(&stretched(method, at_two(), 1, 6.0));
+    assert!(one.len() > 100);
+    for threads in 2..=4 {
+        assert_eq!(one, particles(&stretched(method, at_two(), threads, 6.0)), "{threads} threads");
+    }
+}
+
+#[test]
+fn bad_splitting_is_refused() {
+    for stretch in [1.0, 4.1, f64::NAN] {
+        assert!(Splitting::at(stretch).is_err());
+    }
+    let splitting = Splitting::at(2.0).expect("stretch");
+    assert!(splitting.at_most(0).is_err() && splitting.at_most(17).is_err());
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let mut seeds: Seeds<2> = block(&lattice, [0; 2], [2; 2], 2, 0.0);
+    seeds.half_size[1] *= 0.5;
+    let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let refused = mpm.add_splitting("oblong", Stretching::new(soft(1.0)), &seeds, |_| [0.0; 2], splitting);
+    assert!(matches!(refused, Err(SceneError::Oblong { axis: 1, .. })), "{refused:?}");
+    // Numbers of single precision count to 2^24: 16 seeds of 16 generations are 2^20, 64 x 16 are too many.
+    let mut single = Mpm::<f32, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let many: Seeds<2> = block(&lattice, [0; 2], [10; 2], 2, 0.0);
+    let law = NeoHookean::new(1000.0f32, Moduli::young_poisson(1e6, 0.3).expect("moduli")).expect("law");
+    let finest = splitting.at_most(16).expect("generations");
+    let refused = single.add_splitting("many", Stretching::new(law), &many, |_| [0.0; 2], finest);
+    assert!(matches!(refused, Err(SceneError::TooMany { .. })), "{refused:?}");
+}
