@@ -473,10 +473,10 @@ mod tests {
                     v[i] = v[i].with_lane(j, (10 * i + j) as f64);
                 }
             }
-            let mut out = [[0.0; 4]; 4];
+            let mut out = [<f64 as super::super::Float>::Record::default(); 4];
             A::Pack::records(v[0], v[1], v[2], v[3], &mut out);
             for j in 0..4 {
-                assert_eq!(out[j], [j as f64, 10.0 + j as f64, 20.0 + j as f64, 30.0 + j as f64]);
+                assert_eq!(*out[j], [j as f64, 10.0 + j as f64, 20.0 + j as f64, 30.0 + j as f64]);
             }
             let nan = A::Pack::of(f64::NAN);
             let two = A::Pack::of(2.0);

@@ -53,7 +53,7 @@ pub(super) fn send_away<T: Float, const D: usize>(
         let first = outbox.numbers.len();
         block.read(Place { group, lane }, &mut outbox.numbers);
         block.remove(bin, Place { group, lane });
-        let mut own = [[T::default(); 4]; RECORDS];
+        let mut own = [T::Record::default(); RECORDS];
         for kind in 0..RECORDS {
             if maps.uses::<D>(kind) {
                 own[kind] = std::mem::take(&mut records[kind][lane as usize]);
@@ -70,7 +70,7 @@ pub(super) fn send_away<T: Float, const D: usize>(
         }
         // A child takes half of everything its parent maps, from its own place.
         for record in &mut own {
-            for x in record {
+            for x in record.iter_mut() {
                 *x *= T::of(0.5);
             }
         }
@@ -100,7 +100,7 @@ fn post<T: Float, const D: usize>(
     outbox: &mut Outbox<T>,
     bin: usize,
     first: usize,
-    mut records: [[T; 4]; RECORDS],
+    mut records: [T::Record; RECORDS],
     maps: Maps,
 ) {
     let half = T::of(0.5);
@@ -114,7 +114,8 @@ fn post<T: Float, const D: usize>(
         if maps.has_affine() {
             // R = [m, m v] - sum A xi refers to the bin's centre.
             for c in 0..4 {
-                records[MOMENTUM][c] += records[AFFINE + d][c] * shift;
+                let more = records[AFFINE + d][c] * shift;
+                records[MOMENTUM][c] += more;
             }
         }
         // Two cells are the most: one moved, less than one from the parent.
