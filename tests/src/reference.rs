@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use mpm_core::dim::Stencil;
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::shape::node_offset;
-use mpm_core::{Boundary, ShapeFunction, Side};
+use mpm_core::{Boundary, MeanDilatation, ShapeFunction, Side};
 use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, Kinematics, Mat3};
 
@@ -635,18 +635,22 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         })
     }
 
-    /// Give the increments of a body's particles in a cell one trace, their mean by mass.
+    /// Give the increments of a body's particles in a cell one trace, their mean by mass, and a part of the way back to the
+    /// mean volume ratio.
     fn share_dilatation(&self, increments: &mut [[[f64; 3]; 3]]) {
-        let mut sums: BTreeMap<(usize, Index<D>), [f64; 2]> = BTreeMap::new();
+        let mut sums: BTreeMap<(usize, Index<D>), [f64; 3]> = BTreeMap::new();
         for ((point, cell), dl) in self.points.iter().zip(&self.cells).zip(&*increments) {
             let sum = sums.entry((point.body, *cell)).or_default();
             sum[0] += point.mass * (dl[0][0] + dl[1][1] + dl[2][2]);
             sum[1] += point.mass;
+            sum[2] += point.mass * self.laws[point.body].volume_ratio(&point.state);
         }
         let axes = if D == 2 && self.space != Space::Axisymmetric { 2 } else { 3 };
         for ((point, cell), dl) in self.points.iter().zip(&self.cells).zip(increments) {
-            let [trace, mass] = sums[&(point.body, *cell)];
-            let more = (trace / mass - (dl[0][0] + dl[1][1] + dl[2][2])) / axes as f64;
+            let [trace, mass, volume] = sums[&(point.body, *cell)];
+            let back = volume / mass / self.laws[point.body].volume_ratio(&point.state) - 1.0;
+            let wanted = trace / mass + MeanDilatation::RETURN * back;
+            let more = (wanted - (dl[0][0] + dl[1][1] + dl[2][2])) / axes as f64;
             for d in 0..axes {
                 dl[d][d] += more;
             }

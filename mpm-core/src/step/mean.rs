@@ -1,11 +1,12 @@
 //! The mean dilatation of a bin ([`crate::MeanDilatation`]).
 
-use mpm_materials::{Lane, Mat3};
+use mpm_materials::{Constitutive, Lane, Mat3, State};
 
 use super::gather::{Wanted, gather};
-use super::sweep::{Common, ExtentOf, ShapeOf};
+use super::sweep::{Common, ExtentOf, Rows, ShapeOf};
 use super::tile::Stencilled;
 use super::total;
+use crate::dilatation::MeanDilatation;
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
@@ -21,22 +22,38 @@ fn axes<T: Float, const D: usize, M: Composition<T, D>>() -> usize {
     if D == 3 || M::Embedding::HOOP { 3 } else { 2 }
 }
 
-/// The increment with another trace.
-#[inline(always)]
-pub(super) fn with_trace<T: Float, const D: usize, M: Composition<T, D>, L: Lane<Real = T>>(
-    mut increment: Mat3<L>,
+/// Means over the particles of a bin, by mass.
+pub(super) struct Mean<L> {
+    /// Of the traces of the step's increments.
     trace: L,
-) -> Mat3<L> {
-    let axes = axes::<T, D, M>();
-    let more = (trace - increment.trace()) * L::of(1.0 / axes as f64);
-    for d in 0..axes {
-        increment.0[d][d] = increment.0[d][d] + more;
+    /// Of the volume ratios before it.
+    ratio: L,
+}
+
+impl<L: Lane> Mean<L> {
+    /// The increment as laws see it, of particles of this volume ratio.
+    #[inline(always)]
+    pub(super) fn give<T: Float, const D: usize, M: Composition<T, D>>(
+        &self,
+        mut increment: Mat3<L>,
+        ratio: L,
+    ) -> Mat3<L>
+    where
+        L: Lane<Real = T>,
+    {
+        let axes = axes::<T, D, M>();
+        let back = (self.ratio - ratio) / ratio * L::of(MeanDilatation::RETURN);
+        let more = (self.trace + back - increment.trace()) * L::of(1.0 / axes as f64);
+        for d in 0..axes {
+            increment.0[d][d] = increment.0[d][d] + more;
+        }
+        increment
     }
-    increment
 }
 
 /// Where a bin's particles take their strain from.
-pub(super) struct Strained<'a, T: Float, const D: usize, M: Composition<T, D>> {
+pub(super) struct Strained<'a, T: Float, const D: usize, C, M: Composition<T, D>> {
+    pub(super) law: &'a C,
     pub(super) method: &'a M,
     pub(super) block: &'a Block<T, D>,
     pub(super) bin: usize,
@@ -47,26 +64,32 @@ pub(super) struct Strained<'a, T: Float, const D: usize, M: Composition<T, D>> {
     pub(super) bin_x: T,
 }
 
-impl<T: Float, const D: usize, M: Composition<T, D>> Strained<'_, T, D, M> {
-    /// Mean over the particles of the bin of the trace of the step's increment, by mass.
+impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Strained<'_, T, D, C, M> {
+    /// The means of the bin.
     #[inline(always)]
-    pub(super) fn mean_trace<A: Arch<T>>(&self) -> A::Pack {
-        let (mut sum, mut mass) = (A::Pack::zero(), A::Pack::zero());
+    pub(super) fn mean<A: Arch<T>>(&self) -> Mean<A::Pack> {
+        let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
+        let mut sums = [A::Pack::zero(); 3];
         let mut next = self.block.last_group(self.bin);
         while let Some((group, _)) = next {
             next = self.block.group_before(group);
-            // Lanes without a particle weigh nothing.
             let rows = self.block.group(group);
-            let m = A::Pack::load(&rows[Columns::mass(D)]);
-            sum = m.mul_add(self.trace::<A>(rows), sum);
-            mass = mass + m;
+            let now = C::State::<A::Pack>::read(&mut Rows::of(&rows[2 * D + 1..][..state_rows]));
+            // Lanes without a particle weigh nothing.
+            let mass = A::Pack::load(&rows[Columns::mass(D)]);
+            sums[0] = sums[0] + mass;
+            sums[1] = mass.mul_add(self.trace::<A>(rows), sums[1]);
+            let ratio =
+                A::Pack::select(mass.gt(A::Pack::zero()), self.law.volume_ratio(&now), A::Pack::zero());
+            sums[2] = mass.mul_add(ratio, sums[2]);
         }
-        let (mut s, mut m) = (T::default(), T::default());
+        let (mut mass, mut trace, mut ratio) = (T::default(), T::default(), T::default());
         for lane in 0..A::Pack::WIDTH {
-            s += sum.lane(lane);
-            m += mass.lane(lane);
+            mass += sums[0].lane(lane);
+            trace += sums[1].lane(lane);
+            ratio += sums[2].lane(lane);
         }
-        A::Pack::splat(s / m)
+        Mean { trace: A::Pack::splat(trace / mass), ratio: A::Pack::splat(ratio / mass) }
     }
 
     /// The trace of the increment of a group's particles; zero in a lane without one.

@@ -11,7 +11,7 @@ use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Sou
 
 use super::gather::{Wanted, gather};
 use super::layout::Nodes;
-use super::mean::{Strained, with_trace};
+use super::mean::Strained;
 use super::migrate::{Cut, Domains, Leaving, send_away, take_in};
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::splitting::Splitter;
@@ -143,10 +143,16 @@ pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
 }
 
 /// Reads a law's state from the rows of a group.
-struct Rows<'a, R, P> {
+pub(super) struct Rows<'a, R, P> {
     rows: &'a [R],
     at: usize,
     lanes: PhantomData<P>,
+}
+impl<'a, R, P> Rows<'a, R, P> {
+    #[inline(always)]
+    pub(super) fn of(rows: &'a [R]) -> Self {
+        Rows { rows, at: 0, lanes: PhantomData }
+    }
 }
 impl<T: Float, P: Pack<T>> Source<P> for Rows<'_, T::Row, P>
 where
@@ -264,9 +270,17 @@ where
                 Some(nodal) if M::Dilatation::MEAN => {
                     let block = &*block;
                     let bin_x = bin_x.lane(0);
-                    let bin =
-                        Strained { method, block, bin, stencil: &stencil, nodal, common: &common, bin_x };
-                    Some(bin.mean_trace::<A>())
+                    let bin = Strained {
+                        law,
+                        method,
+                        block,
+                        bin,
+                        stencil: &stencil,
+                        nodal,
+                        common: &common,
+                        bin_x,
+                    };
+                    Some(bin.mean::<A>())
                 }
                 _ => None,
             };
@@ -375,11 +389,11 @@ where
                         deformation = total::product::<A::Pack, D>(&deformation, &inverse);
                         inverse = total::inverse::<A::Pack, D>(&f);
                     }
-                    if let Some(mean) = mean {
-                        deformation = with_trace::<T, D, M, A::Pack>(deformation, mean);
+                    let old = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
+                    if let Some(mean) = &mean {
+                        deformation = mean.give::<T, D, M>(deformation, law.volume_ratio(&old));
                     }
                     let kinematics = Kinematics { increment: deformation, dt, length: spacing };
-                    let old = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
                     let new = law.update(&kinematics, &old);
                     new.state.write(&mut RowsMut { rows: state, at: 0, lanes: PhantomData });
                     stress = new.stress;
