@@ -43,7 +43,7 @@ pub fn blocks<T: Float, M: Composition<T, 3>>(
     seeds.raw_measure += upper.raw_measure;
     let speed = |x: [f64; 3]| [0.0, 0.0, if x[2] < 24.0 { 0.3 } else { -0.3 }];
     mpm.add("blocks", law, &seeds, speed)?;
-    let c = (100.0 * (1.0 - 0.3) / ((1.0 + 0.3) * (1.0 - 2.0 * 0.3))).sqrt();
+    let c = (100.0_f64 * (1.0 - 0.3) / ((1.0 + 0.3) * (1.0 - 2.0 * 0.3))).sqrt();
     mpm.set_time_control(TimeControl::Fixed(0.3 / c))?;
     Ok(mpm)
 }
