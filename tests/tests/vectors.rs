@@ -43,14 +43,14 @@ impl<T: Float> Kernel<T> for Operations<'_, T> {
             u32::from(a.lt(b).any()),
             u32::from(a.lt(b).lane(3)),
         ];
-        let mut records = vec![T::Record::default(); A::Pack::WIDTH];
+        let mut records = vec![[T::default(); 4]; A::Pack::WIDTH];
         A::Pack::records(a, b, c, a, &mut records);
         let rows = rows.map(|x| {
             let mut row = T::Row::default();
             x.store(&mut row);
             row
         });
-        (rows.to_vec(), bits, records.iter().map(|record| **record).collect())
+        (rows.to_vec(), bits, records)
     }
 }
 

@@ -9,7 +9,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use mpm_materials::{Lane, Mask};
 
-use super::{Arch, Pack, Quad, Record, Row, Sixteen, ThirtyTwo};
+use super::{Arch, Pack, Quad, Row};
 
 /// Does this processor have what [`Avx2`] needs?
 #[inline]
@@ -233,7 +233,7 @@ macro_rules! pack {
 impl Pack<f64> for F64x4 {
     pack!(F64x4, f64, 4, _mm256_load_pd, _mm256_store_pd);
     #[inline(always)]
-    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [Record<f64, ThirtyTwo>]) {
+    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[f64; 4]]) {
         let out = &mut out[..4];
         unsafe {
             let (ab0, ab1) = (_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
@@ -254,7 +254,7 @@ impl F64x4 {
 impl Pack<f32> for F32x8 {
     pack!(F32x8, f32, 8, _mm256_load_ps, _mm256_store_ps);
     #[inline(always)]
-    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [Record<f32, Sixteen>]) {
+    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[f32; 4]]) {
         let out = &mut out[..8];
         unsafe {
             let (ab0, ab1) = (_mm256_unpacklo_ps(a.0, b.0), _mm256_unpackhi_ps(a.0, b.0));
@@ -473,10 +473,10 @@ mod tests {
                     v[i] = v[i].with_lane(j, (10 * i + j) as f64);
                 }
             }
-            let mut out = [<f64 as super::super::Float>::Record::default(); 4];
+            let mut out = [[0.0; 4]; 4];
             A::Pack::records(v[0], v[1], v[2], v[3], &mut out);
             for j in 0..4 {
-                assert_eq!(*out[j], [j as f64, 10.0 + j as f64, 20.0 + j as f64, 30.0 + j as f64]);
+                assert_eq!(out[j], [j as f64, 10.0 + j as f64, 20.0 + j as f64, 30.0 + j as f64]);
             }
             let nan = A::Pack::of(f64::NAN);
             let two = A::Pack::of(2.0);

@@ -18,8 +18,6 @@
 mod lanes;
 mod team;
 
-use std::ops::{Deref, DerefMut};
-
 use mpm_materials::{Lane, Real, Wide};
 
 pub use team::{Team, TeamError};
@@ -34,7 +32,7 @@ pub trait Pack<T: Float>: Lane<Real = T> {
     fn bits(mask: Self::Mask) -> u32;
     /// `out[i]` becomes lane `i` of `a`, `b`, `c` and `d`: from four columns of a group to one record a
     /// particle. `out` has [`Lane::WIDTH`] records.
-    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [T::Record]);
+    fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[T; 4]]);
 }
 
 /// A vector over the four numbers of a node record.
@@ -71,9 +69,6 @@ pub trait Float: Real {
     const GROUP: usize;
     /// The unit of particle storage: 32 bytes, one number of [`Float::GROUP`] particles.
     type Row: Copy + Default + Send + Sync + std::fmt::Debug + AsRef<[Self]> + AsMut<[Self]>;
-    /// Four numbers of a node, or for a node, at an address that is a multiple of their size: no vector of them
-    /// straddles two lines of a cache.
-    type Record: Copy + Default + Send + Sync + std::fmt::Debug + DerefMut<Target = [Self; 4]>;
 
     /// Run the kernel with the best vectors this processor has.
     fn dispatch<K: Kernel<Self>>(kernel: K) -> K::Output;
@@ -104,43 +99,11 @@ impl<T, const N: usize> AsMut<[T]> for Row<T, N> {
     }
 }
 
-/// Four numbers, aligned like the vector `A`, of which there is none here.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C)]
-pub struct Record<T, A> {
-    numbers: [T; 4],
-    alignment: [A; 0],
-}
-
-impl<T, A> Deref for Record<T, A> {
-    type Target = [T; 4];
-    #[inline(always)]
-    fn deref(&self) -> &[T; 4] {
-        &self.numbers
-    }
-}
-impl<T, A> DerefMut for Record<T, A> {
-    #[inline(always)]
-    fn deref_mut(&mut self) -> &mut [T; 4] {
-        &mut self.numbers
-    }
-}
-
-/// 16 bytes at a multiple of 16.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C, align(16))]
-pub struct Sixteen;
-/// 32 bytes at a multiple of 32.
-#[derive(Clone, Copy, Debug, Default)]
-#[repr(C, align(32))]
-pub struct ThirtyTwo;
-
 macro_rules! float {
-    ($t:ty, $n:literal, $quad:ty) => {
+    ($t:ty, $n:literal) => {
         impl Float for $t {
             const GROUP: usize = $n;
             type Row = Row<$t, $n>;
-            type Record = Record<$t, $quad>;
             #[inline]
             fn dispatch<K: Kernel<$t>>(kernel: K) -> K::Output {
                 #[cfg(target_arch = "x86_64")]
@@ -177,9 +140,9 @@ macro_rules! float {
                 r
             }
             #[inline(always)]
-            fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [Record<$t, $quad>]) {
+            fn records(a: Self, b: Self, c: Self, d: Self, out: &mut [[$t; 4]]) {
                 for i in 0..$n {
-                    *out[i] = [a.0[i], b.0[i], c.0[i], d.0[i]];
+                    out[i] = [a.0[i], b.0[i], c.0[i], d.0[i]];
                 }
             }
         }
@@ -199,8 +162,8 @@ macro_rules! float {
         }
     };
 }
-float!(f64, 4, ThirtyTwo);
-float!(f32, 8, Sixteen);
+float!(f64, 4);
+float!(f32, 8);
 
 /// Ask for memory that will be read at once. Never faults, changes no result.
 #[inline(always)]

@@ -47,7 +47,7 @@ pub struct Block<T: Float, const D: usize> {
 
 /// The particles that left the bins of a block in a pass, for the blocks around (and itself) to take in.
 #[derive(Clone, Debug, Default)]
-pub struct Outbox<T: Float> {
+pub struct Outbox<T> {
     /// For each, the neighbour it goes to: 0 .. 3^D, x fastest, the block itself in the middle.
     pub to: Vec<u8>,
     /// For each, the bin in that neighbour.
@@ -55,12 +55,12 @@ pub struct Outbox<T: Float> {
     /// For each, its numbers.
     pub numbers: Vec<T>,
     /// For each, the records it scatters to the nodes.
-    pub records: Vec<T::Record>,
+    pub records: Vec<[T; 4]>,
     /// Bit `to` is set if a particle goes there.
     pub directions: u32,
 }
 
-impl<T: Float> Outbox<T> {
+impl<T> Outbox<T> {
     /// Empty it, keeping its memory.
     pub fn clear(&mut self) {
         self.to.clear();

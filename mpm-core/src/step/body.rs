@@ -554,7 +554,7 @@ where
             let slot = match self.spare.pop() {
                 Some(mut slot) => {
                     slot.block.place_at(c);
-                    slot.tile.fill(T::Record::default());
+                    slot.tile.fill([T::default(); 4]);
                     slot.report = Report::default();
                     slot
                 }
@@ -633,7 +633,7 @@ fn new_slot<T: Float, const D: usize, E: Stencil>(
 ) -> Slot<T, D> {
     Slot {
         block: Block::new(coordinates, dummy.to_vec()),
-        tile: vec![T::Record::default(); tile_nodes::<E>(D) * records],
+        tile: vec![[T::default(); 4]; tile_nodes::<E>(D) * records],
         slots_around: vec![NONE; neighbours(D)],
         linked: 0,
         report: Report::default(),
@@ -796,13 +796,13 @@ where
     fn bytes(&self) -> usize {
         let slot = |s: &Slot<T, D>| {
             s.block.bytes()
-                + s.tile.capacity() * size_of::<T::Record>()
+                + s.tile.capacity() * size_of::<[T; 4]>()
                 + s.slots_around.len() * size_of::<u32>()
                 + size_of::<Slot<T, D>>()
         };
         let sent = |o: &Outbox<T>| {
             o.numbers.capacity() * size_of::<T>()
-                + o.records.capacity() * size_of::<T::Record>()
+                + o.records.capacity() * size_of::<[T; 4]>()
                 + o.to.capacity()
                 + o.bin.capacity()
         };

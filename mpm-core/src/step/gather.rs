@@ -74,7 +74,7 @@ fn line<P: Lane, E: Stencil>(
 /// function has a polynomial form).
 #[inline(always)]
 pub fn gather<T: Float, const D: usize, P: Lane<Real = T>, S: ShapeFunction<T, D>>(
-    nodes: &<S::Extent as Stencil>::Nodes<T::Record>,
+    nodes: &<S::Extent as Stencil>::Nodes<[T; 4]>,
     at: &[Basis<P, S::Extent>; 3],
     c: usize,
     wanted: Wanted,

@@ -53,7 +53,7 @@ pub(super) fn send_away<T: Float, const D: usize>(
         let first = outbox.numbers.len();
         block.read(Place { group, lane }, &mut outbox.numbers);
         block.remove(bin, Place { group, lane });
-        let mut own = [T::Record::default(); RECORDS];
+        let mut own = [[T::default(); 4]; RECORDS];
         for kind in 0..RECORDS {
             if maps.uses::<D>(kind) {
                 own[kind] = std::mem::take(&mut records[kind][lane as usize]);
@@ -70,7 +70,7 @@ pub(super) fn send_away<T: Float, const D: usize>(
         }
         // A child takes half of everything its parent maps, from its own place.
         for record in &mut own {
-            for x in record.iter_mut() {
+            for x in record {
                 *x *= T::of(0.5);
             }
         }
@@ -100,7 +100,7 @@ fn post<T: Float, const D: usize>(
     outbox: &mut Outbox<T>,
     bin: usize,
     first: usize,
-    mut records: [T::Record; RECORDS],
+    mut records: [[T; 4]; RECORDS],
     maps: Maps,
 ) {
     let half = T::of(0.5);
@@ -152,7 +152,7 @@ pub struct Domains<T> {
 pub(super) fn take_in<T, A, const D: usize, M, K>(
     method: &M,
     block: &mut Block<T, D>,
-    tile: &mut [T::Record],
+    tile: &mut [[T; 4]],
     outbox: &Outbox<T>,
     to: usize,
     domains: Domains<T>,
@@ -231,7 +231,7 @@ where
     fn run<A: Arch<T>>(self) {
         let TakeIn { method, slot, outboxes, common, .. } = self;
         let Slot { block, tile, slots_around, .. } = slot;
-        let mut records: Records<T> = [[T::Record::default(); MAX_LANES]; RECORDS];
+        let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
         for from in 0..neighbours(D) {
             // What lies in direction `from` of here sent towards the opposite direction.

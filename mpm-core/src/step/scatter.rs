@@ -33,7 +33,7 @@ pub const FORCE: usize = 5;
 pub const MAX_LANES: usize = 8;
 
 /// Records of a group: `[kind][lane]`.
-pub type Records<T> = [[<T as Float>::Record; MAX_LANES]; RECORDS];
+pub type Records<T> = [[[T; 4]; MAX_LANES]; RECORDS];
 
 /// What a pass maps to the grid.
 #[derive(Clone, Copy)]
@@ -163,7 +163,7 @@ impl<T: Float, E: Stencil> Spread<T, E> {
 /// A lane without a particle has records of zero.
 #[inline(always)]
 pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
-    [first, second]: [&mut [T::Record]; 2],
+    [first, second]: [&mut [[T; 4]]; 2],
     corner: usize,
     spread: &Spread<T, E>,
     records: &Records<T>,
@@ -187,8 +187,8 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
 
 /// The rows of nodes of a stencil, with what is added to them.
 struct RowsOut<'a, T: Float, E: Stencil, const LANES: usize> {
-    first: &'a mut [T::Record],
-    second: &'a mut [T::Record],
+    first: &'a mut [[T; 4]],
+    second: &'a mut [[T; 4]],
     spread: &'a Spread<T, E>,
     records: &'a Records<T>,
     maps: Maps,

@@ -35,7 +35,7 @@ pub struct Slot<T: Float, const D: usize> {
     pub block: Block<T, D>,
     /// What they add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
     /// the method maps two, all second ones.
-    pub tile: Vec<T::Record>,
+    pub tile: Vec<[T; 4]>,
     /// Slots around, likewise.
     pub slots_around: Vec<u32>,
     /// Bins whose stencils the body's nodes hold, a bit each.
@@ -236,7 +236,7 @@ where
         for i in 0..A::Pack::WIDTH {
             lane_index = lane_index.with_lane(i, T::of(i as f64));
         }
-        let mut records: Records<T> = [[T::Record::default(); MAX_LANES]; RECORDS];
+        let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
         let mut rate = zero;
         let mut flux = [zero; 3];
@@ -389,7 +389,7 @@ where
                         deformation = total::product::<A::Pack, D>(&deformation, &inverse);
                         inverse = total::inverse::<A::Pack, D>(&f);
                     }
-                    let old = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
+                    let old = C::State::<A::Pack>::read(&mut Rows::of(state));
                     if let Some(mean) = &mean {
                         deformation = mean.give::<T, D, M>(deformation, law.volume_ratio(&old));
                     }
@@ -410,7 +410,7 @@ where
                         ));
                     }
                 } else if does.force {
-                    let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
+                    let now = C::State::<A::Pack>::read(&mut Rows::of(state));
                     stress = law.stress(&now);
                     volume = law.volume_ratio(&now) * mass * per_density;
                     if common.speeds {
@@ -421,7 +421,7 @@ where
                         ));
                     }
                 } else if does.moves && common.speeds {
-                    let now = C::State::<A::Pack>::read(&mut Rows { rows: state, at: 0, lanes: PhantomData });
+                    let now = C::State::<A::Pack>::read(&mut Rows::of(state));
                     rate = rate.max(A::Pack::select(
                         alive,
                         signal::<T, A::Pack, C>(law, &now, &v, &inverse, total),
@@ -552,7 +552,7 @@ where
                 for lane in here..T::GROUP {
                     for kind in 0..RECORDS {
                         if maps.uses::<D>(kind) {
-                            records[kind][lane] = T::Record::default();
+                            records[kind][lane] = [T::default(); 4];
                         }
                     }
                 }

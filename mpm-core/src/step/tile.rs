@@ -38,15 +38,15 @@ pub(super) fn tile_corner<E: Stencil, const D: usize>(bin: usize) -> usize {
 
 /// The nodal records that a block's particles read.
 pub(super) struct TileIn<T: Float, E: Stencil> {
-    first: E::Tile<T::Record>,
-    second: E::Tile<T::Record>,
+    first: E::Tile<[T; 4]>,
+    second: E::Tile<[T; 4]>,
 }
 
 impl<T: Float, E: Stencil> TileIn<T, E> {
     /// All zero.
     #[inline(always)]
     pub(super) fn zero() -> Self {
-        TileIn { first: Array::filled(T::Record::default()), second: Array::filled(T::Record::default()) }
+        TileIn { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
     }
 
     /// Copy the records out of the blocks of the grid.
@@ -136,13 +136,13 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
         if reads.first {
             let to = &mut self.first.as_mut()[to..to + length];
             for (to, node) in to.iter_mut().zip(found) {
-                **to = node.first;
+                *to = node.first;
             }
         }
         if reads.second {
             let to = &mut self.second.as_mut()[to..to + length];
             for (to, node) in to.iter_mut().zip(found) {
-                **to = node.second;
+                *to = node.second;
             }
         }
     }
@@ -164,14 +164,14 @@ pub(super) struct Reads {
 
 /// The nodal records of one bin's stencil.
 pub(super) struct Stencilled<T: Float, E: Stencil> {
-    pub(super) first: E::Nodes<T::Record>,
-    pub(super) second: E::Nodes<T::Record>,
+    pub(super) first: E::Nodes<[T; 4]>,
+    pub(super) second: E::Nodes<[T; 4]>,
 }
 
 impl<T: Float, E: Stencil> Stencilled<T, E> {
     #[inline(always)]
     pub(super) fn zero() -> Self {
-        Stencilled { first: Array::filled(T::Record::default()), second: Array::filled(T::Record::default()) }
+        Stencilled { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
     }
     #[inline(always)]
     pub(super) fn load<const D: usize, Q: Quad<T>, S: ShapeFunction<T, D, Extent = E>>(
@@ -193,8 +193,8 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
 /// form.
 #[inline(always)]
 fn load_stencil<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
-    to: &mut <S::Extent as Stencil>::Nodes<T::Record>,
-    tile: &<S::Extent as Stencil>::Tile<T::Record>,
+    to: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
+    tile: &<S::Extent as Stencil>::Tile<[T; 4]>,
     corner: usize,
 ) {
     let (side, layers) = (<S::Extent as Stencil>::TILE, <S::Extent as Stencil>::LAYERS);
@@ -218,13 +218,13 @@ fn load_stencil<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
 
 /// Clear the records of a tile that a pass adds to.
 #[inline(always)]
-pub(super) fn clear_tile<T: Float, const D: usize, E: Stencil>(tile: &mut [T::Record], maps: Maps) {
+pub(super) fn clear_tile<T: Float, const D: usize, E: Stencil>(tile: &mut [[T; 4]], maps: Maps) {
     let (first, second) = tile.split_at_mut(tile_nodes::<E>(D));
     if maps.momentum {
-        first.fill(T::Record::default());
+        first.fill([T::default(); 4]);
     }
     if maps.second() {
-        second.fill(T::Record::default());
+        second.fill([T::default(); 4]);
     }
 }
 
@@ -252,7 +252,7 @@ pub(super) struct AddTiles<'a, T: Float, const D: usize, E, F> {
     pub(super) extent: PhantomData<E>,
 }
 
-impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a [T::Record]>> Kernel<T>
+impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a [[T; 4]]>> Kernel<T>
     for AddTiles<'_, T, D, E, F>
 {
     type Output = ();
@@ -270,7 +270,7 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a
     }
 }
 
-impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a [T::Record]>>
+impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a [[T; 4]]>>
     AddTiles<'_, T, D, E, F>
 {
     /// Add neighbour `n`, of whose tile the nodes are the third `X` along x.
@@ -323,7 +323,7 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a
 
 /// Add a row of records to the first (0) or second (1) records of nodes.
 #[inline(always)]
-fn add_row<T: Float, A: Arch<T>, const RECORD: usize>(to: &mut [Node<T>], from: &[T::Record]) {
+fn add_row<T: Float, A: Arch<T>, const RECORD: usize>(to: &mut [Node<T>], from: &[[T; 4]]) {
     for (node, add) in to.iter_mut().zip(from) {
         let sum = if RECORD == 0 { &mut node.first } else { &mut node.second };
         (A::Quad::load(sum) + A::Quad::load(add)).store(sum);
