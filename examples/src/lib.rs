@@ -25,6 +25,7 @@
 pub mod case;
 mod detection;
 mod heap;
+pub mod machine;
 mod ogive;
 pub mod throughput;
 

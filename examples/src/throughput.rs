@@ -1,5 +1,7 @@
 //! The scenes and kernels of the yardstick, composed from the framework's parts.
 
+use std::path::Path;
+use std::process::Command;
 use std::time::Instant;
 
 use clap::ValueEnum;
@@ -37,7 +39,8 @@ impl Kernel {
         }
     }
 
-    fn scene(self) -> &'static str {
+    /// Its scene.
+    pub fn scene(self) -> &'static str {
         if self == Kernel::LinearMuslJohnsonCook { "S2" } else { "S1" }
     }
 }
@@ -260,4 +263,61 @@ fn fingerprint<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<
     cells.sort_unstable();
     cells.dedup();
     (cells.len(), hash)
+}
+
+/// Run the kernel `K1` to `K4` (`K3f` in single precision) of a built yardstick of hand-written kernels once, on its
+/// scene `S1` to `S3`: the object it prints, which has the numbers `particles`, `seconds`, `particle_updates_per_second` and
+/// `bytes_per_particle`.
+///
+/// # Errors
+/// A program that does not run, or prints no such object.
+pub fn hand_written(
+    program: &Path,
+    kernel: &str,
+    scene: &str,
+    job: &Job,
+) -> Result<serde_json::Value, CaseError> {
+    let fail = |what: String| CaseError::Other(format!("{}: {what}", program.display()));
+    let output = Command::new(program)
+        .args(["--kernel", kernel, "--scene", scene, "--particles", &job.particles.to_string()])
+        .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string()])
+        .output()
+        .map_err(|e| fail(e.to_string()))?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let line = text.lines().next_back().ok_or_else(|| fail("it printed nothing".into()))?;
+    let value: serde_json::Value = serde_json::from_str(line)?;
+    for key in ["particles", "seconds", "particle_updates_per_second", "bytes_per_particle"] {
+        if !value[key].is_number() {
+            return Err(fail(format!("no number `{key}` in {line}")));
+        }
+    }
+    Ok(value)
+}
+
+/// Median, least and most.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread {
+    /// Median.
+    pub median: f64,
+    /// Least.
+    pub least: f64,
+    /// Most.
+    pub most: f64,
+}
+
+impl Spread {
+    /// Of some values.
+    pub fn of(values: impl Iterator<Item = f64>) -> Self {
+        let mut v: Vec<f64> = values.collect();
+        v.sort_by(f64::total_cmp);
+        let n = v.len();
+        if n == 0 {
+            return Spread { median: f64::NAN, least: f64::NAN, most: f64::NAN };
+        }
+        Spread { median: 0.5 * (v[(n - 1) / 2] + v[n / 2]), least: v[0], most: v[n - 1] }
+    }
+    /// As text, with so many digits after the point.
+    pub fn text(&self, digits: usize) -> String {
+        format!("{:.digits$} [{:.digits$} - {:.digits$}]", self.median, self.least, self.most)
+    }
 }

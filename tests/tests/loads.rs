@@ -122,8 +122,9 @@ fn a_damped_column_comes_to_rest() {
         let energy = totals.kinetic + totals.internal;
         let closes = (energy - ledger.work).abs() < 0.02 * energy;
         assert!(closes || filters, "energy {energy}, work {}", ledger.work);
-        // What nodes do not see of the particles' velocities, no force of theirs can damp.
-        assert!(totals.kinetic < 5e-3 * largest, "{} of {largest} is left", totals.kinetic);
+        // What nodes do not see of the particles' velocities, no force of theirs can damp; the blend forgets it.
+        let still = if filters { 5e-3 } else { 1e-6 };
+        assert!(totals.kinetic < still * largest, "{} of {largest} is left", totals.kinetic);
         mpm.bodies()[0].for_each(&mut |p| {
             let start = seeds.positions[p.number];
             // Hats hold the mean of a cell, a quarter of a cell away, and the strain is 1 %.

@@ -6,7 +6,7 @@ use examples::CaseError;
 use examples::throughput::{Job, Kernel, timed};
 use mpm_core::OneField;
 
-use crate::kernels::hand_written;
+use crate::kernels::by_hand;
 use crate::page::table;
 use crate::sample::{Sample, Subject, alternate};
 use crate::scenes::{Penetration, balls, contact};
@@ -52,8 +52,8 @@ pub fn cost(quick: bool, yardstick: Option<&Path>) -> Result<Option<String>, Cas
         if let Some(program) = yardstick {
             let samples = alternate(
                 &[
-                    Subject::new("K1", || hand_written(program, "K1", "S3", &two)),
-                    Subject::new("K4", || hand_written(program, "K4", "S3", &two)),
+                    Subject::new("K1", || by_hand(program, "K1", "S3", &two)),
+                    Subject::new("K4", || by_hand(program, "K4", "S3", &two)),
                 ],
                 rounds,
             )?;

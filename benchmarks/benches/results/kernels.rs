@@ -1,10 +1,9 @@
 //! Kernels without contact.
 
 use std::path::Path;
-use std::process::Command;
 
 use examples::CaseError;
-use examples::throughput::{Job, Kernel, Measured, cube, measure, timed};
+use examples::throughput::{self, Job, Kernel, Measured, Spread, cube, measure, timed};
 use mpm_core::{
     Apic, Composition, CpGimp, CubicBSpline, Flip, Float, Fmpm, FullSpace, Linear, Method, Musl,
     QuadraticBSpline, Team, Usl,
@@ -12,7 +11,7 @@ use mpm_core::{
 use mpm_materials::{LinearElastic, Moduli, NeoHookean, Solid};
 
 use crate::page::table;
-use crate::sample::{Sample, Spread, Subject, alternate, attempt};
+use crate::sample::{Sample, Subject, alternate, attempt};
 
 const KERNELS: [Kernel; 3] =
     [Kernel::LinearMuslElastic, Kernel::LinearMuslJohnsonCook, Kernel::QuadraticApicUsl];
@@ -52,27 +51,19 @@ const OUR_INSTRUCTIONS: &str =
     include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/tests/instructions.csv"));
 
 /// One run of the yardstick.
-pub fn hand_written(program: &Path, kernel: &str, scene: &str, job: &Job) -> Result<Measured, CaseError> {
-    let fail = |what: String| CaseError::Other(format!("--yardstick {}: {what}", program.display()));
-    let output = Command::new(program)
-        .args(["--kernel", kernel, "--scene", scene, "--particles", &job.particles.to_string()])
-        .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string()])
-        .output()
-        .map_err(|e| fail(e.to_string()))?;
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let line = text.lines().next_back().ok_or_else(|| fail("it printed nothing".into()))?;
-    let value: serde_json::Value = serde_json::from_str(line)?;
-    let number = |key: &str| value[key].as_f64().ok_or_else(|| fail(format!("no number `{key}` in {line}")));
+pub fn by_hand(program: &Path, kernel: &str, scene: &'static str, job: &Job) -> Result<Measured, CaseError> {
+    let found = throughput::hand_written(program, kernel, scene, job)?;
+    let number = |key: &str| found[key].as_f64().unwrap_or(f64::NAN);
     Ok(Measured {
         kernel: kernel.into(),
-        scene: "",
-        particles: number("particles")? as usize,
+        scene,
+        particles: number("particles") as usize,
         cells: 0,
         threads: job.threads,
         steps: job.steps,
-        seconds: number("seconds")?,
-        particle_updates_per_second: number("particle_updates_per_second")?,
-        bytes_per_particle: number("bytes_per_particle")? as usize,
+        seconds: number("seconds"),
+        particle_updates_per_second: number("particle_updates_per_second"),
+        bytes_per_particle: number("bytes_per_particle") as usize,
         bytes_per_node: 0,
         checksum: String::new(),
         momentum_drift: 0.0,
@@ -93,13 +84,12 @@ pub fn yardstick(quick: bool, program: Option<&Path>) -> Result<Option<String>, 
     let (mut rows, mut product, mut count) = (Vec::new(), 0.0, 0.0);
     let mut worst = f64::INFINITY;
     for (kernel, name) in KERNELS.into_iter().zip(["K1", "K2", "K3"]) {
-        let scene = if name == "K2" { "S2" } else { "S1" };
         for &particles in sizes {
             for threads in [1, 2] {
                 let job = job(kernel, particles, threads);
                 let samples = alternate(
                     &[
-                        Subject::new("theirs", || hand_written(program, name, scene, &job)),
+                        Subject::new("theirs", || by_hand(program, name, kernel.scene(), &job)),
                         Subject::new("ours", || measure::<f64>(&job)),
                     ],
                     rounds(quick),

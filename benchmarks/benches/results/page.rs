@@ -1,9 +1,8 @@
 //! The page: sections between markers, so that some can be measured again and others stay.
 
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
-use examples::CaseError;
+use examples::{CaseError, machine};
 
 /// A page of sections.
 pub struct Page {
@@ -44,7 +43,8 @@ impl Page {
 
     /// Set a section.
     pub fn put(&mut self, name: &str, text: &str) {
-        let text = format!("{}\n*{}.*\n\n", text.trim_end(), origin());
+        let text =
+            format!("{}\n\n*{}; commit {}.*\n\n", text.trim_end(), machine::class(), machine::commit());
         match self.sections.iter_mut().find(|s| s.0 == name) {
             Some(found) => found.1 = text,
             None => self.sections.push((name.into(), text)),
@@ -59,21 +59,6 @@ impl Page {
         }
         std::fs::write(&self.path, text).map_err(|source| CaseError::File { path: self.path.clone(), source })
     }
-}
-
-/// Class of the machine and commit.
-fn origin() -> String {
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = info.lines().find_map(|l| l.strip_prefix("model name")?.split(':').nth(1));
-    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-    let wide = if info.contains("avx512f") { ", AVX-512" } else { "" };
-    let git = Command::new("git").args(["describe", "--always", "--dirty"]).output();
-    let commit = git.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_string()).unwrap_or_default();
-    format!(
-        "{} x{cores}{wide}; commit {}",
-        model.unwrap_or("processor unknown").trim(),
-        if commit.is_empty() { "unknown" } else { &commit }
-    )
 }
 
 /// A table of Markdown.

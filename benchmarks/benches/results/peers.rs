@@ -4,12 +4,12 @@ use std::path::Path;
 use std::process::Command;
 
 use examples::CaseError;
-use examples::throughput::{Job, Kernel, timed};
+use examples::throughput::{Job, Kernel, Spread, timed};
 use mpm_core::{FullSpace, Method, Mls, QuadraticBSpline, Usl};
 use mpm_materials::{LinearElastic, Moduli, NeoHookean};
 
 use crate::page::table;
-use crate::sample::{Spread, Subject, alternate};
+use crate::sample::{Subject, alternate};
 use crate::scenes::{blocks, hats};
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers");

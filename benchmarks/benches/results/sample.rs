@@ -1,7 +1,7 @@
 //! Runs in alternation.
 
 use examples::CaseError;
-use examples::throughput::Measured;
+use examples::throughput::{Measured, Spread};
 
 /// What is run.
 pub struct Subject<'a> {
@@ -67,33 +67,5 @@ impl Sample {
     /// The first run.
     pub fn first(&self) -> &Measured {
         &self.runs[0]
-    }
-}
-
-/// Median, least and most.
-#[derive(Clone, Copy, Debug)]
-pub struct Spread {
-    /// Median.
-    pub median: f64,
-    /// Least.
-    pub least: f64,
-    /// Most.
-    pub most: f64,
-}
-
-impl Spread {
-    /// Of some values.
-    pub fn of(values: impl Iterator<Item = f64>) -> Self {
-        let mut v: Vec<f64> = values.collect();
-        v.sort_by(f64::total_cmp);
-        let n = v.len();
-        if n == 0 {
-            return Spread { median: f64::NAN, least: f64::NAN, most: f64::NAN };
-        }
-        Spread { median: 0.5 * (v[(n - 1) / 2] + v[n / 2]), least: v[0], most: v[n - 1] }
-    }
-    /// As text, with so many digits after the point.
-    pub fn text(&self, digits: usize) -> String {
-        format!("{:.digits$} [{:.digits$} - {:.digits$}]", self.median, self.least, self.most)
     }
 }

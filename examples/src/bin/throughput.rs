@@ -2,12 +2,12 @@
 //! hand-written kernels, run in alternation.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use examples::{CaseError, Check, Report, Resolution, Totals, case};
 
-use examples::throughput::{self, Job, Kernel, Measured};
+use examples::throughput::{self, Job, Kernel, Measured, Spread};
 
 /// Particle updates a second on fixed scenes: a cube with a smooth velocity field (S1) and a copper cylinder on
 /// a wall (S2). Prints one JSON line a run.
@@ -140,49 +140,21 @@ fn yardstick(program: &Path, job: &Job, precision: Precision) -> Result<(f64, f6
             return Err(CaseError::Other(format!("--against: the yardstick has no {name} in f32")));
         }
     };
-    let fail = |what: String| CaseError::Other(format!("--against {}: {what}", program.display()));
-    let numbers = [job.particles.to_string(), job.threads.to_string(), job.steps.to_string()];
-    let output = Command::new(program)
-        .args([
-            "--kernel",
-            kernel,
-            "--particles",
-            &numbers[0],
-            "--threads",
-            &numbers[1],
-            "--steps",
-            &numbers[2],
-        ])
-        .output()
-        .map_err(|e| fail(e.to_string()))?;
-    let text = String::from_utf8_lossy(&output.stdout);
-    let line = text.lines().next_back().ok_or_else(|| fail("it printed nothing".into()))?;
-    print!("{text}");
-    let value: serde_json::Value = serde_json::from_str(line)?;
-    let number = |key: &str| value[key].as_f64().ok_or_else(|| fail(format!("no number `{key}` in {line}")));
-    Ok((number("particle_updates_per_second")?, number("bytes_per_particle")?))
-}
-
-/// Median, least and most.
-fn spread(values: impl Iterator<Item = f64>) -> [f64; 3] {
-    let mut v: Vec<f64> = values.collect();
-    v.sort_by(f64::total_cmp);
-    let n = v.len();
-    if n == 0 {
-        return [f64::NAN; 3];
-    }
-    [0.5 * (v[(n - 1) / 2] + v[n / 2]), v[0], v[n - 1]]
+    let found = throughput::hand_written(program, kernel, job.kernel.scene(), job)?;
+    println!("{found}");
+    let number = |key: &str| found[key].as_f64().unwrap_or(f64::NAN);
+    Ok((number("particle_updates_per_second"), number("bytes_per_particle")))
 }
 
 impl Sample {
-    fn ours(&self) -> [f64; 3] {
-        spread(self.ours.iter().map(|m| m.particle_updates_per_second))
+    fn ours(&self) -> Spread {
+        Spread::of(self.ours.iter().map(|m| 1e-6 * m.particle_updates_per_second))
     }
-    fn theirs(&self) -> [f64; 3] {
-        spread(self.theirs.iter().map(|t| t.0))
+    fn theirs(&self) -> Spread {
+        Spread::of(self.theirs.iter().map(|t| 1e-6 * t.0))
     }
     fn ratio(&self) -> f64 {
-        self.ours()[0] / self.theirs()[0]
+        self.ours().median / self.theirs().median
     }
 }
 
@@ -191,15 +163,12 @@ fn table(samples: &[Sample]) -> String {
     let mut rows = vec![head.map(String::from)];
     for s in samples {
         let (Some(m), Some(y)) = (s.ours.first(), s.theirs.first()) else { continue };
-        let text = |[median, least, most]: [f64; 3]| {
-            format!("{:.1} [{:.1} - {:.1}]", 1e-6 * median, 1e-6 * least, 1e-6 * most)
-        };
         rows.push([
             m.kernel.clone(),
             m.particles.to_string(),
             m.threads.to_string(),
-            text(s.ours()),
-            text(s.theirs()),
+            s.ours().text(1),
+            s.theirs().text(1),
             format!("{:.2}", s.ratio()),
             m.bytes_per_particle.to_string(),
             format!("{:.0}", y.1),

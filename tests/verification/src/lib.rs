@@ -22,6 +22,7 @@
 pub mod case;
 pub mod fast;
 pub mod machine;
+pub mod origin;
 pub mod problems;
 pub mod scene;
 pub mod scheme;

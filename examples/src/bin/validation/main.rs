@@ -1,6 +1,5 @@
 //! The validation page: runs the cases and writes what came of them, beside what should, to one page and one table.
 
-mod machine;
 mod page;
 mod runs;
 

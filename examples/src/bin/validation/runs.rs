@@ -5,10 +5,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use examples::{CaseError, Resolution};
+use examples::{CaseError, Resolution, machine};
 use serde_json::{Value, json};
-
-use crate::machine;
 
 /// All cases. (`throughput` measures speed alone.)
 pub const CASES: [&str; 19] = [

@@ -6,11 +6,12 @@ mod record;
 
 use std::fs;
 use std::path::PathBuf;
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
 use clap::Parser;
 use stability::scenes;
 use stability::verdict::Size;
+use verification::origin::said_by;
 
 use record::Record;
 
@@ -71,11 +72,4 @@ fn run(options: &Options) -> Result<bool, Box<dyn std::error::Error>> {
         println!("{} rows, {}", records.len(), file.display());
     }
     Ok(good)
-}
-
-/// What a program says, in one line.
-fn said_by(program: &str, arguments: &[&str]) -> String {
-    let said = Command::new(program).args(arguments).output().ok();
-    let text = said.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_string());
-    text.filter(|t| !t.is_empty()).unwrap_or_else(|| "unknown".into())
 }

@@ -8,10 +8,11 @@ mod sweep;
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
+use verification::origin::said_by;
 use verification::{fast, stored};
 
 use record::Record;
@@ -121,13 +122,6 @@ fn band(out: &Path, known: bool) -> Result<f64, Box<dyn std::error::Error>> {
     let band = (best[0] / best[1] - 1.0).abs();
     fs::write(file, serde_json::to_string(&band)?)?;
     Ok(band)
-}
-
-/// What a program says, in one line.
-fn said_by(program: &str, arguments: &[&str]) -> String {
-    let said = Command::new(program).args(arguments).output().ok();
-    let text = said.map(|o| String::from_utf8_lossy(&o.stdout).trim().to_string());
-    text.filter(|t| !t.is_empty()).unwrap_or_else(|| "unknown".into())
 }
 
 /// The processor.

@@ -1,4 +1,4 @@
-//! What the numbers were made with.
+//! What measured numbers were made with.
 
 use std::process::Command;
 
@@ -9,8 +9,16 @@ pub fn commit() -> String {
         output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
     };
     let Some(head) = git(&["rev-parse", "--short=9", "HEAD"]) else { return "unknown".into() };
-    // The page itself does not count.
-    let changed = git(&["status", "--porcelain", "--untracked-files=no", "--", ".", ":!docs"]);
+    // Pages of numbers themselves do not count.
+    let changed = git(&[
+        "status",
+        "--porcelain",
+        "--untracked-files=no",
+        "--",
+        ".",
+        ":!docs",
+        ":!benchmarks/RESULTS.md",
+    ]);
     if changed.is_some_and(|list| !list.is_empty()) { format!("{head}+") } else { head }
 }
 
