@@ -25,6 +25,7 @@
 pub mod case;
 mod detection;
 mod heap;
+mod law;
 pub mod machine;
 mod ogive;
 pub mod throughput;
@@ -32,4 +33,5 @@ pub mod throughput;
 pub use case::{CaseError, Check, Common, Report, Resolution, Totals, within};
 pub use detection::{Detection, Detector, Normals};
 pub use heap::Heap;
+pub use law::Law;
 pub use ogive::Ogive;

@@ -1,7 +1,6 @@
 //! Impulses on free rigid bodies, whose nodes all move together.
 //!
-//! As at a node with three bodies and more (see `solve.rs`), every pair is solved as if it were alone with its share
-//! of the masses, all at once, until nothing changes. A rigid body's mass is shared among all nodes that touch it,
+//! Pairs are relaxed as at a node with three bodies and more (see `relax.rs`). A rigid body's mass is shared among all nodes that touch it,
 //! by the mass they hold; at each it shows the least mass that its share, which may turn, can show. What the
 //! iteration converges to does not depend on the shares: velocities after contact that obey every pair's law.
 
@@ -11,11 +10,10 @@ use mpm_core::parallel::Float;
 use mpm_core::step::contact::{SharedNodes, Touch};
 
 use crate::law::Contact;
+use crate::relax::relax;
 use crate::solve::Meets;
-use crate::vector::{difference, dot, length, sum, times};
+use crate::vector::{sum, times};
 
-/// Most iterations for all nodes of free rigid bodies.
-const ITERATIONS: usize = 400;
 /// Change of the impulses, over the largest, at which they count as found.
 const FOUND: f64 = 1e-10;
 
@@ -25,8 +23,6 @@ pub struct Coupling<'a, T> {
     touch: Touch<T>,
     fields: [usize; 2],
     meets: Meets<'a, T>,
-    /// Where the iteration looks from.
-    ahead: [T; 3],
     /// Who moves: a rigid body by its number, or the node.
     movers: [usize; 2],
     /// Masses that the pair sees.
@@ -52,7 +48,7 @@ impl<'a, T: Float> Coupling<'a, T> {
             }
         };
         let (movers, seen) = (fields.map(mover), meets.masses);
-        Coupling { block, touch, fields, meets, ahead: [T::of(0.0); 3], movers, seen }
+        Coupling { block, touch, fields, meets, movers, seen }
     }
 }
 
@@ -72,12 +68,11 @@ impl<'a, T: Float> Coupled<'a, T> {
     /// Find the impulses.
     pub fn solve<const D: usize>(at: &[SharedNodes<'_, T, D>], mut pairs: Vec<Coupling<'a, T>>) -> Self {
         share(at, &mut pairs);
-        let mut steps = 0.0;
-        for _ in 0..ITERATIONS {
-            let given = gather(at, &pairs, |c| c.ahead);
-            let mut next = Vec::with_capacity(pairs.len());
-            for pair in &pairs {
-                let Coupling { touch, meets: Meets { law, velocities, area, .. }, seen, ahead, .. } = pair;
+        let mut impulses = vec![[[T::of(0.0); 3]; 3]; pairs.len()];
+        relax(&mut impulses, FOUND, |all| {
+            let given = gather(at, &pairs, all.iter().map(|[_, ahead, _]| *ahead));
+            for (pair, [_, ahead, next]) in pairs.iter().zip(all) {
+                let Coupling { touch, meets: Meets { law, velocities, area, .. }, seen, .. } = pair;
                 let mut free = *velocities;
                 for side in 0..2 {
                     let change = response(at, pair, side, &given);
@@ -85,13 +80,11 @@ impl<'a, T: Float> Coupled<'a, T> {
                     free[side] = sum(velocities[side], sum(change, own));
                 }
                 let contact = Contact { normal: touch.normal, gap: touch.gap, area: *area };
-                next.push(law.impulse(&contact, *seen, free, at[pair.block].dt()));
+                *next = law.impulse(&contact, *seen, free, at[pair.block].dt());
             }
-            if accept(&mut pairs, &next, &mut steps) {
-                break;
-            }
-        }
-        let sums = gather(at, &pairs, |c| c.touch.impulse);
+        });
+        pairs.iter_mut().zip(&impulses).for_each(|(pair, [impulse, ..])| pair.touch.impulse = *impulse);
+        let sums = gather(at, &pairs, impulses.iter().map(|[impulse, ..]| *impulse));
         Coupled { pairs, sums }
     }
 
@@ -147,17 +140,17 @@ fn share<T: Float, const D: usize>(at: &[SharedNodes<'_, T, D>], pairs: &mut [Co
     }
 }
 
-/// Sum of the impulses on every mover, and of their moments about its centre if it is a rigid body.
+/// Sum of the impulses of the pairs on every mover, and of their moments about its centre if it is a rigid body.
 fn gather<T: Float, const D: usize>(
     at: &[SharedNodes<'_, T, D>],
     pairs: &[Coupling<'_, T>],
-    impulse: fn(&Coupling<'_, T>) -> [T; 3],
+    impulses: impl Iterator<Item = [T; 3]>,
 ) -> Sums<T> {
     let mut sums = Sums::new();
-    for pair in pairs {
+    for (pair, impulse) in pairs.iter().zip(impulses) {
         let here = &at[pair.block];
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
-            let impulse = times(impulse(pair), T::of(sign));
+            let impulse = times(impulse, T::of(sign));
             let entry = sums.entry(pair.movers[side]).or_insert(([T::of(0.0); 3], [0.0; 3]));
             entry.0 = sum(entry.0, impulse);
             if let Some(rigid) = here.rigid(pair.fields[side]) {
@@ -186,24 +179,4 @@ fn response<T: Float, const D: usize>(
             rigid.response(&impulse.map(T::to_double), moment, &seen).map(T::of)
         }
     }
-}
-
-/// Take the next impulses, with Nesterov's momentum, which starts anew where it overshoots. Are they found?
-fn accept<T: Float>(pairs: &mut [Coupling<'_, T>], next: &[[T; 3]], steps: &mut f64) -> bool {
-    let zero = T::of(0.0);
-    let (mut change, mut size, mut back) = (zero, zero, zero);
-    for (pair, next) in pairs.iter().zip(next) {
-        let step = difference(*next, pair.touch.impulse);
-        change = change.max(length(step));
-        size = size.max(length(*next));
-        back += dot(difference(pair.ahead, *next), step);
-    }
-    *steps = if back > zero { 0.0 } else { *steps + 1.0 };
-    let momentum = T::of(*steps / (*steps + 3.0));
-    for (pair, next) in pairs.iter_mut().zip(next) {
-        let step = difference(*next, pair.touch.impulse);
-        pair.ahead = sum(*next, times(step, momentum));
-        pair.touch.impulse = *next;
-    }
-    change <= size * T::of(FOUND).max(T::default_epsilon() * T::of(4.0))
 }

@@ -29,8 +29,12 @@ pub struct Contact<T> {
 /// # Ok::<(), mpm_materials::ParameterError>(())
 /// ```
 pub trait ContactLaw<T: Real>: Send + Sync + 'static {
-    /// Does it act on bodies that move apart, too?
+    /// Does it hold bodies that move apart back?
     fn pulls(&self) -> bool {
+        false
+    }
+    /// Does it store energy, and give it back to bodies that move apart? All others at best take none.
+    fn springs(&self) -> bool {
         false
     }
     /// Does it need [`Contact::area`]?
@@ -100,6 +104,62 @@ fn slide<T: Real>(normal: [T; 3], relative: [T; 3], approach: T, limit: T, mass:
     let speed = length(slip);
     let share = if speed > limit { limit / speed } else { T::of(1.0) };
     times(sum(times(normal, approach), times(slip, share)), mass)
+}
+
+/// Penalty: surfaces that overlap by delta push each other apart as a spring on the masses m of the contact would,
+/// J_n = m omega^2 \[delta + (1/e^2 - 1) min(delta, v_n / omega)\] dt, v_n the closing velocity where they close: a spring that
+/// is stiffer while it is pressed, so that a part 1 - e^2 of the energy is lost. With Coulomb friction.
+///
+/// A node that only stops what closes loses what its mass brings along, once for every node that comes into contact: discs
+/// of 8 cells lose a tenth of their energy in an impact. A spring gives it back. In return surfaces overlap by
+/// about v_n / omega, and a joint passes a wave on later, by 2 / omega. Frequencies are numbers of c / h, c the wave speed, m/s,
+/// and h the cell, m; measured ones in docs/notes.md 7.10. For bodies that collide; for bodies that roll, and joints under load,
+/// [`Coulomb`] is better.
+///
+/// Needs a detector that measures gaps, best with normals by [`crate::Regression`]: along gradients of mass overlaps may be
+/// cells off at the rim of a contact. Where none is measured it acts as [`Coulomb`]. In steps longer than e / omega the
+/// spring is one of e / dt.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Penalty<T> {
+    frequency: T,
+    restitution: T,
+    friction: Coulomb<T>,
+}
+impl<T: Real> Penalty<T> {
+    /// Angular frequency omega, 1/s, restitution e of two masses that meet, and coefficient of friction.
+    ///
+    /// # Errors
+    /// A frequency that is not positive, a restitution not in 0.1 to 1, a coefficient that is negative.
+    pub fn new(frequency: T, restitution: T, friction: T) -> Result<Self, ParameterError> {
+        let check = Check("penalty contact");
+        let allowed = (T::of(0.1)..=T::of(1.0)).contains(&restitution);
+        Ok(Penalty {
+            frequency: check.positive("frequency omega", frequency)?,
+            restitution: check.that(allowed, "restitution e", restitution, "0.1 to 1")?,
+            friction: Coulomb::new(friction)?,
+        })
+    }
+}
+impl<T: Real> ContactLaw<T> for Penalty<T> {
+    fn springs(&self) -> bool {
+        true
+    }
+    fn impulse(&self, contact: &Contact<T>, masses: [T; 2], [r, s]: [[T; 3]; 2], dt: T) -> [T; 3] {
+        let Some(gap) = contact.gap else {
+            return self.friction.impulse(contact, masses, [r, s], dt);
+        };
+        let (zero, one) = (T::of(0.0), T::of(1.0));
+        if gap >= zero {
+            return [zero; 3];
+        }
+        let relative = difference(r, s);
+        let closing = dot(relative, contact.normal).max(zero);
+        let frequency = self.frequency.min(self.restitution / dt);
+        let stiffer = one / (self.restitution * self.restitution) - one;
+        let pressed = -gap + stiffer * (closing / frequency).min(-gap);
+        let push = frequency * frequency * pressed * dt;
+        slide(contact.normal, relative, push, self.friction.friction * push, reduced(masses))
+    }
 }
 
 /// Bodies that are glued: one velocity where they meet, pulled or pushed, at every node where the detector says they

@@ -26,12 +26,14 @@ mod meet;
 mod normal;
 mod places;
 mod regression;
+mod relax;
 mod solve;
 mod vector;
 
 pub use detect::{Approach, Compression, ContactDetector, Criterion, SurfaceDistance};
-pub use law::{Adhesion, Contact, ContactLaw, Coulomb, Frictionless, Pairs, Stick};
+pub use law::{Adhesion, Contact, ContactLaw, Coulomb, Frictionless, Pairs, Penalty, Stick};
 pub use meet::GridContact;
 pub use normal::{Choice, Gradients, Memory, Nodal, NormalRule, Weight};
 pub use places::Places;
 pub use regression::Regression;
+pub use relax::{Iterate, relax};

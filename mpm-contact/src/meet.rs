@@ -8,7 +8,7 @@ use mpm_materials::{Check, ParameterError};
 
 use crate::couple::{Coupled, Coupling};
 use crate::detect::{ContactDetector, Criterion};
-use crate::law::Pairs;
+use crate::law::{ContactLaw, Pairs};
 use crate::normal::{Memory, Nodal, NormalRule, each};
 use crate::solve::{Meets, solve, total};
 use crate::vector::{difference, dot, length, sum, times};
@@ -96,10 +96,10 @@ where
         let limit = T::of(limit);
         for touch in &mut found.touches {
             let Pair { fields, bodies, .. } = &found.pairs[touch.pair as usize];
-            let pulls = self.laws.law(bodies[0] as usize, bodies[1] as usize).pulls();
+            let parting = acts_on_parting(self.laws.law(bodies[0] as usize, bodies[1] as usize));
             let meets = || approach(at, fields, touch.node, touch.normal);
             touch.acts =
-                touch.gap.is_none_or(|gap| gap <= limit) && (pulls || has(crowded, touch.node) || meets());
+                touch.gap.is_none_or(|gap| gap <= limit) && (parting || has(crowded, touch.node) || meets());
             touch.impulse = zero;
         }
         found.pairs.iter_mut().for_each(|p| (p.friction, p.taken) = (0.0, 0.0));
@@ -144,6 +144,11 @@ fn has(nodes: u64, node: u8) -> bool {
 
 fn fields<T>(pairs: &[Pair], touch: &Touch<T>) -> [usize; 2] {
     pairs[touch.pair as usize].fields.map(|f| f as usize)
+}
+
+/// Is there anything for the law to do where bodies move apart?
+pub fn acts_on_parting<T: Float>(law: &dyn ContactLaw<T>) -> bool {
+    law.pulls() || law.springs()
 }
 
 /// Do the two fields approach each other at a node ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\])?
@@ -258,7 +263,7 @@ impl<S, T: Float> GridContact<S, T> {
             found.pairs.push(Pair::new(fields, bodies.map(|b| b as u32)));
             found.pairs.len() - 1
         });
-        let all = found.pairs[place].lasts || self.laws.law(bodies[0], bodies[1]).pulls();
+        let all = found.pairs[place].lasts || acts_on_parting(self.laws.law(bodies[0], bodies[1]));
         if !all {
             let meets = |n: &usize| has(crowded, *n as u8) || approach(at, &fields, *n as u8, normals[*n]);
             nodes = each(nodes).filter(meets).fold(0, |bits, n| bits | 1 << n);
@@ -297,7 +302,7 @@ impl<S, T: Float> GridContact<S, T> {
         Meets {
             law,
             masses: fields.map(|f| at.mass(f, node)),
-            velocities: trial(at, fields, touch, law.pulls()),
+            velocities: trial(at, fields, touch, acts_on_parting(law)),
             area: if law.needs_area() { area(at, fields, node) } else { T::of(0.0) },
         }
     }
@@ -318,13 +323,13 @@ fn trial<T: Float, const D: usize>(
     at: &SharedNodes<'_, T, D>,
     [r, s]: [usize; 2],
     touch: &Touch<T>,
-    pulls: bool,
+    parting: bool,
 ) -> [[T; 3]; 2] {
     let node = touch.node as usize;
     let mut velocities = [at.velocity(r, node), at.velocity(s, node)];
-    if !pulls && at.meeting() == Meeting::Trial {
-        let parting = dot(difference(at.old_velocity(s, node), at.old_velocity(r, node)), touch.normal);
-        velocities[0] = difference(velocities[0], times(touch.normal, parting.max(T::of(0.0))));
+    if !parting && at.meeting() == Meeting::Trial {
+        let apart = dot(difference(at.old_velocity(s, node), at.old_velocity(r, node)), touch.normal);
+        velocities[0] = difference(velocities[0], times(touch.normal, apart.max(T::of(0.0))));
     }
     velocities
 }

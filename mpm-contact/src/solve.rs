@@ -1,20 +1,14 @@
 //! Impulses of all pairs that touch at a node.
 //!
-//! One pair is one call of its law. With more, every pair is solved as if it were alone, with each body's mass
-//! shared among the pairs it is in and the impulse of the pair itself taken out of the velocities; all at once,
-//! until nothing changes (Jacobi iteration with mass splitting, accelerated). Every impulse acts on two bodies with opposite
-//! signs, so that momentum is exact however far the iteration came; and since all pairs use the same velocities,
-//! numbering matters only to rounding. What it converges to obeys every pair's law with the whole impulse of the
-//! step: no pull, the friction cone.
+//! One pair is one call of its law; with more they are relaxed (see `relax.rs`). What that converges to obeys every pair's law
+//! with the whole impulse of the step: no pull, the friction cone.
 
 use mpm_core::parallel::Float;
 use mpm_core::step::contact::Touch;
 
 use crate::law::{Contact, ContactLaw};
-use crate::vector::{difference, dot, length, sum, times};
-
-/// Most iterations at a node with three bodies or more.
-const ITERATIONS: usize = 400;
+use crate::relax::{Iterate, relax};
+use crate::vector::{sum, times};
 
 /// What the law of two fields that touch at a node needs.
 pub struct Meets<'a, T> {
@@ -30,9 +24,8 @@ pub fn solve<'a, T: Float>(
     fields: impl Fn(&Touch<T>) -> [usize; 2] + Copy,
     meets: impl Fn(&Touch<T>) -> Meets<'a, T>,
     dt: T,
-    vectors: &mut Vec<[[T; 3]; 2]>,
+    vectors: &mut Vec<Iterate<T>>,
 ) {
-    let zero = T::of(0.0);
     let acting = touches.iter().filter(|t| t.acts).count();
     if acting == 0 {
         return;
@@ -43,39 +36,20 @@ pub fn solve<'a, T: Float>(
         touch.impulse = law.impulse(&contact, masses, velocities, dt);
         return;
     }
-    // Of every touch: its next impulse, and where the iteration looks from.
     vectors.clear();
-    vectors.resize(touches.len(), [[zero; 3]; 2]);
-    let mut steps = 0.0;
-    for _ in 0..ITERATIONS {
+    vectors.resize(touches.len(), [[T::of(0.0); 3]; 3]);
+    relax(vectors, 0.0, |all| {
         for t in (0..touches.len()).filter(|&t| touches[t].acts) {
-            vectors[t][0] = alone(touches, vectors, t, fields, meets(&touches[t]), dt);
+            all[t][2] = alone(touches, all, t, fields, meets(&touches[t]), dt);
         }
-        let (mut change, mut size, mut back) = (zero, zero, zero);
-        for (touch, [next, ahead]) in touches.iter().zip(&*vectors) {
-            let step = difference(*next, touch.impulse);
-            change = change.max(length(step));
-            size = size.max(length(*next));
-            back += dot(difference(*ahead, *next), step);
-        }
-        // Nesterov's momentum, which starts anew where it overshoots.
-        steps = if back > zero { 0.0 } else { steps + 1.0 };
-        let momentum = T::of(steps / (steps + 3.0));
-        for (touch, [next, ahead]) in touches.iter_mut().zip(&mut *vectors) {
-            let step = difference(*next, touch.impulse);
-            *ahead = sum(*next, times(step, momentum));
-            touch.impulse = *next;
-        }
-        if change <= size * T::default_epsilon() * T::of(4.0) {
-            break;
-        }
-    }
+    });
+    touches.iter_mut().zip(vectors).for_each(|(touch, [impulse, ..])| touch.impulse = *impulse);
 }
 
 /// What the law of one pair says, with the others as they are.
 fn alone<T: Float>(
     touches: &[Touch<T>],
-    vectors: &[[[T; 3]; 2]],
+    vectors: &[Iterate<T>],
     t: usize,
     fields: impl Fn(&Touch<T>) -> [usize; 2],
     meets: Meets<'_, T>,

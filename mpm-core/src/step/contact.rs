@@ -62,7 +62,7 @@ pub struct Scratch<T> {
     /// Sets of nodes, a bit each.
     pub bits: Vec<u64>,
     /// Vectors of pairs, two each.
-    pub vectors: Vec<[[T; 3]; 2]>,
+    pub vectors: Vec<[[T; 3]; 3]>,
 }
 
 impl<T> Default for Scratch<T> {
@@ -76,6 +76,6 @@ impl<T> Scratch<T> {
     pub(super) fn bytes(&self) -> usize {
         self.numbers.capacity() * size_of::<[T; 4]>()
             + self.bits.capacity() * size_of::<u64>()
-            + self.vectors.capacity() * size_of::<[[T; 3]; 2]>()
+            + self.vectors.capacity() * size_of::<[[T; 3]; 3]>()
     }
 }

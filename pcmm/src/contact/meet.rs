@@ -237,7 +237,7 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
         let law = laws.law(a.place.body as usize, b.place.body as usize);
         let [[old_a, new_a], [old_b, new_b]] = [velocities(&a.place), velocities(&b.place)];
         let mut seen = [new_a, new_b];
-        if !law.pulls() {
+        if !law.pulls() && !law.springs() {
             // Where they part already an impulse would drive them on: they may end with the opposite of that at most
             // (mpm-contact, `meet.rs`).
             let parting = dot(&difference(&old_b, &old_a), normal).max(0.0);
@@ -256,11 +256,10 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
             masses: [a.mass, b.mass],
             velocities: seen,
             impulse: [0.0; 3],
-            ahead: [0.0; 3],
         });
     }
     solve(&mut touches, movers.len(), dt);
-    let sums = gather(&touches, movers.len(), |t| t.impulse);
+    let sums = gather(&touches, movers.len(), touches.iter().map(|t| t.impulse));
     let mut met = Met::default();
     for (touch, Touching { pair, normal, gap }) in touches.iter().zip(&found) {
         if touch.impulse == [0.0; 3] {

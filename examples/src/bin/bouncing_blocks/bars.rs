@@ -3,10 +3,12 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use examples::{CaseError, Check, Detection, Totals};
+use examples::{CaseError, Check, Detection, Law, Totals};
 use mpm_contact::Gradients;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
-use mpm_core::{BlockGrid, Boundary, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Side, Traction};
+use mpm_core::{
+    BlockGrid, Boundary, Composition, Flip, Fmpm, Linear, Method, Mpm, Musl, PlaneStrain, Side, Traction, Usf,
+};
 
 use crate::scene::{Asked, Run, Watch, mean, rubber, run, velocity};
 use crate::{Outcome, figures};
@@ -18,16 +20,13 @@ const LENGTH: f64 = 1.0;
 /// Closing speed, m/s: a strain of 1/4000, so that no particle leaves its cell.
 const SPEED: f64 = 0.05;
 /// Linear coefficient of bulk viscosity.
-const VISCOSITY: f64 = 0.1;
-
-/// Hats, FLIP, MUSL in plane strain.
-type Hat = Method<Linear, Flip, Musl, PlaneStrain>;
+const VISCOSITY: f64 = 0.03;
 
 /// A strip two cells high between planes of symmetry.
-fn strip(h: f64, asked: Asked) -> Result<(Run<Hat>, Lattice<2>), CaseError> {
+fn strip<M: Composition<f64, 2>>(method: M, h: f64, asked: Asked) -> Result<(Run<M>, Lattice<2>), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
-    let method = Method::new(Linear, Flip, Musl, PlaneStrain);
-    let contact = asked.touch(0.0, Gradients::default(), Detection::Distance)?;
+    let best = (Detection::Distance, Law::Coulomb);
+    let contact = asked.touch(0.0, Gradients::default(), best, [WAVE, h])?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: 2.0 * h, side: Side::Below })?;
@@ -46,7 +45,10 @@ pub fn impact(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseEr
         [("equal bars", 1.0, 1.0), ("second twice as heavy", 2.0, 1.0), ("second twice as long", 1.0, 2.0)]
     {
         let h = LENGTH / f64::from(cells);
-        let (mut mpm, lattice) = strip(h, asked)?;
+        // FLIP takes the strain from velocities that were mapped to particles and back, and fronts come half a cell late for
+        // every cell that they are wide; FMPM undoes the smoothing.
+        let method = Method::new(Linear, Fmpm::<4>, Usf, PlaneStrain);
+        let (mut mpm, lattice) = strip(method, h, asked)?;
         let young = DENSITY * WAVE * WAVE;
         let law = |m: f64| rubber(m * DENSITY, m * young, 0.0, VISCOSITY);
         mpm.add("first", law(1.0)?, &piece(&lattice, -LENGTH, 0.0)?, |_| [SPEED, 0.0])?;
@@ -102,7 +104,7 @@ const PULSE: f64 = 0.4 * LENGTH / WAVE;
 /// the pulse began and velocity and stress at a quarter and three quarters.
 fn pressed(cells: u32, joined: bool, pulse: f64, asked: Asked) -> Result<(Vec<[f64; 5]>, Totals), CaseError> {
     let h = 0.5 * LENGTH / f64::from(cells / 2);
-    let (mut mpm, lattice) = strip(h, asked)?;
+    let (mut mpm, lattice) = strip(Method::new(Linear, Flip, Musl, PlaneStrain), h, asked)?;
     mpm.bound(Boundary::Fixed { axis: 0, at: LENGTH, side: Side::Below })?;
     let law = || rubber(DENSITY, DENSITY * WAVE * WAVE, 0.0, 0.0);
     let load = Traction {

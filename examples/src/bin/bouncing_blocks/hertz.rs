@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use examples::{CaseError, Check, Detection, Totals};
+use examples::{CaseError, Check, Detection, Law, Totals};
 use mpm_contact::Gradients;
 use mpm_core::geometry::Lattice;
 use mpm_core::observe::Moment;
@@ -13,7 +13,7 @@ use mpm_core::{
 };
 
 use crate::circles::{Part, disc};
-use crate::scene::{Asked, Run, Watch, rubber, run};
+use crate::scene::{Asked, Run, Watch, rubber, run, wave};
 use crate::{Outcome, ball, figures};
 
 /// Radius, m; density, kg/m^3; Young's modulus, Pa; Poisson's ratio.
@@ -162,8 +162,10 @@ fn collide<M: Composition<f64, 2>>(
     threads: usize,
 ) -> Result<(Vec<Row>, Totals), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
+    let fast = wave(DENSITY, YOUNG, POISSON);
     // Balls curve away from the nodes beside the contact: only what is on a node's own line counts.
-    let contact = asked.touch(0.0, Gradients::default(), Detection::LocalRegression)?;
+    let contact =
+        asked.touch(0.0, Gradients::default(), (Detection::LocalRegression, Law::Coulomb), [fast, h])?;
     let mut mpm: Run<M> = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     let wave = (YOUNG / DENSITY).sqrt();

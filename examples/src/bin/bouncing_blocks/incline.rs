@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Check, Detection, Totals};
+use examples::{CaseError, Check, Detection, Law, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{Blend, BlockGrid, Boundary, Linear, Method, Mpm, Musl, PlaneStrain, Side};
 
-use crate::scene::{Asked, Watch, of_first, rubber, run};
+use crate::scene::{Asked, Watch, of_first, rubber, run, wave};
 use crate::{Outcome, figures};
 
 /// m/s^2.
@@ -57,7 +57,12 @@ fn one(h: f64, friction: f64, end: f64, asked: Asked) -> Result<(Vec<Row>, Total
     let lattice = Lattice::new([0.0; 2], h)?;
     let damping = DAMPING * h / (YOUNG / DENSITY).sqrt();
     let method = Method::new(Linear, Blend::new(damping)?, Musl, PlaneStrain);
-    let contact = asked.touch(friction, of_first(), Detection::Distance)?;
+    let contact = asked.touch(
+        friction,
+        of_first(),
+        (Detection::Distance, Law::Coulomb),
+        [wave(DENSITY, YOUNG, 0.2), h],
+    )?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     let law = || rubber(DENSITY, YOUNG, 0.2, 0.1);
     let floor = fill(&Cuboid::new([-0.5, -0.4], [4.5, 0.0])?, &lattice, 2, &Filling::new())?;

@@ -14,7 +14,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::{CaseError, Check, Common, Detection, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Detection, Law, Report, Totals, case};
 use scene::Asked;
 use serde::Serialize;
 
@@ -30,6 +30,9 @@ struct Options {
     /// How contact is detected [default: as suits each scene]
     #[arg(long, value_enum)]
     detection: Option<Detection>,
+    /// What bodies do where they touch [default: as suits each scene]
+    #[arg(long, value_enum)]
+    law: Option<Law>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -65,20 +68,21 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         totals = totals.plus(&outcome.totals);
         checks.extend(outcome.checks);
     }
-    let settings = serde_json::json!({ "scenes": options.scene, "detection": options.detection });
+    let settings =
+        serde_json::json!({ "scenes": options.scene, "detection": options.detection, "law": options.law });
     Report::new("bouncing_blocks", options.common.resolution, settings, &totals, checks)
         .finish(&options.common, &folder)
 }
 
 fn of(scene: Scene, options: &Options, folder: &Path) -> Result<Outcome, CaseError> {
     let resolution = options.common.resolution;
-    let asked = Asked(options.detection);
+    let asked = Asked { detection: options.detection, law: options.law };
     match scene {
         Scene::Impact => bars::impact(resolution.choose(100, 200, 400), asked, folder),
         Scene::Wave => bars::wave(resolution.choose(100, 200, 400), asked, folder),
         Scene::Discs => {
             let finer: &[u32] = resolution.choose(&[1], &[1, 2, 4], &[1, 2, 4, 8]);
-            discs::all(finer, resolution == Resolution::Smoke, asked, folder)
+            discs::all(finer, asked, folder)
         }
         Scene::Incline => incline::all(resolution.choose(1, 1, 2), asked, folder),
         Scene::Hertz => {

@@ -2,15 +2,15 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Detection, Detector, Totals};
-use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, Weight};
+use examples::{CaseError, Detection, Detector, Law, Totals};
+use mpm_contact::{Choice, Gradients, GridContact, Weight};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
 use mpm_core::{BlockGrid, Composition, Mpm, Team};
 use mpm_materials::{BulkViscosity, Elastic, Jaumann, LinearDensity, NoFailure, Solid};
 
 /// Linear elastic, with bulk viscosity.
 pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, Jaumann>;
-/// Any test of contact, Coulomb friction.
+/// Any test of contact.
 pub type Touch = GridContact<Detector, f64>;
 /// A scene.
 pub type Run<M> = Mpm<f64, 2, M, BlockGrid<f64, 2>, Touch>;
@@ -23,16 +23,30 @@ pub fn rubber(density: f64, young: f64, poisson: f64, viscosity: f64) -> Result<
     Ok(Solid::new(Elastic::new(shear)?, eos).with_bulk_viscosity(viscosity, 0.0)?)
 }
 
-/// How a scene tells that bodies touch: as it is best for the scene, or as it was asked for.
+/// How a scene tells that bodies touch, and what they then do: as it is best for the scene, or as it was asked for.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked(pub Option<Detection>);
+pub struct Asked {
+    pub detection: Option<Detection>,
+    pub law: Option<Law>,
+}
 
 impl Asked {
-    /// Contact with friction by `best` if nothing else was asked for.
-    pub fn touch(self, friction: f64, normals: Gradients, best: Detection) -> Result<Touch, CaseError> {
-        let detector = self.0.unwrap_or(best).detector(normals)?;
-        Ok(GridContact::new(detector, Pairs::new(Coulomb::new(friction)?)))
+    /// Contact with friction, as is `best` if nothing else was asked for, of bodies with a wave speed, m/s, in cells, m.
+    pub fn touch(
+        self,
+        friction: f64,
+        normals: Gradients,
+        best: (Detection, Law),
+        [wave, h]: [f64; 2],
+    ) -> Result<Touch, CaseError> {
+        let detector = self.detection.unwrap_or(best.0).detector(normals)?;
+        Ok(GridContact::new(detector, self.law.unwrap_or(best.1).pairs(friction, wave, h)?))
     }
+}
+
+/// Speed of pressure waves, m/s, from density, kg/m^3, Young's modulus, Pa, and Poisson's ratio.
+pub fn wave(density: f64, young: f64, poisson: f64) -> f64 {
+    (young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) / density).sqrt()
 }
 
 /// Normals that the first body makes.

@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Detection, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Detection, Law, Report, Resolution, Totals, case};
 
 use scene::Outcome;
 use setup::{Kernel, Scheme, Seeding, Setup};
@@ -41,6 +41,9 @@ struct Options {
     /// Tests of contact to run
     #[arg(long, value_enum, value_delimiter = ',', default_values = ["approach", "distance"])]
     detection: Vec<Detection>,
+    /// What the rings do where they touch
+    #[arg(long, value_enum, default_value = "coulomb")]
+    law: Law,
     /// Cell sizes, mm; particles are half as far apart [default: 2, or 2 and 1, or 2, 1 and 0.5 by resolution]
     #[arg(long, value_name = "MM", value_delimiter = ',', value_parser = cell)]
     cell: Vec<f64>,
@@ -98,6 +101,7 @@ impl Options {
             kernel: method.0,
             scheme: method.1,
             detection: method.2,
+            law: self.law,
             cell: 1e-3 * cell,
             friction: self.friction,
             offset: 1e-3 * self.offset,

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use examples::{CaseError, Totals};
-use mpm_contact::{Coulomb, Gradients, GridContact, Pairs};
+use mpm_contact::{Gradients, GridContact};
 use mpm_core::geometry::{Filling, Lattice, Ring, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, RunError, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -168,7 +168,8 @@ fn run<M: Composition<f64, 2>>(
 ) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.cell)?;
     let law = NeoHookean::new(DENSITY, Moduli::bulk_shear(MODULI[0], MODULI[1])?)?;
-    let laws = Pairs::new(Coulomb::new(setup.friction)?);
+    let fast = ((MODULI[0] + MODULI[1] * 4.0 / 3.0) / DENSITY).sqrt();
+    let laws = setup.law.pairs(setup.friction, fast, setup.cell)?;
     let contact = GridContact::new(setup.detection.detector(Gradients::default())?, laws);
     let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.set_team(Team::new(1).map_err(|e| CaseError::Other(e.to_string()))?);

@@ -1,7 +1,7 @@
 //! What a run may be made of, by name.
 
 use clap::ValueEnum;
-use examples::Detection;
+use examples::{Detection, Law};
 use serde::Serialize;
 
 /// The stress update.
@@ -53,6 +53,7 @@ pub struct Setup {
     pub kernel: Kernel,
     pub scheme: Scheme,
     pub detection: Detection,
+    pub law: Law,
     /// Cell size, m; particles are half as far apart.
     pub cell: f64,
     pub friction: f64,

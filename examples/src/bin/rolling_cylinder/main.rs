@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Detection, Report, Resolution, Totals, case, within};
+use examples::{CaseError, Check, Common, Detection, Law, Report, Resolution, Totals, case, within};
 use mpm_core::output::History;
 
 use exact::{Course, Incline};
@@ -36,6 +36,9 @@ struct Options {
     /// How contact is found
     #[arg(long, value_enum, default_value = "local")]
     detection: Detection,
+    /// What the bodies do where they touch
+    #[arg(long, value_enum, default_value = "coulomb")]
+    law: Law,
     /// Only this many dimensions, 2 (plane strain) or 3 (a cylinder of 4 m) [default: both]
     #[arg(long, value_name = "D", value_parser = clap::value_parser!(u32).range(2..=3))]
     dimensions: Option<u32>,
@@ -69,7 +72,15 @@ impl Options {
     }
     fn setup(&self, friction: f64, dimensions: u32, detection: Detection, cells: u32) -> Setup {
         let incline = Incline { angle: self.angle.to_radians(), friction };
-        Setup { incline, dimensions, detection, cells, end: self.end, threads: self.common.threads() }
+        Setup {
+            incline,
+            dimensions,
+            detection,
+            law: self.law,
+            cells,
+            end: self.end,
+            threads: self.common.threads(),
+        }
     }
 }
 

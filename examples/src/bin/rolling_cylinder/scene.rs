@@ -9,8 +9,8 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use examples::{CaseError, Detection, Totals};
-use mpm_contact::{Coulomb, Gradients, GridContact, Pairs};
+use examples::{CaseError, Detection, Law, Totals};
+use mpm_contact::{Gradients, GridContact};
 use mpm_core::geometry::{Cuboid, Filling, GeometryError, Lattice, Seeds, fill, rings};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -29,6 +29,8 @@ pub const RADIUS: f64 = 3.2;
 pub const LENGTH: f64 = 20.0;
 /// Length of the cylinder in space, m.
 const LONG: f64 = 4.0;
+/// Speed of pressure waves in both bodies, m/s.
+const WAVE: f64 = 300.0;
 /// The plane is wider than that by this much at either end, m.
 const MARGIN: f64 = 0.8;
 /// Thickness of the plane, m; its lower side is fixed.
@@ -61,6 +63,7 @@ pub struct Setup {
     /// Three: as in \[Ma2010\]; two: plane strain.
     pub dimensions: u32,
     pub detection: Detection,
+    pub law: Law,
     /// Cells per radius; two particles per cell along each axis.
     pub cells: u32,
     /// Seconds on the incline.
@@ -116,7 +119,7 @@ fn meet<const D: usize, M: Composition<f64, D>>(
     files: Option<&Path>,
     method: M,
 ) -> Result<Outcome, CaseError> {
-    let friction = Pairs::new(Coulomb::new(setup.incline.friction)?);
+    let friction = setup.law.pairs(setup.incline.friction, WAVE, setup.spacing())?;
     let detector = setup.detection.detector(Gradients::default())?;
     run(setup, files, method, GridContact::new(detector, friction))
 }

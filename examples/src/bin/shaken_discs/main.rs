@@ -31,28 +31,28 @@ struct Options {
     /// Cells per radius of a small disc, 2 to 16 [default: 2, at paper 4]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=16))]
     cells: Option<u32>,
-    /// Young's modulus of the discs, MPa, 0.1 to 1000 [default: 1 at smoke, else 4]; in softer ones collisions overlap
+    /// Young's modulus of the discs, MPa, 0.1 to 1000 [default: 1 at smoke, else 9]; in softer ones collisions overlap
     #[arg(long, value_name = "MPA", value_parser = within(0.1, 1000.0))]
     young: Option<f64>,
     /// How contact is detected
     #[arg(long, value_enum, default_value = "local")]
     detection: Detection,
     /// Coefficient of friction, 0 to 2
-    #[arg(long, value_name = "MU", default_value_t = 0.3, value_parser = within(0.0, 2.0))]
+    #[arg(long, value_name = "MU", default_value_t = 0.6, value_parser = within(0.0, 2.0))]
     friction: f64,
     /// Largest acceleration of the shaking over gravity, 0 to 10
-    #[arg(long, value_name = "G", default_value_t = 4.0, value_parser = within(0.0, 10.0))]
+    #[arg(long, value_name = "G", default_value_t = 6.0, value_parser = within(0.0, 10.0))]
     strength: f64,
     /// Frequency of the shaking, Hz, 1 to 100
-    #[arg(long, value_name = "HZ", default_value_t = 6.0, value_parser = within(1.0, 100.0))]
+    #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = within(1.0, 100.0))]
     frequency: f64,
-    /// Seconds of shaking, 0.1 to 1000 [default: 0.2, 3 or 20 by resolution]
+    /// Seconds of shaking, 0.1 to 1000 [default: 0.2, 3.5 or 20 by resolution]
     #[arg(long, value_name = "S", value_parser = within(0.1, 1000.0))]
     shaking: Option<f64>,
 }
 
 /// Seconds of shaking after which large discs shall have risen.
-const LONG: f64 = 5.0;
+const LONG: f64 = 3.5;
 /// Deepest overlap, cells.
 const OVERLAP: f64 = 0.2;
 /// How much the energy may grow, over the largest: rounding.
@@ -71,12 +71,12 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         large: usize::from(options.large.unwrap_or(resolution.choose(1, 3, 3))),
         small: usize::from(options.small.unwrap_or(resolution.choose(25, 207, 207))),
         cells: options.cells.unwrap_or(resolution.choose(2, 2, 4)),
-        young: 1e6 * options.young.unwrap_or(resolution.choose(1.0, 4.0, 4.0)),
+        young: 1e6 * options.young.unwrap_or(resolution.choose(1.0, 9.0, 9.0)),
         detection: options.detection,
         friction: options.friction,
         strength: options.strength,
         frequency: options.frequency,
-        shaking: options.shaking.unwrap_or(resolution.choose(0.2, 3.0, 20.0)),
+        shaking: options.shaking.unwrap_or(resolution.choose(0.2, 3.5, 20.0)),
         threads: options.common.threads(),
     };
     let outcome = scene::shake(&setup, &folder)?;
