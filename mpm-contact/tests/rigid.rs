@@ -38,6 +38,20 @@ fn free<const D: usize>() -> Rigid<D> {
     Rigid::free(1000.0).expect("rigid")
 }
 
+/// Kinetic damping would leave a free body moving: it is refused, whichever comes first.
+#[test]
+fn free_bodies_and_kinetic_damping_exclude_each_other() {
+    let mut mpm = scene::<2, _>(plane(), None);
+    mpm.set_kinetic_damping(true).expect("nothing moves by itself yet");
+    let stone = cuboid([0.0; 2], [2.0 * H; 2]);
+    let refused = mpm.add_rigid("stone", &free(), &stone).expect_err("a free body").to_string();
+    assert!(refused.contains("free rigid body `stone`"), "{refused}");
+    mpm.set_kinetic_damping(false).expect("off");
+    mpm.add_rigid("stone", &free(), &stone).expect("a free body");
+    let refused = mpm.set_kinetic_damping(true).expect_err("a free body").to_string();
+    assert!(refused.contains("its motion must be prescribed"), "{refused}");
+}
+
 /// A brick without symmetries of a cube, spinning freely about an axis near the middle one, which is unstable.
 fn tumbles<M: Composition<f64, 3>>(method: M) {
     let mut mpm = scene(method, None);

@@ -73,8 +73,9 @@ pub use shape::{
     AffineShape, BoundaryModified, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction,
 };
 pub use step::{
-    Body, Contact, FieldForce, Mpm, OneField, Particle, Rigid, RigidState, SplitBook, Splitting, StepError,
-    Stopped, TimeControl, Totals, Traction, Twist,
+    Balance, Body, Contact, FieldForce, Footprint, Frequency, Mpm, NodeWeight, OneField, Particle, Rest,
+    Rested, Rigid, RigidState, SplitBook, Splitting, StepError, Stopped, TimeControl, Totals, Traction,
+    Twist,
 };
 pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
 

@@ -1,12 +1,15 @@
 //! Surface loads and prescribed velocities: the impulse they give is booked to round-off, and their work closes
-//! the ledger.
+//! the ledger. Ways to rest: what they take is booked, and the state they find is the static one. The null-space filter
+//! takes what nodes do not see and nothing else; bounds of the frequency are those of the step control.
 
 use std::sync::Arc;
 
+use impactite_tests::compare::{fast, particles};
+use impactite_tests::scene::{Numbers, block, rubber};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{
-    Blend, BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Mls, Mpm, Musl,
-    PlaneStrain, QuadraticBSpline, Side, TimeControl, Traction, Usf, Usl,
+    Apic, Blend, BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Mls, Mpm, Musl,
+    PlaneStrain, QuadraticBSpline, Rest, Side, Team, TimeControl, Traction, Usf, Usl,
 };
 use mpm_materials::{LinearElastic, Moduli};
 
@@ -156,4 +159,267 @@ fn damping_that_cannot_be_is_refused() {
     let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
     let error = mpm.set_local_damping(0.5).unwrap_err().to_string();
     assert!(error.contains("forces of the nodes"), "{error}");
+}
+
+/// Kinetic damping: a column under its weight comes to rest under the static stress whatever the stress update, and what it
+/// took is booked.
+#[test]
+fn a_column_comes_to_rest_by_kinetic_damping() {
+    fn column<M: Composition<f64, 2>>(method: M) {
+        let (h, cells, gravity) = (0.1, 10, 0.01);
+        let length = f64::from(cells) * h;
+        let name = method.describe();
+        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(Lattice::new([0.0; 2], h).unwrap()));
+        let seeds = block(mpm_core::GridStorage::lattice(mpm.grid()), [0; 2], [1, 10], 2, 0.0);
+        let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.0).unwrap()).unwrap();
+        mpm.add("column", law, &seeds, |_| [0.0; 2]).unwrap();
+        mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
+        mpm.bound(Boundary::Symmetry { axis: 0, at: h, side: Side::Below }).unwrap();
+        mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
+        mpm.set_body_force(move |_| [0.0, -gravity]);
+        mpm.set_time_control(TimeControl::Fixed(0.3 * h)).unwrap();
+        mpm.set_kinetic_damping(true).unwrap();
+        // The column swings once in 4 s.
+        let rested = mpm.run_to_rest(&Rest::new(1e-4, 1e-6, 4.0).unwrap(), 200.0).unwrap();
+        println!("{name}: {rested:?} after {} s, {} stops", mpm.time(), mpm.stops());
+        assert!(rested.reached && mpm.stops() > 0, "{name}: {rested:?}");
+        let (totals, ledger) = (mpm.totals(), mpm.ledger());
+        for d in 0..2 {
+            let error = totals.momentum[d] - ledger.load[d] - ledger.impulse[d];
+            assert!(error.abs() < 1e-12 * gravity * 45.0, "{name}: {error:e}");
+        }
+        let energy = totals.kinetic + totals.internal;
+        // Every stop leaves what is of first order in the step: 4.3 %, and 2.0 % with half of it.
+        let closes = (energy - ledger.work).abs() < 0.05 * energy;
+        assert!(closes, "{name}: energy {energy}, work {}", ledger.work);
+        mpm.bodies()[0].for_each(&mut |p| {
+            let exact = -gravity * (length - seeds.positions[p.number][1]);
+            // Hats hold the mean of a cell, a quarter of a cell away; the strain is 1 %.
+            let allowed = (0.25 * h + 0.02 * length) * gravity;
+            assert!((p.stress[1] - exact).abs() < allowed, "{name}: {} for {exact}", p.stress[1]);
+        });
+    }
+    column(Method::new(Linear, Flip, Musl, PlaneStrain));
+    column(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian());
+    column(Method::new(Linear, Flip, Usf, PlaneStrain));
+}
+
+/// A traction stretches a block as statics has it, and the momentum that the stops took is booked.
+#[test]
+fn a_pulled_block_comes_to_rest() {
+    let lattice = Lattice::new([0.0; 2], 0.5).unwrap();
+    let seeds = block(&lattice, [0; 2], [4, 8], 2, 0.0);
+    let law = LinearElastic::new(1.0, Moduli::young_poisson(100.0, 0.3).unwrap()).unwrap();
+    let top = Cuboid::new([0.0, 3.75], [2.0, 4.0]).unwrap();
+    let (region, history) = (Arc::new(top), Arc::new(|_: f64| [0.0, 0.1]));
+    let load = Traction { region, axis: 1, history, revolved: false };
+    let method = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    mpm.add_loaded("block", law, &seeds, |_| [0.0; 2], load).unwrap();
+    mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
+    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
+    mpm.set_time_control(TimeControl::Fixed(0.02)).unwrap();
+    mpm.set_kinetic_damping(true).unwrap();
+    let rested = mpm.run_to_rest(&Rest::new(1e-6, 1e-9, 2.0).unwrap(), 100.0).unwrap();
+    assert!(rested.reached, "{rested:?}");
+    // The loaded layer is a quarter of a cell below the top, so that the last row of cells carries three quarters of
+    // 0.1 Pa; the area is 2 m^2 a metre of depth and the modulus in plane strain E / (1 - nu^2).
+    let exact = 0.5 * 0.1f64.powi(2) / (100.0 / 0.91) * 2.0 * (3.5 + 0.5 * 0.75f64.powi(2));
+    let energy = rested.balance.internal;
+    println!("energy {energy:e}, exact {exact:e}, {} stops", mpm.stops());
+    // The strain of 1e-3 changes lengths, and the corners of the loaded row are not stretched evenly.
+    assert!((energy / exact - 1.0).abs() < 2e-3, "energy {energy:e} for {exact:e}");
+    let (totals, ledger) = (mpm.totals(), mpm.ledger());
+    for d in 0..2 {
+        let error = totals.momentum[d] - ledger.load[d] - ledger.impulse[d];
+        // Of the impulse of the load over the time of the run.
+        assert!(error.abs() < 1e-12 * 0.2 * mpm.time(), "{error:e}");
+    }
+}
+
+/// Neither stops nor filters depend on threads.
+#[test]
+fn ways_to_rest_do_not_depend_on_threads() {
+    let run = |threads: usize| {
+        let mut scene = impactite_tests::scene::flow::<2>();
+        scene.bodies.truncate(1);
+        let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+        let mut mpm = fast(method, BlockGrid::new(scene.lattice), &scene, &rubber());
+        mpm.set_team(Team::new(threads).unwrap());
+        mpm.set_kinetic_damping(true).unwrap();
+        mpm.set_null_space_filter(3).unwrap();
+        for _ in 0..60 {
+            mpm.step().unwrap();
+        }
+        assert!(mpm.stops() > 0, "nothing was stopped");
+        (particles(&mpm), mpm.ledger().work.to_bits(), mpm.balance().unbalanced.to_bits())
+    };
+    let one = run(1);
+    for threads in 2..=4 {
+        assert!(one == run(threads), "{threads} threads");
+    }
+}
+
+/// A block with noise in its velocities, `per_axis` particles a cell and axis.
+fn noisy<M: Composition<f64, 2>>(method: M, per_axis: usize) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+    let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
+    let seeds = block(&lattice, [0; 2], [5, 3], per_axis, 0.3);
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let velocity = |x: [f64; 2]| {
+        let mut random = Numbers::new((1e6 * (x[0] + 10.0 * x[1])) as u64);
+        [1e-3 * random.draw(), 1e-3 * random.draw()]
+    };
+    mpm.add("block", rubber(), &seeds, velocity).unwrap();
+    mpm.set_time_control(TimeControl::Fixed(0.01)).unwrap();
+    mpm
+}
+
+/// The filter leaves velocities that nodes see, and nodes do not notice: in the reference configuration, where weights
+/// never change, stresses and places are the same with it.
+#[test]
+fn the_null_space_filter_takes_what_nodes_do_not_see() {
+    let method = || Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
+    let run = |filter: bool, per_axis: usize| {
+        let mut mpm = noisy(method(), per_axis);
+        let start = mpm.totals().kinetic;
+        if filter {
+            mpm.set_null_space_filter(1).unwrap();
+        }
+        for _ in 0..40 {
+            mpm.step().unwrap();
+        }
+        let (totals, ledger) = (mpm.totals(), mpm.ledger());
+        let books = totals.kinetic + totals.internal - ledger.work - start;
+        (particles(&mpm).remove(0), totals.kinetic, books, mpm)
+    };
+    let (with, kinetic, books, filtered) = run(true, 3);
+    let (without, noise, as_ever, _) = run(false, 3);
+    // Five of nine directions of a cell are hidden, and hold half of the noise or more.
+    println!("kinetic {kinetic:e} with, {noise:e} without; books {books:e}, {as_ever:e}");
+    assert!(kinetic < 0.6 * noise, "{kinetic:e} of {noise:e} is left");
+    // Singular vectors of cells whose particles nearly lie in a row are good to some 1e-12.
+    assert!((books - as_ever).abs() < 1e-10 * noise, "books {books:e}, {as_ever:e}");
+    for (a, b) in with.iter().zip(&without) {
+        for d in 0..2 {
+            assert!((a.position[d] - b.position[d]).abs() < 1e-13, "{a:?} for {b:?}");
+        }
+        for i in 0..6 {
+            assert!((a.stress[i] - b.stress[i]).abs() < 1e-11, "{a:?} for {b:?}");
+        }
+    }
+    // What is left in a cell is bilinear in place: a fit by least squares, by mass, leaves nothing.
+    let mut cells = std::collections::BTreeMap::<[i64; 2], Vec<[f64; 4]>>::new();
+    filtered.for_each_footprint(&mut |p| {
+        let low = p.nodes.iter().map(|w| w.node).min().unwrap();
+        let at = |node: [i32; 2]| p.nodes.iter().find(|w| w.node == node).map_or(0.0, |w| w.value);
+        let x = at([low[0] + 1, low[1]]) + at([low[0] + 1, low[1] + 1]);
+        let y = at([low[0], low[1] + 1]) + at([low[0] + 1, low[1] + 1]);
+        cells.entry(low.map(i64::from)).or_default().push([p.mass, x, y, p.velocity[0]]);
+    });
+    assert_eq!(cells.len(), 15);
+    for (cell, rows) in &cells {
+        let left = misfit(rows);
+        assert!(left < 1e-12, "cell {cell:?}: {left:e} m/s is not bilinear");
+    }
+    // With two an axis cells hide nothing, and nothing changes but rounding.
+    let (with, kinetic, ..) = run(true, 2);
+    let (without, noise, ..) = run(false, 2);
+    assert!((kinetic / noise - 1.0).abs() < 1e-12 && with.len() == without.len());
+}
+
+/// The largest residual of [mass, x, y, v] from the bilinear fit, by normal equations.
+fn misfit(rows: &[[f64; 4]]) -> f64 {
+    let basis = |r: &[f64; 4]| [1.0, r[1], r[2], r[1] * r[2]];
+    let mut a = [[0.0; 5]; 4];
+    for r in rows {
+        let b = basis(r);
+        for i in 0..4 {
+            for j in 0..4 {
+                a[i][j] += r[0] * b[i] * b[j];
+            }
+            a[i][4] += r[0] * b[i] * r[3];
+        }
+    }
+    for i in 0..4 {
+        for k in (0..4).filter(|&k| k != i) {
+            let share = a[k][i] / a[i][i];
+            for j in i..5 {
+                a[k][j] -= share * a[i][j];
+            }
+        }
+    }
+    let fit = |r: &[f64; 4]| {
+        basis(r).iter().zip(&a).enumerate().map(|(i, (b, row))| b * row[4] / row[i]).sum::<f64>()
+    };
+    rows.iter().map(|r| (r[3] - fit(r)).abs()).fold(0.0, f64::max)
+}
+
+/// Half a body at a plane of symmetry has the bound of the frequency and the balance of the whole one.
+#[test]
+fn diagnostics_know_planes_of_symmetry() {
+    let model = |low: i64, cells: usize| {
+        let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
+        let seeds = block(&lattice, [low, 0], [cells, 3], 2, 0.0);
+        let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
+        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+        mpm.add("block", rubber(), &seeds, |x| [0.01 * x[0], 0.02 * x[0] * x[0]]).unwrap();
+        if low == 0 {
+            mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
+        }
+        mpm.set_body_force(|_| [0.0, -1e-3]);
+        mpm.set_time_control(TimeControl::Fixed(0.02)).unwrap();
+        for _ in 0..10 {
+            mpm.step().unwrap();
+        }
+        (mpm.frequency_bound(), mpm.balance())
+    };
+    let ((whole, all), (half, part)) = (model(-4, 8), model(0, 4));
+    assert!((half.bound / whole.bound - 1.0).abs() < 1e-12, "{half:?} for {whole:?}");
+    assert!((part.unbalanced.powi(2) / all.unbalanced.powi(2) - 0.5).abs() < 1e-9, "{part:?} for {all:?}");
+}
+
+/// The step by the circles of Gershgorin is what it says, and shrinks where USL meets an almost empty cell.
+#[test]
+fn the_sharp_step_follows_the_bound() {
+    fn first<M: Composition<f64, 2>>(method: M, behind: f64) -> (f64, f64) {
+        let lattice = Lattice::new([0.0; 2], 1.0).unwrap();
+        let mut seeds = block(&lattice, [0; 2], [4, 1], 2, 0.0);
+        seeds.positions.iter_mut().for_each(|x| x[0] += 0.25 + behind);
+        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+        mpm.add("bar", rubber(), &seeds, |_| [0.0; 2]).unwrap();
+        mpm.set_time_control(TimeControl::Gershgorin { factor: 0.9, growth: 1.1, every: 5 }).unwrap();
+        let bound = mpm.frequency_bound().bound;
+        (mpm.step().unwrap(), bound)
+    }
+    for behind in [0.25, 0.01] {
+        let (dt, bound) = first(Method::new(Linear, Flip, Usl, PlaneStrain), behind);
+        assert!((dt * bound / (0.9 * 2f64.sqrt()) - 1.0).abs() < 1e-12, "{dt} for {bound}");
+        let (dt, bound) = first(Method::new(Linear, Flip, Musl, PlaneStrain), behind);
+        assert!((dt * bound / (0.9 * 2.0) - 1.0).abs() < 1e-12, "{dt} for {bound}");
+    }
+    let usl = || Method::new(Linear, Flip, Usl, PlaneStrain);
+    let shrinks = first(usl(), 1e-4).0 / first(usl(), 1e-2).0;
+    // As the root of what is left of a cell.
+    assert!((shrinks / 0.1 - 1.0).abs() < 0.05, "{shrinks}");
+    let splines = || Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain);
+    let keeps = first(splines(), 1e-4).0 / first(splines(), 1e-2).0;
+    assert!(keeps > 0.9, "{keeps}");
+}
+
+#[test]
+fn ways_to_rest_that_cannot_be_are_refused() {
+    let mut mpm = noisy(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain), 2);
+    let says = |error: mpm_core::step::SceneError, words: &str| {
+        assert!(error.to_string().contains(words), "{error}");
+    };
+    says(mpm.set_kinetic_damping(true).unwrap_err(), "maps momentum and impulse together");
+    says(mpm.set_null_space_filter(1).unwrap_err(), "whose velocities come from the nodes");
+    says(Rest::new(0.0, 1e-6, 1.0).unwrap_err(), "force ratio = 0");
+    says(Rest::new(1e-4, f64::NAN, 1.0).unwrap_err(), "energy ratio = NaN");
+    says(Rest::new(1e-4, 1e-6, -1.0).unwrap_err(), "time to last = -1");
+    says(Rest::new(1e-4, 1e-6, 1.0).unwrap().every(0).unwrap_err(), "steps between looks = 0");
+    let control = TimeControl::Gershgorin { factor: 0.9, growth: 1.1, every: 0 };
+    says(mpm.set_time_control(control).unwrap_err(), "every = 0");
+    let mut mpm = noisy(Method::new(Linear, Flip, Musl, PlaneStrain), 2);
+    says(mpm.set_null_space_filter(0).unwrap_err(), "steps = 0");
 }

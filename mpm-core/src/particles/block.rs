@@ -1,7 +1,9 @@
 //! A block of bins with their particles.
 
+use super::Columns;
 use crate::dim::{BLOCK, block_nodes};
 use crate::parallel::{Float, prefetch};
+use crate::step::rest::Stilled;
 
 /// No group.
 const NONE: u32 = u32::MAX;
@@ -165,6 +167,41 @@ impl<T: Float, const D: usize> Block<T, D> {
     #[inline(always)]
     pub fn read(&self, at: Place, numbers: &mut Vec<T>) {
         numbers.extend(self.group(at.group).iter().map(|row| row.as_ref()[at.lane as usize]));
+    }
+
+    /// Momentum, kg m/s, and kinetic energy, J, of the particles, in the order of the groups.
+    pub fn motion(&self) -> Stilled {
+        let mut sum = Stilled::default();
+        for bin in 0..self.runs.len() {
+            let mut next = self.last_group(bin);
+            while let Some((group, _)) = next {
+                next = self.group_before(group);
+                let rows = self.group(group);
+                let velocity = |d: usize| rows[Columns::velocity(D) + d].as_ref();
+                // Lanes without a particle weigh nothing.
+                for (lane, mass) in rows[Columns::mass(D)].as_ref().iter().enumerate() {
+                    let mass = mass.to_double();
+                    for d in 0..D {
+                        let v = velocity(d)[lane].to_double();
+                        sum.momentum[d] += mass * v;
+                        sum.kinetic += 0.5 * mass * v * v;
+                    }
+                }
+            }
+        }
+        sum
+    }
+
+    /// Set all velocities to zero.
+    pub fn stop(&mut self) {
+        for bin in 0..self.runs.len() {
+            let mut next = self.last_group(bin);
+            while let Some((group, _)) = next {
+                next = self.group_before(group);
+                let rows = self.group_mut(group);
+                rows[Columns::velocity(D)..][..D].fill(T::Row::default());
+            }
+        }
     }
 
     /// Append a particle to a bin.

@@ -6,9 +6,11 @@ use std::marker::PhantomData;
 use mpm_materials::{Breakdown, Constitutive, Lane, State};
 
 use super::fields::Claim;
+use super::footprint::Footprint;
 use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
+use super::rest::Stilled;
 use super::rigid::RigidState;
 use super::splitting::{SplitBook, Splitter, Splitting};
 use super::survey::{Near, Survey};
@@ -191,6 +193,13 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn splits(&self) -> SplitBook {
         SplitBook::default()
     }
+
+    /// Stop all particles.
+    fn still(&mut self) -> Stilled;
+    /// Take out of the velocities what the nodes of a cell do not see; the kinetic energy of that, J.
+    fn filter(&mut self, team: &Team) -> f64;
+    /// Show every particle as its nodes see it, loads as they are at `time`, s.
+    fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>));
 }
 
 /// A body of the law `C` in a method `M`.
@@ -219,7 +228,7 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Half sizes of the particles in units of h.
     pub(super) half: [T; 3],
     lightest: T,
-    load: L,
+    pub(super) load: L,
     /// Sum of the loaded areas, m^2.
     loaded_area: f64,
     loading: Loading,
@@ -227,7 +236,7 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) splitter: Splitter<T>,
     splits: SplitBook,
     /// Where the particles started, by number, if a force field asks for it, m.
-    starts: Vec<[f64; D]>,
+    pub(super) starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
     dummy: Vec<T>,
 }
@@ -401,7 +410,7 @@ where
         }
     }
 
-    fn traction(&self, time: f64) -> [f64; 3] {
+    pub(super) fn traction(&self, time: f64) -> [f64; 3] {
         let mut traction = [0.0; 3];
         if L::ACTS {
             traction[..D].copy_from_slice(&self.load.traction(time));
@@ -819,6 +828,25 @@ where
     }
     fn splits(&self) -> SplitBook {
         self.splits
+    }
+
+    fn still(&mut self) -> Stilled {
+        let mut sum = Stilled::default();
+        for slot in &mut self.slots {
+            let part = slot.block.motion();
+            sum.kinetic += part.kinetic;
+            for d in 0..3 {
+                sum.momentum[d] += part.momentum[d];
+            }
+            slot.block.stop();
+        }
+        sum
+    }
+    fn filter(&mut self, team: &Team) -> f64 {
+        self.filter_cells(team)
+    }
+    fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        self.show_footprints(time, visit);
     }
 }
 

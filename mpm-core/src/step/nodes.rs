@@ -544,7 +544,7 @@ fn drop_momentum<T: Float, const D: usize>(node: &mut Node<T>, ledger: &mut Node
 }
 
 /// Directions in which no boundary holds the node.
-fn free_directions<const D: usize>(
+pub(super) fn free_directions<const D: usize>(
     conditions: &Conditions<D>,
     x: &[f64; D],
     time: f64,

@@ -117,6 +117,9 @@ impl<const D: usize> Rigid<D> {
         self.about = Some(point);
         self
     }
+    pub(super) fn is_prescribed(&self) -> bool {
+        self.prescribed.is_some()
+    }
     pub(super) fn density(&self) -> f64 {
         self.density
     }

@@ -4,9 +4,11 @@ use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Real, Sym3, Update};
 
 use super::body::{Body, BodyTrouble, Particle, ParticleBody, Steps, Totals, Which};
 use super::fields::{Claim, Fields};
+use super::footprint::Footprint;
 use super::layout::{Layout, Nodes, Piece, numbers};
 use super::load::Loading;
 use super::nodes::{BlockPlace, NodeLedger, Stage};
+use super::rest::Stilled;
 use super::rigid::{Rigid, RigidState};
 use super::scene::SceneError;
 use super::survey::{Near, Survey};
@@ -168,6 +170,16 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     }
     fn columns(&self) -> usize {
         self.particles.columns()
+    }
+    /// None: a body of prescribed motion is not stopped.
+    fn still(&mut self) -> Stilled {
+        Stilled::default()
+    }
+    fn filter(&mut self, _: &Team) -> f64 {
+        0.0
+    }
+    fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        self.particles.footprints(time, &mut |p| visit(&Footprint { rigid: true, ..*p }));
     }
 }
 

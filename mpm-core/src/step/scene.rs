@@ -21,6 +21,30 @@ pub enum SceneError {
         "local damping needs the forces of the nodes, which `{0}` maps together with momentum; take FLIP, MUSL or USF"
     )]
     NoForces(String),
+    /// What counts as rest.
+    #[error("rest: {field} = {value} is not allowed; it must be positive and finite")]
+    Rest {
+        /// Which number.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// Steps between filters.
+    #[error("null-space filter: steps = 0 is not allowed; they must be at least 1")]
+    FilterSteps,
+    /// A filter of velocities that hide nothing.
+    #[error(
+        "a null-space filter has nothing to do for `{0}`, whose velocities come from the nodes; it needs FLIP or a blend"
+    )]
+    NothingToFilter(String),
+    /// Kinetic damping of a method whose nodes know no forces.
+    #[error(
+        "kinetic damping is not allowed with `{0}`, which maps momentum and impulse together; take FLIP or a blend"
+    )]
+    RestOfTogether(String),
+    /// Kinetic damping beside a free rigid body.
+    #[error("kinetic damping is not allowed with the free rigid body `{0}`; its motion must be prescribed")]
+    RestOfFree(String),
     /// A body without particles.
     #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
     Empty(String),

@@ -11,6 +11,7 @@ use super::layout::Nodes;
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
 use super::planes::Planes;
+use super::rest::Calm;
 use super::rigid::Rigid;
 use super::rigid_body::RigidBody;
 use super::scene::SceneError;
@@ -86,14 +87,20 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     pub(super) grid: G,
     contact: K,
     /// Where on the grid each body's nodes are.
-    fields: Fields<D>,
+    pub(super) fields: Fields<D>,
     encounters: Encounters<T>,
-    bodies: Vec<Box<dyn Body<T, D>>>,
-    conditions: Conditions<D>,
+    pub(super) bodies: Vec<Box<dyn Body<T, D>>>,
+    pub(super) conditions: Conditions<D>,
     control: TimeControl,
-    team: Team,
-    time: f64,
-    steps: u64,
+    /// The last sharp rate, 1/s, and the step it was found at.
+    sharp: Option<(u64, f64)>,
+    /// Kinetic damping, if asked for.
+    pub(super) calm: Option<Calm>,
+    /// Steps between null-space filters, if asked for.
+    pub(super) filter: Option<u64>,
+    pub(super) team: Team,
+    pub(super) time: f64,
+    pub(super) steps: u64,
     last_dt: Option<f64>,
     /// The step that impulses on the grid are for, s.
     planned: T,
@@ -102,9 +109,9 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     /// What stopped the run, after which it makes no step.
     stopped_by: Option<StepError>,
     /// Do the tiles hold the map of the particles as they stand?
-    mapped: bool,
+    pub(super) mapped: bool,
     ledgers: Vec<NodeLedger>,
-    ledger: NodeLedger,
+    pub(super) ledger: NodeLedger,
     /// The surface loads on the grid.
     acting: Loading,
     /// Terms of the FMPM series, one a node; empty for other transfers.
@@ -112,7 +119,7 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     /// The nodes at planes of symmetry, walls and fixed planes.
     planes: Planes<T>,
     /// Which bodies are rigid.
-    rigid: Vec<usize>,
+    pub(super) rigid: Vec<usize>,
 }
 
 /// A view of the grid for its stages, which leaves the other parts of the solver free.
@@ -182,6 +189,9 @@ where
             bodies: Vec::new(),
             conditions: Conditions { boundaries: Vec::new(), gravity: None, damping: 0.0 },
             control: TimeControl::default_for::<T, D, M>(),
+            sharp: None,
+            calm: None,
+            filter: None,
             team: Team::one(),
             time: 0.0,
             steps: 0,
@@ -254,6 +264,9 @@ where
         const { assert!(K::SEPARATES, "a rigid body needs a contact algorithm: `Mpm::with_contact`") };
         self.check_seeds(name, seeds)?;
         self.check_numbers(name, seeds, |_| [0.0; D])?;
+        if self.calm.is_some() && !rigid.is_prescribed() {
+            return Err(SceneError::RestOfFree(name.into()));
+        }
         let body = RigidBody::<T, D, M>::new(name, rigid, self.method, *self.grid.lattice(), seeds)?;
         self.enter(name, Box::new(body))?;
         self.rigid.push(self.bodies.len() - 1);
@@ -416,6 +429,7 @@ where
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), SceneError> {
         control.check()?;
         self.control = control;
+        self.sharp = None;
         self.last_dt = None;
         self.mapped = false;
         Ok(())
@@ -465,12 +479,14 @@ where
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.meet(Meeting::Trial, dt); // vii: eqs. 11 - 15
             self.move_rigid(dt);
+            self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.meet(Meeting::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.move_rigid(dt);
+            self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if M::Update::REMAP {
@@ -480,11 +496,14 @@ where
             }
         }
 
-        self.close_step(dt)
+        self.close_step(dt)?;
+        self.filter();
+        self.still();
+        Ok(dt)
     }
 
     /// Book the step, bring particles to their new bins, define the new grid (xii, ii).
-    fn close_step(&mut self, dt: T) -> Result<T, StepError> {
+    fn close_step(&mut self, dt: T) -> Result<(), StepError> {
         for part in &self.ledgers {
             self.ledger.add(part);
         }
@@ -509,7 +528,7 @@ where
         self.time += dt.to_double();
         self.steps += 1;
         self.last_dt = Some(dt.to_double());
-        Ok(dt)
+        Ok(())
     }
 
     /// Let the bodies meet at the nodes they share.
@@ -664,8 +683,14 @@ where
         Ok(dt)
     }
 
-    fn plan(&self, left: f64) -> Result<T, StepError> {
-        let dt = self.control.next(self.rate.to_double(), self.last_dt);
+    fn plan(&mut self, left: f64) -> Result<T, StepError> {
+        let mut rate = self.rate.to_double();
+        if let TimeControl::Gershgorin { every, .. } = self.control {
+            let known = self.sharp.filter(|(step, _)| self.steps < step + every);
+            let (step, sharp) = known.unwrap_or_else(|| (self.steps, self.sharp_rate()));
+            (self.sharp, rate) = (Some((step, sharp)), sharp);
+        }
+        let dt = self.control.next(rate, self.last_dt);
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(self.stopped(Stopped::NoTimeStep(dt)));
         }

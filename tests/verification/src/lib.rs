@@ -12,15 +12,19 @@
 //! | [`problems::bar`] | period of a bar (V1), energy of a drifting one (V2), a pulse (V7) |
 //! | [`problems::rigid`] | rigid flight and turn (V6) |
 //! | [`problems::column`] | stress of a column under its weight (V14) |
+//! | [`problems::statics`] | Cook's membrane (V17) and a cantilever (V15) at rest |
 //! | [`problems::gas`] | Sod's shock tube (V13), Taylor-Green vortices at low Mach number (V22) |
 //!
 //! V8 to V12 (impact and contact) are the case `bouncing_blocks` of the package `examples`, its errors among its
 //! checks.
 //!
+//! [`limit`] has the longest stable step of runs, eigenvalues and bounds.
+//!
 //! Every composition is compiled once, here, for tests and for the binary `report`.
 
 pub mod case;
 pub mod fast;
+pub mod limit;
 pub mod machine;
 pub mod origin;
 pub mod problems;

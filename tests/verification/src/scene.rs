@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use mpm_core::geometry::{Lattice, Seeds};
-use mpm_core::{BlockGrid, Body, Boundary, Composition, FieldForce, Mpm, Particle, TimeControl, Totals};
+use mpm_core::{
+    BlockGrid, Body, Boundary, Composition, FieldForce, Footprint, Frequency, Mpm, Particle, TimeControl,
+    Totals,
+};
 use mpm_materials::Constitutive;
 
 use crate::scheme::Visit;
@@ -46,6 +49,7 @@ pub struct Moment<'a, const D: usize> {
     /// Where particles started, by number, m.
     pub starts: &'a [[f64; D]],
     bodies: &'a [Box<dyn Body<f64, D>>],
+    frequency: &'a dyn Fn() -> Frequency,
 }
 
 impl<const D: usize> Moment<'_, D> {
@@ -54,6 +58,16 @@ impl<const D: usize> Moment<'_, D> {
         for body in self.bodies {
             body.for_each(visit);
         }
+    }
+    /// Call `visit` for every particle as its nodes see it.
+    pub fn footprints(&self, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        for body in self.bodies {
+            body.footprints(self.time, visit);
+        }
+    }
+    /// The bound of the highest frequency.
+    pub fn frequency(&self) -> Frequency {
+        (self.frequency)()
     }
     /// Totals over the particles.
     pub fn totals(&self) -> Totals {
@@ -105,6 +119,7 @@ impl<C: Constitutive<f64>, const D: usize> Visit<D> for Run<'_, C, D> {
                 velocity_time: mpm.time() - 0.5 * scene.dt,
                 starts: &scene.seeds.positions,
                 bodies: mpm.bodies(),
+                frequency: &|| mpm.frequency_bound(),
             });
         }
         (work, None)

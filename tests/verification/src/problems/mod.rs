@@ -6,6 +6,7 @@ pub mod column;
 pub mod gas;
 pub mod rigid;
 pub mod ring;
+pub mod statics;
 pub mod vortex;
 
 use mpm_core::geometry::Lattice;

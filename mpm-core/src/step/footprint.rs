@@ -1,0 +1,257 @@
+//! Particles as their nodes see them between two steps: what diagnostics sum up, apart from the kernels of the step.
+
+use mpm_materials::Constitutive;
+
+use super::body::ParticleBody;
+use super::contact::Contact;
+use super::load::Load;
+use super::solver::Mpm;
+use super::sweep::{ExtentOf, ShapeOf};
+use super::total;
+use crate::boundary::{Boundary, Plane};
+use crate::dim::Stencil;
+use crate::embedding::Embedding;
+use crate::frame::Frame;
+use crate::geometry::Lattice;
+use crate::grid::GridStorage;
+use crate::method::Composition;
+use crate::parallel::Float;
+use crate::particles::{Block, Columns, Place};
+use crate::shape::{ShapeFunction, bin_centre, node_offset};
+use crate::transfer::Transfer;
+
+/// Weight of a particle on a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeWeight<const D: usize> {
+    /// Index of the node on the lattice.
+    pub node: [i32; D],
+    /// N.
+    pub value: f64,
+    /// grad N, 1/m; in the reference configuration if the method is total Lagrangian.
+    pub gradient: [f64; D],
+    /// What components of vectors are multiplied with: -1 where the node stands for its mirror image.
+    pub sign: [f64; 3],
+}
+
+impl<const D: usize> NodeWeight<D> {
+    /// |grad N|, 1/m.
+    pub fn steepness(&self) -> f64 {
+        self.gradient.iter().map(|g| g * g).sum::<f64>().sqrt()
+    }
+}
+
+/// A particle as its nodes see it.
+#[derive(Clone, Copy, Debug)]
+pub struct Footprint<'a, const D: usize> {
+    /// Its number in its body.
+    pub number: usize,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Velocity, m/s.
+    pub velocity: [f64; 3],
+    /// Speed of the fastest wave over the cells, m/s: c, or c |F^-1| in the reference configuration.
+    pub wave_speed: f64,
+    /// Volume times stress, J, whose product with the gradient of a node is the force on the particle: v sigma, or
+    /// v sigma F^-T in the reference configuration.
+    pub stress: [[f64; 3]; 3],
+    /// Force of its stress on its nodes beside that, spread by their weights, N: of hoop stress about an axis.
+    pub hoop: [f64; 3],
+    /// Force of tractions and force fields on it, spread likewise, N.
+    pub load: [f64; 3],
+    /// Is it of a rigid body?
+    pub rigid: bool,
+    /// Its nodes. One may come twice, as itself and as the mirror image of one behind a plane of symmetry.
+    pub nodes: &'a [NodeWeight<D>],
+}
+
+impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+    L: Load<D>,
+{
+    /// Show every particle, loads as they are at `time`, s. The nodes are those of the whole lattice.
+    pub(super) fn show_footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        let mut nodes = Vec::new();
+        for slot in &self.slots {
+            for (bin, at) in slot.block.places() {
+                self.node_weights(&slot.block, bin, at, &mut nodes);
+                if let Some(footprint) = self.footprint(&slot.block, bin, at, time, &nodes) {
+                    visit(&footprint);
+                }
+            }
+        }
+    }
+
+    /// Products of the weights along the axes.
+    pub(super) fn node_weights(
+        &self,
+        block: &Block<T, D>,
+        bin: usize,
+        at: Place,
+        list: &mut Vec<NodeWeight<D>>,
+    ) {
+        let shape = self.method.shape();
+        let coordinates = block.bin_coordinates(bin);
+        let centre = bin_centre::<ExtentOf<M, T, D>>();
+        let per_spacing = 1.0 / self.lattice.spacing();
+        list.clear();
+        list.push(NodeWeight { node: [0; D], value: 1.0, gradient: [1.0; D], sign: [1.0; 3] });
+        for d in 0..D {
+            let xi = block.get(at, Columns::position() + d);
+            let half = match ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+                true => block.get(at, self.columns.domain() + d),
+                false => self.half[d],
+            };
+            let (xi, half): (T::Single, T::Single) = (xi.into(), half.into());
+            let along = shape.weights(xi, half);
+            let inertia: T = shape.inertia(xi, half).into();
+            let xi: T = xi.into();
+            let before = std::mem::take(list);
+            for w in &before {
+                for a in 0..<ExtentOf<M, T, D> as Stencil>::NODES {
+                    let offset = node_offset::<ExtentOf<M, T, D>>(a);
+                    let (value, slope): (T, T) = (along.value[a].into(), along.slope[a].into());
+                    let (value, mut slope) = (value.to_double(), slope.to_double());
+                    if M::Transfer::LEAST_SQUARES {
+                        slope = value * (offset - xi.to_double()) / inertia.to_double();
+                    }
+                    let mut next = *w;
+                    next.node[d] = (f64::from(coordinates[d]) + centre + offset).round() as i32;
+                    next.value *= value;
+                    for e in 0..D {
+                        next.gradient[e] *= if e == d { slope * per_spacing } else { value };
+                    }
+                    list.push(next);
+                }
+            }
+        }
+    }
+
+    fn footprint<'a>(
+        &self,
+        block: &Block<T, D>,
+        bin: usize,
+        at: Place,
+        time: f64,
+        nodes: &'a [NodeWeight<D>],
+    ) -> Option<Footprint<'a, D>> {
+        let (numbers, state) = self.point(block, at);
+        let state = state.ok()?;
+        let mass = numbers[Columns::mass(D)].to_double();
+        let ratio: T = self.law.volume_ratio(&state).into();
+        let volume = mass / self.law.density().to_double() * ratio.to_double();
+        let mut carried = self.law.stress(&state).to_mat();
+        let speed: T = if M::Frame::TOTAL {
+            let f = total::gradient::<T, D, M>(&numbers[self.columns.frame()..]);
+            let inverse = total::inverse::<T::Single, D>(&f);
+            carried = total::nominal::<T::Single, D>(&self.law.stress(&state), &inverse);
+            total::speed(&self.law, &state, &inverse).into()
+        } else {
+            self.law.wave_speed(&state).into()
+        };
+        let mut stress = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                let s: T = carried.0[i][j].into();
+                stress[i][j] = volume * s.to_double();
+            }
+        }
+        let mut hoop = [0.0; 3];
+        if M::Embedding::HOOP {
+            let xi = numbers[Columns::position()].to_double();
+            let cells = f64::from(block.bin_coordinates(bin)[0]) + bin_centre::<ExtentOf<M, T, D>>() + xi;
+            hoop[0] = -stress[2][2] / (self.lattice.origin()[0] + self.lattice.spacing() * cells);
+        }
+        let (mut velocity, mut load) = ([0.0; 3], [0.0; 3]);
+        let traction = self.traction(time);
+        let number = numbers[self.columns.number()].to_double() as usize;
+        for d in 0..D {
+            velocity[d] = numbers[Columns::velocity(D) + d].to_double();
+            if L::ACTS {
+                load[d] = numbers[self.columns.load()].to_double() * traction[d];
+            }
+        }
+        if L::FIELD
+            && let Some(start) = self.starts.get(number)
+        {
+            let acceleration = self.load.acceleration(start, time);
+            (0..D).for_each(|d| load[d] = mass * acceleration[d]);
+        }
+        let wave_speed = speed.to_double();
+        Some(Footprint { number, mass, velocity, wave_speed, stress, hoop, load, rigid: false, nodes })
+    }
+}
+
+/// What nodes behind planes stand for.
+pub(super) struct Folds {
+    mirrors: Vec<Plane>,
+    edges: Vec<Plane>,
+}
+
+impl Folds {
+    /// Of these boundaries; `modified`: does the basis end at walls and fixed planes?
+    pub(super) fn of<const D: usize>(
+        boundaries: &[Boundary<D>],
+        lattice: &Lattice<D>,
+        modified: bool,
+    ) -> Self {
+        Folds {
+            mirrors: boundaries.iter().filter_map(|b| b.mirror(lattice)).collect(),
+            edges: boundaries.iter().filter(|_| modified).filter_map(|b| b.edge(lattice)).collect(),
+        }
+    }
+
+    /// Put the nodes that stand for them in the place of those behind planes.
+    pub(super) fn fold<const D: usize>(&self, nodes: &[NodeWeight<D>], list: &mut Vec<NodeWeight<D>>) {
+        list.clear();
+        list.extend_from_slice(nodes);
+        for m in &self.mirrors {
+            for w in list.iter_mut().filter(|w| (w.node[m.axis] - m.node) * m.sign < 0) {
+                w.node[m.axis] = 2 * m.node - w.node[m.axis];
+                w.sign[m.axis] = -w.sign[m.axis];
+            }
+        }
+        // The node behind an edge is 2 (node on it) - (node in front).
+        for e in &self.edges {
+            for n in 0..list.len() {
+                if list[n].node[e.axis] != e.node - e.sign {
+                    continue;
+                }
+                let scaled = |by: f64, node: i32| {
+                    let mut w = list[n];
+                    w.node[e.axis] = node;
+                    w.value *= by;
+                    w.gradient = w.gradient.map(|g| by * g);
+                    w
+                };
+                let (on, front) = (scaled(2.0, e.node), scaled(-1.0, e.node + e.sign));
+                list[n] = on;
+                list.push(front);
+            }
+        }
+    }
+}
+
+impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
+where
+    T: Float,
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+    K: Contact<T, D>,
+{
+    /// Show every particle as its nodes see it, with what nodes behind planes of symmetry and edges stand for. Loads are
+    /// those of now. Made from the particles one by one, for diagnostics: some ten times the work of a step.
+    pub fn for_each_footprint(&self, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        let modified = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::BOUNDARY_MODIFIED;
+        let folds = Folds::of(&self.conditions.boundaries, self.grid.lattice(), modified);
+        let mut folded = Vec::new();
+        for body in &self.bodies {
+            body.footprints(self.time, &mut |footprint| {
+                folds.fold(footprint.nodes, &mut folded);
+                visit(&Footprint { nodes: &folded, ..*footprint });
+            });
+        }
+    }
+}

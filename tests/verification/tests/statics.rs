@@ -1,0 +1,208 @@
+//! States at rest, and limits of the step.
+//!
+//! V15, a cantilever, and V17, Cook's membrane: `verification::problems::statics`. Limits of dt c / h:
+//! `verification::limit`.
+//!
+//! V18: a strip footing on weightless soil without drainage, whose limit load is known: q = (2 + pi) c (Prandtl 1920).
+//! Plastic flow keeps the volume, and what locks never gets to a limit load.
+//!
+//! Half a footing of half width b, rough, is pushed slowly into 5 b x 4 b of elastic, ideally plastic soil (von Mises,
+//! whose yield stress in plane strain is sqrt 3 c), E 4000 c, nu 0.45, by 0.01 b (at 0.08 b the hole it makes carries 5 %
+//! more); local damping. The load is that across a row
+//! of cells below. Hats hold the velocity of the footing up to half a cell beside its edge, more or less: the width that
+//! carries is b + h/2.
+
+use std::sync::Arc;
+
+use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
+use mpm_core::{
+    BlockGrid, Boundary, Composition, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Side, TimeControl,
+};
+use mpm_materials::strength::LinearHardening;
+use mpm_materials::{J2, LogarithmicBulk, Moduli, Solid};
+use verification::problems::statics::{SLENDERNESS, beam, cantilever, cook};
+
+const COHESION: f64 = 1.0;
+const YOUNG: f64 = 4000.0;
+const SETTLEMENT: f64 = 0.01;
+
+/// Load over width and cohesion, at each of `looks` settlements up to the last, of a footing `cells` half wide.
+fn press<M: Composition<f64, 2>>(method: M, cells: u32, looks: u32) -> Vec<f64> {
+    let h = 1.0 / f64::from(cells);
+    let lattice = Lattice::new([0.0; 2], h).expect("lattice");
+    let soil = Cuboid::new([0.0, -4.0], [5.0, 0.0]).expect("soil");
+    let seeds = fill(&soil, &lattice, 2, &Filling::new()).expect("seeds");
+    let moduli = Moduli::young_poisson(YOUNG, 0.45).expect("moduli");
+    let hardening = LinearHardening::new(3.0_f64.sqrt() * COHESION, 0.0).expect("hardening");
+    let strength = J2::new(moduli.shear, hardening).expect("strength");
+    let law = Solid::new(strength, LogarithmicBulk::new(1.0, moduli.bulk).expect("bulk"));
+    let speed = ((moduli.bulk + moduli.shear * 4.0 / 3.0) / 1.0).sqrt();
+
+    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    mpm.add("soil", law, &seeds, |_| [0.0; 2]).expect("body");
+    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).expect("middle");
+    mpm.bound(Boundary::Symmetry { axis: 0, at: 5.0, side: Side::Below }).expect("side");
+    mpm.bound(Boundary::Symmetry { axis: 1, at: -4.0, side: Side::Above }).expect("bottom");
+    // Shear waves cross the soil some ten times.
+    let time = 10.0 * 5.0 / moduli.shear.sqrt();
+    let push = -SETTLEMENT / time;
+    let footing = Cuboid::new([-h, -0.1 * h], [1.0 + 0.1 * h, h]).expect("footing");
+    let velocity = Arc::new(move |_: f64| [Some(0.0), Some(push), None]);
+    mpm.bound(Boundary::Prescribed { region: Arc::new(footing), velocity }).expect("footing");
+    mpm.set_time_control(TimeControl::Fixed(0.3 * h / speed)).expect("time control");
+    mpm.set_local_damping(0.3).expect("damping");
+
+    let mut loads = Vec::new();
+    for look in 1..=looks {
+        mpm.run_until(time * f64::from(look) / f64::from(looks)).expect("run");
+        let mut load = 0.0;
+        mpm.bodies()[0].for_each(&mut |p| {
+            let start = seeds.positions[p.number];
+            if (-3.0..-3.0 + h).contains(&start[1]) {
+                load -= p.stress[1] * p.volume / h;
+            }
+        });
+        loads.push(load / (1.0 + 0.5 * h) / COHESION);
+    }
+    loads
+}
+
+#[test]
+fn v18_strip_footing() {
+    let exact = 2.0 + std::f64::consts::PI;
+    let hats = || Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
+    let own = press(hats(), 4, 4);
+    println!("own dilatation, 4 cells: {own:.3?}");
+    for cells in [4, 8] {
+        let mean = press(hats().mean_dilatation(), cells, 4);
+        println!("mean dilatation, {cells} cells: {mean:.3?}, {:.3} of (2 + pi) c", mean[3] / exact);
+        assert!((mean[3] / exact - 1.0).abs() < 0.03, "{cells} cells: {mean:?}");
+        // A plateau: the last quarter of the way changes nothing much.
+        assert!((mean[3] / mean[2] - 1.0).abs() < 0.02, "{cells} cells: {mean:?}");
+    }
+    assert!(own[3] > 1.1 * exact, "no locking to cure: {own:?}");
+}
+
+/// V17: 23.96 [V] within 5 % on three grids' finest, errors falling with an order of 1 or more (the corner at the top of
+/// the held side is singular). Finite elements of four nodes with full integration have 88 % on 8 x 8 [V]; here
+/// cells are squares, 8 over the length.
+#[test]
+fn v17_cooks_membrane() {
+    let errors = [8, 16, 32].map(|cells| {
+        let state = cook(cells).expect("run");
+        let error = state.displacement[1] / 23.96 - 1.0;
+        println!("{cells} cells: {:.3} m, {:+.1} %, {state:?}", state.displacement[1], 100.0 * error);
+        assert!(state.rested.reached, "{cells} cells: {state:?}");
+        error
+    });
+    assert!(errors[2].abs() < 0.05 && errors.iter().all(|e| *e < 0.0), "{errors:?}");
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log2();
+        println!("order {order:.2}");
+        assert!(order > 1.0, "{errors:?}");
+    }
+}
+
+/// V15: displacement of the end against the line that bends, stretches and shears, 3 % on the finest of three grids with an
+/// order of 1.5 or more, for a small load and for P L^2 / (E I) = 10, by which Euler's elastica, too, is met within
+/// 3 %: its own error at this height is 0.3 %.
+#[test]
+fn v15_cantilever() {
+    // I / (A L^2), and E I / (k G A L^2) with k 5 / 6 and G E / 2.
+    let stretch = 1.0 / 12.0 / SLENDERNESS.powi(2);
+    let shear = stretch * 2.0 * 6.0 / 5.0;
+    for load in [0.03, 10.0] {
+        let (line, elastica) = (beam(load, stretch, shear), beam(load, 0.0, 0.0));
+        println!("load {load}: elastica {elastica:.8?}, with stretch and shear {line:.8?}");
+        let errors = [1, 2, 4].map(|cells| {
+            let state = cantilever(cells, load).expect("run");
+            let error = state.displacement[1] / line[1] - 1.0;
+            println!("{cells} cells: {:.5?}, {:+.2} %, {state:?}", state.displacement, 100.0 * error);
+            assert!(state.rested.reached, "{cells} cells: {state:?}");
+            (error, state.displacement)
+        });
+        let (finest, at) = errors[2];
+        assert!(finest.abs() < 0.03, "{errors:?}");
+        // The end moves back, against x.
+        let at = [-at[0], at[1]];
+        for d in 0..2 {
+            assert!((at[d] / elastica[d] - 1.0).abs() < 0.03, "{at:?} for {elastica:?}");
+        }
+        for pair in errors.windows(2) {
+            let order = (pair[0].0 / pair[1].0).abs().log2();
+            println!("order {order:.2}");
+            assert!(order > 1.2, "{errors:?}");
+        }
+    }
+}
+
+/// A line that hardly bends is Euler's and Bernoulli's, P L^3 / (3 E I), and Timoshenko's with shear; halving the steps of the
+/// rule would change nothing: the elastica satisfies its first integral, theta'^2 = 2 load sin(theta_end) at the root.
+#[test]
+fn the_reference_beam_is_right() {
+    let small = 1e-3;
+    assert!((beam(small, 0.0, 0.0)[1] / (small / 3.0) - 1.0).abs() < 1e-6);
+    assert!((beam(small, 0.0, 0.01)[1] / (small / 3.0 + small * 0.01) - 1.0).abs() < 1e-6);
+    // Moment at the root: the force times the lever that is left.
+    let [back, aside] = beam(10.0, 0.0, 0.0);
+    println!("elastica at 10: {back:.9} back, {aside:.9} aside");
+    // 0.5550, 0.8106: complete and incomplete elliptic integrals give the same [C].
+    assert!((back - 0.55500).abs() < 1e-4 && (aside - 0.81061).abs() < 1e-4);
+}
+
+/// Limits of the step: those measured are those of the eigenvalues, and those of the table of docs/notes.md 2 [C] within a
+/// tenth; sqrt(2) / omega is below what USL bears, by a tenth at most, and the bound of the time control is never
+/// above that.
+#[test]
+fn limits_of_the_step() {
+    use verification::limit::{csv, worst};
+    use verification::{Kernel, Scheme, Velocity};
+    let table = [
+        (Kernel::Gimp, Velocity::FlipUsl, [0.62, 0.59, 0.53, 0.48]),
+        (Kernel::Gimp, Velocity::FlipMusl, [2.00, 1.75, 1.68, 1.66]),
+        (Kernel::Gimp, Velocity::ApicUsl, [0.75, 0.64, 0.55, 0.49]),
+        (Kernel::Quadratic, Velocity::FlipUsl, [0.62, 0.75, 0.76, 0.85]),
+        (Kernel::Quadratic, Velocity::FlipMusl, [2.00, 2.15, 2.18, 2.19]),
+        (Kernel::Quadratic, Velocity::ApicUsl, [0.75, 0.86, 0.86, 0.99]),
+        (Kernel::Cubic, Velocity::FlipUsl, [1.02, 1.09, 1.11, 1.12]),
+        (Kernel::Cubic, Velocity::FlipMusl, [2.67, 2.63, 2.62, 2.61]),
+        (Kernel::Cubic, Velocity::ApicUsl, [1.29, 1.35, 1.37, 1.39]),
+    ];
+    // Near a face, too, where a node has just come into reach.
+    let mut offsets: Vec<f64> = (0..16).map(|n| (f64::from(n) + 0.3) / 16.0).collect();
+    offsets.extend([0.002, 0.252, 0.335, 0.502, 0.669, 0.752]);
+    let (mut limits, mut off) = (Vec::new(), Vec::new());
+    for (kernel, velocity, known) in table {
+        for (per_cell, known) in (1..).zip(known) {
+            let scheme = Scheme::moving(kernel, velocity);
+            let near = worst(scheme, per_cell, &offsets).expect("limits");
+            if (near.predicted / known - 1.0).abs() > 0.1 {
+                off.push(format!("{}, {per_cell} a cell: {near:?}; known {known}", scheme.name()));
+            }
+            // Beside a face the node that has just come into reach hardly moves a particle: runs show it late.
+            let l = worst(scheme, per_cell, &offsets[..16]).expect("limits");
+            let name = format!("{}, {per_cell} a cell: {l:?}", scheme.name());
+            assert!((l.measured / l.predicted - 1.0).abs() < 0.03, "{name}");
+            assert!(l.gershgorin <= l.eigenvalue, "{name}");
+            assert!(l.eigenvalue <= l.measured * 1.005, "{name}");
+            if velocity == Velocity::FlipUsl {
+                assert!(l.eigenvalue >= 0.9 * l.measured, "{name}");
+            }
+            limits.push(l);
+        }
+    }
+    println!("{}", csv(&limits));
+    // Not met: the table has 0.85 and 0.99 where offsets between its own give 0.757 and 0.848.
+    let known = |o: &String| o.starts_with("quadratic FLIP-USL, 4 a") || o.starts_with("quadratic APIC, 4 a");
+    assert!(off.len() == 2 && off.iter().all(known), "{}", off.join("\n"));
+    // A hat that has the last particle xi behind a node bears sqrt(2 xi (1 - xi)) with USL (docs/notes.md 1, finding 5),
+    // however little that is; MUSL does not mind.
+    for xi in [0.02, 0.1, 0.25] {
+        // Two particles a cell: the last one stands 0.25 behind the end's node less the offset.
+        let l = verification::limit::limit(Scheme::moving(Kernel::Linear, Velocity::FlipUsl), 2, 0.25 + xi);
+        let (l, exact) = (l.expect("limits"), (2.0 * xi * (1.0f64 - xi)).sqrt());
+        println!("hat, xi {xi}: {l:?}, {exact:.4}");
+        assert!((l.predicted / exact - 1.0).abs() < 0.1, "{l:?} for {exact}");
+        assert!(l.gershgorin <= l.eigenvalue, "{l:?}");
+    }
+}
