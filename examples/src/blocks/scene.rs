@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Detection, Detector, Totals};
 use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, Weight};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
 use mpm_core::{BlockGrid, Composition, Mpm, Team};
 use mpm_materials::{BulkViscosity, Elastic, Jaumann, LinearDensity, NoFailure, Solid};
+
+use crate::{CaseError, Detection, Detector, Totals};
 
 /// Linear elastic, with bulk viscosity.
 pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, Jaumann>;
@@ -45,6 +46,7 @@ pub fn of_first() -> Gradients {
 pub struct Watch<'a> {
     /// Seconds between looks; every step if zero.
     pub every: f64,
+    /// Threads.
     pub threads: usize,
     /// Folder and name of a ParaView series, if there is to be one.
     pub series: Option<(&'a Path, &'a str)>,
