@@ -1,4 +1,5 @@
-//! Contact: a pulse through a joint (V9), colliding discs (V10), balls after Hertz (V11), by every test of contact.
+//! Contact: bars end to end (V8), a pulse through a joint (V9), colliding discs (V10), balls after Hertz (V11), by every test of
+//! contact.
 
 use std::time::Instant;
 
@@ -29,6 +30,9 @@ pub const DETECTIONS: [Detection; 7] = [
 /// Closing speed of the balls over sqrt(E / rho): the contact gets a sixth of the radius wide.
 const BALL_SPEED: f64 = 1e-2;
 
+/// Linear coefficient of bulk viscosity of bars that hit each other.
+const VISCOSITY: f64 = 0.1;
+
 /// What meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meeting {
@@ -38,17 +42,24 @@ pub enum Meeting {
     Discs,
     /// V11: two balls; cells are those of the radius.
     Balls,
+    /// V8: two bars end to end, with bulk viscosity; cells are those of one.
+    Bars,
+    /// V8: the same without.
+    BareBars,
 }
 
 impl Meeting {
     /// All.
-    pub const ALL: [Meeting; 3] = [Meeting::Pulse, Meeting::Discs, Meeting::Balls];
+    pub const ALL: [Meeting; 5] =
+        [Meeting::Pulse, Meeting::Discs, Meeting::Balls, Meeting::Bars, Meeting::BareBars];
     /// Its name in files.
     pub fn name(self) -> &'static str {
         match self {
             Meeting::Pulse => "V9 pulse",
             Meeting::Discs => "V10 discs",
             Meeting::Balls => "V11 balls",
+            Meeting::Bars => "V8 bars",
+            Meeting::BareBars => "V8 bars bare",
         }
     }
 }
@@ -99,11 +110,7 @@ impl Touch {
 
     /// The smallest that still meets.
     pub fn scaled(self) -> Touch {
-        let cells = match self.meeting {
-            Meeting::Pulse => 10,
-            Meeting::Discs => 10,
-            Meeting::Balls => 10,
-        };
+        let cells = if matches!(self.meeting, Meeting::Bars | Meeting::BareBars) { 25 } else { 10 };
         Touch { cells, ..self }
     }
 
@@ -132,8 +139,11 @@ impl Touch {
     }
 
     fn plane<M: Composition<f64, 2>>(self, method: impl Fn() -> M) -> Result<Outcome, CaseError> {
-        if self.meeting == Meeting::Discs {
-            return self.discs(method());
+        match self.meeting {
+            Meeting::Discs => return self.discs(method()),
+            Meeting::Bars => return self.bars(method(), VISCOSITY),
+            Meeting::BareBars => return self.bars(method(), 0.0),
+            Meeting::Pulse | Meeting::Balls => {}
         }
         let (bonded, _) = self.pulse(method(), true)?;
         let (split, work) = self.pulse(method(), false)?;
@@ -155,6 +165,18 @@ impl Touch {
     ) -> Result<(Vec<waves::Row>, Work), CaseError> {
         let asked = Asked(Some(self.detection));
         self.timed(|| waves::pressed(method, self.cells as u32, joined, Self::push(), asked))
+    }
+
+    fn bars<M: Composition<f64, 2>>(self, method: M, viscosity: f64) -> Result<Outcome, CaseError> {
+        let asked = Asked(Some(self.detection));
+        let (made, work) = self.timed(|| {
+            let made = waves::strike(method, self.cells as u32, [1.0; 2], viscosity, asked)?;
+            let totals = made.totals;
+            Ok((made, totals))
+        })?;
+        let stress = made.plateau[1] / made.stress - 1.0;
+        let measures = vec![("velocity", made.error), ("overshoot", made.overshoot), ("stress", stress)];
+        Ok(Outcome { measures, work, failure: None })
     }
 
     fn discs<M: Composition<f64, 2>>(self, method: M) -> Result<Outcome, CaseError> {

@@ -2,15 +2,13 @@
 
 use std::path::Path;
 
-use examples::blocks::scene::{Asked, Watch, mean, rubber, run, velocity};
-use examples::blocks::waves::{DENSITY, LENGTH, PRELOAD, WAVE, most, piece, pressed, reflected, strip};
+use examples::blocks::scene::Asked;
+use examples::blocks::waves::{LENGTH, PRELOAD, SPEED, Struck, WAVE, most, pressed, reflected, strike};
 use examples::{CaseError, Check, Totals};
 use mpm_core::{Flip, Linear, Method, Musl, PlaneStrain};
 
 use crate::{Outcome, figures};
 
-/// Closing speed, m/s: a strain of 1/4000, so that no particle leaves its cell.
-const SPEED: f64 = 0.05;
 /// Linear coefficient of bulk viscosity.
 const VISCOSITY: f64 = 0.1;
 
@@ -26,29 +24,9 @@ pub fn impact(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseEr
         [("equal bars", 1.0, 1.0), ("second twice as heavy", 2.0, 1.0), ("second twice as long", 1.0, 2.0)]
     {
         let h = LENGTH / f64::from(cells);
-        let (mut mpm, lattice) = strip(method(), h, asked)?;
-        let young = DENSITY * WAVE * WAVE;
-        let law = |m: f64| rubber(m * DENSITY, m * young, 0.0, VISCOSITY);
-        mpm.add("first", law(1.0)?, &piece(&lattice, -LENGTH, 0.0)?, |_| [SPEED, 0.0])?;
-        mpm.add("second", law(ratio)?, &piece(&lattice, 0.0, second * LENGTH)?, |_| [0.0; 2])?;
-        let impedance = [DENSITY * WAVE, ratio * DENSITY * WAVE];
-        let joint = SPEED * impedance[0] / (impedance[0] + impedance[1]);
-        let stress = -impedance[1] * joint;
-        // The plateau around the joint when the waves have run 0.8 of the bar.
-        let when = 0.8 * LENGTH / WAVE;
-        let (mut plateau, mut last, mut rows) = ([f64::NAN; 2], 0.0, Vec::new());
-        let area = 2.0 * h;
-        totals = totals.plus(&run(&mut mpm, 3.5 * LENGTH / WAVE, Watch::STEPS, |now| {
-            let force = now.contacts().iter().map(|p| p.force[0]).sum::<f64>() / area;
-            if force > 0.5 * stress.abs() {
-                last = now.time();
-            }
-            if now.time() <= when {
-                let near = [-0.4 * LENGTH, 0.4 * LENGTH];
-                plateau = [mean(now, near, |p| p.velocity[0]), mean(now, near, |p| p.stress[0])];
-            }
-            rows.push([now.time(), velocity(now, 0)[0], velocity(now, 1)[0], force]);
-        })?);
+        let struck = strike(method(), cells, [ratio, second], VISCOSITY, asked)?;
+        totals = totals.plus(&struck.totals);
+        let Struck { joint, stress, plateau, last, rows, .. } = struck;
         let end = rows.last().copied().unwrap_or([f64::NAN; 4]);
         let named = |what: &str| format!("{name}: {what}");
         let exact = "exact, V8";
