@@ -105,8 +105,8 @@ fn run(options: &Options) -> Made<()> {
     if !options.draw {
         let sweeper = Sweeper { options, commit: &commit, files: &files, start: Instant::now() };
         sweeper.runs(&charts)?;
-        sweeper.counts(&charts)?;
         sweeper.speeds()?;
+        sweeper.counts(&charts)?;
         sweeper.band()?;
         println!("swept in {:.1} min", sweeper.minutes());
     }
