@@ -3,6 +3,7 @@
 use verification::Scheme;
 
 use crate::contact::DETECTIONS;
+use crate::job::Key;
 use crate::record::Record;
 
 /// What a run costs.
@@ -54,15 +55,21 @@ pub fn front<'a>(runs: impl Iterator<Item = &'a Record>, error: &str, cost: Cost
     list.into_iter().map(|r| r.2).collect()
 }
 
-/// The cheapest run within an error.
+/// The cheapest run within an error whose finer grids, all else equal, are within it, too: where an error changes its sign
+/// a coarse grid may have next to none by luck.
 pub fn cheapest<'a>(
     runs: impl Iterator<Item = &'a Record>,
     error: &str,
     cost: Cost,
     within: f64,
 ) -> Option<&'a Record> {
-    let fits = runs.filter(|r| r.error(error).is_some_and(|e| e <= within));
-    let known = fits.filter_map(|r| Some((cost.of(r)?, r)));
+    let runs: Vec<&Record> = runs.collect();
+    let fits = |r: &Record| r.error(error).is_some_and(|e| e <= within);
+    let finer = |r: &Record, o: &Record| {
+        Key { cells: r.key.cells, ..o.key.clone() } == r.key && o.key.cells > r.key.cells
+    };
+    let holds = |r: &Record| fits(r) && runs.iter().filter(|o| finer(r, o)).all(|o| fits(o));
+    let known = runs.iter().filter_map(|r| Some((cost.of(r)?, *r))).filter(|(_, r)| holds(r));
     known.min_by(|a, b| a.0.total_cmp(&b.0)).map(|r| r.1)
 }
 

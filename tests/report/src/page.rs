@@ -100,7 +100,7 @@ fn judged<'a>(chart: &Chart, runs: &[&'a Record]) -> Vec<&'a Record> {
 fn choices(out: &mut String, data: &Data) {
     out.push_str(
         "<h2 id=\"choose\">What to use</h2><p>For this kind of problem and this error, use this: the cheapest run of the charts below that \
-         stays within the error, by work and by time.</p>\
+         stays within the error and whose finer grids do so, too (an error that changes its sign may be small by luck), by work and by time.</p>\
          <div class=\"wide\"><table><tr><th>problem</th><th>error</th><th>least particle-steps × nodes</th><th>least core-seconds</th></tr>",
     );
     for chart in data.charts {
@@ -225,8 +225,12 @@ fn reading(out: &mut String, chart: &Chart, runs: &[&Record], band: f64) {
             round(first.core_seconds)
         );
         let near = |r: &Record| r.core_seconds <= first.core_seconds * (1.0 + 2.0 * band);
-        let fits = runs.iter().filter(|r| r.error(chart.error).is_some_and(|e| e <= target) && near(r));
-        let mut others: Vec<String> = fits.map(|r| escape(r.scheme())).collect();
+        let own = |name: &str| {
+            let own = runs.iter().copied().filter(|r| r.scheme() == name);
+            cheapest(own, chart.error, Cost::Seconds, target).filter(|r| near(r))
+        };
+        let best = schemes(runs).into_iter().filter_map(|name| own(&name));
+        let mut others: Vec<String> = best.map(|r| escape(r.scheme())).collect();
         others.retain(|name| *name != escape(first.scheme()));
         others.sort_unstable();
         others.dedup();

@@ -32,12 +32,13 @@ impl Need {
     }
 }
 
-/// Of one series, coarse grid first: cost and error. Where the error first falls below the target, its logarithm is taken
+/// Of one series, coarse grid first: cost and error. Where the error falls below the target for good, its logarithm is taken
 /// as straight over that of the cost between the runs around it.
 pub fn needed(series: &[(Option<f64>, Option<f64>)], target: f64) -> Need {
     let within = |e: &Option<f64>| e.is_some_and(|e| e <= target);
-    let Some(at) = series.iter().position(|(_, e)| within(e)) else { return Need::Unreachable };
-    let (Some(cost), Some(error)) = series[at] else { return Need::Unknown };
+    let at = series.iter().rposition(|(_, e)| !within(e)).map_or(0, |last| last + 1);
+    let Some(&(cost, error)) = series.get(at) else { return Need::Unreachable };
+    let (Some(cost), Some(error)) = (cost, error) else { return Need::Unknown };
     let Some((before, worse)) = at.checked_sub(1).and_then(|n| series[n].0.zip(series[n].1)) else {
         return Need::AtMost(cost);
     };

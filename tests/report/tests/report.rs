@@ -34,6 +34,8 @@ fn a_power_law_is_met_exactly() {
     assert!((found - 100.0).abs() < 1e-9, "{found}");
     assert_eq!(needed(&series, 0.5), Need::AtMost(10.0));
     assert_eq!(needed(&series, 1e-3), Need::Unreachable);
+    // Small by luck on the coarse grid.
+    assert_eq!(needed(&[(Some(1.0), Some(0.001)), (Some(4.0), Some(0.1))], 0.01), Need::Unreachable);
     // A run that stopped brackets nothing.
     assert_eq!(needed(&[(Some(1.0), None), (Some(4.0), Some(0.001))], 0.01), Need::AtMost(4.0));
     assert_eq!(needed(&[(None, Some(0.1)), (None, Some(0.001))], 0.01), Need::Unknown);
