@@ -38,7 +38,7 @@ fn bar<M: Composition<f64, 2>, C: Constitutive<f64>>(
     let lattice = Lattice::new([0.0; 2], h).expect("lattice");
     let seeds = block(&lattice, [0; 2], [CELLS, 1], 2);
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
-    mpm.add_in_state("bar", law, &seeds, |x| [velocity(x[0]), 0.0], |_| state.clone()).expect("body");
+    mpm.add_in_state("bar", law, &seeds, |x| [velocity(x[0]), 0.0], |_| state).expect("body");
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).expect("end");
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).expect("below");
     mpm.bound(Boundary::Symmetry { axis: 1, at: h, side: Side::Below }).expect("above");
