@@ -22,6 +22,7 @@
 //! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
 //! | `throughput` | particle updates a second on fixed scenes |
 
+pub mod blocks;
 pub mod case;
 mod detection;
 mod heap;

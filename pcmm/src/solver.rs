@@ -235,7 +235,7 @@ where
     /// # Errors
     /// A control that no run can use.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
-        control.check()?;
+        control.check_without_grid()?;
         self.control = control;
         Ok(())
     }

@@ -2,9 +2,9 @@
 
 use std::marker::PhantomData;
 
+use mpm_core::Boundary;
 use mpm_core::boundary::BodyForce;
 use mpm_core::parallel::Float;
-use mpm_core::{Boundary, TimeControl};
 use mpm_materials::{Breakdown, Constitutive};
 
 use crate::boundary::{Given, constrain};
@@ -279,7 +279,7 @@ where
 
     /// The size of the next step by the time control, s.
     pub fn next_time_step(&self) -> f64 {
-        step_size(&self.control, self.rate, self.last)
+        self.control.next(self.rate, self.last)
     }
 
     /// One step, not beyond `end` (s). The last two steps before it share what is left.
@@ -318,17 +318,6 @@ where
             self.step_towards(end)?;
         }
         Ok(())
-    }
-}
-
-/// The size of a step by a time control, s, for the largest rate, 1/s, and the last step.
-pub(crate) fn step_size(control: &TimeControl, rate: f64, last: Option<f64>) -> f64 {
-    match *control {
-        TimeControl::Fixed(dt) => dt,
-        TimeControl::Courant { factor, growth } => {
-            let dt = factor / rate;
-            last.map_or(dt, |last| dt.min(growth * last))
-        }
     }
 }
 

@@ -343,3 +343,16 @@ fn face_to_face<const D: usize>(mut scene: Bodies<D, SurfaceDistance>, axis: usi
     // 2 % with half of the limiting step; first order in it.
     assert!(energy.abs() < 6e-3, "{energy}");
 }
+
+/// Particles without a grid have no nodes whose frequencies could be bounded.
+#[test]
+fn a_time_control_that_needs_a_grid_is_refused() {
+    let h = 0.1;
+    let mut body = elastic(&block([0.0; 2], 2, 2, h), h, 1000.0, 1e6, [0.0; 2]);
+    let error = body.set_time_control(TimeControl::Gershgorin { factor: 0.9, growth: 1.1, every: 10 });
+    let message = error.unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "time control: every = 10 is not allowed; it must be left out, as `Gershgorin` needs the nodes of a grid: take `Courant`"
+    );
+}

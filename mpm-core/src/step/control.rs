@@ -78,8 +78,20 @@ impl TimeControl {
         }
     }
 
+    /// The same for a method without a grid, which has no nodes to bound the frequency of.
+    ///
+    /// # Errors
+    /// A control that no run can use, and [`TimeControl::Gershgorin`].
+    pub fn check_without_grid(&self) -> Result<(), ControlError> {
+        if let TimeControl::Gershgorin { every, .. } = *self {
+            let allowed = "left out, as `Gershgorin` needs the nodes of a grid: take `Courant`";
+            return Err(ControlError { field: "every", value: every as f64, allowed });
+        }
+        self.check()
+    }
+
     /// The step, from the largest (c + |v|) / h of the particles, 1/s, or what stands for it, and the last step, s.
-    pub(crate) fn next(&self, rate: f64, last: Option<f64>) -> f64 {
+    pub fn next(&self, rate: f64, last: Option<f64>) -> f64 {
         match *self {
             TimeControl::Fixed(dt) => dt,
             TimeControl::Courant { factor, growth } | TimeControl::Gershgorin { factor, growth, .. } => {

@@ -458,6 +458,8 @@ where
     ///
     /// # Errors
     /// As [`Mpm::step`].
+    // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
+    #[inline(never)]
     pub fn step_at_most(&mut self, left: f64) -> Result<T, StepError> {
         if let Some(error) = &self.stopped_by {
             return Err(error.clone());

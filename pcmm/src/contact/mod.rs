@@ -18,7 +18,7 @@ use crate::ledger::{Audit, Totals};
 use crate::method::Composition;
 use crate::particles::Particle;
 use crate::solver::{COURANT, Pcmm};
-use crate::step::{StepError, step_size};
+use crate::step::StepError;
 use body::Part;
 use candidates::{Candidates, Member};
 use meet::meet;
@@ -167,7 +167,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     /// # Errors
     /// A control that no run can use.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
-        control.check()?;
+        control.check_without_grid()?;
         self.control = control;
         Ok(())
     }
@@ -175,7 +175,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     /// The size of the next step by the time control, s.
     pub fn next_time_step(&self) -> f64 {
         let rate = self.parts().map(|(_, part)| part.rate()).fold(0.0, f64::max);
-        step_size(&self.control, rate, self.last)
+        self.control.next(rate, self.last)
     }
 
     /// One step, not beyond `end` (s). The last two steps before it share what is left.

@@ -14,13 +14,14 @@
 //! | [`problems::column`] | stress of a column under its weight (V14) |
 //! | [`problems::statics`] | Cook's membrane (V17) and a cantilever (V15) at rest |
 //! | [`problems::gas`] | Sod's shock tube (V13), Taylor-Green vortices at low Mach number (V22) |
+//! | [`problems::footing`] | limit load of a strip footing (V18), by any method |
 //!
 //! V8 to V12 (impact and contact) are the case `bouncing_blocks` of the package `examples`, its errors among its
 //! checks.
 //!
 //! [`limit`] has the longest stable step of runs, eigenvalues and bounds.
 //!
-//! Every composition is compiled once, here, for tests and for the binary `report`.
+//! Every composition is compiled once, here, for tests and for the package `report`.
 
 pub mod case;
 pub mod fast;

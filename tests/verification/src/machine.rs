@@ -57,6 +57,8 @@ pub trait Machine {
     fn bodies(&self) -> &[Box<dyn Body<f64, 2>>];
     /// Totals over all particles.
     fn totals(&self) -> Totals;
+    /// Memory, grid and scratch included, bytes.
+    fn bytes(&self) -> usize;
 }
 
 impl<M: Composition<f64, 2>> Machine for Mpm<f64, 2, M, BlockGrid<f64, 2>> {
@@ -92,6 +94,9 @@ impl<M: Composition<f64, 2>> Machine for Mpm<f64, 2, M, BlockGrid<f64, 2>> {
     }
     fn totals(&self) -> Totals {
         Mpm::totals(self)
+    }
+    fn bytes(&self) -> usize {
+        Mpm::bytes(self)
     }
 }
 

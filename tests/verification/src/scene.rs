@@ -114,6 +114,7 @@ impl<C: Constitutive<f64>, const D: usize> Visit<D> for Run<'_, C, D> {
                 work.steps += 1;
             }
             work.seconds += watch.seconds();
+            work.bytes = mpm.bytes() as u64;
             look(&Moment {
                 time: mpm.time(),
                 velocity_time: mpm.time() - 0.5 * scene.dt,

@@ -13,6 +13,8 @@ pub struct Work {
     pub nodes: u64,
     /// Core-seconds of the steps alone: without seeding and without looking at errors.
     pub seconds: f64,
+    /// Memory of the solver at the end, its grid and scratch included, bytes.
+    pub bytes: u64,
 }
 
 impl Work {

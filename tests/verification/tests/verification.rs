@@ -21,7 +21,7 @@ fn judged(problem: Problem) -> Runs {
     assert!(
         found.is_empty(),
         "{} differ by more than 2 %; where that is meant, make the table anew: \
-         cargo run --release -p verification --bin report -- --store > tests/verification/data/errors.csv\n{}",
+         cargo run --release -p report -- --store > tests/verification/data/errors.csv\n{}",
         found.len(),
         found.join("\n")
     );

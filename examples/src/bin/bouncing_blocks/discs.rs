@@ -2,44 +2,29 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Check, Detection, Law, Totals};
-use mpm_contact::Gradients;
-use mpm_core::geometry::Lattice;
-use mpm_core::output::Snapshot;
-use mpm_core::{BlockGrid, Flip, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline};
+use examples::blocks::discs::{SPEED, closing, collide, touch};
+use examples::blocks::scene::Asked;
+use examples::{CaseError, Check, Totals};
+use mpm_core::{Flip, Method, Musl, PlaneStrain, QuadraticBSpline};
 
-use crate::circles::{Part, disc};
-use crate::scene::{Asked, Watch, rubber, run, velocity, wave};
 use crate::{Outcome, figures};
 
-/// Radius, m; speed along each axis, m/s; end, s; cell of Sulsky, m.
-const RADIUS: f64 = 0.2;
-const SPEED: f64 = 0.1;
-const END: f64 = 3.0;
+/// Cell of Sulsky, m.
 const CELL: f64 = 0.05;
-
-/// A collision.
-pub struct Collision {
-    /// Cells are those of Sulsky over this.
-    pub finer: u32,
-    /// Time, s, kinetic and internal energy, J, velocity of the first disc along x, m/s.
-    pub rows: Vec<[f64; 4]>,
-    /// The discs at the end.
-    pub end: Snapshot,
-    /// When the first step with contact began, s.
-    onset: f64,
-    totals: Totals,
-}
 
 /// With cells of 0.05 m over each of `finer`.
 pub fn all(finer: &[u32], asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
-    let collisions = finer.iter().map(|&f| collide(f, asked, folder)).collect::<Result<Vec<_>, _>>()?;
+    let method = || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
+    let made = finer.iter().map(|&f| {
+        let name = format!("discs_{f}");
+        Ok((f, collide(method(), CELL / f64::from(f), asked, Some((folder, &name)))?))
+    });
+    let collisions = made.collect::<Result<Vec<_>, CaseError>>()?;
     figures::discs(&collisions, folder)?;
-    let closing = 2.0 * 2.0f64.sqrt() * SPEED;
-    let touch = (0.4 * 2.0f64.sqrt() - 2.0 * RADIUS) / closing;
+    let (closing, touch) = (closing(), touch());
     let mut checks = Vec::new();
-    for c in &collisions {
-        let h = CELL / f64::from(c.finer);
+    for (finer, c) in &collisions {
+        let h = CELL / f64::from(*finer);
         let name = |what: &str| format!("discs, cell {h} m: {what}");
         let (first, last) = (c.rows.first().copied(), c.rows.last().copied());
         let (first, last) = (first.unwrap_or([f64::NAN; 4]), last.unwrap_or([f64::NAN; 4]));
@@ -63,36 +48,7 @@ pub fn all(finer: &[u32], asked: Asked, folder: &Path) -> Result<Outcome, CaseEr
             Check { reference: None, ..rebound },
         ]);
     }
-    let totals = collisions.iter().fold(Totals::default(), |sum, c| sum.plus(&c.totals));
+    let totals = collisions.iter().fold(Totals::default(), |sum, (_, c)| sum.plus(&c.totals));
     checks.push(Check::gate("discs: momentum", totals.momentum_error, "-", 0.0, 1e-12, "V8"));
     Ok(Outcome { checks, totals })
-}
-
-fn collide(finer: u32, asked: Asked, folder: &Path) -> Result<Collision, CaseError> {
-    let h = CELL / f64::from(finer);
-    let lattice = Lattice::new([0.0; 2], h)?;
-    let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
-    let contact = asked.touch(
-        0.0,
-        Gradients::default(),
-        (Detection::Regression, Law::Penalty),
-        [wave(1000.0, 1000.0, 0.3), h],
-    )?;
-    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
-    for (name, at, v) in [("low", 0.3, SPEED), ("high", 0.7, -SPEED)] {
-        let seeds = disc([at; 2], RADIUS, 0.5 * h, Part::Whole);
-        mpm.add(name, rubber(1000.0, 1000.0, 0.3, 0.0)?, &seeds, |_| [v; 2])?;
-    }
-    let (mut onset, mut before, mut rows) = (f64::NAN, 0.0, Vec::new());
-    let name = format!("discs_{finer}");
-    let watch = Watch { series: Some((folder, &name)), ..Watch::STEPS };
-    let totals = run(&mut mpm, END, watch, |now| {
-        if onset.is_nan() && now.contacts().iter().any(|p| p.nodes > 0) {
-            onset = before;
-        }
-        before = now.time();
-        let t = now.totals();
-        rows.push([now.time(), t.kinetic, t.internal, velocity(now, 0)[0]]);
-    })?;
-    Ok(Collision { finer, rows, end: mpm.snapshot()?, onset, totals })
 }

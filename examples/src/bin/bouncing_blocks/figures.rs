@@ -8,8 +8,8 @@ use mpm_core::output::picture::{
     Axis, Chart, ColourMap, FieldPicture, Marker, Panels, Quantity, Series, Stroke, palette,
 };
 
-use crate::discs::Collision;
-use crate::hertz::Row;
+use examples::blocks::discs::Collision;
+use examples::blocks::hertz::Row;
 
 fn column<const N: usize>(rows: &[[f64; N]], i: usize) -> Vec<f64> {
     rows.iter().map(|r| r[i]).collect()
@@ -65,12 +65,12 @@ pub fn wave(runs: &[(&str, &[[f64; 5]])], folder: &Path) -> Result<(), CaseError
 }
 
 /// Energy over time at every cell size, and the discs at the end with the smallest.
-pub fn discs(collisions: &[Collision], folder: &Path) -> Result<(), CaseError> {
+pub fn discs(collisions: &[(u32, Collision)], folder: &Path) -> Result<(), CaseError> {
     let mut chart = Chart::new(900, 600)
         .title("Two discs: energy")
         .x(Axis::new("time").unit("s", 1.0))
         .y(Axis::new("energy").unit("J", 1.0));
-    for (i, Collision { finer, rows, .. }) in collisions.iter().enumerate() {
+    for (i, (finer, Collision { rows, .. })) in collisions.iter().enumerate() {
         let t = column(rows, 0);
         let sum: Vec<f64> = rows.iter().map(|r| r[1] + r[2]).collect();
         let label = |what: &str| format!("{what}, cell 0.05 m / {finer}");
@@ -82,7 +82,7 @@ pub fn discs(collisions: &[Collision], folder: &Path) -> Result<(), CaseError> {
         csv(&folder.join(format!("discs_{finer}.csv")), columns, rows)?;
     }
     chart.draw()?.save(folder.join("discs_energy.png"))?;
-    if let Some(finest) = collisions.last() {
+    if let Some((_, finest)) = collisions.last() {
         FieldPicture::new(640, 600)
             .title("Two discs after the collision")
             .colour_by(Quantity::scalar("von_mises").unit("Pa", 1.0).map(ColourMap::Viridis))

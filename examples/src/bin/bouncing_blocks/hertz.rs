@@ -3,29 +3,16 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use examples::{CaseError, Check, Detection, Law, Totals};
-use mpm_contact::Gradients;
-use mpm_core::geometry::Lattice;
-use mpm_core::observe::Moment;
-use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, Composition, Flip, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline,
-    Side,
+use examples::blocks::ball::approach_over_hertz;
+use examples::blocks::circles::Part;
+use examples::blocks::hertz::{
+    CURVATURE, DENSITY, POISSON, RADIUS, Row, STIFFNESS, YOUNG, collide, lasts, mean, top,
 };
+use examples::blocks::scene::Asked;
+use examples::{CaseError, Check};
+use mpm_core::{Axisymmetric, Flip, Method, Musl, PlaneStrain, QuadraticBSpline};
 
-use crate::circles::{Part, disc};
-use crate::scene::{Asked, Run, Watch, rubber, run, wave};
-use crate::{Outcome, ball, figures};
-
-/// Radius, m; density, kg/m^3; Young's modulus, Pa; Poisson's ratio.
-const RADIUS: f64 = 1.0;
-const DENSITY: f64 = 1000.0;
-const YOUNG: f64 = 1.0e6;
-const POISSON: f64 = 0.3;
-/// Of two equal bodies: 1/E* = 2 (1 - nu^2) / E, Pa, and 1/R* = 2 / R, m.
-const STIFFNESS: f64 = 0.5 * YOUNG / (1.0 - POISSON * POISSON);
-const CURVATURE: f64 = 0.5 * RADIUS;
-/// Force, area and approach are compared while the approach is at least this part of the largest.
-const NEAR_THE_TOP: f64 = 0.95;
+use crate::{Outcome, figures};
 
 /// How fine, and how fast: closing speeds over sqrt(E / rho), so that the contact is 6 cells wide.
 #[derive(Clone, Copy, Debug)]
@@ -33,37 +20,6 @@ pub struct Size {
     pub cells: u32,
     pub ball: f64,
     pub cylinder: f64,
-}
-
-/// A moment of an impact.
-#[derive(Clone, Copy, Debug)]
-pub struct Row {
-    /// s.
-    pub time: f64,
-    /// By how much the centres of mass are closer than at the first touch, m.
-    pub approach: f64,
-    /// N, or N/m for cylinders.
-    pub force: f64,
-    /// Radius or half width of the contact from the second moment of its pressure, m.
-    pub width: f64,
-    /// Momentum along the axis over the sum of m |v|; across it hoop stress and the plane of symmetry act.
-    momentum: f64,
-}
-
-impl Row {
-    /// Hertz's force of balls for this approach of their centres of mass, N.
-    pub fn hertz_force(&self, part: f64) -> f64 {
-        let approach = (self.approach / part).max(0.0);
-        4.0 / 3.0 * STIFFNESS * CURVATURE.sqrt() * approach.powf(1.5)
-    }
-    /// Hertz's radius for this force, m.
-    pub fn ball_radius(&self) -> f64 {
-        (0.75 * self.force * CURVATURE / STIFFNESS).cbrt()
-    }
-    /// Hertz's half width for this force, m.
-    pub fn cylinder_width(&self) -> f64 {
-        (4.0 * self.force * CURVATURE / (PI * STIFFNESS)).sqrt()
-    }
 }
 
 /// Balls and cylinders.
@@ -75,7 +31,7 @@ pub fn all(size: Size, asked: Asked, threads: usize, folder: &Path) -> Result<Ou
     let (cylinders, b) = collide(plane, Part::Half, h, size.cylinder, asked, threads)?;
     let (ball_top, cylinder_top) = (top(&balls), top(&cylinders));
     let radius = mean(ball_top, |r| r.width);
-    let part = ball::approach_over_hertz(radius / RADIUS, POISSON);
+    let part = approach_over_hertz(radius / RADIUS, POISSON);
     figures::hertz(&balls, &cylinders, part, folder)?;
     let exact = "Hertz, V11";
     let near = 0.03;
@@ -130,99 +86,4 @@ pub fn all(size: Size, asked: Asked, threads: usize, folder: &Path) -> Result<Ou
     let along = balls.iter().chain(&cylinders).map(|r| r.momentum).fold(0.0, f64::max);
     checks.push(Check::gate("balls, cylinders: momentum along the axis", along, "-", 0.0, 1e-12, "V8"));
     Ok(Outcome { checks, totals: a.plus(&b) })
-}
-
-/// The part of a history where the approach is near its largest.
-fn top(rows: &[Row]) -> &[Row] {
-    let most = rows.iter().map(|r| r.approach).fold(0.0, f64::max);
-    let is = |r: &Row| r.approach > NEAR_THE_TOP * most;
-    let first = rows.iter().position(is).unwrap_or(0);
-    let last = rows.iter().rposition(is).unwrap_or(0);
-    &rows[first..=last.max(first)]
-}
-
-fn mean(rows: &[Row], of: impl Fn(&Row) -> f64) -> f64 {
-    rows.iter().map(of).sum::<f64>() / rows.len() as f64
-}
-
-/// From the first to the last moment with contact, s.
-fn lasts(rows: &[Row]) -> f64 {
-    let mut pressed = rows.iter().filter(|r| r.force > 0.0);
-    let first = pressed.next().map_or(f64::NAN, |r| r.time);
-    pressed.next_back().map_or(f64::NAN, |r| r.time - first)
-}
-
-/// One impact of two bodies that just touch; half a plane, or a radian of the whole, is computed.
-fn collide<M: Composition<f64, 2>>(
-    method: M,
-    part: Part,
-    h: f64,
-    speed: f64,
-    asked: Asked,
-    threads: usize,
-) -> Result<(Vec<Row>, Totals), CaseError> {
-    let lattice = Lattice::new([0.0; 2], h)?;
-    let fast = wave(DENSITY, YOUNG, POISSON);
-    // Balls curve away from the nodes beside the contact: only what is on a node's own line counts.
-    let contact =
-        asked.touch(0.0, Gradients::default(), (Detection::LocalRegression, Law::Coulomb), [fast, h])?;
-    let mut mpm: Run<M> = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
-    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
-    let wave = (YOUNG / DENSITY).sqrt();
-    for (name, side) in [("low", -1.0), ("high", 1.0)] {
-        let seeds = disc([0.0, side * RADIUS], RADIUS, 0.5 * h, part);
-        let law = rubber(DENSITY, YOUNG, POISSON, 0.0)?;
-        mpm.add(name, law, &seeds, |_| [0.0, -0.5 * side * speed * wave])?;
-    }
-    // Half a plane, or a radian of the whole; the square of the width over the second moment of Hertz's pressure.
-    let (whole, square) = if part == Part::Ball { (2.0 * PI, 2.5) } else { (2.0, 4.0) };
-    let end = 1.1 * duration(part, speed);
-    let (mut start, mut rows) = (f64::NAN, Vec::new());
-    let watch = Watch { every: end / 400.0, threads, series: None };
-    let totals = run(&mut mpm, end, watch, |now| {
-        let apart = centre(now, 1) - centre(now, 0);
-        if start.is_nan() {
-            start = apart;
-        }
-        let (mut sum, mut second) = (0.0, 0.0);
-        for node in now.contact_nodes() {
-            let (x, impulse) = (node.position[0], node.impulse[1]);
-            sum += impulse;
-            second += impulse * x * x;
-        }
-        // Quadratic splines add a quarter of a cell squared to the second moment of what they spread.
-        let spread = (second / sum - 0.25 * h * h).max(0.0);
-        rows.push(Row {
-            time: now.time(),
-            approach: start - apart,
-            force: whole * now.contacts().iter().map(|p| p.force[1]).sum::<f64>(),
-            width: (square * spread).sqrt(),
-            momentum: (now.totals().momentum[1] / now.totals().momentum_scale).abs(),
-        });
-    })?;
-    Ok((rows, totals))
-}
-
-/// How long bodies stay in contact, s: balls after Hertz, cylinders by a bound found in runs.
-fn duration(part: Part, speed: f64) -> f64 {
-    let wave = (YOUNG / DENSITY).sqrt();
-    match part {
-        Part::Ball => {
-            let mass = 0.5 * DENSITY * 4.0 / 3.0 * PI * RADIUS.powi(3);
-            2.868 * (mass * mass / (CURVATURE * STIFFNESS * STIFFNESS * speed * wave)).powf(0.2)
-        }
-        Part::Whole | Part::Half => 8.0 * RADIUS / wave,
-    }
-}
-
-/// Height of a body's centre of mass, m.
-fn centre(now: &Moment<'_, f64, 2>, body: usize) -> f64 {
-    let (mut sum, mut mass) = (0.0, 0.0);
-    if let Some(body) = now.bodies().get(body) {
-        body.for_each(&mut |p| {
-            sum += p.mass * p.position[1];
-            mass += p.mass;
-        });
-    }
-    sum / mass
 }

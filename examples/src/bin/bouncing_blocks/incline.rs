@@ -6,8 +6,8 @@ use examples::{CaseError, Check, Detection, Law, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{Blend, BlockGrid, Boundary, Linear, Method, Mpm, Musl, PlaneStrain, Side};
 
-use crate::scene::{Asked, Watch, of_first, rubber, run, wave};
 use crate::{Outcome, figures};
+use examples::blocks::scene::{Asked, Watch, of_first, rubber, run, wave};
 
 /// m/s^2.
 const GRAVITY: f64 = 10.0;

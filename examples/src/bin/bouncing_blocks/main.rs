@@ -1,21 +1,19 @@
 //! Blocks, bars, discs and balls in contact against exact values: impact of two bars, a wave through a pre-compressed
 //! joint, colliding discs (Sulsky 1994), a block on an incline, contact of Hertz.
 
-mod ball;
 mod bars;
-mod circles;
 mod discs;
 mod figures;
 mod hertz;
 mod incline;
-mod scene;
 
 use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
+use examples::blocks::scene::Asked;
 use examples::{CaseError, Check, Common, Detection, Law, Report, Totals, case};
-use scene::Asked;
+
 use serde::Serialize;
 
 /// Blocks, bars, discs and balls in contact against exact values.

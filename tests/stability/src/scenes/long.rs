@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use verification::Scheme;
+use verification::machine::Machine;
 
 use crate::stage::{
     ApicUsl, Cubic, FlipMusl, FlipUsl, Fmpm4Usl, Gimp, Linear, Means, Quadratic, bar, energy, row_of_cells,
@@ -14,21 +15,35 @@ const GAINS: &str = "gains steadily: 2 % after 1e5 steps, 7 after 4e5, 12 after 
 const MIXED: &str = "list has 6e4 steps. The first mode has gone over into short waves by then (cubic: 46 % of its amplitude left after 2e5 steps, 1 % after \
                      8e5), the energy is kept to 1.1 % up to 9e5 and falls after that";
 
+/// Cells of the bar of T17, and its length, m.
+pub const LENGTH: f64 = 10.0;
+/// Step of T17, s: h = c = 1.
+pub const STEP: f64 = 0.3;
+/// Largest speed of T17, m/s.
+pub const SPEED: f64 = 1e-3;
+
+/// The bar of T17, free at both ends, in its first mode; two particles a cell and axis.
+///
+/// # Errors
+/// A scheme that does not exist.
+pub fn swinging_bar(scheme: Scheme) -> Result<Box<dyn Machine>, String> {
+    let seeds = row_of_cells(LENGTH as usize, 2, 0.0)?;
+    bar(scheme, STEP, &seeds, &|x| SPEED * (PI * x / LENGTH).cos())
+}
+
 /// T17.
 pub fn vibration() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |size| {
             let count: u64 = if size == Size::Fast { 20_000 } else { 1_000_000 };
-            let (length, dt) = (10.0, 0.3);
-            let seeds = row_of_cells(10, 2, 0.0)?;
-            let mut mpm = bar(scheme, dt, &seeds, &|x| 1e-3 * (PI * x / length).cos())?;
-            let periods = (count as f64 * dt / (2.0 * length)) as u64;
+            let mut mpm = swinging_bar(scheme)?;
+            let periods = (count as f64 * STEP / (2.0 * LENGTH)) as u64;
             let mut means = Means::new(count, periods);
             let mut drift = 0.0f64;
             let stop = steps(&mut *mpm, count, |now, step| {
                 let t = now.totals();
                 means.add(step, energy(&t));
-                drift = drift.max(t.momentum[0].abs() / (t.mass * 1e-3));
+                drift = drift.max(t.momentum[0].abs() / (t.mass * SPEED));
             });
             let made = stop.as_ref().map_or(count, |s| s.step - 1);
             let said = format!("momentum to {drift:.0e} of m V");

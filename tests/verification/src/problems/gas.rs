@@ -82,6 +82,7 @@ fn tube(case: &Case, viscous: bool) -> Result<(Ended, Profile), String> {
         work.steps += 1;
     }
     work.seconds = watch.seconds();
+    work.bytes = mpm.bytes() as u64;
     let (mut error, mut pressure, mut inside, mut fastest) = (0.0, 0.0, 0.0, 0.0f64);
     // A fifth of the plateau at either end is left out.
     let margin = 0.2 * (SHOCK - TAIL);

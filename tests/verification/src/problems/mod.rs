@@ -3,6 +3,7 @@
 pub mod axis_aligned;
 pub mod bar;
 pub mod column;
+pub mod footing;
 pub mod gas;
 pub mod rigid;
 pub mod ring;

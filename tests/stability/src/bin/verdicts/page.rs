@@ -19,7 +19,7 @@ pub struct Making {
 }
 
 /// That of the charts of error against work, so that the two pages look alike.
-const STYLE: &str = include_str!("../../../../verification/src/bin/report/page.css");
+const STYLE: &str = include_str!("../../../../report/src/page.css");
 
 const OWN: &str = ".map td,.map th{text-align:center;padding:.1rem .3rem}.map td:first-child{text-align:left;white-space:nowrap}\
 .map th span{writing-mode:vertical-rl;transform:rotate(180deg);font-weight:400;white-space:nowrap}\

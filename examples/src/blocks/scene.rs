@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Detection, Detector, Law, Totals};
 use mpm_contact::{Choice, Gradients, GridContact, Weight};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
 use mpm_core::{BlockGrid, Composition, Mpm, Team};
 use mpm_materials::{BulkViscosity, Elastic, Jaumann, LinearDensity, NoFailure, Solid};
+
+use crate::{CaseError, Detection, Detector, Law, Totals};
 
 /// Linear elastic, with bulk viscosity.
 pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, Jaumann>;
@@ -26,12 +27,17 @@ pub fn rubber(density: f64, young: f64, poisson: f64, viscosity: f64) -> Result<
 /// How a scene tells that bodies touch, and what they then do: as it is best for the scene, or as it was asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Asked {
+    /// How contact is detected.
     pub detection: Option<Detection>,
+    /// What bodies do where they touch.
     pub law: Option<Law>,
 }
 
 impl Asked {
     /// Contact with friction, as is `best` if nothing else was asked for, of bodies with a wave speed, m/s, in cells, m.
+    ///
+    /// # Errors
+    /// A coefficient of friction that is negative.
     pub fn touch(
         self,
         friction: f64,
@@ -59,6 +65,7 @@ pub fn of_first() -> Gradients {
 pub struct Watch<'a> {
     /// Seconds between looks; every step if zero.
     pub every: f64,
+    /// Threads.
     pub threads: usize,
     /// Folder and name of a ParaView series, if there is to be one.
     pub series: Option<(&'a Path, &'a str)>,

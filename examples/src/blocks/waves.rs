@@ -1,0 +1,207 @@
+//! Bars of one piece and of two, in uniaxial strain: a strip two cells high between planes of symmetry, an impact end to end
+//! (V8), and a wave through a joint under pressure (V9).
+
+use std::sync::Arc;
+
+use mpm_contact::Gradients;
+use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
+use mpm_core::observe::Moment;
+use mpm_core::{BlockGrid, Boundary, Composition, Mpm, Side, Traction};
+
+use crate::blocks::scene::{Asked, Run, Watch, mean, rubber, run, velocity};
+use crate::{CaseError, Detection, Law, Totals};
+
+/// Density, kg/m^3.
+pub const DENSITY: f64 = 1000.0;
+/// Wave speed, m/s.
+pub const WAVE: f64 = 100.0;
+/// Length of a bar, m.
+pub const LENGTH: f64 = 1.0;
+
+/// A strip two cells high between planes of symmetry, still empty, and its lattice of cells of `h` metres.
+///
+/// # Errors
+/// What a scene refuses.
+pub fn strip<M: Composition<f64, 2>>(
+    method: M,
+    h: f64,
+    asked: Asked,
+) -> Result<(Run<M>, Lattice<2>), CaseError> {
+    let lattice = Lattice::new([0.0; 2], h)?;
+    let contact = asked.touch(0.0, Gradients::default(), (Detection::Distance, Law::Coulomb), [WAVE, h])?;
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
+    mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
+    mpm.bound(Boundary::Symmetry { axis: 1, at: 2.0 * h, side: Side::Below })?;
+    Ok((mpm, lattice))
+}
+
+/// Particles of a strip between two places, m; two a cell and axis.
+///
+/// # Errors
+/// Places in the wrong order.
+pub fn piece(lattice: &Lattice<2>, from: f64, to: f64) -> Result<Seeds<2>, CaseError> {
+    let shape = Cuboid::new([from, 0.0], [to, 2.0 * lattice.spacing()])?;
+    Ok(fill(&shape, lattice, 2, &Filling::new())?)
+}
+
+/// Closing speed of bars that hit each other, m/s: a strain of 1/4000, so that no particle leaves its cell.
+pub const SPEED: f64 = 0.05;
+
+/// What came of an impact of two bars end to end (V8).
+pub struct Struck {
+    /// Exact velocity of the joint, m/s.
+    pub joint: f64,
+    /// Exact stress behind the waves, Pa.
+    pub stress: f64,
+    /// Means of velocity, m/s, and stress, Pa, around the joint when the waves have run 0.8 of a bar.
+    pub plateau: [f64; 2],
+    /// Just after that: the mean of the error of the velocity over all of both bars, over the closing speed.
+    pub error: f64,
+    /// And the largest velocity of the second bar over that of the joint, less 1.
+    pub overshoot: f64,
+    /// The last time at which the stress of the contact was half of the exact one, s.
+    pub last: f64,
+    /// Time, s, velocities of the first and the second bar, m/s, stress of the contact, Pa.
+    pub rows: Vec<[f64; 4]>,
+    /// Work, and errors of the ledger.
+    pub totals: Totals,
+}
+
+/// A bar of [`LENGTH`] in `cells` cells hits another at rest, `ratio` times as heavy and stiff, `second` times as long, with
+/// a linear bulk viscosity of `viscosity`.
+///
+/// # Errors
+/// What a scene refuses, and a step that breaks.
+pub fn strike<M: Composition<f64, 2>>(
+    method: M,
+    cells: u32,
+    [ratio, second]: [f64; 2],
+    viscosity: f64,
+    asked: Asked,
+) -> Result<Struck, CaseError> {
+    let h = LENGTH / f64::from(cells);
+    let (mut mpm, lattice) = strip(method, h, asked)?;
+    let young = DENSITY * WAVE * WAVE;
+    let law = |m: f64| rubber(m * DENSITY, m * young, 0.0, viscosity);
+    mpm.add("first", law(1.0)?, &piece(&lattice, -LENGTH, 0.0)?, |_| [SPEED, 0.0])?;
+    mpm.add("second", law(ratio)?, &piece(&lattice, 0.0, second * LENGTH)?, |_| [0.0; 2])?;
+    let impedance = [DENSITY * WAVE, ratio * DENSITY * WAVE];
+    let joint = SPEED * impedance[0] / (impedance[0] + impedance[1]);
+    let stress = -impedance[1] * joint;
+    let when = 0.8 * LENGTH / WAVE;
+    let (mut plateau, mut last, mut rows) = ([f64::NAN; 2], 0.0, Vec::new());
+    let (mut error, mut overshoot) = (f64::NAN, f64::NAN);
+    let area = 2.0 * h;
+    let totals = run(&mut mpm, 3.5 * LENGTH / WAVE, Watch::STEPS, |now| {
+        let force = now.contacts().iter().map(|p| p.force[0]).sum::<f64>() / area;
+        if force > 0.5 * stress.abs() {
+            last = now.time();
+        }
+        if now.time() <= when {
+            let near = [-0.4 * LENGTH, 0.4 * LENGTH];
+            plateau = [mean(now, near, |p| p.velocity[0]), mean(now, near, |p| p.stress[0])];
+        } else if error.is_nan() {
+            [error, overshoot] = profile(now, joint);
+        }
+        rows.push([now.time(), velocity(now, 0)[0], velocity(now, 1)[0], force]);
+    })?;
+    Ok(Struck { joint, stress, plateau, error, overshoot, last, rows, totals })
+}
+
+/// Error and overshoot of the velocities, as of [`Struck`].
+fn profile(now: &Moment<'_, f64, 2>, joint: f64) -> [f64; 2] {
+    // Waves run through the material; the first bar moved until then.
+    let (way, t) = (WAVE * now.time(), now.time());
+    let (mut off, mut volume, mut fastest) = (0.0, 0.0, 0.0_f64);
+    for (n, body) in now.bodies().iter().enumerate() {
+        body.for_each(&mut |p| {
+            let x = p.position[0];
+            let exact = match n {
+                0 if x < SPEED * t - way => SPEED,
+                1 if x > way => 0.0,
+                _ => joint,
+            };
+            off += p.volume * (p.velocity[0] - exact).abs();
+            volume += p.volume;
+            if n == 1 {
+                fastest = fastest.max(p.velocity[0]);
+            }
+        });
+    }
+    [off / volume / SPEED, fastest / joint - 1.0]
+}
+
+/// Pressure that holds the joint together, Pa, and how long it takes to apply, s.
+pub const PRELOAD: f64 = 4.0e3;
+const RAMP: f64 = 20.0 * 2.0 * LENGTH / WAVE;
+/// Length of the pulse, s.
+const PULSE: f64 = 0.4 * LENGTH / WAVE;
+
+/// Time after the pulse began, s, velocity, m/s, and stress, Pa, at a quarter and three quarters of the bar.
+pub type Row = [f64; 5];
+
+/// A bar of one piece (`joined`) or two of `cells` in all, pressed and then hit (or pulled) at its left end with `pulse` Pa.
+///
+/// # Errors
+/// What a scene refuses, and a step that breaks.
+pub fn pressed<M: Composition<f64, 2>>(
+    method: M,
+    cells: u32,
+    joined: bool,
+    pulse: f64,
+    asked: Asked,
+) -> Result<(Vec<Row>, Totals), CaseError> {
+    let h = 0.5 * LENGTH / f64::from(cells / 2);
+    let (mut mpm, lattice) = strip(method, h, asked)?;
+    mpm.bound(Boundary::Fixed { axis: 0, at: LENGTH, side: Side::Below })?;
+    let law = || rubber(DENSITY, DENSITY * WAVE * WAVE, 0.0, 0.0);
+    let load = Traction {
+        region: Arc::new(Cuboid::new([-1.0, -1.0], [0.5 * h, 1.0])?),
+        axis: 0,
+        history: Arc::new(move |t: f64| {
+            let ramp = (t / RAMP).min(1.0);
+            let smooth = ramp * ramp * (3.0 - 2.0 * ramp);
+            let part = (t - RAMP) / PULSE;
+            let hit =
+                if (0.0..1.0).contains(&part) { (std::f64::consts::PI * part).sin().powi(2) } else { 0.0 };
+            [PRELOAD * smooth + pulse * hit, 0.0]
+        }),
+        revolved: false,
+    };
+    let middle = 0.5 * LENGTH;
+    if joined {
+        mpm.add_loaded("bar", law()?, &piece(&lattice, 0.0, LENGTH)?, |_| [0.0; 2], load)?;
+    } else {
+        mpm.add_loaded("left", law()?, &piece(&lattice, 0.0, middle)?, |_| [0.0; 2], load)?;
+        mpm.add("right", law()?, &piece(&lattice, middle, LENGTH)?, |_| [0.0; 2])?;
+    }
+    let mut rows = Vec::new();
+    let end = RAMP + 1.15 * LENGTH / WAVE;
+    let totals = run(&mut mpm, end, Watch::STEPS, |now| {
+        if now.time() >= RAMP {
+            let at = |x: f64| [x - 2.0 * h, x + 2.0 * h];
+            let of = |x: f64| [mean(now, at(x), |p| p.velocity[0]), mean(now, at(x), |p| p.stress[0])];
+            let (a, b) = (of(0.25 * LENGTH), of(0.75 * LENGTH));
+            rows.push([now.time() - RAMP, a[0], b[0], a[1], b[1]]);
+        }
+    })?;
+    Ok((rows, totals))
+}
+
+/// The largest change of a column from where it starts, in the direction of `sign`.
+pub fn most(rows: &[Row], column: usize, sign: f64) -> f64 {
+    let start = rows.first().map_or(f64::NAN, |r| r[column]);
+    rows.iter().map(|r| sign * (r[column] - start)).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The largest difference of the velocity at a quarter between a bar of two pieces and one of one, over that of a
+/// pulse of `pulse` Pa: the share that the joint reflects.
+pub fn reflected(bonded: &[Row], split: &[Row], pulse: f64) -> f64 {
+    let incident = pulse / (DENSITY * WAVE);
+    let back = |r: &Row| {
+        // The steps of both runs differ a little: look at the same time.
+        let other = bonded.iter().min_by(|a, b| (a[0] - r[0]).abs().total_cmp(&(b[0] - r[0]).abs()));
+        other.map_or(f64::NAN, |o| (r[1] - o[1]).abs())
+    };
+    split.iter().map(back).fold(0.0, f64::max) / incident
+}

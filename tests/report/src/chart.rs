@@ -1,0 +1,280 @@
+//! A chart of error against work, both logarithmic, as inline SVG that follows the colours of the page.
+
+use std::fmt::Write;
+
+use crate::contact::DETECTIONS;
+use crate::front::{Cost, front, schemes};
+use crate::record::Record;
+use crate::sweep::{Chart, Kind};
+
+/// Size of the drawing and of its plot area.
+const WIDTH: f64 = 520.0;
+const HEIGHT: f64 = 440.0;
+const LEFT: f64 = 66.0;
+const RIGHT: f64 = 498.0;
+const TOP: f64 = 34.0;
+const BOTTOM: f64 = 384.0;
+
+/// A scale from decades to the drawing.
+pub struct Scale {
+    low: f64,
+    high: f64,
+    from: f64,
+    to: f64,
+}
+
+impl Scale {
+    fn around(values: impl Iterator<Item = f64>, from: f64, to: f64) -> Option<Self> {
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for v in values.filter(|v| *v > 0.0 && v.is_finite()) {
+            low = low.min(v.log10());
+            high = high.max(v.log10());
+        }
+        let (low, high) = (low.floor(), high.ceil());
+        (low.is_finite() && high.is_finite()).then(|| Scale { low, high: high.max(low + 1.0), from, to })
+    }
+    /// Across the plot, around these values, with room to whole decades.
+    pub fn across(values: impl Iterator<Item = f64>) -> Option<Self> {
+        Self::around(values, LEFT, RIGHT)
+    }
+    /// Up the plot.
+    pub fn up(values: impl Iterator<Item = f64>) -> Option<Self> {
+        Self::around(values, BOTTOM, TOP)
+    }
+    /// Where a value is drawn.
+    pub fn at(&self, value: f64) -> f64 {
+        let share = (value.log10() - self.low) / (self.high - self.low);
+        self.from + share.clamp(-0.02, 1.02) * (self.to - self.from)
+    }
+    fn decades(&self) -> impl Iterator<Item = i32> + use<> {
+        self.low as i32..=self.high as i32
+    }
+}
+
+/// How a scheme is drawn: the number of its colour, its dash, ring or disc.
+struct Style {
+    colour: usize,
+    dash: &'static str,
+    ring: bool,
+}
+
+impl Style {
+    /// Of runs of contact the colour is that of the test, of footings that of the cure, else that of the kernel.
+    fn of(scheme: &str) -> Style {
+        let (method, variant) = scheme.split_once(", ").unwrap_or((scheme, ""));
+        if let Some(test) = DETECTIONS.iter().position(|d| d.name() == variant) {
+            let ring = method.contains("quadratic");
+            return Style { colour: test + 1, dash: if ring { "7 4" } else { "none" }, ring };
+        }
+        let ring = method.starts_with("TL");
+        if !variant.is_empty() {
+            let colour = if variant.starts_with("mean") { 3 } else { 1 };
+            return Style { colour, dash: if ring { "7 4" } else { "none" }, ring };
+        }
+        let kernel = ["linear", "uGIMP", "cpGIMP", "quadratic", "cubic"];
+        let colour = kernel.iter().position(|k| method.contains(k)).unwrap_or(0) + 1;
+        let dash = if method.contains("MUSL") {
+            "7 4"
+        } else if method.contains("APIC") {
+            "2 4"
+        } else if method.contains("FMPM") {
+            "9 3 2 3"
+        } else {
+            "none"
+        };
+        Style { colour, dash, ring }
+    }
+}
+
+/// A marker of a scheme: rings in the reference configuration, discs that move with the material.
+fn marker(out: &mut String, scheme: &str, x: f64, y: f64, size: f64, tip: &str) {
+    let Style { colour, ring, .. } = Style::of(scheme);
+    let kind = if ring { "ring" } else { "disc" };
+    let _ = write!(
+        out,
+        "<circle class=\"{kind} c{colour}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{size}\"><title>{tip}</title></circle>"
+    );
+}
+
+fn tip(record: &Record, error: &str) -> String {
+    let value = match (record.error(error), &record.failure) {
+        (Some(e), _) => format!("error {e:.2e}"),
+        (None, Some(failure)) => format!("stopped: {}", escape(failure)),
+        (None, None) => "no error".into(),
+    };
+    let Record { units, core_seconds, steps, .. } = record;
+    let instructions = record.instructions.map_or(String::new(), |i| format!(", {i:.1e} instructions"));
+    let scheme = escape(record.scheme());
+    format!(
+        "{scheme}: {value}; {}, {steps} steps; {units:.1e} units{instructions}, {core_seconds:.3} core-s",
+        record.settings()
+    )
+}
+
+/// Text that may stand in markup.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+/// The beginning of a drawing.
+pub fn open(about: &str) -> String {
+    format!("<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" aria-label=\"{}\">", escape(about))
+}
+
+/// The chart of some runs. A line is a scheme's own unbeaten runs; the others of the scheme are faint; runs that stopped
+/// or whose error is above the top are crosses on the top edge; the broad line joins the unbeaten of all. `band` is how
+/// much the time of the same run differs, which is drawn against time.
+pub fn draw(chart: &Chart, runs: &[&Record], cost: Cost, band: Option<f64>) -> Option<String> {
+    let error = chart.error;
+    let x = Scale::across(runs.iter().filter_map(|r| cost.of(r)))?;
+    // Errors above one are no answers: they are crosses on the edge, as failures are.
+    let inside = |r: &Record| r.answer(error).is_some();
+    let y = Scale::up(runs.iter().filter_map(|r| r.answer(error)))?;
+    let mut out = open(&format!("{} against {}", chart.label, cost.label()));
+    let what = if chart.kind == Kind::Time {
+        "× stopped, or change above 1"
+    } else {
+        "× stopped, or error above 1"
+    };
+    axes(&mut out, (&x, &y), cost.label(), chart.label, what);
+    if chart.kind == Kind::Work {
+        let all = front(runs.iter().copied().filter(|r| inside(r)), error, cost);
+        path(&mut out, &all, error, cost, (&x, &y), "class=\"front\"");
+    }
+    for scheme in schemes(runs) {
+        let own: Vec<&Record> = runs.iter().copied().filter(|r| r.scheme() == scheme).collect();
+        let good = own.iter().copied().filter(|r| inside(r));
+        let line: Vec<&Record> =
+            if chart.kind == Kind::Time { good.collect() } else { front(good, error, cost) };
+        let Style { colour, dash, .. } = Style::of(&scheme);
+        let how = format!("class=\"line c{colour}\" stroke-dasharray=\"{dash}\"");
+        path(&mut out, &line, error, cost, (&x, &y), &how);
+        for record in own {
+            // What stopped before its first step is at the left end.
+            let at = x.at(cost.of(record).unwrap_or(1e-300));
+            match record.answer(error) {
+                Some(_) if cost.of(record).is_none() => {}
+                Some(e) => {
+                    let size = if line.iter().any(|r| std::ptr::eq(*r, record)) { 4.0 } else { 1.8 };
+                    marker(&mut out, &scheme, at, y.at(e.max(1e-300)), size, &tip(record, error));
+                }
+                None => {
+                    let _ = write!(
+                        out,
+                        "<path class=\"cross c{colour}\" d=\"M{:.1} {:.1}l8 8m0 -8l-8 8\"><title>{}</title></path>",
+                        at - 4.0,
+                        TOP - 4.0,
+                        tip(record, error)
+                    );
+                }
+            }
+        }
+    }
+    if let Some(band) = band.filter(|_| cost == Cost::Seconds) {
+        noise(&mut out, &x, band);
+    }
+    out.push_str("</svg>");
+    Some(out)
+}
+
+/// How far apart two times may be by noise alone, as a bar in the scale of the axis.
+fn noise(out: &mut String, x: &Scale, band: f64) {
+    let wide = (x.to - x.from) / (x.high - x.low) * (1.0 + band).log10();
+    let (at, high) = (LEFT + 10.0, BOTTOM - 14.0);
+    let _ = write!(
+        out,
+        "<path class=\"noise\" d=\"M{at:.1} {:.1}v10m{wide:.2} 0v-10m0 5h-{wide:.2}\"/>\
+         <text class=\"faint\" x=\"{:.1}\" y=\"{:.1}\">noise of time, {}</text>",
+        high - 5.0,
+        at + wide + 6.0,
+        high + 5.0,
+        percent(band)
+    );
+}
+
+/// A share in words, with two figures, but none that are noughts.
+pub fn percent(e: f64) -> String {
+    if e >= 0.1 {
+        format!("{:.0} %", 100.0 * e)
+    } else if e >= 0.001 {
+        format!("{:.1} %", 100.0 * e).replace(".0 %", " %")
+    } else {
+        format!("{e:.1e}")
+    }
+}
+
+fn path(out: &mut String, runs: &[&Record], error: &str, cost: Cost, (x, y): (&Scale, &Scale), how: &str) {
+    let mut d = String::new();
+    for r in runs {
+        let (Some(cost), Some(e)) = (cost.of(r), r.error(error)) else { continue };
+        let letter = if d.is_empty() { "M" } else { "L" };
+        let _ = write!(d, "{letter}{:.1} {:.1}", x.at(cost), y.at(e.max(1e-300)));
+    }
+    if !d.is_empty() {
+        let _ = write!(out, "<path {how} d=\"{d}\"/>");
+    }
+}
+
+/// Axes with their decades and labels, and a remark on the top.
+pub fn axes(out: &mut String, (x, y): (&Scale, &Scale), along: &str, up: &str, remark: &str) {
+    let power = |n: i32| format!("10<tspan dy=\"-6\" font-size=\"11\">{n}</tspan>");
+    let skip = ((x.high - x.low) / 6.0).ceil() as i32;
+    for n in x.decades() {
+        let at = x.at(10f64.powi(n));
+        let _ = write!(out, "<path class=\"grid\" d=\"M{at:.1} {TOP}V{BOTTOM}\"/>");
+        if (n - x.low as i32) % skip.max(1) == 0 {
+            let low = BOTTOM + 20.0;
+            let _ =
+                write!(out, "<text x=\"{at:.1}\" y=\"{low:.1}\" text-anchor=\"middle\">{}</text>", power(n));
+        }
+    }
+    if y.high - y.low < 2.5 {
+        for (n, part) in
+            y.decades().flat_map(|n| [(n, 2.0), (n, 5.0)]).filter(|(n, _)| f64::from(*n) < y.high)
+        {
+            let (left, at) = (LEFT - 8.0, y.at(part * 10f64.powi(n)));
+            let _ = write!(
+                out,
+                "<path class=\"grid\" d=\"M{LEFT} {at:.1}H{RIGHT}\"/>\
+                 <text class=\"faint\" x=\"{left:.1}\" y=\"{:.1}\" text-anchor=\"end\">{part}</text>",
+                at + 4.0
+            );
+        }
+    }
+    let skip = ((y.high - y.low) / 7.0).ceil() as i32;
+    for n in y.decades() {
+        let at = y.at(10f64.powi(n));
+        let _ = write!(out, "<path class=\"grid\" d=\"M{LEFT} {at:.1}H{RIGHT}\"/>");
+        if (n - y.low as i32) % skip.max(1) == 0 {
+            let (left, low) = (LEFT - 8.0, at + 5.0);
+            let _ =
+                write!(out, "<text x=\"{left:.1}\" y=\"{low:.1}\" text-anchor=\"end\">{}</text>", power(n));
+        }
+    }
+    let _ = write!(
+        out,
+        "<text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{along}</text>\
+         <text transform=\"translate(16 {:.1}) rotate(-90)\" text-anchor=\"middle\">{}</text>\
+         <text class=\"faint\" x=\"{LEFT}\" y=\"16\">{remark}</text>",
+        0.5 * (LEFT + RIGHT),
+        HEIGHT - 12.0,
+        0.5 * (TOP + BOTTOM),
+        escape(up)
+    );
+}
+
+/// The legend: one entry a scheme.
+pub fn legend(runs: &[&Record]) -> String {
+    let mut out = String::from("<p class=\"legend\">");
+    for scheme in schemes(runs) {
+        let Style { colour, dash, .. } = Style::of(&scheme);
+        let _ = write!(
+            out,
+            "<span><svg viewBox=\"0 0 34 12\"><path class=\"line c{colour}\" stroke-dasharray=\"{dash}\" d=\"M0 6H34\"/>"
+        );
+        marker(&mut out, &scheme, 17.0, 6.0, 4.0, &escape(&scheme));
+        let _ = write!(out, "</svg>{}</span> ", escape(&scheme));
+    }
+    out.push_str("</p>");
+    out
+}

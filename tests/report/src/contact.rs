@@ -1,0 +1,236 @@
+//! Contact: bars end to end (V8), a pulse through a joint (V9), colliding discs (V10), balls after Hertz (V11), by every test of
+//! contact.
+
+use std::time::Instant;
+
+use examples::blocks::ball::approach_over_hertz;
+use examples::blocks::circles::Part;
+use examples::blocks::scene::Asked;
+use examples::blocks::{discs, hertz, waves};
+use examples::{CaseError, Detection, Law, Totals};
+use mpm_core::{
+    Axisymmetric, Composition, Flip, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, TimeControl,
+};
+use verification::work::{Stopwatch, Work};
+use verification::{Kernel, Outcome, Scheme, Velocity};
+
+use crate::job::Key;
+
+/// All tests of contact that are charted.
+pub const DETECTIONS: [Detection; 7] = [
+    Detection::Approach,
+    Detection::Compression,
+    Detection::Distance,
+    Detection::Centres,
+    Detection::Local,
+    Detection::Regression,
+    Detection::LocalRegression,
+];
+
+/// Closing speed of the balls over sqrt(E / rho): the contact gets a sixth of the radius wide.
+const BALL_SPEED: f64 = 1e-2;
+
+/// Linear coefficient of bulk viscosity of bars that hit each other.
+const VISCOSITY: f64 = 0.1;
+
+/// What meets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meeting {
+    /// V9: a pulse through a joint under pressure; cells are those of the bar.
+    Pulse,
+    /// V10: two discs; cells are those across the box of 1 m.
+    Discs,
+    /// V11: two balls; cells are those of the radius.
+    Balls,
+    /// V8: two bars end to end, with bulk viscosity; cells are those of one.
+    Bars,
+    /// V8: the same without.
+    BareBars,
+}
+
+impl Meeting {
+    /// All.
+    pub const ALL: [Meeting; 5] =
+        [Meeting::Pulse, Meeting::Discs, Meeting::Balls, Meeting::Bars, Meeting::BareBars];
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Meeting::Pulse => "V9 pulse",
+            Meeting::Discs => "V10 discs",
+            Meeting::Balls => "V11 balls",
+            Meeting::Bars => "V8 bars",
+            Meeting::BareBars => "V8 bars bare",
+        }
+    }
+}
+
+/// A meeting, a method (hats or quadratic splines, FLIP and MUSL), a test of contact, a grid.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Touch {
+    /// What meets.
+    pub meeting: Meeting,
+    /// Quadratic splines instead of hats.
+    pub quadratic: bool,
+    /// How contact is found.
+    pub detection: Detection,
+    /// Cells along the problem's length.
+    pub cells: usize,
+}
+
+impl Touch {
+    fn kernel(self) -> Kernel {
+        if self.quadratic { Kernel::Quadratic } else { Kernel::Linear }
+    }
+
+    /// Its name.
+    pub fn key(self) -> Key {
+        let scheme = Scheme::moving(self.kernel(), Velocity::FlipMusl).name();
+        let control = TimeControl::default_for::<f64, 2, Method<Linear, Flip, Musl, PlaneStrain>>();
+        let courant = match control {
+            TimeControl::Courant { factor, .. } => factor,
+            _ => f64::NAN,
+        };
+        Key {
+            problem: self.meeting.name().into(),
+            scheme: format!("{scheme}, {}", self.detection.name()),
+            per_axis: 2,
+            cells: self.cells,
+            courant,
+        }
+    }
+
+    /// The one of a name.
+    pub fn of(key: &Key) -> Option<Touch> {
+        let meeting = Meeting::ALL.into_iter().find(|m| m.name() == key.problem)?;
+        let made = DETECTIONS.into_iter().flat_map(|detection| {
+            [false, true].map(|quadratic| Touch { meeting, quadratic, detection, cells: key.cells })
+        });
+        made.into_iter().find(|t| t.key() == *key)
+    }
+
+    /// The smallest that still meets.
+    pub fn scaled(self) -> Touch {
+        let cells = if matches!(self.meeting, Meeting::Bars | Meeting::BareBars) { 25 } else { 10 };
+        Touch { cells, ..self }
+    }
+
+    /// Run it.
+    pub fn run(self) -> Outcome {
+        let made = match (self.meeting, self.quadratic) {
+            (Meeting::Balls, false) => self.balls(Method::new(Linear, Flip, Musl, Axisymmetric)),
+            (Meeting::Balls, true) => self.balls(Method::new(QuadraticBSpline, Flip, Musl, Axisymmetric)),
+            (_, false) => self.plane(|| Method::new(Linear, Flip, Musl, PlaneStrain)),
+            (_, true) => self.plane(|| Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain)),
+        };
+        made.unwrap_or_else(|error| Outcome { failure: Some(error.to_string()), ..Outcome::default() })
+    }
+
+    /// Run what touches, and nothing to compare it with.
+    pub fn work(self) -> Work {
+        if self.meeting != Meeting::Pulse {
+            return self.run().work;
+        }
+        let made = if self.quadratic {
+            self.pulse(Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain), false)
+        } else {
+            self.pulse(Method::new(Linear, Flip, Musl, PlaneStrain), false)
+        };
+        made.map(|m| m.1).unwrap_or_default()
+    }
+
+    fn plane<M: Composition<f64, 2>>(self, method: impl Fn() -> M) -> Result<Outcome, CaseError> {
+        match self.meeting {
+            Meeting::Discs => return self.discs(method()),
+            Meeting::Bars => return self.bars(method(), VISCOSITY),
+            Meeting::BareBars => return self.bars(method(), 0.0),
+            Meeting::Pulse | Meeting::Balls => {}
+        }
+        let (bonded, _) = self.pulse(method(), true)?;
+        let (split, work) = self.pulse(method(), false)?;
+        let peak = |rows: &[waves::Row]| waves::most(rows, 2, 1.0);
+        let reflected = waves::reflected(&bonded, &split, Self::push());
+        let measures = vec![("transmitted", peak(&split) / peak(&bonded) - 1.0), ("reflected", reflected)];
+        Ok(Outcome { measures, work, failure: None })
+    }
+
+    /// Nodes that stop what closes, whatever detects it.
+    fn asked(self) -> Asked {
+        Asked { detection: Some(self.detection), law: Some(Law::Coulomb) }
+    }
+
+    /// Of the pulse, Pa: half of what holds the joint together.
+    fn push() -> f64 {
+        0.5 * waves::PRELOAD
+    }
+
+    fn pulse<M: Composition<f64, 2>>(
+        self,
+        method: M,
+        joined: bool,
+    ) -> Result<(Vec<waves::Row>, Work), CaseError> {
+        let asked = self.asked();
+        self.timed(|| waves::pressed(method, self.cells as u32, joined, Self::push(), asked))
+    }
+
+    fn bars<M: Composition<f64, 2>>(self, method: M, viscosity: f64) -> Result<Outcome, CaseError> {
+        let asked = self.asked();
+        let (made, work) = self.timed(|| {
+            let made = waves::strike(method, self.cells as u32, [1.0; 2], viscosity, asked)?;
+            let totals = made.totals;
+            Ok((made, totals))
+        })?;
+        let stress = made.plateau[1] / made.stress - 1.0;
+        let measures = vec![("velocity", made.error), ("overshoot", made.overshoot), ("stress", stress)];
+        Ok(Outcome { measures, work, failure: None })
+    }
+
+    fn discs<M: Composition<f64, 2>>(self, method: M) -> Result<Outcome, CaseError> {
+        let h = 1.0 / self.cells as f64;
+        let (made, work) = self.timed(|| {
+            let made = discs::collide(method, h, self.asked(), None)?;
+            let totals = made.totals;
+            Ok((made, totals))
+        })?;
+        let (first, last) = (made.rows.first(), made.rows.last());
+        let (first, last) = (first.copied().unwrap_or([f64::NAN; 4]), last.copied().unwrap_or([f64::NAN; 4]));
+        // Contact is found in a step: its end that is farther off, for nobody knows when in it.
+        let end = made.rows.iter().map(|r| r[0]).find(|t| *t > made.onset).unwrap_or(f64::NAN);
+        let off = |t: f64| (t / discs::touch() - 1.0).abs();
+        let measures = vec![
+            ("onset", if end.is_nan() { f64::NAN } else { off(made.onset).max(off(end)) }),
+            ("energy", (last[1] + last[2]) / first[1] - 1.0),
+            ("rebound", -last[3] / discs::SPEED),
+        ];
+        Ok(Outcome { measures, work, failure: None })
+    }
+
+    fn balls<M: Composition<f64, 2>>(self, method: M) -> Result<Outcome, CaseError> {
+        let h = hertz::RADIUS / self.cells as f64;
+        let asked = self.asked();
+        let (rows, work) = self.timed(|| hertz::collide(method, Part::Ball, h, BALL_SPEED, asked, 1))?;
+        let top = hertz::top(&rows);
+        let radius = hertz::mean(top, |r| r.width);
+        let part = approach_over_hertz(radius / hertz::RADIUS, hertz::POISSON);
+        let measures = vec![
+            ("force", hertz::mean(top, |r| r.force / r.hertz_force(part)) - 1.0),
+            ("width", hertz::mean(top, |r| r.width / r.ball_radius()) - 1.0),
+        ];
+        Ok(Outcome { measures, work, failure: None })
+    }
+
+    /// What a run brings, and its work. Core-seconds are those of the whole, by the share that steps have of its
+    /// time by the clock: looks at every step are no work of a method.
+    fn timed<R>(self, run: impl FnOnce() -> Result<(R, Totals), CaseError>) -> Result<(R, Work), CaseError> {
+        let (watch, clock) = (Stopwatch::start(), Instant::now());
+        let (made, totals) = run()?;
+        let share = (totals.wall_seconds / clock.elapsed().as_secs_f64()).min(1.0);
+        let work = Work {
+            particles: totals.particles as u64,
+            steps: totals.steps,
+            nodes: self.kernel().nodes(2),
+            seconds: share * watch.seconds(),
+            bytes: totals.bytes as u64,
+        };
+        Ok((made, work))
+    }
+}

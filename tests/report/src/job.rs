@@ -1,0 +1,104 @@
+//! Runs that charts are made of, named by what a file can hold.
+
+use serde::{Deserialize, Serialize};
+use verification::{Case, Outcome, Problem, Scheme};
+
+use crate::contact::Touch;
+use crate::long::Long;
+use crate::soil::Footing;
+
+/// A run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Job {
+    /// A case of the package `verification`.
+    Case(Case),
+    /// Two bodies that meet.
+    Touch(Touch),
+    /// A strip footing.
+    Footing(Footing),
+    /// A bar that swings for long.
+    Long(Long),
+}
+
+/// What tells a run from all others.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Key {
+    /// Problem.
+    pub problem: String,
+    /// Scheme, and where more than that is chosen, what, after a comma.
+    pub scheme: String,
+    /// Particles a cell and axis.
+    pub per_axis: usize,
+    /// Cells along the problem's length.
+    pub cells: usize,
+    /// Time step times wave speed over the cell, or the factor of the time control.
+    pub courant: f64,
+}
+
+impl Job {
+    /// Its name.
+    pub fn key(&self) -> Key {
+        match self {
+            Job::Case(case) => Key {
+                problem: case.problem.name().into(),
+                scheme: case.scheme.name(),
+                per_axis: case.per_axis,
+                cells: case.cells,
+                courant: case.courant,
+            },
+            Job::Touch(touch) => touch.key(),
+            Job::Footing(footing) => footing.key(),
+            Job::Long(long) => long.key(),
+        }
+    }
+
+    /// The job of a name, if there still is such a one.
+    pub fn of(key: &Key) -> Option<Job> {
+        if let Some(problem) = Problem::ALL.into_iter().find(|p| p.name() == key.problem) {
+            let scheme = Scheme::named(&key.scheme)?;
+            let Key { per_axis, cells, courant, .. } = *key;
+            return Some(Job::Case(Case { problem, scheme, per_axis, cells, courant }));
+        }
+        Touch::of(key)
+            .map(Job::Touch)
+            .or_else(|| Footing::of(key).map(Job::Footing))
+            .or_else(|| Long::of(key).map(Job::Long))
+    }
+
+    /// Run it: one outcome, or some of a run that is looked at on its way.
+    pub fn run(&self) -> Vec<Outcome> {
+        match self {
+            Job::Case(case) => vec![case.run()],
+            Job::Touch(touch) => vec![touch.run()],
+            Job::Footing(footing) => vec![footing.run()],
+            Job::Long(long) => long.run(),
+        }
+    }
+
+    /// Run it for its instructions alone: particles times steps that were made.
+    pub fn particle_steps(&self) -> f64 {
+        let work = match self {
+            Job::Touch(touch) => touch.work(),
+            other => other.run().pop().unwrap_or_default().work,
+        };
+        (work.particles * work.steps) as f64
+    }
+
+    /// The same scheme on the problem scaled down to some hundred particles, for counts of instructions.
+    pub fn scaled(&self) -> Job {
+        match *self {
+            Job::Case(case) => {
+                let (cells, courant) = match case.problem {
+                    Problem::Vortex => (16, 0.2),
+                    Problem::Ring => (4, 0.3),
+                    Problem::Sod | Problem::SodBare => (50, 0.4),
+                    _ => (12, 0.4),
+                };
+                Job::Case(Case { cells, courant, ..case })
+            }
+            Job::Touch(touch) => Job::Touch(touch.scaled()),
+            Job::Footing(footing) => Job::Footing(Footing { cells: 1, ..footing }),
+            Job::Long(long) => Job::Long(Long { steps: 1000, ..long }),
+        }
+    }
+}

@@ -1,0 +1,333 @@
+//! Charts of error against work: runs the sweeps and writes a page.
+//!
+//! A [`job`] is a run by name; a [`sweep`] the jobs of a chart. [`record`]s are lines of a file, so that a sweep goes on where
+//! it was stopped. [`counts`] has instructions by callgrind, [`speed`] throughput, [`map`] the verdicts of the stability
+//! scenes, [`price`] what an error of one per cent takes. [`page`] puts it together.
+
+pub mod chart;
+pub mod contact;
+pub mod counts;
+pub mod front;
+pub mod job;
+pub mod long;
+pub mod map;
+pub mod page;
+pub mod pool;
+pub mod price;
+pub mod rates;
+pub mod record;
+pub mod soil;
+pub mod speed;
+pub mod sweep;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Parser;
+use examples::machine;
+use verification::origin::said_by;
+use verification::{fast, stored};
+
+use counts::Count;
+use job::{Job, Key};
+use record::Record;
+use speed::Speed;
+
+/// Error against work: runs problems of known solution with every scheme, and writes a page of charts with its data.
+///
+/// Runs are written down one by one; stopped and started again, the sweep goes on where it was.
+#[derive(Debug, Parser)]
+#[command(name = "report", version)]
+struct Options {
+    /// A sweep of some minutes instead of one for the night
+    #[arg(long)]
+    quick: bool,
+    /// Charts to make runs for, as C1,C5 [default: all]
+    #[arg(long, value_name = "C", value_delimiter = ',')]
+    charts: Vec<String>,
+    /// Runs at a time, each on one thread [default: one a processor]
+    #[arg(long, value_name = "N")]
+    threads: Option<std::num::NonZeroUsize>,
+    /// Folder for page and data
+    #[arg(long, value_name = "DIR", default_value = "out/report")]
+    out: PathBuf,
+    /// Write the page from the runs there are, without new ones
+    #[arg(long)]
+    draw: bool,
+    /// Instead of all this: run the stored cases and print their table (tests/verification/data/errors.csv)
+    #[arg(long)]
+    store: bool,
+    /// Instead of all this: run one job, for callgrind
+    #[arg(long, hide = true)]
+    count: Option<String>,
+}
+
+type Made<T> = Result<T, Box<dyn std::error::Error>>;
+
+/// The program.
+pub fn start() -> ExitCode {
+    let options = Options::parse();
+    match run(&options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// Charts that are made of no runs of their own, or of other ones.
+const OTHERS: [&str; 3] = ["C9", "C11", "C12"];
+
+fn run(options: &Options) -> Made<()> {
+    if let Some(text) = &options.count {
+        let key: Key = serde_json::from_str(text)?;
+        println!("{}", Job::of(&key).map_or(0.0, |job| job.scaled().particle_steps()));
+        return Ok(());
+    }
+    if options.store {
+        let runs: Vec<_> = fast::cases().into_iter().map(|case| (case, case.run())).collect();
+        print!("{}", stored::table(&runs));
+        return Ok(());
+    }
+    let charts = sweep::charts();
+    let known = |c: &str| OTHERS.contains(&c) || charts.iter().any(|chart| chart.number == c);
+    if let Some(wrong) = options.charts.iter().find(|c| !known(c)) {
+        let mut list: Vec<&str> = charts.iter().map(|c| c.number).chain(OTHERS).collect();
+        list.dedup();
+        return Err(format!("--charts {wrong} is not allowed; it must be of {}", list.join(", ")).into());
+    }
+    fs::create_dir_all(&options.out)?;
+    let commit = machine::commit();
+    let files = Files::new(&options.out);
+    if !options.draw {
+        let sweeper = Sweeper { options, commit: &commit, files: &files, start: Instant::now() };
+        sweeper.runs(&charts)?;
+        sweeper.speeds()?;
+        sweeper.counts(&charts)?;
+        sweeper.band()?;
+        println!("swept in {:.1} min", sweeper.minutes());
+    }
+    let mut records = record::read(&files.runs)?;
+    records.retain(|r| Job::of(&r.key).is_some());
+    counts::attach(&mut records, &record::lines::<Count>(&files.counts)?);
+    let mut commits: Vec<&str> = records.iter().map(|r| r.commit.as_str()).collect();
+    commits.sort_unstable();
+    commits.dedup();
+    let data = page::Data {
+        commit: if commits.is_empty() { commit.clone() } else { commits.join(", ") },
+        speeds: read_speeds(&files.speeds)?,
+        stability: map::read(&options.out)?,
+        making: files.making()?,
+        charts: &charts,
+        records: &records,
+    };
+    record::write_csv(&options.out.join("runs.csv"), records.iter())?;
+    for chart in &charts {
+        let file = options.out.join(format!("{}.csv", chart.id));
+        record::write_csv(&file, records.iter().filter(|r| r.key.problem == chart.problem))?;
+    }
+    rates::write_csv(&options.out.join("c12-throughput.csv"), &data.speeds)?;
+    let page = options.out.join("index.html");
+    fs::write(&page, page::page(&data))?;
+    println!("{} runs, {}", records.len(), page.display());
+    Ok(())
+}
+
+/// Speeds of before, of two of the same job the younger.
+fn read_speeds(path: &Path) -> std::io::Result<Vec<Speed>> {
+    let mut list: Vec<Speed> = Vec::new();
+    for speed in record::lines::<Speed>(path)? {
+        match list.iter().position(|s| s.asked == speed.asked) {
+            Some(at) => list[at] = speed,
+            None => list.push(speed),
+        }
+    }
+    Ok(list)
+}
+
+/// Where things are written down.
+struct Files {
+    runs: PathBuf,
+    counts: PathBuf,
+    speeds: PathBuf,
+    making: PathBuf,
+}
+
+impl Files {
+    fn new(out: &Path) -> Self {
+        let [runs, counts, speeds, making] =
+            ["runs.jsonl", "counts.jsonl", "speeds.jsonl", "making.json"].map(|f| out.join(f));
+        Files { runs, counts, speeds, making }
+    }
+
+    /// What is known of how the runs were made.
+    fn making(&self) -> Made<Option<page::Making>> {
+        Ok(if self.making.exists() {
+            serde_json::from_str(&fs::read_to_string(&self.making)?)?
+        } else {
+            None
+        })
+    }
+}
+
+/// Makes the runs that are not there yet.
+struct Sweeper<'a> {
+    options: &'a Options,
+    commit: &'a str,
+    files: &'a Files,
+    start: Instant,
+}
+
+impl Sweeper<'_> {
+    fn minutes(&self) -> f64 {
+        self.start.elapsed().as_secs_f64() / 60.0
+    }
+
+    fn threads(&self) -> usize {
+        let all = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.options.threads.map_or_else(all, usize::from)
+    }
+
+    fn wants(&self, number: &str) -> bool {
+        self.options.charts.is_empty() || self.options.charts.iter().any(|c| c == number)
+    }
+
+    /// All jobs of the charts that are asked for.
+    fn jobs(&self, charts: &[sweep::Chart]) -> Vec<Job> {
+        // The price of exactness is made of the runs of C1 and C2.
+        let priced = |number: &str| self.wants("C11") && ["C1", "C2"].contains(&number);
+        let wanted = charts.iter().filter(|c| self.wants(c.number) || priced(c.number));
+        let mut problems: Vec<&str> = wanted.map(|c| c.problem).collect();
+        problems.dedup();
+        problems.into_iter().flat_map(|p| sweep::jobs(p, self.options.quick)).collect()
+    }
+
+    fn runs(&self, charts: &[sweep::Chart]) -> Made<()> {
+        let (quick, there) = (self.options.quick, record::read(&self.files.runs)?);
+        let jobs = self.jobs(charts);
+        let is_there = |job: &Job| there.iter().any(|r| r.is_of(job, self.commit));
+        let missing: Vec<Job> = jobs.iter().filter(|j| !is_there(j)).copied().collect();
+        println!("{} runs, {} of them there", jobs.len(), jobs.len() - missing.len());
+        // The clock is judged by the smallest of some repeats; long runs need it less.
+        let (repeats, brief) = if quick { (2, 0.1) } else { (5, 3.0) };
+        let work = |job: &Job| {
+            let mut outcomes = job.run();
+            for _ in 1..repeats {
+                if outcomes.last().is_some_and(|o| o.work.seconds < brief) {
+                    for (kept, again) in outcomes.iter_mut().zip(job.run()) {
+                        kept.work.seconds = kept.work.seconds.min(again.work.seconds);
+                    }
+                }
+            }
+            outcomes
+        };
+        pool::each(self.threads(), &missing, work, |count, job, outcomes| {
+            let key = job.key();
+            let new = |o| Record::new(key.clone(), o, self.commit);
+            let list: Vec<Record> = outcomes.into_iter().map(new).collect();
+            record::append(&self.files.runs, &list)?;
+            let last = list.last();
+            let note = last.and_then(|r| r.failure.as_deref()).map_or("", |_| ", stopped");
+            let name = format!("{}, {}, {} cells", key.problem, key.scheme, key.cells);
+            println!("run {count}/{} at {:.1} min: {name}{note}", missing.len(), self.minutes());
+            Ok::<_, std::io::Error>(())
+        })?;
+        Ok(())
+    }
+
+    fn counts(&self, charts: &[sweep::Chart]) -> Made<()> {
+        if !counts::possible() {
+            println!("no valgrind: instructions are not counted");
+            return Ok(());
+        }
+        let there: Vec<Count> = record::lines(&self.files.counts)?;
+        let mut missing: Vec<Job> = Vec::new();
+        for job in self.jobs(charts) {
+            let key = job.scaled().key();
+            let known = there.iter().any(|c| c.is_of(&key) && c.commit == self.commit);
+            if !known && !missing.iter().any(|m| m.scaled().key() == key) {
+                missing.push(job);
+            }
+        }
+        let folder = self.options.out.join("callgrind");
+        fs::create_dir_all(&folder)?;
+        let work = |job: &Job| Count::make(job, &folder, self.commit).map_err(|e| e.to_string());
+        pool::each(self.threads(), &missing, work, |count, job, made| {
+            let key = job.key();
+            let made = made?;
+            record::append(&self.files.counts, &[&made]).map_err(|e| e.to_string())?;
+            let each = made.instructions.map_or("none".into(), |n| format!("{n:.0}"));
+            let name = format!("{}, {}", key.problem, key.scheme);
+            println!(
+                "count {count}/{} at {:.1} min: {name}: {each} instructions",
+                missing.len(),
+                self.minutes()
+            );
+            Ok::<_, String>(())
+        })?;
+        fs::remove_dir_all(folder)?;
+        Ok(())
+    }
+
+    /// One at a time, for threads are part of what is measured.
+    fn speeds(&self) -> Made<()> {
+        if !self.wants("C12") {
+            return Ok(());
+        }
+        let there = read_speeds(&self.files.speeds)?;
+        let mut all = speed::Asked::all(sweep::sizes(self.options.quick));
+        all.retain(|a| !there.iter().any(|s| s.asked == *a && s.commit == self.commit));
+        if all.is_empty() {
+            return Ok(());
+        }
+        let program = speed::program()?;
+        let folder = self.options.out.join("throughput");
+        fs::create_dir_all(&folder)?;
+        let repeats = if self.options.quick { 2 } else { 6 };
+        for (n, asked) in all.iter().enumerate() {
+            let speed = asked.make(&program, &folder, repeats, self.commit)?;
+            record::append(&self.files.speeds, &[&speed])?;
+            let rate = 1e-6 * speed.best();
+            let name = format!("{}, {} particles, {} threads", asked.name(), asked.particles, asked.threads);
+            println!(
+                "speed {}/{} at {:.1} min: {name}: {rate:.1} million/s",
+                n + 1,
+                all.len(),
+                self.minutes()
+            );
+        }
+        fs::remove_dir_all(folder)?;
+        Ok(())
+    }
+
+    /// How much the time of one and the same run differs: two series of five, by turns, on as many threads as the
+    /// sweep had. And with that, what else the page says of its making.
+    fn band(&self) -> Made<()> {
+        let series = |_: &()| {
+            let (case, mut best) = (sweep::control(), [f64::INFINITY; 2]);
+            for n in 0..10 {
+                best[n % 2] = best[n % 2].min(case.run().work.seconds);
+            }
+            (best[0] / best[1] - 1.0).abs()
+        };
+        let mut band = 0.0_f64;
+        pool::each(self.threads(), &vec![(); self.threads()], series, |_, _, found| {
+            band = band.max(found);
+            Ok::<_, ()>(())
+        })
+        .map_err(|()| "the control failed")?;
+        let making = page::Making {
+            date: said_by("date", &["+%Y-%m-%d"]),
+            machine: machine::class(),
+            compiler: said_by("rustc", &["--version"]),
+            threads: self.threads(),
+            band,
+            sweep: if self.options.quick { "quick".into() } else { "full".into() },
+        };
+        fs::write(&self.files.making, serde_json::to_string_pretty(&making)?)?;
+        Ok(())
+    }
+}

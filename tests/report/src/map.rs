@@ -1,0 +1,138 @@
+//! Which scene breaks which scheme, from the data of the page of stability, in short.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde::Deserialize;
+
+use crate::chart::escape;
+
+/// A row of that data.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Row {
+    scene: String,
+    scheme: String,
+    verdict: String,
+}
+
+/// Class and sign of a verdict, gravest last, as on the page of stability.
+const SIGNS: [(&str, &str, &str, &str); 4] = [
+    ("PASS", "good", "●", "holds, as expected"),
+    ("FAIL-EXPECTED", "fair", "×", "fails, and that is known"),
+    ("UNEXPECTED-PASS", "odd", "▲", "holds, and should fail"),
+    ("REGRESSION", "bad", "■", "fails, and should hold"),
+];
+
+/// The data beside the page, or else that of the repository.
+///
+/// # Errors
+/// A file that is not what it should be.
+pub fn read(out: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
+    let own = out.join("stability.json");
+    let stored = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/report/stability.json");
+    let file = if own.exists() { own } else { stored };
+    if !file.exists() {
+        return Ok(Vec::new());
+    }
+    Ok(serde_json::from_str(&std::fs::read_to_string(file)?)?)
+}
+
+fn rank(verdict: &str) -> usize {
+    SIGNS.iter().position(|s| s.0 == verdict).unwrap_or(SIGNS.len() - 1)
+}
+
+/// The scheme of a row, without what else was tried; none of rows that name no scheme of the charts.
+fn scheme_of<'a>(row: &Row, names: &'a [String]) -> Option<&'a String> {
+    names.iter().find(|n| {
+        row.scheme.strip_prefix(n.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(','))
+    })
+}
+
+/// The map, its scenes along the top, and a reading of it.
+pub fn section(out: &mut String, rows: &[Row]) {
+    out.push_str("<section><h2 id=\"c9-stability\">C9. Where schemes fail</h2>");
+    if rows.is_empty() {
+        out.push_str("<p>No data: <code>cargo run --release -p stability --bin verdicts</code> makes it.</p></section>");
+        return;
+    }
+    let names: Vec<String> = verification::Scheme::all().iter().map(|s| s.name()).collect();
+    let mut scenes: Vec<&str> = Vec::new();
+    for row in rows.iter().filter(|r| scheme_of(r, &names).is_some()) {
+        if !scenes.contains(&row.scene.as_str()) {
+            scenes.push(&row.scene);
+        }
+    }
+    out.push_str(
+        "<p>Scenes in which material point methods are known to fail, by scheme; of several rows the gravest. \
+         <a href=\"stability.html\">The page of stability</a> has what was measured, what was asked, and why.</p><p>",
+    );
+    for (_, class, sign, meaning) in SIGNS {
+        let _ = write!(out, "<span class=\"{class}\">{sign}</span> {meaning}. ");
+    }
+    out.push_str("</p><div class=\"wide\"><table class=\"map\"><tr><th></th>");
+    for scene in &scenes {
+        let _ = write!(out, "<th><a href=\"stability.html#{0}\">{0}</a></th>", escape(scene));
+    }
+    out.push_str("</tr>");
+    for name in &names {
+        let own: Vec<&Row> = rows.iter().filter(|r| scheme_of(r, &names) == Some(name)).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let _ = write!(out, "<tr><td>{}</td>", escape(name));
+        for scene in &scenes {
+            let here = own.iter().filter(|r| r.scene == *scene);
+            match here.map(|r| rank(&r.verdict)).max() {
+                Some(worst) => {
+                    let (verdict, class, sign, _) = SIGNS[worst];
+                    let tip = format!("{name}, {scene}: {verdict}");
+                    let _ = write!(out, "<td class=\"{class}\" title=\"{}\">{sign}</td>", escape(&tip));
+                }
+                None => out.push_str("<td></td>"),
+            }
+        }
+        out.push_str("</tr>");
+    }
+    out.push_str("</table></div>");
+    reading(out, rows, &names);
+    out.push_str("</section>");
+}
+
+fn reading(out: &mut String, rows: &[Row], names: &[String]) {
+    let count = |verdict: &str| rows.iter().filter(|r| r.verdict == verdict).count();
+    let _ = write!(
+        out,
+        "<p><b>Reading.</b> Of {} rows {} hold and {} fail as expected, {} fail that should hold, {} hold that should fail. ",
+        rows.len(),
+        count("PASS"),
+        count("FAIL-EXPECTED"),
+        count("REGRESSION"),
+        count("UNEXPECTED-PASS")
+    );
+    // Scenes in which a scheme was run, and those in which no row of it failed.
+    let mut shares: Vec<(f64, usize, usize, &String)> = Vec::new();
+    for name in names {
+        let own: Vec<&Row> = rows.iter().filter(|r| scheme_of(r, names) == Some(name)).collect();
+        let mut scenes: Vec<&str> = own.iter().map(|r| r.scene.as_str()).collect();
+        scenes.dedup();
+        let fails = |r: &Row| ["FAIL-EXPECTED", "REGRESSION"].contains(&r.verdict.as_str());
+        let held = scenes.iter().filter(|s| !own.iter().any(|r| r.scene == **s && fails(r))).count();
+        if scenes.len() >= 4 {
+            shares.push((held as f64 / scenes.len() as f64, held, scenes.len(), name));
+        }
+    }
+    shares.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let say = |(_, held, of, name): &(f64, usize, usize, &String)| format!("{name} ({held} of {of})");
+    if shares.len() >= 4 {
+        let best: Vec<String> = shares.iter().take(3).map(say).collect();
+        let worst: Vec<String> = shares.iter().rev().take(2).map(say).collect();
+        let _ = write!(
+            out,
+            "Of schemes in four scenes and more, {} hold in the largest part of theirs, {} in the smallest. \
+             Schemes stand in different scenes, so this ranks nothing.",
+            best.join(", "),
+            worst.join(" and ")
+        );
+    }
+    out.push_str("</p>");
+}

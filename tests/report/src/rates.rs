@@ -1,0 +1,192 @@
+//! The chart of throughput: particle-steps a second against particles.
+
+use std::fmt::Write;
+use std::io;
+use std::path::Path;
+
+use crate::chart::{Scale, axes, escape, open, percent};
+use crate::speed::{KERNELS, Speed};
+
+/// All speeds as a table for others.
+pub fn write_csv(path: &Path, speeds: &[Speed]) -> io::Result<()> {
+    let mut text = String::from(
+        "kernel,bits,particles,threads,steps,particle-steps a second (best),of repeats,bytes a particle,commit\n",
+    );
+    for s in speeds {
+        let rates: Vec<String> = s.rates.iter().map(|r| format!("{r:.4e}")).collect();
+        text.push_str(&format!(
+            "{},{},{},{},{},{:.4e},{},{:.0},{}\n",
+            s.asked.kernel,
+            s.asked.bits,
+            s.count,
+            s.asked.threads,
+            s.steps,
+            s.best(),
+            rates.join(" "),
+            s.bytes,
+            s.commit
+        ));
+    }
+    std::fs::write(path, text)
+}
+
+/// Lines: kernel and precision, best at each size.
+fn lines(speeds: &[Speed], threads: usize) -> Vec<(String, usize, bool, Vec<&Speed>)> {
+    let mut list = Vec::new();
+    for (colour, kernel) in KERNELS.into_iter().enumerate() {
+        for bits in [64, 32] {
+            let mut own: Vec<&Speed> = speeds
+                .iter()
+                .filter(|s| {
+                    (s.asked.kernel.as_str(), s.asked.bits, s.asked.threads) == (kernel, bits, threads)
+                })
+                .collect();
+            own.sort_by_key(|s| s.count);
+            if !own.is_empty() {
+                list.push((format!("{kernel}, f{bits}"), 2 * colour + 1, bits == 32, own));
+            }
+        }
+    }
+    list
+}
+
+fn drawing(speeds: &[Speed], threads: usize) -> Option<String> {
+    let x = Scale::across(speeds.iter().map(|s| s.count as f64))?;
+    let y = Scale::up(speeds.iter().map(|s| s.best()))?;
+    let plural = if threads == 1 { "thread" } else { "threads" };
+    let title = format!("{threads} {plural}; best of repeats, whiskers: worst");
+    let mut out = open(&title);
+    axes(&mut out, (&x, &y), "particles", "particle-steps a second", &title);
+    for (name, colour, ring, own) in lines(speeds, threads) {
+        let mut d = String::new();
+        let dash = if ring { "7 4" } else { "none" };
+        for s in &own {
+            let (at, high) = (x.at(s.count as f64), y.at(s.best()));
+            let _ = write!(d, "{}{at:.1} {high:.1}", if d.is_empty() { "M" } else { "L" });
+            let worst = s.rates.iter().copied().fold(f64::INFINITY, f64::min);
+            let _ =
+                write!(out, "<path class=\"line c{colour}\" d=\"M{at:.1} {high:.1}V{:.1}\"/>", y.at(worst));
+        }
+        let _ = write!(out, "<path class=\"line c{colour}\" stroke-dasharray=\"{dash}\" d=\"{d}\"/>");
+        for s in own {
+            let (at, high) = (x.at(s.count as f64), y.at(s.best()));
+            let kind = if ring { "ring" } else { "disc" };
+            let tip = format!("{name}: {} particles, {:.1} million/s", s.count, 1e-6 * s.best());
+            let _ = write!(
+                out,
+                "<circle class=\"{kind} c{colour}\" cx=\"{at:.1}\" cy=\"{high:.1}\" r=\"4\"><title>{}</title></circle>",
+                escape(&tip)
+            );
+        }
+    }
+    out.push_str("</svg>");
+    Some(out)
+}
+
+/// The section of the page.
+pub fn section(out: &mut String, speeds: &[Speed]) {
+    out.push_str(
+        "<section><h2 id=\"c12-throughput\">C12. Throughput</h2><p>Particle-steps a second, whole steps with all migration of particles, \
+         by the scenes of <code>throughput</code>: a cube in a smooth field of velocity, and a copper cylinder on a wall \
+         (Johnson-Cook). By the clock, so that other load of the machine is in it. Discs and whole lines: double precision; rings and \
+         dashes: single. Up is better.</p>",
+    );
+    let mut threads: Vec<usize> = speeds.iter().map(|s| s.asked.threads).collect();
+    threads.sort_unstable();
+    threads.dedup();
+    if threads.is_empty() {
+        out.push_str("<p>No run yet.</p></section>");
+        return;
+    }
+    out.push_str("<div class=\"pair\">");
+    for &n in &threads {
+        let _ = write!(out, "<figure>{}</figure>", drawing(speeds, n).unwrap_or_default());
+    }
+    out.push_str("</div><p class=\"legend\">");
+    for (name, colour, ring, _) in lines(speeds, threads[0]) {
+        let kind = if ring { "ring" } else { "disc" };
+        let dash = if ring { "7 4" } else { "none" };
+        let _ = write!(
+            out,
+            "<span><svg viewBox=\"0 0 34 12\"><path class=\"line c{colour}\" stroke-dasharray=\"{dash}\" d=\"M0 6H34\"/>\
+             <circle class=\"{kind} c{colour}\" cx=\"17\" cy=\"6\" r=\"4\"/></svg>{}</span> ",
+            escape(&name)
+        );
+    }
+    out.push_str("</p>");
+    reading(out, speeds, &threads);
+    table(out, speeds);
+    out.push_str(
+        "<p><small>Data: <a href=\"c12-throughput.csv\">c12-throughput.csv</a>.</small></p></section>",
+    );
+}
+
+/// The best rate of a line.
+fn peak<'a>(own: &[&'a Speed]) -> Option<&'a Speed> {
+    own.iter().copied().max_by(|a, b| a.best().total_cmp(&b.best()))
+}
+
+fn reading(out: &mut String, speeds: &[Speed], threads: &[usize]) {
+    out.push_str("<p><b>Reading.</b> ");
+    for (name, _, _, own) in lines(speeds, threads[0]) {
+        let (Some(best), Some(largest)) = (peak(&own), own.last()) else { continue };
+        let _ = write!(
+            out,
+            "{name}: {:.1} million a second at most (at {} particles), {:.1} at {}. ",
+            1e-6 * best.best(),
+            best.count,
+            1e-6 * largest.best(),
+            largest.count
+        );
+    }
+    if let [one, .., more] = threads {
+        let gain = |s: &Speed| {
+            let twin = speeds.iter().find(|t| {
+                t.asked.threads == *more
+                    && (&t.asked.kernel, t.asked.bits, t.count) == (&s.asked.kernel, s.asked.bits, s.count)
+            });
+            twin.map(|t| (s.count, t.best() / s.best()))
+        };
+        let gains: Vec<(u64, f64)> =
+            speeds.iter().filter(|s| s.asked.threads == *one).filter_map(gain).collect();
+        let most = gains.iter().map(|g| g.0).max().unwrap_or_default();
+        let large: Vec<f64> = gains.iter().filter(|g| 2 * g.0 > most).map(|g| g.1).collect();
+        if let (Some(low), Some(high)) =
+            (large.iter().copied().reduce(f64::min), large.iter().copied().reduce(f64::max))
+        {
+            let _ = write!(
+                out,
+                "With the most particles {more} threads bring {low:.2} to {high:.2} times the rate of {one}. "
+            );
+        }
+    }
+    if let Some(band) = speeds.iter().filter_map(Speed::band).reduce(f64::max) {
+        let _ = write!(
+            out,
+            "The same run made again differs by up to {} here: smaller differences mean nothing.",
+            percent(band)
+        );
+    }
+    out.push_str("</p>");
+}
+
+fn table(out: &mut String, speeds: &[Speed]) {
+    out.push_str(
+        "<details><summary>All rates</summary><div class=\"wide\"><table><tr><th>kernel</th><th>bits</th><th>threads</th>\
+         <th>particles</th><th>million particle-steps a second: repeats</th><th>bytes a particle</th></tr>",
+    );
+    for s in speeds {
+        let rates: Vec<String> = s.rates.iter().map(|r| format!("{:.2}", 1e-6 * r)).collect();
+        let _ = write!(
+            out,
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td>{:.0}</td></tr>",
+            escape(&s.asked.kernel),
+            s.asked.bits,
+            s.asked.threads,
+            s.count,
+            rates.join(", "),
+            s.bytes
+        );
+    }
+    out.push_str("</table></div></details>");
+}

@@ -1,0 +1,69 @@
+//! Locking: the limit load of a strip footing (V18), with every particle's own dilatation and with the mean of a cell.
+
+use mpm_core::{Flip, Linear, Method, Musl, PlaneStrain};
+use verification::problems::footing::{COURANT, EXACT, press};
+use verification::{Kernel, Outcome, Scheme, Velocity};
+
+use crate::job::Key;
+
+/// A footing pressed into soil. Hats with FLIP and MUSL: other kernels hold the velocity of the footing over another
+/// width, which nobody knows to a per cent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Footing {
+    /// In the reference configuration?
+    pub total: bool,
+    /// The mean dilatation of a cell?
+    pub mean: bool,
+    /// Cells of half the width.
+    pub cells: usize,
+}
+
+impl Footing {
+    /// The name of its problem in files.
+    pub const PROBLEM: &str = "V18 footing";
+
+    /// Its name.
+    pub fn key(self) -> Key {
+        let scheme = Scheme { kernel: Kernel::Linear, velocity: Velocity::FlipMusl, total: self.total };
+        let cure = if self.mean { "mean" } else { "own" };
+        Key {
+            problem: Self::PROBLEM.into(),
+            scheme: format!("{}, {cure} dilatation", scheme.name()),
+            per_axis: 2,
+            cells: self.cells,
+            courant: COURANT,
+        }
+    }
+
+    /// All of a grid.
+    pub fn all(cells: usize) -> Vec<Footing> {
+        let total = [true, false];
+        total.into_iter().flat_map(|total| [false, true].map(|mean| Footing { total, mean, cells })).collect()
+    }
+
+    /// The one of a name.
+    pub fn of(key: &Key) -> Option<Footing> {
+        Footing::all(key.cells).into_iter().find(|f| f.key() == *key)
+    }
+
+    /// Run it: "load" is the relative error of the last of four loads, "rising" what it gained over the third.
+    pub fn run(self) -> Outcome {
+        let cells = self.cells as u32;
+        let hats = || Method::new(Linear, Flip, Musl, PlaneStrain);
+        let made = match (self.total, self.mean) {
+            (true, true) => press(hats().total_lagrangian().mean_dilatation(), cells, 4),
+            (true, false) => press(hats().total_lagrangian(), cells, 4),
+            (false, true) => press(hats().mean_dilatation(), cells, 4),
+            (false, false) => press(hats(), cells, 4),
+        };
+        let made = match made {
+            Ok(made) => made,
+            Err(why) => return Outcome { failure: Some(why), ..Outcome::default() },
+        };
+        let at = |n: usize| made.loads.get(n).copied().unwrap_or(f64::NAN);
+        let mut work = made.work;
+        work.nodes = Kernel::Linear.nodes(2);
+        let measures = vec![("load", at(3) / EXACT - 1.0), ("rising", at(3) / at(2) - 1.0)];
+        Outcome { measures, work, failure: made.failure }
+    }
+}

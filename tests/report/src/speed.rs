@@ -1,0 +1,128 @@
+//! Throughput: particle-steps a second, by the program `throughput` of the examples, which has the scenes.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+/// Kernels of `throughput`.
+pub const KERNELS: [&str; 3] = ["linear-musl-elastic", "linear-musl-johnson-cook", "quadratic-apic-usl"];
+
+/// What is to be run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Asked {
+    /// What a step computes.
+    pub kernel: String,
+    /// About so many particles.
+    pub particles: u64,
+    /// Threads.
+    pub threads: usize,
+    /// Bits of a number.
+    pub bits: u32,
+}
+
+/// What came of it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Speed {
+    /// What was asked.
+    #[serde(flatten)]
+    pub asked: Asked,
+    /// Particles there were.
+    pub count: u64,
+    /// Steps that were timed.
+    pub steps: u64,
+    /// Particle-steps a second of every repeat, by the clock.
+    pub rates: Vec<f64>,
+    /// Memory a particle, grid and scratch included, bytes.
+    pub bytes: f64,
+    /// Commit.
+    pub commit: String,
+}
+
+impl Asked {
+    /// All kernels in both precisions on one thread and more, so many particles.
+    pub fn all(sizes: &[u64]) -> Vec<Asked> {
+        let mut list = Vec::new();
+        for &particles in sizes {
+            for kernel in KERNELS {
+                for bits in [64, 32] {
+                    for threads in [1, 2] {
+                        list.push(Asked { kernel: kernel.into(), particles, threads, bits });
+                    }
+                }
+            }
+        }
+        list
+    }
+
+    /// Its line's name.
+    pub fn name(&self) -> String {
+        format!("{}, f{}", self.kernel, self.bits)
+    }
+
+    /// Run it so many times.
+    ///
+    /// # Errors
+    /// A program that does not run.
+    pub fn make(
+        &self,
+        program: &Path,
+        folder: &Path,
+        repeats: u32,
+        commit: &str,
+    ) -> Result<Speed, Box<dyn std::error::Error>> {
+        let steps = (4_000_000 / self.particles).clamp(4, 1000);
+        let output = Command::new(program)
+            .args(["--kernel", &self.kernel, "--particles", &self.particles.to_string()])
+            .args(["--threads", &self.threads.to_string(), "--steps", &steps.to_string()])
+            .args(["--precision", &format!("f{}", self.bits), "--repeat", &repeats.to_string(), "--out"])
+            .arg(folder)
+            .output()?;
+        let text = String::from_utf8_lossy(&output.stdout);
+        let runs = text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
+        let runs: Vec<Value> = runs.filter(|v| v["particle_updates_per_second"].is_number()).collect();
+        let first = runs
+            .first()
+            .ok_or_else(|| format!("{}: {}", program.display(), String::from_utf8_lossy(&output.stderr)))?;
+        Ok(Speed {
+            asked: self.clone(),
+            count: first["particles"].as_u64().unwrap_or_default(),
+            steps,
+            rates: runs.iter().filter_map(|v| v["particle_updates_per_second"].as_f64()).collect(),
+            bytes: first["total_bytes_per_particle"].as_f64().unwrap_or(f64::NAN),
+            commit: commit.into(),
+        })
+    }
+}
+
+impl Speed {
+    /// The best of the repeats.
+    pub fn best(&self) -> f64 {
+        self.rates.iter().copied().fold(f64::NAN, f64::max)
+    }
+    /// How far the best of the even repeats is from that of the odd ones.
+    pub fn band(&self) -> Option<f64> {
+        let best = |odd: usize| self.rates.iter().skip(odd).step_by(2).copied().reduce(f64::max);
+        Some((best(0)? / best(1)? - 1.0).abs())
+    }
+}
+
+/// The program `throughput` beside this one; it is built if it is not there.
+///
+/// # Errors
+/// If it cannot be built.
+pub fn program() -> Result<PathBuf, Box<dyn std::error::Error>> {
+    let own = std::env::current_exe()?;
+    let there = own.with_file_name(format!("throughput{}", std::env::consts::EXE_SUFFIX));
+    // Built anew if files have changed, so that both are of one commit.
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let built = Command::new(cargo)
+        .args(["build", "--quiet", "--release", "-p", "examples", "--bin", "throughput"])
+        .status();
+    let built = built.is_ok_and(|status| status.success());
+    if !built && !there.exists() {
+        return Err(format!("{} is not there and cannot be built", there.display()).into());
+    }
+    Ok(there)
+}

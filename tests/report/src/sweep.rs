@@ -1,0 +1,334 @@
+//! Which runs the charts are made of.
+
+use examples::Detection;
+use verification::problems::gas::tube_schemes;
+use verification::{Case, Kernel, Problem, Scheme, Velocity};
+
+use crate::contact::{DETECTIONS, Meeting, Touch};
+use crate::job::Job;
+use crate::long::Long;
+use crate::soil::Footing;
+
+/// What a chart shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Error against work.
+    Work,
+    /// Error against the particle-steps of one long run.
+    Time,
+}
+
+/// A chart of errors and its sweep.
+pub struct Chart {
+    /// Number of the list.
+    pub number: &'static str,
+    /// Anchor, and name of its data.
+    pub id: &'static str,
+    /// Headline.
+    pub title: &'static str,
+    /// The problem, in words.
+    pub about: &'static str,
+    /// Problem, by its name in files.
+    pub problem: &'static str,
+    /// Which error.
+    pub error: &'static str,
+    /// The same on the axis.
+    pub label: &'static str,
+    /// Errors that the table of choices is made for.
+    pub targets: &'static [f64],
+    /// The order that the problem's theory has, in words, and what counts as converging; none where there is none.
+    pub wanted: Option<(&'static str, f64)>,
+    /// What it shows.
+    pub kind: Kind,
+}
+
+/// The charts of the page.
+pub fn charts() -> Vec<Chart> {
+    vec![
+        Chart {
+            number: "C1",
+            id: "c1-displacement",
+            title: "Large smooth strain: displacement",
+            about: "V3, a unit square pulsates with strains of 31 % along the axes (manufactured, exact). Particles cross cells.",
+            problem: "V3 axes",
+            error: "u",
+            label: "RMS error of displacement / amplitude",
+            targets: &[0.05, 0.01, 0.001],
+            wanted: Some(("1.8 in displacement for cpGIMP and total Lagrangian", 1.8)),
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C1",
+            id: "c1-stress",
+            title: "Large smooth strain: stress",
+            about: "V3 again, by its stress.",
+            problem: "V3 axes",
+            error: "stress",
+            label: "RMS error of stress / (A k E)",
+            targets: &[0.1, 0.05, 0.01],
+            wanted: Some(("1 with hats, 2 with splines, in the reference configuration", 0.9)),
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C2",
+            id: "c2-vortex",
+            title: "Shear and rotation",
+            about: "V4, an annulus turns by up to 57 degrees within a block that stands still, shears reach 7 (manufactured, exact).",
+            problem: "V4 vortex",
+            error: "u",
+            label: "RMS error of displacement / largest",
+            targets: &[0.1, 0.05, 0.02, 0.01],
+            wanted: Some(("1.5 for total Lagrangian", 1.5)),
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C3",
+            id: "c3-ring",
+            title: "Curved free surfaces",
+            about: "V5, a ring pulsates between radii of 0.4 and 0.6 m with free surfaces (manufactured, exact), cut out of a lattice. Largest error of any particle.",
+            problem: "V5 ring",
+            error: "u largest",
+            label: "largest error of displacement / amplitude",
+            targets: &[0.1, 0.05, 0.02],
+            wanted: Some(("1", 0.9)),
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C4",
+            id: "c4-sod",
+            title: "Shock tube, with bulk viscosity",
+            about: "V13, Sod's tube with q1 = 0.5 and q2 = 2, against the exact solution of the Riemann problem.",
+            problem: "V13 Sod",
+            error: "density",
+            label: "L1 error of density, kg/m³ · m",
+            targets: &[0.02, 0.01, 0.005],
+            wanted: Some(("0.7 (a shock allows 1)", 0.7)),
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C4",
+            id: "c4-overshoot",
+            title: "Shock tube, with bulk viscosity: overshoot",
+            about: "The same runs by their largest speed over that of the plateau, less one.",
+            problem: "V13 Sod",
+            error: "overshoot",
+            label: "overshoot of speed / plateau",
+            targets: &[0.1, 0.05, 0.03],
+            wanted: None,
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C4",
+            id: "c4-sod-bare",
+            title: "Shock tube, without bulk viscosity",
+            about: "Sod's tube without: what the transfer itself dissipates is all there is.",
+            problem: "V13 Sod bare",
+            error: "density",
+            label: "L1 error of density, kg/m³ · m",
+            targets: &[0.02, 0.01, 0.005],
+            wanted: Some(("0.7 (a shock allows 1)", 0.7)),
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C4",
+            id: "c4-bars",
+            title: "Impact of bars, with bulk viscosity",
+            about: "V8, two equal elastic bars hit each other end to end, q1 = 0.1; velocity in both bars when the waves have run 0.8 of them, against the exact \
+                    two fronts. Frictionless contact by several tests.",
+            problem: "V8 bars",
+            error: "velocity",
+            label: "L1 error of velocity / closing speed",
+            targets: &[0.05, 0.02, 0.01],
+            wanted: Some(("0.7 (a jump allows 1)", 0.7)),
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C4",
+            id: "c4-bars-bare",
+            title: "Impact of bars, without bulk viscosity",
+            about: "V8, two equal elastic bars hit each other end to end, q1 = 0; velocity in both bars when the waves have run 0.8 of them, against the exact \
+                    two fronts. Frictionless contact by several tests.",
+            problem: "V8 bars bare",
+            error: "velocity",
+            label: "L1 error of velocity / closing speed",
+            targets: &[0.05, 0.02, 0.01],
+            wanted: Some(("0.7 (a jump allows 1)", 0.7)),
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C5",
+            id: "c5-pulse",
+            title: "Contact: a pulse through a joint",
+            about: "V9, a bar of two pieces under pressure, and a pulse of half of that: its peak behind the joint against that in a bar of one piece. Frictionless.",
+            problem: "V9 pulse",
+            error: "transmitted",
+            label: "error of the transmitted peak",
+            targets: &[0.1, 0.01, 0.001],
+            wanted: None,
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C5",
+            id: "c5-onset",
+            title: "Contact: when discs touch",
+            about: "V10, the discs of Sulsky 1994: the step of the first contact against the moment at which the circles touch (0.586 s); of the step's ends the one farther off.",
+            problem: "V10 discs",
+            error: "onset",
+            label: "error of the time of first contact",
+            targets: &[0.1, 0.01, 0.001],
+            wanted: None,
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C5",
+            id: "c5-energy",
+            title: "Contact: energy of discs",
+            about: "V10 again: kinetic and elastic energy after the collision against what there was before; 3 % is what V10 allows.",
+            problem: "V10 discs",
+            error: "energy",
+            label: "change of energy / energy before",
+            targets: &[0.03, 0.01],
+            wanted: None,
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C5",
+            id: "c5-hertz",
+            title: "Contact: force of balls",
+            about: "V11, two balls pressed together by their inertia, to a contact of a sixth of the radius: force against that of Hertz for this approach of the \
+                    centres of mass, near the largest approach.",
+            problem: "V11 balls",
+            error: "force",
+            label: "error of the force",
+            targets: &[0.1, 0.05, 0.03],
+            wanted: None,
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C6",
+            id: "c6-footing",
+            title: "Locking: a strip footing",
+            about: "V18, a footing on soil that keeps its volume: load at a settlement of 1 % of the half width, against the limit load (2 + π) c. \
+                    Hats, FLIP, MUSL; laws see every particle's own dilatation or the mean of a cell.",
+            problem: Footing::PROBLEM,
+            error: "load",
+            label: "error of the limit load",
+            targets: &[0.1, 0.05, 0.01],
+            wanted: None,
+            kind: Kind::Work,
+        },
+        Chart {
+            number: "C7",
+            id: "c7-long",
+            title: "Long time",
+            about: "T17, a free bar of ten cells swings in its first mode with 1e-3 c, steps of 0.3 h/c: change of the energy since the first period.",
+            problem: Long::PROBLEM,
+            error: "energy",
+            label: "|change of energy| / energy",
+            targets: &[0.05, 0.01],
+            wanted: None,
+            kind: Kind::Time,
+        },
+    ]
+}
+
+/// All runs of a problem, cheap ones first.
+pub fn jobs(problem: &str, quick: bool) -> Vec<Job> {
+    if let Some(found) = Problem::ALL.into_iter().find(|p| p.name() == problem) {
+        return cases(found, quick).into_iter().map(Job::Case).collect();
+    }
+    let grid = |list: &[usize]| list.to_vec();
+    if let Some(meeting) = Meeting::ALL.into_iter().find(|m| m.name() == problem) {
+        let cells = match (meeting, quick) {
+            (Meeting::Pulse, true) => grid(&[25, 50, 100]),
+            (Meeting::Pulse, false) => grid(&[25, 50, 100, 200, 400]),
+            (Meeting::Discs, true) => grid(&[10, 20, 40]),
+            (Meeting::Discs, false) => grid(&[10, 20, 40, 80, 160]),
+            (Meeting::Bars | Meeting::BareBars, true) => grid(&[50, 100, 200]),
+            (Meeting::Bars | Meeting::BareBars, false) => grid(&[50, 100, 200, 400, 800]),
+            (Meeting::Balls, true) => grid(&[10, 20, 40]),
+            (Meeting::Balls, false) => grid(&[10, 20, 40, 80]),
+        };
+        // Where bars meet flat, tests of contact differ little.
+        let bars = matches!(meeting, Meeting::Bars | Meeting::BareBars);
+        let tests = if bars { vec![Detection::Distance, Detection::Approach] } else { DETECTIONS.to_vec() };
+        let of = |cells: usize| {
+            tests.clone().into_iter().flat_map(move |detection| {
+                [false, true].map(|quadratic| Job::Touch(Touch { meeting, quadratic, detection, cells }))
+            })
+        };
+        return cells.into_iter().flat_map(of).collect();
+    }
+    if problem == Footing::PROBLEM {
+        let cells = if quick { grid(&[2, 4, 8]) } else { grid(&[2, 4, 8, 16, 32]) };
+        return cells.into_iter().flat_map(Footing::all).map(Job::Footing).collect();
+    }
+    let steps = if quick { 100_000 } else { 1_000_000 };
+    Scheme::all().into_iter().map(|scheme| Job::Long(Long { scheme, steps })).collect()
+}
+
+fn cases(problem: Problem, quick: bool) -> Vec<Case> {
+    /// Grids, and the Courant numbers on each.
+    type Grids = &'static [(usize, &'static [f64])];
+    const ALL: &[f64] = &[0.1, 0.2, 0.4, 0.6];
+    const SMALL: &[f64] = &[0.025, 0.05, 0.1, 0.2];
+    let (schemes, grids, per_axis): (Vec<Scheme>, Grids, &[usize]) = match (problem, quick) {
+        (Problem::Axes, true) => {
+            const TWO: &[f64] = &[0.1, 0.3];
+            (Scheme::all(), &[(8, TWO), (16, TWO), (32, TWO), (64, &[0.3])], &[2])
+        }
+        (Problem::Axes, false) => {
+            (Scheme::all(), &[(8, ALL), (16, ALL), (32, ALL), (64, ALL), (128, ALL)], &[2, 3, 4])
+        }
+        (Problem::Vortex, true) => {
+            const TWO: &[f64] = &[0.05, 0.1];
+            (without_musl(), &[(32, TWO), (64, TWO), (96, &[0.1])], &[2])
+        }
+        (Problem::Vortex, false) => {
+            (Scheme::all(), &[(32, SMALL), (64, SMALL), (128, SMALL), (256, SMALL)], &[2, 3, 4])
+        }
+        (Problem::Ring, true) => (Scheme::all(), &[(4, &[0.3]), (8, &[0.3]), (16, &[0.3])], &[2]),
+        (Problem::Ring, false) => {
+            (Scheme::all(), &[(4, ALL), (8, ALL), (16, ALL), (32, ALL), (64, ALL)], &[2, 3, 4])
+        }
+        (_, true) => {
+            const TWO: &[f64] = &[0.2, 0.4];
+            (tube_schemes(), &[(50, TWO), (100, TWO), (200, TWO), (400, TWO)], &[2])
+        }
+        (_, false) => (
+            tube_schemes(),
+            &[(50, ALL), (100, ALL), (200, ALL), (400, ALL), (800, ALL), (1600, ALL)],
+            &[2, 3, 4],
+        ),
+    };
+    let mut list = Vec::new();
+    for &(cells, courants) in grids {
+        for &per_axis in per_axis {
+            for &courant in courants {
+                for &scheme in &schemes {
+                    list.push(Case { problem, scheme, per_axis, cells, courant });
+                }
+            }
+        }
+    }
+    list
+}
+
+fn without_musl() -> Vec<Scheme> {
+    Scheme::all().into_iter().filter(|s| s.velocity != Velocity::FlipMusl).collect()
+}
+
+/// Numbers of particles that throughput is measured with.
+pub fn sizes(quick: bool) -> &'static [u64] {
+    if quick {
+        &[1_000, 10_000, 100_000, 1_000_000]
+    } else {
+        &[1_000, 3_000, 10_000, 30_000, 100_000, 300_000, 1_000_000, 10_000_000]
+    }
+}
+
+/// The case that the clock is judged by.
+pub fn control() -> Case {
+    let scheme = Scheme::moving(Kernel::Quadratic, Velocity::ApicUsl);
+    Case { problem: Problem::Axes, scheme, per_axis: 2, cells: 32, courant: 0.2 }
+}
