@@ -106,7 +106,7 @@ fn mapped(map: impl Fn(f64, f64) -> [f64; 2], counts: [usize; 2], half: [f64; 2]
 }
 
 /// V17, Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) m, held at x = 0, sheared by 1 N a metre of depth in all at
-/// x = 48, plane stress, E 1 Pa, nu 1/3: the middle of the right side moves up by 23.96 m in linear elasticity [V].
+/// x = 48, plane stress, E 1 Pa, nu 1/3: the middle of the right side moves up by 23.96 m in linear elasticity \[V\].
 ///
 /// The load is 1e-4 of that, and the displacement given is over 1e-4. Plane strain with E (1 + 2 nu) / (1 + nu)^2 and
 /// nu / (1 + nu) is plane stress with E and nu. Hats, `cells` over the 48 m, two rows of particles a cell, that fill the
