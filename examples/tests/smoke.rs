@@ -335,7 +335,7 @@ fn bouncing_blocks() {
     let checks = value["checks"].as_array().expect("checks");
     let gates = checks.iter().filter(|c| c["pass"] == true).count();
     // Bars, joint, discs, incline, balls and cylinders.
-    assert_eq!(gates, 11 + 3 + 4 + 4 + 6);
+    assert_eq!(gates, 11 + 3 + 5 + 4 + 6);
     let out = folder(name);
     for file in [
         "discs.png",
