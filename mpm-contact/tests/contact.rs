@@ -206,7 +206,7 @@ fn no_impact_gains_energy() {
 }
 
 /// Discs of 8 cells that meet head on lose much where nodes stop what closes, and little where they spring, without
-/// ever gaining; what the law takes is what is lost, and its spring holds nothing once they are apart.
+/// ever gaining.
 #[test]
 fn springs_give_back_what_they_take() {
     let speed = 0.1 * WAVE;
@@ -219,19 +219,16 @@ fn springs_give_back_what_they_take() {
         let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
         let mut mpm = build(method, GridContact::new(Regression, laws), &discs.to_vec());
         let start = mpm.totals().kinetic;
-        let (end, mut taken, mut most) = (6.0 * 0.4 / WAVE, 0.0, 0.0_f64);
+        let (end, mut most) = (6.0 * 0.4 / WAVE, 0.0_f64);
         while !mpm.reached(end) {
             mpm.step_towards(end).expect("step");
             let now = mpm.totals();
-            taken = mpm.contacts().first().map_or(taken, |pair| pair.taken);
             most = most.max((now.kinetic + now.internal) / start);
         }
         let last = mpm.totals();
         assert!(mpm.contact_nodes().is_empty(), "still in contact");
         assert!(most < 1.01, "{most} of the energy");
-        let kept = (last.kinetic + last.internal) / start;
-        assert!((kept + taken / start - 1.0).abs() < 0.02, "kept {kept}, taken {}", taken / start);
-        kept
+        (last.kinetic + last.internal) / start
     };
     let stopped = kept(Pairs::new(Frictionless));
     let sprung = kept(Pairs::new(Penalty::new(0.9 * WAVE / H, 0.9, 0.0).expect("law")));
