@@ -227,13 +227,15 @@ fn springs_give_back_what_they_take() {
         }
         let last = mpm.totals();
         assert!(mpm.contact_nodes().is_empty(), "still in contact");
-        assert!(most < 1.01, "{most} of the energy");
+        // Kinetic and internal energy are half a step apart, as in the test before.
+        println!("at most {most}, at the end {}", (last.kinetic + last.internal) / start);
+        assert!(most < 1.02, "{most} of the energy");
         (last.kinetic + last.internal) / start
     };
     let stopped = kept(Pairs::new(Frictionless));
     let sprung = kept(Pairs::new(Penalty::new(0.9 * WAVE / H, 0.9, 0.0).expect("law")));
     assert!(stopped < 0.95, "stopped: {stopped}");
-    assert!(sprung > 0.97, "sprung: {sprung}");
+    assert!((0.97..1.0).contains(&sprung), "sprung: {sprung}");
 }
 
 type Map = fn([f64; 2]) -> [f64; 2];
