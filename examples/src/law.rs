@@ -22,7 +22,7 @@ pub enum Law {
 
 impl Law {
     /// The spring of [`Law::Penalty`]: its frequency over c / h, and its restitution (docs/notes.md 7.10).
-    pub const SPRING: [f64; 2] = [0.9, 0.9];
+    pub const SPRING: [f64; 2] = [0.9, 0.8];
 
     /// As on the command line.
     pub fn name(self) -> String {

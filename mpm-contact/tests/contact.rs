@@ -233,7 +233,7 @@ fn springs_give_back_what_they_take() {
         (last.kinetic + last.internal) / start
     };
     let stopped = kept(Pairs::new(Frictionless));
-    let sprung = kept(Pairs::new(Penalty::new(0.9 * WAVE / H, 0.9, 0.0).expect("law")));
+    let sprung = kept(Pairs::new(Penalty::new(0.9 * WAVE / H, 0.8, 0.0).expect("law")));
     assert!(stopped < 0.95, "stopped: {stopped}");
     assert!((0.97..1.0).contains(&sprung), "sprung: {sprung}");
 }
