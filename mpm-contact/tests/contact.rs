@@ -228,7 +228,6 @@ fn springs_give_back_what_they_take() {
         let last = mpm.totals();
         assert!(mpm.contact_nodes().is_empty(), "still in contact");
         // Kinetic and internal energy are half a step apart, as in the test before.
-        println!("at most {most}, at the end {}", (last.kinetic + last.internal) / start);
         assert!(most < 1.02, "{most} of the energy");
         (last.kinetic + last.internal) / start
     };

@@ -157,7 +157,8 @@ pub struct PairContact {
     pub gap: Option<f64>,
     /// Energy dissipated by friction since the start, J.
     pub friction: f64,
-    /// Kinetic energy of the nodes taken beside that since the start, J.
+    /// Kinetic energy of the nodes taken beside that since the start, J. It holds what forces gave the nodes in each step and contact
+    /// took back, and is no measure of what an impact loses: that is in the totals of the bodies.
     pub taken: f64,
 }
 
