@@ -117,6 +117,8 @@ fn slide<T: Real>(normal: [T; 3], relative: [T; 3], approach: T, limit: T, mass:
 /// (docs/notes.md 7.10). For bodies that collide; for bodies that roll, and joints under load,
 /// [`Coulomb`] is better.
 ///
+/// What the spring holds is in no body's energy: a sixth of that of discs of 8 cells while they are pressed together.
+///
 /// Needs a detector that measures gaps, best with normals by [`crate::Regression`]: along gradients of mass overlaps may be
 /// cells off at the rim of a contact. Where none is measured it acts as [`Coulomb`]. In steps longer than e / omega the
 /// spring is one of e / dt.
