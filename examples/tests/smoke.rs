@@ -361,8 +361,8 @@ fn rolling_cylinder() {
     let value = result(&output, "rolling_cylinder");
     let checks = value["checks"].as_array().expect("checks");
     let gates = checks.iter().filter(|c| c["pass"] == true).count();
-    // Way, gap, overlap and momentum of two coefficients in two and three dimensions; spread over the spacings.
-    assert_eq!(gates, 4 * 4 + 2);
+    // Two of the way, gap, overlap and momentum of two coefficients in two and three dimensions; spread over the spacings.
+    assert_eq!(gates, 4 * 5 + 2);
     let out = folder(name);
     for file in [
         "cylinder_2d.png",

@@ -7,7 +7,7 @@ use mpm_core::output::picture::{
 use mpm_core::output::{OutputError, ParticleSize, Snapshot};
 
 use crate::scene::{LENGTH, Outcome, RADIUS, THICKNESS};
-use crate::{errors, rigid};
+use crate::{course, errors};
 
 /// Sectors of the cylinder that are coloured by turns.
 const SECTORS: f64 = 8.0;
@@ -65,10 +65,10 @@ pub fn histories(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     for (n, outcome) in outcomes.iter().enumerate() {
         let rows = outcome.free();
         let t: Vec<f64> = rows.iter().map(|r| r.time).collect();
-        let exact = rigid(outcome);
+        let exact = course(outcome, outcome.setup.cylinder());
         let mu = outcome.setup.incline.friction;
         let draw = |chart: Chart, now: Vec<f64>, exact: Vec<f64>| -> Result<Chart, OutputError> {
-            let exact = Series::new(format!("rigid, friction {mu}"), &t, &exact)?;
+            let exact = Series::new(format!("exact, friction {mu}"), &t, &exact)?;
             let chart = chart.series(Series::new(format!("friction {mu}"), &t, &now)?.colour(palette(n)));
             Ok(chart.series(exact.stroke(Stroke::Dashed).colour([60; 3])))
         };

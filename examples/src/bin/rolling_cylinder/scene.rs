@@ -20,7 +20,7 @@ use mpm_core::{
 };
 use mpm_materials::{Moduli, NeoHookean};
 
-use crate::exact::Incline;
+use crate::exact::{Cylinder, Incline};
 use crate::track::{Row, Track};
 
 /// Radius of the cylinder, m.
@@ -29,6 +29,10 @@ pub const RADIUS: f64 = 3.2;
 pub const LENGTH: f64 = 20.0;
 /// Length of the cylinder in space, m.
 const LONG: f64 = 4.0;
+/// Density, kg/m^3, and Young's modulus, Pa, of the cylinder and of the plane; Poisson's ratio of both.
+const SOFT: [f64; 2] = [1.0e3, 42.0e6];
+const HARD: [f64; 2] = [1.0e4, 420.0e6];
+const POISSON: f64 = 0.4;
 /// Speed of pressure waves in both bodies, m/s.
 const WAVE: f64 = 300.0;
 /// The plane is wider than that by this much at either end, m.
@@ -66,6 +70,8 @@ pub struct Setup {
     pub law: Law,
     /// Cells per radius; two particles per cell along each axis.
     pub cells: u32,
+    /// Moduli of both bodies over those of \[Ma2010\].
+    pub stiffness: f64,
     /// Seconds on the incline.
     pub end: f64,
     pub threads: usize,
@@ -75,6 +81,11 @@ impl Setup {
     /// Cell size, m.
     pub fn spacing(&self) -> f64 {
         RADIUS / f64::from(self.cells)
+    }
+    /// The cylinder that exact courses are of.
+    pub fn cylinder(&self) -> Cylinder {
+        let compliance: f64 = [SOFT, HARD].map(|[_, young]| (1.0 - POISSON * POISSON) / young).iter().sum();
+        Cylinder::elastic(RADIUS, SOFT[0], self.stiffness / compliance, GRAVITY * self.incline.angle.cos())
     }
     /// As in the names of files.
     pub fn name(&self) -> String {
@@ -119,7 +130,7 @@ fn meet<const D: usize, M: Composition<f64, D>>(
     files: Option<&Path>,
     method: M,
 ) -> Result<Outcome, CaseError> {
-    let friction = setup.law.pairs(setup.incline.friction, WAVE, setup.spacing())?;
+    let friction = setup.law.pairs(setup.incline.friction, WAVE * setup.stiffness.sqrt(), setup.spacing())?;
     let detector = setup.detection.detector(Gradients::default())?;
     run(setup, files, method, GridContact::new(detector, friction))
 }
@@ -169,8 +180,10 @@ fn run<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(
     let h = setup.spacing();
     let lattice = Lattice::new([0.0; D], h)?;
     let mut mpm = Mpm::<f64, D, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
-    let hard = NeoHookean::new(1.0e4, Moduli::young_poisson(420.0e6, 0.4)?)?;
-    let soft = NeoHookean::new(1.0e3, Moduli::young_poisson(42.0e6, 0.4)?)?;
+    let [hard, soft] = [HARD, SOFT].map(|[density, young]| -> Result<NeoHookean<f64>, CaseError> {
+        Ok(NeoHookean::new(density, Moduli::young_poisson(young * setup.stiffness, POISSON)?)?)
+    });
+    let (hard, soft) = (hard?, soft?);
     let bed = Cuboid::new(cut([0.0, -THICKNESS, 0.0]), cut([LENGTH, 0.0, 0.5 * LONG + MARGIN]))?;
     mpm.add("plane", hard, &fill(&bed, &lattice, 2, &Filling::new())?, |_| [0.0; D])?;
     let seeds = layered::<D>(setup)?;

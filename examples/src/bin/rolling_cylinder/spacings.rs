@@ -59,7 +59,7 @@ fn table(outcomes: &[Outcome]) -> String {
             format!("{:.1}", o.totals.wall_seconds),
         ]);
     }
-    format!("Way and spin at the end against a rigid cylinder\n\n{}", case::columns(&rows))
+    format!("Way and spin at the end against an elastic cylinder that creeps\n\n{}", case::columns(&rows))
 }
 
 fn write_table(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
