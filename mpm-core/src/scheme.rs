@@ -94,14 +94,14 @@ passes! {
 #[derive(Clone, Copy, Debug)]
 pub struct Loaded<K>(std::marker::PhantomData<K>);
 impl<K: PassKind> PassKind for Loaded<K> {
-    const DOES: Pass = Pass { load: K::DOES.force, ..K::DOES };
+    const DOES: Pass = Pass { load: K::DOES.force || K::DOES.velocity, ..K::DOES };
 }
 
 /// The pass `K` of a body with a force field.
 #[derive(Clone, Copy, Debug)]
 pub struct Driven<K>(std::marker::PhantomData<K>);
 impl<K: PassKind> PassKind for Driven<K> {
-    const DOES: Pass = Pass { field: K::DOES.force, ..K::DOES };
+    const DOES: Pass = Pass { field: K::DOES.force || K::DOES.velocity, ..K::DOES };
 }
 
 /// The pass `K` of a body whose particles are split.

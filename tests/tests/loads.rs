@@ -13,19 +13,32 @@ use mpm_core::{
 };
 use mpm_materials::{LinearElastic, Moduli};
 
-/// A free block pulled at its top face by a traction that is ramped up: momentum and energy against the ledger.
-fn pull<M: Composition<f64, 3>>(method: M) {
+/// A free block pulled at its top face by a traction that is ramped up, then by one that is there at once.
+fn pull<M: Composition<f64, 3>>(method: M, allowed: f64) {
+    // The impulse of 4 m^2 times the traction over time; one step off at the ends of the ramp.
+    pull_by(
+        method.clone(),
+        |t| [0.02 * t, 0.0, 0.1 * t.min(1.0)],
+        [4.0 * 0.02 * 2.0, 0.0, 4.0 * 0.1 * 1.5],
+        allowed,
+    );
+    pull_by(method, |_| [0.0, 0.0, 0.1], [0.0, 0.0, 4.0 * 0.1 * 2.0], allowed);
+}
+
+/// Momentum and energy against the ledger.
+fn pull_by<M: Composition<f64, 3>>(
+    method: M,
+    history: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static,
+    exact: [f64; 3],
+    allowed: f64,
+) {
+    let name = method.describe();
     let lattice = Lattice::new([0.0; 3], 0.5).unwrap();
     let block = Cuboid::new([0.0; 3], [2.0, 2.0, 4.0]).unwrap();
     let seeds = fill(&block, &lattice, 2, &Filling::new()).unwrap();
     let law = LinearElastic::new(1.0, Moduli::young_poisson(100.0, 0.3).unwrap()).unwrap();
     let top = Cuboid::new([0.0, 0.0, 3.75], [2.0, 2.0, 4.0]).unwrap();
-    let load = Traction {
-        region: Arc::new(top),
-        axis: 2,
-        history: Arc::new(|t: f64| [0.02 * t, 0.0, 0.1 * t.min(1.0)]),
-        revolved: false,
-    };
+    let load = Traction { region: Arc::new(top), axis: 2, history: Arc::new(history), revolved: false };
     let mut mpm = Mpm::<f64, 3, _, _>::new(method, BlockGrid::new(lattice));
     mpm.add_loaded("block", law, &seeds, |_| [0.0; 3], load).unwrap();
     mpm.set_time_control(TimeControl::Fixed(0.02)).unwrap();
@@ -35,33 +48,33 @@ fn pull<M: Composition<f64, 3>>(method: M) {
         let error = totals.momentum[d] - ledger.load[d];
         assert!(error.abs() < 1e-12 * totals.momentum_scale, "component {d}: momentum error {error:e}");
     }
-    // The impulse of 4 m^2 times the traction over time; one step off at the ends of the ramp.
-    let exact = [4.0 * 0.02 * 2.0, 0.0, 4.0 * 0.1 * 1.5];
     for d in 0..3 {
         assert!((totals.momentum[d] - exact[d]).abs() < 0.02, "component {d}: {:?}", totals.momentum);
     }
     let energy = totals.kinetic + totals.internal;
-    assert!((energy - ledger.work).abs() < 0.03 * ledger.work, "energy {energy}, work {}", ledger.work);
+    let gained = energy / ledger.work - 1.0;
+    assert!((-allowed..2e-3).contains(&gained), "{name}: energy {energy}, work {}", ledger.work);
 }
 
 #[test]
 fn a_pulled_block_with_musl() {
-    pull(Method::new(Linear, Flip, Musl, FullSpace));
+    pull(Method::new(Linear, Flip, Musl, FullSpace), 5e-3);
 }
 
 #[test]
 fn a_pulled_block_with_usl() {
-    pull(Method::new(CpGimp, Flip, Usl, FullSpace));
+    pull(Method::new(CpGimp, Flip, Usl, FullSpace), 5e-3);
 }
 
 #[test]
 fn a_pulled_block_with_usf() {
-    pull(Method::new(QuadraticBSpline, Flip, Usf, FullSpace));
+    pull(Method::new(QuadraticBSpline, Flip, Usf, FullSpace), 5e-3);
 }
 
 #[test]
 fn a_pulled_block_with_momentum_and_impulse_together() {
-    pull(Method::new(QuadraticBSpline, Mls, Usl, FullSpace));
+    // What the transfer smooths away is not work.
+    pull(Method::new(QuadraticBSpline, Mls, Usl, FullSpace), 1e-2);
 }
 
 #[test]

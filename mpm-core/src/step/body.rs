@@ -163,8 +163,9 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
     /// blocks that are empty. Returns whether the set of blocks changed.
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool;
-    /// Append the node blocks that the particles reach or may come to, as claims of body `number`.
-    fn claims(&self, number: u32, list: &mut Vec<Claim<D>>);
+    /// Append the node blocks that the particles reach or may come to, as claims of body `number`; to look `ahead`, those
+    /// that they reach from a cell beside as well.
+    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>);
     /// Did a particle come to where the body has no node?
     fn reaches_further(&mut self, layout: &Layout) -> bool;
     /// Does a particle reach this block of the body's own list?
@@ -211,11 +212,11 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) columns: Columns,
     pub(super) slots: Vec<Slot<T, D>>,
     /// Slots without particles, kept for the next ones: a body that moves needs no new memory.
-    spare: Vec<Slot<T, D>>,
+    pub(super) spare: Vec<Slot<T, D>>,
     /// Slots by coordinates, while they are linked.
     index: Vec<([i32; D], u32)>,
     /// Places that particles left for, while blocks are made.
-    wanted: Vec<[i32; D]>,
+    pub(super) wanted: Vec<[i32; D]>,
     /// Node block, slot and direction of each link, while they are made.
     pub(super) links: Vec<(u32, u32, usize)>,
     /// Particles that left their bins in the last pass, by slot.
@@ -395,7 +396,7 @@ where
     }
 
     /// Note which slots lie around each.
-    fn link_slots(&mut self) {
+    pub(super) fn link_slots(&mut self) {
         let index = &mut self.index;
         index.clear();
         index.extend(self.slots.iter().enumerate().map(|(i, s)| (s.block.coordinates, i as u32)));
@@ -434,6 +435,27 @@ where
         });
     }
 
+    /// Note the power of the load that acted in a step, with the pass in which velocities change; and the force of the one
+    /// that the pass mapped, at `time`, s.
+    fn book_load<K: PassKind>(&mut self, time: f64) {
+        let sum = |of: &dyn Fn(&Report<T>) -> T| -> f64 {
+            self.slots.iter().map(|s| of(&s.report).to_double()).sum()
+        };
+        let mut loading = self.loading;
+        if K::DOES.velocity {
+            loading.power = sum(&|r| r.power);
+            // The traction that acted: that of the last force.
+            for d in (0..D).filter(|_| self.loaded_area > 0.0) {
+                loading.power += self.loading.force[d] / self.loaded_area * sum(&|r| r.flux[d]);
+            }
+        }
+        if K::DOES.force {
+            let traction = self.traction(time);
+            loading.force = std::array::from_fn(|d| traction[d] * self.loaded_area + sum(&|r| r.push[d]));
+        }
+        self.loading = loading;
+    }
+
     fn common(&self, steps: Steps<T>) -> Common<T> {
         Common {
             dt: steps.this,
@@ -453,7 +475,7 @@ where
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble> {
-        if L::FIELD && K::DOES.field {
+        if L::FIELD && K::DOES.field && K::DOES.force {
             self.accelerate(dt.force_time, team);
         }
         let common = self.common(dt);
@@ -467,23 +489,8 @@ where
                 Sweep { law, method, nodes, around, slot, outbox, common, pass: PhantomData };
             T::dispatch(sweep);
         });
-        if L::ACTS && K::DOES.load {
-            self.loading = Loading::default();
-            let traction = self.traction(dt.force_time);
-            for d in 0..D {
-                let flux: f64 = self.slots.iter().map(|s| s.report.flux[d].to_double()).sum();
-                self.loading.force[d] = traction[d] * self.loaded_area;
-                self.loading.power += traction[d] * flux;
-            }
-        }
-        if L::FIELD && K::DOES.field {
-            self.loading = Loading::default();
-            for slot in &self.slots {
-                self.loading.power += slot.report.power.to_double();
-                for d in 0..D {
-                    self.loading.force[d] += slot.report.flux[d].to_double();
-                }
-            }
+        if (L::ACTS && K::DOES.load) || (L::FIELD && K::DOES.field) {
+            self.book_load::<K>(dt.force_time);
         }
         let mut rate = T::default();
         for slot in &self.slots {
@@ -557,9 +564,16 @@ where
                 }
             }
         }
+        let made = self.make_slots(&mut wanted);
+        self.wanted = wanted;
+        made
+    }
+
+    /// Make empty slots at these places; not linked yet. Were there any?
+    pub(super) fn make_slots(&mut self, wanted: &mut Vec<[i32; D]>) -> bool {
         wanted.sort_unstable();
         wanted.dedup();
-        for &c in &wanted {
+        for &c in &*wanted {
             let slot = match self.spare.pop() {
                 Some(mut slot) => {
                     slot.block.place_at(c);
@@ -571,9 +585,7 @@ where
             };
             self.slots.push(slot);
         }
-        let made = !wanted.is_empty();
-        self.wanted = wanted;
-        made
+        !wanted.is_empty()
     }
 
     fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
@@ -735,7 +747,8 @@ where
         changed
     }
 
-    fn claims(&self, number: u32, list: &mut Vec<Claim<D>>) {
+    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
+        self.expect(ahead);
         self.claim_blocks(number, list);
     }
     fn reaches_further(&mut self, layout: &Layout) -> bool {

@@ -3,6 +3,7 @@
 use std::sync::Mutex;
 
 use super::contact::Scratch;
+use super::fields::{Fields, Member};
 use super::nodes::BlockPlace;
 use crate::geometry::Lattice;
 use crate::parallel::Float;
@@ -67,7 +68,7 @@ pub struct Found<T> {
 
 impl<T> Default for Found<T> {
     fn default() -> Self {
-        Found { pairs: Vec::new(), touches: Vec::new(), stale: true, block: [0; 3] }
+        Found { pairs: Vec::new(), touches: Vec::new(), stale: false, block: [0; 3] }
     }
 }
 
@@ -93,11 +94,23 @@ impl<T: Float> Found<T> {
         })
     }
 
+    /// Call the fields what they are called now, in the same order; or know no more what is found, if some are gone.
+    fn renumber(&mut self, members: &[Member]) {
+        let field = |body| members.binary_search_by_key(&body, |m| m.body).ok();
+        for pair in &mut self.pairs {
+            let [Some(r), Some(s)] = pair.bodies.map(field) else {
+                self.stale = true;
+                return;
+            };
+            pair.fields = [r as u32, s as u32];
+        }
+    }
+
     /// Forget of every pair what its bodies have moved away from by `keeps`, m; `way` is how far each body moved so far.
-    pub(super) fn renew<const D: usize>(&mut self, block: &[i32; D], way: &[f64], keeps: f64) {
+    pub(super) fn renew(&mut self, way: &[f64], keeps: f64) {
         if self.stale {
             self.forget();
-            (self.stale, self.block) = (false, extended(block));
+            self.stale = false;
         }
         let mut forgotten = false;
         for pair in &mut self.pairs {
@@ -174,6 +187,8 @@ pub struct Encounters<T> {
     /// One a shared block, and behind those what was found in blocks that are shared no longer.
     pub(super) found: Vec<Found<T>>,
     shared: usize,
+    /// Used while blocks are arranged.
+    before: Vec<Found<T>>,
     pairs: Vec<PairContact>,
     /// How far particles of each body may have moved since the start, m.
     way: Vec<f64>,
@@ -189,6 +204,7 @@ impl<T> Default for Encounters<T> {
         Encounters {
             found: Vec::new(),
             shared: 0,
+            before: Vec::new(),
             pairs: Vec::new(),
             way: Vec::new(),
             squares: Vec::new(),
@@ -225,14 +241,29 @@ impl<T: Float> Encounters<T> {
         nodes
     }
 
-    /// Node blocks have changed: what is known of them is as good as nothing, but what was found can be told until
-    /// bodies meet again.
-    pub(super) fn arrange(&mut self, shared: usize, bodies: usize) {
-        self.found.iter_mut().for_each(|f| f.stale = true);
-        if self.found.len() < shared {
-            self.found.resize_with(shared, Found::default);
+    /// Node blocks have changed: keep what was found where the bodies of a shared block are still among those there now. What
+    /// was found elsewhere can be told until bodies meet again.
+    pub(super) fn arrange<const D: usize>(&mut self, fields: &Fields<D>, bodies: usize) {
+        let shared = fields.shared();
+        self.before.append(&mut self.found);
+        let (before, rest) = self.before.split_at_mut(self.shared);
+        let mut before = before.iter_mut().peekable();
+        let mut spare = rest.iter_mut().filter(|f| f.touches.is_empty());
+        for (s, block) in shared.iter().enumerate() {
+            let place = extended(&block.coordinates);
+            // Both are sorted by place.
+            while before.next_if(|f| f.block < place).is_some() {}
+            let mut found = match before.next_if(|f| f.block == place) {
+                Some(found) => std::mem::take(found),
+                None => spare.next().map(std::mem::take).unwrap_or_default(),
+            };
+            found.block = place;
+            found.renumber(fields.members(s));
+            self.found.push(found);
         }
-        self.shared = shared;
+        // Those of blocks that are shared no longer, for what they tell and for their memory.
+        self.found.extend(self.before.drain(..).filter(|f| f.bytes() > 0));
+        self.shared = shared.len();
         self.way.resize(bodies, 0.0);
     }
 
@@ -303,7 +334,7 @@ impl<T: Float> Encounters<T> {
     pub(super) fn bytes(&self) -> usize {
         let scratch = |s: &Mutex<Scratch<T>>| s.lock().map_or(0, |s| s.bytes() + size_of::<Scratch<T>>());
         self.found.iter().map(Found::bytes).sum::<usize>()
-            + self.found.capacity() * size_of::<Found<T>>()
+            + (self.found.capacity() + self.before.capacity()) * size_of::<Found<T>>()
             + self.pairs.capacity() * size_of::<PairContact>()
             + self.way.capacity() * size_of::<f64>()
             + (self.squares.capacity() + self.steps.capacity()) * size_of::<T>()

@@ -104,17 +104,18 @@ impl<const D: usize> Default for Fields<D> {
 
 impl<const D: usize> Fields<D> {
     /// Have the node blocks that the particles reach, kept apart by body if `separate`, and tell the bodies
-    /// where theirs are.
+    /// where theirs are; to look `ahead`, those that they reach from a cell beside as well.
     pub(super) fn arrange<T: Float, G: GridStorage<T, D>>(
         &mut self,
         grid: &mut G,
         bodies: &mut [Box<dyn Body<T, D>>],
         separate: bool,
+        ahead: bool,
     ) -> Result<(), OutsideGrid> {
         let mut claims = std::mem::take(&mut self.claims);
         claims.clear();
-        for (number, body) in bodies.iter().enumerate() {
-            body.claims(number as u32, &mut claims);
+        for (number, body) in bodies.iter_mut().enumerate() {
+            body.claims(number as u32, ahead, &mut claims);
         }
         claims.sort_unstable_by_key(|c| (c.coordinates, c.body));
         claims.dedup_by(|next, kept| {
@@ -170,7 +171,8 @@ impl<const D: usize> Fields<D> {
         let first = self.members.len();
         let sharing = claims.iter().filter(|c| c.reached != 0).count();
         for claim in claims.iter().filter(|c| alone || c.reached != 0) {
-            let kept = if sharing < CROWD { whole_block(D) } else { worth_keeping::<D>(claim.reached) };
+            let kept =
+                if D < 3 || sharing < CROWD { whole_block(D) } else { worth_keeping::<D>(claim.reached) };
             let block = if self.members.len() == first {
                 (self.owners[block], self.kept[block]) = (claim.body, kept);
                 block

@@ -97,11 +97,11 @@ impl<const D: usize> Load<D> for FieldForce<D> {
     }
 }
 
-/// What a load gave to a body in a pass.
+/// What a load gives to a body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Loading {
-    /// Force, N.
+    /// Force that was mapped last, N.
     pub force: [f64; 3],
-    /// Power, W.
+    /// Power of the one that acted in the step, with the velocities in its middle, W.
     pub power: f64,
 }

@@ -101,7 +101,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         let (found, way, scratch) = encounters.open(self.team.threads());
         self.team.each_with(found, scratch, |s, found, scratch| {
             let at = view(s);
-            found.renew(&at.coordinates, way, keeps);
+            found.renew(way, keeps);
             contact.impulses(&at, found, scratch);
         });
         if self.rigid {

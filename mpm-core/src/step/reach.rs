@@ -6,7 +6,7 @@ use super::body::{NONE, ParticleBody, offset, shifted};
 use super::fields::Claim;
 use super::layout::Layout;
 use super::load::Load;
-use super::survey::nodes_of;
+use super::survey::{beside, nodes_of};
 use super::sweep::ExtentOf;
 use crate::dim::{Stencil, neighbours};
 use crate::method::Composition;
@@ -45,6 +45,44 @@ where
         })
     }
 
+    /// Note the bins whose stencils the body shall have nodes for: those with particles, and, to look `ahead`, those
+    /// beside them, for which slots are made.
+    pub(super) fn expect(&mut self, ahead: bool) {
+        if !ahead {
+            self.slots.iter_mut().for_each(|slot| slot.linked = slot.block.occupied());
+            return;
+        }
+        let mut wanted = std::mem::take(&mut self.wanted);
+        wanted.clear();
+        for slot in &self.slots {
+            for (n, &around) in slot.slots_around.iter().enumerate() {
+                let o = offset::<D>(n);
+                if around == NONE && beside::<D>(&o, slot.block.occupied()) != 0 {
+                    wanted.push(shifted(&slot.block.coordinates, &o));
+                }
+            }
+        }
+        if self.make_slots(&mut wanted) {
+            self.link_slots();
+        }
+        self.wanted = wanted;
+        let mut empty = false;
+        for s in 0..self.slots.len() {
+            let mut linked = 0;
+            for (n, &around) in self.slots[s].slots_around.iter().enumerate() {
+                let Some(other) = self.slots.get(around as usize) else { continue };
+                // Seen from there, this slot lies in the opposite direction.
+                linked |= beside::<D>(&offset(neighbours(D) - 1 - n), other.block.occupied());
+            }
+            self.slots[s].linked = linked;
+            empty |= linked == 0;
+        }
+        if empty {
+            self.spare.extend(self.slots.extract_if(.., |s| s.linked == 0));
+            self.link_slots();
+        }
+    }
+
     pub(super) fn claim_blocks(&self, number: u32, list: &mut Vec<Claim<D>>) {
         for slot in &self.slots {
             for n in 0..neighbours(D) {
@@ -53,7 +91,7 @@ where
                     continue;
                 }
                 let coordinates = shifted(&slot.block.coordinates, &o);
-                let reached = nodes_of::<ExtentOf<M, T, D>, D>(&o, slot.block.occupied());
+                let reached = nodes_of::<ExtentOf<M, T, D>, D>(&o, slot.linked);
                 list.push(Claim { coordinates, body: number, reached });
             }
         }
@@ -63,8 +101,7 @@ where
         let mut links = std::mem::take(&mut self.links);
         links.clear();
         self.nodes_around.clear();
-        for (s, slot) in self.slots.iter_mut().enumerate() {
-            slot.linked = slot.block.occupied();
+        for (s, slot) in self.slots.iter().enumerate() {
             for n in 0..neighbours(D) {
                 let found = find(&shifted(&slot.block.coordinates, &offset(n)));
                 let block = found.map_or(NONE, |b| b as u32);

@@ -120,8 +120,8 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
         self.particles.locate(which, prune, team)
     }
-    fn claims(&self, number: u32, list: &mut Vec<Claim<D>>) {
-        self.particles.claims(number, list);
+    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
+        self.particles.claims(number, ahead, list);
     }
     fn reaches_further(&mut self, layout: &Layout) -> bool {
         self.particles.reaches_further(layout)

@@ -101,6 +101,12 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     pub(super) team: Team,
     pub(super) time: f64,
     pub(super) steps: u64,
+    /// What the bodies' last pass came to, and whether their blocks changed after it.
+    passed: Vec<Result<T, BodyTrouble>>,
+    changed: Vec<bool>,
+    /// The step after which blocks were arranged last, and whether with a look ahead.
+    arranged: u64,
+    ahead: bool,
     last_dt: Option<f64>,
     /// The step that impulses on the grid are for, s.
     planned: T,
@@ -145,8 +151,14 @@ macro_rules! stage {
     }};
 }
 
-/// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii).
+/// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii), and where blocks were arranged with
+/// a look ahead.
 const PRUNE_EVERY: u64 = 10;
+const PRUNE_AHEAD: u64 = 128;
+/// Blocks that are arranged anew after fewer steps than this, and hold fewer particles each on average, are arranged with a
+/// look ahead: that takes memory, and about as long as a step.
+const OFTEN: u64 = 16;
+const FEW: usize = 32;
 
 impl<T, const D: usize, M, G> Mpm<T, D, M, G>
 where
@@ -195,6 +207,10 @@ where
             team: Team::one(),
             time: 0.0,
             steps: 0,
+            passed: Vec::new(),
+            changed: Vec::new(),
+            arranged: 0,
+            ahead: false,
             last_dt: None,
             planned: T::default(),
             rate: T::default(),
@@ -515,16 +531,20 @@ where
         for d in 0..3 {
             self.ledger.load[d] += self.acting.force[d] * dt.to_double();
         }
-        self.ledger.work += self.acting.power * dt.to_double();
         self.acting = self.loading();
+        self.ledger.work += self.acting.power * dt.to_double();
         self.ledger.split = self.bodies.iter().map(|b| b.splits().kinetic).sum();
         let last = if M::Update::BEFORE_FORCES || M::Update::REMAP { Which::Second } else { Which::First };
-        let prune = self.steps % PRUNE_EVERY == PRUNE_EVERY - 1;
-        let mut changed = false;
-        for body in &mut self.bodies {
-            changed |= body.locate(last, prune, &self.team);
-        }
+        let age = self.steps - self.arranged;
+        let prune = if self.ahead { age >= PRUNE_AHEAD } else { self.steps % PRUNE_EVERY == PRUNE_EVERY - 1 };
+        let team = &self.team;
+        self.changed.resize(self.bodies.len(), false);
+        team.each_piece(&mut self.bodies, 1, &mut self.changed, |_, body, changed| {
+            *changed = body[0].locate(last, prune, team);
+        });
+        let changed = self.changed.contains(&true);
         if changed || self.fields_changed(prune) {
+            self.ahead = K::SEPARATES && age < OFTEN && self.particles() < FEW * self.fields.len();
             self.arrange().map_err(|outside| self.stopped(self.who_left(outside)))?;
         }
         self.time += dt.to_double();
@@ -600,7 +620,8 @@ where
     fn fields_changed(&mut self, prune: bool) -> bool {
         let layout = self.fields.layout();
         K::SEPARATES
-            && (self.bodies.iter_mut().any(|b| b.reaches_further(layout))
+            && (prune && self.ahead
+                || self.bodies.iter_mut().any(|b| b.reaches_further(layout))
                 || prune && self.fields.outdated(&self.bodies))
     }
 
@@ -652,14 +673,19 @@ where
         let usf = M::Update::BEFORE_FORCES && which == Which::First;
         let force_time = self.time + if usf { 0.0 } else { dt.to_double() };
         let dt = Steps { this: dt, next: self.planned, adapt, force_time };
+        let nodes = Nodes { all: self.grid.nodes(), layout: self.fields.layout() };
+        let team = &self.team;
+        self.passed.resize_with(self.bodies.len(), || Ok(T::default()));
+        team.each_piece(&mut self.bodies, 1, &mut self.passed, |_, body, passed| {
+            *passed = body[0].pass(which, nodes, dt, team);
+        });
         let mut rate = T::default();
-        for b in 0..self.bodies.len() {
-            let nodes = Nodes { all: self.grid.nodes(), layout: self.fields.layout() };
-            match self.bodies[b].pass(which, nodes, dt, &self.team) {
+        for (b, passed) in self.passed.iter_mut().enumerate() {
+            match std::mem::replace(passed, Ok(T::default())) {
                 Ok(r) => rate = if r > rate { r } else { rate },
                 Err(BodyTrouble { particle, position, cause }) => {
                     // The run ends here, with all particles where they went.
-                    for body in &mut self.bodies[..=b] {
+                    for body in &mut self.bodies {
                         body.locate(which, false, &self.team);
                     }
                     let (body, law) = (self.bodies[b].name().to_string(), self.bodies[b].law());
@@ -705,8 +731,9 @@ where
 
     /// Have the node blocks that the particles reach, and tell the bodies where they are.
     fn arrange(&mut self) -> Result<(), OutsideGrid> {
-        self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES)?;
-        self.encounters.arrange(self.fields.shared().len(), self.bodies.len());
+        self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES, self.ahead)?;
+        self.encounters.arrange(&self.fields, self.bodies.len());
+        self.arranged = self.steps;
         self.arrange_planes();
         Ok(())
     }

@@ -118,6 +118,15 @@ pub(super) fn nodes_of<E: Stencil, const D: usize>(o: &[i32; D], bins: u64) -> u
     set
 }
 
+/// The bins of a slot at offset `o` from another that are among `bins` of that or next to one of them.
+pub(super) fn beside<const D: usize>(o: &[i32; D], bins: u64) -> u64 {
+    let mut set = bins;
+    for d in 0..D {
+        set = (-1..=1).fold(0, |all, by| all | moved(set, by - o[d] * BLOCK as i32, d));
+    }
+    set
+}
+
 /// The bins of a slot at offset `o` from the block whose stencils have one of `nodes`.
 #[inline(always)]
 fn bins_at<E: Stencil, const D: usize>(o: &[i32; D], nodes: u64) -> u64 {

@@ -52,9 +52,11 @@ const AHEAD: usize = 4;
 pub struct Report<T> {
     /// Largest (c + |v|) / h, 1/s.
     pub rate: T,
-    /// Sum of loaded area times velocity, m^3/s; or the force of a force field, N.
+    /// Sum of loaded area times velocity in the middle of the step, m^3/s.
     pub flux: [T; 3],
-    /// Power of a force field, W.
+    /// Force of a force field, N.
+    pub push: [T; 3],
+    /// Power of a force field with the velocities in the middle of the step, W.
     pub power: T,
     /// Particles that were split.
     pub splits: u32,
@@ -218,13 +220,16 @@ where
         for bin in 0..AHEAD {
             block.prefetch(bin, soon);
         }
+        clear_tile::<T, D, ExtentOf<M, T, D>>(tile, maps);
+        outbox.clear();
+        *report = Report::default();
+        if block.is_empty() {
+            return;
+        }
         let mut tile_in = TileIn::<T, ExtentOf<M, T, D>>::zero();
         tile_in.load::<D>(nodes, around[0], reads);
         let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
-        clear_tile::<T, D, ExtentOf<M, T, D>>(tile, maps);
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
-        outbox.clear();
-        *report = Report::default();
 
         // Constants of the pass, on lanes.
         let (zero, half) = (A::Pack::zero(), A::Pack::of(0.5));
@@ -240,7 +245,7 @@ where
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
         let mut rate = zero;
         let mut flux = [zero; 3];
-        let mut power = zero;
+        let (mut pushed, mut power) = ([zero; 3], zero);
 
         let side = <ExtentOf<M, T, D> as Stencil>::TILE;
         let rows_in = if D == 3 { side * side } else { side };
@@ -355,6 +360,21 @@ where
                         hoop_velocity = increment[0];
                     }
                 }
+                // The forces on the nodes did their work with the velocities in the middle of the step, here mapped to
+                // the particle; where accelerations are not mapped, by what was mapped before.
+                let frame = rest.len() - 1 - total::rows::<T, D, M>();
+                if does.velocity && (does.load || does.field) {
+                    let columns = if ShapeOf::<M, T, D>::CARRIES_DOMAIN { D } else { 0 };
+                    for d in 0..D {
+                        let change = if reads.second { dt * increment[d] } else { nodal[d] - v[d] };
+                        let middle = nodal[d] - half * change;
+                        if does.load {
+                            flux[d] = A::Pack::load(&rest[columns]).mul_add(middle, flux[d]);
+                        } else {
+                            power = (mass * A::Pack::load(&rest[frame - D + d])).mul_add(middle, power);
+                        }
+                    }
+                }
                 if does.velocity {
                     for d in 0..D {
                         v[d] = method.transfer().velocity(v[d], nodal[d], dt * increment[d], dt);
@@ -368,7 +388,6 @@ where
                 let radius = xi[0].mul_add(spacing, bin_x);
 
                 // Deformation gradient, if mapped in the reference configuration, and its inverse.
-                let frame = rest.len() - 1 - total::rows::<T, D, M>();
                 let (mut f, mut inverse) = (Mat3::identity(), Mat3::identity());
                 if total && (does.strain.is_some() || does.force || does.moves) {
                     f = total::load::<T, A::Pack, D, M>(&rest[frame..]);
@@ -511,7 +530,6 @@ where
                         let area = A::Pack::load(&rest[columns]);
                         for d in 0..D {
                             direct[d] = area.mul_add(A::Pack::splat(common.traction[d]), direct[d]);
-                            flux[d] = area.mul_add(v[d], flux[d]);
                         }
                     }
                     if does.field {
@@ -519,8 +537,7 @@ where
                         for d in 0..D {
                             let push = mass * A::Pack::load(&rest[column + d]);
                             direct[d] = direct[d] + push;
-                            flux[d] = flux[d] + push;
-                            power = push.mul_add(v[d], power);
+                            pushed[d] = pushed[d] + push;
                         }
                     }
                     for d in 0..D {
@@ -578,6 +595,7 @@ where
             report.rate = report.rate.max(rate.lane(i));
             for d in 0..D {
                 report.flux[d] += flux[d].lane(i);
+                report.push[d] += pushed[d].lane(i);
             }
             report.power += power.lane(i);
         }
