@@ -171,13 +171,13 @@ impl Check {
 
     /// A check that decides: `value` not below `reference`.
     pub fn at_least(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
-        let pass = Some(value >= reference);
+        let pass = Some(value.is_finite() && value >= reference);
         Check { pass, ..Self::shown(format!("{} (at least)", name.into()), value, unit, reference, source) }
     }
 
     /// A check that decides: `value` not above `reference`.
     pub fn at_most(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
-        let pass = Some(value <= reference);
+        let pass = Some(value.is_finite() && value <= reference);
         Check { pass, ..Self::shown(format!("{} (at most)", name.into()), value, unit, reference, source) }
     }
 

@@ -9,6 +9,7 @@ pub mod contact;
 pub mod counts;
 pub mod front;
 pub mod job;
+pub mod limits;
 pub mod long;
 pub mod map;
 pub mod page;
@@ -79,7 +80,7 @@ pub fn start() -> ExitCode {
 }
 
 /// Charts that are made of no runs of their own, or of other ones.
-const OTHERS: [&str; 3] = ["C9", "C11", "C12"];
+const OTHERS: [&str; 4] = ["C9", "C10", "C11", "C12"];
 
 fn run(options: &Options) -> Made<()> {
     if let Some(text) = &options.count {
@@ -105,6 +106,7 @@ fn run(options: &Options) -> Made<()> {
     if !options.draw {
         let sweeper = Sweeper { options, commit: &commit, files: &files, start: Instant::now() };
         sweeper.runs(&charts)?;
+        sweeper.limits()?;
         sweeper.speeds()?;
         sweeper.counts(&charts)?;
         sweeper.band()?;
@@ -119,6 +121,7 @@ fn run(options: &Options) -> Made<()> {
     let data = page::Data {
         commit: if commits.is_empty() { commit.clone() } else { commits.join(", ") },
         speeds: read_speeds(&files.speeds)?,
+        limits: limits::read(&files.limits)?,
         stability: map::read(&options.out)?,
         making: files.making()?,
         charts: &charts,
@@ -129,6 +132,7 @@ fn run(options: &Options) -> Made<()> {
         let file = options.out.join(format!("{}.csv", chart.id));
         record::write_csv(&file, records.iter().filter(|r| r.key.problem == chart.problem))?;
     }
+    limits::write_csv(&options.out.join("c10-limits.csv"), &data.limits)?;
     rates::write_csv(&options.out.join("c12-throughput.csv"), &data.speeds)?;
     let page = options.out.join("index.html");
     fs::write(&page, page::page(&data))?;
@@ -153,14 +157,16 @@ struct Files {
     runs: PathBuf,
     counts: PathBuf,
     speeds: PathBuf,
+    limits: PathBuf,
     making: PathBuf,
 }
 
 impl Files {
     fn new(out: &Path) -> Self {
-        let [runs, counts, speeds, making] =
-            ["runs.jsonl", "counts.jsonl", "speeds.jsonl", "making.json"].map(|f| out.join(f));
-        Files { runs, counts, speeds, making }
+        let [runs, counts, speeds, limits, making] =
+            ["runs.jsonl", "counts.jsonl", "speeds.jsonl", "limits.jsonl", "making.json"]
+                .map(|f| out.join(f));
+        Files { runs, counts, speeds, limits, making }
     }
 
     /// What is known of how the runs were made.
@@ -269,6 +275,30 @@ impl Sweeper<'_> {
             Ok::<_, String>(())
         })?;
         fs::remove_dir_all(folder)?;
+        Ok(())
+    }
+
+    fn limits(&self) -> Made<()> {
+        if !self.wants("C10") {
+            return Ok(());
+        }
+        let there = limits::read(&self.files.limits)?;
+        let is_there = |a: &limits::Asked| there.iter().any(|f| f.is_of(a) && f.commit == self.commit);
+        let mut missing = limits::Asked::all(self.options.quick);
+        missing.retain(|a| !is_there(a));
+        pool::each(
+            self.threads(),
+            &missing,
+            |asked| asked.make(self.commit),
+            |count, asked, found| {
+                record::append(&self.files.limits, &[found?]).map_err(|e| e.to_string())?;
+                if count % 32 == 0 || count == missing.len() {
+                    let name = asked.scheme.name();
+                    println!("limit {count}/{} at {:.1} min: {name}", missing.len(), self.minutes());
+                }
+                Ok::<_, String>(())
+            },
+        )?;
         Ok(())
     }
 

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::chart::{draw, escape, legend, percent};
 use crate::front::{Cost, cheapest, front, schemes};
+use crate::limits::{self, Found};
 use crate::map::{self, Row};
 use crate::record::Record;
 use crate::speed::Speed;
@@ -43,6 +44,8 @@ pub struct Data<'a> {
     pub speeds: Vec<Speed>,
     /// Rows of the page of stability.
     pub stability: Vec<Row>,
+    /// How long steps may be.
+    pub limits: Vec<Found>,
 }
 
 const STYLE: &str = include_str!("page.css");
@@ -66,6 +69,7 @@ pub fn page(data: &Data) -> String {
         section(&mut out, chart, data);
     }
     map::section(&mut out, &data.stability);
+    limits::section(&mut out, &data.limits);
     prices(&mut out, data);
     rates::section(&mut out, &data.speeds);
     method(&mut out, data);
@@ -79,7 +83,7 @@ fn contents(out: &mut String, data: &Data) {
         let _ = write!(out, "<a href=\"#{}\">{} {}</a> ", chart.id, chart.number, chart.title);
     }
     out.push_str(
-        "<a href=\"#c9-stability\">C9 Where schemes fail</a> <a href=\"#c11-price\">C11 Price of exactness</a> \
+        "<a href=\"#c9-stability\">C9 Where schemes fail</a> <a href=\"#c10-limits\">C10 How long a step may be</a> <a href=\"#c11-price\">C11 Price of exactness</a> \
          <a href=\"#c12-throughput\">C12 Throughput</a> <a href=\"#method\">How it was measured</a></nav>",
     );
 }

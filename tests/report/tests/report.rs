@@ -1,9 +1,11 @@
 //! What the page is put together by.
 
 use report::job::Job;
+use report::limits::{self, Asked};
 use report::pool::each;
 use report::price::{Need, needed};
 use report::sweep::{charts, jobs};
+use verification::{Kernel, Scheme, Velocity};
 
 #[test]
 fn every_item_is_done_once_and_an_error_stops() {
@@ -58,4 +60,30 @@ fn names_lead_back_to_jobs() {
             }
         }
     }
+}
+
+/// Every limit of the chart is found again by what was asked; the least steps are those that theory has.
+#[test]
+fn limits_are_found_and_drawn() {
+    let asked = Asked::all(true);
+    let of = |kernel, velocity| {
+        let scheme = Scheme::moving(kernel, velocity);
+        asked.iter().filter(move |a| a.scheme == scheme && a.per_cell == 2)
+    };
+    let mut list = Vec::new();
+    for asked in
+        of(Kernel::Quadratic, Velocity::FlipMusl).chain(of(Kernel::Quadratic, Velocity::ApicUsl)).step_by(8)
+    {
+        let found = asked.make("none").unwrap();
+        assert!(found.is_of(asked));
+        assert!((found.measured / found.predicted - 1.0).abs() < 0.1, "{found:?}");
+        list.push(found);
+    }
+    assert_eq!(list.len(), 4);
+    let mut page = String::new();
+    limits::section(&mut page, &list);
+    assert_eq!(page.matches("<figure>").count(), 1);
+    // Two lines each of two transfers, in the drawing; markers there and in the legend.
+    assert_eq!(page.matches("class=\"disc").count(), 4 + 3);
+    assert!(page.contains("Of 4 arrangements"), "{page}");
 }

@@ -79,7 +79,7 @@ impl Incline {
         let mut time = times.peek().copied().unwrap_or_default();
         let mut all = Vec::new();
         for end in times {
-            let count = ((end - time) / STEP).ceil().max(1.0);
+            let count = ((end - time) / STEP).ceil();
             let dt = (end - time) / count;
             for n in 0..count as u32 {
                 let along = gravity * sine * part(time + (f64::from(n) + 0.5) * dt);
@@ -105,8 +105,9 @@ impl Incline {
         }
         let asked = |q: f64| {
             let speed = now.speed + (along - q) * dt;
-            let part = (slip - 3.0 * q * dt) / (self.friction * cylinder.contact * speed);
-            most * (1.0 - (1.0 - part.clamp(0.0, 1.0)).powi(2))
+            let (slip, sticks) = (slip - 3.0 * q * dt, self.friction * cylinder.contact * speed);
+            let part = if slip < sticks { slip.max(0.0) / sticks } else { 1.0 };
+            most * (1.0 - (1.0 - part).powi(2))
         };
         // The creep falls as the traction grows: one traction gives the creep that asks for it.
         let (mut low, mut high) = (0.0, rolls);

@@ -151,12 +151,15 @@ fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
         ("height of large discs", "m"),
         ("height of small discs", "m"),
         ("deepest overlap", "m"),
+        ("of disc", "-"),
+        ("and disc or container", "-"),
         ("kinetic energy", "J/m"),
         ("particles", "-"),
     ];
     let mut file = History::create(folder.join("discs.csv"), columns)?;
     for r in &outcome.rows {
-        file.push(&[r.time, r.heights[0], r.heights[1], r.overlap, r.kinetic, r.particles as f64])?;
+        let ([large, small], [one, other]) = (r.heights, r.pair.map(|n| n as f64));
+        file.push(&[r.time, large, small, r.overlap, one, other, r.kinetic, r.particles as f64])?;
     }
     Ok(())
 }

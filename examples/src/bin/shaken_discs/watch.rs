@@ -14,6 +14,8 @@ pub struct Row {
     pub heights: [f64; 2],
     /// The deepest overlap of the surfaces of two discs, or of a disc and the container, m.
     pub overlap: f64,
+    /// Whose: discs by number, the container after all of them.
+    pub pair: [usize; 2],
     /// Kinetic energy, J/m.
     pub kinetic: f64,
     /// Particles.
@@ -47,23 +49,28 @@ impl Watch {
         }
     }
 
-    /// The deepest overlap of surfaces: along the line of centres between discs, with the particles beside it; at the
-    /// container that of any particle.
-    fn overlap(&self, discs: &[Cloud]) -> f64 {
-        let mut deepest = f64::NEG_INFINITY;
+    /// The deepest overlap of surfaces, and whose: along the line of centres between discs, with the particles beside it;
+    /// at the container that of any particle.
+    fn overlap(&self, discs: &[Cloud]) -> (f64, [usize; 2]) {
+        let mut deepest = (f64::NEG_INFINITY, [0; 2]);
+        let mut note = |overlap: f64, pair| {
+            if overlap > deepest.0 {
+                deepest = (overlap, pair);
+            }
+        };
         for (n, (disc, r)) in discs.iter().zip(&self.radii).enumerate() {
             for x in &disc.particles {
                 for d in 0..2 {
-                    deepest = deepest.max(x[2] - x[d]).max(x[d] + x[2] - self.inside[d]);
+                    note((x[2] - x[d]).max(x[d] + x[2] - self.inside[d]), [n, discs.len()]);
                 }
             }
-            for (other, s) in discs[n + 1..].iter().zip(&self.radii[n + 1..]) {
+            for (m, (other, s)) in discs.iter().zip(&self.radii).enumerate().skip(n + 1) {
                 let way = [0, 1].map(|d| other.centre[d] - disc.centre[d]);
                 let distance = way[0].hypot(way[1]);
                 if distance < r + s + 2.0 * self.half {
                     let normal = way.map(|x| x / distance);
                     let reach = disc.reach(normal, self.half) + other.reach(normal.map(|x| -x), self.half);
-                    deepest = deepest.max(reach - distance);
+                    note(reach - distance, [n, m]);
                 }
             }
         }
@@ -111,12 +118,14 @@ impl Observer<f64, 2> for Watch {
             });
             discs.push(Cloud { centre: place.map(|x| x / mass), particles });
         }
+        let (overlap, pair) = self.overlap(&discs);
         let mean = |of: &[Cloud]| of.iter().map(|c| c.centre[1]).sum::<f64>() / of.len() as f64;
         let (large, small) = discs.split_at(self.large);
         self.rows.push(Row {
             time: now.time(),
             heights: [mean(large), mean(small)],
-            overlap: self.overlap(&discs),
+            overlap,
+            pair,
             kinetic: now.totals().kinetic,
             particles: discs.iter().map(|d| d.particles.len()).sum(),
         });
