@@ -463,3 +463,23 @@ where
 }
 
 const _: () = assert!(block_nodes(3) == u64::BITS as usize, "a node of a block is a bit");
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_beside_spill_into_blocks_around() {
+        // The last bin of a block in the plane: all around it, three of them in three other blocks.
+        let last = 1 << (BLOCK * BLOCK - 1);
+        assert_eq!(beside::<2>(&[0, 0], last), 0b1100_1100_0000_0000);
+        assert_eq!(beside::<2>(&[1, 0], last), 0b0001_0001_0000_0000);
+        assert_eq!(beside::<2>(&[0, 1], last), 0b1100);
+        assert_eq!(beside::<2>(&[1, 1], last), 1);
+        assert_eq!(beside::<2>(&[-1, 0], last), 0);
+        // A full block in space: itself, and a layer of each of its neighbours.
+        let count = |o| beside::<3>(&o, !0).count_ones() as usize;
+        assert_eq!((count([0; 3]), count([0, -1, 0]), count([1, 1, 0]), count([-1; 3])), (64, 16, 4, 1));
+        assert_eq!(count([2, 0, 0]), 0);
+    }
+}

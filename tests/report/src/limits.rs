@@ -91,6 +91,9 @@ pub fn read(path: &Path) -> io::Result<Vec<Found>> {
             None => list.push(found),
         }
     }
+    list.sort_by(|a, b| {
+        (&a.scheme, a.per_cell).cmp(&(&b.scheme, b.per_cell)).then(a.offset.total_cmp(&b.offset))
+    });
     Ok(list)
 }
 
@@ -124,7 +127,7 @@ const VELOCITIES: [(Velocity, &str); 3] =
     [(Velocity::FlipUsl, "FLIP, USL"), (Velocity::FlipMusl, "FLIP, MUSL"), (Velocity::ApicUsl, "APIC, USL")];
 const KERNELS: [(Kernel, &str); 4] = [
     (Kernel::Linear, "hats"),
-    (Kernel::Gimp, "cpGIMP"),
+    (Kernel::Gimp, "uGIMP"),
     (Kernel::Quadratic, "quadratic splines"),
     (Kernel::Cubic, "cubic splines"),
 ];
