@@ -12,7 +12,6 @@ use mpm_materials::{Lane, Mask};
 use super::{Arch, Pack, Quad, Row};
 
 /// Does this processor have what [`Avx2`] needs?
-#[cfg(not(all(target_feature = "avx2", target_feature = "fma")))]
 #[inline]
 pub fn available() -> bool {
     is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma")

@@ -55,7 +55,7 @@ pub struct Touch<T> {
 }
 
 /// What a contact algorithm found at a shared block. Pairs and their touches stay as they are from step to step, until
-/// their bodies have moved as far as [`super::Contact::keeps`] says or the block's bodies change.
+/// their bodies have moved as far as [`super::Contact::keeps`] says or one of them has left the block.
 #[derive(Clone, Debug)]
 pub struct Found<T> {
     /// The pairs of fields that share nodes.

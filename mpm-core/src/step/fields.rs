@@ -307,7 +307,7 @@ impl<const D: usize> Fields<D> {
     }
 }
 
-/// Bodies in a block from which on fields keep only the nodes that are reached. Where two bodies meet, particles reach
+/// Bodies in a block from which on fields keep only the nodes that are reached; in space, for in the plane all are few. Where two bodies meet, particles reach
 /// further nodes all the time, and every such change means to arrange all blocks anew.
 const CROWD: usize = 3;
 
