@@ -158,7 +158,7 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble>;
-    /// Force and power of the surface load that the last pass mapped.
+    /// Force of the load that was mapped last, and power of the one that acted in the step.
     fn loading(&self) -> Loading;
     /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
     /// blocks that are empty. Returns whether the set of blocks changed.
@@ -215,7 +215,7 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) spare: Vec<Slot<T, D>>,
     /// Slots by coordinates, while they are linked.
     index: Vec<([i32; D], u32)>,
-    /// Places that particles left for, while blocks are made.
+    /// Places that particles left for, or may soon, while blocks are made.
     pub(super) wanted: Vec<[i32; D]>,
     /// Node block, slot and direction of each link, while they are made.
     pub(super) links: Vec<(u32, u32, usize)>,

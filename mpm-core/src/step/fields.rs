@@ -307,8 +307,8 @@ impl<const D: usize> Fields<D> {
     }
 }
 
-/// Bodies in a block from which on fields keep only the nodes that are reached; in space, for in the plane all are few. Where two bodies meet, particles reach
-/// further nodes all the time, and every such change means to arrange all blocks anew.
+/// Bodies in a block of space from which on fields keep only the nodes that are reached; in the plane a block has few. Where
+/// two bodies meet, particles reach further nodes all the time, and every such change means to arrange all blocks anew.
 const CROWD: usize = 3;
 
 /// The nodes that a field keeps whose particles reach these: all, if they are most.

@@ -310,24 +310,7 @@ pub fn schemes() -> Vec<Scheme> {
     list
 }
 
-/// The limits of all [`schemes`] for one to four particles a cell and `offsets` places of the bar in its cell, none
-/// of which puts a particle on a face: the data of a chart of limits over the offset.
-///
-/// # Errors
-/// As [`limit`].
-pub fn table(offsets: usize) -> Result<Vec<Limit>, String> {
-    let mut list = Vec::new();
-    for scheme in schemes() {
-        for per_cell in 1..=4 {
-            for n in 0..offsets {
-                list.push(limit(scheme, per_cell, (n as f64 + 0.3) / offsets as f64)?);
-            }
-        }
-    }
-    Ok(list)
-}
-
-/// The same as lines of numbers under a head.
+/// Limits as lines of numbers under a head.
 pub fn csv(limits: &[Limit]) -> String {
     let mut text = String::from("scheme,particles a cell,offset,measured,predicted,eigenvalue,Gershgorin\n");
     for l in limits {
