@@ -70,7 +70,8 @@ pub use method::{Composition, Method};
 pub use parallel::{Float, Team};
 pub use scheme::{Musl, StressUpdate, Usf, Usl};
 pub use shape::{
-    AffineShape, BoundaryModified, CpGimp, CubicBSpline, Gimp, Linear, QuadraticBSpline, ShapeFunction,
+    AffineShape, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, Domain, Gimp, Linear, QuadraticBSpline,
+    ShapeFunction,
 };
 pub use step::{
     Balance, Body, Contact, FieldForce, Footprint, Frequency, Mpm, NodeWeight, OneField, Particle, Rest,

@@ -13,9 +13,10 @@ use std::collections::BTreeMap;
 use mpm_core::dim::Stencil;
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::shape::node_offset;
-use mpm_core::{Boundary, MeanDilatation, ShapeFunction, Side};
+use mpm_core::{Boundary, Domain, MeanDilatation, ShapeFunction, Side};
 use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, Kinematics, Mat3};
+use nalgebra::DMatrix;
 
 /// When the stress is updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -106,6 +107,8 @@ pub struct Point<const D: usize> {
     pub state: Vec<f64>,
     /// Half sizes of its domain in cells.
     pub half: [f64; D],
+    /// Corners of a domain that convects, from its position, in cells; along axis d on the side of bit d.
+    pub corners: Vec<[f64; D]>,
     /// The affine matrix of APIC, 1/s.
     pub affine: [[f64; D]; D],
     /// Displacement since the start, m, where the grid lies in the reference configuration (else `x` moves).
@@ -149,6 +152,8 @@ struct Weight<const D: usize> {
 
 /// A mirror image (or the particle itself): the signs of its components, and its weights.
 struct Image<const D: usize> {
+    /// Where it is at the start of the step, m.
+    x: [f64; D],
     sign: [f64; D],
     weights: Vec<Weight<D>>,
 }
@@ -228,6 +233,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 mass: law.density() * volume,
                 state: law.virgin(),
                 half: seeds.half_size.map(|half| half / self.lattice.spacing()),
+                corners: (0..1 << D)
+                    .map(|c| {
+                        std::array::from_fn(|d| side(c, d) * seeds.half_size[d] / self.lattice.spacing())
+                    })
+                    .collect(),
                 affine: [[0.0; D]; D],
                 displacement: [0.0; D],
                 deformation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
@@ -295,10 +305,24 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
             let images = images
                 .into_iter()
-                .map(|(x, sign)| Image { sign, weights: self.stencil(&x, &point.half) })
+                .map(|(x, sign)| {
+                    let weights = if S::DOMAIN.convects() {
+                        let mirrored = |c: &[f64; D]| std::array::from_fn(|d| sign[d] * c[d]);
+                        let corners: Vec<_> = point.corners.iter().map(mirrored).collect();
+                        corner_weights(&self.cells(&x), &corners, self.lattice.spacing())
+                    } else {
+                        self.stencil(&x, &point.half)
+                    };
+                    Image { x, sign, weights }
+                })
                 .collect();
             self.images.push(images);
         }
+    }
+
+    /// A position in cells.
+    fn cells(&self, x: &[f64; D]) -> [f64; D] {
+        std::array::from_fn(|d| (x[d] - self.lattice.origin()[d]) / self.lattice.spacing())
     }
 
     /// Products of the weights along the axes (20).
@@ -603,8 +627,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
             if self.space == Space::Axisymmetric {
                 // The radius at the start of the step, like the weights.
-                let r = images[0].weights.iter().map(|w| w.value * self.lattice.node(w.node)[0]).sum::<f64>();
-                increment[2][2] = hoop / r;
+                increment[2][2] = hoop / images[0].x[0];
             }
             if self.total {
                 let before = point.deformation;
@@ -659,14 +682,99 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
 
     /// Domains follow the motion, for shape functions that carry them.
     fn stretch_domains(&mut self, dt: f64, velocity: impl Fn(&Node<D>) -> [f64; D]) {
-        for (point, images) in self.points.iter_mut().zip(&self.images) {
+        let h = self.lattice.spacing();
+        let moved: Vec<_> = (0..self.points.len()).map(|n| self.moved_corners(n, dt, &velocity)).collect();
+        for ((point, images), moved) in self.points.iter_mut().zip(&self.images).zip(moved) {
             for d in 0..D {
                 let rate: f64 =
                     images[0].weights.iter().map(|w| velocity(&self.nodes[&w.node])[d] * w.gradient[d]).sum();
                 point.half[d] = self.shape.stretch(point.half[d], dt * rate);
             }
+            for (corner, by) in point.corners.iter_mut().zip(moved) {
+                (0..D).for_each(|d| corner[d] += by[d] / h);
+            }
         }
     }
+
+    /// How the corners of a domain move against the particle in a step, m: with the strain, or with the nodes there.
+    fn moved_corners(&self, n: usize, dt: f64, velocity: &impl Fn(&Node<D>) -> [f64; D]) -> Vec<[f64; D]> {
+        let (point, weights) = (&self.points[n], &self.images[n][0].weights);
+        let h = self.lattice.spacing();
+        let mean = |d: usize| weights.iter().map(|w| w.value * self.nodes[&w.node].velocity[d]).sum::<f64>();
+        let rate = |d: usize, e: usize| {
+            weights.iter().map(|w| velocity(&self.nodes[&w.node])[d] * w.gradient[e]).sum::<f64>()
+        };
+        let scale = drawn_in(&point.corners);
+        let moves = |corner: &[f64; D]| match S::DOMAIN {
+            Domain::Corners => {
+                let mut place = self.cells(&self.images[n][0].x);
+                (0..D).for_each(|d| place[d] += scale * corner[d]);
+                let mut by = [0.0; D];
+                for (node, hat) in hats(&place) {
+                    let v = self.nodes.get(&node).map_or([0.0; D], |n| n.velocity);
+                    (0..D).for_each(|d| by[d] += hat * v[d]);
+                }
+                std::array::from_fn(|d| dt * (by[d] - mean(d)) / scale)
+            }
+            _ => std::array::from_fn(|d| dt * h * (0..D).map(|e| rate(d, e) * corner[e]).sum::<f64>()),
+        };
+        point.corners.iter().map(moves).collect()
+    }
+}
+
+/// On which side a corner lies along an axis.
+fn side(corner: usize, axis: usize) -> f64 {
+    if corner >> axis & 1 == 0 { -1.0 } else { 1.0 }
+}
+
+/// What corners are multiplied with so that none is more than a cell away along an axis.
+fn drawn_in<const D: usize>(corners: &[[f64; D]]) -> f64 {
+    1.0 / corners.iter().flatten().fold(1.0, |far: f64, x| far.max(x.abs()))
+}
+
+/// Nodes of the cell at a place, in cells, with their hats.
+fn hats<const D: usize>(place: &[f64; D]) -> Vec<(Index<D>, f64)> {
+    let lowest = place.map(|x| x.floor() as i64);
+    let node = |c: usize| {
+        let node: Index<D> = std::array::from_fn(|d| lowest[d] + (c >> d & 1) as i64);
+        (node, (0..D).map(|d| 1.0 - (place[d] - node[d] as f64).abs()).product())
+    };
+    (0..1 << D).map(node).collect()
+}
+
+/// Weights of a domain with these corners: the mean of what hats make of its corners, and of the gradient of that, by Gauss
+/// points and the inverse of the Jacobian there.
+fn corner_weights<const D: usize>(x: &[f64; D], corners: &[[f64; D]], h: f64) -> Vec<Weight<D>> {
+    let scale = drawn_in(corners);
+    let (mut volume, mut values, mut gradients) = (0.0, vec![0.0; 1 << D], vec![[0.0; D]; 1 << D]);
+    for point in 0..1 << D {
+        let factor = |c: usize, d: usize| 0.5 * (1.0 + side(c, d) * side(point, d) / 3f64.sqrt());
+        let slope = |c: usize, k: usize| {
+            0.5 * side(c, k) * (0..D).filter(|d| *d != k).map(|d| factor(c, d)).product::<f64>()
+        };
+        let jacobian = DMatrix::from_fn(D, D, |k, d| {
+            (0..1 << D).map(|c| scale * corners[c][d] * slope(c, k)).sum::<f64>()
+        });
+        let measure = jacobian.determinant();
+        let inverse = jacobian.try_inverse().expect("a domain that is not flat");
+        volume += measure;
+        for c in 0..1 << D {
+            values[c] += measure * (0..D).map(|d| factor(c, d)).product::<f64>();
+            for d in 0..D {
+                gradients[c][d] += measure * (0..D).map(|k| inverse[(d, k)] * slope(c, k)).sum::<f64>();
+            }
+        }
+    }
+    let mut sums: BTreeMap<Index<D>, Weight<D>> = BTreeMap::new();
+    for c in 0..1 << D {
+        let place = std::array::from_fn(|d| x[d] + scale * corners[c][d]);
+        for (node, hat) in hats(&place) {
+            let w = sums.entry(node).or_insert(Weight { node, value: 0.0, gradient: [0.0; D] });
+            w.value += hat * values[c] / volume;
+            (0..D).for_each(|d| w.gradient[d] += hat * gradients[c][d] / volume / h);
+        }
+    }
+    sums.into_values().collect()
 }
 
 fn times(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {

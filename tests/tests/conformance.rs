@@ -1,8 +1,8 @@
 //! Every member of the families passes the suites that are exported for others.
 
 use mpm_core::{
-    Apic, Blend, BlockGrid, BoundaryModified, CpGimp, CubicBSpline, DenseGrid, Flip, Fmpm, FullSpace, Gimp,
-    Linear, Method, Mls, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl, conforms,
+    Apic, Blend, BlockGrid, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, DenseGrid, Flip, Fmpm,
+    FullSpace, Gimp, Linear, Method, Mls, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl, conforms,
 };
 
 conforms! {
@@ -13,6 +13,10 @@ conforms! {
     shape_quadratic: smooth::<_, 2>(&QuadraticBSpline);
     shape_modified: smooth::<_, 2>(&BoundaryModified(Gimp));
     shape_cubic: smooth::<_, 3>(&CubicBSpline);
+    convected_cpdi_2d: convected::<_, 2>(&Cpdi);
+    convected_cpdi_3d: convected::<_, 3>(&Cpdi);
+    convected_cpdi2_2d: convected::<_, 2>(&Cpdi2);
+    convected_cpdi2_3d: convected::<_, 3>(&Cpdi2);
     affine_gimp: affine_shape::<_, 2>(&Gimp);
     affine_cpgimp: affine_shape::<_, 2>(&CpGimp);
     affine_quadratic: affine_shape::<_, 3>(&QuadraticBSpline);
@@ -34,6 +38,8 @@ conforms! {
     method_gimp_usl: method::<_, 3>(Method::new(Gimp, Flip, Usl, FullSpace));
     method_cpgimp_usf: method::<_, 2>(Method::new(CpGimp, Flip, Usf, PlaneStrain));
     method_cpgimp_apic: method::<_, 2>(Method::new(CpGimp, Apic, Usl, PlaneStrain));
+    method_cpdi_usl: method::<_, 3>(Method::new(Cpdi, Flip, Usl, FullSpace));
+    method_cpdi2_musl: method::<_, 2>(Method::new(Cpdi2, Flip, Musl, PlaneStrain));
     method_quadratic_apic: method::<_, 3>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
     method_cubic_apic: method::<_, 2>(Method::new(CubicBSpline, Apic, Usl, PlaneStrain));
 }

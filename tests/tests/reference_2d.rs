@@ -4,8 +4,8 @@ use impactite_tests::compare::{compare, plain, run_both, surround};
 use impactite_tests::reference::{Order, Rule};
 use impactite_tests::scene::{self, metal, rubber};
 use mpm_core::{
-    Apic, Axisymmetric, Blend, BlockGrid, BoundaryModified, CpGimp, CubicBSpline, Flip, Fmpm, Gimp, Linear,
-    Method, Mls, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl,
+    Apic, Axisymmetric, Blend, BlockGrid, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, Flip, Fmpm,
+    Gimp, Linear, Method, Mls, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl,
 };
 
 /// Allowed difference after 30 to 40 steps. Round-off of one step is 1e-16 times a few hundred operations;
@@ -44,6 +44,11 @@ table! {
     cpgimp_flip_musl: CpGimp, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar()], metal();
     cpgimp_flip_usf: CpGimp, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], metal();
     cpgimp_apic_usl: CpGimp, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    cpdi_flip_musl: Cpdi, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    cpdi_flip_usf: Cpdi, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], metal();
+    cpdi_fmpm2_usl: Cpdi, Fmpm::<2>, Rule::Fmpm(2), Usl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
+    cpdi2_flip_usl: Cpdi2, Flip, Rule::Flip, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    cpdi2_flip_musl: Cpdi2, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar()], metal();
     quadratic_flip_usf: QuadraticBSpline, Flip, Rule::Flip, Usf, PlaneStrain, [scene::flow(), scene::bar()], rubber();
     quadratic_flip_musl: QuadraticBSpline, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
     quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
@@ -57,6 +62,7 @@ table! {
     axisymmetric_linear_flip_musl: Linear, Flip, Rule::Flip, Musl, Axisymmetric, [scene::cylinder()], rubber();
     axisymmetric_modified_gimp_flip_musl: BoundaryModified(Gimp), Flip, Rule::Flip, Musl, Axisymmetric, [scene::cylinder()], rubber();
     axisymmetric_cpgimp_flip_usl: CpGimp, Flip, Rule::Flip, Usl, Axisymmetric, [scene::cylinder()], metal();
+    axisymmetric_cpdi2_flip_musl: Cpdi2, Flip, Rule::Flip, Musl, Axisymmetric, [scene::cylinder()], metal();
     axisymmetric_quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, Axisymmetric, [scene::cylinder()], rubber();
     axisymmetric_quadratic_flip_usf: QuadraticBSpline, Flip, Rule::Flip, Usf, Axisymmetric, [scene::cylinder()], rubber();
     axisymmetric_cubic_fmpm2_usl: CubicBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, Axisymmetric, [scene::cylinder()], rubber();

@@ -4,8 +4,8 @@ use impactite_tests::compare::compare;
 use impactite_tests::reference::{Order, Rule};
 use impactite_tests::scene::{self, metal, rubber};
 use mpm_core::{
-    Apic, CpGimp, CubicBSpline, Flip, Fmpm, FullSpace, Gimp, Linear, Method, Mls, Musl, QuadraticBSpline,
-    Usf, Usl,
+    Apic, CpGimp, Cpdi, Cpdi2, CubicBSpline, Flip, Fmpm, FullSpace, Gimp, Linear, Method, Mls, Musl,
+    QuadraticBSpline, Usf, Usl,
 };
 
 /// As in two dimensions.
@@ -30,6 +30,8 @@ table! {
     linear_flip_musl: Linear, Flip, Rule::Flip, Musl, [scene::flow(), scene::bar(), scene::collision()], rubber();
     gimp_flip_usl: Gimp, Flip, Rule::Flip, Usl, [scene::flow(), scene::bar(), scene::collision()], metal();
     cpgimp_flip_usf: CpGimp, Flip, Rule::Flip, Usf, [scene::flow(), scene::bar()], rubber();
+    cpdi_flip_usl: Cpdi, Flip, Rule::Flip, Usl, [scene::flow()], rubber();
+    cpdi2_flip_musl: Cpdi2, Flip, Rule::Flip, Musl, [scene::flow()], rubber();
     quadratic_mls_usl: QuadraticBSpline, Mls, Rule::Mls, Usl, [scene::flow(), scene::bar(), scene::collision()], rubber();
     quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, [scene::flow(), scene::bar()], metal();
     cubic_apic_usf: CubicBSpline, Apic, Rule::Apic, Usf, [scene::flow(), scene::bar()], rubber();

@@ -16,7 +16,7 @@ mod shape;
 
 pub use grid::grid;
 pub use method::{method, transfer};
-pub use shape::{affine_shape, shape_function, smooth};
+pub use shape::{affine_shape, convected, shape_function, smooth};
 
 /// A property that does not hold.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -4,7 +4,8 @@ use mpm_materials::{Lane, Wide};
 
 use super::{Broken, within};
 use crate::dim::Stencil;
-use crate::shape::{AffineShape, ShapeFunction, Weights, node_offset};
+use crate::shape::domain::{Corners, MOST_NUMBERS, Table, table};
+use crate::shape::{AffineShape, Domain, ShapeFunction, Weights, node_offset};
 
 /// Offsets from the bin's centre that are tried, its edges among them.
 fn offsets() -> impl Iterator<Item = f64> {
@@ -142,7 +143,7 @@ fn domain<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, half: f64) -> Res
         let place = || format!("half size {half}, strain {strain}: {new}");
         within(S::NAME, "a domain of at most half a cell", new, 0.5, place)?;
         within(S::NAME, "a domain larger than zero", -new, -1e-3, place)?;
-        if strain == 0.0 || !S::CARRIES_DOMAIN {
+        if strain == 0.0 || !S::DOMAIN.carried() {
             within(S::NAME, "a domain that keeps its size at rest", (new - half).abs(), 0.0, place)?;
         }
     }
@@ -207,6 +208,160 @@ pub fn smooth<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Result<(),
                 within(S::NAME, "a continuous slope", jump, 1e-7, || format!("node {a}, xi = {xi}"))?;
             }
         }
+    }
+    Ok(())
+}
+
+/// A shape function whose domains convect: weights of domains that are stretched by up to 3, sheared by up to 1 and turned
+/// (and, of [`Domain::Corners`], bent) sum to one and are not negative; they reproduce a linear field at the middle of the
+/// domain, and its gradient; those of a box are the products of [`ShapeFunction::weights`]; corners that form a
+/// parallelogram weigh what its edges do; lanes compute what single points do.
+///
+/// # Errors
+/// The first property that does not hold.
+pub fn convected<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Result<(), Broken> {
+    if !S::DOMAIN.convects() {
+        let detail = format!("{:?}", S::DOMAIN);
+        return Err(Broken { subject: S::NAME.into(), property: "a domain that convects", detail });
+    }
+    for half in [0.125, 0.25, 0.5] {
+        for (n, xi) in offsets().step_by(29).enumerate() {
+            let xi = [xi, 0.5 - 0.9 * xi.abs(), -0.7 * xi];
+            let start = S::DOMAIN.of_box::<f64, D>([half; 3]);
+            product(shape, &xi, half, &table::<f64, f64, S, D>(&xi, &start))?;
+            for stretch in [0.4, 1.0, 1.7, 3.0] {
+                let domain = deformed::<S, D>(&start, stretch, 0.1 * n as f64, 0.0);
+                reproduction::<S, D>(&xi, &domain)?;
+                same_for_edges_and_corners::<S, D>(&xi, half, stretch, 0.1 * n as f64)?;
+                if S::DOMAIN == Domain::Corners {
+                    reproduction::<S, D>(&xi, &deformed::<S, D>(&start, stretch, 0.1 * n as f64, 0.2))?;
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Every vector of a domain stretched along the first axis, sheared and turned; `bend` moves each corner by its own.
+fn deformed<S: ShapeFunction<f64, D>, const D: usize>(
+    start: &[f64; MOST_NUMBERS],
+    stretch: f64,
+    turn: f64,
+    bend: f64,
+) -> [f64; MOST_NUMBERS] {
+    let mut domain = *start;
+    let numbers = S::DOMAIN.numbers(D);
+    for (n, vector) in domain[..numbers].chunks_exact_mut(D).enumerate() {
+        let (x, y) = (stretch * vector[0] + turn * vector[1], vector[1]);
+        vector[0] = turn.cos() * x - turn.sin() * y;
+        vector[1] = turn.sin() * x + turn.cos() * y;
+        let size = start[0].abs() * bend;
+        for (d, x) in vector.iter_mut().enumerate() {
+            *x += size * (1.7 * n as f64 + 2.3 * d as f64).sin();
+        }
+    }
+    domain
+}
+
+/// Offset from the bin's centre of node `s` of a stencil.
+fn place<E: Stencil, const D: usize>(s: usize) -> [f64; D] {
+    std::array::from_fn(|d| node_offset::<E>(s / E::NODES.pow(d as u32) % E::NODES))
+}
+
+fn nodes<E: Stencil>() -> usize {
+    E::NODES * E::NODES * E::LAYERS
+}
+
+fn product<S: ShapeFunction<f64, D>, const D: usize>(
+    shape: &S,
+    xi: &[f64; 3],
+    half: f64,
+    found: &Table<f64, S::Extent>,
+) -> Result<(), Broken> {
+    let along: Vec<_> = (0..D).map(|d| at(shape, xi[d], half)).collect();
+    let count = S::Extent::NODES;
+    for s in 0..nodes::<S::Extent>() {
+        let a = |d: usize| s / count.pow(d as u32) % count;
+        let value: f64 = (0..D).map(|d| along[d].value[a(d)]).product();
+        let mut error = (found.value[s] - value).abs();
+        for e in 0..D {
+            let slope: f64 =
+                (0..D).map(|d| if d == e { along[d].slope[a(d)] } else { along[d].value[a(d)] }).product();
+            error = error.max((found.slope[e][s] - slope).abs());
+        }
+        within(S::NAME, "weights of a box = products along the axes", error, 2e-14, || {
+            format!("node {s}, xi = {xi:?}, half size {half}")
+        })?;
+    }
+    Ok(())
+}
+
+fn reproduction<S: ShapeFunction<f64, D>, const D: usize>(
+    xi: &[f64; 3],
+    domain: &[f64; MOST_NUMBERS],
+) -> Result<(), Broken> {
+    let corners = Corners::of::<D>(S::DOMAIN, domain);
+    let found = Table::<f64, S::Extent>::of::<D>(&corners, xi);
+    let middle = corners.middle::<D>();
+    let here = || format!("xi = {xi:?}, domain {:?}", &domain[..S::DOMAIN.numbers(D)]);
+    within(S::NAME, "a domain that is not inside out", -corners.least, 0.0, here)?;
+    let (mut sum, mut mean, mut slope, mut linear) = (0.0, [0.0; D], [0.0; D], [[0.0; D]; D]);
+    for s in 0..nodes::<S::Extent>() {
+        within(S::NAME, "no negative weight", -found.value[s], 1e-15, here)?;
+        sum += found.value[s];
+        let node = place::<S::Extent, D>(s);
+        for d in 0..D {
+            mean[d] += found.value[s] * node[d];
+            slope[d] += found.slope[d][s];
+            for e in 0..D {
+                linear[d][e] += found.slope[d][s] * node[e];
+            }
+        }
+    }
+    within(S::NAME, "partition of unity", (sum - 1.0f64).abs(), 1e-14, here)?;
+    for d in 0..D {
+        let error: f64 = mean[d] - xi[d] - middle[d];
+        within(S::NAME, "reproduction of a linear field", error.abs(), 1e-14, here)?;
+        within(S::NAME, "slopes that sum to zero", slope[d].abs(), 1e-13, here)?;
+        for e in 0..D {
+            let exact = if d == e { 1.0 } else { 0.0 };
+            within(S::NAME, "gradient of a linear field", (linear[d][e] - exact).abs(), 1e-12, here)?;
+        }
+    }
+    // A pack of four gives the weights of each.
+    let factors = [1.0, 0.9, 1.1, 0.97];
+    let packed = domain.map(|x| Wide(factors.map(|f| f * x)));
+    let pack: Table<Wide<f64, 4>, S::Extent> =
+        Table::of::<D>(&Corners::of::<D>(S::DOMAIN, &packed), &xi.map(|x| Wide([x; 4])));
+    for (lane, f) in factors.into_iter().enumerate() {
+        let single = table::<f64, f64, S, D>(xi, &domain.map(|x| f * x));
+        for s in 0..nodes::<S::Extent>() {
+            let error = (pack.value[s].lane(lane) - single.value[s]).abs();
+            within(S::NAME, "lanes = single points", error, 1e-15, here)?;
+        }
+    }
+    Ok(())
+}
+
+fn same_for_edges_and_corners<S: ShapeFunction<f64, D>, const D: usize>(
+    xi: &[f64; 3],
+    half: f64,
+    stretch: f64,
+    turn: f64,
+) -> Result<(), Broken> {
+    let [edges, corners] = [Domain::Edges, Domain::Corners].map(|kind| {
+        let mut domain = kind.of_box::<f64, D>([half; 3]);
+        for vector in domain[..kind.numbers(D)].chunks_exact_mut(D) {
+            vector[0] = stretch * vector[0] + turn * vector[1];
+        }
+        Table::<f64, S::Extent>::of::<D>(&Corners::of::<D>(kind, &domain), xi)
+    });
+    for s in 0..nodes::<S::Extent>() {
+        let slope = (0..D).map(|d| (edges.slope[d][s] - corners.slope[d][s]).abs()).fold(0.0, f64::max);
+        let error = slope.max((edges.value[s] - corners.value[s]).abs());
+        within(S::NAME, "corners of a parallelogram = its edges", error, 1e-12, || {
+            format!("node {s}, xi = {xi:?}, half size {half}, stretch {stretch}, shear {turn}")
+        })?;
     }
     Ok(())
 }

@@ -23,17 +23,10 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Columns of a body: the numbers of its law's `state`, by name, domain half sizes if `domain`, `load`
+    /// Columns of a body: the numbers of its law's `state`, by name, `domain` numbers of a domain, `load`
     /// numbers of a load, and `frame` of displacement and deformation.
-    pub fn new(dimension: usize, state: Vec<String>, domain: bool, load: usize, frame: usize) -> Self {
-        Columns {
-            dimension,
-            state: state.len(),
-            domain: if domain { dimension } else { 0 },
-            load,
-            frame,
-            names: state,
-        }
+    pub fn new(dimension: usize, state: Vec<String>, domain: usize, load: usize, frame: usize) -> Self {
+        Columns { dimension, state: state.len(), domain, load, frame, names: state }
     }
     /// Rows of a group; numbers of a particle.
     #[inline(always)]
@@ -60,12 +53,12 @@ impl Columns {
     pub const fn state(dimension: usize) -> usize {
         2 * dimension + 1
     }
-    /// First row of the domain half sizes, in units of h (if carried).
+    /// First row of the domain, in units of h (if carried).
     #[inline(always)]
     pub fn domain(&self) -> usize {
         Self::state(self.dimension) + self.state
     }
-    /// First row of the domain half sizes, and how many there are.
+    /// First row of the domain, and how many there are.
     pub fn domains(&self) -> (usize, usize) {
         (self.domain(), self.domain)
     }

@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Real};
 
-use super::{Basis, ShapeFunction, Weights};
+use super::{Basis, Domain, ShapeFunction, Weights};
 use crate::dim::Stencil;
 
 /// A wide shape function whose basis ends at resting walls and fixed planes that lie on planes of nodes.
@@ -21,7 +21,7 @@ pub struct BoundaryModified<S>(pub S);
 
 impl<T: Real, const D: usize, S: ShapeFunction<T, D>> ShapeFunction<T, D> for BoundaryModified<S> {
     type Extent = S::Extent;
-    const CARRIES_DOMAIN: bool = S::CARRIES_DOMAIN;
+    const DOMAIN: Domain = S::DOMAIN;
     const POLYNOMIAL: bool = S::POLYNOMIAL;
     const BOUNDARY_MODIFIED: bool = true;
     const USL_LIMIT: f64 = S::USL_LIMIT;

@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Real};
 
-use super::{AffineShape, ShapeFunction, Weights};
+use super::{AffineShape, Domain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
 /// Uniform GIMP: the particle's box keeps its first size, as long as half of it is at most half a cell.
@@ -61,7 +61,7 @@ where
     Extent<D, 3>: Stencil,
 {
     type Extent = Extent<D, 3>;
-    const CARRIES_DOMAIN: bool = true;
+    const DOMAIN: Domain = Domain::Axes;
     const USL_LIMIT: f64 = 0.5;
     const NAME: &'static str = "cpGIMP";
 

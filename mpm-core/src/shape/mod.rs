@@ -1,11 +1,13 @@
 //! Shape functions: how a particle's domain weighs on the nodes around it.
 //!
-//! All are tensor products of a function along each axis, in units of the node spacing h. Particles are kept
-//! by **bin**: the set of points with the same stencil. Along an axis a bin is one h wide; it lies between
+//! All but those with domains that convect ([`Cpdi`]) are tensor products of a function along each axis, in units of the
+//! node spacing h. Particles are kept by **bin**: the set of points with the same stencil. Along an axis a bin is one h wide; it lies between
 //! two nodes when the stencil has an even number of them, and around a node when it has an odd number.
 //! Within a bin a particle's place is its offset xi from the bin's centre, -1/2 <= xi < 1/2.
 
 mod bspline;
+mod cpdi;
+pub mod domain;
 mod edge;
 mod gimp;
 mod linear;
@@ -15,6 +17,8 @@ use mpm_materials::{Lane, Real};
 use crate::dim::{Array, Stencil};
 
 pub use bspline::{CubicBSpline, QuadraticBSpline};
+pub use cpdi::{Cpdi, Cpdi2};
+pub use domain::Domain;
 pub use edge::BoundaryModified;
 pub use gimp::{CpGimp, Gimp};
 pub use linear::Linear;
@@ -63,8 +67,8 @@ impl<L: Lane, E: Stencil> Basis<L, E> {
 pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     /// Stencil size: `Extent<D, 2>`, `Extent<D, 3>` or `Extent<D, 4>`.
     type Extent: Stencil;
-    /// Does each particle carry its own domain half sizes (one column an axis), which follow the strain?
-    const CARRIES_DOMAIN: bool = false;
+    /// What of its own domain each particle carries.
+    const DOMAIN: Domain = Domain::Fixed;
     /// Does the basis end at walls and fixed planes ([`BoundaryModified`])?
     const BOUNDARY_MODIFIED: bool = false;
     /// Smallest limit of dt c / h measured with USL in three dimensions, 2 particles an axis and cell
@@ -74,7 +78,7 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     const NAME: &'static str;
 
     /// Weights along one axis of a particle at offset `xi` from its bin's centre, whose domain reaches `half`
-    /// to each side (both in units of h).
+    /// to each side (both in units of h). Of a domain that convects: while it is a box along the axes.
     fn weights<L: Lane<Real = T>>(&self, xi: L, half: L) -> Weights<L, Self::Extent>;
 
     /// Second moment of the weights along one axis, sum_i N_i (i - xi)^2, in units of h^2.
@@ -121,7 +125,7 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
         basis
     }
 
-    /// The half size after a relative elongation `strain` along the axis, for shape functions that carry it.
+    /// The half size after a relative elongation `strain` along the axis, of [`Domain::Axes`].
     #[inline(always)]
     fn stretch<L: Lane<Real = T>>(&self, half: L, _strain: L) -> L {
         half

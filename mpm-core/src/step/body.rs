@@ -292,7 +292,7 @@ where
         let mut names = Vec::new();
         C::State::<T::Single>::names("state", &mut names);
         let (loads, frame) = (Self::LOADS, total::rows::<T, D, M>());
-        let columns = Columns::new(D, names, ShapeOf::<M, T, D>::CARRIES_DOMAIN, loads, frame);
+        let columns = Columns::new(D, names, ShapeOf::<M, T, D>::DOMAIN.numbers(D), loads, frame);
         let virgin: Vec<T> =
             mpm_materials::point::flatten(&law.virgin()).into_iter().map(|x: T::Single| x.into()).collect();
         let mut half = [T::of(0.5); 3];
@@ -302,9 +302,9 @@ where
         // What a lane without a particle holds.
         let mut dummy = vec![T::default(); Columns::state(D)];
         dummy.extend_from_slice(&virgin);
-        if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-            dummy.extend_from_slice(&half[..D]);
-        }
+        let kind = ShapeOf::<M, T, D>::DOMAIN;
+        let domain = kind.of_box::<T::Single, D>(half.map(T::Single::from));
+        dummy.extend(domain[..kind.numbers(D)].iter().map(|&x| -> T { x.into() }));
         dummy.resize(dummy.len() + loads, T::default());
         dummy.extend(total::undeformed::<T, D, M>());
         dummy.push(T::default());

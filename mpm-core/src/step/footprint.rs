@@ -1,6 +1,6 @@
 //! Particles as their nodes see them between two steps: what diagnostics sum up, apart from the kernels of the step.
 
-use mpm_materials::Constitutive;
+use mpm_materials::{Constitutive, Lane};
 
 use super::body::ParticleBody;
 use super::contact::Contact;
@@ -17,6 +17,7 @@ use crate::grid::GridStorage;
 use crate::method::Composition;
 use crate::parallel::Float;
 use crate::particles::{Block, Columns, Place};
+use crate::shape::domain::table;
 use crate::shape::{ShapeFunction, bin_centre, node_offset};
 use crate::transfer::Transfer;
 
@@ -84,7 +85,7 @@ where
         }
     }
 
-    /// Products of the weights along the axes.
+    /// The weights of a particle on its nodes: products of those along the axes, unless its domain convects.
     pub(super) fn node_weights(
         &self,
         block: &Block<T, D>,
@@ -97,14 +98,33 @@ where
         let centre = bin_centre::<ExtentOf<M, T, D>>();
         let per_spacing = 1.0 / self.lattice.spacing();
         list.clear();
+        let domain = self.domain_at(|n| T::Single::from(block.get(at, self.columns.domain() + n)));
+        if ShapeOf::<M, T, D>::DOMAIN.convects() {
+            let mut xi = [T::Single::zero(); 3];
+            for d in 0..D {
+                xi[d] = block.get(at, Columns::position() + d).into();
+            }
+            let weights = table::<T, T::Single, ShapeOf<M, T, D>, D>(&xi, &domain);
+            let n = <ExtentOf<M, T, D> as Stencil>::NODES;
+            for s in 0..n * n * <ExtentOf<M, T, D> as Stencil>::LAYERS {
+                let place = [s % n, s / n % n, s / (n * n)];
+                let node = std::array::from_fn(|d| {
+                    let offset = node_offset::<ExtentOf<M, T, D>>(place[d]);
+                    (f64::from(coordinates[d]) + centre + offset).round() as i32
+                });
+                let double = |x: T::Single| -> f64 {
+                    let x: T = x.into();
+                    x.to_double()
+                };
+                let gradient = std::array::from_fn(|d| double(weights.slope[d][s]) * per_spacing);
+                list.push(NodeWeight { node, value: double(weights.value[s]), gradient, sign: [1.0; 3] });
+            }
+            return;
+        }
         list.push(NodeWeight { node: [0; D], value: 1.0, gradient: [1.0; D], sign: [1.0; 3] });
         for d in 0..D {
             let xi = block.get(at, Columns::position() + d);
-            let half = match ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                true => block.get(at, self.columns.domain() + d),
-                false => self.half[d],
-            };
-            let (xi, half): (T::Single, T::Single) = (xi.into(), half.into());
+            let (xi, half): (T::Single, T::Single) = (xi.into(), domain[d]);
             let along = shape.weights(xi, half);
             let inertia: T = shape.inertia(xi, half).into();
             let xi: T = xi.into();

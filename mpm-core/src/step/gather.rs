@@ -4,6 +4,7 @@ use mpm_materials::Lane;
 
 use crate::dim::{Array, Stencil};
 use crate::parallel::{Float, Quad};
+use crate::shape::domain::{MOST_NUMBERS, Table, table};
 use crate::shape::{Basis, ShapeFunction};
 
 /// One component of a nodal vector at the particles.
@@ -32,6 +33,73 @@ pub struct Wanted {
     pub slope: bool,
     /// Fits.
     pub fit: bool,
+}
+
+/// Where the particles of a group are, as a gather sees it: functions along each axis, or weights on all nodes where those
+/// are no products.
+pub(super) struct Sampler<P: Lane, E: Stencil> {
+    basis: [Basis<P, E>; 3],
+    table: Table<P, E>,
+}
+
+impl<P: Lane, E: Stencil> Sampler<P, E> {
+    /// To be made where something is gathered.
+    #[inline(always)]
+    pub(super) fn zero() -> Self {
+        Sampler { basis: [Basis::zero(); 3], table: Table::zero() }
+    }
+
+    /// Of particles at `xi` with these domains; with what affine fits need?
+    #[inline(always)]
+    pub(super) fn of<T, S, const D: usize>(
+        shape: &S,
+        xi: &[P; 3],
+        domain: &[P; MOST_NUMBERS],
+        fit: bool,
+    ) -> Self
+    where
+        T: Float,
+        P: Lane<Real = T>,
+        S: ShapeFunction<T, D, Extent = E>,
+    {
+        let mut sampler = Self::zero();
+        if S::DOMAIN.convects() {
+            sampler.table = table::<T, P, S, D>(xi, domain);
+            return sampler;
+        }
+        for d in 0..D {
+            sampler.basis[d] = shape.basis(xi[d], domain[d], fit);
+        }
+        sampler
+    }
+
+    /// Component `c` of a nodal vector, of records as [`gather`] has them.
+    #[inline(always)]
+    pub(super) fn gather<T, S, const D: usize>(
+        &self,
+        nodes: &E::Nodes<[T; 4]>,
+        c: usize,
+        wanted: Wanted,
+    ) -> Gathered<P>
+    where
+        T: Float,
+        P: Lane<Real = T>,
+        S: ShapeFunction<T, D, Extent = E>,
+    {
+        if !S::DOMAIN.convects() {
+            return gather::<T, D, P, S>(nodes, &self.basis, c, wanted);
+        }
+        let zero = P::zero();
+        let mut sum = Gathered { value: zero, slope: [zero; 3], fit: [zero; 3] };
+        for node in 0..E::NODES * E::NODES * E::LAYERS {
+            let number = P::splat(nodes[node][c + 1]);
+            sum.value = self.table.value[node].mul_add(number, sum.value);
+            for d in 0..if wanted.slope { D } else { 0 } {
+                sum.slope[d] = self.table.slope[d][node].mul_add(number, sum.slope[d]);
+            }
+        }
+        sum
+    }
 }
 
 /// Sums of `numbers` along an axis. In polynomial form the first two basis functions are 1 and xi, with slopes

@@ -2,7 +2,7 @@
 
 use mpm_materials::{Constitutive, Lane, Mat3, State};
 
-use super::gather::{Wanted, gather};
+use super::gather::{Sampler, Wanted};
 use super::sweep::{Common, ExtentOf, Rows, ShapeOf};
 use super::tile::Stencilled;
 use super::total;
@@ -13,7 +13,6 @@ use crate::method::Composition;
 use crate::parallel::{Arch, Float, Pack};
 use crate::particles::{Block, Columns};
 use crate::scheme::Nodal;
-use crate::shape::{Basis, ShapeFunction};
 use crate::transfer::Transfer;
 
 /// Axes that a dilatation is spread over.
@@ -99,22 +98,19 @@ impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Straine
         let zero = A::Pack::zero();
         let first = matches!(self.nodal, Nodal::First);
         let fit = M::Transfer::LEAST_SQUARES && first;
-        let mut basis = [Basis::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+        let mut xi = [zero; 3];
         for d in 0..D {
-            let xi = A::Pack::load(&rows[Columns::position() + d]);
-            let domain = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                A::Pack::load(&rows[common.domains.column + d])
-            } else {
-                A::Pack::splat(common.domains.half[d])
-            };
-            basis[d] = method.shape().basis(xi, domain, fit);
+            xi[d] = A::Pack::load(&rows[Columns::position() + d]);
         }
+        let carried = |n: usize| A::Pack::load(&rows[common.domains.column + n]);
+        let domain = common.domains.of::<A::Pack, ShapeOf<M, T, D>, D>(carried);
+        let sampler = Sampler::of(method.shape(), &xi, &domain, fit);
         let nodes = if first { &stencil.first } else { &stencil.second };
         let mut gradient = Mat3::<A::Pack>::zero();
         let mut outward = zero;
         for c in 0..D {
             let wanted = Wanted { slope: !fit, fit };
-            let found = gather::<T, D, A::Pack, ShapeOf<M, T, D>>(nodes, &basis, c, wanted);
+            let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(nodes, c, wanted);
             gradient.0[c] = if fit { found.fit } else { found.slope };
             if c == 0 {
                 outward = found.value;

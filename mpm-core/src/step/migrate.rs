@@ -14,7 +14,8 @@ use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel};
 use crate::particles::{Block, Columns, Outbox, Place};
 use crate::scheme::PassKind;
-use crate::shape::{ShapeFunction, Weights};
+use crate::shape::ShapeFunction;
+use crate::shape::domain::MOST_NUMBERS;
 
 /// Who leaves a group of a bin, by bits of lanes.
 pub(super) struct Leaving<'a, T: Float> {
@@ -138,13 +139,34 @@ fn post<T: Float, const D: usize>(
     outbox.directions |= 1 << to;
 }
 
-/// Where taken-in particles' domain half sizes come from: their column, or one size for all.
+/// Where particles' domains come from: their columns, or one box for all.
 #[derive(Clone, Copy, Debug)]
 pub struct Domains<T> {
-    /// Column of the first, where particles carry them.
+    /// The first column, where particles carry them.
     pub column: usize,
-    /// The size of those that don't.
+    /// Half sizes of those that don't, in units of h.
     pub half: [T; 3],
+}
+
+impl<T: Float> Domains<T> {
+    /// The numbers of a domain, of which `carried` gives those that particles have of their own.
+    #[inline(always)]
+    pub(super) fn of<P: Lane<Real = T>, S: ShapeFunction<T, D>, const D: usize>(
+        &self,
+        carried: impl Fn(usize) -> P,
+    ) -> [P; MOST_NUMBERS] {
+        let mut domain = [P::of(0.5); MOST_NUMBERS];
+        if S::DOMAIN.carried() {
+            for n in 0..S::DOMAIN.numbers(D) {
+                domain[n] = carried(n);
+            }
+        } else {
+            for d in 0..D {
+                domain[d] = P::splat(self.half[d]);
+            }
+        }
+        domain
+    }
 }
 
 /// Append the particles that an outbox sends in direction `to` to their bins, and scatter them.
@@ -189,17 +211,13 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
                 next += 1;
             }
         }
-        let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+        let mut xi = [A::Pack::zero(); 3];
         for d in 0..D {
-            let half = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                numbers[domains.column + d]
-            } else {
-                domains.half[d]
-            };
-            let xi = A::Pack::splat(numbers[Columns::position() + d]);
-            at[d] = method.shape().weights(xi, A::Pack::splat(half));
+            xi[d] = A::Pack::splat(numbers[Columns::position() + d]);
         }
-        spread.fill(&at, maps.slopes());
+        let carried = |n: usize| A::Pack::splat(numbers[domains.column + n]);
+        let domain = domains.of::<A::Pack, ShapeOf<M, T, D>, D>(carried);
+        spread.place(method.shape(), &xi, &domain, maps.slopes());
         let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
         scatter::<T, A, ExtentOf<M, T, D>, 1>([first, second], corner, spread, records, maps);
     }

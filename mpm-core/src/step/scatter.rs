@@ -16,7 +16,8 @@ use mpm_materials::Lane;
 
 use crate::dim::{Array, Stencil};
 use crate::parallel::{Arch, Float, Pack, Quad};
-use crate::shape::{Weights, node_offset};
+use crate::shape::domain::{Corners, MOST_NUMBERS, Table};
+use crate::shape::{ShapeFunction, Weights, node_offset};
 
 /// The records of the particles of a group. `R` and `H` come first, then `A_d`, then `G_d`.
 pub const RECORDS: usize = 8;
@@ -50,6 +51,8 @@ pub struct Maps {
     pub together: bool,
     /// Forces have the affine form and need no slopes.
     pub least_squares: bool,
+    /// Weights are no products along the axes.
+    pub convected: bool,
 }
 
 impl Maps {
@@ -80,7 +83,8 @@ impl Maps {
     }
 }
 
-/// Products of the weights along y and z, and those along x, where single lanes can be read.
+/// Products of the weights along y and z, and those along x, where single lanes can be read. Of weights that are no
+/// products: those on all nodes.
 ///
 /// With two nodes an axis slopes are -1 and 1 (weights add to one and reproduce positions), so that those of
 /// the products are weights along one axis.
@@ -93,6 +97,7 @@ pub struct Spread<T: Float, E: Stencil> {
     yz: E::Nodes<T::Row>,
     dy: E::Nodes<T::Row>,
     dz: E::Nodes<T::Row>,
+    table: [E::Nodes<T::Row>; 2],
 }
 
 impl<T: Float, E: Stencil> Spread<T, E> {
@@ -100,12 +105,48 @@ impl<T: Float, E: Stencil> Spread<T, E> {
     #[inline(always)]
     pub fn zero() -> Self {
         let (axis, nodes) = (Array::filled(T::Row::default()), Array::filled(T::Row::default()));
-        Spread { x: axis, dx: axis, y: axis, z: axis, yz: nodes, dy: nodes, dz: nodes }
+        Spread { x: axis, dx: axis, y: axis, z: axis, yz: nodes, dy: nodes, dz: nodes, table: [nodes; 2] }
+    }
+
+    /// What particles at `xi` with these domains weigh, with slopes for forces. Returns the least Jacobian of domains that
+    /// convect, which is positive unless they are inside out.
+    #[inline(always)]
+    pub fn place<P, S, const D: usize>(
+        &mut self,
+        shape: &S,
+        xi: &[P; 3],
+        domain: &[P; MOST_NUMBERS],
+        force: bool,
+    ) -> P
+    where
+        P: Pack<T> + Lane<Real = T>,
+        S: ShapeFunction<T, D, Extent = E>,
+    {
+        if !S::DOMAIN.convects() {
+            let mut at = [Weights::<P, E>::zero(); 3];
+            for d in 0..D {
+                at[d] = shape.weights(xi[d], domain[d]);
+            }
+            self.fill(&at, force);
+            return P::one();
+        }
+        let corners = Corners::of::<D>(S::DOMAIN, domain);
+        let table = Table::<P, E>::of::<D>(&corners, xi);
+        let [value, dx] = &mut self.table;
+        for node in 0..E::NODES * E::NODES * E::LAYERS {
+            table.value[node].store(&mut value[node]);
+            if force {
+                table.slope[0][node].store(&mut dx[node]);
+                table.slope[1][node].store(&mut self.dy[node]);
+                table.slope[2][node].store(&mut self.dz[node]);
+            }
+        }
+        corners.least
     }
 
     /// The products for particles with these weights.
     #[inline(always)]
-    pub fn fill<P: Pack<T>>(&mut self, at: &[Weights<P, E>; 3], force: bool) {
+    fn fill<P: Pack<T>>(&mut self, at: &[Weights<P, E>; 3], force: bool) {
         let [x, y, z] = at;
         let tent = E::NODES == 2;
         for i in 0..E::NODES {
@@ -131,6 +172,38 @@ impl<T: Float, E: Stencil> Spread<T, E> {
                         (y.slope[j] * z.value[k]).store(&mut self.dy[jk]);
                         (y.value[j] * z.slope[k]).store(&mut self.dz[jk]);
                     }
+                }
+            }
+        }
+    }
+
+    /// Add what the particle of a lane gives to the nodes of row `jk`, by its weights on all nodes.
+    #[inline(always)]
+    fn add_table<A: Arch<T>>(
+        &self,
+        records: &Records<T>,
+        lane: usize,
+        jk: usize,
+        maps: Maps,
+        [one, two]: [&mut E::Axis<A::Quad>; 2],
+    ) {
+        let record = |kind: usize| A::Quad::load(&records[kind][lane]);
+        let splat = |rows: &E::Nodes<T::Row>, node: usize| A::Quad::splat(rows[node].as_ref()[lane]);
+        for i in 0..E::NODES {
+            let node = jk * E::NODES + i;
+            let value = splat(&self.table[0], node);
+            if maps.momentum {
+                one[i] = value.mul_add(record(MOMENTUM), one[i]);
+            }
+            if maps.slopes() {
+                let to = if maps.together { &mut one[i] } else { &mut two[i] };
+                *to = splat(&self.table[1], node).mul_add(record(FORCE), *to);
+                *to = splat(&self.dy, node).mul_add(record(FORCE + 1), *to);
+                if E::LAYERS > 1 {
+                    *to = splat(&self.dz, node).mul_add(record(FORCE + 2), *to);
+                }
+                if maps.direct {
+                    *to = value.mul_add(record(DIRECT), *to);
                 }
             }
         }
@@ -223,7 +296,10 @@ impl<T: Float, E: Stencil, const LANES: usize> RowsOut<'_, T, E, LANES> {
                 two[i] = A::Quad::load(&second[row + i]);
             }
         }
-        for lane in 0..LANES {
+        for lane in 0..if maps.convected { LANES } else { 0 } {
+            spread.add_table::<A>(records, lane, jk, maps, [&mut one, &mut two]);
+        }
+        for lane in 0..if maps.convected { 0 } else { LANES } {
             let yz = A::Quad::splat(spread.yz[jk].as_ref()[lane]);
             let mut momentum = A::Quad::load(&records[MOMENTUM][lane]);
             let mut affine = A::Quad::zero();

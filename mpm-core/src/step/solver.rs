@@ -188,7 +188,7 @@ where
                 "bodies mapped in the reference configuration never meet: no contact"
             );
             assert!(
-                !(total && <M::Shape as ShapeFunction<T, D>>::CARRIES_DOMAIN),
+                !(total && <M::Shape as ShapeFunction<T, D>>::DOMAIN.carried()),
                 "domains tile for ever in the reference configuration: use `Gimp` for `CpGimp`"
             );
         }

@@ -120,7 +120,7 @@ pub struct Splitter<T> {
     half: T,
     /// Node spacing h, m.
     spacing: T,
-    /// Rows of domain half sizes: where they begin, and how many they are.
+    /// Rows of the domain: where they begin, and how many they are.
     domain: (usize, usize),
 }
 
@@ -195,9 +195,23 @@ impl<T: Float> Splitter<T> {
         for i in 0..6 {
             parent[state + i] = b[i] - T::of(0.75 * square * outer[i]);
         }
-        for d in 0..self.domain.1 {
-            let left = (parent[state + d] / b[d]).max(T::default()).sqrt();
-            parent[self.domain.0 + d] *= left;
+        let (from, numbers) = self.domain;
+        if numbers == D {
+            for d in 0..D {
+                let left = (parent[state + d] / b[d]).max(T::default()).sqrt();
+                parent[from + d] *= left;
+            }
+        } else {
+            // Edges or corners of a domain that convects: half as far along the direction.
+            for vector in parent[from..from + numbers].chunks_exact_mut(D) {
+                let mut along = 0.0;
+                for d in 0..D {
+                    along += vector[d].to_double() * n[d];
+                }
+                for d in 0..D {
+                    vector[d] -= T::of(0.5 * along * n[d]);
+                }
+            }
         }
         let cuts = parent[state + 6].to_double();
         parent[state + 6] = T::of(cuts + 1.0);

@@ -9,11 +9,13 @@ use mpm_materials::{Constitutive, Lane, Source, State, Sym3};
 
 use super::body::{ParticleBody, offset};
 use super::load::Load;
+use super::migrate::Domains;
 use super::sweep::{ExtentOf, ShapeOf, Slot};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
 use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel, Pack};
 use crate::particles::Columns;
+use crate::shape::domain::{MOST_NUMBERS, Table, table};
 use crate::shape::{ShapeFunction, Weights, node_offset};
 
 /// A quantity of a body at a node.
@@ -228,12 +230,14 @@ where
         let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
         let (zero, one) = (A::Pack::zero(), A::Pack::one());
         let lowest = A::Pack::of(-1e30);
+        let carries = ShapeOf::<M, T, D>::DOMAIN.carried();
+        let convects = ShapeOf::<M, T, D>::DOMAIN.convects();
         let reaches = WHAT == REACH || WHAT == CENTRES || WHAT == LOCAL_REACH;
         // A sum a node and lane; lanes are added up at the end.
         let mut sums = [[if reaches { lowest } else { zero }; 3]; block_nodes(3)];
         // Half sizes along the normals, where they are the same for all particles.
         let mut sizes = [T::default(); block_nodes(3)];
-        if reaches && WHAT != CENTRES && !ShapeOf::<M, T, D>::CARRIES_DOMAIN {
+        if reaches && WHAT != CENTRES && !carries {
             let mut left = nodes;
             while left != 0 {
                 let node = left.trailing_zeros() as usize;
@@ -256,18 +260,18 @@ where
                 let group = slot.block.group(group);
                 let alive = lane_index.lt(A::Pack::of(here as f64));
                 let mut xi = [zero; 3];
-                let mut size = [zero; 3];
+                let size = Domains { column: domain, half }
+                    .of::<A::Pack, ShapeOf<M, T, D>, D>(|n| A::Pack::load(&group[domain + n]));
                 let mut w = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+                let mut weights = Table::<A::Pack, ExtentOf<M, T, D>>::zero();
                 for d in 0..D {
                     xi[d] = A::Pack::load(&group[Columns::position() + d]);
-                    size[d] = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                        A::Pack::load(&group[domain + d])
-                    } else {
-                        A::Pack::splat(half[d])
-                    };
-                    if !reaches {
+                    if !reaches && !convects {
                         w[d] = method.shape().weights(xi[d], size[d]);
                     }
+                }
+                if !reaches && convects {
+                    weights = table::<T, A::Pack, ShapeOf<M, T, D>, D>(&xi, &size);
                 }
                 if D == 2 {
                     w[2].value[0] = one;
@@ -296,6 +300,13 @@ where
                                 continue;
                             }
                             let sum = &mut sums[node];
+                            let of_table = (c * count + b) * count + a;
+                            if (WHAT == MASS_GRADIENT || WHAT == VOLUME_GRADIENT) && convects {
+                                for d in 0..D {
+                                    sum[d] = weights.slope[d][of_table].mul_add(amount, sum[d]);
+                                }
+                                continue;
+                            }
                             if WHAT == MASS_GRADIENT || WHAT == VOLUME_GRADIENT {
                                 sum[0] = w[0].slope[a].mul_add(yz, sum[0]);
                                 sum[1] = w[0].value[a].mul_add(dyz, sum[1]);
@@ -308,26 +319,26 @@ where
                             let n = [A::Pack::splat(n[0]), A::Pack::splat(n[1]), A::Pack::splat(n[2])];
                             if WHAT == TRACTION {
                                 let t = normal_stress(&stress, &n);
-                                sum[0] = (w[0].value[a] * yz).mul_add(t, sum[0]);
+                                let weighted = match convects {
+                                    true => weights.value[of_table] * amount,
+                                    false => w[0].value[a] * yz,
+                                };
+                                sum[0] = weighted.mul_add(t, sum[0]);
                                 continue;
                             }
                             let place = [a, b, c];
-                            let (mut along, mut square, mut away) = (zero, zero, zero);
+                            let (mut along, mut away) = (zero, zero);
                             for d in 0..D {
                                 let x = xi[d] - A::Pack::of(node_offset::<ExtentOf<M, T, D>>(place[d]));
                                 along = x.mul_add(n[d], along);
                                 if WHAT == LOCAL_REACH {
                                     away = x.mul_add(x, away);
                                 }
-                                if WHAT != CENTRES && ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                                    let l = size[d] * n[d];
-                                    square = l.mul_add(l, square);
-                                }
                             }
                             let half = if WHAT == CENTRES {
                                 zero
-                            } else if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                                square.sqrt()
+                            } else if carries {
+                                ShapeOf::<M, T, D>::DOMAIN.half_along::<A::Pack, D>(&size, &n)
                             } else {
                                 A::Pack::splat(sizes[node])
                             };
@@ -416,6 +427,12 @@ where
         });
     }
 
+    /// The domain of a particle, of which `carried` gives the numbers of its own.
+    pub(super) fn domain_at(&self, carried: impl Fn(usize) -> T::Single) -> [T::Single; MOST_NUMBERS] {
+        let domains = Domains { column: self.columns.domain(), half: self.half };
+        domains.of::<T::Single, ShapeOf<M, T, D>, D>(carried)
+    }
+
     pub(super) fn visit_near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
         let h = T::of(self.lattice.spacing());
         let (count, layers) = (<ExtentOf<M, T, D> as Stencil>::NODES, <ExtentOf<M, T, D> as Stencil>::LAYERS);
@@ -430,18 +447,22 @@ where
                     mass: number(Columns::mass(D)),
                     weight: one,
                 };
+                let kind = ShapeOf::<M, T, D>::DOMAIN;
+                let domain = self.domain_at(|n| T::Single::from(number(self.columns.domain() + n)));
                 let mut xi = [T::default(); 3];
                 let mut w = [Weights::<T::Single, ExtentOf<M, T, D>>::zero(); 3];
                 w[2].value[0] = T::Single::one();
                 for d in 0..D {
                     xi[d] = number(Columns::position() + d);
-                    let half = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                        number(self.columns.domain() + d)
-                    } else {
-                        self.half[d]
-                    };
+                    let mut axis = [T::Single::zero(); 3];
+                    axis[d] = T::Single::one();
+                    let half: T = kind.half_along::<T::Single, D>(&domain, &axis).into();
                     near.half[d] = half * h;
-                    w[d] = self.method.shape().weights(T::Single::from(xi[d]), T::Single::from(half));
+                    w[d] = self.method.shape().weights(T::Single::from(xi[d]), domain[d]);
+                }
+                let mut weights = Table::<T::Single, ExtentOf<M, T, D>>::zero();
+                if kind.convects() {
+                    weights = table::<T, T::Single, ShapeOf<M, T, D>, D>(&xi.map(T::Single::from), &domain);
                 }
                 for s in 0..layers * count * count {
                     let node = at.node[s];
@@ -454,7 +475,7 @@ where
                         near.offset[d] = (xi[d] - T::of(node_offset::<ExtentOf<M, T, D>>(place[d]))) * h;
                         weight *= w[d].value[place[d]].into();
                     }
-                    near.weight = weight;
+                    near.weight = if kind.convects() { weights.value[s].into() } else { weight };
                     visit(node as usize, &near);
                 }
             }

@@ -9,7 +9,7 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
-use super::gather::{Wanted, gather};
+use super::gather::{Sampler, Wanted, gather};
 use super::layout::Nodes;
 use super::mean::Strained;
 use super::migrate::{Cut, Domains, Leaving, send_away, take_in};
@@ -25,7 +25,8 @@ use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel, Pack};
 use crate::particles::{Block, Columns, Outbox};
 use crate::scheme::{Nodal, PassKind};
-use crate::shape::{Basis, ShapeFunction, Weights, bin_centre};
+use crate::shape::domain::{Corners, MOST_NUMBERS};
+use crate::shape::{Basis, Domain, ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
 
 /// A block of particles with what its passes need and leave behind.
@@ -77,6 +78,7 @@ pub(super) fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>(
         direct: does.force && (M::Embedding::HOOP || does.load || does.field),
         together: does.force && does.momentum && M::MAPS_TOGETHER,
         least_squares: does.force && M::Transfer::LEAST_SQUARES,
+        convected: ShapeOf::<M, T, D>::DOMAIN.convects(),
     }
 }
 
@@ -100,6 +102,9 @@ pub enum Cause {
     /// It would move further than one cell in a step, or its velocity is not a number.
     #[error("it would move more than one cell in the step, or its velocity is not a finite number")]
     TooFast,
+    /// Its domain has a corner of no angle, or of more than a straight one.
+    #[error("its domain is turned inside out")]
+    InsideOut,
 }
 
 /// The numbers every block of a body shares in a pass.
@@ -203,7 +208,7 @@ where
         let maps = maps::<T, D, M, K>();
         let strain_first = matches!(does.strain, Some(Nodal::First));
         let total = M::Frame::TOTAL;
-        let stretches = ShapeOf::<M, T, D>::CARRIES_DOMAIN && does.moves;
+        let stretches = ShapeOf::<M, T, D>::DOMAIN.carried() && does.moves;
         let splits = does.splits && !total;
         let slopes_first = strain_first || ((stretches || splits) && does.strain.is_none());
         let strain_second = matches!(does.strain, Some(Nodal::Second));
@@ -303,25 +308,11 @@ where
                     v[d] = A::Pack::load(&motion[Columns::velocity(D) + d]);
                 }
                 let mass = A::Pack::load(&motion[Columns::mass(D)]);
-                let mut domain = [half; 3];
-                for d in 0..D {
-                    domain[d] = if ShapeOf::<M, T, D>::CARRIES_DOMAIN {
-                        A::Pack::load(&rest[d])
-                    } else {
-                        A::Pack::splat(common.domains.half[d])
-                    };
-                }
-                let mut at = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
-                if !does.moves || total {
-                    for d in 0..D {
-                        at[d] = method.shape().weights(xi[d], domain[d]);
-                    }
-                }
-                let mut basis = [Basis::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
+                let carried = |n: usize| A::Pack::load(&rest[n]);
+                let mut domain = common.domains.of::<A::Pack, ShapeOf<M, T, D>, D>(carried);
+                let mut sampler = Sampler::<A::Pack, ExtentOf<M, T, D>>::zero();
                 if reads.first || reads.second {
-                    for d in 0..D {
-                        basis[d] = method.shape().basis(xi[d], domain[d], maps.affine);
-                    }
+                    sampler = Sampler::of(method.shape(), &xi, &domain, maps.affine);
                 }
 
                 // Grid to particles: first nodal vector (velocity) with what is wanted of it. In the
@@ -334,8 +325,7 @@ where
                     let slope = slopes_first && !M::Transfer::LEAST_SQUARES;
                     let wanted = Wanted { slope, fit: maps.affine };
                     for c in 0..D {
-                        let found =
-                            gather::<T, D, A::Pack, ShapeOf<M, T, D>>(&stencil.first, &basis, c, wanted);
+                        let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&stencil.first, c, wanted);
                         nodal[c] = found.value;
                         affine[c] = found.fit;
                         if slopes_first {
@@ -349,8 +339,7 @@ where
                 if reads.second {
                     let wanted = Wanted { slope: strain_second, fit: false };
                     for c in 0..D {
-                        let found =
-                            gather::<T, D, A::Pack, ShapeOf<M, T, D>>(&stencil.second, &basis, c, wanted);
+                        let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&stencil.second, c, wanted);
                         increment[c] = found.value;
                         if strain_second {
                             gradient.0[c] = found.slope;
@@ -364,7 +353,7 @@ where
                 // the particle; where accelerations are not mapped, by what was mapped before.
                 let frame = rest.len() - 1 - total::rows::<T, D, M>();
                 if does.velocity && (does.load || does.field) {
-                    let columns = if ShapeOf::<M, T, D>::CARRIES_DOMAIN { D } else { 0 };
+                    let columns = ShapeOf::<M, T, D>::DOMAIN.numbers(D);
                     for d in 0..D {
                         let change = if reads.second { dt * increment[d] } else { nodal[d] - v[d] };
                         let middle = nodal[d] - half * change;
@@ -451,9 +440,10 @@ where
                 // Domains keep their sizes until the particles move, so that all passes of a step use the same
                 // weights.
                 if stretches {
-                    for d in 0..D {
-                        domain[d] = method.shape().stretch(domain[d], gradient.0[d][d] * cells);
-                        domain[d].store(&mut rest[d]);
+                    let moved = Moved { xi: &xi, nodal: &nodal, gradient: &gradient, cells };
+                    moved.domain::<T, ShapeOf<M, T, D>, D>(method.shape(), &stencil.first, &mut domain);
+                    for n in 0..ShapeOf::<M, T, D>::DOMAIN.numbers(D) {
+                        domain[n].store(&mut rest[n]);
                     }
                 }
 
@@ -472,9 +462,6 @@ where
                         inside = inside & (-half).le(xi[d]) & xi[d].lt(half);
                     }
                     stays = A::Pack::bits(inside);
-                    for d in 0..D {
-                        at[d] = method.shape().weights(xi[d], domain[d]);
-                    }
                 }
 
                 // Particles stretched so far that they are cut in two.
@@ -526,7 +513,7 @@ where
                         direct[0] = -(volume * carried.0[2][2]) / xi[0].mul_add(spacing, bin_x);
                     }
                     if does.load {
-                        let columns = if ShapeOf::<M, T, D>::CARRIES_DOMAIN { D } else { 0 };
+                        let columns = ShapeOf::<M, T, D>::DOMAIN.numbers(D);
                         let area = A::Pack::load(&rest[columns]);
                         for d in 0..D {
                             direct[d] = area.mul_add(A::Pack::splat(common.traction[d]), direct[d]);
@@ -551,7 +538,13 @@ where
                     A::Pack::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
                 }
                 fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, &force, maps);
-                spread.fill(&at, maps.slopes());
+                let least = spread.place(method.shape(), &xi, &domain, maps.slopes());
+                if maps.convected {
+                    let sound = A::Pack::bits(zero.lt(least));
+                    if does.moves && !sound & ((1 << here) - 1) != 0 {
+                        note_inside_out(report, bin, &rest[rest.len() - 1].as_ref()[..here], sound);
+                    }
+                }
                 if does.moves && !total {
                     let gone = !stays & ((1 << here) - 1);
                     if gone | long != 0 {
@@ -655,6 +648,82 @@ where
     C: Constitutive<T>,
 {
     if total { total::speed::<T, P, C>(law, now, inverse) } else { speed(law, now, v) }
+}
+
+/// How the particles of a group move.
+struct Moved<'a, P> {
+    /// Where they were.
+    xi: &'a [P; 3],
+    /// Their velocity.
+    nodal: &'a [P; 3],
+    /// Its gradient.
+    gradient: &'a Mat3<P>,
+    /// Cells a metre per second in the step.
+    cells: P,
+}
+
+impl<P: Lane> Moved<'_, P> {
+    /// Let domains follow; corners with the velocity of the `nodes` at their places.
+    #[inline(always)]
+    fn domain<T, S, const D: usize>(
+        &self,
+        shape: &S,
+        nodes: &<S::Extent as Stencil>::Nodes<[T; 4]>,
+        domain: &mut [P; MOST_NUMBERS],
+    ) where
+        T: Float,
+        P: Lane<Real = T>,
+        S: ShapeFunction<T, D>,
+    {
+        let Moved { xi, nodal, gradient, cells } = *self;
+        match S::DOMAIN {
+            Domain::Fixed => {}
+            Domain::Axes => {
+                for d in 0..D {
+                    domain[d] = shape.stretch(domain[d], gradient.0[d][d] * cells);
+                }
+            }
+            Domain::Edges => {
+                for edge in domain.chunks_exact_mut(D).take(D) {
+                    let mut new = [P::zero(); 3];
+                    for d in 0..D {
+                        let mut change = P::zero();
+                        for e in 0..D {
+                            change = gradient.0[d][e].mul_add(edge[e], change);
+                        }
+                        new[d] = cells.mul_add(change, edge[d]);
+                    }
+                    edge.copy_from_slice(&new[..D]);
+                }
+            }
+            Domain::Corners => {
+                let corners = Corners::of::<D>(S::DOMAIN, domain);
+                // Corners that were drawn in move as much more as they are farther out.
+                let cells = cells / corners.scale;
+                for c in 0..1 << D {
+                    let hats = corners.hats::<S::Extent, D>(c, xi);
+                    let mut basis = [Basis::zero(); 3];
+                    for d in 0..D {
+                        basis[d].value = hats[d];
+                    }
+                    for d in 0..D {
+                        let wanted = Wanted { slope: false, fit: false };
+                        let there = gather::<T, D, P, S>(nodes, &basis, d, wanted).value;
+                        domain[c * D + d] = cells.mul_add(there - nodal[d], domain[c * D + d]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cold]
+fn note_inside_out<T: Float>(report: &mut Report<T>, bin: usize, numbers: &[T], sound: u32) {
+    let bad = numbers.iter().enumerate().find(|(lane, _)| sound >> lane & 1 == 0);
+    if let (None, Some((_, number))) = (report.trouble, bad) {
+        let particle = number.to_double() as usize;
+        report.trouble = Some(Trouble { bin, particle, cause: Cause::InsideOut });
+    }
 }
 
 #[cold]

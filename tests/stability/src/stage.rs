@@ -9,7 +9,7 @@ use verification::{Kernel, Scheme, Velocity};
 
 use crate::verdict::Stop;
 
-pub use Kernel::{CpGimp, Cubic, Gimp, Linear, Quadratic};
+pub use Kernel::{CpGimp, Cpdi, Cpdi2, Cubic, Gimp, Linear, Quadratic};
 pub use Velocity::{ApicUsl, FlipMusl, FlipUsl, Fmpm4Usl};
 
 /// A scheme that moves through the grid.

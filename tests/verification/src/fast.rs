@@ -21,6 +21,9 @@ pub fn cases() -> Vec<Case> {
     let moving = [Kernel::CpGimp, Kernel::Quadratic, Kernel::Cubic]
         .map(|kernel| Scheme::moving(kernel, Velocity::ApicUsl));
     add(&mut list, Problem::Vortex, &moving, 2, &[16, 32, 64], |_| 0.05);
+    // Four an axis: then domains sheared by 7 are no longer than a stencil.
+    let convected = [Kernel::Cpdi, Kernel::Cpdi2].map(|kernel| Scheme::moving(kernel, Velocity::FlipUsl));
+    add(&mut list, Problem::Vortex, &convected, 4, &[16, 32, 64], |_| 0.05);
     add(&mut list, Problem::Ring, &all, 2, &[4, 8, 16], |_| 0.3);
     add(&mut list, Problem::Flight, &all, 2, &[20], |_| 0.3);
     // Not FLIP, whose trembling over thousands of steps no table can hold.

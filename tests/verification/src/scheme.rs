@@ -1,8 +1,8 @@
 //! Schemes: which method, named at run time.
 
 use mpm_core::{
-    AffineShape, Apic, Composition, CpGimp, CubicBSpline, Embedding, Flip, Fmpm, Gimp, Linear, Method, Musl,
-    QuadraticBSpline, ShapeFunction, Usl,
+    AffineShape, Apic, Composition, CpGimp, Cpdi, Cpdi2, CubicBSpline, Embedding, Flip, Fmpm, Gimp, Linear,
+    Method, Musl, QuadraticBSpline, ShapeFunction, Usl,
 };
 
 /// Shape functions.
@@ -14,6 +14,10 @@ pub enum Kernel {
     Gimp,
     /// GIMP of boxes that follow the stretch.
     CpGimp,
+    /// CPDI: parallelograms that follow the deformation.
+    Cpdi,
+    /// CPDI-2: quadrilaterals whose corners follow the nodes.
+    Cpdi2,
     /// Quadratic B-spline.
     Quadratic,
     /// Cubic B-spline.
@@ -46,14 +50,21 @@ pub struct Scheme {
 
 impl Kernel {
     /// All.
-    pub const ALL: [Kernel; 5] =
-        [Kernel::Linear, Kernel::Gimp, Kernel::CpGimp, Kernel::Quadratic, Kernel::Cubic];
+    pub const ALL: [Kernel; 7] = [
+        Kernel::Linear,
+        Kernel::Gimp,
+        Kernel::CpGimp,
+        Kernel::Cpdi,
+        Kernel::Cpdi2,
+        Kernel::Quadratic,
+        Kernel::Cubic,
+    ];
     /// Nodes that a particle weighs on, in `d` dimensions.
     pub fn nodes(self, d: u32) -> u64 {
         match self {
             Kernel::Linear => 2u64.pow(d),
             Kernel::Gimp | Kernel::CpGimp | Kernel::Quadratic => 3u64.pow(d),
-            Kernel::Cubic => 4u64.pow(d),
+            Kernel::Cpdi | Kernel::Cpdi2 | Kernel::Cubic => 4u64.pow(d),
         }
     }
     /// Its short name.
@@ -62,6 +73,8 @@ impl Kernel {
             Kernel::Linear => "linear",
             Kernel::Gimp => "uGIMP",
             Kernel::CpGimp => "cpGIMP",
+            Kernel::Cpdi => "CPDI",
+            Kernel::Cpdi2 => "CPDI-2",
             Kernel::Quadratic => "quadratic",
             Kernel::Cubic => "cubic",
         }
@@ -107,13 +120,13 @@ impl Scheme {
         }
         list
     }
-    /// Is it compiled here? There is none of the hat with APIC; in the reference configuration cpGIMP is uGIMP,
-    /// and that lies
-    /// between the hat and the quadratic spline.
+    /// Is it compiled here? There is none of the hat and of CPDI with APIC, and CPDI is compiled with FLIP and USL alone; in
+    /// the reference configuration cpGIMP is uGIMP, and that lies between the hat and the quadratic spline.
     pub fn is_legal(self) -> bool {
         match self.kernel {
             Kernel::Linear => self.velocity != Velocity::ApicUsl,
             Kernel::Gimp | Kernel::CpGimp => !self.total,
+            Kernel::Cpdi | Kernel::Cpdi2 => !self.total && self.velocity == Velocity::FlipUsl,
             Kernel::Quadratic | Kernel::Cubic => true,
         }
     }
@@ -145,13 +158,17 @@ where
     Linear: ShapeFunction<f64, D>,
     Gimp: AffineShape<f64, D>,
     CpGimp: AffineShape<f64, D>,
+    Cpdi: ShapeFunction<f64, D>,
+    Cpdi2: ShapeFunction<f64, D>,
     QuadraticBSpline: AffineShape<f64, D>,
     CubicBSpline: AffineShape<f64, D>,
 {
     match (scheme.kernel, scheme.total) {
         (Kernel::Linear, _) => any::<V, E, Linear, D>(Linear, scheme, visitor).ok(),
         (Kernel::CpGimp, false) => moving::<V, E, CpGimp, D>(CpGimp, scheme, visitor),
-        (Kernel::Gimp | Kernel::CpGimp, true) => None,
+        (Kernel::Cpdi, false) => plain::<V, E, Cpdi, D>(Cpdi, scheme, visitor),
+        (Kernel::Cpdi2, false) => plain::<V, E, Cpdi2, D>(Cpdi2, scheme, visitor),
+        (Kernel::Gimp | Kernel::CpGimp | Kernel::Cpdi | Kernel::Cpdi2, true) => None,
         (Kernel::Gimp, false) => moving::<V, E, Gimp, D>(Gimp, scheme, visitor),
         (Kernel::Quadratic, _) => affine::<V, E, QuadraticBSpline, D>(QuadraticBSpline, scheme, visitor),
         (Kernel::Cubic, _) => affine::<V, E, CubicBSpline, D>(CubicBSpline, scheme, visitor),
@@ -190,6 +207,16 @@ fn affine<V: Visit<D>, E: Embedding<D> + Default, S: AffineShape<f64, D>, const 
         }
         Err(visitor) => visitor.with(Method::new(shape, Apic, Usl, E::default())),
     })
+}
+
+/// FLIP and USL alone.
+fn plain<V: Visit<D>, E: Embedding<D> + Default, S: ShapeFunction<f64, D>, const D: usize>(
+    shape: S,
+    scheme: Scheme,
+    visitor: V,
+) -> Option<V::Output> {
+    let flip = scheme.velocity == Velocity::FlipUsl;
+    flip.then(|| visitor.with(Method::new(shape, Flip, Usl, E::default())))
 }
 
 fn moving<V: Visit<D>, E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(

@@ -83,6 +83,10 @@ pub(crate) fn weight(kernel: Kernel, d: f64, l: f64) -> (f64, f64) {
                 (0.0, 0.0)
             }
         }
+        Kernel::Cpdi | Kernel::Cpdi2 => {
+            let hat = |d: f64| (1.0 - d.abs()).max(0.0);
+            (0.5 * (hat(a - l) + hat(a + l)), (hat(a + l) - hat(a - l)) / (2.0 * l))
+        }
         Kernel::Quadratic if a <= 0.5 => (0.75 - a * a, -2.0 * a),
         Kernel::Quadratic if a <= 1.5 => (0.5 * (1.5 - a).powi(2), -(1.5 - a)),
         Kernel::Cubic if a <= 1.0 => (2.0 / 3.0 - a * a + 0.5 * a.powi(3), -2.0 * a + 1.5 * a * a),

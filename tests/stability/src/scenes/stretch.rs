@@ -14,8 +14,8 @@ use verification::problems::{box_of_planes, rubber};
 use verification::scene::block;
 
 use crate::stage::{
-    ApicUsl, CpGimp, Cubic, FlipMusl, Fmpm4Usl, Gimp, Linear, Quadratic, Random, cells, particles, solver,
-    steps, text, tl, ul,
+    ApicUsl, CpGimp, Cpdi, Cpdi2, Cubic, FlipMusl, FlipUsl, Fmpm4Usl, Gimp, Linear, Quadratic, Random, cells,
+    particles, solver, steps, text, tl, ul,
 };
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
@@ -76,6 +76,26 @@ pub fn beads() -> Scene {
         .fails("cubic FMPM(4), 2, to 10", "list T5 [I]", trial(ul(Cubic, Fmpm4Usl), 2, 10.0))
         .fails("cpGIMP FLIP-MUSL, 2, to 10", "boxes end at a cell [I]", trial(ul(CpGimp, FlipMusl), 2, 10.0))
         .holds("cpGIMP FLIP-MUSL, 2, to 1.9", "boxes end at a cell [I]", trial(ul(CpGimp, FlipMusl), 2, 1.9))
+        .fails(
+            "CPDI FLIP-USL, 2, to 10",
+            "domains of a cell to each side [I]",
+            trial(ul(Cpdi, FlipUsl), 2, 10.0),
+        )
+        .holds(
+            "CPDI FLIP-USL, 2, to 3.9",
+            "domains of a cell to each side [I]",
+            trial(ul(Cpdi, FlipUsl), 2, 3.9),
+        )
+        .holds(
+            "CPDI-2 FLIP-USL, 2, to 3.9",
+            "domains of a cell to each side [I]",
+            trial(ul(Cpdi2, FlipUsl), 2, 3.9),
+        )
+        .holds(
+            "CPDI-2 FLIP-USL, 4, to 7.9",
+            "domains of a cell to each side [I]",
+            trial(ul(Cpdi2, FlipUsl), 4, 7.9),
+        )
         .holds("cubic FLIP-MUSL, 2, to 1.9", "list T5 [I]", trial(ul(Cubic, FlipMusl), 2, 1.9))
         .holds("TL linear FLIP-MUSL, 2, to 10", "list T5", trial(tl(Linear, FlipMusl), 2, 10.0))
         .holds("TL quadratic FLIP-MUSL, 2, to 10", "list T5", trial(tl(Quadratic, FlipMusl), 2, 10.0))

@@ -1,0 +1,57 @@
+//! Convected particle domain interpolation: fields are linear between the corners of a particle's domain, where they are
+//! what hats make of the nodes.
+
+use mpm_materials::{Lane, Real};
+
+use super::{Domain, ShapeFunction, Weights, node_offset};
+use crate::dim::{Extent, Stencil};
+
+/// CPDI \[Sadeghirad2011\]: the domain is a parallelogram (parallelepiped) that follows the deformation at
+/// the particle, so that it stretches, shears and turns with it. Domains overlap, or part, where neighbours deform
+/// otherwise. Corners more than a cell away, along an axis, are drawn in for the weights \[Homel2016\].
+///
+/// No product along the axes, and four nodes of each: two to five times the work of [`super::CpGimp`] (docs/notes.md 9.6).
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cpdi;
+
+/// CPDI-2 \[Sadeghirad2013\]: the domain is a quadrilateral (hexahedron) whose corners move with the
+/// nodes' velocity at their places. Neighbours share corners for ever, so that domains tile whatever the motion, until one
+/// is turned inside out, which ends the run as it would that of a finite element.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cpdi2;
+
+/// A box along the axes, where weights are products: the mean of the hats at its two ends, and their difference over its
+/// length.
+#[inline(always)]
+fn weights<L: Lane, E: Stencil>(xi: L, half: L) -> Weights<L, E> {
+    let mut w: Weights<L, E> = Weights::zero();
+    let per_length = half.recip() * L::of(0.5);
+    for a in 0..E::NODES {
+        let hat = |x: L| (L::one() - (x - L::of(node_offset::<E>(a))).abs()).max(L::zero());
+        let (left, right) = (hat(xi - half), hat(xi + half));
+        w.value[a] = (left + right) * L::of(0.5);
+        w.slope[a] = (right - left) * per_length;
+    }
+    w
+}
+
+macro_rules! convected {
+    ($name:ident, $domain:expr, $title:literal) => {
+        impl<T: Real, const D: usize> ShapeFunction<T, D> for $name
+        where
+            Extent<D, 4>: Stencil,
+        {
+            type Extent = Extent<D, 4>;
+            const DOMAIN: Domain = $domain;
+            const USL_LIMIT: f64 = 0.5;
+            const NAME: &'static str = $title;
+
+            #[inline(always)]
+            fn weights<L: Lane<Real = T>>(&self, xi: L, half: L) -> Weights<L, Self::Extent> {
+                weights(xi, half)
+            }
+        }
+    };
+}
+convected!(Cpdi, Domain::Edges, "CPDI");
+convected!(Cpdi2, Domain::Corners, "CPDI-2");
