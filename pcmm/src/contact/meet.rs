@@ -113,8 +113,8 @@ fn in_range<const D: usize>(members: &[Member<D>], pair: [Place; 2]) -> bool {
     distance_squared(&a.position, &b.position) <= (RANGE * (a.radius + b.radius)).powi(2)
 }
 
-/// The candidates whose surfaces face each other and that are nearest to each other: every particle with its nearest in
-/// every other body.
+/// The candidates whose surfaces face each other, or that are balls which touch within a body, and that are nearest to
+/// each other: every particle with its nearest in every other body.
 fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> Vec<FacingPair<D>> {
     let is_wall = |p: &Place| members[p.body as usize].part().is_none();
     let mut known: HashMap<Place, Side<D>> = HashMap::new();
@@ -124,12 +124,23 @@ fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> V
         if !wall && !in_range(members, [a, b]) {
             continue;
         }
-        let [one, two] = [a, b].map(|p| *known.entry(p).or_insert_with(|| alone(members, p)));
+        let [mut one, mut two] = [a, b].map(|p| *known.entry(p).or_insert_with(|| alone(members, p)));
+        // A particle that is surrounded by its body has no surface; it may be under a wall.
+        let within = !wall && (one.facing.is_within() || two.facing.is_within());
+        if within {
+            // What came through the surface of a body meets its inside, ball by ball: as far as surfaces meet, or half of
+            // that where they go through the centres, since the layer behind a surface is then a spacing away.
+            for ball in [&mut one, &mut two] {
+                ball.facing.lone = true;
+                ball.beyond = ball.beyond.max(0.5 * ball.radius);
+            }
+            let reach = one.beyond + two.beyond;
+            if distance_squared(&one.position, &two.position) > reach * reach {
+                continue;
+            }
+        }
         let pair = FacingPair { sides: [side(members, one, &two), side(members, two, &one)] };
-        let sides = &pair.sides;
-        // What lies deep within a body meets nobody; it may be under a wall.
-        let within = !wall && sides.iter().any(|s| s.facing.is_within());
-        if !within && (wall || face(&sides[0].facing.area, &sides[1].facing.area)) {
+        if wall || within || face(&pair.sides[0].facing.area, &pair.sides[1].facing.area) {
             pairs.push(pair);
         }
     }
