@@ -40,24 +40,15 @@ impl Detection {
     /// # Errors
     /// None of these settings is refused today.
     pub fn detector(self, gradients: Gradients) -> Result<Detector, CaseError> {
-        self.early(gradients, 0.0)
-    }
-
-    /// The detector of this name for surfaces that touch when they are `threshold` cells apart; measured from
-    /// centres, or without a measure, it has one of its own.
-    ///
-    /// # Errors
-    /// A threshold that is not finite.
-    pub fn early(self, gradients: Gradients, threshold: f64) -> Result<Detector, CaseError> {
         let gradients = Normals::Gradients(gradients);
         let distance = match self {
             Detection::Approach | Detection::Compression | Detection::Distance => {
-                SurfaceDistance::new(gradients, threshold)?
+                SurfaceDistance::new(gradients, 0.0)?
             }
             Detection::Centres => SurfaceDistance::between_centres(gradients, 0.5)?,
-            Detection::Local => SurfaceDistance::new(gradients, threshold)?.locally(),
-            Detection::Regression => SurfaceDistance::new(Normals::Regression, threshold)?,
-            Detection::LocalRegression => SurfaceDistance::new(Normals::Regression, threshold)?.locally(),
+            Detection::Local => SurfaceDistance::new(gradients, 0.0)?.locally(),
+            Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?,
+            Detection::LocalRegression => SurfaceDistance::new(Normals::Regression, 0.0)?.locally(),
         };
         Ok(match self {
             Detection::Approach => Detector { test: Test::Approach, distance },

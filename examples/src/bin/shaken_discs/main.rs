@@ -35,7 +35,7 @@ struct Options {
     #[arg(long, value_name = "MPA", value_parser = within(0.1, 1000.0))]
     young: Option<f64>,
     /// How contact is detected
-    #[arg(long, value_enum, default_value = "local")]
+    #[arg(long, value_enum, default_value = "distance")]
     detection: Detection,
     /// Coefficient of friction, 0 to 2
     #[arg(long, value_name = "MU", default_value_t = 0.6, value_parser = within(0.0, 2.0))]
@@ -46,7 +46,7 @@ struct Options {
     /// Frequency of the shaking, Hz, 1 to 100
     #[arg(long, value_name = "HZ", default_value_t = 10.0, value_parser = within(1.0, 100.0))]
     frequency: f64,
-    /// Seconds of shaking, 0.1 to 1000 [default: 0.2, 3.5 or 20 by resolution]
+    /// Seconds of shaking, 0.1 to 1000 [default: 0.2, 3.5 or 12.3 by resolution]
     #[arg(long, value_name = "S", value_parser = within(0.1, 1000.0))]
     shaking: Option<f64>,
 }
@@ -76,7 +76,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         friction: options.friction,
         strength: options.strength,
         frequency: options.frequency,
-        shaking: options.shaking.unwrap_or(resolution.choose(0.2, 3.5, 20.0)),
+        shaking: options.shaking.unwrap_or(resolution.choose(0.2, 3.5, 12.3)),
         threads: options.common.threads(),
     };
     let outcome = scene::shake(&setup, &folder)?;

@@ -28,9 +28,6 @@ pub const GRAVITY: f64 = 9.81;
 pub const SETTLING: f64 = 0.4;
 /// Cells that discs may move before their gaps are measured anew: a tenth of the overlap that is asked for.
 const KEEPS: f64 = 0.02;
-/// Cells between discs that touch: two cells a radius show where a disc ends no better than that, and what collides
-/// overlaps less.
-const EARLY: f64 = 0.05;
 /// Moments of the picture.
 pub const FRAMES: u32 = 4;
 /// Histories have so many entries a period of the shaking.
@@ -87,7 +84,7 @@ pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
     let normals = Gradients::new(Weight::Mass, Choice::Collinear);
-    let detector = setup.detection.early(normals, EARLY)?;
+    let detector = setup.detection.detector(normals)?;
     let contact = GridContact::new(detector, Pairs::new(Coulomb::new(setup.friction)?)).keeping(KEEPS)?;
     let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
     let (young, [density, poisson]) = (setup.young, MATERIAL);

@@ -4,31 +4,20 @@ use std::path::Path;
 
 use examples::CaseError;
 use mpm_core::output::picture::{
-    Axis, Chart, ColourMap, FieldPicture, Panels, Quantity, Series, Stroke, palette,
+    Axis, Chart, ColourMap, FieldPicture, Panels, Picture, Quantity, Series, Stroke, palette,
 };
 
 use crate::INTERFACE;
-use crate::scene::{BULLET, END, MOMENTS, Outcome, SPEED, TARGET};
+use crate::scene::{BULLET, END, MOMENTS, Outcome, SPEED, Space, TARGET};
 
 /// Draw everything.
 pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
-    let mut panels = Panels::new(MOMENTS.len()).title("Tungsten bullet on aluminium, 1140 m/s, plane strain");
-    for outcome in outcomes {
-        for frame in &outcome.frames {
-            let speed = Quantity::component("velocity", 0)
-                .label("velocity along x")
-                .unit("m/s", 1.0)
-                .range(0.0, SPEED)
-                .map(ColourMap::Viridis);
-            let picture = FieldPicture::new(520, 400)
-                .colour_by(speed)
-                .bounds([-BULLET[0] - 4e-3, -0.2 * TARGET[1]], [TARGET[0] + 14e-3, 0.2 * TARGET[1]])
-                .draw(frame)?;
-            panels = panels.panel(format!("{}, {:.0} µs", outcome.name, 1e6 * frame.time()), picture);
+    for space in [Space::PlaneStrain, Space::Axisymmetric] {
+        let of: Vec<_> = outcomes.iter().filter(|o| o.space == space).collect();
+        if !of.is_empty() {
+            section(&of, space)?.save(folder.join(format!("bullet_{}.png", space.name())))?;
         }
     }
-    panels.compose()?.save(folder.join("bullet.png"))?;
-
     let mut chart = Chart::new(860, 520)
         .x(Axis::new("time").unit("µs", 1e6))
         .y(Axis::new("depth of the tip").unit("mm", 1e3));
@@ -42,8 +31,32 @@ pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     for (n, outcome) in outcomes.iter().enumerate() {
         let t: Vec<f64> = outcome.history.iter().map(|e| e.time).collect();
         let x: Vec<f64> = outcome.history.iter().map(|e| e.tip).collect();
-        chart = chart.series(Series::new(outcome.name, &t, &x)?.colour(palette(n)));
+        chart = chart.series(Series::new(outcome.name(), &t, &x)?.colour(palette(n)));
     }
     chart.draw()?.save(folder.join("tip.png"))?;
     Ok(())
+}
+
+/// What a cut through bullet and target shows at three moments.
+fn section(outcomes: &[&Outcome], space: Space) -> Result<Picture, CaseError> {
+    let (from, to) = (-BULLET[0] - 4e-3, TARGET[0] + 14e-3);
+    let across = 0.2 * TARGET[1];
+    let (size, low, high, title) = match space {
+        Space::PlaneStrain => ((520, 400), [from, -across], [to, across], "plane strain"),
+        Space::Axisymmetric => ((300, 520), [0.0, from], [across, to], "round, half of the section"),
+    };
+    let mut panels =
+        Panels::new(MOMENTS.len()).title(format!("Tungsten bullet on aluminium, 1140 m/s, {title}"));
+    for outcome in outcomes {
+        for frame in &outcome.frames {
+            let speed = Quantity::component("velocity", space.axis())
+                .label("velocity along the flight")
+                .unit("m/s", 1.0)
+                .range(0.0, SPEED)
+                .map(ColourMap::Viridis);
+            let picture = FieldPicture::new(size.0, size.1).colour_by(speed).bounds(low, high).draw(frame)?;
+            panels = panels.panel(format!("{}, {:.0} µs", outcome.method, 1e6 * frame.time()), picture);
+        }
+    }
+    Ok(panels.compose()?)
 }

@@ -2,26 +2,33 @@
 
 use examples::{CaseError, Totals};
 use mpm_contact::{Coulomb, GridContact, Pairs, SurfaceDistance};
-use mpm_core::geometry::Lattice;
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary};
-use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Team};
+use mpm_core::{
+    Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Flip, Method, Mpm, Musl, PlaneStrain, Side, Team,
+};
 
-use crate::scene::{BULLET, END, Entry, HISTORY, MOMENTS, Metal, Outcome, SPEED, TARGET, bodies};
+use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, celled};
 
-/// Shoot with particles this far apart, m, two a cell and axis: hats, MUSL, FLIP; `metals` are the laws of bullet and
-/// target.
-pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) -> Result<Outcome, CaseError> {
-    let lattice = Lattice::new([0.0; 2], 2.0 * spacing)?;
-    let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(friction)?));
-    let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+/// Shoot with cpGIMP, MUSL and FLIP: with hats metal that flows round the axis locks until a particle breaks down.
+pub fn shoot(setup: &Setup) -> Result<Outcome, CaseError> {
+    match setup.space {
+        Space::PlaneStrain => with_method(setup, Method::new(CpGimp, Flip, Musl, PlaneStrain)),
+        Space::Axisymmetric => with_method(setup, Method::new(CpGimp, Flip, Musl, Axisymmetric)),
+    }
+}
+
+fn with_method<M: Composition<f64, 2>>(setup: &Setup, method: M) -> Result<Outcome, CaseError> {
+    let (space, threads) = (setup.space, setup.threads);
+    let (lattice, seeds) = celled(space, setup.spacing)?;
+    let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(setup.friction)?));
     let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
-    let seeds = bodies(&lattice, 2, 0.0)?;
-    let mut exact = 0.0;
-    let (names, sizes) = (["bullet", "target"], [BULLET, TARGET]);
-    for (b, (law, seeds)) in metals.into_iter().zip(&seeds).enumerate() {
-        exact += mpm_materials::Constitutive::<f64>::density(&law) * sizes[b][0] * sizes[b][1];
-        let velocity = if b == 0 { SPEED } else { 0.0 };
-        mpm.add(names[b], law, seeds, |_| [velocity, 0.0])?;
+    let names = ["bullet", "target"];
+    for (b, (law, seeds)) in setup.metals.into_iter().zip(&seeds).enumerate() {
+        let velocity = space.along(if b == 0 { SPEED } else { 0.0 });
+        mpm.add(names[b], law, seeds, |_| velocity)?;
+    }
+    if space == Space::Axisymmetric {
+        mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     }
     mpm.set_team(Team::new(threads).map_err(|e| CaseError::Other(e.to_string()))?);
 
@@ -41,15 +48,16 @@ pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) ->
         }
         let mut tip = f64::MIN;
         let bullet = mpm.bodies()[0].totals();
-        mpm.bodies()[0].for_each(&mut |p| tip = tip.max(p.position[0] + 0.5 * spacing));
+        mpm.bodies()[0].for_each(&mut |p| tip = tip.max(p.position[space.axis()] + 0.25 * lattice.spacing()));
         let now = mpm.totals();
         let energies = [now.kinetic, now.internal, start.kinetic - now.kinetic - now.internal];
-        let speed = bullet.momentum[0] / bullet.mass;
+        let speed = bullet.momentum[space.axis()] / bullet.mass;
         history.push(Entry { time, tip, speed, energies: energies.map(|e| e / start.kinetic) });
         if frames.len() < MOMENTS.len() && time >= MOMENTS[frames.len()] * (1.0 - 1e-9) {
             frames.push(mpm.snapshot()?);
         }
     }
     let totals = Totals::of(&mpm, &summary, &ledger);
-    Ok(Outcome { name: "mpm", history, frames, mass: start.mass / exact, added: None, totals })
+    let mass = start.mass / setup.mass();
+    Ok(Outcome { method: "mpm", space, history, frames, mass, added: None, totals })
 }

@@ -4,12 +4,11 @@ use std::time::Instant;
 
 use examples::{CaseError, Totals};
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
-use mpm_core::geometry::Lattice;
 use mpm_core::output::Progress;
-use mpm_core::{PlaneStrain, Team, TimeControl};
+use mpm_core::{Axisymmetric, Boundary, Embedding, PlaneStrain, Side, Team, TimeControl};
 use pcmm::{Bodies, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm};
 
-use crate::scene::{BULLET, END, Entry, HISTORY, MOMENTS, Metal, Outcome, SPEED, TARGET, bodies};
+use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, packed};
 
 /// Steps between two revisions.
 const EVERY: u64 = 2;
@@ -25,20 +24,28 @@ fn tessellation(spacing: f64) -> Result<LocalDelaunay, CaseError> {
     Ok(LocalDelaunay::new(0.8 * spacing, 3.0)?.with_limits(create, keep))
 }
 
-/// Shoot with particles this far apart, m; `metals` are the laws of bullet and target.
-pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) -> Result<Outcome, CaseError> {
-    let laws = Pairs::new(Coulomb::new(friction)?);
+/// Shoot.
+pub fn shoot(setup: &Setup) -> Result<Outcome, CaseError> {
+    match setup.space {
+        Space::PlaneStrain => with_embedding(setup, PlaneStrain),
+        Space::Axisymmetric => with_embedding(setup, Axisymmetric),
+    }
+}
+
+fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcome, CaseError> {
+    let (space, threads) = (setup.space, setup.threads);
+    let laws = Pairs::new(Coulomb::new(setup.friction)?);
     let mut scene = Bodies::<2, _>::new(SurfaceDistance::default(), laws);
-    let seeds = bodies(&Lattice::new([0.0; 2], spacing)?, 1, JITTER)?;
-    let mut exact = 0.0;
+    let seeds = packed(space, setup.spacing, JITTER)?;
     let names = ["bullet", "target"];
-    let sizes = [BULLET, TARGET];
-    for (b, (law, seeds)) in metals.into_iter().zip(&seeds).enumerate() {
-        exact += mpm_materials::Constitutive::<f64>::density(&law) * sizes[b][0] * sizes[b][1];
-        let method = Method::consistent(PlaneStrain, tessellation(spacing)?);
-        let velocity = if b == 0 { SPEED } else { 0.0 };
+    for (b, (law, seeds)) in setup.metals.into_iter().zip(&seeds).enumerate() {
+        let method = Method::consistent(embedding, tessellation(2.0 * seeds.half_size[0])?);
+        let velocity = space.along(if b == 0 { SPEED } else { 0.0 });
         let packing = Packing::of_seeds(seeds);
-        let mut body = Pcmm::new(method, law, &packing, |_| [velocity, 0.0], Masses::FromVolumes)?;
+        let mut body = Pcmm::new(method, law, &packing, |_| velocity, Masses::FromVolumes)?;
+        if space == Space::Axisymmetric {
+            body.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
+        }
         body.set_revision_interval(EVERY)?;
         scene.add(names[b], body);
     }
@@ -57,19 +64,25 @@ pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) ->
             let (now, added) = (scene.totals(), scene.audit().energy_added());
             let taken = scene.taken() - added;
             let all = (now.kinetic + now.internal + taken) / start.kinetic;
-            let missing = (0..2).map(|d| (now.momentum[d] - start.momentum[d]).powi(2)).sum::<f64>().sqrt();
+            // Around an axis, the momentum across it is not one.
+            let axes = match space {
+                Space::PlaneStrain => 0..2,
+                Space::Axisymmetric => 1..2,
+            };
+            let missing = axes.map(|d| (now.momentum[d] - start.momentum[d]).powi(2)).sum::<f64>().sqrt();
             let errors = Totals {
                 energy_error: all - 1.0,
                 momentum_error: missing / start.momentum_scale,
                 ..Totals::default()
             };
             totals = totals.plus(&errors);
-            // Of what hangs together: single particles may fly ahead.
-            let (particles, bound) = (scene.particles(0), scene.element_nodes(0));
-            let reach = |n: &u32| particles[*n as usize].position[0] + particles[*n as usize].radius;
-            let tip = bound.iter().map(reach).fold(f64::MIN, f64::max);
+            let particles = scene.particles(0);
+            let reach =
+                |n: &u32| particles[*n as usize].position[space.axis()] + particles[*n as usize].radius;
+            let bullet = largest_piece(scene.element_nodes(0), particles.len());
+            let tip = bullet.iter().map(reach).fold(f64::MIN, f64::max);
             let bullet = scene.totals_of(0).unwrap_or_default();
-            let speed = bullet.momentum[0] / bullet.mass;
+            let speed = bullet.momentum[space.axis()] / bullet.mass;
             let energies = [now.kinetic, now.internal, taken].map(|e| e / start.kinetic);
             history.push(Entry { time: scene.time(), tip, speed, energies });
             progress.update(scene.time(), END, scene.steps(), totals.updates / totals.wall_seconds.max(1e-9));
@@ -91,5 +104,42 @@ pub fn shoot(metals: [Metal; 2], spacing: f64, friction: f64, threads: usize) ->
     totals.simulated_seconds = scene.time();
     totals.bytes = scene.bytes();
     let added = Some(scene.audit().energy_added() / start.kinetic);
-    Ok(Outcome { name: "pcmm", history, frames, mass: start.mass / exact, added, totals })
+    let mass = start.mass / setup.mass();
+    Ok(Outcome { method: "pcmm", space, history, frames, mass, added, totals })
+}
+
+/// The particles of most triangles that hang together: pieces that broke off a bullet may fly ahead of it.
+fn largest_piece(corners: &[u32], particles: usize) -> Vec<u32> {
+    let mut parent: Vec<u32> = (0..particles as u32).collect();
+    fn root(parent: &mut [u32], mut n: u32) -> u32 {
+        while parent[n as usize] != n {
+            parent[n as usize] = parent[parent[n as usize] as usize];
+            n = parent[n as usize];
+        }
+        n
+    }
+    for triangle in corners.chunks_exact(3) {
+        for pair in triangle.windows(2) {
+            let (a, b) = (root(&mut parent, pair[0]), root(&mut parent, pair[1]));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+    let mut corners_of = vec![0u32; particles];
+    for &n in corners {
+        corners_of[root(&mut parent, n) as usize] += 1;
+    }
+    let largest = (0..particles as u32).max_by_key(|&n| (corners_of[n as usize], std::cmp::Reverse(n)));
+    corners.iter().copied().filter(|&n| Some(root(&mut parent, n)) == largest).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::largest_piece;
+
+    #[test]
+    fn of_two_pieces_the_larger() {
+        // Two triangles that share a corner, one alone, one particle in none.
+        assert_eq!(largest_piece(&[7, 3, 8, 0, 1, 4, 4, 5, 6], 9), [0, 1, 4, 4, 5, 6]);
+        assert!(largest_piece(&[], 3).is_empty());
+    }
 }

@@ -2,10 +2,13 @@
 
 use std::path::Path;
 
+use clap::ValueEnum;
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::output::{History, Snapshot};
-use mpm_materials::{Adiabatic, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure};
+use mpm_materials::{
+    Adiabatic, Constitutive, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure,
+};
 
 /// Length and width of the bullet, m.
 pub const BULLET: [f64; 2] = [28.4e-3, 8.0e-3];
@@ -25,6 +28,77 @@ pub const PAPER_AREA: f64 = (BULLET[0] * BULLET[1] + TARGET[0] * TARGET[1]) / 11
 const BULK_VISCOSITY: [f64; 2] = [0.1, 1.5];
 /// Tension that aluminium and tungsten alloys bear at these rates, Pa \[M\]; the paper prints no failure.
 const SPALL: [f64; 2] = [1.2e9, 2.5e9];
+
+/// How bullet and target lie in space. The bullet flies along the last axis around an axis, else along the first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Space {
+    /// Endless in depth, as in the paper
+    PlaneStrain,
+    /// A round bullet on the axis of a round target, 200 mm across
+    Axisymmetric,
+}
+
+impl Space {
+    /// The axis along which the bullet flies.
+    pub fn axis(self) -> usize {
+        match self {
+            Space::PlaneStrain => 0,
+            Space::Axisymmetric => 1,
+        }
+    }
+    /// A vector along the flight.
+    pub fn along(self, length: f64) -> [f64; 2] {
+        std::array::from_fn(|d| if d == self.axis() { length } else { 0.0 })
+    }
+    /// In names of outcomes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Space::PlaneStrain => "plane",
+            Space::Axisymmetric => "round",
+        }
+    }
+    /// Area or volume of bullet and target: per metre of depth, or per radian, m^2 or m^3.
+    pub fn measures(self) -> [f64; 2] {
+        [BULLET, TARGET].map(|[length, width]| match self {
+            Space::PlaneStrain => length * width,
+            Space::Axisymmetric => length * width * width / 8.0,
+        })
+    }
+    /// What bullet and target fill: the front of the target is 0 along the flight. Around an axis, from this radius (m)
+    /// on.
+    fn shapes(self, from: f64) -> Result<[Cuboid<2>; 2], CaseError> {
+        let ([l, d], [t, w]) = (BULLET, TARGET);
+        Ok(match self {
+            Space::PlaneStrain => {
+                [Cuboid::new([-l, -0.5 * d], [0.0, 0.5 * d])?, Cuboid::new([0.0, -0.5 * w], [t, 0.5 * w])?]
+            }
+            Space::Axisymmetric => {
+                [Cuboid::new([from, -l], [0.5 * d, 0.0])?, Cuboid::new([from, 0.0], [0.5 * w, t])?]
+            }
+        })
+    }
+}
+
+/// One run, by either method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup {
+    pub space: Space,
+    /// Laws of bullet and target.
+    pub metals: [Metal; 2],
+    /// Between particles, m, as asked; around an axis the nearest that fits the radius of the bullet.
+    pub spacing: f64,
+    /// Coefficient of friction between bullet and target.
+    pub friction: f64,
+    pub threads: usize,
+}
+
+impl Setup {
+    /// Exact mass of bullet and target, kg per metre of depth or per radian.
+    pub fn mass(&self) -> f64 {
+        let density = self.metals.map(|m| Constitutive::<f64>::density(&m));
+        density.iter().zip(self.space.measures()).map(|(d, v)| d * v).sum()
+    }
+}
 
 /// A metal of the table of the paper.
 pub type Metal = Solid<
@@ -63,13 +137,52 @@ fn metal(
         .with_bulk_viscosity(linear, quadratic)?)
 }
 
-/// Bullet and target, filled with particles on a lattice: `parts` a cell and axis, moved at random by up to
-/// `jitter` of half their edge. The front of the target is x = 0, the bullet flies along x.
-pub fn bodies(lattice: &Lattice<2>, parts: usize, jitter: f64) -> Result<[Seeds<2>; 2], CaseError> {
-    let bullet = Cuboid::new([-BULLET[0], -0.5 * BULLET[1]], [0.0, 0.5 * BULLET[1]])?;
-    let target = Cuboid::new([0.0, -0.5 * TARGET[1]], [TARGET[0], 0.5 * TARGET[1]])?;
-    let filling = if jitter > 0.0 { Filling::new().jittered(7, jitter) } else { Filling::new() };
-    Ok([fill(&bullet, lattice, parts, &filling)?, fill(&target, lattice, parts, &filling)?])
+/// Bullet and target for particle contacts: particles about so far apart (m) on a square lattice, moved at random by up
+/// to `jitter` of half their distance. Around an axis some lie on it, so that elements cover the body up to there.
+pub fn packed(space: Space, spacing: f64, jitter: f64) -> Result<[Seeds<2>; 2], CaseError> {
+    let plain = Filling::new().jittered(7, jitter);
+    match space {
+        Space::PlaneStrain => {
+            let lattice = Lattice::new([0.0; 2], spacing)?;
+            let [bullet, target] = space.shapes(0.0)?;
+            Ok([fill(&bullet, &lattice, 1, &plain)?, fill(&target, &lattice, 1, &plain)?])
+        }
+        Space::Axisymmetric => {
+            let radius = 0.5 * BULLET[1];
+            let h = radius / ((radius / spacing - 0.5).round().max(1.0) + 0.5);
+            let lattice = Lattice::new([0.5 * h, 0.0], h)?;
+            let [bullet, target] = space.shapes(0.5 * h)?;
+            let ring = |shape: &Cuboid<2>| fill(shape, &lattice, 1, &plain.axisymmetric());
+            let (mut bullet, mut target) = (ring(&bullet)?, ring(&target)?);
+            add_column(&mut bullet, -BULLET[0], 0.0, h);
+            add_column(&mut target, 0.0, TARGET[0], h);
+            Ok([bullet, target])
+        }
+    }
+}
+
+/// Particles on the axis between two heights, this far apart, m: a cylinder of half that radius between them.
+fn add_column(seeds: &mut Seeds<2>, from: f64, to: f64, spacing: f64) {
+    let cells = (from / spacing).round() as i64..(to / spacing).round() as i64;
+    let volume = (to - from) * spacing * spacing / 8.0 / cells.clone().count() as f64;
+    for cell in cells {
+        seeds.positions.push([0.0, (cell as f64 + 0.5) * spacing]);
+        seeds.volumes.push(volume);
+    }
+}
+
+/// Bullet and target for material points, about so far apart (m), two a cell and axis; and the lattice of the cells.
+pub fn celled(space: Space, spacing: f64) -> Result<(Lattice<2>, [Seeds<2>; 2]), CaseError> {
+    let (spacing, filling) = match space {
+        Space::PlaneStrain => (spacing, Filling::new()),
+        Space::Axisymmetric => {
+            let radius = 0.5 * BULLET[1];
+            (radius / (radius / spacing).round().max(1.0), Filling::new().axisymmetric())
+        }
+    };
+    let lattice = Lattice::new([0.0; 2], 2.0 * spacing)?;
+    let [bullet, target] = space.shapes(0.0)?;
+    Ok((lattice, [fill(&bullet, &lattice, 2, &filling)?, fill(&target, &lattice, 2, &filling)?]))
 }
 
 /// A moment of the history.
@@ -77,8 +190,8 @@ pub fn bodies(lattice: &Lattice<2>, parts: usize, jitter: f64) -> Result<[Seeds<
 pub struct Entry {
     /// s.
     pub time: f64,
-    /// How deep the bullet's first particle is behind the front of the target, m; by particle contacts, of those in
-    /// elements.
+    /// How deep the bullet's first particle is behind the front of the target, m; by particle contacts, the first of
+    /// the largest piece that hangs together.
     pub tip: f64,
     /// Velocity of the bullet's centre of mass, m/s.
     pub speed: f64,
@@ -89,7 +202,8 @@ pub struct Entry {
 /// What came of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    pub name: &'static str,
+    pub method: &'static str,
+    pub space: Space,
     pub history: Vec<Entry>,
     pub frames: Vec<Snapshot>,
     /// Mass of the particles over that of bullet and target.
@@ -100,6 +214,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
+    /// Method and space in tables.
+    pub fn name(&self) -> String {
+        format!("{}, {}", self.method, self.space.name())
+    }
     /// Depth of the tip at a time, m.
     pub fn tip(&self, time: f64) -> f64 {
         let pair = self.history.windows(2).find(|p| p[1].time >= time);
@@ -129,7 +247,10 @@ impl Outcome {
             ("internal", "-"),
             ("taken", "-"),
         ];
-        let mut csv = History::create(folder.join(format!("history_{}.csv", self.name)), columns)?;
+        let mut csv = History::create(
+            folder.join(format!("history_{}_{}.csv", self.method, self.space.name())),
+            columns,
+        )?;
         for e in &self.history {
             csv.push(&[e.time, e.tip, e.speed, e.energies[0], e.energies[1], e.energies[2]])?;
         }
