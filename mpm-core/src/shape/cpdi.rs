@@ -10,7 +10,8 @@ use crate::dim::{Extent, Stencil};
 /// the particle, so that it stretches, shears and turns with it. Domains overlap, or part, where neighbours deform
 /// otherwise. Corners more than a cell away, along an axis, are drawn in for the weights \[Homel2016\].
 ///
-/// No product along the axes, and four nodes of each: two to five times the work of [`super::CpGimp`] (docs/notes.md 9.6).
+/// No product along the axes, and four nodes of each: three times the work of [`super::CpGimp`] in the plane, ten times in
+/// space (docs/notes.md 9.6).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpdi;
 

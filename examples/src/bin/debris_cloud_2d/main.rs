@@ -28,7 +28,10 @@ struct Options {
     frames: u32,
 }
 
-/// The front is two spacings wide, and the disc round.
+/// Of the shock, with particles enough across the plate: the front takes some of them.
+const PRESSURE_TOLERANCE: f64 = 0.03;
+const RESOLVED: u32 = 10;
+/// The front is two spacings wide, and the disc round: its shock slows down.
 const ARRIVAL_TOLERANCE: f64 = 0.06;
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 /// What revisions do not explain.
@@ -55,11 +58,11 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         "elements_created": audit.created.elements,
         "deleted_for_contact_small_angle_large_angle_short_edge": audit.flaws,
     });
-    Report::new("debris_cloud_2d", common.resolution, settings, &outcome.totals, checks_of(&outcome))
+    Report::new("debris_cloud_2d", common.resolution, settings, &outcome.totals, checks_of(&outcome, layers))
         .finish(common, &folder)
 }
 
-fn checks_of(outcome: &Outcome) -> Vec<Check> {
+fn checks_of(outcome: &Outcome, layers: u32) -> Vec<Check> {
     // Like on like: half the speed behind the shock.
     let [density, sound, slope, _] = SHOCK;
     let particle = 0.5 * SPEED;
@@ -79,7 +82,17 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
     let Outcome { shock, arrival, front, cloud, bound, mass, .. } = *outcome;
     let (energy, momentum) = (outcome.totals.energy_error, outcome.totals.momentum_error);
     vec![
-        Check::shown("pressure of the shock", 1e-9 * shock, "GPa", 1e-9 * pressure, hugoniot),
+        match layers < RESOLVED {
+            true => Check::shown("pressure of the shock", 1e-9 * shock, "GPa", 1e-9 * pressure, hugoniot),
+            false => Check::gate(
+                "pressure of the shock",
+                1e-9 * shock,
+                "GPa",
+                1e-9 * pressure,
+                PRESSURE_TOLERANCE,
+                hugoniot,
+            ),
+        },
         Check::gate(
             "shock at the last layer of the plate",
             1e6 * arrival,
@@ -88,8 +101,16 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
             ARRIVAL_TOLERANCE,
             hugoniot,
         ),
-        Check::at_most("front of the cloud behind the front face", 1e3 * front, "mm", 1e3 * reach, hugoniot),
-        Check::at_least("front of the cloud", 1e3 * front, "mm", 1e3 * mean * END, "mean momentum [C]"),
+        Check::at_most("front of the cloud near the axis", 1e3 * front, "mm", 1e3 * reach, hugoniot),
+        Check::at_least(
+            "front of the cloud near the axis",
+            1e3 * front,
+            "mm",
+            1e3 * mean * END,
+            "mean momentum [C]",
+        ),
+        Check::shown("mass faster than the impact", outcome.jet, "-", 0.0, "jet of the rim"),
+        Check::shown("fastest particle", outcome.fastest, "m/s", SPEED, "impact"),
         Check::shown("mean velocity of the cloud", cloud, "m/s", mean, "mean momentum [C]"),
         Check::gate("mass", mass, "-", 1.0, 1e-9, "exact volumes"),
         Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM_TOLERANCE, free),

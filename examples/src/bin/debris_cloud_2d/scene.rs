@@ -8,7 +8,7 @@ use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
 use mpm_core::output::{History, Progress, Snapshot, VtkSeries};
 use mpm_core::{PlaneStrain, Team, TimeControl};
 use mpm_materials::{Adiabatic, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure};
-use pcmm::{Audit, LocalDelaunay, Masses, Method, Packing, Pcmm};
+use pcmm::{Audit, LocalDelaunay, Masses, Method, Packing, Particle, Pcmm};
 
 /// Diameter of the disc, m.
 pub const DIAMETER: f64 = 2.0e-3;
@@ -34,15 +34,20 @@ const STRIP: f64 = 0.2e-3;
 /// What came of the run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Pressure behind the shock in the plate near the axis, Pa: the median over the particles between 0.2 and 0.5 of
-    /// the thickness of the largest each had. (The disc is round: pressure falls at once behind the front.)
+    /// Pressure behind the shock in the plate near the axis, Pa: the median over the particles two to five spacings behind
+    /// its face of the largest each had. (The disc is round: pressure falls at once behind the front, and with its way.)
     pub shock: f64,
     /// When the last layer of the plate near the axis moved at 1 km/s, s after impact.
     pub arrival: f64,
     /// Mean place of the particles of the last layer near the axis, before impact, m.
     pub rear: f64,
-    /// Largest distance of a particle behind the front face of the plate, m.
+    /// Largest distance behind the front face of the plate of a particle as near to the axis as half the disc's radius, m:
+    /// what the rim of the contact throws out as a jet is faster than any shock drives it.
     pub front: f64,
+    /// Mass of the particles faster than the impact, of all.
+    pub jet: f64,
+    /// Largest speed of a particle, m/s.
+    pub fastest: f64,
     /// Mean velocity of what came through: all matter more than a plate's thickness behind the plate, m/s.
     pub cloud: f64,
     /// Particles in elements at the end, of all.
@@ -89,7 +94,7 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
     let middle: Vec<usize> = (0..packing.positions.len())
         .filter(|&n| {
             let x = &packing.positions[n];
-            near_axis(x) && x[0] > 0.2 * PLATE[0] && x[0] < 0.5 * PLATE[0]
+            near_axis(x) && x[0] > 2.0 * spacing && x[0] < 5.0 * spacing
         })
         .collect();
     let rear: Vec<usize> = (0..packing.positions.len())
@@ -155,6 +160,7 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
     let particles = scene.particles();
     let through = particles.iter().filter(|p| p.position[0] > 2.0 * PLATE[0]);
     let (mass, momentum) = through.fold((0.0, 0.0), |(m, q), p| (m + p.mass, q + p.mass * p.velocity[0]));
+    let speed_of = |p: &Particle<2>| p.velocity[0].hypot(p.velocity[1]);
     let mut bound = vec![false; particles.len()];
     for &n in scene.element_nodes() {
         bound[n as usize] = true;
@@ -163,7 +169,13 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
         shock: highest.get(highest.len() / 2).copied().unwrap_or(f64::NAN),
         arrival,
         rear: rear.iter().map(|&n| packing.positions[n][0]).sum::<f64>() / rear.len() as f64,
-        front: particles.iter().map(|p| p.position[0]).fold(0.0, f64::max),
+        front: particles
+            .iter()
+            .filter(|p| p.position[1].abs() < 0.25 * DIAMETER)
+            .map(|p| p.position[0])
+            .fold(0.0, f64::max),
+        jet: particles.iter().filter(|p| speed_of(p) > SPEED).map(|p| p.mass).sum::<f64>() / start.mass,
+        fastest: particles.iter().map(speed_of).fold(0.0, f64::max),
         cloud: momentum / mass,
         bound: bound.iter().filter(|b| **b).count() as f64 / bound.len() as f64,
         audit: *scene.audit(),
