@@ -226,12 +226,12 @@ impl Outcome {
             p[0].tip + part * (p[1].tip - p[0].tip)
         })
     }
-    /// When the tip is as deep as the target was thick, s; NaN if it never is.
-    pub fn through(&self) -> f64 {
-        let pair = self.history.windows(2).find(|p| p[1].tip >= TARGET[0]);
-        pair.map_or(f64::NAN, |p| {
-            p[0].time + (TARGET[0] - p[0].tip) / (p[1].tip - p[0].tip) * (p[1].time - p[0].time)
-        })
+    /// When the tip is as deep as the target was thick, s, if it ever is.
+    pub fn through(&self) -> Option<f64> {
+        self.history
+            .windows(2)
+            .find(|p| p[1].tip >= TARGET[0])
+            .map(|p| p[0].time + (TARGET[0] - p[0].tip) / (p[1].tip - p[0].tip) * (p[1].time - p[0].time))
     }
     /// Mean speed of the tip between the first two pictures, m/s.
     pub fn interface_speed(&self) -> f64 {
