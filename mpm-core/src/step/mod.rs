@@ -3,6 +3,7 @@
 pub mod body;
 pub mod contact;
 pub mod control;
+mod convect;
 mod encounters;
 pub mod fields;
 mod filter;

@@ -9,7 +9,8 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
-use super::gather::{Sampler, Wanted, gather};
+use super::convect::Moved;
+use super::gather::{Sampler, Wanted};
 use super::layout::Nodes;
 use super::mean::Strained;
 use super::migrate::{Cut, Domains, Leaving, send_away, take_in};
@@ -25,8 +26,7 @@ use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel, Pack};
 use crate::particles::{Block, Columns, Outbox};
 use crate::scheme::{Nodal, PassKind};
-use crate::shape::domain::{Corners, MOST_NUMBERS};
-use crate::shape::{Basis, Domain, ShapeFunction, bin_centre};
+use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
 
 /// A block of particles with what its passes need and leave behind.
@@ -648,73 +648,6 @@ where
     C: Constitutive<T>,
 {
     if total { total::speed::<T, P, C>(law, now, inverse) } else { speed(law, now, v) }
-}
-
-/// How the particles of a group move.
-struct Moved<'a, P> {
-    /// Where they were.
-    xi: &'a [P; 3],
-    /// Their velocity.
-    nodal: &'a [P; 3],
-    /// Its gradient.
-    gradient: &'a Mat3<P>,
-    /// Cells a metre per second in the step.
-    cells: P,
-}
-
-impl<P: Lane> Moved<'_, P> {
-    /// Let domains follow; corners with the velocity of the `nodes` at their places.
-    #[inline(always)]
-    fn domain<T, S, const D: usize>(
-        &self,
-        shape: &S,
-        nodes: &<S::Extent as Stencil>::Nodes<[T; 4]>,
-        domain: &mut [P; MOST_NUMBERS],
-    ) where
-        T: Float,
-        P: Lane<Real = T>,
-        S: ShapeFunction<T, D>,
-    {
-        let Moved { xi, nodal, gradient, cells } = *self;
-        match S::DOMAIN {
-            Domain::Fixed => {}
-            Domain::Axes => {
-                for d in 0..D {
-                    domain[d] = shape.stretch(domain[d], gradient.0[d][d] * cells);
-                }
-            }
-            Domain::Edges => {
-                for edge in domain.chunks_exact_mut(D).take(D) {
-                    let mut new = [P::zero(); 3];
-                    for d in 0..D {
-                        let mut change = P::zero();
-                        for e in 0..D {
-                            change = gradient.0[d][e].mul_add(edge[e], change);
-                        }
-                        new[d] = cells.mul_add(change, edge[d]);
-                    }
-                    edge.copy_from_slice(&new[..D]);
-                }
-            }
-            Domain::Corners => {
-                let corners = Corners::of::<D>(S::DOMAIN, domain);
-                // Corners that were drawn in move as much more as they are farther out.
-                let cells = cells / corners.scale;
-                for c in 0..1 << D {
-                    let hats = corners.hats::<S::Extent, D>(c, xi);
-                    let mut basis = [Basis::zero(); 3];
-                    for d in 0..D {
-                        basis[d].value = hats[d];
-                    }
-                    for d in 0..D {
-                        let wanted = Wanted { slope: false, fit: false };
-                        let there = gather::<T, D, P, S>(nodes, &basis, d, wanted).value;
-                        domain[c * D + d] = cells.mul_add(there - nodal[d], domain[c * D + d]);
-                    }
-                }
-            }
-        }
-    }
 }
 
 #[cold]
