@@ -11,8 +11,8 @@ use mpm_contact::{
 };
 use mpm_core::geometry::{Ball, Cuboid, Filling, Seeds, Shape, fill, rings};
 use mpm_core::{
-    Apic, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Musl, OneField, PlaneStrain,
-    QuadraticBSpline, Side, Team, TimeControl, Usf, Usl,
+    Apic, Boundary, Composition, CpGimp, Cpdi, Cpdi2, Flip, FullSpace, Linear, Method, Musl, OneField,
+    PlaneStrain, QuadraticBSpline, Side, Team, TimeControl, Usf, Usl,
 };
 
 /// Every detector with every normal in turn.
@@ -85,6 +85,8 @@ fn action_is_reaction() {
     acts_and_reacts(Method::new(Linear, Flip, Usf, PlaneStrain), &ring, distance(), coulomb());
     acts_and_reacts(Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain), &ring, distance(), coulomb());
     acts_and_reacts(Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain), &ring, Regression, coulomb());
+    let compression = Compression::<Gradients>::default();
+    acts_and_reacts(Method::new(Cpdi, Flip, Musl, PlaneStrain), &ring, compression, coulomb());
     let sticky = || Pairs::new(Adhesion::new(1e4, 1e4, 0.2).expect("law")).with(0, 2, Stick);
     acts_and_reacts(plane(), &ring, distance(), sticky());
 }
@@ -130,6 +132,8 @@ fn momentum_is_booked_beside_planes_of_symmetry() {
     books_close::<2, _, _>(plane(), distance(), &[1]);
     books_close::<2, _, _>(Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain), distance(), &[1]);
     books_close::<2, _, _>(Method::new(CpGimp, Flip, Usf, PlaneStrain), Regression, &[1]);
+    books_close::<2, _, _>(Method::new(Cpdi, Flip, Musl, PlaneStrain), distance(), &[1]);
+    books_close::<2, _, _>(Method::new(Cpdi2, Flip, Usl, PlaneStrain), Regression, &[1]);
     books_close::<3, _, _>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace), distance(), &[1]);
     books_close::<3, _, _>(Method::new(QuadraticBSpline, Flip, Musl, FullSpace), distance(), &[1, 2]);
     books_close::<3, _, _>(Method::new(CpGimp, Flip, Musl, FullSpace), Regression, &[1, 2]);

@@ -6,7 +6,7 @@ use impactite_tests::reference::{Order, Rule};
 use impactite_tests::scene::{self, block, metal, moduli, rubber};
 use mpm_core::geometry::Lattice;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, CubicBSpline, Flip, Fmpm, FullSpace,
+    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Cpdi, CubicBSpline, Flip, Fmpm, FullSpace,
     Linear, Method, Mls, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, Team, TimeControl, Usf,
     Usl,
 };
@@ -41,6 +41,7 @@ macro_rules! table {
 table! {
     linear_flip_musl: Method::new(Linear, Flip, Musl, PlaneStrain), Linear, Rule::Flip, Musl, [scene::flow(), scene::bar()], rubber();
     contiguous_gimp_flip_usf: Method::new(CpGimp, Flip, Usf, PlaneStrain), CpGimp, Rule::Flip, Usf, [scene::flow()], metal();
+    cpdi_flip_usl: Method::new(Cpdi, Flip, Usl, PlaneStrain), Cpdi, Rule::Flip, Usl, [scene::flow()], metal();
     quadratic_mls_usl: Method::new(QuadraticBSpline, Mls, Usl, PlaneStrain), QuadraticBSpline, Rule::Mls, Usl, [scene::bar()], rubber();
     cubic_fmpm2_usl: Method::new(CubicBSpline, Fmpm::<2>, Usl, PlaneStrain), CubicBSpline, Rule::Fmpm(2), Usl, [scene::flow()], rubber();
     axisymmetric_linear_flip_musl: Method::new(Linear, Flip, Musl, Axisymmetric), Linear, Rule::Flip, Musl, [scene::cylinder()], metal();

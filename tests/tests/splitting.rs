@@ -4,8 +4,9 @@ use impactite_tests::scene::block;
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::step::SceneError;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Mpm, Musl,
-    Particle, PlaneStrain, QuadraticBSpline, Side, Splitting, Team, TimeControl, Totals, Usf, Usl,
+    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Cpdi, Cpdi2, Flip, FullSpace, Linear,
+    Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, Splitting, Team, TimeControl, Totals,
+    Usf, Usl,
 };
 use mpm_materials::{Moduli, NeoHookean, Stretching};
 use proptest::prelude::*;
@@ -136,6 +137,14 @@ proptest! {
     #[test]
     fn books_plane_domains(motion in motion()) {
         keeps_the_books::<2, _>(Method::new(CpGimp, Flip, Musl, PlaneStrain), motion)?;
+    }
+    #[test]
+    fn books_plane_corners(motion in motion()) {
+        keeps_the_books::<2, _>(Method::new(Cpdi2, Flip, Usl, PlaneStrain), motion)?;
+    }
+    #[test]
+    fn books_solid_edges(motion in motion()) {
+        keeps_the_books::<3, _>(Method::new(Cpdi, Flip, Musl, FullSpace), motion)?;
     }
     #[test]
     fn books_revolution(motion in motion()) {
