@@ -66,6 +66,7 @@ mod kinematics;
 mod ledger;
 mod method;
 mod particles;
+mod pieces;
 mod revise;
 mod search;
 pub mod simplex;
@@ -84,6 +85,7 @@ pub use kinematics::{
 pub use ledger::{Audit, Lot, Totals};
 pub use method::{Composition, Method};
 pub use particles::{Packing, Particle, SceneError};
+pub use pieces::pieces;
 pub use search::Neighbours;
 pub use solver::{Masses, Pcmm, SMALL};
 pub use step::StepError;

@@ -8,7 +8,7 @@ use mpm_materials::{
     Constitutive, Elastic, JohnsonCook, LogarithmicBulk, MieGruneisen, Moduli, ObjectiveRate, Solid, Sym3,
 };
 use pcmm::simplex::overlap;
-use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm};
+use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm, pieces};
 
 /// Which parts of the method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -230,7 +230,7 @@ pub fn stretch(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseError> {
         let mut body = Pcmm::new(method, law, &packing, speed, Masses::FromElements)?;
         for step in 1..=40 {
             let free = (most - 1.0) * f64::from(step) / 40.0;
-            if body.run_until(free / rate).is_err() || pieces(&body) > 1 {
+            if body.run_until(free / rate).is_err() || has_parted(&body) {
                 break;
             }
         }
@@ -245,28 +245,10 @@ pub fn stretch(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseError> {
     })
 }
 
-/// Pieces of more than a twentieth of the elements, that hang together.
-fn pieces<C: Constitutive<f64>, M: Composition<2>>(body: &Pcmm<2, C, M>) -> usize {
-    let mut root: Vec<u32> = (0..body.particles().len() as u32).collect();
-    fn find(root: &mut [u32], mut n: u32) -> u32 {
-        while root[n as usize] != n {
-            root[n as usize] = root[root[n as usize] as usize];
-            n = root[n as usize];
-        }
-        n
-    }
-    for nodes in body.element_nodes().chunks_exact(3) {
-        for k in 1..3 {
-            let (a, b) = (find(&mut root, nodes[0]), find(&mut root, nodes[k]));
-            root[a.max(b) as usize] = a.min(b);
-        }
-    }
-    let mut count = vec![0usize; root.len()];
-    for nodes in body.element_nodes().chunks_exact(3) {
-        count[find(&mut root, nodes[0]) as usize] += 1;
-    }
+/// Does it hang together, but for pieces of at most a twentieth of the elements?
+fn has_parted<C: Constitutive<f64>, M: Composition<2>>(body: &Pcmm<2, C, M>) -> bool {
     let least = body.elements() / 20;
-    count.iter().filter(|&&c| c > least).count()
+    pieces::<2>(body.element_nodes(), body.particles().len()).iter().filter(|p| p.len() > least).count() > 1
 }
 
 /// What a random packing shows.

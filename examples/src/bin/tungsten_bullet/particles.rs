@@ -6,7 +6,7 @@ use examples::{CaseError, Totals};
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
 use mpm_core::output::Progress;
 use mpm_core::{Axisymmetric, Boundary, Embedding, PlaneStrain, Side, Team, TimeControl};
-use pcmm::{Bodies, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm};
+use pcmm::{Bodies, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm, pieces};
 
 use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, packed};
 
@@ -79,8 +79,11 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcom
             let particles = scene.particles(0);
             let reach =
                 |n: &u32| particles[*n as usize].position[space.axis()] + particles[*n as usize].radius;
-            let bullet = largest_piece(scene.element_nodes(0), particles.len());
-            let tip = bullet.iter().map(reach).fold(f64::MIN, f64::max);
+            // Of the largest piece that hangs together: others may fly ahead.
+            let corners = scene.element_nodes(0);
+            let pieces = pieces::<2>(corners, particles.len());
+            let bullet = pieces.iter().take(1).flatten().flat_map(|&e| &corners[3 * e as usize..][..3]);
+            let tip = bullet.map(reach).fold(f64::MIN, f64::max);
             let bullet = scene.totals_of(0).unwrap_or_default();
             let speed = bullet.momentum[space.axis()] / bullet.mass;
             let energies = [now.kinetic, now.internal, taken].map(|e| e / start.kinetic);
@@ -106,40 +109,4 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcom
     let added = Some(scene.audit().energy_added() / start.kinetic);
     let mass = start.mass / setup.mass();
     Ok(Outcome { method: "pcmm", space, history, frames, mass, added, totals })
-}
-
-/// The particles of most triangles that hang together: pieces that broke off a bullet may fly ahead of it.
-fn largest_piece(corners: &[u32], particles: usize) -> Vec<u32> {
-    let mut parent: Vec<u32> = (0..particles as u32).collect();
-    fn root(parent: &mut [u32], mut n: u32) -> u32 {
-        while parent[n as usize] != n {
-            parent[n as usize] = parent[parent[n as usize] as usize];
-            n = parent[n as usize];
-        }
-        n
-    }
-    for triangle in corners.chunks_exact(3) {
-        for pair in triangle.windows(2) {
-            let (a, b) = (root(&mut parent, pair[0]), root(&mut parent, pair[1]));
-            parent[a.max(b) as usize] = a.min(b);
-        }
-    }
-    let mut corners_of = vec![0u32; particles];
-    for &n in corners {
-        corners_of[root(&mut parent, n) as usize] += 1;
-    }
-    let largest = (0..particles as u32).max_by_key(|&n| (corners_of[n as usize], std::cmp::Reverse(n)));
-    corners.iter().copied().filter(|&n| Some(root(&mut parent, n)) == largest).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::largest_piece;
-
-    #[test]
-    fn of_two_pieces_the_larger() {
-        // Two triangles that share a corner, one alone, one particle in none.
-        assert_eq!(largest_piece(&[7, 3, 8, 0, 1, 4, 4, 5, 6], 9), [0, 1, 4, 4, 5, 6]);
-        assert!(largest_piece(&[], 3).is_empty());
-    }
 }
