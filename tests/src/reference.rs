@@ -765,12 +765,15 @@ fn corner_weights<const D: usize>(x: &[f64; D], corners: &[[f64; D]], h: f64) ->
             }
         }
     }
+    let (mean, least) = (1.0 / values.len() as f64, values.iter().fold(0.0, |a: f64, v| a.min(v / volume)));
+    let keep = if least < 0.0 { mean / (mean - least) } else { 1.0 };
+    let values = values.iter().map(|v| mean + keep * (v / volume - mean));
     let mut sums: BTreeMap<Index<D>, Weight<D>> = BTreeMap::new();
-    for c in 0..1 << D {
+    for (c, value) in values.enumerate() {
         let place = std::array::from_fn(|d| x[d] + scale * corners[c][d]);
         for (node, hat) in hats(&place) {
             let w = sums.entry(node).or_insert(Weight { node, value: 0.0, gradient: [0.0; D] });
-            w.value += hat * values[c] / volume;
+            w.value += hat * value;
             (0..D).for_each(|d| w.gradient[d] += hat * gradients[c][d] / volume / h);
         }
     }

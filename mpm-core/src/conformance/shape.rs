@@ -235,6 +235,9 @@ pub fn convected<S: ShapeFunction<f64, D>, const D: usize>(shape: &S) -> Result<
                 same_for_edges_and_corners::<S, D>(&xi, half, stretch, 0.1 * n as f64)?;
                 if S::DOMAIN == Domain::Corners {
                     reproduction::<S, D>(&xi, &deformed::<S, D>(&start, stretch, 0.1 * n as f64, 0.2))?;
+                    let mut folded = domain;
+                    (0..D).for_each(|d| folded[d] *= -0.6);
+                    reproduction::<S, D>(&xi, &folded)?;
                 }
             }
         }
@@ -304,7 +307,7 @@ fn reproduction<S: ShapeFunction<f64, D>, const D: usize>(
     let found = Table::<f64, S::Extent>::of::<D>(&corners, xi);
     let middle = corners.middle::<D>();
     let here = || format!("xi = {xi:?}, domain {:?}", &domain[..S::DOMAIN.numbers(D)]);
-    within(S::NAME, "a domain that is not inside out", -corners.least, 0.0, here)?;
+    within(S::NAME, "a domain that is not inside out", -corners.volume, 0.0, here)?;
     let (mut sum, mut mean, mut slope, mut linear) = (0.0, [0.0; D], [0.0; D], [[0.0; D]; D]);
     for s in 0..nodes::<S::Extent>() {
         within(S::NAME, "no negative weight", -found.value[s], 1e-15, here)?;

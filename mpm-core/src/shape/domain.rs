@@ -118,8 +118,8 @@ pub struct Corners<L> {
     value: [L; MOST_CORNERS],
     /// Per cell.
     slope: [[L; 3]; MOST_CORNERS],
-    /// The smallest Jacobian found: not positive if the domain is turned inside out.
-    pub least: L,
+    /// Over 2^D: signed, and not positive if more of the domain is inside out than not. Cells^D, scaled.
+    pub volume: L,
 }
 
 impl<L: Lane> Corners<L> {
@@ -132,7 +132,7 @@ impl<L: Lane> Corners<L> {
             scale: zero,
             value: [zero; MOST_CORNERS],
             slope: [[zero; 3]; MOST_CORNERS],
-            least: zero,
+            volume: zero,
         };
         for c in 0..1 << D {
             for d in 0..D {
@@ -163,8 +163,8 @@ impl<L: Lane> Corners<L> {
             corners.integrate::<D>();
         } else {
             let edges = kind.half_edges::<L, D>(numbers);
-            let (least, dual) = cofactors::<L, D>(&edges);
-            let (each, per) = (1.0 / (1 << D) as f64, (least * corners.scale).recip());
+            let (volume, dual) = cofactors::<L, D>(&edges);
+            let (each, per) = (1.0 / (1 << D) as f64, (volume * corners.scale).recip());
             for c in 0..1 << D {
                 corners.value[c] = L::of(each);
                 for d in 0..D {
@@ -175,7 +175,7 @@ impl<L: Lane> Corners<L> {
                     corners.slope[c][d] = sum * per * L::of(each);
                 }
             }
-            corners.least = least;
+            corners.volume = volume;
         }
         corners
     }
@@ -185,7 +185,6 @@ impl<L: Lane> Corners<L> {
     #[inline(always)]
     fn integrate<const D: usize>(&mut self) {
         let mut volume = L::zero();
-        self.least = L::of(f64::MAX);
         for point in 0..1 << D {
             let along = |d: usize| side(point, d) / 3f64.sqrt();
             // Shape functions of the corners there, and their derivatives.
@@ -212,11 +211,20 @@ impl<L: Lane> Corners<L> {
                 }
             }
             volume = volume + det;
-            self.least = self.least.min(det);
         }
+        self.volume = volume;
         let per = volume.recip();
+        // Where a domain is folded a corner may weigh less than nothing, and masses of nodes would be negative: then all
+        // are drawn to their mean until it weighs nothing.
+        let mean = L::of(1.0 / (1 << D) as f64);
+        let mut low = L::zero();
         for c in 0..1 << D {
-            self.value[c] = self.value[c] * per;
+            self.value[c] = self.value[c].mul_add(per, -mean);
+            low = low.min(self.value[c]);
+        }
+        let keep = mean / mean.max(-low);
+        for c in 0..1 << D {
+            self.value[c] = self.value[c].mul_add(keep, mean);
             for d in 0..D {
                 self.slope[c][d] = self.slope[c][d] * per;
             }

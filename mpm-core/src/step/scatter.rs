@@ -108,7 +108,7 @@ impl<T: Float, E: Stencil> Spread<T, E> {
         Spread { x: axis, dx: axis, y: axis, z: axis, yz: nodes, dy: nodes, dz: nodes, table: [nodes; 2] }
     }
 
-    /// What particles at `xi` with these domains weigh, with slopes for forces. Returns the least Jacobian of domains that
+    /// What particles at `xi` with these domains weigh, with slopes for forces. Returns the signed volume of domains that
     /// convect, which is positive unless they are inside out.
     #[inline(always)]
     pub fn place<P, S, const D: usize>(
@@ -141,7 +141,7 @@ impl<T: Float, E: Stencil> Spread<T, E> {
                 table.slope[2][node].store(&mut self.dz[node]);
             }
         }
-        corners.least
+        corners.volume
     }
 
     /// The products for particles with these weights.

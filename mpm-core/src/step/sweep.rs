@@ -538,9 +538,9 @@ where
                     A::Pack::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
                 }
                 fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, &force, maps);
-                let least = spread.place(method.shape(), &xi, &domain, maps.slopes());
+                let volume = spread.place(method.shape(), &xi, &domain, maps.slopes());
                 if maps.convected {
-                    let sound = A::Pack::bits(zero.lt(least));
+                    let sound = A::Pack::bits(zero.lt(volume));
                     if does.moves && !sound & ((1 << here) - 1) != 0 {
                         note_inside_out(report, bin, &rest[rest.len() - 1].as_ref()[..here], sound);
                     }

@@ -1,7 +1,5 @@
 //! Scenes, and the method once more, plainly: every pair is looked at, every element is a loop. Never made fast.
 
-#![allow(dead_code, missing_docs)]
-
 use mpm_core::Embedding;
 use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_materials::{

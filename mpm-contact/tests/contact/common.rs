@@ -1,8 +1,5 @@
 //! Scenes of rubber bodies in the plane and in space.
 
-// Every test file uses some of it.
-#![allow(dead_code)]
-
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
     BlockGrid, Composition, Contact, Flip, FullSpace, Linear, Method, Mpm, Musl, Particle, PlaneStrain,

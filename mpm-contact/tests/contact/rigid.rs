@@ -1,10 +1,8 @@
 //! Rigid bodies, against mechanics.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{H, ball, cuboid, lattice, particles, plane, rubber, space};
+use crate::common::{H, ball, cuboid, lattice, particles, plane, rubber, space};
 use mpm_contact::{Choice, Coulomb, Frictionless, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
 use mpm_core::geometry::{Seeds, rings};
 use mpm_core::{

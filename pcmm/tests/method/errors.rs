@@ -1,10 +1,6 @@
 //! Bad input is refused by name; a run that breaks names element, particles, position and cause.
 
-#![allow(missing_docs)]
-
-mod common;
-
-use common::{block, copper, steel};
+use crate::common::{block, copper, steel};
 use mpm_core::{Axisymmetric, Boundary, PlaneStrain, Side, TimeControl};
 use pcmm::{AzimuthFan, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm, SceneError, StepError};
 

@@ -1,8 +1,6 @@
 //! Half a scene at a plane of symmetry does what half of the whole scene does, contact included.
 
-mod common;
-
-use common::{H, WAVE, ball, build, particles, plane};
+use crate::common::{H, WAVE, ball, build, particles, plane};
 use mpm_contact::{Coulomb, GridContact, Pairs, SurfaceDistance};
 use mpm_core::geometry::Seeds;
 use mpm_core::{

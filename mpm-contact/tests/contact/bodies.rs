@@ -1,10 +1,8 @@
 //! Bodies that meet on the grid: what every contact must do, on scenes of two and three bodies.
 
-mod common;
-
 use std::sync::{Arc, Mutex};
 
-use common::{H, WAVE, build, cuboid, particles, plane, space, three, two};
+use crate::common::{H, WAVE, build, cuboid, particles, plane, space, three, two};
 use mpm_contact::{
     Adhesion, Approach, Choice, Compression, ContactDetector, Coulomb, Frictionless, Gradients, GridContact,
     Nodal, Pairs, Penalty, Places, Regression, Stick, SurfaceDistance, Weight,
@@ -45,7 +43,7 @@ fn coulomb() -> Pairs<f64> {
 /// Momentum of the whole, each step; forces of the pairs on each body are what the body's momentum changed by.
 fn acts_and_reacts<S: ContactDetector<f64, 2>, M: Composition<f64, 2>>(
     method: M,
-    scene: &common::Scene<2>,
+    scene: &crate::common::Scene<2>,
     detector: S,
     laws: Pairs<f64>,
 ) {
@@ -105,7 +103,7 @@ fn books_close<const D: usize, M: Composition<f64, D>, S: ContactDetector<f64, D
         (centre[p], low[p], high[p], front[p]) = (0.0, 0.0, 0.5, 0.0);
     }
     let half = Ball::new(centre, 0.2).expect("ball").and(Cuboid::new(front, [5.0; D]).expect("half"));
-    let ball = fill(&half, &common::lattice(), 2, &Filling::new()).expect("seeds");
+    let ball = fill(&half, &crate::common::lattice(), 2, &Filling::new()).expect("seeds");
     let mut velocity = [0.0; D];
     velocity[0] = 3.0;
     let mut mpm = build(method, contact, &vec![(ball, velocity), (cuboid(low, high), [0.0; D])]);
@@ -141,7 +139,11 @@ fn momentum_is_booked_beside_planes_of_symmetry() {
 
 /// Along the normal contact only pushes, across it no more than friction allows; bodies that overlap have a gap
 /// below zero.
-fn pushes_within_the_cone<S: ContactDetector<f64, 2>>(scene: &common::Scene<2>, detector: S, friction: f64) {
+fn pushes_within_the_cone<S: ContactDetector<f64, 2>>(
+    scene: &crate::common::Scene<2>,
+    detector: S,
+    friction: f64,
+) {
     let laws = Pairs::new(Coulomb::new(friction).expect("law"));
     let mut mpm = build(plane(), GridContact::new(detector, laws), scene);
     let (mut met, mut rubbed) = (0, 0.0);
@@ -244,7 +246,7 @@ fn springs_give_back_what_they_take() {
 type Map = fn([f64; 2]) -> [f64; 2];
 
 /// The scene with its bodies in another order, places and velocities sent through maps.
-fn seen(scene: &common::Scene<2>, order: &[usize], place: Map, turn: Map) -> common::Scene<2> {
+fn seen(scene: &crate::common::Scene<2>, order: &[usize], place: Map, turn: Map) -> crate::common::Scene<2> {
     order
         .iter()
         .map(|&n| {
@@ -256,13 +258,13 @@ fn seen(scene: &common::Scene<2>, order: &[usize], place: Map, turn: Map) -> com
 }
 
 /// Bodies renumbered, shifted by whole cells, turned by a right angle: the same but for round-off.
-fn looks_the_same<S: ContactDetector<f64, 2> + Clone>(scene: &common::Scene<2>, detector: S) {
+fn looks_the_same<S: ContactDetector<f64, 2> + Clone>(scene: &crate::common::Scene<2>, detector: S) {
     let same: Map = |x| x;
     let shift: Map = |x| [x[0] + 7.0 * H, x[1] - 13.0 * H];
     let turn: Map = |[x, y]| [-y, x];
     let mut other: Vec<usize> = (0..scene.len()).collect();
     other.rotate_left(1);
-    let run = |scene: &common::Scene<2>| {
+    let run = |scene: &crate::common::Scene<2>| {
         let mut mpm = build(plane(), GridContact::new(detector.clone(), coulomb()), scene);
         mpm.set_time_control(TimeControl::Fixed(0.2 * H / WAVE)).expect("control");
         for _ in 0..60 {
@@ -353,8 +355,10 @@ fn any_number_of_threads_gives_the_same_bits() {
 /// Bodies that never share a node do what they do without contact, bit for bit; one body alone, too.
 #[test]
 fn alone_a_body_moves_as_without_contact() {
-    let apart =
-        vec![(common::ball([0.2, 0.2], 0.17), [3.0, 1.0]), (common::ball([0.2, 1.3], 0.17), [2.0, -1.0])];
+    let apart = vec![
+        (crate::common::ball([0.2, 0.2], 0.17), [3.0, 1.0]),
+        (crate::common::ball([0.2, 1.3], 0.17), [2.0, -1.0]),
+    ];
     for scene in [apart.clone(), apart[..1].to_vec()] {
         let mut with = build(plane(), GridContact::new(SurfaceDistance::default(), coulomb()), &scene);
         let mut without = build(plane(), OneField, &scene);
@@ -383,7 +387,7 @@ fn gap_at_onset<S: ContactDetector<f64, 2>>(detector: S, low: Seeds<2>, high: Se
 /// other when they share a node.
 #[test]
 fn contact_begins_when_surfaces_touch() {
-    let discs = || (common::ball([0.0, 0.0], 0.2), common::ball([0.0, 0.4 + 3.0 * H], 0.2));
+    let discs = || (crate::common::ball([0.0, 0.0], 0.2), crate::common::ball([0.0, 0.4 + 3.0 * H], 0.2));
     let blocks = || (cuboid([0.0, 0.0], [0.4, 0.4]), cuboid([0.0, 0.4 + 3.0 * H], [0.4, 0.8 + 3.0 * H]));
     let ((a, b), (c, d)) = (discs(), discs());
     let gaps = [
@@ -438,7 +442,7 @@ impl ContactDetector<f64, 2> for Recorded {
 fn errors_of_gaps(detector: SurfaceDistance) -> [f64; 2] {
     let (radius, height) = (10.0 * H, 0.3 * H);
     let centre = [0.7 * H, radius + height];
-    let mut disc = common::ball([0.0, 0.0], H);
+    let mut disc = crate::common::ball([0.0, 0.0], H);
     (disc.positions, disc.volumes) = (Vec::new(), Vec::new());
     for ring in 0..20 {
         let r = (f64::from(ring) + 0.5) * 0.5 * H;

@@ -1,10 +1,6 @@
 //! The solver against the plain method, and equal bits for any number of threads.
 
-#![allow(missing_docs)]
-
-mod common;
-
-use common::{Plain, block, copper, every_pair, random, steel};
+use crate::common::{Plain, block, copper, every_pair, random, steel};
 use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::{Axisymmetric, Boundary, FullSpace, PlaneStrain, Side, Team, TimeControl};
 use mpm_materials::Constitutive;

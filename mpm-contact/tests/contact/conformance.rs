@@ -1,5 +1,4 @@
 //! The batteries for our own laws and detectors, and for broken ones.
-#![cfg(feature = "conformance")]
 
 use mpm_contact::conformance::{Broken, FRICTION, detector, detector_and_law, law};
 use mpm_contact::{

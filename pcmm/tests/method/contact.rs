@@ -1,10 +1,6 @@
 //! Contact between bodies: the properties that grid contact has, and exact solutions.
 
-#![allow(missing_docs)]
-
-mod common;
-
-use common::{block, steel};
+use crate::common::{block, steel};
 use mpm_contact::conformance::{Broken, Collision, DISC, FRICTION, collision, disc};
 use mpm_contact::{
     Adhesion, Approach, Choice, Compression, ContactDetector, Coulomb, Frictionless, Gradients, Pairs,

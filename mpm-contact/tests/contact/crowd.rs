@@ -1,8 +1,6 @@
 //! Bodies that crowd in one block of nodes, where each keeps only the nodes it reaches.
 
-mod common;
-
-use common::{H, cuboid, lattice, rubber};
+use crate::common::{H, cuboid, lattice, rubber};
 use mpm_contact::{Frictionless, Gradients, GridContact, Pairs, SurfaceDistance};
 use mpm_core::{
     Apic, BlockGrid, Boundary, Composition, CpGimp, DenseGrid, Flip, Fmpm, FullSpace, GridStorage, Linear,

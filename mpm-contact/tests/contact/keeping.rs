@@ -1,11 +1,9 @@
 //! What contact knows from earlier steps.
 
-mod common;
-
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{H, WAVE, ball, build, cuboid, particles, plane, three};
+use crate::common::{H, WAVE, ball, build, cuboid, particles, plane, three};
 use mpm_contact::{
     ContactDetector, Coulomb, Criterion, Frictionless, Gradients, GridContact, Nodal, Pairs, Places,
     SurfaceDistance,

@@ -3,9 +3,7 @@
 //! By quadratic splines with APIC. Hats with FLIP and MUSL fail both: a layer as light explodes, a pile keeps its noise
 //! and sinks into itself (docs/notes.md 7.8).
 
-mod common;
-
-use common::{H, lattice, rubber};
+use crate::common::{H, lattice, rubber};
 use mpm_contact::{Coulomb, Frictionless, GridContact, Pairs, SurfaceDistance};
 use mpm_core::geometry::{Cuboid, Filling, Shape, fill, rings};
 use mpm_core::{

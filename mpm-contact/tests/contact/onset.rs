@@ -1,8 +1,6 @@
 //! When does contact begin? Bodies that close face to face must feel each other when their surfaces meet.
 
-mod common;
-
-use common::{H, WAVE, build, cuboid};
+use crate::common::{H, WAVE, build, cuboid};
 use mpm_contact::{
     Approach, ContactDetector, Frictionless, Gradients, GridContact, Pairs, Regression, SurfaceDistance,
 };
@@ -14,7 +12,7 @@ const APART: f64 = 3.0;
 
 /// A disc of particles in circles, so that the outermost ones touch the surface.
 fn disc(centre: [f64; 2], cells: u32) -> Seeds<2> {
-    let mut seeds = common::ball([0.0, 0.0], H);
+    let mut seeds = crate::common::ball([0.0, 0.0], H);
     (seeds.positions, seeds.volumes) = (Vec::new(), Vec::new());
     for ring in 0..2 * cells {
         let r = (f64::from(ring) + 0.5) * 0.5 * H;

@@ -1,10 +1,6 @@
 //! Properties of the tessellations and of the method on random scenes.
 
-#![allow(missing_docs)]
-
-mod common;
-
-use common::{block, copper, random, steel, thrown, turning_steel};
+use crate::common::{block, copper, random, steel, thrown, turning_steel};
 use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::{Axisymmetric, FullSpace, PlaneStrain};
 use mpm_materials::Sym3;

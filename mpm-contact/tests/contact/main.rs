@@ -1,0 +1,14 @@
+//! Contact on the grid. One program, so that what all of them use is compiled once.
+
+#![allow(missing_docs)]
+
+mod bodies;
+mod common;
+#[cfg(feature = "conformance")]
+mod conformance;
+mod crowd;
+mod keeping;
+mod onset;
+mod rest;
+mod rigid;
+mod symmetry;

@@ -1,0 +1,9 @@
+//! Particle contacts. One program, so that what all of them use is compiled once.
+
+#![allow(missing_docs)]
+
+mod common;
+mod contact;
+mod errors;
+mod properties;
+mod reference;
