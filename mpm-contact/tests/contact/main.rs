@@ -10,5 +10,6 @@ mod crowd;
 mod keeping;
 mod onset;
 mod rest;
+mod restart;
 mod rigid;
 mod symmetry;

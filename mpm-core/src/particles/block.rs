@@ -3,6 +3,7 @@
 use super::Columns;
 use crate::dim::{BLOCK, block_nodes};
 use crate::parallel::{Float, prefetch};
+use crate::step::checkpoint::{Archive, CheckpointError};
 use crate::step::rest::Stilled;
 
 /// No group.
@@ -314,6 +315,33 @@ impl<T: Float, const D: usize> Block<T, D> {
     pub fn bin_places(&self, bin: usize) -> impl Iterator<Item = Place> + '_ {
         std::iter::successors(self.last_group(bin), |&(group, _)| self.group_before(group))
             .flat_map(|(group, lanes)| (0..lanes as u32).map(move |lane| Place { group, lane }))
+    }
+
+    /// Take the particles of all bins to a file, in the order they were pushed in; or push those of a file to this block, which
+    /// is empty.
+    pub(crate) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let mut numbers = Vec::with_capacity(self.columns);
+        for bin in 0..self.runs.len() {
+            let groups = std::iter::successors(self.last_group(bin), |&(group, _)| self.group_before(group));
+            let mut groups: Vec<(u32, usize)> = groups.collect();
+            groups.reverse();
+            let mut count = self.bin_len(bin);
+            file.count(&mut count)?;
+            for n in 0..count {
+                numbers.clear();
+                match groups.get(n / T::GROUP) {
+                    Some(&(group, _)) => {
+                        self.read(Place { group, lane: (n % T::GROUP) as u32 }, &mut numbers)
+                    }
+                    None => numbers.resize(self.columns, T::default()),
+                }
+                file.numbers(&mut numbers)?;
+                if file.reads() {
+                    self.push(bin, &numbers);
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The dummy of this block.

@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Breakdown, Constitutive, Lane, State};
 
+use super::checkpoint::{Archive, CheckpointError};
 use super::fields::Claim;
 use super::footprint::Footprint;
 use super::layout::{Layout, Nodes};
@@ -195,6 +196,12 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
         SplitBook::default()
     }
 
+    /// Take all that changes in a run to a file, or from one.
+    ///
+    /// # Errors
+    /// The file.
+    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
+
     /// Stop all particles.
     fn still(&mut self) -> Stilled;
     /// Take out of the velocities what the nodes of a cell do not see; the kinetic energy of that, J.
@@ -232,10 +239,10 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) load: L,
     /// Sum of the loaded areas, m^2.
     loaded_area: f64,
-    loading: Loading,
+    pub(super) loading: Loading,
     /// When particles are split, and how often they were.
     pub(super) splitter: Splitter<T>,
-    splits: SplitBook,
+    pub(super) splits: SplitBook,
     /// Where the particles started, by number, if a force field asks for it, m.
     pub(super) starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
@@ -581,11 +588,15 @@ where
                     slot.report = Report::default();
                     slot
                 }
-                None => new_slot::<T, D, ExtentOf<M, T, D>>(c, &self.dummy, Self::RECORDS),
+                None => self.empty_slot(c),
             };
             self.slots.push(slot);
         }
         !wanted.is_empty()
+    }
+
+    pub(super) fn empty_slot(&self, coordinates: [i32; D]) -> Slot<T, D> {
+        new_slot::<T, D, ExtentOf<M, T, D>>(coordinates, &self.dummy, Self::RECORDS)
     }
 
     fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
@@ -841,6 +852,10 @@ where
     }
     fn splits(&self) -> SplitBook {
         self.splits
+    }
+
+    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.exchange_particles(file)
     }
 
     fn still(&mut self) -> Stilled {

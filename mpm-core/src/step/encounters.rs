@@ -24,7 +24,7 @@ pub struct Pair {
     /// Kinetic energy of the nodes taken beside that in this step, J.
     pub taken: f64,
     /// How far both had moved when they were looked at, m.
-    way: f64,
+    pub(super) way: f64,
 }
 
 impl Pair {
@@ -35,7 +35,7 @@ impl Pair {
 }
 
 /// A pair that touches at a node, or may before it is looked at anew.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Touch<T> {
     /// Which node of the block.
     pub node: u8,
@@ -62,8 +62,8 @@ pub struct Found<T> {
     pub pairs: Vec<Pair>,
     /// Where they touch, by node and pair.
     pub touches: Vec<Touch<T>>,
-    stale: bool,
-    block: [i32; 3],
+    pub(super) stale: bool,
+    pub(super) block: [i32; 3],
 }
 
 impl<T> Default for Found<T> {
@@ -176,7 +176,7 @@ pub struct PairContact {
 }
 
 impl PairContact {
-    fn new(bodies: [usize; 2]) -> Self {
+    pub(super) fn new(bodies: [usize; 2]) -> Self {
         PairContact { bodies, force: [0.0; 3], nodes: 0, gap: None, friction: 0.0, taken: 0.0 }
     }
 }
@@ -189,9 +189,9 @@ pub struct Encounters<T> {
     shared: usize,
     /// Used while blocks are arranged.
     before: Vec<Found<T>>,
-    pairs: Vec<PairContact>,
+    pub(super) pairs: Vec<PairContact>,
     /// How far particles of each body may have moved since the start, m.
-    way: Vec<f64>,
+    pub(super) way: Vec<f64>,
     /// Square of the largest speed by block, and by body.
     squares: Vec<T>,
     steps: Vec<T>,

@@ -75,7 +75,7 @@ pub struct Fields<const D: usize> {
     /// Whose block is where, sorted; empty if bodies are not kept apart.
     table: Vec<([i32; D], u32, u32)>,
     // Used while they are arranged.
-    claims: Vec<Claim<D>>,
+    pub(super) claims: Vec<Claim<D>>,
     wanted: Vec<[i32; D]>,
     places: Vec<u32>,
     found: Vec<(u32, Giver)>,
@@ -112,10 +112,10 @@ impl<const D: usize> Fields<D> {
         separate: bool,
         ahead: bool,
     ) -> Result<(), OutsideGrid> {
-        let mut claims = std::mem::take(&mut self.claims);
+        let claims = &mut self.claims;
         claims.clear();
         for (number, body) in bodies.iter_mut().enumerate() {
-            body.claims(number as u32, ahead, &mut claims);
+            body.claims(number as u32, ahead, claims);
         }
         claims.sort_unstable_by_key(|c| (c.coordinates, c.body));
         claims.dedup_by(|next, kept| {
@@ -123,6 +123,17 @@ impl<const D: usize> Fields<D> {
             kept.reached |= if same { next.reached } else { 0 };
             same
         });
+        self.settle(grid, bodies, separate)
+    }
+
+    /// Have the node blocks that are claimed.
+    pub(super) fn settle<T: Float, G: GridStorage<T, D>>(
+        &mut self,
+        grid: &mut G,
+        bodies: &mut [Box<dyn Body<T, D>>],
+        separate: bool,
+    ) -> Result<(), OutsideGrid> {
+        let claims = std::mem::take(&mut self.claims);
         self.wanted.clear();
         self.wanted.extend(claims.iter().map(|c| c.coordinates));
         self.wanted.dedup();

@@ -1,6 +1,7 @@
 //! The step: a list of stages, in the order of the flow chart of \[Ma2010\] 1.4.
 
 pub mod body;
+pub mod checkpoint;
 pub mod contact;
 pub mod control;
 mod convect;
@@ -32,6 +33,7 @@ pub mod tile;
 mod total;
 
 pub use body::{Body, Particle, ParticleBody, Totals};
+pub use checkpoint::CheckpointError;
 pub use contact::{Contact, ContactNode, OneField, PairContact};
 pub use control::TimeControl;
 pub(crate) use encounters::Encounters;

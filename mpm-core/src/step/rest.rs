@@ -141,11 +141,11 @@ const PAST: f64 = 1e-3;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Calm {
     /// The most kinetic energy of the nodes since the last stop, J.
-    most: f64,
+    pub(super) most: f64,
     /// That of this step.
-    now: f64,
+    pub(super) now: f64,
     /// How often all was stopped.
-    stops: u64,
+    pub(super) stops: u64,
 }
 
 /// What was in a body's motion when it was stopped.

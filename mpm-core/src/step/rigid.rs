@@ -127,33 +127,33 @@ impl<const D: usize> Rigid<D> {
 
 /// The step that a rigid body is making.
 #[derive(Clone, Copy, Debug)]
-struct Step {
+pub(super) struct Step {
     /// Way of the centre, m.
-    way: Vector3<f64>,
+    pub(super) way: Vector3<f64>,
     /// Turn less identity.
-    turn: Matrix3<f64>,
-    velocity: Vector3<f64>,
-    spin: Vector3<f64>,
-    per_dt: f64,
+    pub(super) turn: Matrix3<f64>,
+    pub(super) velocity: Vector3<f64>,
+    pub(super) spin: Vector3<f64>,
+    pub(super) per_dt: f64,
 }
 
 /// A rigid body's place and motion.
 #[derive(Clone)]
 pub struct RigidState<const D: usize> {
-    prescribed: Option<Prescribed<D>>,
-    held: [bool; 6],
-    mass: f64,
+    pub(super) prescribed: Option<Prescribed<D>>,
+    pub(super) held: [bool; 6],
+    pub(super) mass: f64,
     /// In the frame of the start.
-    inertia: Matrix3<f64>,
-    centre: Vector3<f64>,
-    rotation: Rotation3<f64>,
-    velocity: Vector3<f64>,
-    angular_momentum: Vector3<f64>,
-    spin: Vector3<f64>,
-    force: Vector3<f64>,
-    step: Step,
+    pub(super) inertia: Matrix3<f64>,
+    pub(super) centre: Vector3<f64>,
+    pub(super) rotation: Rotation3<f64>,
+    pub(super) velocity: Vector3<f64>,
+    pub(super) angular_momentum: Vector3<f64>,
+    pub(super) spin: Vector3<f64>,
+    pub(super) force: Vector3<f64>,
+    pub(super) step: Step,
     /// Spin of an angular momentum.
-    inverse: Matrix3<f64>,
+    pub(super) inverse: Matrix3<f64>,
 }
 
 fn wide<const D: usize>(x: &[f64; D]) -> Vector3<f64> {

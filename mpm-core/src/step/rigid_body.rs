@@ -3,6 +3,7 @@
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Real, Sym3, Update};
 
 use super::body::{Body, BodyTrouble, Particle, ParticleBody, Steps, Totals, Which};
+use super::checkpoint::{Archive, CheckpointError};
 use super::fields::{Claim, Fields};
 use super::footprint::Footprint;
 use super::layout::{Layout, Nodes, Piece, numbers};
@@ -170,6 +171,10 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     }
     fn columns(&self) -> usize {
         self.particles.columns()
+    }
+    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.particles.exchange_particles(file)?;
+        self.state.exchange(file)
     }
     /// None: a body of prescribed motion is not stopped.
     fn still(&mut self) -> Stilled {

@@ -88,12 +88,12 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     contact: K,
     /// Where on the grid each body's nodes are.
     pub(super) fields: Fields<D>,
-    encounters: Encounters<T>,
+    pub(super) encounters: Encounters<T>,
     pub(super) bodies: Vec<Box<dyn Body<T, D>>>,
     pub(super) conditions: Conditions<D>,
     control: TimeControl,
     /// The last sharp rate, 1/s, and the step it was found at.
-    sharp: Option<(u64, f64)>,
+    pub(super) sharp: Option<(u64, f64)>,
     /// Kinetic damping, if asked for.
     pub(super) calm: Option<Calm>,
     /// Steps between null-space filters, if asked for.
@@ -105,21 +105,21 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     passed: Vec<Result<T, BodyTrouble>>,
     changed: Vec<bool>,
     /// The step after which blocks were arranged last, and whether with a look ahead.
-    arranged: u64,
-    ahead: bool,
-    last_dt: Option<f64>,
+    pub(super) arranged: u64,
+    pub(super) ahead: bool,
+    pub(super) last_dt: Option<f64>,
     /// The step that impulses on the grid are for, s.
-    planned: T,
+    pub(super) planned: T,
     /// Largest (c + |v|) / h of the particles, 1/s.
-    rate: T,
+    pub(super) rate: T,
     /// What stopped the run, after which it makes no step.
-    stopped_by: Option<StepError>,
+    pub(super) stopped_by: Option<StepError>,
     /// Do the tiles hold the map of the particles as they stand?
     pub(super) mapped: bool,
     ledgers: Vec<NodeLedger>,
     pub(super) ledger: NodeLedger,
     /// The surface loads on the grid.
-    acting: Loading,
+    pub(super) acting: Loading,
     /// Terms of the FMPM series, one a node; empty for other transfers.
     terms: Vec<[T; 3]>,
     /// The nodes at planes of symmetry, walls and fixed planes.
@@ -738,7 +738,7 @@ where
         Ok(())
     }
 
-    fn arrange_planes(&mut self) {
+    pub(super) fn arrange_planes(&mut self) {
         let reach = [
             <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
             <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,

@@ -9,6 +9,7 @@ mod dilatation;
 mod failures;
 mod flight;
 mod loads;
+mod restart;
 mod splitting;
 mod states;
 mod symmetries;

@@ -66,7 +66,11 @@ pub const ELSEWHERE: [(&str, &str, &str); 6] = [
     ("T8", "a light layer under a heavy block, 1e5 steps", "`mpm-contact/tests/contact/rest.rs`"),
     ("T18", "a pile at rest, 1e5 steps", "`mpm-contact/tests/contact/rest.rs`, case `shaken_discs`"),
     ("T25", "spall of a plate", "case `plate_impact`"),
-    ("T30", "restart and threads: threads, grids, observers", "`tests/tests/step/symmetries.rs`"),
+    (
+        "T30",
+        "restart and threads: checkpoint at half the steps, threads, grids, observers",
+        "`tests/tests/step/restart.rs`, `symmetries.rs`",
+    ),
 ];
 
 /// Scenes of the list for methods that are not there: number, what, what is missing.

@@ -1,0 +1,203 @@
+//! Numbers that go to a file or come from one: what is said once holds for both.
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+
+use flate2::Compression;
+use flate2::read::GzDecoder;
+use flate2::write::GzEncoder;
+
+use super::CheckpointError;
+use crate::output::OutputError;
+use crate::parallel::Float;
+
+/// A file of 64-bit words, least significant byte first, in gzip for its checksum; not compressed, which would take longer than
+/// it is worth for such numbers.
+///
+/// Every method takes what it says to the file, or puts there what the file says.
+pub struct Archive {
+    path: PathBuf,
+    store: Store,
+}
+
+enum Store {
+    /// To a file beside the one that is to be, which takes its name when it is complete.
+    To(BufWriter<GzEncoder<File>>, PathBuf),
+    From(BufReader<GzDecoder<BufReader<File>>>),
+}
+
+type Done = Result<(), CheckpointError>;
+
+impl Archive {
+    /// To be written.
+    pub(super) fn create(path: &Path) -> Result<Self, CheckpointError> {
+        let mut name = path.file_name().unwrap_or_default().to_os_string();
+        name.push(".part");
+        let part = path.with_file_name(name);
+        let file = File::create(&part).map_err(OutputError::file("create", &part))?;
+        let store = Store::To(BufWriter::new(GzEncoder::new(file, Compression::none())), part);
+        Ok(Archive { path: path.into(), store })
+    }
+
+    /// To be read.
+    pub(super) fn open(path: &Path) -> Result<Self, CheckpointError> {
+        let file = File::open(path).map_err(OutputError::file("open", path))?;
+        let store = Store::From(BufReader::new(GzDecoder::new(BufReader::new(file))));
+        Ok(Archive { path: path.into(), store })
+    }
+
+    /// Is it being read?
+    pub fn reads(&self) -> bool {
+        matches!(self.store, Store::From(_))
+    }
+
+    /// All is said: make it the file of its name, or see that it is whole and that nothing follows.
+    pub(super) fn close(self) -> Done {
+        match self.store {
+            Store::To(words, part) => {
+                let written = words.into_inner().map_err(std::io::IntoInnerError::into_error);
+                let file = written.and_then(GzEncoder::finish).and_then(|file| file.sync_all());
+                file.map_err(OutputError::file("write", &part))?;
+                let renamed = std::fs::rename(&part, &self.path);
+                Ok(renamed.map_err(OutputError::file("rename to", &self.path))?)
+            }
+            Store::From(mut words) => match words.read(&mut [0]) {
+                Ok(0) => Ok(()),
+                Ok(_) => {
+                    Err(CheckpointError::Damaged { path: self.path, why: "it goes on after its end".into() })
+                }
+                Err(error) => Err(CheckpointError::Damaged { path: self.path, why: error.to_string() }),
+            },
+        }
+    }
+
+    /// What is told of a file that cannot be as it is.
+    pub fn damaged(&self, why: impl Into<String>) -> CheckpointError {
+        CheckpointError::Damaged { path: self.path.clone(), why: why.into() }
+    }
+
+    fn bytes(&mut self, bytes: &mut [u8]) -> Done {
+        match &mut self.store {
+            Store::To(words, part) => Ok(words.write_all(bytes).map_err(OutputError::file("write", part))?),
+            Store::From(words) => words.read_exact(bytes).map_err(|error| match error.kind() {
+                ErrorKind::UnexpectedEof => self.damaged("it ends too early"),
+                _ => self.damaged(error.to_string()),
+            }),
+        }
+    }
+
+    /// A word.
+    pub fn word(&mut self, word: &mut u64) -> Done {
+        let mut bytes = word.to_le_bytes();
+        self.bytes(&mut bytes)?;
+        *word = u64::from_le_bytes(bytes);
+        Ok(())
+    }
+
+    /// An integer.
+    pub fn integer(&mut self, x: &mut i32) -> Done {
+        let mut word = i64::from(*x) as u64;
+        self.word(&mut word)?;
+        *x = i32::try_from(word as i64).map_err(|_| self.damaged(format!("{word:#x} is no coordinate")))?;
+        Ok(())
+    }
+
+    /// A number below `end`.
+    pub fn index(&mut self, x: &mut u32, end: usize) -> Done {
+        let mut word = u64::from(*x);
+        self.word(&mut word)?;
+        let index = u32::try_from(word).ok().filter(|&n| (n as usize) < end);
+        *x = index.ok_or_else(|| self.damaged(format!("{word} is no number below {end}")))?;
+        Ok(())
+    }
+
+    /// How many there are of something.
+    pub fn count(&mut self, count: &mut usize) -> Done {
+        let mut word = *count as u64;
+        self.word(&mut word)?;
+        *count = usize::try_from(word).map_err(|_| self.damaged(format!("{word:#x} is no count")))?;
+        Ok(())
+    }
+
+    /// Yes or no.
+    pub fn flag(&mut self, flag: &mut bool) -> Done {
+        let mut word = u64::from(*flag);
+        self.word(&mut word)?;
+        *flag = word != 0;
+        Ok(())
+    }
+
+    /// A real number, by its bits.
+    pub fn real(&mut self, x: &mut f64) -> Done {
+        let mut word = x.to_bits();
+        self.word(&mut word)?;
+        *x = f64::from_bits(word);
+        Ok(())
+    }
+
+    /// Some.
+    pub fn reals<'a>(&mut self, numbers: impl IntoIterator<Item = &'a mut f64>) -> Done {
+        numbers.into_iter().try_for_each(|x| self.real(x))
+    }
+
+    /// Numbers of the scene's precision.
+    pub fn numbers<'a, T: Float>(&mut self, numbers: impl IntoIterator<Item = &'a mut T>) -> Done {
+        numbers.into_iter().try_for_each(|x| {
+            let mut wide = x.to_double();
+            self.real(&mut wide)?;
+            *x = T::of(wide);
+            Ok(())
+        })
+    }
+
+    /// Something that may not be there.
+    pub fn option<X: Default>(
+        &mut self,
+        option: &mut Option<X>,
+        each: impl FnOnce(&mut Self, &mut X) -> Done,
+    ) -> Done {
+        let mut there = option.is_some();
+        self.flag(&mut there)?;
+        if !there {
+            *option = None;
+            return Ok(());
+        }
+        each(self, option.get_or_insert_default())
+    }
+
+    /// A list. `blank` is what an entry is before it is read.
+    pub fn list<X: Clone>(
+        &mut self,
+        list: &mut Vec<X>,
+        blank: &X,
+        mut each: impl FnMut(&mut Self, &mut X) -> Done,
+    ) -> Done {
+        let mut count = list.len();
+        self.count(&mut count)?;
+        if self.reads() {
+            list.clear();
+        }
+        for n in 0..count {
+            if self.reads() {
+                list.push(blank.clone());
+            }
+            each(self, &mut list[n])?;
+        }
+        Ok(())
+    }
+
+    /// What must be the same in the scene that is read into.
+    ///
+    /// # Errors
+    /// It is not.
+    pub fn same(&mut self, what: &str, here: &str) -> Done {
+        let mut saved = here.as_bytes().to_vec();
+        self.list(&mut saved, &0, |file, byte| file.bytes(std::slice::from_mut(byte)))?;
+        if saved == here.as_bytes() {
+            return Ok(());
+        }
+        let saved = String::from_utf8_lossy(&saved).into_owned();
+        Err(CheckpointError::OtherScene { what: what.into(), saved, here: here.into() })
+    }
+}

@@ -1,0 +1,92 @@
+//! Bodies in a checkpoint.
+
+use mpm_materials::Constitutive;
+
+use super::{Archive, CheckpointError};
+use crate::method::Composition;
+use crate::parallel::Float;
+use crate::step::body::ParticleBody;
+use crate::step::load::{Load, Loading};
+use crate::step::nodes::NodeLedger;
+use crate::step::rigid::{RigidState, Step};
+use crate::step::splitting::SplitBook;
+
+impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+    L: Load<D>,
+{
+    /// Particles, and what they mapped.
+    pub(in crate::step) fn exchange_particles(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let mut count = self.slots.len();
+        file.count(&mut count)?;
+        if file.reads() {
+            self.slots.clear();
+            self.spare.clear();
+        }
+        for s in 0..count {
+            if file.reads() {
+                self.slots.push(self.empty_slot([0; D]));
+            }
+            let slot = &mut self.slots[s];
+            slot.block.coordinates.iter_mut().try_for_each(|x| file.integer(x))?;
+            file.word(&mut slot.linked)?;
+            slot.block.exchange(file)?;
+            file.numbers(slot.tile.iter_mut().flatten())?;
+        }
+        file.reals(self.loading.numbers_mut())?;
+        let SplitBook { cuts, kinetic } = &mut self.splits;
+        file.word(cuts)?;
+        file.real(kinetic)?;
+        if file.reads() {
+            self.link_slots();
+        }
+        Ok(())
+    }
+}
+
+impl<const D: usize> RigidState<D> {
+    /// Place and motion.
+    pub(in crate::step) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let RigidState {
+            prescribed: _,
+            held: _,
+            mass: _,
+            inertia: _,
+            centre,
+            rotation,
+            velocity,
+            angular_momentum,
+            spin,
+            force,
+            step,
+            inverse,
+        } = self;
+        let Step { way, turn, velocity: then, spin: spin_then, per_dt } = step;
+        for vector in [centre, velocity, angular_momentum, spin, force, way, then, spin_then] {
+            file.reals(vector.iter_mut())?;
+        }
+        for matrix in [rotation.matrix_mut_unchecked(), turn, inverse] {
+            file.reals(matrix.iter_mut())?;
+        }
+        file.real(per_dt)
+    }
+}
+
+impl Loading {
+    /// All of it.
+    pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
+        let Loading { force, power } = self;
+        force.iter_mut().chain([power])
+    }
+}
+
+impl NodeLedger {
+    /// All of it.
+    pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
+        let NodeLedger { impulse, load, work, dropped, friction, contact, split } = self;
+        impulse.iter_mut().chain(load).chain(dropped).chain([work, friction, contact, split])
+    }
+}

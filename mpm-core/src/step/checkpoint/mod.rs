@@ -1,0 +1,168 @@
+//! Runs that are broken off and resumed.
+//!
+//! A checkpoint holds what changes in a run: particles in their order, with what they mapped to the grid; rigid bodies;
+//! clocks and books; what contact knows. What the scene is made of (laws, loads, boundaries, contact, time
+//! control) is not in it: a run is resumed by a scene that is set up as at its start. The resumed run makes the steps of
+//! the other one, bit for bit, with any number of threads and any grid.
+
+mod archive;
+mod bodies;
+mod meetings;
+
+use std::path::{Path, PathBuf};
+
+pub use archive::Archive;
+
+use super::contact::Contact;
+use super::rest::Calm;
+use super::solver::{Mpm, StepError};
+use crate::grid::{GridStorage, OutsideGrid};
+use crate::method::Composition;
+use crate::output::OutputError;
+use crate::parallel::Float;
+
+/// A checkpoint that could not be written, or a scene that it could not be read into.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CheckpointError {
+    /// The operating system refused a file.
+    #[error(transparent)]
+    File(#[from] OutputError),
+    /// A file that is none, or not whole.
+    #[error("`{}` is no checkpoint that can be read: {why}", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        why: String,
+    },
+    /// The scene is not the one that was saved.
+    #[error("the checkpoint is of another scene: {what} is `{saved}` there and `{here}` here")]
+    OtherScene {
+        /// What differs.
+        what: String,
+        /// What it is in the checkpoint.
+        saved: String,
+        /// What it is in the scene.
+        here: String,
+    },
+    /// The grid of the scene has no room for it.
+    #[error(transparent)]
+    Outside(#[from] OutsideGrid),
+    /// A run that was stopped cannot go on.
+    #[error("a run that was stopped is not saved: {0}")]
+    Stopped(StepError),
+}
+
+/// How files begin.
+const TITLE: &str = "impactite checkpoint 1";
+
+impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
+where
+    T: Float,
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+    K: Contact<T, D>,
+{
+    /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half.
+    ///
+    /// # Errors
+    /// A file that cannot be written; a run that was stopped.
+    pub fn save(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
+        if let Some(error) = &self.stopped_by {
+            return Err(CheckpointError::Stopped(error.clone()));
+        }
+        let mut file = Archive::create(path.as_ref())?;
+        self.exchange(&mut file)?;
+        file.close()
+    }
+
+    /// This scene, set up as the one that was saved to `path` was at its start, as it stood when it was saved. The time
+    /// control may be another.
+    ///
+    /// ```
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
+    /// # use mpm_materials::{LinearElastic, Moduli};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let lattice = Lattice::new([0.0; 2], 0.25)?;
+    /// # let seeds = fill(&Cuboid::new([0.0; 2], [1.0, 1.0])?, &lattice, 2, &Filling::new())?;
+    /// # let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
+    /// # let file = std::env::temp_dir().join("impactite-doc-checkpoint");
+    /// # let scene = || -> Result<_, Box<dyn std::error::Error>> {
+    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    /// # mpm.add("block", law, &seeds, |x| [0.1 * x[0], 0.0])?;
+    /// # Ok(mpm) };
+    /// let mut mpm = scene()?;
+    /// mpm.run_until(1.0)?;
+    /// mpm.save(&file)?;
+    /// // Perhaps in another process:
+    /// let mut again = scene()?.resumed(&file)?;
+    /// assert_eq!(again.time(), mpm.time());
+    /// # mpm.run_until(2.0)?;
+    /// again.run_until(2.0)?;
+    /// # assert_eq!(again.totals(), mpm.totals());
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A file that cannot be read or is damaged; another scene, by method, lattice, precision or bodies; a grid with too
+    /// little room.
+    pub fn resumed(mut self, path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
+        let mut file = Archive::open(path.as_ref())?;
+        self.exchange(&mut file)?;
+        file.close()?;
+        Ok(self)
+    }
+
+    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.recognise(file)?;
+        file.real(&mut self.time)?;
+        file.word(&mut self.steps)?;
+        file.option(&mut self.last_dt, Archive::real)?;
+        file.numbers([&mut self.planned, &mut self.rate])?;
+        file.option(&mut self.sharp, |file, (step, rate)| {
+            file.word(step)?;
+            file.real(rate)
+        })?;
+        file.option(&mut self.calm, |file, Calm { most, now, stops }| {
+            file.reals([most, now])?;
+            file.word(stops)
+        })?;
+        file.flag(&mut self.mapped)?;
+        file.reals(self.ledger.numbers_mut())?;
+        file.reals(self.acting.numbers_mut())?;
+        for body in &mut self.bodies {
+            body.exchange(file)?;
+        }
+
+        file.word(&mut self.arranged)?;
+        file.flag(&mut self.ahead)?;
+        self.fields.exchange(file, self.bodies.len())?;
+        if file.reads() {
+            self.fields.settle(&mut self.grid, &mut self.bodies, K::SEPARATES)?;
+            self.encounters.arrange(&self.fields, self.bodies.len());
+            self.arrange_planes();
+        }
+        self.encounters.exchange(file, &self.fields)
+    }
+
+    /// See that the file is of a scene like this one.
+    fn recognise(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.same("kind of file", TITLE)?;
+        file.same("method", &self.method.describe())?;
+        file.same("dimension", &D.to_string())?;
+        file.same("bytes of a number", &size_of::<T>().to_string())?;
+        file.same("lattice", &format!("{:?}", self.grid.lattice()))?;
+        file.same("contact", if K::SEPARATES { "between bodies" } else { "none" })?;
+        file.same("kinetic damping", if self.calm.is_some() { "on" } else { "off" })?;
+        file.same("number of bodies", &self.bodies.len().to_string())?;
+        for (n, body) in self.bodies.iter().enumerate() {
+            file.same(&format!("name of body {n}"), body.name())?;
+            file.same(&format!("law of body `{}`", body.name()), body.law())?;
+            let columns = format!("{} numbers, {}", body.columns(), body.state_names().join(", "));
+            file.same(&format!("particle of body `{}`", body.name()), &columns)?;
+        }
+        Ok(())
+    }
+}
