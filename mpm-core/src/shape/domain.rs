@@ -47,14 +47,26 @@ impl Domain {
 
     /// The numbers of a box of these half sizes.
     pub fn of_box<L: Lane, const D: usize>(self, half: [L; 3]) -> [L; MOST_NUMBERS] {
-        let mut numbers = [L::zero(); MOST_NUMBERS];
+        let mut edges = [[L::zero(); 3]; 3];
         for d in 0..D {
+            edges[d][d] = half[d];
+        }
+        self.of_edges::<L, D>(&edges)
+    }
+
+    /// The numbers of a parallelogram (parallelepiped) of these half edges; of the box as long along the axes, if that is all
+    /// that is carried.
+    pub fn of_edges<L: Lane, const D: usize>(self, edges: &[[L; 3]; 3]) -> [L; MOST_NUMBERS] {
+        let mut numbers = [L::zero(); MOST_NUMBERS];
+        for k in 0..D {
             match self {
-                Domain::Fixed | Domain::Axes => numbers[d] = half[d],
-                Domain::Edges => numbers[d * D + d] = half[d],
+                Domain::Fixed | Domain::Axes => numbers[k] = edges[k][k].abs(),
+                Domain::Edges => numbers[k * D..][..D].copy_from_slice(&edges[k][..D]),
                 Domain::Corners => {
                     for c in 0..1 << D {
-                        numbers[c * D + d] = half[d] * L::of(side(c, d));
+                        for d in 0..D {
+                            numbers[c * D + d] = edges[k][d].mul_add(L::of(side(c, k)), numbers[c * D + d]);
+                        }
                     }
                 }
             }
@@ -83,9 +95,13 @@ impl Domain {
 
     /// Half edges; of a quadrilateral (hexahedron) those through its middle.
     #[inline(always)]
-    fn half_edges<L: Lane, const D: usize>(self, numbers: &[L; MOST_NUMBERS]) -> [[L; 3]; 3] {
+    pub fn half_edges<L: Lane, const D: usize>(self, numbers: &[L; MOST_NUMBERS]) -> [[L; 3]; 3] {
         let mut edges = [[L::zero(); 3]; 3];
         for k in 0..D {
+            if !self.convects() {
+                edges[k][k] = numbers[k];
+                continue;
+            }
             for d in 0..D {
                 if self == Domain::Edges {
                     edges[k][d] = numbers[k * D + d];

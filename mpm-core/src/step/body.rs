@@ -1,9 +1,8 @@
 //! Bodies: particles of one law. Dynamic between bodies, static inside the loops.
 
-use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
-use mpm_materials::{Breakdown, Constitutive, Lane, State};
+use mpm_materials::{Breakdown, Constitutive, Lane};
 
 use super::checkpoint::{Archive, CheckpointError};
 use super::fields::Claim;
@@ -13,18 +12,18 @@ use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
 use super::rest::Stilled;
 use super::rigid::RigidState;
-use super::splitting::{SplitBook, Splitter, Splitting};
+use super::splitting::{SplitBook, Splitter};
 use super::survey::{Near, Survey};
 use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
 use super::total;
-use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
+use crate::dim::{Stencil, block_nodes, neighbours};
 use crate::frame::Frame;
-use crate::geometry::{Lattice, Seeds};
+use crate::geometry::Lattice;
 use crate::grid::Node;
 use crate::method::Composition;
 use crate::parallel::{Float, Team};
-use crate::particles::{Block, Columns, Outbox, Place, split};
+use crate::particles::{Block, Columns, Outbox, Place};
 use crate::scheme::{PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
@@ -103,6 +102,9 @@ pub struct Particle {
     pub mass: f64,
     /// Volume, m^3 (per radian or metre of depth in two dimensions).
     pub volume: f64,
+    /// Half edges of its domain, m: of the box along the axes that it started with, stretched (cpGIMP), sheared and turned
+    /// (CPDI, and all in the reference configuration) as its method has it.
+    pub half_edges: [[f64; 3]; 3],
     /// Cauchy stress xx, yy, zz, yz, xz, xy, Pa.
     pub stress: [f64; 6],
     /// The law's state, by [`Body::state_names`].
@@ -134,6 +136,8 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     }
     /// Names of the numbers in [`Particle::state`].
     fn state_names(&self) -> Vec<String>;
+    /// Half sizes of the particles at the start, m.
+    fn half_size(&self) -> [f64; D];
     /// Smallest particle mass, kg.
     fn lightest(&self) -> T;
     /// Place and motion, if the body is rigid.
@@ -212,7 +216,7 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
 
 /// A body of the law `C` in a method `M`.
 pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
-    name: String,
+    pub(super) name: String,
     pub(super) law: C,
     pub(super) method: M,
     pub(super) lattice: Lattice<D>,
@@ -221,13 +225,13 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Slots without particles, kept for the next ones: a body that moves needs no new memory.
     pub(super) spare: Vec<Slot<T, D>>,
     /// Slots by coordinates, while they are linked.
-    index: Vec<([i32; D], u32)>,
+    pub(super) index: Vec<([i32; D], u32)>,
     /// Places that particles left for, or may soon, while blocks are made.
     pub(super) wanted: Vec<[i32; D]>,
     /// Node block, slot and direction of each link, while they are made.
     pub(super) links: Vec<(u32, u32, usize)>,
     /// Particles that left their bins in the last pass, by slot.
-    outboxes: Vec<Outbox<T>>,
+    pub(super) outboxes: Vec<Outbox<T>>,
     /// Blocks of nodes around each slot, 3^D, x fastest; `NONE` where there is none.
     pub(super) nodes_around: Vec<u32>,
     /// Slot of each neighbour (3^D, x fastest) of each node block of the body's own list, `NONE` where there is
@@ -235,10 +239,10 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) contributors: Vec<u32>,
     /// Half sizes of the particles in units of h.
     pub(super) half: [T; 3],
-    lightest: T,
+    pub(super) lightest: T,
     pub(super) load: L,
     /// Sum of the loaded areas, m^2.
-    loaded_area: f64,
+    pub(super) loaded_area: f64,
     pub(super) loading: Loading,
     /// When particles are split, and how often they were.
     pub(super) splitter: Splitter<T>,
@@ -246,16 +250,12 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Where the particles started, by number, if a force field asks for it, m.
     pub(super) starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
-    dummy: Vec<T>,
+    pub(super) dummy: Vec<T>,
 }
 
-/// A law's state by position, m.
-pub(super) type InitialState<'a, T, const D: usize, C> =
-    dyn Fn([f64; D]) -> <C as Constitutive<T>>::State<<T as mpm_materials::Real>::Single> + 'a;
-
 pub(super) const NONE: u32 = u32::MAX;
-type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
-type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
+pub(super) type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
+pub(super) type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
 
 /// Offset -1, 0 or 1 along each axis of neighbour `index`.
 pub(super) fn offset<const D: usize>(index: usize) -> [i32; D] {
@@ -285,123 +285,6 @@ where
 {
     /// Records a node that the method maps.
     const RECORDS: usize = if M::MAPS_TOGETHER { 1 } else { 2 };
-    /// Numbers a particle carries for a load.
-    const LOADS: usize = if L::FIELD {
-        D
-    } else if L::ACTS {
-        1
-    } else {
-        0
-    };
-
-    /// A body for the particles of `seeds`, without them.
-    pub fn empty(name: &str, law: C, method: M, lattice: Lattice<D>, seeds: &Seeds<D>, load: L) -> Self {
-        let mut names = Vec::new();
-        C::State::<T::Single>::names("state", &mut names);
-        let (loads, frame) = (Self::LOADS, total::rows::<T, D, M>());
-        let columns = Columns::new(D, names, ShapeOf::<M, T, D>::DOMAIN.numbers(D), loads, frame);
-        let virgin: Vec<T> =
-            mpm_materials::point::flatten(&law.virgin()).into_iter().map(|x: T::Single| x.into()).collect();
-        let mut half = [T::of(0.5); 3];
-        for d in 0..D {
-            half[d] = T::of(seeds.half_size[d] / lattice.spacing());
-        }
-        // What a lane without a particle holds.
-        let mut dummy = vec![T::default(); Columns::state(D)];
-        dummy.extend_from_slice(&virgin);
-        let kind = ShapeOf::<M, T, D>::DOMAIN;
-        let domain = kind.of_box::<T::Single, D>(half.map(T::Single::from));
-        dummy.extend(domain[..kind.numbers(D)].iter().map(|&x| -> T { x.into() }));
-        dummy.resize(dummy.len() + loads, T::default());
-        dummy.extend(total::undeformed::<T, D, M>());
-        dummy.push(T::default());
-        ParticleBody {
-            name: name.into(),
-            law,
-            method,
-            lattice,
-            columns,
-            slots: Vec::new(),
-            spare: Vec::new(),
-            index: Vec::new(),
-            wanted: Vec::new(),
-            links: Vec::new(),
-            outboxes: Vec::new(),
-            nodes_around: Vec::new(),
-            contributors: Vec::new(),
-            half,
-            lightest: T::of(f64::MAX),
-            load,
-            loaded_area: 0.0,
-            loading: Loading::default(),
-            splitter: Splitter::default(),
-            splits: SplitBook::default(),
-            starts: Vec::new(),
-            dummy,
-        }
-    }
-
-    /// Make particles at `seeds`, with a velocity (m/s) and, if not virgin, a state by position (m).
-    pub fn seed(
-        &mut self,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        state: Option<&InitialState<'_, T, D, C>>,
-    ) {
-        let centre = bin_centre::<ExtentOf<M, T, D>>();
-        let density = self.law.density();
-        let mut index: BTreeMap<[i32; D], usize> = BTreeMap::new();
-        let mut numbers = self.dummy.clone();
-        if L::FIELD {
-            self.starts.extend_from_slice(&seeds.positions);
-        }
-        for (n, (&x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
-            let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
-            let v = velocity(x);
-            for d in 0..D {
-                let u = (x[d] - self.lattice.origin()[d]) / self.lattice.spacing() - centre;
-                let nearest = (u + 0.5).floor();
-                let (b, place) = split(nearest as i32);
-                block[d] = b;
-                bin += place * stride;
-                stride *= BLOCK;
-                numbers[Columns::position() + d] = T::of(u - nearest);
-                numbers[Columns::velocity(D) + d] = T::of(v[d]);
-            }
-            let mut mass = density * T::of(volume);
-            if let Some(state) = state {
-                let state = state(x);
-                let first = Columns::state(D);
-                for (number, x) in numbers[first..].iter_mut().zip(mpm_materials::point::flatten(&state)) {
-                    let x: T::Single = x;
-                    *number = x.into();
-                }
-                let ratio: T = self.law.volume_ratio(&state).into();
-                mass /= ratio;
-            }
-            let parts = self.load.splitting().map_or(1.0, Splitting::lightest);
-            self.lightest = self.lightest.min(mass * T::of(parts));
-            numbers[Columns::mass(D)] = mass;
-            if L::ACTS {
-                let area = self.load.area(&x, &seeds.half_size);
-                self.loaded_area += area;
-                numbers[self.columns.load()] = T::of(area);
-            }
-            numbers[self.columns.number()] = T::of(n as f64);
-            let (slots, dummy) = (&mut self.slots, &self.dummy);
-            let slot = *index.entry(block).or_insert_with(|| {
-                slots.push(new_slot::<T, D, ExtentOf<M, T, D>>(block, dummy, Self::RECORDS));
-                slots.len() - 1
-            });
-            self.slots[slot].block.push(bin, &numbers);
-        }
-        for slot in &mut self.slots {
-            slot.block.pack();
-        }
-        self.slots.sort_by_key(|s| s.block.coordinates);
-        self.link_slots();
-    }
-
     /// Note which slots lie around each.
     pub(super) fn link_slots(&mut self) {
         let index = &mut self.index;
@@ -609,6 +492,7 @@ where
             velocity: [0.0; 3],
             mass: numbers[Columns::mass(D)].to_double(),
             volume: 0.0,
+            half_edges: self.half_edges(&numbers),
             stress: [0.0; 6],
             state: Vec::new(),
         };
@@ -690,6 +574,9 @@ where
     }
     fn state_names(&self) -> Vec<String> {
         self.columns.state_names().to_vec()
+    }
+    fn half_size(&self) -> [f64; D] {
+        std::array::from_fn(|d| self.half[d].to_double() * self.lattice.spacing())
     }
     fn lightest(&self) -> T {
         self.lightest

@@ -24,6 +24,7 @@ pub mod rigid;
 mod rigid_body;
 mod scatter;
 mod scene;
+mod seeding;
 mod shared;
 mod solver;
 pub mod splitting;

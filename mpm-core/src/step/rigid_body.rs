@@ -75,7 +75,8 @@ impl<T: Float, const D: usize, M: Composition<T, D>> RigidBody<T, D, M> {
     ) -> Result<Self, SceneError> {
         let state = RigidState::new(name, rigid, seeds, M::Embedding::HOOP)?;
         let law = Undeformed { density: T::of(rigid.density()) };
-        let mut particles = ParticleBody::empty(name, law, method, lattice, seeds, super::Unloaded);
+        let mut particles =
+            ParticleBody::empty(name, law, method, lattice, &seeds.half_size, super::Unloaded);
         particles.seed(seeds, |x| std::array::from_fn(|d| state.velocity_at(&x)[d]), None);
         Ok(RigidBody { particles, state })
     }
@@ -93,6 +94,9 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     }
     fn state_names(&self) -> Vec<String> {
         Vec::new()
+    }
+    fn half_size(&self) -> [f64; D] {
+        self.particles.half_size()
     }
     fn lightest(&self) -> T {
         self.particles.lightest()

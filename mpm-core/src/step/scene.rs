@@ -124,6 +124,24 @@ pub enum SceneError {
         /// What is allowed, in words.
         allowed: &'static str,
     },
+    /// A body of another law is to be taken over.
+    #[error("body `{body}` has the law {there} and cannot be taken over with {here}")]
+    OtherLaw {
+        /// The body.
+        body: String,
+        /// Its law, and what that keeps.
+        there: String,
+        /// The law given, likewise.
+        here: String,
+    },
+    /// A clock that cannot be set.
+    #[error("time = {time} s after {steps} steps is not allowed; it must be finite, and no step made")]
+    Clock {
+        /// The time given, s.
+        time: f64,
+        /// Steps made.
+        steps: u64,
+    },
     /// More particles than their numbers can count in this precision.
     #[error(
         "body `{body}`: {count} particles are too many; numbers are exact up to {most} in this precision"

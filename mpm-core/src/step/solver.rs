@@ -1,25 +1,20 @@
 //! The solver: bodies on a grid, and the step.
 
-use mpm_materials::Constitutive;
-
-use super::body::{Body, BodyTrouble, InitialState, ParticleBody, Steps, Totals, Which};
+use super::body::{Body, BodyTrouble, Steps, Totals, Which};
 use super::contact::{Contact, ContactNode, Meeting, OneField, PairContact};
 use super::control::TimeControl;
 use super::encounters::Encounters;
 use super::fields::Fields;
 use super::layout::Nodes;
-use super::load::{Load, Loading, Unloaded};
+use super::load::Loading;
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
 use super::planes::Planes;
 use super::rest::Calm;
-use super::rigid::Rigid;
-use super::rigid_body::RigidBody;
 use super::scene::SceneError;
 use super::sweep::Cause;
 
 use crate::boundary::Boundary;
 use crate::dim::{BLOCK, Stencil};
-use crate::geometry::Seeds;
 use crate::grid::{GridStorage, OutsideGrid};
 use crate::method::Composition;
 use crate::parallel::{Float, Team};
@@ -223,180 +218,6 @@ where
             planes: Planes::default(),
             rigid: Vec::new(),
         }
-    }
-
-    /// Add a body of one law, its particles at `seeds` with an initial velocity (m/s) by position (m).
-    ///
-    /// # Errors
-    /// No particles, particles larger than a cell, or outside the grid.
-    pub fn add<C: Constitutive<T>>(
-        &mut self,
-        name: &str,
-        law: C,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-    ) -> Result<(), SceneError> {
-        self.add_loaded(name, law, seeds, velocity, Unloaded)
-    }
-
-    /// Add a body as [`Mpm::add`] does, with a surface load such as a [`super::Traction`].
-    ///
-    /// # Errors
-    /// As [`Mpm::add`].
-    pub fn add_loaded<C: Constitutive<T>, L: Load<D>>(
-        &mut self,
-        name: &str,
-        law: C,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        load: L,
-    ) -> Result<(), SceneError> {
-        self.insert(name, law, seeds, velocity, load, None)
-    }
-
-    /// Add a body as [`Mpm::add`] does, its points in the law's `state` by position (m) instead of virgin: stressed
-    /// by their own weight, or to be lit when a detonation wave arrives. A seed's volume is that of the state.
-    ///
-    /// # Errors
-    /// As [`Mpm::add`]; a state with a number that is not finite, or whose volume ratio is not positive.
-    pub fn add_in_state<C: Constitutive<T>>(
-        &mut self,
-        name: &str,
-        law: C,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        state: impl Fn([f64; D]) -> C::State<T::Single>,
-    ) -> Result<(), SceneError> {
-        self.check_states(name, &law, seeds, &state)?;
-        self.insert(name, law, seeds, velocity, Unloaded, Some(&state))
-    }
-
-    /// Add a rigid body, its particles at `seeds`. It meets others through the contact algorithm, which must keep
-    /// bodies apart.
-    ///
-    /// # Errors
-    /// As [`Mpm::add`]; a motion that is not finite or that the coordinates do not have.
-    pub fn add_rigid(&mut self, name: &str, rigid: &Rigid<D>, seeds: &Seeds<D>) -> Result<(), SceneError> {
-        const { assert!(K::SEPARATES, "a rigid body needs a contact algorithm: `Mpm::with_contact`") };
-        self.check_seeds(name, seeds)?;
-        self.check_numbers(name, seeds, |_| [0.0; D])?;
-        if self.calm.is_some() && !rigid.is_prescribed() {
-            return Err(SceneError::RestOfFree(name.into()));
-        }
-        let body = RigidBody::<T, D, M>::new(name, rigid, self.method, *self.grid.lattice(), seeds)?;
-        self.enter(name, Box::new(body))?;
-        self.rigid.push(self.bodies.len() - 1);
-        Ok(())
-    }
-
-    pub(super) fn check_states<C: Constitutive<T>>(
-        &self,
-        name: &str,
-        law: &C,
-        seeds: &Seeds<D>,
-        state: impl Fn([f64; D]) -> C::State<T::Single>,
-    ) -> Result<(), SceneError> {
-        for (particle, &x) in seeds.positions.iter().enumerate() {
-            let refuse = |field, value: T, allowed| {
-                let value = value.to_double();
-                Err(SceneError::Seed { body: name.into(), particle, field, value, allowed })
-            };
-            let state = state(x);
-            for number in mpm_materials::point::flatten::<T::Single, _>(&state) {
-                let number: T = number.into();
-                if !number.to_double().is_finite() {
-                    return refuse("number of the initial state", number, "finite");
-                }
-            }
-            let ratio: T = law.volume_ratio(&state).into();
-            if ratio <= T::default() {
-                return refuse("volume ratio of the initial state", ratio, "positive");
-            }
-        }
-        Ok(())
-    }
-
-    fn insert<C: Constitutive<T>, L: Load<D>>(
-        &mut self,
-        name: &str,
-        law: C,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        load: L,
-        state: Option<&InitialState<'_, T, D, C>>,
-    ) -> Result<(), SceneError> {
-        self.check_seeds(name, seeds)?;
-        self.check_numbers(name, seeds, &velocity)?;
-        let lattice = *self.grid.lattice();
-        let mut body = ParticleBody::<T, D, C, M, L>::empty(name, law, self.method, lattice, seeds, load);
-        body.seed(seeds, velocity, state);
-        self.enter(name, Box::new(body))
-    }
-
-    pub(super) fn enter(&mut self, name: &str, body: Box<dyn Body<T, D>>) -> Result<(), SceneError> {
-        self.bodies.push(body);
-        self.mapped = false;
-        self.arrange().map_err(|outside| {
-            self.bodies.pop();
-            SceneError::Outside(name.into(), outside)
-        })
-    }
-
-    pub(super) fn check_seeds(&self, name: &str, seeds: &Seeds<D>) -> Result<(), SceneError> {
-        let body = name.to_string();
-        let count = seeds.positions.len();
-        let most = if size_of::<T>() == 4 { 1 << 24 } else { 1 << 53 };
-        if count == 0 {
-            return Err(SceneError::Empty(body));
-        }
-        if count > most {
-            return Err(SceneError::TooMany { body, count, most });
-        }
-        for axis in 0..D {
-            let half = seeds.half_size[axis] / self.grid.lattice().spacing();
-            if !(half > 0.0 && half <= 0.5 + 1e-12) {
-                return Err(SceneError::HalfSize { body, axis, half });
-            }
-        }
-        if <M::Embedding as crate::Embedding<D>>::HOOP
-            && let Some(x) = seeds.positions.iter().find(|x| x[0] <= 0.0)
-        {
-            return Err(SceneError::BehindAxis { body, r: x[0] });
-        }
-        Ok(())
-    }
-
-    pub(super) fn check_numbers(
-        &self,
-        name: &str,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-    ) -> Result<(), SceneError> {
-        let (positions, volumes) = (seeds.positions.len(), seeds.volumes.len());
-        if positions != volumes {
-            return Err(SceneError::Unequal { body: name.into(), positions, volumes });
-        }
-        let lattice = self.grid.lattice();
-        for (particle, (x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
-            let refuse = |field, value, allowed| {
-                Err(SceneError::Seed { body: name.into(), particle, field, value, allowed })
-            };
-            if !(volume > 0.0 && volume.is_finite()) {
-                return refuse("volume", volume, "positive and finite");
-            }
-            for d in 0..D {
-                // Cells are counted by 32-bit integers, with room to move.
-                let cells = (x[d] - lattice.origin()[d]) / lattice.spacing();
-                let countable = cells.abs() < f64::from(1 << 30); // false for a value that is not a number
-                if !countable {
-                    return refuse("position", x[d], "finite and within 2^30 cells of the lattice's origin");
-                }
-            }
-            if let Some(&v) = velocity(*x).iter().find(|v| !v.is_finite()) {
-                return refuse("velocity", v, "finite");
-            }
-        }
-        Ok(())
     }
 
     /// Add a boundary condition; conditions act in the order they were added.
@@ -730,7 +551,7 @@ where
     }
 
     /// Have the node blocks that the particles reach, and tell the bodies where they are.
-    fn arrange(&mut self) -> Result<(), OutsideGrid> {
+    pub(super) fn arrange(&mut self) -> Result<(), OutsideGrid> {
         self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES, self.ahead)?;
         self.encounters.arrange(&self.fields, self.bodies.len());
         self.arranged = self.steps;

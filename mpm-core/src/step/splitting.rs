@@ -302,8 +302,14 @@ where
             return Err(SceneError::TooMany { body: body(), count, most });
         }
         let lattice = *self.grid.lattice();
-        let mut particles =
-            ParticleBody::<T, D, C, M, Splitting>::empty(name, law, self.method, lattice, seeds, splitting);
+        let mut particles = ParticleBody::<T, D, C, M, Splitting>::empty(
+            name,
+            law,
+            self.method,
+            lattice,
+            &seeds.half_size,
+            splitting,
+        );
         particles.splitter = Splitter {
             place: C::PLACE,
             square: T::of(splitting.stretch * splitting.stretch),

@@ -13,5 +13,6 @@ mod restart;
 mod splitting;
 mod states;
 mod symmetries;
+mod takeover;
 mod total;
 mod vectors;

@@ -1,0 +1,142 @@
+//! A body that another scene takes over is what it was, and goes on as it would have.
+
+use impactite_tests::scene::{block, lattice, metal, rubber, wave_speed};
+use mpm_core::geometry::{Lattice, Seeds};
+use mpm_core::step::SceneError;
+use mpm_core::{
+    Apic, BlockGrid, Composition, CpGimp, Cpdi2, DenseGrid, Flip, Linear, Method, Mpm, Musl, Particle,
+    PlaneStrain, QuadraticBSpline, TimeControl, Usl,
+};
+
+const H: f64 = 0.1;
+
+fn particles<M: Composition<f64, 2>>(mpm: &Mpm<f64, 2, M, BlockGrid<f64, 2>>) -> Vec<Particle> {
+    let mut all = Vec::new();
+    mpm.bodies()[0].for_each(&mut |p| all.push(p.clone()));
+    all.sort_by_key(|p| p.number);
+    all
+}
+
+fn seeds() -> Seeds<2> {
+    block(&lattice(), [0; 2], [8; 2], 3, 0.0)
+}
+
+/// Shears, turns and stretches by some tenths over a few dozen steps.
+fn sheared<M: Composition<f64, 2>>(method: M) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+    let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice()));
+    let flow = |x: [f64; 2]| [0.2 * x[1] + 0.1 * x[0], -0.1 * x[0]].map(|v| v * wave_speed());
+    mpm.add("block", rubber(), &seeds(), flow).expect("body");
+    mpm.set_time_control(TimeControl::Fixed(0.1 * H / wave_speed())).expect("control");
+    mpm
+}
+
+fn advance<M: Composition<f64, 2>>(mpm: &mut Mpm<f64, 2, M, BlockGrid<f64, 2>>, steps: usize) {
+    for _ in 0..steps {
+        mpm.step().expect("step");
+    }
+}
+
+fn total() -> Mpm<f64, 2, impl Composition<f64, 2>, BlockGrid<f64, 2>> {
+    sheared(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian())
+}
+
+#[test]
+fn all_of_it_is_kept() {
+    fn check<M: Composition<f64, 2>>(method: M) {
+        let mut from = total();
+        advance(&mut from, 100);
+        let mut to = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice()));
+        to.take_over(rubber(), &*from.bodies()[0]).expect("body");
+        to.set_time(from.time()).expect("time");
+        assert_eq!((to.time(), to.steps()), (from.time(), 0));
+        for (p, q) in particles(&from).iter().zip(&particles(&to)) {
+            let of = |p: &Particle| (p.number, p.velocity, p.mass, p.volume, p.stress, p.state.clone());
+            assert_eq!(of(p), of(q));
+            for d in 0..2 {
+                assert!((p.position[d] - q.position[d]).abs() < 1e-15, "{p:?} {q:?}");
+            }
+        }
+        let (a, b) = (from.totals(), to.totals());
+        assert!(
+            (a.kinetic - b.kinetic).abs() < 1e-14 * a.kinetic
+                && (a.internal - b.internal).abs() < 1e-14 * a.internal
+        );
+        advance(&mut to, 20);
+    }
+    check(Method::new(Linear, Flip, Musl, PlaneStrain));
+    check(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain));
+}
+
+/// Domains are what the deformation made of those at the start; those that lie along the axes as long as that part.
+#[test]
+fn domains_go_on() {
+    let mut from = total();
+    advance(&mut from, 100);
+    let mut convected =
+        Mpm::<f64, 2, _, _>::new(Method::new(Cpdi2, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
+    convected.take_over(rubber(), &*from.bodies()[0]).expect("body");
+    let mut boxed =
+        Mpm::<f64, 2, _, _>::new(Method::new(CpGimp, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
+    boxed.take_over(rubber(), &*from.bodies()[0]).expect("body");
+    let mut sheared = 0.0f64;
+    for ((p, q), r) in particles(&from).iter().zip(&particles(&convected)).zip(&particles(&boxed)) {
+        for k in 0..2 {
+            assert!((r.half_edges[k][k] - p.half_edges[k][k]).abs() < 1e-15 * H);
+            for d in 0..2 {
+                assert!((q.half_edges[k][d] - p.half_edges[k][d]).abs() < 1e-15);
+            }
+        }
+        sheared = sheared.max(p.half_edges[1][0].abs());
+        // The area of the domain is the volume, within what the integration of F and that of the law differ by.
+        let [[a, b, _], [c, d, _], _] = q.half_edges;
+        assert!((4.0 * (a * d - b * c) / q.volume - 1.0).abs() < 1e-9, "{q:?}");
+    }
+    assert!(sheared > 0.1 * H / 6.0, "no shear");
+}
+
+/// By CPDI-2 the run goes on as in the reference configuration.
+#[test]
+fn the_run_goes_on() {
+    let mut whole = total();
+    advance(&mut whole, 100);
+    let mut moved =
+        Mpm::<f64, 2, _, _>::new(Method::new(Cpdi2, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
+    moved.take_over(rubber(), &*whole.bodies()[0]).expect("body");
+    moved.set_time_control(TimeControl::Fixed(0.1 * H / wave_speed())).expect("control");
+    let before = particles(&whole);
+    advance(&mut whole, 60);
+    advance(&mut moved, 60);
+    let (mut error, mut way) = (0.0, 0.0);
+    for ((p, q), start) in particles(&whole).iter().zip(&particles(&moved)).zip(&before) {
+        for d in 0..2 {
+            error += (p.position[d] - q.position[d]).powi(2);
+            way += (p.position[d] - start.position[d]).powi(2);
+        }
+    }
+    let part = f64::sqrt(error / way);
+    assert!(part < 0.01, "parted by {part} of the way");
+    let energy = |t: mpm_core::Totals| t.kinetic + t.internal;
+    let (a, b) = (energy(whole.totals()), energy(moved.totals()));
+    assert!((a - b).abs() < 0.005 * a, "{a} {b}");
+}
+
+#[test]
+fn what_cannot_be_taken_over_is_refused() {
+    let from = total();
+    let body = &*from.bodies()[0];
+    let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    let mut to = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice()));
+    let error = to.take_over(metal(), body).expect_err("another law");
+    assert!(error.to_string().contains("neo-Hookean"), "{error}");
+    assert!(to.bodies().is_empty());
+    let fine = Lattice::new([0.0; 2], 0.2 * H).expect("lattice");
+    let error = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(fine)).take_over(rubber(), body);
+    assert!(matches!(error, Err(SceneError::HalfSize { .. })), "{error:?}");
+    let small = DenseGrid::new(lattice(), [0; 2], [4; 2]).expect("box");
+    let error = Mpm::<f64, 2, _, _>::new(method, small).take_over(rubber(), body);
+    assert!(matches!(error, Err(SceneError::Outside(..))), "{error:?}");
+    assert!(matches!(to.set_time(f64::NAN), Err(SceneError::Clock { .. })));
+    to.take_over(rubber(), body).expect("body");
+    to.step().expect("step");
+    assert!(matches!(to.set_time(1.0), Err(SceneError::Clock { steps: 1, .. })));
+}
