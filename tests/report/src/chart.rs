@@ -71,7 +71,7 @@ impl Style {
             let colour = if variant.starts_with("mean") { 3 } else { 1 };
             return Style { colour, dash: if ring { "7 4" } else { "none" }, ring };
         }
-        let kernel = ["linear", "uGIMP", "cpGIMP", "quadratic", "cubic"];
+        let kernel = ["linear", "uGIMP", "cpGIMP", "quadratic", "cubic", "CPDI-2", "CPDI"];
         let colour = kernel.iter().position(|k| method.contains(k)).unwrap_or(0) + 1;
         let dash = if method.contains("MUSL") {
             "7 4"

@@ -426,7 +426,7 @@ fn method(out: &mut String, data: &Data) {
          times particles and steps.</li>\
          <li>Every scheme was run at several grids, those of C1 to C4 at several Courant numbers, and is shown with all of them; no run was ended early, and none writes files.</li>\
          <li>Particle-steps × nodes do not see the three further mappings of FMPM(4), nor the second one of MUSL; instructions and seconds do.</li>\
-         <li>Not covered: three dimensions (but for C12), several threads (but for C12), FMPM with MUSL, CPDI, friction, finite elements and particle hydrodynamics beside. \
+         <li>Not covered: three dimensions (but for C12), several threads (but for C12), FMPM with MUSL, CPDI with other than FLIP and USL, friction, finite elements and particle hydrodynamics beside. \
          Problems here are smooth, or one shock, or one contact; what breaks in fracture or penetration is another matter.</li>\
          <li>Data: <a href=\"runs.csv\">runs.csv</a>, <a href=\"runs.jsonl\">runs.jsonl</a>, <a href=\"counts.jsonl\">counts.jsonl</a>, \
          <a href=\"speeds.jsonl\">speeds.jsonl</a>, <a href=\"stability.json\">stability.json</a>. \
