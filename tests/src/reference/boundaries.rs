@@ -1,0 +1,71 @@
+//! What boundaries do to a node.
+
+use mpm_core::geometry::Lattice;
+use mpm_core::{Boundary, Side};
+
+pub(super) fn sign(side: Side) -> f64 {
+    match side {
+        Side::Above => 1.0,
+        Side::Below => -1.0,
+    }
+}
+
+/// Make a nodal velocity obey the boundaries at `time`, in their order.
+pub(super) fn constrain<const D: usize>(
+    boundaries: &[Boundary<D>],
+    lattice: &Lattice<D>,
+    x: &[f64; D],
+    v: &mut [f64; D],
+    time: f64,
+) {
+    let tolerance = 1e-6 * lattice.spacing();
+    for boundary in boundaries {
+        match *boundary {
+            // Elsewhere the images see to it.
+            Boundary::Symmetry { axis, at, .. } => {
+                if (x[axis] - at).abs() <= tolerance {
+                    v[axis] = 0.0;
+                }
+            }
+            Boundary::Wall { axis, at, side, velocity } => {
+                let distance = sign(side) * (x[axis] - (at + velocity * time));
+                if distance <= tolerance && sign(side) * (v[axis] - velocity) < 0.0 {
+                    v[axis] = velocity;
+                }
+            }
+            Boundary::Fixed { axis, at, side } => {
+                if sign(side) * (x[axis] - at) <= tolerance {
+                    *v = [0.0; D];
+                }
+            }
+            Boundary::Prescribed { ref region, ref velocity } => {
+                if region.signed_distance(*x) <= tolerance {
+                    for (c, value) in velocity(time).into_iter().take(D).enumerate() {
+                        v[c] = value.unwrap_or(v[c]);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Does a boundary hold component `c` of the velocity of the node at `x`?
+pub(super) fn held<const D: usize>(
+    boundaries: &[Boundary<D>],
+    lattice: &Lattice<D>,
+    x: &[f64; D],
+    c: usize,
+    time: f64,
+) -> bool {
+    let tolerance = 1e-6 * lattice.spacing();
+    boundaries.iter().any(|boundary| match *boundary {
+        Boundary::Symmetry { axis, at, .. } => c == axis && (x[axis] - at).abs() <= tolerance,
+        Boundary::Wall { axis, at, side, velocity } => {
+            c == axis && sign(side) * (x[axis] - (at + velocity * time)) <= tolerance
+        }
+        Boundary::Fixed { axis, at, side } => sign(side) * (x[axis] - at) <= tolerance,
+        Boundary::Prescribed { ref region, ref velocity } => {
+            region.signed_distance(*x) <= tolerance && velocity(time)[c].is_some()
+        }
+    })
+}

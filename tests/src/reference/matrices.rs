@@ -1,0 +1,41 @@
+//! Matrices of three rows.
+
+pub(super) fn times(a: &[[f64; 3]; 3], b: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut r = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            r[i][j] = (0..3).map(|k| a[i][k] * b[k][j]).sum();
+        }
+    }
+    r
+}
+
+pub(super) fn transpose(a: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let mut r = *a;
+    for i in 0..3 {
+        for j in 0..3 {
+            r[i][j] = a[j][i];
+        }
+    }
+    r
+}
+
+/// By Gauss and Jordan, on the identity beside it; the matrices here need no exchange of rows.
+pub(super) fn inverse(a: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let (mut left, mut right) = (*a, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    for i in 0..3 {
+        let pivot = left[i][i];
+        for j in 0..3 {
+            left[i][j] /= pivot;
+            right[i][j] /= pivot;
+        }
+        for k in (0..3).filter(|&k| k != i) {
+            let share = left[k][i];
+            for j in 0..3 {
+                left[k][j] -= share * left[i][j];
+                right[k][j] -= share * right[i][j];
+            }
+        }
+    }
+    right
+}
