@@ -25,6 +25,7 @@ mod canvas;
 mod chart;
 mod colour;
 mod field;
+mod matter;
 mod panels;
 mod particles;
 mod quantity;
