@@ -20,6 +20,9 @@
 //! | `taylor_copper` | a long copper bar hits a wall, by the particle-contact meshfree method: as printed, ours, and by MPM |
 //! | `tungsten_bullet` | a tungsten bullet goes through an aluminium plate, by particle contacts and by MPM, against theory |
 //! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
+//! | `debris_cloud` | a lead sphere through a lead plate: the cloud, seeded and split |
+//! | `tnt_cased` | TNT in copper, cylinder and cube: speed of the case |
+//! | `validation` | runs all cases and writes docs/validation.md |
 //! | `throughput` | particle updates a second on fixed scenes |
 
 pub mod blocks;

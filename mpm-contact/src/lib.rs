@@ -4,7 +4,7 @@
 //! |---|---|
 //! | [`ContactDetector`] | [`Approach`], [`Compression`], [`SurfaceDistance`], [`Regression`] |
 //! | [`NormalRule`] | [`Gradients`] by mass or volume: collinear, difference, one body's own; [`Regression`] |
-//! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`Stick`], [`Adhesion`]; a table of [`Pairs`] |
+//! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`Stick`], [`Adhesion`], [`Penalty`]; a table of [`Pairs`] |
 //!
 //! [`GridContact`] makes a contact algorithm of them for [`mpm_core::Mpm::with_contact`]. Every body then has
 //! velocities of its own at the nodes of the blocks that others reach, too, and only there. Detectors, normals and laws
