@@ -1,7 +1,7 @@
 //! Contact in a run that is broken off and resumed.
 
 use crate::common::{H, WAVE, ball, build, cuboid, particles, plane, three};
-use mpm_contact::{Coulomb, GridContact, Pairs, Regression, SurfaceDistance};
+use mpm_contact::{Coulomb, Frictionless, GridContact, Pairs, Regression, SurfaceDistance};
 use mpm_core::{Apic, Composition, Contact, Usl};
 use mpm_core::{BlockGrid, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid, Team, TimeControl, Twist};
 
@@ -58,6 +58,24 @@ fn deformable_bodies() {
     continues("discs", scene, [60, 60]);
     let regression = || build(plane(), GridContact::new(Regression, laws()), &three(0.05 * WAVE));
     continues("regression", regression, [35, 40]);
+}
+
+/// Four discs that leave one another's blocks: a checkpoint at any step can be read again.
+#[test]
+fn at_every_step() {
+    let file = std::env::temp_dir().join(format!("impactite-{}-crowd", std::process::id()));
+    let mut scene = three(0.3 * WAVE);
+    scene.push((ball([0.5, 0.5], 0.04), [0.2 * WAVE, 0.1 * WAVE]));
+    let build =
+        || build(plane(), GridContact::new(SurfaceDistance::default(), Pairs::new(Frictionless)), &scene);
+    let mut mpm = build();
+    for _ in 0..90 {
+        mpm.step().expect("step");
+        mpm.save(&file).expect("checkpoint");
+        let resumed = build().resumed(&file).expect("scene");
+        assert!(told(&mpm) == told(&resumed), "step {}", mpm.steps());
+    }
+    std::fs::remove_file(&file).expect("file");
 }
 
 /// A free rigid disc that rolls between a shaken floor and a rubber block.

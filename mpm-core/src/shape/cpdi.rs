@@ -16,7 +16,7 @@ use crate::dim::{Extent, Stencil};
 pub struct Cpdi;
 
 /// CPDI-2 \[Sadeghirad2013\]: the domain is a quadrilateral (hexahedron) whose corners move with the
-/// nodes' velocity at their places. Neighbours share corners for ever, so that domains tile whatever the motion. Where that
+/// nodes' velocity at their places. Neighbours that share corners at the start share them for ever, so that domains tile whatever the motion. Where that
 /// bends within a domain its straight edges may cross: parts count by the sign of their volume, weights are kept from
 /// becoming negative, and the run ends when the whole has no volume left (docs/notes.md 9.6).
 #[derive(Clone, Copy, Debug, Default)]

@@ -54,13 +54,20 @@ impl Domain {
         self.of_edges::<L, D>(&edges)
     }
 
-    /// The numbers of a parallelogram (parallelepiped) of these half edges; of the box as long along the axes, if that is all
-    /// that is carried.
+    /// The numbers of a parallelogram (parallelepiped) of these half edges; of the box with as much of them along each axis, if that
+    /// is all that is carried.
     pub fn of_edges<L: Lane, const D: usize>(self, edges: &[[L; 3]; 3]) -> [L; MOST_NUMBERS] {
         let mut numbers = [L::zero(); MOST_NUMBERS];
         for k in 0..D {
             match self {
-                Domain::Fixed | Domain::Axes => numbers[k] = edges[k][k].abs(),
+                // Exact for a cube in any turn, and for one that is stretched along the axes.
+                Domain::Fixed | Domain::Axes => {
+                    let mut square = L::zero();
+                    for edge in &edges[..D] {
+                        square = edge[k].mul_add(edge[k], square);
+                    }
+                    numbers[k] = square.sqrt();
+                }
                 Domain::Edges => numbers[k * D..][..D].copy_from_slice(&edges[k][..D]),
                 Domain::Corners => {
                     for c in 0..1 << D {
@@ -134,7 +141,7 @@ pub struct Corners<L> {
     value: [L; MOST_CORNERS],
     /// Per cell.
     slope: [[L; 3]; MOST_CORNERS],
-    /// Over 2^D: signed, and not positive if more of the domain is inside out than not. Cells^D, scaled.
+    /// By its sign: positive unless more of the domain is inside out than not.
     pub volume: L,
 }
 

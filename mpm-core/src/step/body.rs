@@ -18,6 +18,7 @@ use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
 use super::total;
 use crate::dim::{Stencil, block_nodes, neighbours};
+use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::geometry::Lattice;
 use crate::grid::Node;
@@ -136,6 +137,8 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     }
     /// Names of the numbers in [`Particle::state`].
     fn state_names(&self) -> Vec<String>;
+    /// How its coordinates lie in space: the name of the embedding.
+    fn embedding(&self) -> &'static str;
     /// Half sizes of the particles at the start, m.
     fn half_size(&self) -> [f64; D];
     /// Smallest particle mass, kg.
@@ -574,6 +577,9 @@ where
     }
     fn state_names(&self) -> Vec<String> {
         self.columns.state_names().to_vec()
+    }
+    fn embedding(&self) -> &'static str {
+        <M::Embedding as Embedding<D>>::NAME
     }
     fn half_size(&self) -> [f64; D] {
         std::array::from_fn(|d| self.half[d].to_double() * self.lattice.spacing())

@@ -95,6 +95,9 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     fn state_names(&self) -> Vec<String> {
         Vec::new()
     }
+    fn embedding(&self) -> &'static str {
+        self.particles.embedding()
+    }
     fn half_size(&self) -> [f64; D] {
         self.particles.half_size()
     }

@@ -134,6 +134,16 @@ pub enum SceneError {
         /// The law given, likewise.
         here: String,
     },
+    /// A body of other coordinates is to be taken over.
+    #[error("body `{body}` is in {there} coordinates and cannot be taken over into {here} ones")]
+    OtherSpace {
+        /// The body.
+        body: String,
+        /// Its embedding.
+        there: &'static str,
+        /// That of the scene.
+        here: &'static str,
+    },
     /// A clock that cannot be set.
     #[error("time = {time} s after {steps} steps is not allowed; it must be finite, and no step made")]
     Clock {

@@ -15,6 +15,7 @@ use super::splitting::{SplitBook, Splitter, Splitting};
 use super::sweep::ExtentOf;
 use super::total;
 use crate::dim::BLOCK;
+use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::geometry::{Lattice, Seeds};
 use crate::grid::GridStorage;
@@ -206,7 +207,18 @@ where
             for (number, x) in numbers[state..domain].iter_mut().zip(&p.state) {
                 *number = T::of(*x);
             }
-            let carried = Self::DOMAIN.of_edges::<f64, D>(&p.half_edges.map(|e| e.map(|x| x / h)));
+            let mut carried = Self::DOMAIN.of_edges::<f64, D>(&p.half_edges.map(|e| e.map(|x| x / h)));
+            if Self::DOMAIN == Domain::Axes {
+                // Within what the shape function bears.
+                for x in &mut carried[..D] {
+                    let kept: T = self
+                        .method
+                        .shape()
+                        .stretch(T::Single::from(T::of(*x)), T::Single::from(T::default()))
+                        .into();
+                    *x = kept.to_double();
+                }
+            }
             for (number, x) in numbers[domain..].iter_mut().zip(&carried[..Self::DOMAIN.numbers(D)]) {
                 *number = T::of(*x);
             }
@@ -339,6 +351,8 @@ where
         self.mapped = false;
         self.arrange().map_err(|outside| {
             self.bodies.pop();
+            // As it was, which there is room for.
+            let _ = self.arrange();
             SceneError::Outside(name.into(), outside)
         })
     }
@@ -365,7 +379,8 @@ where
     pub(super) fn check_half_sizes(&self, name: &str, half_size: &[f64; D]) -> Result<(), SceneError> {
         for axis in 0..D {
             let half = half_size[axis] / self.grid.lattice().spacing();
-            if !(half > 0.0 && half <= 0.5 + 1e-12) {
+            let rounding = 1e-12f64.max(4.0 * T::default_epsilon().to_double());
+            if !(half > 0.0 && half <= 0.5 + rounding) {
                 return Err(SceneError::HalfSize { body: name.into(), axis, half });
             }
         }
@@ -441,12 +456,31 @@ where
     /// # }
     /// ```
     ///
-    /// Velocities that vary within particles (APIC) begin anew.
+    /// Domains along the axes (cpGIMP) begin as long as the edges of the one taken over, taken together; parallelograms (CPDI) are that;
+    /// corners (CPDI-2) those of the parallelogram, which those of neighbours meet only where both deformed alike. Splitting stays behind
+    /// as loads do, and velocities that vary within particles (APIC) begin anew. A method in the reference configuration takes nothing
+    /// over, since that would be another one:
+    ///
+    /// ```compile_fail
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
+    /// # use mpm_materials::{LinearElastic, Moduli};
+    /// # let (lattice, law): (Lattice<2>, LinearElastic<f64>) = todo!();
+    /// let reference = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
+    /// let mut mpm = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
+    /// # let other = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
+    /// mpm.take_over(law, &*other.bodies()[0]);
+    /// ```
     ///
     /// # Errors
-    /// Another law; particles larger than a cell of this grid, or outside it.
+    /// Another law; other coordinates (plane, of revolution); particles that were larger at the start than a cell of this grid, that are
+    /// outside it or behind the axis.
     pub fn take_over<C: Constitutive<T>>(&mut self, law: C, body: &dyn Body<T, D>) -> Result<(), SceneError> {
+        const { assert!(!M::Frame::TOTAL, "a method in the reference configuration takes nothing over") };
         let name = body.name();
+        let here = <M::Embedding as Embedding<D>>::NAME;
+        if body.embedding() != here {
+            return Err(SceneError::OtherSpace { body: name.into(), there: body.embedding(), here });
+        }
         let mut states = Vec::new();
         C::State::<T::Single>::names("state", &mut states);
         if body.law() != law.name() || body.state_names() != states {

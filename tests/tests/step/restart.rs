@@ -91,6 +91,11 @@ fn surroundings() {
             let mut mpm = fast(method, BlockGrid::new(scene.lattice), &scene, &rubber());
             mpm.set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.02 }).expect("control");
             mpm.set_kinetic_damping(damped).expect("damping");
+            if damped {
+                mpm.set_null_space_filter(7).expect("filter");
+                let bound = TimeControl::Gershgorin { factor: 0.8, growth: 1.02, every: 10 };
+                mpm.set_time_control(bound).expect("control");
+            }
             mpm
         });
     }
@@ -159,6 +164,11 @@ fn another_scene_is_refused() {
 
     let message = refusal(block(false, "brick"), &file).to_string();
     assert!(message.contains("name of body 0 is `block` there and `brick` here"), "{message}");
+    let mut fine = Mpm::new(Spline::default(), BlockGrid::new(lattice()));
+    let seeds = scene::block(&lattice(), [0; 2], [3; 2], 3, 0.2);
+    fine.add("block", rubber(), &seeds, |_| [0.1, 0.0]).expect("body");
+    let message = refusal(fine, &file).to_string();
+    assert!(message.contains("size of particles of body `block`"), "{message}");
     let message = refusal(block(true, "block"), &file).to_string();
     assert!(message.contains("law of body `block`"), "{message}");
     let mut two = block(false, "block");
@@ -207,6 +217,8 @@ fn a_damaged_file_is_refused() {
         let error = damaged(&whole[..end]);
         assert!(matches!(error, CheckpointError::Damaged { .. }), "cut at {end}: {error}");
     }
+    let longer = [&whole[..], b"more"].concat();
+    assert!(matches!(damaged(&longer), CheckpointError::Damaged { .. }));
     assert!(matches!(damaged(b"a letter, say"), CheckpointError::Damaged { .. }));
     std::fs::remove_file(&file.0).expect("file");
     assert!(matches!(refusal(block(false, "block"), &file), CheckpointError::File(_)));

@@ -1,11 +1,11 @@
 //! Numbers that go to a file or come from one: what is said once holds for both.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, ErrorKind, Read, Write};
+use std::io::{BufRead, BufReader, BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use flate2::Compression;
-use flate2::read::GzDecoder;
+use flate2::bufread::GzDecoder;
 use flate2::write::GzEncoder;
 
 use super::CheckpointError;
@@ -27,17 +27,25 @@ enum Store {
     From(BufReader<GzDecoder<BufReader<File>>>),
 }
 
+/// Blocks further out are none: cells are counted to 2^30.
+const FARTHEST: u32 = 1 << 29;
+
 type Done = Result<(), CheckpointError>;
 
 impl Archive {
     /// To be written.
     pub(super) fn create(path: &Path) -> Result<Self, CheckpointError> {
-        let mut name = path.file_name().unwrap_or_default().to_os_string();
-        name.push(".part");
-        let part = path.with_file_name(name);
+        let part = Self::part(path);
         let file = File::create(&part).map_err(OutputError::file("create", &part))?;
         let store = Store::To(BufWriter::new(GzEncoder::new(file, Compression::none())), part);
         Ok(Archive { path: path.into(), store })
+    }
+
+    /// Where a file is written before it is complete.
+    pub(super) fn part(path: &Path) -> PathBuf {
+        let mut name = path.file_name().unwrap_or_default().to_os_string();
+        name.push(".part");
+        path.with_file_name(name)
     }
 
     /// To be read.
@@ -62,13 +70,16 @@ impl Archive {
                 let renamed = std::fs::rename(&part, &self.path);
                 Ok(renamed.map_err(OutputError::file("rename to", &self.path))?)
             }
-            Store::From(mut words) => match words.read(&mut [0]) {
-                Ok(0) => Ok(()),
-                Ok(_) => {
-                    Err(CheckpointError::Damaged { path: self.path, why: "it goes on after its end".into() })
+            Store::From(mut words) => {
+                let damaged = |why: String| CheckpointError::Damaged { path: self.path.clone(), why };
+                // The checksum is looked at where the words end.
+                let more = words.read(&mut [0]).map_err(|error| damaged(error.to_string()))? > 0;
+                let mut rest = words.into_inner().into_inner();
+                match more || rest.fill_buf().map_or(true, |bytes| !bytes.is_empty()) {
+                    true => Err(damaged("it goes on after its end".into())),
+                    false => Ok(()),
                 }
-                Err(error) => Err(CheckpointError::Damaged { path: self.path, why: error.to_string() }),
-            },
+            }
         }
     }
 
@@ -95,11 +106,12 @@ impl Archive {
         Ok(())
     }
 
-    /// An integer.
+    /// A coordinate of a block.
     pub fn integer(&mut self, x: &mut i32) -> Done {
         let mut word = i64::from(*x) as u64;
         self.word(&mut word)?;
-        *x = i32::try_from(word as i64).map_err(|_| self.damaged(format!("{word:#x} is no coordinate")))?;
+        let coordinate = i32::try_from(word as i64).ok().filter(|x| x.unsigned_abs() <= FARTHEST);
+        *x = coordinate.ok_or_else(|| self.damaged(format!("{word:#x} is no coordinate")))?;
         Ok(())
     }
 

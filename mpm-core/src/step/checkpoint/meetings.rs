@@ -33,9 +33,9 @@ impl<T: Float> Encounters<T> {
         file.same("number of shared blocks", &shared.to_string())?;
         let mut block = 0;
         file.list(&mut self.found, &Found::default(), |file, found| {
-            let members = if block < shared { fields.members(block).len() } else { u32::MAX as usize };
+            let members = (block < shared).then(|| fields.members(block).len());
             block += 1;
-            found.exchange::<D>(file, [members, bodies])
+            found.exchange::<D>(file, members, bodies)
         })?;
         if block < shared {
             return Err(file.damaged("blocks that bodies share are missing"));
@@ -55,11 +55,14 @@ impl<T: Float> Found<T> {
     fn exchange<const D: usize>(
         &mut self,
         file: &mut Archive,
-        [members, bodies]: [usize; 2],
+        members: Option<usize>,
+        bodies: usize,
     ) -> Result<(), CheckpointError> {
         let Found { pairs, touches, stale, block } = self;
         block.iter_mut().try_for_each(|x| file.integer(x))?;
         file.flag(stale)?;
+        // What is about to be forgotten has fields that are gone, and tells of its bodies alone.
+        let members = members.filter(|_| !*stale).unwrap_or(u32::MAX as usize);
         file.list(pairs, &Pair::new([0; 2], [0; 2]), |file, pair| {
             let Pair { fields, bodies: of, known, lasts, friction, taken, way } = pair;
             fields.iter_mut().try_for_each(|f| file.index(f, members))?;

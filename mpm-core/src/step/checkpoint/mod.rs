@@ -72,13 +72,18 @@ where
         if let Some(error) = &self.stopped_by {
             return Err(CheckpointError::Stopped(error.clone()));
         }
-        let mut file = Archive::create(path.as_ref())?;
-        self.exchange(&mut file)?;
-        file.close()
+        let path = path.as_ref();
+        let mut file = Archive::create(path)?;
+        let saved = self.exchange(&mut file).and_then(|()| file.close());
+        if saved.is_err() {
+            // Of no use, and not what went wrong.
+            let _ = std::fs::remove_file(Archive::part(path));
+        }
+        saved
     }
 
     /// This scene, set up as the one that was saved to `path` was at its start, as it stood when it was saved. The time
-    /// control may be another.
+    /// control may be another. Observers begin anew: let them write to another folder.
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
@@ -106,8 +111,8 @@ where
     /// ```
     ///
     /// # Errors
-    /// A file that cannot be read or is damaged; another scene, by method, lattice, precision or bodies; a grid with too
-    /// little room.
+    /// A file that cannot be read or is damaged; another scene, by method, lattice, precision, bodies, their laws or sizes of their
+    /// particles (constants of laws, loads and boundaries are not compared); a grid with too little room.
     pub fn resumed(mut self, path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
         let mut file = Archive::open(path.as_ref())?;
         self.exchange(&mut file)?;
@@ -156,12 +161,18 @@ where
         file.same("lattice", &format!("{:?}", self.grid.lattice()))?;
         file.same("contact", if K::SEPARATES { "between bodies" } else { "none" })?;
         file.same("kinetic damping", if self.calm.is_some() { "on" } else { "off" })?;
+        file.same("null-space filter", &format!("{:?}", self.filter))?;
         file.same("number of bodies", &self.bodies.len().to_string())?;
         for (n, body) in self.bodies.iter().enumerate() {
             file.same(&format!("name of body {n}"), body.name())?;
             file.same(&format!("law of body `{}`", body.name()), body.law())?;
             let columns = format!("{} numbers, {}", body.columns(), body.state_names().join(", "));
             file.same(&format!("particle of body `{}`", body.name()), &columns)?;
+            let kind =
+                body.rigid().map_or("deformable", |r| if r.is_prescribed() { "prescribed" } else { "free" });
+            file.same(&format!("motion of body `{}`", body.name()), kind)?;
+            let size = format!("half sizes {:?} m, lightest {:?} kg", body.half_size(), body.lightest());
+            file.same(&format!("size of particles of body `{}`", body.name()), &size)?;
         }
         Ok(())
     }
