@@ -7,7 +7,9 @@ use clap::{Args, ValueEnum};
 use mpm_core::geometry::GeometryError;
 use mpm_core::observe::{Ledger, ObserveError, RunError, RunSummary};
 use mpm_core::output::OutputError;
+use mpm_core::parallel::TeamError;
 use mpm_core::step::SceneError;
+use mpm_core::step::control::ControlError;
 use mpm_core::{Composition, Contact, Float, GridStorage, Mpm};
 use mpm_materials::ParameterError;
 use serde::Serialize;
@@ -106,6 +108,18 @@ pub enum CaseError {
     /// Anything else.
     #[error("{0}")]
     Other(String),
+}
+
+impl From<TeamError> for CaseError {
+    fn from(e: TeamError) -> Self {
+        CaseError::Other(e.to_string())
+    }
+}
+
+impl From<ControlError> for CaseError {
+    fn from(e: ControlError) -> Self {
+        CaseError::Other(e.to_string())
+    }
 }
 
 impl From<pcmm::SceneError> for CaseError {
@@ -282,7 +296,7 @@ impl Totals {
     /// Sums, and the worst of the errors.
     #[must_use]
     pub fn plus(self, o: &Totals) -> Totals {
-        let worse = |a: f64, b: f64| if b.is_nan() || b.abs() > a.abs() { b } else { a };
+        let worse = |a: f64, b: f64| worst([a, b]);
         Totals {
             particles: self.particles + o.particles,
             steps: self.steps + o.steps,
@@ -294,6 +308,18 @@ impl Totals {
             momentum_error: worse(self.momentum_error, o.momentum_error),
         }
     }
+}
+
+/// The largest of these and zero; not a number if one is none.
+#[must_use]
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a, b| if b.is_nan() || b > a { b } else { a })
+}
+
+/// The one of these that is largest by amount, with its sign; not a number if one is none, zero if there is none.
+#[must_use]
+pub fn worst(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a: f64, b| if b.is_nan() || b.abs() > a.abs() { b } else { a })
 }
 
 /// The result of a case: the keys of its JSON object.

@@ -34,7 +34,7 @@ pub mod machine;
 mod ogive;
 pub mod throughput;
 
-pub use case::{CaseError, Check, Common, Report, Resolution, Totals, within};
+pub use case::{CaseError, Check, Common, Report, Resolution, Totals, largest, within, worst};
 pub use detection::{Detection, Detector, Normals};
 pub use heap::Heap;
 pub use law::Law;

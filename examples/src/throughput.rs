@@ -211,7 +211,7 @@ pub fn timed<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<T,
     job: &Job,
     mut mpm: Mpm<T, 3, M, G, K>,
 ) -> Result<Measured, CaseError> {
-    mpm.set_team(Team::new(job.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(job.threads)?);
     let before = mpm.totals();
     mpm.step()?; // the first step maps the particles, which later ones find done
     let clock = Instant::now();
@@ -221,7 +221,7 @@ pub fn timed<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<T,
     let seconds = clock.elapsed().as_secs_f64();
     let (after, given) = (mpm.totals(), mpm.ledger());
     let lost = |d: usize| after.momentum[d] - before.momentum[d] - given.impulse[d] - given.dropped[d];
-    let drift = (0..3).map(|d| lost(d).abs()).fold(0.0, f64::max);
+    let drift = crate::largest((0..3).map(|d| lost(d).abs()));
     let energy = |t: &mpm_core::Totals| t.kinetic + t.internal;
     let n = mpm.particles();
     let (cells, checksum) = fingerprint(&mpm);

@@ -213,7 +213,7 @@ fn totals_of(m: &Measured) -> Totals {
 fn checks_of(options: &Options, sample: &Sample) -> Vec<Check> {
     let Some(m) = sample.ours.first() else { return Vec::new() };
     let name = |what: &str| format!("{} {} x{}: {what}", m.kernel, m.particles, m.threads);
-    let worst = sample.ours.iter().map(|m| m.momentum_drift).fold(0.0, f64::max);
+    let worst = examples::worst(sample.ours.iter().map(|m| m.momentum_drift));
     let tolerance = if options.precision == Precision::F64 { 1e-12 } else { 1e-4 };
     let mut checks = vec![Check::gate(name("momentum drift"), worst, "-", 0.0, tolerance, "conservation")];
     if let Some(theirs) = sample.theirs.first() {

@@ -83,7 +83,7 @@ pub fn run<M: Composition<f64, 2>>(
     watch: Watch<'_>,
     look: impl FnMut(&Moment<'_, f64, 2>),
 ) -> Result<Totals, CaseError> {
-    mpm.set_team(Team::new(watch.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(watch.threads)?);
     let mut ledger = Ledger::new(Pace::interval(end / 200.0)?);
     let pace = if watch.every > 0.0 { Pace::interval(watch.every)? } else { Pace::every_step() };
     let mut eye = Eye(pace, look);

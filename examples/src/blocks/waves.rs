@@ -203,5 +203,5 @@ pub fn reflected(bonded: &[Row], split: &[Row], pulse: f64) -> f64 {
         let other = bonded.iter().min_by(|a, b| (a[0] - r[0]).abs().total_cmp(&(b[0] - r[0]).abs()));
         other.map_or(f64::NAN, |o| (r[1] - o[1]).abs())
     };
-    split.iter().map(back).fold(0.0, f64::max) / incident
+    crate::largest(split.iter().map(back)) / incident
 }

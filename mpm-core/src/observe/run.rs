@@ -52,6 +52,15 @@ impl RunSummary {
     }
 }
 
+/// A run in pieces.
+impl std::ops::AddAssign for RunSummary {
+    fn add_assign(&mut self, o: RunSummary) {
+        self.steps += o.steps;
+        self.wall_seconds += o.wall_seconds;
+        self.updates += o.updates;
+    }
+}
+
 impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
 where
     T: Float,

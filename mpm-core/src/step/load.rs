@@ -12,8 +12,6 @@ pub trait Load<const D: usize>: Send + Sync + 'static {
     const ACTS: bool;
     /// Is there one on all particles?
     const FIELD: bool = false;
-    /// Are particles split?
-    const SPLITS: bool = false;
     /// The pass `K` of a body with this load.
     type Pass<K: PassKind>: PassKind;
     /// Traction at a time (s), Pa.

@@ -92,7 +92,6 @@ pub struct SplitBook {
 /// Where a body's load is told, since it is one more thing that its passes do.
 impl<const D: usize> Load<D> for Splitting {
     const ACTS: bool = false;
-    const SPLITS: bool = true;
     type Pass<K: PassKind> = Splits<K>;
     fn traction(&self, time: f64) -> [f64; D] {
         Load::<D>::traction(&Unloaded, time)

@@ -131,8 +131,10 @@ fn a_damped_column_comes_to_rest() {
             assert!(error.abs() < 1e-12 * gravity * 45.0, "{}: {error:e}", mpm.method().describe());
         }
         let energy = totals.kinetic + totals.internal;
-        let closes = (energy - ledger.work).abs() < 0.02 * energy;
-        assert!(closes || filters, "energy {energy}, work {}", ledger.work);
+        let gained = (energy - ledger.work) / energy;
+        assert!(gained < 0.02, "energy {energy}, work {}", ledger.work);
+        // The blend takes some that is not booked.
+        assert!(filters || gained > -0.02, "energy {energy}, work {}", ledger.work);
         // What nodes do not see of the particles' velocities, no force of theirs can damp; the blend forgets it.
         let still = if filters { 5e-3 } else { 1e-6 };
         assert!(totals.kinetic < still * largest, "{} of {largest} is left", totals.kinetic);

@@ -1,6 +1,6 @@
 //! What the runs are held against.
 
-use examples::{Check, Resolution};
+use examples::{Check, Resolution, largest, worst};
 
 use crate::scene::Outcome;
 use crate::setup::SHOTS;
@@ -97,9 +97,9 @@ pub fn of_grids(outcomes: &[Outcome], resolution: Resolution) -> Vec<Check> {
 /// Of what every run must keep.
 pub fn of_books(outcomes: &[&Outcome]) -> Vec<Check> {
     let errors = || outcomes.iter().flat_map(|o| &o.ledger).map(|e| e.energy_error);
-    let (lost, gained) = (-errors().fold(0.0, f64::min), errors().fold(0.0, f64::max));
-    let momentum = outcomes.iter().map(|o| o.totals.momentum_error).fold(0.0, f64::max);
-    let overlap = outcomes.iter().map(|o| o.overlap()).fold(0.0, f64::max);
+    let (lost, gained) = (largest(errors().map(|e| -e)), largest(errors()));
+    let momentum = worst(outcomes.iter().map(|o| o.totals.momentum_error));
+    let overlap = largest(outcomes.iter().map(|o| o.overlap()));
     vec![
         Check::shown("energy lost by contact and filter, at most", lost, "-", 0.0, "of the kinetic energy"),
         // An elastic rod may tremble as it flies through the grid.

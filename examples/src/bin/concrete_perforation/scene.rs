@@ -57,7 +57,7 @@ impl Outcome {
 /// frames in a folder.
 pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
     let memory = setup.memory * setup.spacing() / SOUND;
-    let blend = Blend::new(memory).map_err(|e| CaseError::Other(e.to_string()))?;
+    let blend = Blend::new(memory)?;
     let task = Task { setup: *setup, ways, files };
     match (setup.model, setup.kernel) {
         (Model::Quarter, Kernel::Hat) => quarter(task, Method::new(Linear, blend, Musl, FullSpace)),
@@ -137,7 +137,7 @@ fn run<const D: usize, M: Composition<f64, D>>(
         mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;
     }
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let mut track = Track::new(Pace::interval(HISTORY)?, &setup);
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
@@ -162,9 +162,7 @@ fn run<const D: usize, M: Composition<f64, D>>(
         let mut observers: Vec<&mut dyn Observer<f64, D>> = vec![&mut track, &mut ledger, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, D>));
         let run = mpm.run_observed(end, &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         let over = track.through() || track.stopped();
         // The last one is of what is left of the slab.
         if looks.contains(&end) || (over && !looks.is_empty()) {

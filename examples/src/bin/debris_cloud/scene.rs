@@ -73,7 +73,7 @@ pub fn shoot(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
         mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;
     }
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let start = mpm.totals();
     let mut track = Track::new(Pace::interval(EARLY)?, setup, &plate.positions);
@@ -91,9 +91,7 @@ pub fn shoot(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
         let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
         let run = mpm.run_observed(end, &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         snapshots.push(mpm.snapshot()?);
         track.pace = Pace::interval(HISTORY)?;
     }

@@ -83,10 +83,8 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
     let method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.8 * spacing, 3.0)?);
     let velocity = |x: [f64; 2]| [if is_disc(&x) { SPEED } else { 0.0 }, 0.0];
     let mut scene = Pcmm::new(method, law, &packing, velocity, Masses::FromVolumes)?;
-    scene.set_team(Team::new(threads).map_err(|e| CaseError::Other(e.to_string()))?);
-    scene
-        .set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 })
-        .map_err(|e| CaseError::Other(e.to_string()))?;
+    scene.set_team(Team::new(threads)?);
+    scene.set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 })?;
     scene.set_revision_interval(EVERY)?;
 
     let near_axis = |x: &[f64; 2]| x[1].abs() < STRIP;

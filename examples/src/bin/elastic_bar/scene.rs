@@ -130,7 +130,7 @@ fn run<C: mpm_materials::Constitutive<f64>, M: Composition<2>>(
     let packing = Packing::on_nodes(&shape, &Lattice::new([0.0; 2], h)?)?;
     let mut bar = Pcmm::new(method, law, &packing, |_| [0.0, -setup.speed], Masses::FromElements)?;
     bar.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
-    bar.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    bar.set_team(Team::new(setup.threads)?);
 
     let middle: Vec<usize> = (0..packing.positions.len())
         .filter(|&n| (packing.positions[n][1] - 0.5 * LENGTH).abs() < 0.5 * h)

@@ -1,6 +1,6 @@
 //! What the runs are held against.
 
-use examples::Check;
+use examples::{Check, largest};
 
 use crate::scene::Outcome;
 
@@ -74,7 +74,7 @@ pub fn of_columns(outcomes: &[Outcome]) -> Vec<Check> {
 
 /// Of what every run must keep.
 pub fn of_books(outcomes: &[&Outcome]) -> Vec<Check> {
-    let worst = |of: &dyn Fn(&Outcome) -> f64| outcomes.iter().map(|o| of(o)).fold(0.0, f64::max);
+    let worst = |of: &dyn Fn(&Outcome) -> f64| largest(outcomes.iter().map(|o| of(o)));
     let change = |o: &Outcome| (o.heap.area / (o.setup.height * o.setup.width()) - 1.0).abs();
     let area = worst(&change);
     let (lost, gained) = (worst(&|o| o.energy_errors()[0]), worst(&|o| o.energy_errors()[1]));

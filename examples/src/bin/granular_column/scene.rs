@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Heap, Totals};
+use examples::{CaseError, Heap, Totals, largest};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -86,7 +86,7 @@ impl Outcome {
     pub fn energy_errors(&self) -> [f64; 2] {
         let first = self.ledger.first().map_or(f64::NAN, |e| e.total);
         let errors = || self.ledger.iter().map(|e| (e.total - first) / self.potential());
-        [-errors().fold(0.0, f64::min), errors().fold(0.0, f64::max)]
+        [largest(errors().map(|e| -e)), largest(errors())]
     }
 }
 
@@ -113,7 +113,7 @@ pub fn collapse(setup: &Setup, times: &[f64], files: Option<&Path>) -> Result<Ou
     mpm.bound(Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 })?;
     mpm.bound(Boundary::Fixed { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.set_body_force(|_| [0.0, -GRAVITY]);
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let end = setup.end * setup.fall();
     let mut ledger = Ledger::new(Pace::interval(end / ROWS)?);
@@ -132,9 +132,7 @@ pub fn collapse(setup: &Setup, times: &[f64], files: Option<&Path>) -> Result<Ou
         let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 2>));
         let run = mpm.run_observed(now, &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         let snapshot = mpm.snapshot()?;
         fronts.push([now, heap(setup, &snapshot).front(0.5 * setup.width(), least(setup))]);
         if times.get(snapshots.len()).is_some_and(|t| now >= t * setup.fall() * (1.0 - 1e-9)) || n == steps {

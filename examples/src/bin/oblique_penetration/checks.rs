@@ -1,6 +1,6 @@
 //! What a run is held against.
 
-use examples::{CaseError, Check, Resolution};
+use examples::{CaseError, Check, Resolution, largest, worst};
 
 use crate::curve::Point;
 use crate::estimate::Estimate;
@@ -95,7 +95,7 @@ pub fn of_grids(outcomes: &[Outcome], resolution: Resolution) -> Result<Vec<Chec
     for outcome in outcomes {
         let cells = outcome.setup.cells;
         let errors = || outcome.ledger.iter().map(|e| e.energy_error);
-        let (lost, gained) = (-errors().fold(0.0, f64::min), errors().fold(0.0, f64::max));
+        let (lost, gained) = (largest(errors().map(|e| -e)), largest(errors()));
         let name = |what| format!("energy {what}, {cells} cells");
         checks.push(Check::at_most(name("lost"), lost, "-", lost_allowed(cells), "contact of first order"));
         // From 20 cells on the elastic rod trembles as it flies through the grid, after it is through the plate.
@@ -106,9 +106,9 @@ pub fn of_grids(outcomes: &[Outcome], resolution: Resolution) -> Result<Vec<Chec
         let share = finest.books().friction / first;
         checks.push(Check::shown("work of friction, of the kinetic energy", share, "-", 0.0, "booked"));
     }
-    let momentum = outcomes.iter().map(|o| o.totals.momentum_error).fold(0.0, f64::max);
+    let momentum = worst(outcomes.iter().map(|o| o.totals.momentum_error));
     checks.push(Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM, "conservation"));
-    let overlap = outcomes.iter().map(Outcome::overlap).fold(0.0, f64::max);
+    let overlap = largest(outcomes.iter().map(Outcome::overlap));
     checks.push(
         Check::at_most("plate inside the rod, of the hole", overlap, "-", OVERLAP, "half a cell").noted(),
     );

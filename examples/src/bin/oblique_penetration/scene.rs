@@ -63,8 +63,7 @@ impl Outcome {
 
 /// Shoot; snapshots at the given ways of a rod that is not slowed, m, and ParaView frames in a folder.
 pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
-    let blend =
-        Blend::new(setup.memory * setup.spacing() / SOUND).map_err(|e| CaseError::Other(e.to_string()))?;
+    let blend = Blend::new(setup.memory * setup.spacing() / SOUND)?;
     match setup.kernel {
         Kernel::Hat => meet(setup, ways, files, Method::new(Linear, blend, Musl, FullSpace)),
         Kernel::Cpgimp => meet(setup, ways, files, Method::new(CpGimp, blend, Musl, FullSpace)),
@@ -115,7 +114,7 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     mpm.add("plate", aluminium, &plate, |_| [0.0; 3])?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let mut track = Track::new(Pace::interval(HISTORY)?, from_tail, setup);
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
@@ -142,9 +141,7 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
         let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
         let run = mpm.run_observed(end, &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         occupied.look(&mpm.moment());
         if snapshots.len() < ways.len() {
             snapshots.push(mpm.snapshot()?);

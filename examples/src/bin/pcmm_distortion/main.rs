@@ -87,9 +87,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
                 outcome.added,
             ];
             for (worst, found) in worst.iter_mut().zip(found) {
-                if found.abs() > worst.abs() || found.is_nan() {
-                    *worst = found;
-                }
+                *worst = examples::worst([*worst, found]);
             }
         }
         let [holes, double, missed, momentum, energy, added] = worst;

@@ -62,10 +62,7 @@ fn of_line(metal: &Metal, impacts: &[&Impact]) -> Vec<Check> {
         Check::gate(name("c0"), 1e-3 * sound_speed, "km/s", speed, LINE_TOLERANCE, metal.source),
         Check::gate(name("s"), slope, "-", metal.slope, LINE_TOLERANCE, metal.source),
     ];
-    let worst = |which: usize| {
-        let errors = impacts.iter().map(|i| i.errors()[which]);
-        errors.fold(0.0, |worst: f64, e| if e.is_nan() || e.abs() > worst.abs() { e } else { worst })
-    };
+    let worst = |which: usize| examples::worst(impacts.iter().map(|i| i.errors()[which]));
     let tolerances = [LINE_TOLERANCE, STATE_TOLERANCE, STATE_TOLERANCE, STATE_TOLERANCE];
     for (which, what) in ["U_s", "p", "rho/rho0 - 1", "e"].into_iter().enumerate() {
         let name = name(&format!("{what}, worst relative error"));

@@ -96,7 +96,7 @@ pub fn pack<K: Contact<f64, 3>>(setup: &Setup, contact: K) -> Result<Pack<K>, Ca
     let (edge, d) = (setup.edge(), ALUMINIUM.diameter);
     let lattice = Lattice::new([0.0; 3], SPACING)?;
     let memory = MEMORY * SPACING / ALUMINIUM.wave_speed();
-    let blend = Blend::new(memory).map_err(|e| CaseError::Other(e.to_string()))?;
+    let blend = Blend::new(memory)?;
     let method = Method::new(Linear, blend, Musl, FullSpace);
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     let moduli = Moduli::young_poisson(ALUMINIUM.young, ALUMINIUM.poisson)?;
@@ -123,7 +123,7 @@ pub fn pack<K: Contact<f64, 3>>(setup: &Setup, contact: K) -> Result<Pack<K>, Ca
             mpm.bound(Boundary::Symmetry { axis, at: edge, side: Side::Below })?;
         }
     }
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
     Ok(mpm)
 }
 
@@ -154,23 +154,20 @@ fn run<K: Contact<f64, 3>>(
         let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut ground, &mut ledger, &mut bar];
         observers.extend(files.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
         let run = mpm.run_observed(moment * setup.transit(), &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         if moment < END {
             snapshots.push(mpm.snapshot()?);
         }
     }
     let last = ledger.entries().last().copied().unwrap_or_default();
     let totals = Totals {
-        particles: mpm.particles(),
-        steps: summary.steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: summary.wall_seconds,
-        updates: summary.updates,
-        bytes: mpm.bytes(),
-        energy_error: ledger.entries().iter().map(|e| e.energy_error).fold(f64::NEG_INFINITY, f64::max),
+        energy_error: ledger
+            .entries()
+            .iter()
+            .map(|e| e.energy_error)
+            .fold(f64::NEG_INFINITY, |a, b| if b.is_nan() || b > a { b } else { a }),
         momentum_error: last.momentum_error,
+        ..Totals::of(&mpm, &summary, &ledger)
     };
     Ok(Outcome { reaction: ground.rows, snapshots, faces: ground.faces, totals })
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use examples::{CaseError, Totals};
+use examples::{CaseError, Totals, largest, worst};
 use mpm_contact::{Gradients, GridContact};
 use mpm_core::geometry::{Filling, Lattice, Ring, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, RunError, RunSummary, VtkSeries};
@@ -172,7 +172,7 @@ fn run<M: Composition<f64, 2>>(
     let laws = setup.law.pairs(setup.friction, fast, setup.cell)?;
     let contact = GridContact::new(setup.detection.detector(Gradients::default())?, laws);
     let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
-    mpm.set_team(Team::new(1).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(1)?);
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     let apart = OUTER + 0.5 * GAP;
     let mut surfaces = Vec::new();
@@ -208,19 +208,13 @@ fn run<M: Composition<f64, 2>>(
         contact: watch.contact,
         snapshots: watch.snapshots,
         error: if stopped.is_some() { f64::INFINITY } else { entries.last().map_or(f64::NAN, energy) },
-        rise: entries.iter().map(energy).fold(0.0, f64::max),
+        rise: largest(entries.iter().map(energy)),
         friction: entries.last().map_or(0.0, |e| THICKNESS * e.friction / start),
         stopped,
         rebound: (velocity[1] - velocity[0]) / (2.0 * SPEED),
         totals: Totals {
-            particles: mpm.particles(),
-            steps: summary.steps,
-            simulated_seconds: mpm.time(),
-            wall_seconds: summary.wall_seconds,
-            updates: summary.updates,
-            bytes: mpm.bytes(),
-            energy_error: entries.iter().map(energy).fold(0.0, |a, b| if b.abs() > a.abs() { b } else { a }),
-            momentum_error: ledger.worst_momentum_error(),
+            energy_error: worst(entries.iter().map(energy)),
+            ..Totals::of(&mpm, &summary, &ledger)
         },
         rows: watch.rows,
     })

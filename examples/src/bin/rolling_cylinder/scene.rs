@@ -197,7 +197,7 @@ fn run<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(
     mpm.set_body_force(move |t| {
         cut([GRAVITY * sine * along(t - zero), -GRAVITY * cosine * grown(t / LAYING), 0.0])
     });
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let mut track = Track::new(Pace::interval(HISTORY)?, h, seeds.half_size[0], zero);
     let mut bar = Progress::new(format!("{:<20}", setup.name()));
@@ -220,9 +220,7 @@ fn run<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(
             observers.push(&mut ledger);
         }
         let run = mpm.run_observed(end, &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         if part > 0 {
             snapshots.push(mpm.snapshot()?);
         }
@@ -230,14 +228,9 @@ fn run<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(
     // At the end, where the momentum that errors are measured by is that of a cylinder that rolls.
     let last = ledger.entries().last().copied().unwrap_or_default();
     let totals = Totals {
-        particles: mpm.particles(),
-        steps: summary.steps,
-        simulated_seconds: mpm.time(),
-        wall_seconds: summary.wall_seconds,
-        updates: summary.updates,
-        bytes: mpm.bytes(),
         energy_error: last.energy_error,
         momentum_error: last.momentum_error,
+        ..Totals::of(&mpm, &summary, &ledger)
     };
     Ok(Outcome { setup: *setup, rows: track.rows, snapshots, totals })
 }

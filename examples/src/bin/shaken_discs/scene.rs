@@ -101,7 +101,7 @@ pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
     }
     let gravity = *setup;
     mpm.set_body_force(move |t| [0.0, gravity.gravity(t)]);
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let end = SETTLING + setup.shaking;
     let mut watch = Watch::new(Pace::interval(1.0 / (ENTRIES * setup.frequency))?, &layout, 0.25 * h);
@@ -115,9 +115,7 @@ pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
         let until = SETTLING + setup.shaking * f64::from(frame) / f64::from(FRAMES - 1);
         let mut observers: [&mut dyn Observer<f64, 2>; 4] = [&mut watch, &mut ledger, &mut bar, &mut frames];
         let run = mpm.run_observed(until, &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         snapshots.push(mpm.snapshot()?);
     }
     let totals = Totals::of(&mpm, &summary, &ledger);

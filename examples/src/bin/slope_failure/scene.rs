@@ -74,7 +74,7 @@ pub fn slide(
     mpm.bound(Boundary::Fixed { axis: 1, at: BASE, side: Side::Above })?;
     let ramp = setup.ramp;
     mpm.set_body_force(move |t| [0.0, -GRAVITY * if t < ramp { t / ramp } else { 1.0 }]);
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let mut ledger = Ledger::new(Pace::interval(setup.end / 200.0)?);
     let mut bar = Progress::new(setup.name());
@@ -92,9 +92,7 @@ pub fn slide(
         let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 2>));
         let run = mpm.run_observed(now, &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         let (mut most, mut front) = (0.0_f64, TOE);
         mpm.bodies()[0].for_each(&mut |p| {
             let moved = way(p.position, seeds.positions[p.number]);

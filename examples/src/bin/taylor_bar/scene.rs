@@ -246,7 +246,7 @@ fn run<const D: usize, M: Composition<f64, D>>(
     mut mpm: Mpm<f64, D, M, BlockGrid<f64, D>>,
     seeds: &Seeds<D>,
 ) -> Result<Outcome, CaseError> {
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
     let mut bar = Progress::new(format!("{:<22}", setup.name()));
     let mut extra: Vec<Box<dyn Observer<f64, D> + '_>> = Vec::new();

@@ -48,7 +48,7 @@ fn run<E: Embedding<2>>(
     mpm.add("bar", law, &seeds, |_| [0.0, -SPEED])?;
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
-    mpm.set_team(Team::new(threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(threads)?);
     let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
     let mut bar = Progress::new("mpm".to_string());
     let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];

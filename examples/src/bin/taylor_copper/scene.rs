@@ -211,7 +211,7 @@ fn run<const D: usize, C: Constitutive<f64>, M: Composition<D>>(
         bar.bound(Boundary::Symmetry { axis: plane, at: 0.0, side: Side::Above })?;
     }
     bar.bound(Boundary::Wall { axis, at: 0.0, side: Side::Above, velocity: 0.0 })?;
-    bar.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    bar.set_team(Team::new(setup.threads)?);
     bar.set_revision_interval(EVERY)?;
 
     let row = |at: f64| -> Vec<usize> {

@@ -155,7 +155,7 @@ pub fn burst(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
         mpm.bound(Boundary::Symmetry { axis: 2, at: h, side: Side::Below })?;
     }
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let mut track = Track { pace: Pace::interval(setup.end / ROWS)?, form: setup.form, rows: Vec::new() };
     let mut ledger = Ledger::new(Pace::interval(setup.end / ROWS)?);
@@ -172,9 +172,7 @@ pub fn burst(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
         let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
         let run = mpm.run_observed(part * setup.end, &mut observers)?;
-        summary.steps += run.steps;
-        summary.wall_seconds += run.wall_seconds;
-        summary.updates += run.updates;
+        summary += run;
         snapshots.push(mpm.snapshot()?);
     }
     let outer = CHARGE + CASE;

@@ -128,7 +128,7 @@ pub fn burn(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseEr
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: ROWS * h, side: Side::Below })?;
     mpm.set_time_control(TimeControl::Courant { factor: setup.time_factor, growth: 1.1 })?;
-    mpm.set_team(Team::new(setup.threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(setup.threads)?);
 
     let cells = GAUGES.map(|x| in_cell(&seeds, x, h));
     let probes = cells.iter().flatten().map(|p| Probe::new(0, *p, Quantity::Pressure));

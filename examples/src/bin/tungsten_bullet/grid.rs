@@ -30,7 +30,7 @@ fn with_method<M: Composition<f64, 2>>(setup: &Setup, method: M) -> Result<Outco
     if space == Space::Axisymmetric {
         mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     }
-    mpm.set_team(Team::new(threads).map_err(|e| CaseError::Other(e.to_string()))?);
+    mpm.set_team(Team::new(threads)?);
 
     let start = mpm.totals();
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
@@ -42,9 +42,7 @@ fn with_method<M: Composition<f64, 2>>(setup: &Setup, method: M) -> Result<Outco
         if entry > 0 {
             let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
             let run = mpm.run_observed(time, &mut observers)?;
-            summary.steps += run.steps;
-            summary.wall_seconds += run.wall_seconds;
-            summary.updates += run.updates;
+            summary += run;
         }
         let mut tip = f64::MIN;
         let bullet = mpm.bodies()[0].totals();

@@ -49,10 +49,8 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcom
         body.set_revision_interval(EVERY)?;
         scene.add(names[b], body);
     }
-    scene.set_team(Team::new(threads).map_err(|e| CaseError::Other(e.to_string()))?);
-    scene
-        .set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 })
-        .map_err(|e| CaseError::Other(e.to_string()))?;
+    scene.set_team(Team::new(threads)?);
+    scene.set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 })?;
 
     let start = scene.totals();
     let particles = seeds.iter().map(|s| s.len()).sum();
