@@ -1,6 +1,7 @@
 //! Every case runs at smoke size, ends with the agreed JSON object, and passes its own checks; bad input is
 //! refused by name.
 
+use std::ops::{RangeBounds, RangeInclusive};
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
@@ -60,134 +61,107 @@ fn result(output: &Output, case: &str) -> Value {
     value
 }
 
-#[test]
-fn taylor_bar() {
-    let name = "taylor";
-    let output = run(env!("CARGO_BIN_EXE_taylor_bar"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "taylor_bar");
+/// A case at smoke size: so many of its checks decide, and these files are written.
+macro_rules! smoke {
+    ($case:ident, $gates:expr, [$($file:expr),*]) => {
+        passes(env!(concat!("CARGO_BIN_EXE_", stringify!($case))), stringify!($case), $gates, &[$($file),*])
+    };
+}
+
+fn passes(program: &str, case: &str, gates: impl RangeBounds<usize>, files: &[&str]) -> Value {
+    let value = result(&run(program, &["--resolution", "smoke", "--json"], case), case);
     let checks = value["checks"].as_array().expect("checks");
-    let gates = checks.iter().filter(|c| c["pass"] == true).count();
-    assert!(gates > 4 * 5 + 2 * 3, "{gates} checks decide");
-    let out = folder(name);
-    for file in [
-        "bar_taylor.png",
-        "energy_standard.png",
-        "profile_taylor.png",
-        "profile_3d_taylor.csv",
-        "ledger_axisymmetric_standard.csv",
-        "sizes_3d_standard.csv",
-        "paraview/3d_taylor.pvd",
-        "paraview/axisymmetric_standard_000008.vtp",
-        "result.json",
-    ] {
+    let decide = checks.iter().filter(|c| c["pass"] == true).count();
+    assert!(gates.contains(&decide), "{decide} checks decide");
+    let out = folder(case);
+    for file in files.iter().chain(&["result.json"]) {
         assert!(out.join(file).is_file(), "{file} is missing");
     }
     std::fs::remove_dir_all(out).expect("removed");
+    value
+}
+
+/// So many and no others.
+fn only(gates: usize) -> RangeInclusive<usize> {
+    gates..=gates
+}
+
+/// The value of the first check with such a name.
+fn of(value: &Value, named: impl Fn(&str) -> bool) -> f64 {
+    let checks = value["checks"].as_array().expect("checks");
+    let found = checks.iter().find(|c| c["name"].as_str().is_some_and(&named));
+    found.and_then(|c| c["value"].as_f64()).expect("such a check")
+}
+
+#[test]
+fn taylor_bar() {
+    smoke!(
+        taylor_bar,
+        4 * 5 + 2 * 3 + 1..,
+        [
+            "bar_taylor.png",
+            "energy_standard.png",
+            "profile_taylor.png",
+            "profile_3d_taylor.csv",
+            "ledger_axisymmetric_standard.csv",
+            "sizes_3d_standard.csv",
+            "paraview/3d_taylor.pvd",
+            "paraview/axisymmetric_standard_000008.vtp"
+        ]
+    );
 }
 
 #[test]
 fn elastic_bar() {
-    let name = "elastic";
-    let output = run(env!("CARGO_BIN_EXE_elastic_bar"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "elastic_bar");
-    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
     // Two fronts (one in two ways), two plateaus, mass, energy, momentum, elements; as printed and ours.
-    assert_eq!(gates, 2 * 9);
-    let out = folder(name);
-    for file in ["bar.png", "history_printed.csv", "paraview/consistent.pvd", "result.json"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(elastic_bar, only(2 * 9), ["bar.png", "history_printed.csv", "paraview/consistent.pvd"]);
 }
 
 #[test]
 fn taylor_copper() {
-    let name = "copper";
-    let output = run(env!("CARGO_BIN_EXE_taylor_copper"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "taylor_copper");
-    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
     // Length, radius, cover, energy (twice) and momentum, axisymmetric and in plane strain.
-    assert_eq!(gates, 2 * 6);
-    let out = folder(name);
-    for file in ["bars.png", "history_plane strain.csv", "paraview/axisymmetric.pvd", "result.json"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(taylor_copper, only(2 * 6), ["bars.png", "history_plane strain.csv", "paraview/axisymmetric.pvd"]);
 }
 
 #[test]
 fn debris_cloud_2d() {
-    let name = "debris";
-    let output = run(env!("CARGO_BIN_EXE_debris_cloud_2d"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "debris_cloud_2d");
-    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
     // The shock's arrival, the front from above and below, mass, momentum, energy, and what revisions add to it.
-    assert_eq!(gates, 7);
-    let out = folder(name);
-    for file in ["cloud.png", "history.csv", "paraview/cloud.pvd", "result.json"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(debris_cloud_2d, only(7), ["cloud.png", "history.csv", "paraview/cloud.pvd"]);
 }
 
 #[test]
 fn debris_cloud() {
-    let name = "cloud";
-    let program = env!("CARGO_BIN_EXE_debris_cloud");
-    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "debris_cloud");
-    let checks = value["checks"].as_array().expect("checks");
     // Pressure and density at impact; front, mass, momentum, energy of both clouds.
-    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 2 + 2 * 4);
+    let value = smoke!(
+        debris_cloud,
+        only(2 + 2 * 4),
+        ["cloud_split.png", "cloud_whole.png", "front.png", "plane.png", "cloud_split.csv"]
+    );
     // Splitting is what keeps the cloud together.
-    let alone = |how: &str| {
-        let of = |c: &&Value| c["name"] == format!("{how}: cells of the cloud that touch no other");
-        checks.iter().find(of).and_then(|c| c["value"].as_f64()).expect("cells")
-    };
+    let alone =
+        |how: &str| of(&value, |name| name == format!("{how}: cells of the cloud that touch no other"));
     assert!(alone("split") < 0.5 * alone("not split"));
-    let out = folder(name);
-    for file in ["cloud_split.png", "cloud_whole.png", "front.png", "plane.png", "cloud_split.csv"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
 }
 
 #[test]
 fn pcmm_distortion() {
-    let name = "distortion";
-    let output = run(env!("CARGO_BIN_EXE_pcmm_distortion"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "pcmm_distortion");
-    let checks = value["checks"].as_array().expect("checks");
     // Four figures of three scenes, what is asked of each and of the strip, six of the packings; ours alone decide.
-    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 3 * 4 + 3 + 2 + 6);
+    let value = smoke!(pcmm_distortion, only(3 * 4 + 3 + 2 + 6), ["ends.png"]);
     // What the printed rules fail at: matter lost in shear, strips that part, stress that does not turn, holes.
-    let printed = |what: &str| {
-        let of =
-            |c: &&Value| c["name"].as_str().is_some_and(|n| n.starts_with("printed") && n.contains(what));
-        checks.iter().find(of).and_then(|c| c["value"].as_f64()).expect(what)
-    };
+    let printed = |what: &str| of(&value, |name| name.starts_with("printed") && name.contains(what));
     assert!(printed("shear flow: mass") < 0.9 && printed("parts") < 2.0);
     assert!(printed("turned") > 0.3 && printed("uncovered") > 0.05 && printed("twice") > 0.05);
-    let out = folder(name);
-    for file in ["ends.png", "result.json"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
 }
 
 #[test]
 fn tungsten_bullet() {
-    let name = "tungsten";
-    let output = run(env!("CARGO_BIN_EXE_tungsten_bullet"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "tungsten_bullet");
-    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
     // Mass, momentum and energy of two methods in two spaces, revisions of one method; bounds in the plane but the lower one of
     // MPM, which two cells across do not reach; its time to perforation.
-    assert_eq!(gates, 4 * 3 + 2 + 3 + 1);
-    let out = folder(name);
-    for file in ["bullet_plane.png", "bullet_round.png", "tip.png", "history_mpm_round.csv", "result.json"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        tungsten_bullet,
+        only(4 * 3 + 2 + 3 + 1),
+        ["bullet_plane.png", "bullet_round.png", "tip.png", "history_mpm_round.csv"]
+    );
 }
 
 #[test]
@@ -252,235 +226,158 @@ fn taylor_bar_convergence() {
 
 #[test]
 fn tnt_slab() {
-    let name = "tnt";
-    let output = run(env!("CARGO_BIN_EXE_tnt_slab"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "tnt_slab");
-    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
-    assert_eq!(gates, 3 * 3 + 1 + 2 + 2, "checks decide");
-    for file in
+    smoke!(
+        tnt_slab,
+        only(3 * 3 + 1 + 2 + 2),
         ["taylor_wave.png", "gauges.png", "gauges.csv", "profile.csv", "ledger.csv", "paraview/slab.pvd"]
-    {
-        assert!(folder(name).join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(folder(name)).expect("removed");
+    );
 }
 
 #[test]
 fn tnt_cased() {
-    let name = "cased";
-    let program = env!("CARGO_BIN_EXE_tnt_cased");
-    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "tnt_cased");
-    let checks = value["checks"].as_array().expect("checks");
     // Speed of the cylinder's case twice, and that it is round; masses, energy and momentum of both forms.
-    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 3 + 2 * 4);
-    let out = folder(name);
-    for file in ["section_cylinder.png", "section_cube.png", "speed_cylinder.png", "case_cube.csv"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        tnt_cased,
+        only(3 + 2 * 4),
+        ["section_cylinder.png", "section_cube.png", "speed_cylinder.png", "case_cube.csv"]
+    );
 }
 
 #[test]
 fn plate_impact() {
-    let name = "plates";
-    let output = run(env!("CARGO_BIN_EXE_plate_impact"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "plate_impact");
-    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
     // Lines and states but for the energy of seven metals, the shock on three grids, spall on three, conservation.
-    assert!(gates >= 7 * 5 + 3 * 2 + 1 + 3 * 4 + 2, "{gates} checks decide");
-    let out = folder(name);
-    for file in [
-        "lines.png",
-        "shock.png",
-        "spall.png",
-        "line_lead.csv",
-        "profile_150.csv",
-        "surface_100.csv",
-        "ledger_spall_100.csv",
-        "paraview/spall_25.pvd",
-        "result.json",
-    ] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        plate_impact,
+        7 * 5 + 3 * 2 + 1 + 3 * 4 + 2..,
+        [
+            "lines.png",
+            "shock.png",
+            "spall.png",
+            "line_lead.csv",
+            "profile_150.csv",
+            "surface_100.csv",
+            "ledger_spall_100.csv",
+            "paraview/spall_25.pvd"
+        ]
+    );
 }
 
 #[test]
 fn ring_collision() {
-    let name = "rings";
-    let output = run(env!("CARGO_BIN_EXE_ring_collision"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "ring_collision");
-    let gates = value["checks"].as_array().expect("checks").iter().filter(|c| c["pass"] == true).count();
-    assert!(gates >= 4 * 2 + 2, "{gates} checks decide");
-    let out = folder(name);
-    for file in [
-        "closest_approach.png",
-        "contact.png",
-        "energy_error.csv",
-        "energy_error.png",
-        "force.png",
-        "history_cpgimp_musl_distance_2000um.csv",
-        "paraview/cpgimp_musl_distance_2000um.pvd",
-        "rings.png",
-    ] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        ring_collision,
+        4 * 2 + 2..,
+        [
+            "closest_approach.png",
+            "contact.png",
+            "energy_error.csv",
+            "energy_error.png",
+            "force.png",
+            "history_cpgimp_musl_distance_2000um.csv",
+            "paraview/cpgimp_musl_distance_2000um.pvd",
+            "rings.png"
+        ]
+    );
 }
 
 #[test]
 fn bouncing_blocks() {
-    let name = "blocks";
-    let output = run(env!("CARGO_BIN_EXE_bouncing_blocks"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "bouncing_blocks");
-    let checks = value["checks"].as_array().expect("checks");
-    let gates = checks.iter().filter(|c| c["pass"] == true).count();
     // Bars, joint, discs, incline, balls and cylinders.
-    assert_eq!(gates, 11 + 3 + 5 + 4 + 6);
-    let out = folder(name);
-    for file in [
-        "discs.png",
-        "discs_1.csv",
-        "discs_energy.png",
-        "hertz.png",
-        "hertz_balls.csv",
-        "impact.png",
-        "impact_equal_bars.csv",
-        "incline.png",
-        "paraview/discs_1.pvd",
-        "wave.png",
-    ] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        bouncing_blocks,
+        only(11 + 3 + 5 + 4 + 6),
+        [
+            "discs.png",
+            "discs_1.csv",
+            "discs_energy.png",
+            "hertz.png",
+            "hertz_balls.csv",
+            "impact.png",
+            "impact_equal_bars.csv",
+            "incline.png",
+            "paraview/discs_1.pvd",
+            "wave.png"
+        ]
+    );
 }
 
 #[test]
 fn rolling_cylinder() {
-    let name = "rolling";
-    let output = run(env!("CARGO_BIN_EXE_rolling_cylinder"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "rolling_cylinder");
-    let checks = value["checks"].as_array().expect("checks");
-    let gates = checks.iter().filter(|c| c["pass"] == true).count();
     // Two of the way, gap, overlap and momentum of two coefficients in two and three dimensions; spread over the spacings.
-    assert_eq!(gates, 4 * 5 + 2);
-    let out = folder(name);
-    for file in [
-        "cylinder_2d.png",
-        "cylinder_3d.png",
-        "histories_3d.png",
-        "spacings.png",
-        "spacings.csv",
-        "cylinder_2d_local_030_12.csv",
-        "cylinder_3d_local_060_8.csv",
-        "paraview/3d_local_060_8.pvd",
-        "result.json",
-    ] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        rolling_cylinder,
+        only(4 * 5 + 2),
+        [
+            "cylinder_2d.png",
+            "cylinder_3d.png",
+            "histories_3d.png",
+            "spacings.png",
+            "spacings.csv",
+            "cylinder_2d_local_030_12.csv",
+            "cylinder_3d_local_060_8.csv",
+            "paraview/3d_local_060_8.pvd"
+        ]
+    );
 }
 
 #[test]
 fn oblique_penetration() {
-    let name = "oblique";
-    let program = env!("CARGO_BIN_EXE_oblique_penetration");
-    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "oblique_penetration");
-    let checks = value["checks"].as_array().expect("checks");
     // Energy, momentum and interpenetration; the speed of so coarse a rod is shown only.
-    assert!(checks.iter().filter(|c| c["pass"] == true).count() >= 3);
-    let out = folder(name);
-    for file in ["cuts.png", "speed.png", "rod_575_30deg_8.csv", "result.json"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(oblique_penetration, 3.., ["cuts.png", "speed.png", "rod_575_30deg_8.csv"]);
 }
 
 #[test]
 fn concrete_perforation() {
-    let name = "concrete";
-    let program = env!("CARGO_BIN_EXE_concrete_perforation");
-    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "concrete_perforation");
-    let checks = value["checks"].as_array().expect("checks");
     // A faster rod comes out faster; energy, momentum, interpenetration. The experiment is from memory.
-    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 4);
-    let out = folder(name);
-    for file in ["curve.png", "speed.png", "cuts.png", "cracks.png", "curve.csv", "rod_quarter_1058_12.csv"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        concrete_perforation,
+        only(4),
+        ["curve.png", "speed.png", "cuts.png", "cracks.png", "curve.csv", "rod_quarter_1058_12.csv"]
+    );
 }
 
 #[test]
 fn granular_column() {
-    let name = "granular";
-    let program = env!("CARGO_BIN_EXE_granular_column");
-    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "granular_column");
-    let checks = value["checks"].as_array().expect("checks");
     // Run-out of four columns of bars from below, of three of sand from both sides; area, rest, energy, momentum.
-    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 4 + 3 * 2 + 4);
-    let out = folder(name);
-    for file in ["column.png", "deposits.png", "fronts.png", "front_0.5_19.8deg_20.csv"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        granular_column,
+        only(4 + 3 * 2 + 4),
+        ["column.png", "deposits.png", "fronts.png", "front_0.5_19.8deg_20.csv"]
+    );
 }
 
 #[test]
 fn slope_failure() {
-    let name = "slope";
-    let program = env!("CARGO_BIN_EXE_slope_failure");
-    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "slope_failure");
-    let checks = value["checks"].as_array().expect("checks");
     // Area, momentum, rest; the strength at failure from below.
-    assert!(checks.iter().filter(|c| c["pass"] == true).count() >= 3);
-    let out = folder(name);
-    for file in ["slope.png", "slip.png", "run_out.png", "slip_2500mm.csv", "history_2500mm.csv"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        slope_failure,
+        3..,
+        ["slope.png", "slip.png", "run_out.png", "slip_2500mm.csv", "history_2500mm.csv"]
+    );
 }
 
 #[test]
 fn pressed_balls() {
-    let name = "balls";
-    let program = env!("CARGO_BIN_EXE_pressed_balls");
-    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "pressed_balls");
-    let checks = value["checks"].as_array().expect("checks");
-    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 5);
-    let out = folder(name);
-    for file in ["waves.png", "reaction.png", "reaction.csv", "paraview/balls.pvd", "result.json"] {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(pressed_balls, only(5), ["waves.png", "reaction.png", "reaction.csv", "paraview/balls.pvd"]);
 }
 
 #[test]
 fn shaken_discs() {
-    let name = "discs";
-    let program = env!("CARGO_BIN_EXE_shaken_discs");
-    let value = result(&run(program, &["--resolution", "smoke", "--json"], name), "shaken_discs");
-    let checks = value["checks"].as_array().expect("checks");
-    assert_eq!(checks.iter().filter(|c| c["pass"] == true).count(), 4);
-    let out = folder(name);
-    for file in ["discs.png", "histories.png", "discs.csv", "ledger.csv", "paraview/discs.pvd", "result.json"]
-    {
-        assert!(out.join(file).is_file(), "{file} is missing");
-    }
-    std::fs::remove_dir_all(out).expect("removed");
+    smoke!(
+        shaken_discs,
+        only(4),
+        ["discs.png", "histories.png", "discs.csv", "ledger.csv", "paraview/discs.pvd"]
+    );
 }
 
 #[test]
 fn throughput() {
-    let name = "throughput";
-    let output = run(env!("CARGO_BIN_EXE_throughput"), &["--resolution", "smoke", "--json"], name);
-    let value = result(&output, "throughput");
+    let value = smoke!(throughput, .., []);
     let runs = value["settings"]["runs"].as_array().expect("runs");
     assert_eq!(runs.len(), 3 * 2);
     for pair in runs.chunks(2) {
         assert_eq!(pair[0]["checksum"], pair[1]["checksum"], "one and two threads differ");
     }
-    std::fs::remove_dir_all(folder(name)).expect("removed");
 }
 
 #[test]
