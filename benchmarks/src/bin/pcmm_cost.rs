@@ -8,7 +8,7 @@ use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
 use mpm_core::{Axisymmetric, Boundary, PlaneStrain, Side, Team, TimeControl};
 use mpm_materials::{
     Adiabatic, Constitutive, Elastic, Heat, JohnsonCook, Logarithmic, LogarithmicBulk, MieGruneisen, Moduli,
-    Solid, TensilePressure,
+    Solid, TensilePressure, library,
 };
 use pcmm::{Composition, LocalDelaunay, Masses, Method, Neighbours, Packing, Pcmm};
 
@@ -55,12 +55,9 @@ fn main() -> Result<(), Failure> {
     measure("copper bar, every 10 steps", bar, 120.0e-6, 10, 0.45 * h)?;
 
     let h = 1.0e-3 / (8.0 * refine);
-    let heat = Heat { room: 298.0, melt: 877.0, exponent: 1.34, heat_capacity: 875.0, taylor_quinney: 0.9 };
-    let strength = JohnsonCook::new(26.7e9, 324e6, 114e6, 0.42)?.with_rate(Logarithmic::new(0.016, 1.0)?);
-    let aluminium =
-        Solid::new(strength.with_heat(Adiabatic::new(heat)?), MieGruneisen::new(2703.0, 5350.0, 1.34, 1.97)?)
-            .with_failure(TensilePressure::new(1.2e9)?)
-            .with_bulk_viscosity(0.1, 1.5)?;
+    let aluminium = library::aluminium_feng_2014()
+        .with_failure(TensilePressure::new(1.2e9)?)
+        .with_bulk_viscosity(0.1, 1.5)?;
     let plate = Cuboid::new([0.0, -8e-3], [1e-3, 8e-3])?;
     let both = plate.or(Ball::new([-1e-3, 0.0], 1e-3)?);
     let packing =

@@ -7,7 +7,7 @@ use examples::{CaseError, Totals};
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
 use mpm_core::output::{History, Progress, Snapshot, VtkSeries};
 use mpm_core::{PlaneStrain, Team, TimeControl};
-use mpm_materials::{Adiabatic, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure};
+use mpm_materials::{TensilePressure, library};
 use pcmm::{Audit, LocalDelaunay, Masses, Method, Packing, Particle, Pcmm};
 
 /// Diameter of the disc, m.
@@ -63,13 +63,8 @@ pub struct Outcome {
 
 /// The disc flies along x into the plate, whose front face is x = 0.
 pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Result<Outcome, CaseError> {
-    let [density, sound, slope, gamma] = SHOCK;
-    let heat = Heat { room: 298.0, melt: 877.0, exponent: 1.34, heat_capacity: 875.0, taylor_quinney: 0.9 };
-    let strength = JohnsonCook::new(26.7e9, 324e6, 114e6, 0.42)?
-        .with_rate(Logarithmic::new(0.016, 1.0)?)
-        .with_heat(Adiabatic::new(heat)?);
     let [linear, quadratic] = BULK_VISCOSITY;
-    let law = Solid::new(strength, MieGruneisen::new(density, sound, slope, gamma)?)
+    let law = library::aluminium_feng_2014()
         .with_failure(TensilePressure::new(SPALL)?)
         .with_bulk_viscosity(linear, quadratic)?;
 
@@ -178,7 +173,7 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
         bound: bound.iter().filter(|b| **b).count() as f64 / bound.len() as f64,
         audit: *scene.audit(),
         start: start.kinetic,
-        mass: start.mass / (density * exact),
+        mass: start.mass / (SHOCK[0] * exact),
         frames: shown,
         totals,
     })

@@ -7,7 +7,7 @@ use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::output::{History, Snapshot};
 use mpm_materials::{
-    Adiabatic, Constitutive, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure,
+    Adiabatic, Constitutive, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure, library,
 };
 
 /// Length and width of the bullet, m.
@@ -112,29 +112,18 @@ pub type Metal = Solid<
 pub fn tungsten() -> Result<Metal, CaseError> {
     let heat = Heat { room: 298.0, melt: 1723.0, exponent: 0.4, heat_capacity: 134.0, taylor_quinney: 0.9 };
     let strength = JohnsonCook::new(134.8e9, 1.2e9, 1.03e9, 0.019)?.with_rate(Logarithmic::new(0.034, 1.0)?);
-    metal(
-        strength.with_heat(Adiabatic::new(heat)?),
-        MieGruneisen::new(19220.0, 4020.0, 1.24, 1.67)?,
-        SPALL[1],
-    )
+    let strength = strength.with_heat(Adiabatic::new(heat)?);
+    metal(Solid::new(strength, MieGruneisen::new(19220.0, 4020.0, 1.24, 1.67)?), SPALL[1])
 }
 
 /// The aluminium of the target.
 pub fn aluminium() -> Result<Metal, CaseError> {
-    let heat = Heat { room: 298.0, melt: 877.0, exponent: 1.34, heat_capacity: 875.0, taylor_quinney: 0.9 };
-    let strength = JohnsonCook::new(26.7e9, 324e6, 114e6, 0.42)?.with_rate(Logarithmic::new(0.016, 1.0)?);
-    metal(strength.with_heat(Adiabatic::new(heat)?), MieGruneisen::new(2703.0, 5350.0, 1.34, 1.97)?, SPALL[0])
+    metal(library::aluminium_feng_2014(), SPALL[0])
 }
 
-fn metal(
-    strength: JohnsonCook<f64, Logarithmic<f64>, Adiabatic<f64>>,
-    eos: MieGruneisen<f64>,
-    spall: f64,
-) -> Result<Metal, CaseError> {
+fn metal(plain: library::Metal<f64>, spall: f64) -> Result<Metal, CaseError> {
     let [linear, quadratic] = BULK_VISCOSITY;
-    Ok(Solid::new(strength, eos)
-        .with_failure(TensilePressure::new(spall)?)
-        .with_bulk_viscosity(linear, quadratic)?)
+    Ok(plain.with_failure(TensilePressure::new(spall)?).with_bulk_viscosity(linear, quadratic)?)
 }
 
 /// Bullet and target for particle contacts: particles about so far apart (m) on a square lattice, moved at random by up
