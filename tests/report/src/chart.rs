@@ -111,10 +111,7 @@ fn tip(record: &Record, error: &str) -> String {
     )
 }
 
-/// Text that may stand in markup.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
+pub use stability::verdict::escape;
 
 /// The beginning of a drawing.
 pub fn open(about: &str) -> String {

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::chart::escape;
+use stability::verdict::{SIGNS, escape, rank, scheme_of};
 
 /// A row of that data.
 #[derive(Clone, Debug, Deserialize)]
@@ -14,14 +14,6 @@ pub struct Row {
     scheme: String,
     verdict: String,
 }
-
-/// Class and sign of a verdict, gravest last, as on the page of stability.
-const SIGNS: [(&str, &str, &str, &str); 4] = [
-    ("PASS", "good", "●", "holds, as expected"),
-    ("FAIL-EXPECTED", "fair", "×", "fails, and that is known"),
-    ("UNEXPECTED-PASS", "odd", "▲", "holds, and should fail"),
-    ("REGRESSION", "bad", "■", "fails, and should hold"),
-];
 
 /// The data beside the page, or else that of the repository.
 ///
@@ -37,17 +29,6 @@ pub fn read(out: &Path) -> Result<Vec<Row>, Box<dyn std::error::Error>> {
     Ok(serde_json::from_str(&std::fs::read_to_string(file)?)?)
 }
 
-fn rank(verdict: &str) -> usize {
-    SIGNS.iter().position(|s| s.0 == verdict).unwrap_or(SIGNS.len() - 1)
-}
-
-/// The scheme of a row, without what else was tried; none of rows that name no scheme of the charts.
-fn scheme_of<'a>(row: &Row, names: &'a [String]) -> Option<&'a String> {
-    names.iter().find(|n| {
-        row.scheme.strip_prefix(n.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(','))
-    })
-}
-
 /// The map, its scenes along the top, and a reading of it.
 pub fn section(out: &mut String, rows: &[Row]) {
     out.push_str("<section><h2 id=\"c9-stability\">C9. Where schemes fail</h2>");
@@ -57,7 +38,7 @@ pub fn section(out: &mut String, rows: &[Row]) {
     }
     let names: Vec<String> = verification::Scheme::all().iter().map(|s| s.name()).collect();
     let mut scenes: Vec<&str> = Vec::new();
-    for row in rows.iter().filter(|r| scheme_of(r, &names).is_some()) {
+    for row in rows.iter().filter(|r| scheme_of(&r.scheme, &names).is_some()) {
         if !scenes.contains(&row.scene.as_str()) {
             scenes.push(&row.scene);
         }
@@ -74,8 +55,8 @@ pub fn section(out: &mut String, rows: &[Row]) {
         let _ = write!(out, "<th><a href=\"stability.html#{0}\">{0}</a></th>", escape(scene));
     }
     out.push_str("</tr>");
-    for name in &names {
-        let own: Vec<&Row> = rows.iter().filter(|r| scheme_of(r, &names) == Some(name)).collect();
+    for (n, name) in names.iter().enumerate() {
+        let own: Vec<&Row> = rows.iter().filter(|r| scheme_of(&r.scheme, &names) == Some(n)).collect();
         if own.is_empty() {
             continue;
         }
@@ -111,8 +92,8 @@ fn reading(out: &mut String, rows: &[Row], names: &[String]) {
     );
     // Scenes in which a scheme was run, and those in which no row of it failed.
     let mut shares: Vec<(f64, usize, usize, &String)> = Vec::new();
-    for name in names {
-        let own: Vec<&Row> = rows.iter().filter(|r| scheme_of(r, names) == Some(name)).collect();
+    for (n, name) in names.iter().enumerate() {
+        let own: Vec<&Row> = rows.iter().filter(|r| scheme_of(&r.scheme, names) == Some(n)).collect();
         let mut scenes: Vec<&str> = own.iter().map(|r| r.scene.as_str()).collect();
         scenes.dedup();
         let fails = |r: &Row| ["FAIL-EXPECTED", "REGRESSION"].contains(&r.verdict.as_str());

@@ -240,6 +240,31 @@ impl Verdict {
     }
 }
 
+/// How a verdict is shown: its name, class of style, sign and meaning, gravest last.
+pub const SIGNS: [(&str, &str, &str, &str); 4] = [
+    ("PASS", "good", "●", "holds, as expected"),
+    ("FAIL-EXPECTED", "fair", "×", "fails, and that is known"),
+    ("UNEXPECTED-PASS", "odd", "▲", "holds, and should fail: see its note"),
+    ("REGRESSION", "bad", "■", "fails, and should hold: see its note"),
+];
+
+/// The place of the verdict of this name among [`SIGNS`].
+pub fn rank(verdict: &str) -> usize {
+    SIGNS.iter().position(|s| s.0 == verdict).unwrap_or(SIGNS.len() - 1)
+}
+
+/// Which of these schemes a row's name begins with; the rest of it, behind a comma, is what else was tried.
+pub fn scheme_of(row: &str, names: &[String]) -> Option<usize> {
+    names.iter().position(|n| {
+        row.strip_prefix(n.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(','))
+    })
+}
+
+/// Text that may stand in markup.
+pub fn escape(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
 /// A row, run and judged.
 pub struct Judged<'a> {
     /// The scene.

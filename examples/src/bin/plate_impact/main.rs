@@ -14,7 +14,7 @@ mod spall;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case};
+use examples::{CaseError, Common, Report, Totals, case, within};
 
 use plates::Files;
 use shock::{Impact, Setup};
@@ -38,21 +38,14 @@ struct Options {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(20..=5000))]
     flyer_cells: Option<u32>,
     /// Linear coefficient of the bulk viscosity, 0 to 2
-    #[arg(long, value_name = "B1", default_value_t = 1.0, value_parser = coefficient)]
+    #[arg(long, value_name = "B1", default_value_t = 1.0, value_parser = within(0.0, 2.0))]
     linear_viscosity: f64,
     /// Quadratic coefficient of the bulk viscosity, 0 to 2
-    #[arg(long, value_name = "B0", default_value_t = 2.0, value_parser = coefficient)]
+    #[arg(long, value_name = "B0", default_value_t = 2.0, value_parser = within(0.0, 2.0))]
     quadratic_viscosity: f64,
     /// ParaView frames of a shock and of the spall, 0 to 1000
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=1000))]
     frames: u32,
-}
-
-fn coefficient(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(b) if (0.0..=2.0).contains(&b) => Ok(b),
-        _ => Err(format!("{text} is not allowed; it must be a number from 0 to 2")),
-    }
 }
 
 /// Particle speeds behind the shocks of the lines, m/s.

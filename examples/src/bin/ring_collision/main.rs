@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Detection, Law, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Detection, Law, Report, Resolution, Totals, case, within};
 
 use scene::Outcome;
 use setup::{Kernel, Scheme, Seeding, Setup};
@@ -45,38 +45,20 @@ struct Options {
     #[arg(long, value_enum, default_value = "coulomb")]
     law: Law,
     /// Cell sizes, mm; particles are half as far apart [default: 2, or 2 and 1, or 2, 1 and 0.5 by resolution]
-    #[arg(long, value_name = "MM", value_delimiter = ',', value_parser = cell)]
+    #[arg(long, value_name = "MM", value_delimiter = ',', value_parser = within(0.25, 5.0))]
     cell: Vec<f64>,
     /// Coefficient of friction, 0 to 10
-    #[arg(long, value_name = "MU", default_value_t = 0.1, value_parser = friction)]
+    #[arg(long, value_name = "MU", default_value_t = 0.1, value_parser = within(0.0, 10.0))]
     friction: f64,
     /// Distance of the lines of flight, mm, 0 to 70
-    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = offset)]
+    #[arg(long, value_name = "MM", default_value_t = 0.0, value_parser = within(0.0, 70.0))]
     offset: f64,
     /// Time factor, step over h / (c + |v|), of the runs that are looked at closely; 0.01 to 2
-    #[arg(long, value_name = "F", default_value_t = 0.3, value_parser = factor)]
+    #[arg(long, value_name = "F", default_value_t = 0.3, value_parser = within(0.01, 2.0))]
     factor: f64,
     /// Time factors of the energy errors, beside --factor [default: 1, 6 or 9 of 0.05 to 0.9 by resolution]
-    #[arg(long, value_name = "F", value_delimiter = ',', value_parser = factor)]
+    #[arg(long, value_name = "F", value_delimiter = ',', value_parser = within(0.01, 2.0))]
     factors: Vec<f64>,
-}
-
-/// A number between two bounds.
-fn within(text: &str, low: f64, high: f64) -> Result<f64, String> {
-    let x: f64 = text.parse().map_err(|_| "not a number".to_string())?;
-    if (low..=high).contains(&x) { Ok(x) } else { Err(format!("{x} is not in {low}..={high}")) }
-}
-fn cell(text: &str) -> Result<f64, String> {
-    within(text, 0.25, 5.0)
-}
-fn friction(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 10.0)
-}
-fn offset(text: &str) -> Result<f64, String> {
-    within(text, 0.0, 70.0)
-}
-fn factor(text: &str) -> Result<f64, String> {
-    within(text, 0.01, 2.0)
 }
 
 const MOMENTUM_TOLERANCE: f64 = 1e-12;

@@ -9,7 +9,7 @@ mod taylor_wave;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, case};
+use examples::{CaseError, Check, Common, Report, case, within};
 
 use scene::{LENGTH, Outcome, Setup};
 use taylor_wave::CHAPMAN_JOUGUET;
@@ -28,31 +28,17 @@ struct Options {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(100..=100_000))]
     cells: Option<u32>,
     /// Width of the burn in cells, 0.5 to 20
-    #[arg(long, value_name = "CELLS", default_value_t = 4.0, value_parser = width)]
+    #[arg(long, value_name = "CELLS", default_value_t = 4.0, value_parser = within(0.5, 20.0))]
     burn_width: f64,
     /// Only the programmed wave lights; what is compressed to the Chapman-Jouguet volume does not burn by itself
     #[arg(long)]
     no_compression_burn: bool,
     /// Time step over that of the sound speed, 0.01 to 1
-    #[arg(long, value_name = "FACTOR", default_value_t = 0.3, value_parser = factor)]
+    #[arg(long, value_name = "FACTOR", default_value_t = 0.3, value_parser = within(0.01, 1.0))]
     time_factor: f64,
     /// ParaView frames, 0 to 1000
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(0..=1000))]
     frames: u32,
-}
-
-fn width(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(w) if (0.5..=20.0).contains(&w) => Ok(w),
-        _ => Err(format!("{text} is not allowed; it must be a number from 0.5 to 20")),
-    }
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(f) if (0.01..=1.0).contains(&f) => Ok(f),
-        _ => Err(format!("{text} is not allowed; it must be a number from 0.01 to 1")),
-    }
 }
 
 /// The gauges that decide: the front needs some way to build up.

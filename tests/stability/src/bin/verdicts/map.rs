@@ -2,30 +2,10 @@
 
 use std::fmt::Write;
 
-use stability::verdict::Scene;
+use stability::verdict::{SIGNS, Scene, escape, rank, scheme_of};
 use verification::Scheme;
 
-use crate::page::escape;
 use crate::record::Record;
-
-/// The sign of a verdict: class, sign, meaning, gravest last.
-pub const SIGNS: [(&str, &str, &str, &str); 4] = [
-    ("PASS", "good", "&#9679;", "holds, as expected"),
-    ("FAIL-EXPECTED", "fair", "&#215;", "fails, and that is known"),
-    ("UNEXPECTED-PASS", "odd", "&#9650;", "holds, and should fail: see its note"),
-    ("REGRESSION", "bad", "&#9632;", "fails, and should hold: see its note"),
-];
-
-fn rank(verdict: &str) -> usize {
-    SIGNS.iter().position(|s| s.0 == verdict).unwrap_or(SIGNS.len() - 1)
-}
-
-/// The scheme that the name of a row begins with.
-fn scheme_of(row: &str, names: &[String]) -> Option<usize> {
-    names.iter().position(|n| {
-        row.strip_prefix(n.as_str()).is_some_and(|rest| rest.is_empty() || rest.starts_with(','))
-    })
-}
 
 /// The map.
 pub fn map(out: &mut String, scenes: &[Scene], records: &[Record]) {

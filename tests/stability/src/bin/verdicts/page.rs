@@ -3,9 +3,9 @@
 use std::fmt::Write;
 
 use stability::scenes::{ELSEWHERE, MISSING};
-use stability::verdict::{Scene, Verdict};
+use stability::verdict::{SIGNS, Scene, Verdict, escape};
 
-use crate::map::{SIGNS, gauge, map};
+use crate::map::{gauge, map};
 use crate::record::Record;
 
 /// What the page says of its making.
@@ -25,11 +25,6 @@ const OWN: &str = ".map td,.map th{text-align:center;padding:.1rem .3rem}.map td
 .map th span{writing-mode:vertical-rl;transform:rotate(180deg);font-weight:400;white-space:nowrap}\
 .odd{color:var(--c4)}svg .good{fill:var(--good)}svg .bad{fill:var(--bad)}svg .fair{fill:var(--fair)}svg .odd{fill:var(--c4)}\
 .gauge{vertical-align:middle}";
-
-/// Text as HTML.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
 
 /// Marks of code in Markdown as those of HTML.
 fn code(text: &str) -> String {
