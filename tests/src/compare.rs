@@ -17,9 +17,7 @@ where
 {
     let mut bodies = Vec::new();
     for body in mpm.bodies() {
-        let mut list: Vec<Particle> = Vec::with_capacity(body.len());
-        body.for_each(&mut |p| list.push(p.clone()));
-        list.sort_by_key(|p| p.number);
+        let list = body.particles();
         for (n, p) in list.iter().enumerate() {
             assert_eq!(p.number, n, "particle numbers of body `{}` have a gap or a repetition", body.name());
         }

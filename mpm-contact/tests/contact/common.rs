@@ -78,12 +78,5 @@ where
     M: Composition<f64, D>,
     K: Contact<f64, D>,
 {
-    let mut all = Vec::new();
-    for body in mpm.bodies() {
-        let mut list = Vec::new();
-        body.for_each(&mut |p| list.push(p.clone()));
-        list.sort_by_key(|p: &Particle| p.number);
-        all.push(list);
-    }
-    all
+    mpm.bodies().iter().map(|body| body.particles()).collect()
 }

@@ -45,13 +45,7 @@ where
     mpm.set_time_control(TimeControl::Fixed(4e-4)).expect("time control");
     mpm.run_until(0.15).expect("run");
     assert!(mpm.contacts().is_empty(), "the cubes met");
-    let particles = |body: &dyn mpm_core::Body<f64, D>| {
-        let mut list = Vec::new();
-        body.for_each(&mut |p| list.push(p.clone()));
-        list.sort_by_key(|p: &Particle| p.number);
-        list
-    };
-    mpm.bodies().iter().map(|body| particles(body.as_ref())).collect()
+    mpm.bodies().iter().map(|body| body.particles()).collect()
 }
 
 /// In a crowd every cube does to the last bit what it does alone, with any number of threads and on any grid.

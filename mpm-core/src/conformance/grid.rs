@@ -130,8 +130,5 @@ where
     for _ in 0..60 {
         mpm.step().map_err(|e| stop(e.to_string()))?;
     }
-    let mut list = Vec::new();
-    mpm.bodies()[0].for_each(&mut |p| list.push(p.clone()));
-    list.sort_by_key(|p| p.number);
-    Ok(list)
+    Ok(mpm.bodies()[0].particles())
 }

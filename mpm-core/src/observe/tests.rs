@@ -30,9 +30,7 @@ fn states<E>(mpm: &Flat<E>) -> Vec<crate::Particle>
 where
     Method<Linear, Flip, Musl, E>: crate::Composition<f64, 2>,
 {
-    let mut all = Vec::new();
-    mpm.bodies()[0].for_each(&mut |p| all.push(p.clone()));
-    all
+    mpm.bodies()[0].particles()
 }
 
 /// Counts how often it looks and how often it is told the end.

@@ -112,6 +112,14 @@ pub struct Particle {
     pub state: Vec<f64>,
 }
 
+impl Particle {
+    /// Pressure, compression positive: -tr(sigma) / 3, Pa.
+    #[must_use]
+    pub fn pressure(&self) -> f64 {
+        -(self.stress[0] + self.stress[1] + self.stress[2]) / 3.0
+    }
+}
+
 /// What broke in a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyTrouble {
@@ -194,6 +202,13 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn totals(&self) -> Totals;
     /// Call `visit` for every particle, blocks in order of coordinates.
     fn for_each(&self, visit: &mut dyn FnMut(&Particle));
+    /// All particles, by number.
+    fn particles(&self) -> Vec<Particle> {
+        let mut all = Vec::with_capacity(self.len());
+        self.for_each(&mut |p| all.push(p.clone()));
+        all.sort_by_key(|p| p.number);
+        all
+    }
     /// Bytes of memory held, all scratch included.
     fn bytes(&self) -> usize;
     /// Numbers stored a particle.

@@ -92,11 +92,7 @@ pub fn named(error: &StepError) -> Option<(&str, usize, [f64; 3])> {
 
 /// All particles.
 pub fn particles(mpm: &dyn Machine) -> Vec<Particle> {
-    let mut list = Vec::new();
-    for body in mpm.bodies() {
-        body.for_each(&mut |p| list.push(p.clone()));
-    }
-    list
+    mpm.bodies().iter().flat_map(|body| body.particles()).collect()
 }
 
 /// Kinetic energy of the particles as seen by their centre of mass, and internal energy, J.

@@ -31,8 +31,7 @@ impl Drop for Scratch {
 
 /// Every particle, by its bits.
 fn seen<const D: usize, M: Composition<f64, D>, G: GridStorage<f64, D>>(mpm: &Mpm<f64, D, M, G>) -> String {
-    let mut all = Vec::new();
-    mpm.bodies().iter().for_each(|b| b.for_each(&mut |p| all.push(p.clone())));
+    let all: Vec<_> = mpm.bodies().iter().map(|b| b.particles()).collect();
     format!("{} {:?} {all:?}", mpm.steps(), mpm.time())
 }
 

@@ -16,9 +16,7 @@ const H: f64 = 0.1;
 fn particles<const D: usize, M: Composition<f64, D>>(
     mpm: &Mpm<f64, D, M, BlockGrid<f64, D>>,
 ) -> Vec<Particle> {
-    let mut all = Vec::new();
-    mpm.bodies()[0].for_each(&mut |p| all.push(p.clone()));
-    all
+    mpm.bodies()[0].particles()
 }
 
 /// Neo-Hookean of 1000 kg/m^3 with this wave speed, m/s.

@@ -11,10 +11,7 @@ use mpm_core::{
 const H: f64 = 0.1;
 
 fn particles<M: Composition<f64, 2>>(mpm: &Mpm<f64, 2, M, BlockGrid<f64, 2>>) -> Vec<Particle> {
-    let mut all = Vec::new();
-    mpm.bodies()[0].for_each(&mut |p| all.push(p.clone()));
-    all.sort_by_key(|p| p.number);
-    all
+    mpm.bodies()[0].particles()
 }
 
 fn seeds() -> Seeds<2> {

@@ -95,7 +95,7 @@ pub fn row(setup: &Setup) -> Result<Row, CaseError> {
     let (front, plane) = (theory.front * end, theory.particle * end);
     let mut points = Vec::new();
     mpm.bodies()[0].for_each(&mut |p| {
-        let pressure = -(p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
+        let pressure = p.pressure();
         points.push([p.position[0], pressure, p.volume * SHOCK[0] / p.mass]);
     });
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));

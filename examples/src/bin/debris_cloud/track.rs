@@ -76,7 +76,7 @@ impl<T: Float> Observer<T, 3> for Track {
                     *ring += p.mass;
                 }
                 if index == 1 && self.gauge[p.number % self.gauge.len()] {
-                    row.pressure -= p.mass * (p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
+                    row.pressure += p.mass * p.pressure();
                     at_gauge += p.mass;
                 }
             });

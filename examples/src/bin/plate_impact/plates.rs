@@ -137,7 +137,7 @@ pub fn collide<C: Constitutive<f64> + Clone>(
         points.push(Point {
             x: p.position[0],
             speed: p.velocity[0],
-            pressure: -(p.stress[0] + p.stress[1] + p.stress[2]) / 3.0,
+            pressure: p.pressure(),
             compression: p.mass / (p.volume * density) - 1.0,
             energy: state(energy),
             failed: state(failed) > 0.5,

@@ -146,7 +146,7 @@ pub fn burn(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseEr
 
     let mut profile = Vec::new();
     mpm.bodies()[0].for_each(&mut |p| {
-        let pressure = -(p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
+        let pressure = p.pressure();
         profile.push(Point { x: p.position[0], speed: p.velocity[0], pressure });
     });
     profile.sort_by(|a, b| a.x.total_cmp(&b.x));

@@ -80,7 +80,7 @@ fn run(asked: Asked, shock: Shock, scheme: Scheme, q: (f64, f64)) -> Result<Meas
     let (mut density, mut n, mut most, mut heat, mut first) = (0.0, 0.0, 0.0f64, 0.0, 0.0);
     for p in particles(&*mpm) {
         let x = p.position[0];
-        let pressure = -(p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
+        let pressure = p.pressure();
         if x > 0.3 * front && x < 0.8 * front {
             density += p.mass / p.volume;
             n += 1.0;

@@ -86,8 +86,7 @@ fn noise(mpm: &dyn Machine, starts: &[[f64; 2]]) -> f64 {
         let [x, y] = starts[p.number];
         let x = x / LENGTH as f64;
         if (x - 0.5).abs() < 0.25 {
-            points
-                .push(((y - 0.5 * THICK as f64) * bend(x), -(p.stress[0] + p.stress[1] + p.stress[2]) / 3.0));
+            points.push(((y - 0.5 * THICK as f64) * bend(x), p.pressure()));
         }
     }
     let dot = |f: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(f).sum::<f64>();

@@ -91,7 +91,7 @@ fn tube(case: &Case, viscous: bool) -> Result<(Ended, Profile), String> {
         // Per metre of the tube.
         error += p.volume / h * (p.mass / p.volume - density(s)).abs();
         if s > TAIL + margin && s < SHOCK - margin {
-            pressure -= p.volume * (p.stress[0] + p.stress[1] + p.stress[2]) / 3.0;
+            pressure += p.volume * p.pressure();
             inside += p.volume;
         }
         fastest = fastest.max(p.velocity[0]);
