@@ -143,16 +143,7 @@ pub fn lattice_points(low: [i64; 3], high: [i64; 3], h: f64, inside: impl Fn([f6
         }
     }
     let volumes = vec![0.125 * h * h * h; positions.len()];
-    let raw_measure = volumes.iter().sum();
-    Seeds {
-        positions,
-        volumes,
-        half_size: [0.25 * h; 3],
-        raw_measure,
-        exact_measure: None,
-        sampled_measure: None,
-        correction: 1.0,
-    }
+    Seeds::placed(positions, volumes, [0.25 * h; 3])
 }
 
 /// A solver on blocks of nodes.

@@ -84,15 +84,8 @@ impl Numbers {
 
 /// Seeds at given positions with equal volumes.
 pub fn seeds<const D: usize>(positions: Vec<[f64; D]>, volume: f64, half_size: f64) -> Seeds<D> {
-    Seeds {
-        volumes: vec![volume; positions.len()],
-        positions,
-        half_size: [half_size; D],
-        raw_measure: 0.0,
-        exact_measure: None,
-        sampled_measure: None,
-        correction: 1.0,
-    }
+    let volumes = vec![volume; positions.len()];
+    Seeds::placed(positions, volumes, [half_size; D])
 }
 
 /// A block of `cells` cells from node `low`, `per_axis` particles an axis and cell, each displaced by up to

@@ -32,14 +32,5 @@ pub fn disc(centre: [f64; 2], radius: f64, particle: f64, part: Part) -> Seeds<2
             volumes.push(if part == Part::Ball { area * x } else { area });
         }
     }
-    let measure = volumes.iter().sum();
-    Seeds {
-        positions,
-        volumes,
-        half_size: [0.5 * depth; 2],
-        raw_measure: measure,
-        exact_measure: Some(measure),
-        sampled_measure: None,
-        correction: 1.0,
-    }
+    Seeds::placed(positions, volumes, [0.5 * depth; 2])
 }

@@ -96,15 +96,7 @@ impl<const D: usize> Body<D> {
         for x in &mut centre {
             *x += 0.5 * cells as f64 * h;
         }
-        let seeds = Seeds {
-            positions,
-            volumes,
-            half_size: [0.25 * h; D],
-            raw_measure: 0.0,
-            exact_measure: None,
-            sampled_measure: None,
-            correction: 1.0,
-        };
+        let seeds = Seeds::placed(positions, volumes, [0.25 * h; D]);
         Body { seeds, centre, spacing: h }
     }
 

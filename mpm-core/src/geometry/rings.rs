@@ -27,13 +27,5 @@ pub fn rings(centre: [f64; 2], radius: f64, count: usize) -> Result<Seeds<2>, Ge
         }
     }
     let area = PI * radius * radius;
-    Ok(Seeds {
-        positions,
-        volumes,
-        half_size: [0.5 * width; 2],
-        raw_measure: area,
-        exact_measure: Some(area),
-        sampled_measure: None,
-        correction: 1.0,
-    })
+    Ok(Seeds { exact_measure: Some(area), ..Seeds::placed(positions, volumes, [0.5 * width; 2]) })
 }

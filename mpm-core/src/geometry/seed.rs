@@ -97,6 +97,20 @@ pub struct Seeds<const D: usize> {
 }
 
 impl<const D: usize> Seeds<D> {
+    /// Particles at these positions, m, of these volumes and this half size, m: where no shape is filled. They are looked at when
+    /// they are added to a scene.
+    pub fn placed(positions: Vec<[f64; D]>, volumes: Vec<f64>, half_size: [f64; D]) -> Self {
+        let raw_measure = sum(volumes.iter().copied());
+        Seeds {
+            positions,
+            volumes,
+            half_size,
+            raw_measure,
+            exact_measure: None,
+            sampled_measure: None,
+            correction: 1.0,
+        }
+    }
     /// Number of particles.
     pub fn len(&self) -> usize {
         self.positions.len()

@@ -180,13 +180,6 @@ pub fn block<const D: usize>(
         }
         positions.push(x);
     }
-    Seeds {
-        volumes: vec![volume; positions.len()],
-        positions,
-        half_size: [0.5 * h / per_axis as f64; D],
-        raw_measure: 0.0,
-        exact_measure: None,
-        sampled_measure: None,
-        correction: 1.0,
-    }
+    let volumes = vec![volume; positions.len()];
+    Seeds::placed(positions, volumes, [0.5 * h / per_axis as f64; D])
 }

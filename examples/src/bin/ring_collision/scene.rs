@@ -60,17 +60,7 @@ fn ring(
             volumes.push(radius * depth * angle);
         }
     }
-    let measure = volumes.iter().sum();
-    let (half_size, exact_measure) = ([0.5 * depth; 2], Some(measure));
-    Ok(Seeds {
-        positions,
-        volumes,
-        half_size,
-        raw_measure: measure,
-        exact_measure,
-        sampled_measure: None,
-        correction: 1.0,
-    })
+    Ok(Seeds::placed(positions, volumes, [0.5 * depth; 2]))
 }
 
 /// What came of a run.

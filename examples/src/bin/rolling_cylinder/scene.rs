@@ -158,17 +158,8 @@ fn layered<const D: usize>(setup: &Setup) -> Result<Seeds<D>, GeometryError> {
         positions.extend(disc.positions.iter().map(|[x, y]| cut([*x, *y, z])));
         volumes.extend(disc.volumes.iter().map(|v| v * depth));
     }
-    let exact = PI * RADIUS * RADIUS * if D == 3 { 0.5 * LONG } else { 1.0 };
     let [edge, _] = disc.half_size;
-    Ok(Seeds {
-        positions,
-        volumes,
-        half_size: cut([edge, edge, 0.5 * depth]),
-        raw_measure: exact,
-        exact_measure: Some(exact),
-        sampled_measure: None,
-        correction: 1.0,
-    })
+    Ok(Seeds::placed(positions, volumes, cut([edge, edge, 0.5 * depth])))
 }
 
 fn run<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(

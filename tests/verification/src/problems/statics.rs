@@ -93,16 +93,7 @@ fn mapped(map: impl Fn(f64, f64) -> [f64; 2], counts: [usize; 2], half: [f64; 2]
             volumes.push(0.5 * ((r[0] - p[0]) * (s[1] - q[1]) - (r[1] - p[1]) * (s[0] - q[0])));
         }
     }
-    let (raw_measure, correction) = (volumes.iter().sum(), 1.0);
-    Seeds {
-        positions,
-        volumes,
-        half_size: half,
-        raw_measure,
-        exact_measure: None,
-        sampled_measure: None,
-        correction,
-    }
+    Seeds::placed(positions, volumes, half)
 }
 
 /// V17, Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) m, held at x = 0, sheared by 1 N a metre of depth in all at
