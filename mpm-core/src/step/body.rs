@@ -93,7 +93,7 @@ impl Totals {
 /// A particle as others see it, in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Particle {
-    /// Its number in the body, by the order of seeding; [`Splitting`] tells those of split ones.
+    /// Its number in the body, by the order of seeding; [`Splitting`](super::splitting::Splitting) tells those of split ones.
     pub number: usize,
     /// Position, m.
     pub position: [f64; 3],
