@@ -464,11 +464,15 @@ where
     /// ```compile_fail
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
     /// # use mpm_materials::{LinearElastic, Moduli};
-    /// # let (lattice, law): (Lattice<2>, LinearElastic<f64>) = todo!();
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let lattice = Lattice::new([0.0; 2], 0.25)?;
+    /// # let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
     /// let reference = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
     /// let mut mpm = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
     /// # let other = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
-    /// mpm.take_over(law, &*other.bodies()[0]);
+    /// mpm.take_over(law, &*other.bodies()[0])?;
+    /// # Ok(())
+    /// # }
     /// ```
     ///
     /// # Errors
