@@ -1,11 +1,39 @@
 //! What theory says about the speed of the interface.
 
-use crate::scene::SPEED;
+use crate::scene::{SPEED, Space, TARGET as PLATE};
 
 /// Densities of bullet and target, kg/m^3.
 const DENSITY: [f64; 2] = [19220.0, 2703.0];
-/// Strain rate at the interface, 1/s: the speed over the width of the bullet.
-const RATE: f64 = 1.4e5;
+/// Strengths of bullet and target, Pa, of round bullets, and the least and most of the former.
+const BULLET: [f64; 2] = [1.2e9, 2.2e9];
+const TARGET: f64 = 1.8e9;
+/// Shear modulus and flow stress of the target by its printed law, at a strain of one, cold, at a rate of 1.4e5 /s (speed
+/// over width of the bullet), Pa.
+const SHEAR: f64 = 26.7e9;
+const FLOW: f64 = (324e6 + 114e6) * 1.19;
+
+/// Speed of the interface, m/s, of round bullets: `tate` for the strengths above.
+const ROUND: [f64; 2] = [760.0, 880.0];
+
+/// Range of the speed of the interface, m/s, for the least and the most strength of the bullet. In the plane the resistance of the
+/// target is less, as the pressure that opens a cylinder is than that which opens a sphere.
+pub fn interface(space: Space) -> [f64; 2] {
+    match space {
+        Space::Axisymmetric => ROUND,
+        Space::PlaneStrain => BULLET.map(|bullet| tate(bullet, TARGET * cylinder() / sphere())),
+    }
+}
+
+/// Range of the time in which 50 mm are reached, s.
+pub fn through(space: Space) -> [f64; 2] {
+    match space {
+        Space::Axisymmetric => [57.0e-6, 66.0e-6],
+        Space::PlaneStrain => {
+            let [slow, fast] = interface(space);
+            [PLATE[0] / fast, PLATE[0] / slow]
+        }
+    }
+}
 
 /// Tate's steady speed of the interface, m/s: rho_p (V - U)^2 / 2 + Y_p = rho_t U^2 / 2 + R_t. The impact speed where the
 /// bullet does not yield.
@@ -22,16 +50,16 @@ pub fn tate(bullet: f64, target: f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Resistance of the target in plane strain, Pa: pressure that opens a cylinder in an incompressible elastic-plastic
-/// solid, k (1 + ln(G / k)), with k = Y / sqrt 3 and the flow stress of the printed law at a strain of one, cold.
-pub fn resistance() -> f64 {
-    let k = (324e6 + 114e6) * (1.0 + 0.016 * RATE.ln()) / 3f64.sqrt();
-    k * (1.0 + (26.7e9 / k).ln())
+/// Pressure that opens a sphere in the incompressible elastic-plastic target (Bishop, Hill, Mott 1945), Pa:
+/// 2 Y / 3 (1 + ln(2 G / Y)).
+fn sphere() -> f64 {
+    2.0 / 3.0 * FLOW * (1.0 + (2.0 * SHEAR / FLOW).ln())
 }
 
-/// Strength of the bullet by its printed law, Pa, cold, at a strain of one.
-pub fn strength() -> f64 {
-    (1.2e9 + 1.03e9) * (1.0 + 0.034 * RATE.ln())
+/// The same of a cylinder: k (1 + ln(G / k)), k = Y / sqrt 3.
+fn cylinder() -> f64 {
+    let k = FLOW / 3f64.sqrt();
+    k * (1.0 + (SHEAR / k).ln())
 }
 
 #[cfg(test)]
@@ -46,5 +74,15 @@ mod tests {
             assert!((tate(bullet, target) - speed).abs() < 1.0, "{}", tate(bullet, target));
         }
         assert_eq!(tate(1e10, 0.0), SPEED);
+    }
+
+    #[test]
+    fn round_and_plane() {
+        for (bullet, asked) in BULLET.into_iter().zip(interface(Space::Axisymmetric)) {
+            assert!((tate(bullet, TARGET) - asked).abs() < 1.5, "{}", tate(bullet, TARGET));
+        }
+        let plane = interface(Space::PlaneStrain);
+        assert!((plane[0] - 789.0).abs() < 1.0 && (plane[1] - 917.0).abs() < 1.0, "{plane:?}");
+        assert!((cylinder() / sphere() - 0.844).abs() < 1e-3, "{}", cylinder() / sphere());
     }
 }

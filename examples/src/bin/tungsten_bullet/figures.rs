@@ -7,7 +7,7 @@ use mpm_core::output::picture::{
     Axis, Chart, ColourMap, FieldPicture, Panels, Picture, Quantity, Series, Stroke, palette,
 };
 
-use crate::INTERFACE;
+use crate::estimate;
 use crate::scene::{BULLET, END, MOMENTS, Outcome, SPEED, Space, TARGET};
 
 /// Draw everything.
@@ -25,8 +25,12 @@ pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
         let line = Series::new(name, &[0.0, END], &[0.0, speed * END]);
         line.map(|s| s.stroke(Stroke::Dashed).colour(palette(7)))
     };
-    for (name, speed) in [("Tate, 760 m/s", INTERFACE[0]), ("Tate, 880 m/s", INTERFACE[1])] {
-        chart = chart.series(dashed(name, speed)?);
+    for space in [Space::PlaneStrain, Space::Axisymmetric] {
+        if outcomes.iter().any(|o| o.space == space) {
+            for speed in estimate::interface(space) {
+                chart = chart.series(dashed(&format!("Tate, {}, {speed:.0} m/s", space.name()), speed)?);
+            }
+        }
     }
     for (n, outcome) in outcomes.iter().enumerate() {
         let t: Vec<f64> = outcome.history.iter().map(|e| e.time).collect();
