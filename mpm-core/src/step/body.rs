@@ -485,7 +485,7 @@ where
             let slot = match self.spare.pop() {
                 Some(mut slot) => {
                     slot.block.place_at(c);
-                    slot.tile.fill([T::default(); 4]);
+                    slot.rows = 0;
                     slot.report = Report::default();
                     slot
                 }
@@ -568,6 +568,7 @@ fn new_slot<T: Float, const D: usize, E: Stencil>(
     Slot {
         block: Block::new(coordinates, dummy.to_vec()),
         tile: vec![[T::default(); 4]; tile_nodes::<E>(D) * records],
+        rows: 0,
         slots_around: vec![NONE; neighbours(D)],
         linked: 0,
         report: Report::default(),
@@ -685,7 +686,7 @@ where
         let around = [around, next];
         let tile = |n: usize, block: usize| {
             let slot = *around[block].get(n).unwrap_or(&NONE);
-            self.slots.get(slot as usize).map(|slot| &slot.tile[..])
+            self.slots.get(slot as usize).map(|slot| (&slot.tile[..], slot.rows))
         };
         let two = !M::MAPS_TOGETHER && !M::Update::BEFORE_FORCES;
         let add: AddTiles<'_, T, D, ExtentOf<M, T, D>, _> =

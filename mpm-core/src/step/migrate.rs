@@ -8,7 +8,7 @@ use mpm_materials::Lane;
 use super::scatter::{AFFINE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::splitting::Splitter;
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
-use super::tile::{tile_corner, tile_nodes};
+use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
 use crate::dim::{BLOCK, neighbours};
 use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel};
@@ -174,7 +174,7 @@ impl<T: Float> Domains<T> {
 pub(super) fn take_in<T, A, const D: usize, M, K>(
     method: &M,
     block: &mut Block<T, D>,
-    tile: &mut [[T; 4]],
+    (tile, rows): (&mut [[T; 4]], &mut u64),
     outbox: &Outbox<T>,
     to: usize,
     domains: Domains<T>,
@@ -194,7 +194,6 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
     for kind in 0..RECORDS {
         kinds += usize::from(maps.uses::<D>(kind));
     }
-    let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
     let (records, spread) = scratch;
     for n in 0..outbox.to.len() {
         if outbox.to[n] as usize != to {
@@ -203,6 +202,9 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
         let bin = outbox.bin[n] as usize;
         let numbers = &outbox.numbers[n * columns..][..columns];
         block.push(bin, numbers);
+        let more = rows_of::<ExtentOf<M, T, D>, D>(1 << bin) & !*rows;
+        clear_rows::<T, D, ExtentOf<M, T, D>>(tile, more, maps);
+        *rows |= more;
         let sent = &outbox.records[n * kinds..][..kinds];
         let mut next = 0;
         for kind in 0..RECORDS {
@@ -219,6 +221,7 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
         let domain = domains.of::<A::Pack, ShapeOf<M, T, D>, D>(carried);
         spread.place(method.shape(), &xi, &domain, maps.slopes());
         let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
+        let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
         scatter::<T, A, ExtentOf<M, T, D>, 1>([first, second], corner, spread, records, maps);
     }
 }
@@ -248,7 +251,7 @@ where
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
         let TakeIn { method, slot, outboxes, common, .. } = self;
-        let Slot { block, tile, slots_around, .. } = slot;
+        let Slot { block, tile, rows, slots_around, .. } = slot;
         let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
         for from in 0..neighbours(D) {
@@ -259,7 +262,8 @@ where
             }
             let Some(outbox) = outboxes.get(slots_around[from] as usize) else { continue };
             let scratch = (&mut records, &mut spread);
-            take_in::<T, A, D, M, K>(method, block, tile, outbox, to, common.domains, scratch);
+            let sums = (&mut tile[..], &mut *rows);
+            take_in::<T, A, D, M, K>(method, block, sums, outbox, to, common.domains, scratch);
         }
         block.tidy();
     }

@@ -16,7 +16,7 @@ use super::mean::Strained;
 use super::migrate::{Cut, Domains, Leaving, send_away, take_in};
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::splitting::Splitter;
-use super::tile::{Reads, Stencilled, TileIn, clear_tile, tile_corner, tile_nodes};
+use super::tile::{Reads, Stencilled, TileIn, clear_rows, rows_of, tile_corner, tile_nodes};
 use super::total;
 use crate::dilatation::Dilatation;
 use crate::dim::{BLOCK, Stencil, block_nodes, neighbours};
@@ -37,6 +37,8 @@ pub struct Slot<T: Float, const D: usize> {
     /// What they add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
     /// the method maps two, all second ones.
     pub tile: Vec<[T; 4]>,
+    /// Rows of the tile that hold sums, a bit each; nothing is known of the others.
+    pub rows: u64,
     /// Slots around, likewise.
     pub slots_around: Vec<u32>,
     /// Bins whose stencils the body's nodes hold, a bit each.
@@ -203,7 +205,7 @@ where
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
         let Sweep { law, method, nodes, around, slot, outbox, common, .. } = self;
-        let Slot { block, tile, report, .. } = slot;
+        let Slot { block, tile, rows, report, .. } = slot;
         let does = K::DOES;
         let maps = maps::<T, D, M, K>();
         let strain_first = matches!(does.strain, Some(Nodal::First));
@@ -225,14 +227,15 @@ where
         for bin in 0..AHEAD {
             block.prefetch(bin, soon);
         }
-        clear_tile::<T, D, ExtentOf<M, T, D>>(tile, maps);
+        *rows = rows_of::<ExtentOf<M, T, D>, D>(block.occupied());
+        clear_rows::<T, D, ExtentOf<M, T, D>>(tile, *rows, maps);
         outbox.clear();
         *report = Report::default();
         if block.is_empty() {
             return;
         }
         let mut tile_in = TileIn::<T, ExtentOf<M, T, D>>::zero();
-        tile_in.load::<D>(nodes, around[0], reads);
+        tile_in.load::<D>(nodes, around[0], reads, *rows);
         let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
 
@@ -582,7 +585,7 @@ where
         if does.moves && !total {
             let here = neighbours(D) / 2;
             let scratch = (&mut records, &mut spread);
-            take_in::<T, A, D, M, K>(method, block, tile, outbox, here, common.domains, scratch);
+            take_in::<T, A, D, M, K>(method, block, (tile, rows), outbox, here, common.domains, scratch);
         }
         for i in 0..A::Pack::WIDTH {
             report.rate = report.rate.max(rate.lane(i));

@@ -36,6 +36,38 @@ pub(super) fn tile_corner<E: Stencil, const D: usize>(bin: usize) -> usize {
     if D == 3 { (z * E::TILE + y) * E::TILE + x } else { y * E::TILE + x }
 }
 
+/// Rows of tile nodes along x, `TILE` an axis, that the stencils of bins reach, a bit each. `bins` has a bit for each bin.
+#[inline(always)]
+pub(super) fn rows_of<E: Stencil, const D: usize>(bins: u64) -> u64 {
+    let mut rows = 0;
+    for z in 0..if D == 3 { BLOCK } else { 1 } {
+        let mut line = 0;
+        for y in 0..BLOCK {
+            let bins = bins >> ((z * BLOCK + y) * BLOCK) & ((1 << BLOCK) - 1);
+            line |= u64::from(bins != 0) << y;
+        }
+        let mut lines = line;
+        for j in 1..E::NODES {
+            lines |= line << j;
+        }
+        for k in 0..E::LAYERS {
+            rows |= lines << ((z + k) * E::TILE);
+        }
+    }
+    rows
+}
+
+/// The records of a tile in runs of rows.
+#[inline(always)]
+fn runs<E: Stencil>(mut rows: u64) -> impl Iterator<Item = std::ops::Range<usize>> {
+    std::iter::from_fn(move || {
+        let from = rows.trailing_zeros();
+        let to = from + rows.checked_shr(from)?.trailing_ones();
+        rows &= u64::MAX.checked_shl(to).unwrap_or(0);
+        Some(from as usize * E::TILE..to as usize * E::TILE)
+    })
+}
+
 /// The nodal records that a block's particles read.
 pub(super) struct TileIn<T: Float, E: Stencil> {
     first: E::Tile<[T; 4]>,
@@ -49,11 +81,17 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
         TileIn { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
     }
 
-    /// Copy the records out of the blocks of the grid.
+    /// Copy these rows of records out of the blocks of the grid.
     #[inline(always)]
-    pub(super) fn load<const D: usize>(&mut self, nodes: Nodes<'_, T>, around: &[u32], reads: Reads) {
+    pub(super) fn load<const D: usize>(
+        &mut self,
+        nodes: Nodes<'_, T>,
+        around: &[u32],
+        reads: Reads,
+        rows: u64,
+    ) {
         if nodes.layout.is_whole() {
-            self.load_whole::<D>(nodes.all, around, reads);
+            self.load_whole::<D>(nodes.all, around, reads, rows);
         } else {
             self.load_kept::<D>(nodes, around, reads);
         }
@@ -90,12 +128,15 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
     }
 
     #[inline(always)]
-    fn load_whole<const D: usize>(&mut self, nodes: &[Node<T>], around: &[u32], reads: Reads) {
+    fn load_whole<const D: usize>(&mut self, nodes: &[Node<T>], around: &[u32], reads: Reads, rows: u64) {
         let layers = if D == 3 { E::TILE } else { 1 };
         let [left, _, right] = [0, 1, 2].map(thirds::<E>);
         for z in 0..layers {
             let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
             for y in 0..E::TILE {
+                if rows >> (z * E::TILE + y) & 1 == 0 {
+                    continue;
+                }
                 let (by, ny) = place::<E>(y);
                 let blocks = &around[(bz * 3 + by) * 3..][..3];
                 let (row, line) = ((z * E::TILE + y) * E::TILE, (nz * BLOCK + ny) * BLOCK);
@@ -216,15 +257,17 @@ fn load_stencil<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
     }
 }
 
-/// Clear the records of a tile that a pass adds to.
+/// Clear rows of the records of a tile that a pass adds to.
 #[inline(always)]
-pub(super) fn clear_tile<T: Float, const D: usize, E: Stencil>(tile: &mut [[T; 4]], maps: Maps) {
+pub(super) fn clear_rows<T: Float, const D: usize, E: Stencil>(tile: &mut [[T; 4]], rows: u64, maps: Maps) {
     let (first, second) = tile.split_at_mut(tile_nodes::<E>(D));
-    if maps.momentum {
-        first.fill([T::default(); 4]);
-    }
-    if maps.second() {
-        second.fill([T::default(); 4]);
+    for run in runs::<E>(rows) {
+        if maps.momentum {
+            first[run.clone()].fill([T::default(); 4]);
+        }
+        if maps.second() {
+            second[run].fill([T::default(); 4]);
+        }
     }
 }
 
@@ -243,7 +286,8 @@ pub(super) fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
 pub(super) struct AddTiles<'a, T: Float, const D: usize, E, F> {
     /// The block of nodes.
     pub(super) nodes: &'a mut [Node<T>],
-    /// Tile of the n-th neighbour, if there is one, of this (0) and the next block of nodes (1).
+    /// Tile of the n-th neighbour, if there is one, of this (0) and the next block of nodes (1), and its rows that hold
+    /// sums.
     pub(super) tile: F,
     /// What to add where.
     pub(super) sums: Sums,
@@ -252,7 +296,7 @@ pub(super) struct AddTiles<'a, T: Float, const D: usize, E, F> {
     pub(super) extent: PhantomData<E>,
 }
 
-impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a [[T; 4]]>> Kernel<T>
+impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'a [[T; 4]], u64)>> Kernel<T>
     for AddTiles<'_, T, D, E, F>
 {
     type Output = ();
@@ -270,7 +314,7 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a
     }
 }
 
-impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a [[T; 4]]>>
+impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'a [[T; 4]], u64)>>
     AddTiles<'_, T, D, E, F>
 {
     /// Add neighbour `n`, of whose tile the nodes are the third `X` along x.
@@ -283,10 +327,13 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a
         let y = thirds::<E>(2 - n / 3 % 3);
         let z = if D == 3 { thirds::<E>(2 - n / 9) } else { 0..1 };
         let (sums, two) = (self.sums, self.two);
-        if let Some(next) = (self.tile)(n, 1) {
+        if let Some((next, rows)) = (self.tile)(n, 1) {
             let (first, second) = next.split_at(tile_nodes::<E>(D));
             for k in z.clone() {
                 for j in y.clone() {
+                    if rows >> (k * E::TILE + j) & 1 == 0 {
+                        continue;
+                    }
                     let row = (k * E::TILE + j) * E::TILE;
                     if sums != Sums::Force {
                         prefetch(&first[row + x.start..][..x.len()]);
@@ -297,12 +344,15 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<&'a
                 }
             }
         }
-        let Some(tile) = (self.tile)(n, 0) else { return };
+        let Some((tile, rows)) = (self.tile)(n, 0) else { return };
         let nodes = &mut self.nodes[..block_nodes(D)];
         let (first, second) = tile.split_at(tile_nodes::<E>(D));
         for k in z {
             let nz = if D == 3 { place::<E>(k).1 } else { 0 };
             for j in y.clone() {
+                if rows >> (k * E::TILE + j) & 1 == 0 {
+                    continue;
+                }
                 let from = (k * E::TILE + j) * E::TILE + x.start;
                 let to = (nz * BLOCK + place::<E>(j).1) * BLOCK + place::<E>(x.start).1;
                 let to = &mut nodes[to..][..x.len()];
@@ -327,5 +377,46 @@ fn add_row<T: Float, A: Arch<T>, const RECORD: usize>(to: &mut [Node<T>], from: 
     for (node, add) in to.iter_mut().zip(from) {
         let sum = if RECORD == 0 { &mut node.first } else { &mut node.second };
         (A::Quad::load(sum) + A::Quad::load(add)).store(sum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::dim::Extent;
+
+    fn check<E: Stencil, const D: usize>() {
+        let (bins, side, layers) = (block_nodes(D), E::TILE, if D == 3 { E::TILE } else { 1 });
+        // Every bin by itself, then sets of bins.
+        let sets =
+            (0..bins).map(|bin| 1 << bin).chain((1..200u64).map(|n| n.wrapping_mul(0x9e37_79b9_7f4a_7c15)));
+        for set in sets.map(|set: u64| if bins == 64 { set } else { set & ((1 << bins) - 1) }) {
+            let mut reached = vec![false; tile_nodes::<E>(D)];
+            for bin in numbers(set) {
+                let corner = tile_corner::<E, D>(bin);
+                for (k, j) in (0..E::LAYERS).flat_map(|k| (0..E::NODES).map(move |j| (k, j))) {
+                    reached[corner + (k * side + j) * side] = true;
+                }
+            }
+            let rows = rows_of::<E, D>(set);
+            for row in 0..side * layers {
+                let any = reached[row * side..][..side].contains(&true);
+                assert_eq!(rows >> row & 1 == 1, any, "row {row} of the bins {set:#x}");
+            }
+            let listed: Vec<usize> = runs::<E>(rows).flatten().collect();
+            let expected: Vec<usize> =
+                (0..side * side * layers).filter(|n| rows >> (n / side) & 1 == 1).collect();
+            assert_eq!(listed, expected, "the bins {set:#x}");
+        }
+    }
+
+    #[test]
+    fn rows_are_those_that_stencils_reach() {
+        check::<Extent<2, 2>, 2>();
+        check::<Extent<2, 3>, 2>();
+        check::<Extent<2, 4>, 2>();
+        check::<Extent<3, 2>, 3>();
+        check::<Extent<3, 3>, 3>();
+        check::<Extent<3, 4>, 3>();
     }
 }

@@ -112,7 +112,12 @@ fn checks_of(outcome: &Outcome, refine: f64) -> Vec<Check> {
         None => ("50 mm are not reached before", END),
     };
     let mut checks = vec![
-        interval("speed of the interface, 10 to 32 µs", outcome.interface_speed(), "m/s", estimate::interface(outcome.space)),
+        interval(
+            "speed of the interface, 10 to 32 µs",
+            outcome.interface_speed(),
+            "m/s",
+            estimate::interface(outcome.space),
+        ),
         interval(what, 1e6 * through, "µs", estimate::through(outcome.space).map(|t| 1e6 * t)),
     ];
     let last = outcome.history.last().map_or(f64::NAN, |e| e.speed);

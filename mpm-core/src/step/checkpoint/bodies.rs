@@ -34,6 +34,7 @@ where
             slot.block.coordinates.iter_mut().try_for_each(|x| file.integer(x))?;
             file.word(&mut slot.linked)?;
             slot.block.exchange(file)?;
+            file.word(&mut slot.rows)?;
             file.numbers(slot.tile.iter_mut().flatten())?;
         }
         file.reals(self.loading.numbers_mut())?;
