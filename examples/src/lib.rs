@@ -31,6 +31,7 @@ mod detection;
 mod heap;
 mod law;
 pub mod machine;
+pub mod march;
 mod ogive;
 pub mod throughput;
 

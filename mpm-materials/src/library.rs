@@ -54,6 +54,18 @@ pub fn aluminium_feng_2014<T: Real>() -> Metal<T> {
     Solid::new(strength, MieGruneisen::known([2703.0, 5350.0, 1.34, 1.97]))
 }
 
+/// Copper as in the table of \[Feng2014\] \[S\]: A 89.63 MPa, n 0.31, C 0.025; rho0 8940 kg/m^3, c0 3940 m/s, s 1.49, gamma0 2.02.
+/// For repeating that paper.
+///
+/// **Known faults of the set**: B is printed as 45 MPa and is 291.64 MPa \[M\] here; G is printed as 60.74 GPa (E 159 GPa),
+/// and is Steinberg's 47.7 GPa here; heat capacity and melting temperature (383 J/(kg K), 1356 K; m 1.09) are not
+/// printed, but those of OFHC copper \[V\]. The printed `a` = 1.5 is a melting constant, left out.
+pub fn copper_feng_2014<T: Real>() -> Metal<T> {
+    let strength =
+        JohnsonCook::adiabatic([47.7e9, 89.63e6, 291.64e6, 0.31], 0.025, [294.0, 1356.0, 1.09, 383.0]);
+    Solid::new(strength, MieGruneisen::known([8940.0, 3940.0, 1.49, 2.02]))
+}
+
 /// OFHC copper, the handbook set: [`JohnsonCook::copper`], [`MieGruneisen::copper`] \[V\]. In Taylor tests it is some
 /// per cent too soft in the foot (docs/notes.md 4); see [`copper_taylor`].
 pub fn copper_ofhc<T: Real>() -> Metal<T> {

@@ -6,10 +6,7 @@ use std::time::Instant;
 use clap::Parser;
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
 use mpm_core::{Axisymmetric, Boundary, PlaneStrain, Side, Team, TimeControl};
-use mpm_materials::{
-    Adiabatic, Constitutive, Elastic, Heat, JohnsonCook, Logarithmic, LogarithmicBulk, MieGruneisen, Moduli,
-    Solid, TensilePressure, library,
-};
+use mpm_materials::{Constitutive, Elastic, LogarithmicBulk, Moduli, Solid, TensilePressure, library};
 use pcmm::{Composition, LocalDelaunay, Masses, Method, Neighbours, Packing, Pcmm};
 
 /// Elements updated a second on one thread, and parts of the time, in three scenes: an elastic bar, where nothing
@@ -41,12 +38,7 @@ fn main() -> Result<(), Failure> {
     measure("elastic bar, every step", bar, 9.0e-6, 1, 0.45 * h)?;
 
     let h = 0.5e-3 / refine;
-    let heat = Heat { room: 294.0, melt: 1356.0, exponent: 1.09, heat_capacity: 383.0, taylor_quinney: 0.9 };
-    let strength =
-        JohnsonCook::new(47.7e9, 89.63e6, 291.64e6, 0.31)?.with_rate(Logarithmic::new(0.025, 1.0)?);
-    let copper =
-        Solid::new(strength.with_heat(Adiabatic::new(heat)?), MieGruneisen::new(8940.0, 3940.0, 1.49, 2.02)?)
-            .with_bulk_viscosity(0.06, 1.5)?;
+    let copper = library::copper_feng_2014().with_bulk_viscosity(0.06, 1.5)?;
     let packing = Packing::on_nodes(&Cuboid::new([0.0; 2], [5e-3, 70e-3])?, &Lattice::new([0.0; 2], h)?)?;
     let method = Method::consistent(Axisymmetric, LocalDelaunay::new(0.45 * h, 20.0)?);
     let mut bar = Pcmm::new(method, copper, &packing, |_| [0.0, -165.0], Masses::FromElements)?;

@@ -2,7 +2,7 @@
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{Axisymmetric, BlockGrid, Boundary, Flip, Gimp, Linear, Method, Mpm, Musl, Side};
-use mpm_materials::{Adiabatic, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid};
+use mpm_materials::{Constitutive, library};
 use pcmm::{LocalDelaunay, Masses, Packing, Pcmm};
 
 use crate::{Failure, Way};
@@ -13,19 +13,8 @@ const END: f64 = 260.0e-6;
 /// Length and radius of the face by independent finite elements, m \[C\]; good to 0.5 and 2 %.
 const REFERENCE: [f64; 2] = [50.37e-3, 8.64e-3];
 
-type Copper = Solid<
-    JohnsonCook<f64, Logarithmic<f64>, Adiabatic<f64>>,
-    MieGruneisen<f64>,
-    mpm_materials::NoFailure,
-    mpm_materials::BulkViscosity<f64>,
->;
-
-fn copper() -> Result<Copper, Failure> {
-    let heat = Heat { room: 294.0, melt: 1356.0, exponent: 1.09, heat_capacity: 383.0, taylor_quinney: 0.9 };
-    let strength = JohnsonCook::new(47.7e9, 89.63e6, 291.64e6, 0.31)?
-        .with_rate(Logarithmic::new(0.025, 1.0)?)
-        .with_heat(Adiabatic::new(heat)?);
-    Ok(Solid::new(strength, MieGruneisen::new(8940.0, 3940.0, 1.49, 2.02)?).with_bulk_viscosity(0.06, 1.5)?)
+fn copper() -> Result<impl Constitutive<f64>, Failure> {
+    Ok(library::copper_feng_2014().with_bulk_viscosity(0.06, 1.5)?)
 }
 
 /// The larger of the relative errors of length and radius of the face.

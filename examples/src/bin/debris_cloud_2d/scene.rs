@@ -1,11 +1,11 @@
 //! The disc, the plate and the run.
 
 use std::path::Path;
-use std::time::Instant;
 
+use examples::march::{self, March};
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
-use mpm_core::output::{History, Progress, Snapshot, VtkSeries};
+use mpm_core::output::{History, Snapshot, VtkSeries};
 use mpm_core::{PlaneStrain, Team, TimeControl};
 use mpm_materials::{TensilePressure, library};
 use pcmm::{Audit, LocalDelaunay, Masses, Method, Packing, Particle, Pcmm};
@@ -99,26 +99,14 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
         [("time", "s"), ("kinetic", "J"), ("internal", "J"), ("added by revisions", "J"), ("elements", "-")];
     let mut csv = History::create(folder.join("history.csv"), columns)?;
     let mut series = VtkSeries::create(folder.join("paraview"), "cloud")?;
-    let mut progress = Progress::new("debris cloud".to_string());
     let start = scene.totals();
-    let mut totals = Totals { particles: packing.positions.len(), ..Totals::default() };
     let mut shown = Vec::new();
-    let mut entries = 0;
-    loop {
-        if scene.time() >= (f64::from(entries) * HISTORY).min(END) {
-            entries += 1;
-            let (now, audit) = (scene.totals(), *scene.audit());
-            csv.push(&[
-                scene.time(),
-                now.kinetic,
-                now.internal,
-                audit.energy_added(),
-                scene.elements() as f64,
-            ])?;
-            let energy_error = (now.kinetic + now.internal - audit.energy_added()) / start.kinetic - 1.0;
-            let missing = (0..2).map(|d| (now.momentum[d] - start.momentum[d]).powi(2)).sum::<f64>();
-            let momentum_error = missing.sqrt() / start.momentum_scale;
-            totals = totals.plus(&Totals { energy_error, momentum_error, ..Totals::default() });
+    let run = March { name: "debris cloud", particles: packing.positions.len(), end: END, history: HISTORY };
+    let (totals, broken) = run.run(
+        &mut scene,
+        |scene| {
+            let (now, added) = (scene.totals(), scene.audit().energy_added());
+            csv.push(&[scene.time(), now.kinetic, now.internal, added, scene.elements() as f64])?;
             if scene.time() < PLATE[0] / SPEED {
                 let snapshot = scene.snapshot()?;
                 let pressure = snapshot.scalar("pressure")?;
@@ -126,26 +114,22 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
                     *most = most.max(pressure[n]);
                 }
             }
-            progress.update(scene.time(), END, scene.steps(), totals.updates / totals.wall_seconds.max(1e-9));
-        }
-        let speed = |&n: &usize| scene.particles()[n].velocity[0];
-        if arrival.is_nan() && rear.iter().map(speed).sum::<f64>() > 1000.0 * rear.len() as f64 {
-            arrival = scene.time();
-        }
-        if frames > 0 && scene.time() >= shown.len() as f64 * END / f64::from(frames) {
-            let snapshot = scene.snapshot()?;
-            series.write(&snapshot)?;
-            shown.push(snapshot);
-        }
-        if scene.time() >= END {
-            break;
-        }
-        let clock = Instant::now();
-        scene.step_towards(END)?;
-        totals.wall_seconds += clock.elapsed().as_secs_f64();
-        totals.updates += packing.positions.len() as f64;
-    }
-    progress.finish();
+            Ok(march::errors(scene, &start, 0..2))
+        },
+        |scene| {
+            let speed = |&n: &usize| scene.particles()[n].velocity[0];
+            if arrival.is_nan() && rear.iter().map(speed).sum::<f64>() > 1000.0 * rear.len() as f64 {
+                arrival = scene.time();
+            }
+            if frames > 0 && scene.time() >= shown.len() as f64 * END / f64::from(frames) {
+                let snapshot = scene.snapshot()?;
+                series.write(&snapshot)?;
+                shown.push(snapshot);
+            }
+            Ok(END)
+        },
+    )?;
+    broken?;
     highest.sort_by(f64::total_cmp);
     totals.steps = scene.steps();
     totals.simulated_seconds = scene.time();

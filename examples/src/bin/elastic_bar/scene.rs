@@ -1,12 +1,12 @@
 //! The bar, the wall and the run.
 
 use std::path::Path;
-use std::time::Instant;
 
 use clap::ValueEnum;
+use examples::march::{self, March};
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Lattice};
-use mpm_core::output::{History, Progress, VtkSeries};
+use mpm_core::output::{History, VtkSeries};
 use mpm_core::{Boundary, PlaneStrain, Side, Team};
 use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
 use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm};
@@ -147,47 +147,38 @@ fn run<C: mpm_materials::Constitutive<f64>, M: Composition<2>>(
         ],
     )?;
     let mut series = VtkSeries::create(folder.join("paraview"), name)?;
-    let mut progress = Progress::new(format!("{name:<12}"));
     let start = bar.totals();
     let mut history: Vec<Entry> = Vec::new();
-    let mut totals = Totals { particles: packing.positions.len(), ..Totals::default() };
-    loop {
-        let due = history.len() as f64 * HISTORY;
-        if bar.time() >= due.min(END) {
+    let run = March {
+        name: &format!("{name:<12}"),
+        particles: packing.positions.len(),
+        end: END,
+        history: HISTORY,
+    };
+    let (totals, broken) = run.run(
+        &mut bar,
+        |bar| {
             let now = bar.totals();
             let velocity = |&n: &usize| -bar.particles()[n].velocity[1];
-            let given = bar.given();
             let e = Entry {
                 time: bar.time(),
                 middle: middle.iter().map(velocity).sum::<f64>() / middle.len() as f64,
                 kinetic: now.kinetic / start.kinetic,
                 internal: now.internal / start.kinetic,
-                lost: given.lost / start.kinetic,
+                lost: bar.given().lost / start.kinetic,
             };
             csv.push(&[e.time, e.middle, e.kinetic, e.internal, e.lost])?;
-            let error = e.kinetic + e.internal - given.work / start.kinetic - 1.0;
-            let missing = (0..2).map(|d| (now.momentum[d] - start.momentum[d] - given.impulse[d]).powi(2));
-            let momentum = missing.sum::<f64>().sqrt() / start.momentum_scale;
-            let worst = Totals { energy_error: error, momentum_error: momentum, ..Totals::default() };
-            totals = totals.plus(&worst);
             history.push(e);
-            progress.update(bar.time(), END, bar.steps(), totals.updates / totals.wall_seconds.max(1e-9));
-        }
-        if frames > 0 && bar.time() >= series.frames() as f64 * END / f64::from(frames) {
-            series.write(&bar.snapshot()?)?;
-        }
-        if bar.time() >= END {
-            break;
-        }
-        let clock = Instant::now();
-        bar.step_towards(END)?;
-        totals.wall_seconds += clock.elapsed().as_secs_f64();
-        totals.updates += packing.positions.len() as f64;
-    }
-    progress.finish();
-    totals.steps = bar.steps();
-    totals.simulated_seconds = bar.time();
-    totals.bytes = bar.bytes();
+            Ok(march::errors(bar, &start, 0..2))
+        },
+        |bar| {
+            if frames > 0 && bar.time() >= series.frames() as f64 * END / f64::from(frames) {
+                series.write(&bar.snapshot()?)?;
+            }
+            Ok(END)
+        },
+    )?;
+    broken?;
     let mass = start.mass / (DENSITY * setup.which.width() * LENGTH);
     let deleted = bar.audit().removed.elements;
     Ok(Outcome { setup: *setup, history, totals, mass, deleted })

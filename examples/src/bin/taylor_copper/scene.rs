@@ -1,11 +1,11 @@
 //! The bar, the wall and the run by the particle-contact meshfree method.
 
 use std::path::Path;
-use std::time::Instant;
 
+use examples::march::{self, March};
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Lattice};
-use mpm_core::output::{History, Progress, Snapshot, VtkSeries};
+use mpm_core::output::{History, Snapshot, VtkSeries};
 use mpm_core::{Axisymmetric, Boundary, Embedding, FullSpace, PlaneStrain, Side, Team};
 use mpm_materials::{
     Adiabatic, Constitutive, Heat, JohnsonCook, Logarithmic, MieGruneisen, SmoothLogarithmic, Solid,
@@ -241,53 +241,33 @@ fn run<const D: usize, C: Constitutive<f64>, M: Composition<D>>(
     ];
     let mut csv = History::create(folder.join(format!("history_{}.csv", setup.name)), columns)?;
     let mut series = VtkSeries::create(folder.join("paraview"), setup.name)?;
-    let mut progress = Progress::new(format!("{:<28}", setup.name));
     let start = bar.totals();
-    let mut totals = Totals { particles: packing.positions.len(), ..Totals::default() };
-    let mut entries = 0;
-    let mut broke = None;
-    loop {
-        if bar.time() >= (f64::from(entries) * HISTORY).min(END) {
-            entries += 1;
-            let (now, given, audit) = (bar.totals(), bar.given(), *bar.audit());
-            let [length, radius] = sizes(&bar);
+    let name = format!("{:<28}", setup.name);
+    let run = March { name: &name, particles: packing.positions.len(), end: END, history: HISTORY };
+    let (totals, broken) = run.run(
+        &mut bar,
+        |bar| {
+            let (now, [length, radius]) = (bar.totals(), sizes(bar));
             csv.push(&[
                 bar.time(),
                 length,
                 radius,
                 now.kinetic,
                 now.internal,
-                given.work,
-                audit.energy_added(),
+                bar.given().work,
+                bar.audit().energy_added(),
                 now.covered,
             ])?;
-            // What revisions add or remove is booked and shown beside; the error is what they do not explain.
-            let unexplained = now.kinetic + now.internal - given.work - audit.energy_added();
-            let energy_error = unexplained / start.kinetic - 1.0;
-            let momentum = now.momentum[axis] - start.momentum[axis] - given.impulse[axis];
-            let momentum_error = momentum.abs() / start.momentum_scale;
-            totals = totals.plus(&Totals { energy_error, momentum_error, ..Totals::default() });
-            progress.update(bar.time(), END, bar.steps(), totals.updates / totals.wall_seconds.max(1e-9));
-        }
-        if frames > 0 && bar.time() >= series.frames() as f64 * END / f64::from(frames) {
-            series.write(&bar.snapshot()?)?;
-        }
-        if bar.time() >= END {
-            break;
-        }
-        let clock = Instant::now();
-        let step = bar.step_towards(END);
-        totals.wall_seconds += clock.elapsed().as_secs_f64();
-        totals.updates += packing.positions.len() as f64;
-        if let Err(e) = step {
-            broke = Some(e.to_string());
-            break;
-        }
-    }
-    progress.finish();
-    totals.steps = bar.steps();
-    totals.simulated_seconds = bar.time();
-    totals.bytes = bar.bytes();
+            Ok(march::errors(bar, &start, axis..D))
+        },
+        |bar| {
+            if frames > 0 && bar.time() >= series.frames() as f64 * END / f64::from(frames) {
+                series.write(&bar.snapshot()?)?;
+            }
+            Ok(END)
+        },
+    )?;
+    let broke = broken.err().map(|e| e.to_string());
     let covered = bar.totals().covered / start.covered;
     Ok(Outcome {
         setup: *setup,

@@ -1,10 +1,8 @@
 //! By the particle-contact meshfree method.
 
-use std::time::Instant;
-
-use examples::{CaseError, Totals};
+use examples::CaseError;
+use examples::march::March;
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
-use mpm_core::output::Progress;
 use mpm_core::{Axisymmetric, Boundary, Embedding, PlaneStrain, Side, Team, TimeControl};
 use pcmm::{Bodies, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm, pieces};
 
@@ -54,11 +52,11 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcom
 
     let start = scene.totals();
     let particles = seeds.iter().map(|s| s.len()).sum();
-    let mut totals = Totals { particles, ..Totals::default() };
     let (mut history, mut frames) = (Vec::new(), Vec::new());
-    let mut progress = Progress::new("particle contacts".to_string());
-    loop {
-        if scene.time() >= (history.len() as f64 * HISTORY).min(END) {
+    let run = March { name: "particle contacts", particles, end: END, history: HISTORY };
+    let (totals, broken) = run.run(
+        &mut scene,
+        |scene| {
             let (now, added) = (scene.totals(), scene.audit().energy_added());
             let taken = scene.taken() - added;
             let all = (now.kinetic + now.internal + taken) / start.kinetic;
@@ -68,12 +66,6 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcom
                 Space::Axisymmetric => 1..2,
             };
             let missing = axes.map(|d| (now.momentum[d] - start.momentum[d]).powi(2)).sum::<f64>().sqrt();
-            let errors = Totals {
-                energy_error: all - 1.0,
-                momentum_error: missing / start.momentum_scale,
-                ..Totals::default()
-            };
-            totals = totals.plus(&errors);
             let particles = scene.particles(0);
             let reach =
                 |n: &u32| particles[*n as usize].position[space.axis()] + particles[*n as usize].radius;
@@ -86,24 +78,17 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcom
             let speed = bullet.momentum[space.axis()] / bullet.mass;
             let energies = [now.kinetic, now.internal, taken].map(|e| e / start.kinetic);
             history.push(Entry { time: scene.time(), tip, speed, energies });
-            progress.update(scene.time(), END, scene.steps(), totals.updates / totals.wall_seconds.max(1e-9));
-        }
-        if frames.len() < MOMENTS.len() && scene.time() >= MOMENTS[frames.len()] {
-            frames.push(scene.snapshot()?);
-        }
-        if scene.time() >= END {
-            break;
-        }
-        let clock = Instant::now();
-        // Pictures are of their moments.
-        scene.step_towards(MOMENTS.get(frames.len()).copied().unwrap_or(END))?;
-        totals.wall_seconds += clock.elapsed().as_secs_f64();
-        totals.updates += particles as f64;
-    }
-    progress.finish();
-    totals.steps = scene.steps();
-    totals.simulated_seconds = scene.time();
-    totals.bytes = scene.bytes();
+            Ok([all - 1.0, missing / start.momentum_scale])
+        },
+        |scene| {
+            if frames.len() < MOMENTS.len() && scene.time() >= MOMENTS[frames.len()] {
+                frames.push(scene.snapshot()?);
+            }
+            // Pictures are of their moments.
+            Ok(MOMENTS.get(frames.len()).copied().unwrap_or(END))
+        },
+    )?;
+    broken?;
     let added = Some(scene.audit().energy_added() / start.kinetic);
     let mass = start.mass / setup.mass();
     Ok(Outcome { method: "pcmm", space, history, frames, mass, added, totals })
