@@ -131,9 +131,6 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
     )?;
     broken?;
     highest.sort_by(f64::total_cmp);
-    totals.steps = scene.steps();
-    totals.simulated_seconds = scene.time();
-    totals.bytes = scene.bytes();
     let particles = scene.particles();
     let through = particles.iter().filter(|p| p.position[0] > 2.0 * PLATE[0]);
     let (mass, momentum) = through.fold((0.0, 0.0), |(m, q), p| (m + p.mass, q + p.mass * p.velocity[0]));
