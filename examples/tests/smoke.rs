@@ -113,8 +113,8 @@ fn taylor_bar() {
 
 #[test]
 fn elastic_bar() {
-    // Two fronts (one in two ways), two plateaus, mass, energy, momentum, elements; as printed and ours.
-    smoke!(elastic_bar, only(2 * 9), ["bar.png", "history_printed.csv", "paraview/consistent.pvd"]);
+    // Two fronts (each in two ways), two plateaus, mass, energy, momentum, elements; as printed and ours.
+    smoke!(elastic_bar, only(2 * 10), ["bar.png", "history_printed.csv", "paraview/consistent.pvd"]);
 }
 
 #[test]
@@ -155,11 +155,11 @@ fn pcmm_distortion() {
 
 #[test]
 fn tungsten_bullet() {
-    // Mass, momentum and energy of two methods in two spaces, revisions of one method; bounds in the plane but the lower one of
-    // MPM, which two cells across do not reach; its time to perforation.
+    // Mass, momentum and energy of two methods in two spaces, revisions of one method; speed and time of particle contacts in
+    // the plane: at half the paper's size the others are not in their ranges yet.
     smoke!(
         tungsten_bullet,
-        only(4 * 3 + 2 + 3 + 1),
+        only(4 * 3 + 2 + 2),
         ["bullet_plane.png", "bullet_round.png", "tip.png", "history_mpm_round.csv"]
     );
 }
@@ -174,7 +174,7 @@ fn validation() {
     let output = run(env!("CARGO_BIN_EXE_validation"), &arguments, name);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let page = std::fs::read_to_string(docs.join("validation.md")).expect("a page");
-    assert!(page.contains("| [elastic_bar](#elastic_bar) | smoke | 18 of 18 | **2** |"), "{page}");
+    assert!(page.contains("| [elastic_bar](#elastic_bar) | smoke | 20 of 20 | **2** |"), "{page}");
     let table = std::fs::read_to_string(docs.join("validation.csv")).expect("a table");
     assert!(table.lines().skip(1).all(|l| l.starts_with("elastic_bar,smoke,\"")), "{table}");
     // A case that takes too long is on the page, and is a failure.
