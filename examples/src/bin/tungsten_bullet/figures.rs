@@ -21,14 +21,12 @@ pub fn draw(outcomes: &[Outcome], folder: &Path) -> Result<(), CaseError> {
     let mut chart = Chart::new(860, 520)
         .x(Axis::new("time").unit("µs", 1e6))
         .y(Axis::new("depth of the tip").unit("mm", 1e3));
-    let dashed = |name: &str, speed: f64| {
-        let line = Series::new(name, &[0.0, END], &[0.0, speed * END]);
-        line.map(|s| s.stroke(Stroke::Dashed).colour(palette(7)))
-    };
-    for space in [Space::PlaneStrain, Space::Axisymmetric] {
+    for (space, grey) in [(Space::PlaneStrain, 60), (Space::Axisymmetric, 160)] {
         if outcomes.iter().any(|o| o.space == space) {
             for speed in estimate::interface(space) {
-                chart = chart.series(dashed(&format!("Tate, {}, {speed:.0} m/s", space.name()), speed)?);
+                let name = format!("Tate, {}, {speed:.0} m/s", space.name());
+                let line = Series::new(name, &[0.0, END], &[0.0, speed * END])?;
+                chart = chart.series(line.stroke(Stroke::Dashed).colour([grey; 3]));
             }
         }
     }
