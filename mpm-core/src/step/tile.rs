@@ -81,7 +81,7 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
         TileIn { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
     }
 
-    /// Copy these rows of records out of the blocks of the grid.
+    /// Copy at least these rows of records out of the blocks of the grid.
     #[inline(always)]
     pub(super) fn load<const D: usize>(
         &mut self,
