@@ -49,6 +49,10 @@ impl<S, X, U, E> Method<S, X, U, E> {
 }
 
 impl<S, X, U, E, F, V> Method<S, X, U, E, F, V> {
+    /// A method whose other ingredients its type names.
+    pub(crate) fn of(shape: S, transfer: X) -> Self {
+        Method { shape, transfer, ingredients: PhantomData }
+    }
     /// The same, mapped in the reference configuration: [`TotalLagrangian`].
     pub fn total_lagrangian(self) -> Method<S, X, U, E, TotalLagrangian, V> {
         Method { shape: self.shape, transfer: self.transfer, ingredients: PhantomData }

@@ -76,6 +76,8 @@ passes! {
     MapAll { momentum: true, force: true }
     /// Map mass and momentum of particles as they stand.
     MapMomentum { momentum: true }
+    /// Bring particles that were placed out of their bins to those they are in now.
+    Follow { moves: true }
     /// One smoothing of FMPM.
     Smooth { smooth: true, momentum: true }
     /// The one pass of USL.

@@ -9,6 +9,7 @@ mod conformance;
 mod crowd;
 mod keeping;
 mod onset;
+mod reference;
 mod rest;
 mod restart;
 mod rigid;

@@ -286,6 +286,6 @@ fn motions_that_are_none_are_refused() {
             .expect("rigid");
     mpm.add_rigid("engine", &breaks, &cuboid([0.0; 2], [0.2; 2])).expect("engine");
     let error = mpm.run_until(0.2).expect_err("stopped");
-    assert!(matches!(error.what, Stopped::Motion(_)) && error.time < 0.1, "{error}");
+    assert!(matches!(error.what, Stopped::Scene(_)) && error.time < 0.1, "{error}");
     assert!(error.to_string().contains("rigid body `engine`: velocity = inf"), "{error}");
 }

@@ -10,6 +10,7 @@ use super::footprint::Footprint;
 use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
+use super::reference_body::{InReference, Shade};
 use super::rest::Stilled;
 use super::rigid::RigidState;
 use super::splitting::{SplitBook, Splitter};
@@ -160,6 +161,15 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
         None
     }
 
+    /// The parts of a step of its own, if the body is mapped in its reference configuration.
+    fn in_reference(&self) -> Option<&dyn InReference<T, D>> {
+        None
+    }
+    /// The same, to be made.
+    fn in_reference_mut(&mut self) -> Option<&mut dyn InReference<T, D>> {
+        None
+    }
+
     /// Largest (c + |v|) / h of the particles as they stand, 1/s, for cells of `spacing`, m.
     fn rate(&self, spacing: f64) -> T;
 
@@ -209,6 +219,10 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
         all.sort_by_key(|p| p.number);
         all
     }
+    /// Call `visit` with number and velocity, m/s, of every particle; it may change the velocity.
+    fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3]));
+    /// Note, by number, what a shadow of every particle is like. `numbers` is memory to work in.
+    fn cast(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]);
     /// Bytes of memory held, all scratch included.
     fn bytes(&self) -> usize;
     /// Numbers stored a particle.
@@ -377,7 +391,7 @@ where
         }
     }
 
-    fn sweep<K: PassKind>(
+    pub(super) fn sweep<K: PassKind>(
         &mut self,
         nodes: Nodes<'_, T>,
         dt: Steps<T>,
@@ -456,6 +470,23 @@ where
                 T::dispatch(take);
             }
         });
+    }
+
+    /// [`Body::locate`], after the pass `K`.
+    pub(super) fn locate_after<K: PassKind>(&mut self, prune: bool, team: &Team) -> bool {
+        let mut changed = self.make_blocks();
+        if changed {
+            self.link_slots();
+        }
+        self.take_in::<K>(team);
+        if prune && self.slots.iter().any(|s| s.block.is_empty()) {
+            // A block that particles left still holds what they mapped before: none, since they map where
+            // they arrive.
+            self.spare.extend(self.slots.extract_if(.., |s| s.block.is_empty()));
+            self.link_slots();
+            changed = true;
+        }
+        changed
     }
 
     /// Make the blocks that particles left for and that are not there yet.
@@ -649,22 +680,10 @@ where
     }
 
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
-        let mut changed = self.make_blocks();
-        if changed {
-            self.link_slots();
-        }
         match which {
-            Which::First => self.take_in::<L::Pass<<M::Update as StressUpdate>::First>>(team),
-            _ => self.take_in::<L::Pass<<M::Update as StressUpdate>::Second>>(team),
+            Which::First => self.locate_after::<L::Pass<<M::Update as StressUpdate>::First>>(prune, team),
+            _ => self.locate_after::<L::Pass<<M::Update as StressUpdate>::Second>>(prune, team),
         }
-        if prune && self.slots.iter().any(|s| s.block.is_empty()) {
-            // A block that particles left still holds what they mapped before: none, since they map where
-            // they arrive.
-            self.spare.extend(self.slots.extract_if(.., |s| s.block.is_empty()));
-            self.link_slots();
-            changed = true;
-        }
-        changed
     }
 
     fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
@@ -735,6 +754,12 @@ where
         }
     }
 
+    fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
+        self.show_velocities(visit);
+    }
+    fn cast(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
+        self.cast_shadow(numbers, shapes);
+    }
     fn bytes(&self) -> usize {
         let slot = |s: &Slot<T, D>| {
             s.block.bytes()

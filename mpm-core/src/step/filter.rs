@@ -114,6 +114,7 @@ where
         if !M::Transfer::READS_INCREMENT {
             return Err(SceneError::NothingToFilter(self.method.describe()));
         }
+        self.check_references("a null-space filter")?;
         self.filter = Some(every);
         Ok(())
     }

@@ -19,6 +19,7 @@ mod migrate;
 pub mod nodes;
 pub mod planes;
 mod reach;
+pub mod reference_body;
 pub mod rest;
 pub mod rigid;
 mod rigid_body;

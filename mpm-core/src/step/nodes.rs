@@ -131,7 +131,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// Sum the bodies' tiles (eqs. 2, 3, 9 of \[Ma2010\]): for each node block, bodies in order, the blocks
     /// around in order, so that the sums are the same for any number of threads and any grid. Then change every
     /// node as `update` says: at once, where no plane folds nodes in between.
-    fn collect_and(&mut self, sums: Sums, update: &impl NodeUpdate<T>) {
+    pub(super) fn collect_and(&mut self, sums: Sums, update: &impl NodeUpdate<T>) {
         let (bodies, fields) = (self.bodies, self.fields);
         if sums == Sums::All {
             self.ledgers.clear();
@@ -180,6 +180,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
             Sums::All => [self.takes, self.dt],
             Sums::Force => [none, self.dt],
             Sums::Smoothed => [none, T::of(-1.0)],
+            Sums::Pushes => [none, T::of(1.0)],
             Sums::Again => [none, none],
         }
     }
@@ -302,7 +303,7 @@ fn sum_up<T: Float, const D: usize>(
 ) {
     match sums {
         Sums::All => nodes.fill(Node::default()),
-        Sums::Force | Sums::Again | Sums::Smoothed => {
+        Sums::Force | Sums::Again | Sums::Smoothed | Sums::Pushes => {
             nodes.iter_mut().for_each(|n| n.second = [T::default(); 4]);
         }
     }
@@ -380,7 +381,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
 }
 
 /// What a stage makes of a node.
-trait NodeUpdate<T>: Sync {
+pub(super) trait NodeUpdate<T>: Sync {
     /// `constrain` makes a velocity obey the boundaries at a time and says whether any applies there.
     fn update(
         &self,
@@ -391,7 +392,7 @@ trait NodeUpdate<T>: Sync {
 }
 
 /// Only the sums.
-struct Leave;
+pub(super) struct Leave;
 
 impl<T> NodeUpdate<T> for Leave {
     #[inline(always)]

@@ -187,6 +187,9 @@ where
         if on && let Some(body) = self.free_rigid_body() {
             return Err(SceneError::RestOfFree(body));
         }
+        if on {
+            self.check_references("kinetic damping")?;
+        }
         self.calm = on.then(Calm::default);
         Ok(())
     }

@@ -9,6 +9,7 @@ use super::footprint::Footprint;
 use super::layout::{Layout, Nodes, Piece, numbers};
 use super::load::Loading;
 use super::nodes::{BlockPlace, NodeLedger, Stage};
+use super::reference_body::Shade;
 use super::rest::Stilled;
 use super::rigid::{Rigid, RigidState};
 use super::scene::SceneError;
@@ -22,8 +23,8 @@ use crate::parallel::{Float, Team};
 
 /// Matter that never deforms: no stress, no waves.
 #[derive(Clone, Copy, Debug)]
-struct Undeformed<T> {
-    density: T,
+pub(super) struct Undeformed<T> {
+    pub(super) density: T,
 }
 
 impl<T: Real> Constitutive<T> for Undeformed<T> {
@@ -173,6 +174,12 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
             visit(&Particle { velocity: self.state.velocity_at(&x), ..p.clone() });
         });
     }
+    fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
+        self.particles.each_velocity(visit);
+    }
+    fn cast(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
+        self.particles.cast(numbers, shapes);
+    }
     fn bytes(&self) -> usize {
         self.particles.bytes() + size_of::<Self>()
     }
@@ -229,7 +236,7 @@ pub(super) fn carry<T: Float, const D: usize>(
                 put(&mut node.first, body.mean_velocity(&x), T::of(1.0));
                 put(&mut node.second, body.acceleration(&x), T::of(1.0));
             }
-            Sums::All | Sums::Force | Sums::Smoothed => {}
+            Sums::All | Sums::Force | Sums::Smoothed | Sums::Pushes => {}
         }
     }
     !free

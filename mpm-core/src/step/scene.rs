@@ -144,6 +144,17 @@ pub enum SceneError {
         /// That of the scene.
         here: &'static str,
     },
+    /// A scene to be added as a body has not just one.
+    #[error("a scene of {0} bodies cannot be added as one; it must have one")]
+    NotOneBody(usize),
+    /// What asks the nodes for the forces of a body that is mapped in its reference configuration.
+    #[error("{what} is not allowed beside the body `{body}`, which is mapped in its reference configuration")]
+    BesideReference {
+        /// The body.
+        body: String,
+        /// What is not allowed.
+        what: &'static str,
+    },
     /// A clock that cannot be set.
     #[error("time = {time} s after {steps} steps is not allowed; it must be finite, and no step made")]
     Clock {

@@ -137,7 +137,7 @@ where
     }
 
     /// Put a particle with these numbers at `x`, m.
-    fn put(&mut self, index: &mut BTreeMap<[i32; D], usize>, x: &[f64; D], numbers: &mut [T]) {
+    pub(super) fn put(&mut self, index: &mut BTreeMap<[i32; D], usize>, x: &[f64; D], numbers: &mut [T]) {
         let centre = bin_centre::<ExtentOf<M, T, D>>();
         let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
         for d in 0..D {
@@ -157,7 +157,7 @@ where
     }
 
     /// All particles are there.
-    fn settle(&mut self) {
+    pub(super) fn settle(&mut self) {
         for slot in &mut self.slots {
             slot.block.pack();
         }

@@ -65,9 +65,9 @@ pub enum Stopped {
         /// Which nodes there are none of.
         outside: Box<OutsideGrid>,
     },
-    /// A rigid body is told to move as none can.
+    /// A rigid body is told to move as none can, or the scene became one that cannot be.
     #[error(transparent)]
-    Motion(SceneError),
+    Scene(SceneError),
     /// The wave speeds give no usable time step.
     #[error("the time step became {0} s; a wave speed is infinite, zero or not a number")]
     NoTimeStep(f64),
@@ -86,7 +86,7 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     pub(super) encounters: Encounters<T>,
     pub(super) bodies: Vec<Box<dyn Body<T, D>>>,
     pub(super) conditions: Conditions<D>,
-    control: TimeControl,
+    pub(super) control: TimeControl,
     /// The last sharp rate, 1/s, and the step it was found at.
     pub(super) sharp: Option<(u64, f64)>,
     /// Kinetic damping, if asked for.
@@ -121,6 +121,8 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     planes: Planes<T>,
     /// Which bodies are rigid.
     pub(super) rigid: Vec<usize>,
+    /// Which bodies are mapped in their reference configuration.
+    pub(super) references: Vec<usize>,
 }
 
 /// A view of the grid for its stages, which leaves the other parts of the solver free.
@@ -217,6 +219,7 @@ where
             terms: Vec::new(),
             planes: Planes::default(),
             rigid: Vec::new(),
+            references: Vec::new(),
         }
     }
 
@@ -265,6 +268,9 @@ where
     /// Numbers out of range.
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), SceneError> {
         control.check()?;
+        if matches!(control, TimeControl::Gershgorin { .. }) {
+            self.check_references("`TimeControl::Gershgorin`")?;
+        }
         self.control = control;
         self.sharp = None;
         self.last_dt = None;
@@ -310,6 +316,7 @@ where
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
         self.plan_rigid(dt)?;
+        self.open_references(dt)?;
         if M::Update::BEFORE_FORCES {
             self.stage(dt).velocities(); // iii: eqs. 2, 3; boundaries
             self.meet(Meeting::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
@@ -335,6 +342,7 @@ where
             }
         }
 
+        self.advance_references(dt)?;
         self.close_step(dt)?;
         self.filter();
         self.still();
@@ -342,7 +350,7 @@ where
     }
 
     /// Book the step, bring particles to their new bins, define the new grid (xii, ii).
-    fn close_step(&mut self, dt: T) -> Result<(), StepError> {
+    pub(super) fn close_step(&mut self, dt: T) -> Result<(), StepError> {
         for part in &self.ledgers {
             self.ledger.add(part);
         }
@@ -393,7 +401,7 @@ where
             let planned = self.bodies[body]
                 .rigid_mut()
                 .map_or(Ok(()), |state| state.plan(&name, self.time, dt.to_double(), hoop));
-            planned.map_err(|error| self.stopped(Stopped::Motion(error)))?;
+            planned.map_err(|error| self.stopped(Stopped::Scene(error)))?;
         }
         Ok(())
     }
@@ -460,7 +468,7 @@ where
     }
 
     /// Map the particles as they stand, where no pass did so.
-    fn map_particles(&mut self, left: f64) -> Result<(), StepError> {
+    pub(super) fn map_particles(&mut self, left: f64) -> Result<(), StepError> {
         if !self.mapped {
             let spacing = self.grid.lattice().spacing();
             let rates = self.bodies.iter().map(|b| b.rate(spacing));
@@ -488,7 +496,7 @@ where
         Ok(())
     }
 
-    fn particle_pass(&mut self, which: Which, dt: T) -> Result<(), StepError> {
+    pub(super) fn particle_pass(&mut self, which: Which, dt: T) -> Result<(), StepError> {
         let adapt = matches!(self.control, TimeControl::Courant { .. });
         // Forces act in the step that follows the map; those of USF in this one.
         let usf = M::Update::BEFORE_FORCES && which == Which::First;
@@ -546,7 +554,7 @@ where
         Ok(T::of(dt.min(left)))
     }
 
-    fn stage(&mut self, dt: T) -> Stage<'_, T, D, G> {
+    pub(super) fn stage(&mut self, dt: T) -> Stage<'_, T, D, G> {
         stage!(self, dt)
     }
 
@@ -590,7 +598,7 @@ where
         Stopped::Outside { body, particle: number, position: place, law, outside: Box::new(outside) }
     }
 
-    fn stopped(&self, what: Stopped) -> StepError {
+    pub(super) fn stopped(&self, what: Stopped) -> StepError {
         StepError { step: self.steps + 1, time: self.time, what }
     }
 
@@ -654,7 +662,10 @@ where
     }
     /// What boundaries and loads gave to the material since the start.
     pub fn ledger(&self) -> NodeLedger {
-        self.ledger
+        let mut sum = self.ledger;
+        let own = self.bodies.iter().filter_map(|b| b.in_reference());
+        own.for_each(|body| sum.add(&body.given()));
+        sum
     }
     /// The contact algorithm.
     pub fn contact(&self) -> &K {

@@ -22,6 +22,8 @@ pub enum Sums {
     Again,
     /// The same, of a velocity that is smoothed (FMPM).
     Smoothed,
+    /// The same, of what particles are pushed by.
+    Pushes,
 }
 
 /// Nodes that the particles of a block reach, along an axis and in all, for a method.
@@ -364,7 +366,9 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
                         }
                     }
                     Sums::Force => add_row::<T, A, 1>(to, &second[from..][..x.len()]),
-                    Sums::Again | Sums::Smoothed => add_row::<T, A, 1>(to, &first[from..][..x.len()]),
+                    Sums::Again | Sums::Smoothed | Sums::Pushes => {
+                        add_row::<T, A, 1>(to, &first[from..][..x.len()])
+                    }
                 }
             }
         }

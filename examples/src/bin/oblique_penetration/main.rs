@@ -15,10 +15,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case, within};
+use examples::{CaseError, Common, Law, Report, Totals, case, within};
 
 use scene::Outcome;
-use setup::{Criterion, Detection, Kernel, ROD, Setup};
+use setup::{Criterion, Detection, Kernel, ROD, RodFrame, Setup};
 
 /// A 4340 rod of 12.9 by 88.9 mm with an ogive nose through 26.3 mm of 6061-T651.
 ///
@@ -60,6 +60,12 @@ struct Options {
     /// How contact is found
     #[arg(long, value_enum, default_value = "regression")]
     detection: Detection,
+    /// Where the forces of the rod are computed
+    #[arg(long, value_enum, default_value = "current")]
+    rod: RodFrame,
+    /// What rod and plate do to each other
+    #[arg(long, value_enum, default_value = "coulomb")]
+    law: Law,
     /// Of the time step, 0.05 to 1
     #[arg(long, value_name = "FACTOR", default_value_t = 0.5, value_parser = within(0.05, 1.0))]
     factor: f64,
@@ -96,6 +102,8 @@ impl Options {
             kernel: self.kernel,
             memory: self.memory,
             detection: self.detection,
+            rod: self.rod,
+            law: self.law,
             factor: self.factor,
             threads: self.common.threads(),
         };

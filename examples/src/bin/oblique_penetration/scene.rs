@@ -7,18 +7,18 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use examples::{CaseError, Normals, Totals};
-use mpm_contact::{Coulomb, Gradients, GridContact, Pairs, SurfaceDistance};
-use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
+use mpm_contact::{Gradients, GridContact, SurfaceDistance};
+use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Blend, BlockGrid, Boundary, Composition, Contact, CpGimp, FullSpace, Linear, Method, Mpm, Musl, OneField,
-    Side, Team, TimeControl,
+    Blend, BlockGrid, Boundary, Composition, Contact, CpGimp, Flip, FullSpace, GridStorage, Linear, Method,
+    Mpm, Musl, OneField, Side, Team, TimeControl,
 };
 use mpm_materials::{LinearElastic, Moduli, library};
 
 use crate::cells::Cells;
-use crate::setup::{Detection, Kernel, ROD, STEEL, Setup, THICKNESS};
+use crate::setup::{Detection, Kernel, ROD, RodFrame, STEEL, Setup, THICKNESS};
 use crate::track::{Row, Track};
 
 /// Longitudinal wave speed in the plate, m/s, for the memory of the blend.
@@ -70,21 +70,61 @@ pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcom
     }
 }
 
-fn meet<M: Composition<f64, 3>>(
-    setup: &Setup,
-    ways: &[f64],
-    files: Option<&Path>,
-    method: M,
-) -> Result<Outcome, CaseError> {
-    let laws = Pairs::new(Coulomb::new(setup.friction)?);
+fn meet<M>(setup: &Setup, ways: &[f64], files: Option<&Path>, method: M) -> Result<Outcome, CaseError>
+where
+    M: Composition<f64, 3>,
+    Method<M::Shape, Flip, Musl, M::Embedding>: Composition<f64, 3>,
+{
+    let laws = setup.law.pairs(setup.friction, SOUND, setup.spacing())?;
     let gradients = SurfaceDistance::new(Normals::Gradients(Gradients::default()), 0.0)?;
     let detector = match setup.detection {
-        Detection::Off => return run(setup, ways, files, method, OneField),
+        Detection::Off => return run(setup, ways, files, method, OneField, add_rod),
         Detection::Distance => gradients,
         Detection::Local => gradients.locally(),
         Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?.locally(),
     };
-    run(setup, ways, files, method, GridContact::new(detector, laws))
+    let add = match setup.rod {
+        RodFrame::Current => add_rod,
+        RodFrame::Reference => add_rod_in_reference,
+    };
+    run(setup, ways, files, method, GridContact::new(detector, laws), add)
+}
+
+/// How a rod of these seeds and this velocity is added.
+type AddRod<M, K> = fn(&mut Scene<M, K>, &Seeds<3>, [f64; 3]) -> Result<(), CaseError>;
+type Scene<M, K> = Mpm<f64, 3, M, BlockGrid<f64, 3>, K>;
+
+fn steel() -> Result<LinearElastic<f64>, CaseError> {
+    Ok(LinearElastic::new(STEEL, Moduli::young_poisson(206e9, 0.3)?)?)
+}
+
+fn symmetry() -> Boundary<3> {
+    Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }
+}
+
+fn add_rod<M: Composition<f64, 3>, K: Contact<f64, 3>>(
+    mpm: &mut Scene<M, K>,
+    seeds: &Seeds<3>,
+    velocity: [f64; 3],
+) -> Result<(), CaseError> {
+    Ok(mpm.add("rod", steel()?, seeds, |_| velocity)?)
+}
+
+fn add_rod_in_reference<M, K>(
+    mpm: &mut Scene<M, K>,
+    seeds: &Seeds<3>,
+    velocity: [f64; 3],
+) -> Result<(), CaseError>
+where
+    M: Composition<f64, 3>,
+    K: Contact<f64, 3>,
+    Method<M::Shape, Flip, Musl, M::Embedding>: Composition<f64, 3>,
+{
+    let method = Method::new(Linear, Flip, Musl, FullSpace).total_lagrangian();
+    let mut own = Mpm::new(method, BlockGrid::new(*mpm.grid().lattice()));
+    own.add("rod", steel()?, seeds, |_| velocity)?;
+    own.bound(symmetry())?;
+    Ok(mpm.add_total_lagrangian(own)?)
 }
 
 fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
@@ -93,18 +133,18 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     files: Option<&Path>,
     method: M,
     contact: K,
+    add_rod: AddRod<M, K>,
 ) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let lattice = Lattice::new([0.0; 3], h)?;
     let mut mpm = Mpm::<f64, 3, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
-    let steel = LinearElastic::new(STEEL, Moduli::young_poisson(206e9, 0.3)?)?;
     let (sine, cosine) = setup.angle.sin_cos();
     // A quarter of a cell before the plate.
     let before = 0.25 * h;
     let tip = [-before * sine, 0.0, before * cosine];
     let (seeds, from_tail) = ROD.rings(tip, setup.angle, PI, h / f64::from(setup.parts))?;
     let velocity = [setup.speed * sine, 0.0, -setup.speed * cosine];
-    mpm.add("rod", steel, &seeds, |_| velocity)?;
+    add_rod(&mut mpm, &seeds, velocity)?;
     let aluminium =
         library::aluminium_6061_t6().with_failure(setup.ductility()?).with_bulk_viscosity(0.06, 1.5)?;
     let middle = 0.5 * THICKNESS * setup.angle.tan();
@@ -112,7 +152,7 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     let plate = Cuboid::new([middle - half, 0.0, -THICKNESS], [middle + half, half, 0.0])?;
     let plate = fill(&plate, &lattice, setup.parts as usize, &Filling::new())?;
     mpm.add("plate", aluminium, &plate, |_| [0.0; 3])?;
-    mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
+    mpm.bound(symmetry())?;
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     mpm.set_team(Team::new(setup.threads)?);
 

@@ -1,7 +1,7 @@
 //! What a run is made of.
 
 use clap::ValueEnum;
-use examples::Ogive;
+use examples::{Law, Ogive};
 use mpm_materials::JohnsonCookDamage;
 use serde::Serialize;
 
@@ -39,6 +39,16 @@ pub enum Kernel {
     Cpgimp,
 }
 
+/// Where the forces and strains of the rod are computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RodFrame {
+    /// On a grid that flies with it: total Lagrangian. Meets the plate by springs (--law penalty)
+    Reference,
+    /// On the grid of the plate, through whose cells it flies
+    Current,
+}
+
 /// When the plate fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -72,6 +82,8 @@ pub struct Setup {
     /// FLIP forgets what the nodes do not see while sound crosses this many cells.
     pub memory: f64,
     pub detection: Detection,
+    pub rod: RodFrame,
+    pub law: Law,
     /// Of the time step.
     pub factor: f64,
     pub threads: usize,

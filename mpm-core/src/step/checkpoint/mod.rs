@@ -120,7 +120,7 @@ where
         Ok(self)
     }
 
-    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+    pub(super) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.recognise(file)?;
         file.real(&mut self.time)?;
         file.word(&mut self.steps)?;

@@ -1,0 +1,642 @@
+//! Bodies that are mapped in their reference configuration and meet others on the grid of the current one.
+//!
+//! Such a body is a scene of its own, on a grid in its reference configuration, and has a **shadow** in the scene that
+//! it was added to: as many particles of the same masses, without stress, which hold its place among the others. A step
+//! is
+//!
+//! ```text
+//! reference:  v_I = p_I / m_I + dt f_I / m_I;  x' = sum N_I(X) v_I, the velocities that particles move with
+//! current:    v_i = sum m x' N_i(x) / m_i;  contact, walls: J_i;  P = m sum N_i(x) J_i / m_i of every particle
+//! reference:  v_I <- v_I + sum N_I(X) P / m_I;  the rest of a MUSL step
+//! ```
+//!
+//! The two maps of a particle are adjoint: nodes of the current grid see it move as nodes of the reference move it, and
+//! what it is pushed with goes to those as a force on it would. So sum J_i is sum m_I dv_I, momentum is what was given to
+//! rounding, and sum J_i v_i = sum P x' = sum N_I P v_I, the work of the nodes is that on the body. (Pushes that
+//! changed particles' velocities themselves, unseen by the nodes of the reference in part, multiplied the energy of discs by
+//! seven or left a third of it.)
+//!
+//! A push comes back to its node smoothed twice, in part. A law that stops what closes, as Coulomb does, stops a part, and again
+//! in the next step: bodies sink into each other a little, and lose energy. A spring ([`Penalty`] of `mpm-contact`) pushes
+//! until they stop, and gives back what it took.
+//!
+//! [`Penalty`]: https://docs.rs/mpm-contact
+
+use mpm_materials::Constitutive;
+
+use super::body::{Body, BodyTrouble, ExtentOf, Particle, ParticleBody, Steps, Totals, Which};
+use super::checkpoint::{Archive, CheckpointError};
+use super::contact::Contact;
+use super::control::TimeControl;
+use super::fields::Claim;
+use super::footprint::Footprint;
+use super::layout::{Layout, Nodes};
+use super::load::{Load, Loading, Unloaded};
+use super::nodes::{BlockPlace, Leave, NodeLedger, Stage, free_directions};
+use super::rest::Stilled;
+use super::rigid_body::Undeformed;
+use super::scene::SceneError;
+use super::solver::{Mpm, StepError, Stopped};
+use super::survey::{Near, Survey};
+use super::tile::Sums;
+use crate::dim::block_nodes;
+use crate::embedding::Embedding;
+use crate::frame::Frame;
+use crate::geometry::Lattice;
+use crate::grid::{GridStorage, Node};
+use crate::method::{Composition, Method};
+use crate::parallel::{Float, Team};
+use crate::particles::{Columns, Place};
+use crate::scheme::{Follow, Musl, StressUpdate};
+use crate::shape::{ShapeFunction, bin_centre};
+use crate::transfer::{Flip, Transfer};
+
+/// A body whose own forces act on another grid than that of the scene.
+pub trait InReference<T: Float, const D: usize>: Send + Sync {
+    /// Move the nodes' velocities by the body's own forces over `dt`, s, and map those of the particles to the scene's nodes.
+    ///
+    /// # Errors
+    /// A particle that cannot go on.
+    fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped>;
+    /// Take what the scene's nodes gave, deform and move. Returns the largest rate seen, 1/s, as [`Body::pass`] does.
+    ///
+    /// # Errors
+    /// As [`InReference::open`].
+    fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped>;
+    /// What boundaries and loads of its own gave to the body since the start.
+    fn given(&self) -> NodeLedger;
+}
+
+/// The shadow of a body, in a method for shadows.
+type Shadow<T, const D: usize, M> = ParticleBody<T, D, Undeformed<T>, M>;
+
+/// The body of the scene `Mpm<T, D, R, G>`, in a scene where shadows have the method `M`.
+struct ReferenceBody<T: Float, const D: usize, M, R, G> {
+    scene: Mpm<T, D, R, G>,
+    shadow: Shadow<T, D, M>,
+    /// By number: velocity that a particle moves with, then what the scene's nodes add to it, m/s.
+    velocities: Vec<[T; 3]>,
+    /// Of the nodes, m/s^2.
+    accelerations: Vec<[T; 4]>,
+    /// By number.
+    shapes: Vec<Shade>,
+    /// Numbers of a particle at work.
+    numbers: Vec<T>,
+    rate: T,
+    /// The pass of the scene in which particles take what nodes got.
+    returns: Which,
+}
+
+/// A particle as its shadow has it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shade {
+    /// Position, m.
+    position: [f64; 3],
+    /// Half edges of its domain, m, as in [`Particle`].
+    half_edges: [[f64; 3]; 3],
+}
+
+impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+    L: Load<D>,
+{
+    /// [`Body::each_velocity`].
+    pub(super) fn show_velocities(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
+        let (number, first) = (self.columns.number(), Columns::velocity(D));
+        for slot in &mut self.slots {
+            for bin in 0..block_nodes(D) {
+                let mut next = slot.block.last_group(bin);
+                while let Some((group, here)) = next {
+                    next = slot.block.group_before(group);
+                    for lane in 0..here as u32 {
+                        let at = Place { group, lane };
+                        let mut v = [T::default(); 3];
+                        (0..D).for_each(|d| v[d] = slot.block.get(at, first + d));
+                        let before = v;
+                        visit(slot.block.get(at, number).to_double() as usize, &mut v);
+                        for d in 0..if v == before { 0 } else { D } {
+                            slot.block.set(at, first + d, v[d]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    /// [`Body::cast`].
+    pub(super) fn cast_shadow(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
+        let (centre, h, origin) =
+            (bin_centre::<ExtentOf<M, T, D>>(), self.lattice.spacing(), self.lattice.origin());
+        for slot in &self.slots {
+            for bin in 0..block_nodes(D) {
+                let cells = slot.block.bin_coordinates(bin).map(|c| f64::from(c) + centre);
+                for at in slot.block.bin_places(bin) {
+                    numbers.clear();
+                    slot.block.read(at, numbers);
+                    let number = numbers[self.columns.number()].to_double() as usize;
+                    let Some(shape) = shapes.get_mut(number) else { continue };
+                    let mut position = [0.0; 3];
+                    for d in 0..D {
+                        let mut x = cells[d] + numbers[Columns::position() + d].to_double();
+                        if M::Frame::TOTAL {
+                            x += numbers[self.columns.frame() + d].to_double();
+                        }
+                        position[d] = origin[d] + h * x;
+                    }
+                    *shape = Shade { position, half_edges: self.half_edges(numbers) };
+                }
+            }
+        }
+    }
+}
+
+impl<T: Float, const D: usize, M: Composition<T, D>> Shadow<T, D, M> {
+    /// Place the particles, by number, where a pass [`Follow`] finds them, and give them their domains.
+    fn aim(&mut self, shapes: &[Shade], team: &Team) {
+        let (columns, lattice) = (&self.columns, &self.lattice);
+        let (centre, h) = (bin_centre::<ExtentOf<M, T, D>>(), lattice.spacing());
+        let domain = <M::Shape as ShapeFunction<T, D>>::DOMAIN;
+        team.each(&mut self.slots, |_, slot| {
+            for bin in 0..block_nodes(D) {
+                let cells = slot.block.bin_coordinates(bin);
+                let mut next = slot.block.last_group(bin);
+                while let Some((group, here)) = next {
+                    next = slot.block.group_before(group);
+                    for lane in 0..here as u32 {
+                        let at = Place { group, lane };
+                        let number = slot.block.get(at, columns.number()).to_double() as usize;
+                        let Some(shape) = shapes.get(number) else { continue };
+                        for d in 0..D {
+                            let x =
+                                (shape.position[d] - lattice.origin()[d]) / h - f64::from(cells[d]) - centre;
+                            slot.block.set(at, Columns::position() + d, T::of(x));
+                        }
+                        if domain.carried() {
+                            let edges = shape.half_edges.map(|e| e.map(|x| x / h));
+                            let carried = domain.of_edges::<f64, D>(&edges);
+                            for (n, x) in carried[..domain.numbers(D)].iter().enumerate() {
+                                slot.block.set(at, columns.domain() + n, T::of(*x));
+                            }
+                        }
+                    }
+                }
+            }
+        });
+    }
+
+    /// Particles where those of `body` are, with as much mass; all else is to come.
+    fn shade(&mut self, body: &dyn Body<T, D>) {
+        let mut index = std::collections::BTreeMap::new();
+        let mut numbers = self.dummy.clone();
+        self.lightest = body.lightest();
+        body.for_each(&mut |p| {
+            for d in 0..D {
+                numbers[Columns::velocity(D) + d] = T::of(p.velocity[d]);
+            }
+            numbers[Columns::mass(D)] = T::of(p.mass);
+            numbers[self.columns.number()] = T::of(p.number as f64);
+            self.put(&mut index, &std::array::from_fn(|d| p.position[d]), &mut numbers);
+        });
+        self.settle();
+    }
+}
+
+impl<T, const D: usize, M, R, G> ReferenceBody<T, D, M, R, G>
+where
+    T: Float,
+    M: Composition<T, D>,
+    R: Composition<T, D>,
+    G: GridStorage<T, D>,
+{
+    fn new(scene: Mpm<T, D, R, G>, method: M, lattice: Lattice<D>, returns: Which) -> Self {
+        let own = &scene.bodies[0];
+        let (mut mass, mut volume) = (0.0, 0.0);
+        own.for_each(&mut |p| {
+            mass += p.mass;
+            volume += p.volume;
+        });
+        let law = Undeformed { density: T::of(mass / volume) };
+        let mut shadow = ParticleBody::empty(own.name(), law, method, lattice, &own.half_size(), Unloaded);
+        shadow.shade(&**own);
+        let (velocities, shapes) = (vec![[T::default(); 3]; own.len()], vec![Shade::default(); own.len()]);
+        let (numbers, rate) = (Vec::new(), T::default());
+        let mut body = ReferenceBody {
+            scene,
+            shadow,
+            velocities,
+            accelerations: Vec::new(),
+            shapes,
+            numbers,
+            rate,
+            returns,
+        };
+        body.scene.bodies[0].cast(&mut body.numbers, &mut body.shapes);
+        body.shadow.aim(&body.shapes, &Team::one());
+        body
+    }
+
+    fn own(&self) -> &dyn Body<T, D> {
+        &*self.scene.bodies[0]
+    }
+
+    fn trouble(&self, trouble: BodyTrouble) -> Stopped {
+        let BodyTrouble { particle, position, cause } = trouble;
+        let (body, law) = (self.own().name().to_string(), self.own().law());
+        Stopped::Particle { body, particle, position, law, cause }
+    }
+}
+
+impl<T, const D: usize, M, R, G> InReference<T, D> for ReferenceBody<T, D, M, R, G>
+where
+    T: Float,
+    M: Composition<T, D>,
+    R: Composition<T, D>,
+    G: GridStorage<T, D>,
+{
+    fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped> {
+        self.scene.set_team(team.clone());
+        self.scene.accelerate(dt, &mut self.velocities, &mut self.accelerations).map_err(|e| e.what)?;
+        let velocities = &self.velocities;
+        self.shadow.each_velocity(&mut |number, v| *v = velocities[number]);
+        let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0 };
+        self.shadow.pass(Which::Map, nodes, steps, team).map_err(|t| self.trouble(t))?;
+        Ok(())
+    }
+
+    fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped> {
+        let (pushes, mut pushed) = (&mut self.velocities, false);
+        self.shadow.each_velocity(&mut |number, v| {
+            let push = &mut pushes[number];
+            for d in 0..D {
+                push[d] = v[d] - push[d];
+                pushed |= push[d] != T::default();
+            }
+        });
+        self.scene.push(pushed.then_some(pushes), &self.accelerations, dt).map_err(|e| e.what)?;
+        self.scene.deform(dt).map_err(|e| e.what)?;
+        self.scene.bodies[0].cast(&mut self.numbers, &mut self.shapes);
+        self.shadow.aim(&self.shapes, team);
+        let steps = Steps { this: T::default(), next: T::default(), adapt: true, force_time: 0.0 };
+        let followed = self.shadow.sweep::<Follow>(nodes, steps, team).map_err(|t| self.trouble(t))?;
+        self.rate = followed.max(self.scene.rate);
+        Ok(self.rate)
+    }
+
+    fn given(&self) -> NodeLedger {
+        self.scene.ledger()
+    }
+}
+
+impl<T, const D: usize, M, R, G> Body<T, D> for ReferenceBody<T, D, M, R, G>
+where
+    T: Float,
+    M: Composition<T, D>,
+    R: Composition<T, D>,
+    G: GridStorage<T, D>,
+{
+    fn name(&self) -> &str {
+        self.own().name()
+    }
+    fn law(&self) -> &'static str {
+        self.own().law()
+    }
+    fn len(&self) -> usize {
+        self.own().len()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.own().state_names()
+    }
+    fn embedding(&self) -> &'static str {
+        self.own().embedding()
+    }
+    fn half_size(&self) -> [f64; D] {
+        self.own().half_size()
+    }
+    fn lightest(&self) -> T {
+        self.shadow.lightest()
+    }
+    fn in_reference(&self) -> Option<&dyn InReference<T, D>> {
+        Some(self)
+    }
+    fn in_reference_mut(&mut self) -> Option<&mut dyn InReference<T, D>> {
+        Some(self)
+    }
+    fn rate(&self, spacing: f64) -> T {
+        self.own().rate(self.scene.grid.lattice().spacing()).max(self.shadow.rate(spacing))
+    }
+    /// Of the shadow, which has no stress: velocities in the first pass, all else when the scene's stages are done.
+    fn pass(
+        &mut self,
+        which: Which,
+        nodes: Nodes<'_, T>,
+        dt: Steps<T>,
+        team: &Team,
+    ) -> Result<T, BodyTrouble> {
+        if which == self.returns {
+            self.shadow.pass(Which::First, nodes, Steps { adapt: false, ..dt }, team)?;
+        }
+        Ok(self.rate)
+    }
+    fn loading(&self) -> Loading {
+        Loading::default()
+    }
+    fn locate(&mut self, _: Which, prune: bool, team: &Team) -> bool {
+        self.shadow.locate_after::<Follow>(prune, team)
+    }
+    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
+        self.shadow.claims(number, ahead, list);
+    }
+    fn reaches_further(&mut self, layout: &Layout) -> bool {
+        self.shadow.reaches_further(layout)
+    }
+    fn reaches(&self, block: usize) -> bool {
+        self.shadow.reaches(block)
+    }
+    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
+        self.shadow.link(find, places);
+    }
+    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
+        self.shadow.add_tiles(block, sums, nodes);
+    }
+    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
+        self.shadow.survey(block, what, nodes, normals, out);
+    }
+    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+        self.shadow.near(block, nodes, visit);
+    }
+    fn totals(&self) -> Totals {
+        self.own().totals()
+    }
+    fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
+        self.own().for_each(visit);
+    }
+    fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
+        self.scene.bodies[0].each_velocity(visit);
+    }
+    fn cast(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
+        self.own().cast(numbers, shapes);
+    }
+    fn bytes(&self) -> usize {
+        self.scene.bytes()
+            + self.shadow.bytes()
+            + self.velocities.capacity() * size_of::<[T; 3]>()
+            + self.accelerations.capacity() * size_of::<[T; 4]>()
+            + self.shapes.capacity() * size_of::<Shade>()
+            + self.numbers.capacity() * size_of::<T>()
+            + size_of::<Self>()
+    }
+    fn columns(&self) -> usize {
+        self.own().columns() + self.shadow.columns()
+    }
+    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.scene.exchange(file)?;
+        file.numbers([&mut self.rate])?;
+        self.shadow.exchange(file)
+    }
+    /// None: kinetic damping is refused beside such a body.
+    fn still(&mut self) -> Stilled {
+        Stilled::default()
+    }
+    fn filter(&mut self, _: &Team) -> f64 {
+        0.0
+    }
+    fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        self.shadow.footprints(time, visit);
+    }
+}
+
+impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
+    /// Sum pushes mapped as momentum: the second record becomes a change of velocity, none where a boundary holds it.
+    fn collect_pushes(&mut self) {
+        self.collect_and(Sums::Pushes, &Leave);
+        let (conditions, lattice, cutoff) = (self.conditions, *self.grid.lattice(), self.cutoff);
+        let time = self.time + self.dt.to_double();
+        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
+        let (blocks, planes, layout) = (self.fields.coordinates(), &*self.planes, self.fields.layout());
+        let mirrors = planes.copied();
+        layout.each(self.team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, ledger| {
+            let place = BlockPlace::new(&lattice, &blocks[block]);
+            let own = planes.own_masses(layout.start(block), nodes.items.len());
+            for (i, (n, node)) in nodes.numbered().enumerate() {
+                let mass = node.first[0];
+                let free = free_directions(conditions, &place.node(n), time, lattice.spacing(), copies);
+                let whole = if place.is_copy(n, mirrors) { 0.0 } else { 1.0 };
+                let share = own.share(i, node).unwrap_or(whole);
+                for d in 0..D {
+                    let push = node.second[d + 1];
+                    let moves = mass > cutoff && free[d];
+                    node.second[d + 1] = if moves { push / mass } else { T::default() };
+                    if !moves {
+                        ledger.impulse[d] -= share * push.to_double();
+                    }
+                }
+            }
+        });
+        self.planes.extrapolate(self.grid.nodes_mut());
+    }
+}
+
+impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
+where
+    T: Float,
+    M: Composition<T, D>,
+    G: GridStorage<T, D>,
+    K: Contact<T, D>,
+{
+    /// The first part of a step that another scene completes: velocities of the nodes by the body's own forces. Notes, by number,
+    /// those that particles move with, m/s, and the accelerations of the nodes.
+    fn accelerate(
+        &mut self,
+        dt: T,
+        velocities: &mut [[T; 3]],
+        accelerations: &mut Vec<[T; 4]>,
+    ) -> Result<(), StepError> {
+        self.map_particles(f64::INFINITY)?;
+        self.stage(dt).integrate_momentum(dt, false);
+        accelerations.clear();
+        for Node { first, second } in self.grid.nodes_mut() {
+            accelerations.push(std::mem::replace(second, *first));
+        }
+        // Velocities that are zero become what nodes have in their second record, times one.
+        self.bodies[0].each_velocity(&mut |number, v| velocities[number] = std::mem::take(v));
+        self.particle_pass(Which::First, T::of(1.0))?;
+        self.bodies[0].each_velocity(&mut |number, v| std::mem::swap(v, &mut velocities[number]));
+        Ok(())
+    }
+
+    /// Take back the accelerations of the nodes and add `pushes`, m/s, of the particles by number.
+    fn push(
+        &mut self,
+        pushes: Option<&mut Vec<[T; 3]>>,
+        accelerations: &[[T; 4]],
+        dt: T,
+    ) -> Result<(), StepError> {
+        let pushed = pushes.is_some();
+        if let Some(pushes) = pushes {
+            self.bodies[0].each_velocity(&mut |number, v| std::mem::swap(v, &mut pushes[number]));
+            // Nothing comes to velocities in no time: the pass maps them.
+            self.particle_pass(Which::First, T::default())?;
+            self.stage(dt).collect_pushes();
+            self.bodies[0].each_velocity(&mut |number, v| *v = pushes[number]);
+        }
+        for (Node { first, second }, acceleration) in self.grid.nodes_mut().iter_mut().zip(accelerations) {
+            let push = std::mem::replace(second, *acceleration);
+            for d in 1..if pushed { D + 1 } else { 1 } {
+                first[d] += push[d];
+                second[d] += push[d] / dt;
+            }
+        }
+        Ok(())
+    }
+
+    /// The rest of it.
+    fn deform(&mut self, dt: T) -> Result<(), StepError> {
+        self.particle_pass(Which::First, dt)?;
+        self.stage(dt).remap_velocities(dt);
+        self.particle_pass(Which::Second, dt)?;
+        self.close_step(dt)
+    }
+
+    /// Move bodies in their reference configuration by their own forces, and map their velocities.
+    pub(super) fn open_references(&mut self, dt: T) -> Result<(), StepError> {
+        if self.conditions.gravity.is_some() {
+            self.check_references("a body force of the scene")
+                .map_err(|e| self.stopped(Stopped::Scene(e)))?;
+        }
+        for n in 0..self.references.len() {
+            let nodes = Nodes { all: self.grid.nodes(), layout: self.fields.layout() };
+            let body = self.bodies[self.references[n]].in_reference_mut();
+            let opened = body.map_or(Ok(()), |body| body.open(nodes, dt, &self.team));
+            opened.map_err(|what| self.stopped(what))?;
+        }
+        Ok(())
+    }
+
+    /// Have them take what their nodes got, deform and move.
+    pub(super) fn advance_references(&mut self, dt: T) -> Result<(), StepError> {
+        for n in 0..self.references.len() {
+            let nodes = Nodes { all: self.grid.nodes(), layout: self.fields.layout() };
+            let body = self.bodies[self.references[n]].in_reference_mut();
+            let advanced = body.map_or(Ok(T::default()), |body| body.advance(nodes, dt, &self.team));
+            let rate = advanced.map_err(|what| self.stopped(what))?;
+            self.rate = self.rate.max(rate);
+        }
+        Ok(())
+    }
+
+    /// Refuse what asks the nodes of the scene for all forces, beside bodies in their reference configuration.
+    pub(super) fn check_references(&self, what: &'static str) -> Result<(), SceneError> {
+        match self.references.first() {
+            None => Ok(()),
+            Some(&n) => Err(SceneError::BesideReference { body: self.bodies[n].name().into(), what }),
+        }
+    }
+
+    /// Add the body of another scene, which maps it in its reference configuration ([`crate::TotalLagrangian`]): its own
+    /// forces and strains stay there, on a grid of its own, and it meets the bodies and walls of this scene here.
+    ///
+    /// So a body that keeps its shape has none of the errors of particles that cross cells, and contact with those that do not
+    /// keep theirs. A step of this scene is one of the other, too, of the length that this one finds. Boundaries, loads and body
+    /// forces of the other scene act there; of those of this one, walls and fixed planes hold the body, while planes of symmetry
+    /// are needed in both. The grids may have different cells.
+    ///
+    /// Let it meet others by springs: `Penalty` of `mpm-contact`. Laws that stop what closes, and walls, make it sink in a little
+    /// and lose energy, discs up to two thirds of it (docs/notes.md 7.12); a rigid plate is a better wall.
+    ///
+    /// ```
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, geometry::*};
+    /// # use mpm_core::step::contact::{Contact, Found, Scratch, SharedNodes};
+    /// # use mpm_materials::{LinearElastic, Moduli};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # struct AnyContact;
+    /// # impl Contact<f64, 2> for AnyContact {
+    /// #     fn impulses(&self, _: &SharedNodes<'_, f64, 2>, _: &mut Found<f64>, _: &mut Scratch<f64>) {}
+    /// # }
+    /// let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
+    /// let (fine, coarse) = (Lattice::new([0.0; 2], 0.1)?, Lattice::new([0.0; 2], 0.125)?);
+    /// let reference = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).total_lagrangian();
+    /// let mut strip = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(fine));
+    /// let seeds = fill(&Cuboid::new([0.0; 2], [1.0, 0.2])?, &fine, 2, &Filling::new())?;
+    /// strip.add("strip", law, &seeds, |_| [0.1, 0.0])?;
+    ///
+    /// let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    /// let mut scene = Mpm::with_contact(method, BlockGrid::new(coarse), AnyContact);
+    /// scene.add_total_lagrangian(strip)?;
+    /// scene.run_until(1.0)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// The other scene has FLIP and MUSL, and nodes of this one must know accelerations:
+    /// ```compile_fail
+    /// # use mpm_core::{Apic, BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Usl, geometry::*};
+    /// # use mpm_core::step::contact::{Contact, Found, Scratch, SharedNodes};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # struct AnyContact;
+    /// # impl Contact<f64, 2> for AnyContact {
+    /// #     fn impulses(&self, _: &SharedNodes<'_, f64, 2>, _: &mut Found<f64>, _: &mut Scratch<f64>) {}
+    /// # }
+    /// # let lattice = Lattice::new([0.0; 2], 0.1)?;
+    /// let reference = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
+    /// let strip = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
+    /// let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain); // maps momentum and impulse together
+    /// Mpm::with_contact(method, BlockGrid::new(lattice), AnyContact).add_total_lagrangian(strip)?;
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A scene of no or several bodies, of other coordinates, that made steps, or damps or filters; particles larger than a
+    /// cell of this grid or outside of it; a body force, kinetic damping, a null-space filter or [`TimeControl::Gershgorin`] in
+    /// this scene.
+    pub fn add_total_lagrangian<R, H>(&mut self, scene: Mpm<T, D, R, H>) -> Result<(), SceneError>
+    where
+        R: Composition<T, D, Transfer = Flip, Update = Musl>,
+        H: GridStorage<T, D> + 'static,
+        Method<M::Shape, Flip, Musl, M::Embedding>: Composition<T, D>,
+    {
+        const {
+            assert!(
+                K::SEPARATES,
+                "a body in its reference configuration needs a contact algorithm: `Mpm::with_contact`"
+            );
+            assert!(!M::Frame::TOTAL, "the scene that bodies meet in is one of the current configuration");
+            assert!(
+                M::Transfer::READS_INCREMENT && M::Transfer::ORDER == 1,
+                "bodies in their reference configuration meet others where nodes know accelerations: FLIP or a blend"
+            );
+            assert!(R::Frame::TOTAL, "`add_total_lagrangian` is for a scene in the reference configuration");
+        }
+        let [own] = &scene.bodies[..] else { return Err(SceneError::NotOneBody(scene.bodies.len())) };
+        let (name, here) = (own.name().to_string(), <M::Embedding as Embedding<D>>::NAME);
+        if own.embedding() != here {
+            return Err(SceneError::OtherSpace { body: name, there: own.embedding(), here });
+        }
+        if scene.steps > 0 || scene.time != self.time {
+            return Err(SceneError::Clock { time: scene.time, steps: scene.steps });
+        }
+        let refuse = |what| Err(SceneError::BesideReference { body: name.clone(), what });
+        if scene.calm.is_some() || self.calm.is_some() {
+            return refuse("kinetic damping");
+        }
+        if scene.filter.is_some() || self.filter.is_some() {
+            return refuse("a null-space filter");
+        }
+        if self.conditions.gravity.is_some() {
+            return refuse("a body force of the scene");
+        }
+        if matches!(self.control, TimeControl::Gershgorin { .. }) {
+            return refuse("`TimeControl::Gershgorin`");
+        }
+        self.check_half_sizes(&name, &own.half_size())?;
+        let method: Method<M::Shape, Flip, Musl, M::Embedding> = Method::of(*self.method.shape(), Flip);
+        let returns = if M::Update::BEFORE_FORCES { Which::Second } else { Which::First };
+        let body = ReferenceBody::new(scene, method, *self.grid.lattice(), returns);
+        self.enter(&name, Box::new(body))?;
+        self.references.push(self.bodies.len() - 1);
+        Ok(())
+    }
+}
