@@ -28,7 +28,9 @@ impl Frame for UpdatedLagrangian {
 /// Beside its other numbers a particle carries u and F: 6 more in two dimensions (7 about an axis), 12 in three.
 /// Boundaries hold places of the reference configuration: symmetry, fixed planes and prescribed velocities do what
 /// they say; a [`Boundary::Wall`](crate::Boundary::Wall), which asks where material is, is refused, and so is
-/// contact. Bodies that share nodes at the start are bonded there for good; others never meet.
+/// contact. Bodies that share nodes at the start are bonded there for good; others never meet. To meet others, a body becomes
+/// one of a scene in the current configuration: [`Mpm::add_total_lagrangian`](crate::Mpm::add_total_lagrangian), or, to go on there,
+/// [`Mpm::take_over`](crate::Mpm::take_over).
 ///
 /// The stable step shrinks as the material is compressed: the rate is c |F^-1| / h, and |v| is no part of it.
 #[derive(Clone, Copy, Debug, Default)]

@@ -117,8 +117,6 @@ fn what_one_gives_the_other_gets() {
     bounce("both, hats", plane(), reference, &two(0.1 * WAVE), true);
     bounce("one of two", plane(), reference, &two(0.1 * WAVE), false);
     bounce("three discs", plane(), reference, &three(0.1 * WAVE), false);
-    let splines = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).total_lagrangian();
-    bounce("splines", plane(), splines, &two(0.1 * WAVE), false);
     bounce("USL", Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain), reference, &two(0.1 * WAVE), false);
     bounce("USF", Method::new(CpGimp, Flip, Usf, PlaneStrain), reference, &two(0.1 * WAVE), false);
     let solid = Method::new(Linear, Flip, Musl, FullSpace).total_lagrangian();
