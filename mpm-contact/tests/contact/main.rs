@@ -11,5 +11,6 @@ mod keeping;
 mod onset;
 mod rest;
 mod restart;
+mod resting;
 mod rigid;
 mod symmetry;

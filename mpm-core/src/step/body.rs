@@ -11,13 +11,15 @@ use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
 use super::rest::Stilled;
+use super::resting::Resting;
 use super::rigid::RigidState;
+use super::scene::SceneError;
 use super::splitting::{SplitBook, Splitter};
 use super::survey::{Near, Survey};
 use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
 use super::total;
-use crate::dim::{Stencil, block_nodes, neighbours};
+use crate::dim::{block_nodes, neighbours};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::geometry::Lattice;
@@ -160,6 +162,21 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
         None
     }
 
+    /// Rest until it is woken ([`Mpm::let_rest`](super::Mpm::let_rest)), tried with a step of `longest` seconds; its node
+    /// blocks are arranged next.
+    ///
+    /// # Errors
+    /// A body that cannot rest, or does not.
+    fn let_rest(&mut self, longest: T, team: &Team) -> Result<(), SceneError>;
+    /// Rest no longer, with what the last pass would have mapped; node blocks are arranged next.
+    fn wake(&mut self, team: &Team);
+    /// The node blocks that it would have, sorted, if it rests and has none.
+    fn rests_at(&self) -> Option<&[[i32; D]]>;
+    /// Does it rest ([`Mpm::let_rest`](super::Mpm::let_rest))?
+    fn rests(&self) -> bool {
+        self.rests_at().is_some()
+    }
+
     /// Largest (c + |v|) / h of the particles as they stand, 1/s, for cells of `spacing`, m.
     fn rate(&self, spacing: f64) -> T;
 
@@ -269,6 +286,8 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
     pub(super) dummy: Vec<T>,
+    /// While it rests.
+    pub(super) resting: Option<Resting<T, D>>,
 }
 
 pub(super) const NONE: u32 = u32::MAX;
@@ -497,10 +516,22 @@ where
     }
 
     pub(super) fn empty_slot(&self, coordinates: [i32; D]) -> Slot<T, D> {
-        new_slot::<T, D, ExtentOf<M, T, D>>(coordinates, &self.dummy, Self::RECORDS)
+        Slot {
+            block: Block::new(coordinates, self.dummy.clone()),
+            tile: vec![[T::default(); 4]; self.tile_records()],
+            rows: 0,
+            slots_around: vec![NONE; neighbours(D)],
+            linked: 0,
+            report: Report::default(),
+        }
     }
 
-    fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
+    /// Records of a slot's tile: one or two a node.
+    pub(super) fn tile_records(&self) -> usize {
+        tile_nodes::<ExtentOf<M, T, D>>(D) * Self::RECORDS
+    }
+
+    pub(super) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
         let (numbers, state) = self.point(block, at);
         let centre = bin_centre::<ExtentOf<M, T, D>>();
         let coordinates = block.bin_coordinates(bin);
@@ -559,22 +590,6 @@ where
     }
 }
 
-/// An empty slot whose tile has one or two `records` a node.
-fn new_slot<T: Float, const D: usize, E: Stencil>(
-    coordinates: [i32; D],
-    dummy: &[T],
-    records: usize,
-) -> Slot<T, D> {
-    Slot {
-        block: Block::new(coordinates, dummy.to_vec()),
-        tile: vec![[T::default(); 4]; tile_nodes::<E>(D) * records],
-        rows: 0,
-        slots_around: vec![NONE; neighbours(D)],
-        linked: 0,
-        report: Report::default(),
-    }
-}
-
 impl<T, const D: usize, C, M, L> Body<T, D> for ParticleBody<T, D, C, M, L>
 where
     T: Float,
@@ -602,6 +617,16 @@ where
     }
     fn lightest(&self) -> T {
         self.lightest
+    }
+
+    fn let_rest(&mut self, longest: T, team: &Team) -> Result<(), SceneError> {
+        self.lie_down(longest, team)
+    }
+    fn wake(&mut self, team: &Team) {
+        self.stand_up(team);
+    }
+    fn rests_at(&self) -> Option<&[[i32; D]]> {
+        self.resting.as_ref().map(Resting::blocks)
     }
 
     fn rate(&self, spacing: f64) -> T {
@@ -634,6 +659,9 @@ where
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble> {
+        if let Some(resting) = &self.resting {
+            return Ok(resting.rate(which, dt.adapt));
+        }
         match which {
             Which::Map => self.sweep::<L::Pass<<M::Update as StressUpdate>::Map>>(nodes, dt, team),
             Which::First => self.sweep::<L::Pass<<M::Update as StressUpdate>::First>>(nodes, dt, team),
@@ -649,6 +677,9 @@ where
     }
 
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
+        if self.rests() {
+            return false;
+        }
         let mut changed = self.make_blocks();
         if changed {
             self.link_slots();
@@ -668,8 +699,10 @@ where
     }
 
     fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
-        self.expect(ahead);
-        self.claim_blocks(number, list);
+        if !self.rests() {
+            self.expect(ahead);
+            self.claim_blocks(number, list);
+        }
     }
     fn reaches_further(&mut self, layout: &Layout) -> bool {
         self.reaches_beyond_links(layout)
@@ -678,7 +711,11 @@ where
         self.reaches_block(block)
     }
     fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
-        self.link_blocks(find, places);
+        if self.rests() {
+            (self.nodes_around, self.contributors) = (Vec::new(), Vec::new());
+        } else {
+            self.link_blocks(find, places);
+        }
     }
 
     fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
@@ -755,6 +792,7 @@ where
             + self.outboxes.iter().map(sent).sum::<usize>()
             + self.starts.capacity() * size_of::<[f64; D]>()
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
+            + self.resting.as_ref().map_or(0, Resting::bytes)
     }
     fn columns(&self) -> usize {
         self.columns.count()
@@ -780,7 +818,7 @@ where
         sum
     }
     fn filter(&mut self, team: &Team) -> f64 {
-        self.filter_cells(team)
+        if self.rests() { 0.0 } else { self.filter_cells(team) }
     }
     fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         self.show_footprints(time, visit);

@@ -20,6 +20,7 @@ pub mod nodes;
 pub mod planes;
 mod reach;
 pub mod rest;
+mod resting;
 pub mod rigid;
 mod rigid_body;
 mod scatter;
