@@ -338,6 +338,12 @@ where
         }
     }
 
+    /// Slots in the order of their places, which is that of sums: the order in which they were made is a matter of when
+    /// blocks were arranged.
+    fn in_place(&self) -> impl Iterator<Item = &Slot<T, D>> {
+        self.index.iter().map(|&(_, slot)| &self.slots[slot as usize])
+    }
+
     pub(super) fn traction(&self, time: f64) -> [f64; 3] {
         let mut traction = [0.0; 3];
         if L::ACTS {
@@ -366,7 +372,7 @@ where
     /// that the pass mapped, at `time`, s.
     fn book_load<K: PassKind>(&mut self, time: f64) {
         let sum = |of: &dyn Fn(&Report<T>) -> T| -> f64 {
-            self.slots.iter().map(|s| of(&s.report).to_double()).sum()
+            self.in_place().map(|s| of(&s.report).to_double()).sum()
         };
         let mut loading = self.loading;
         if K::DOES.velocity {
@@ -420,7 +426,8 @@ where
             self.book_load::<K>(dt.force_time);
         }
         let mut rate = T::default();
-        for slot in &self.slots {
+        for &(_, slot) in &self.index {
+            let slot = &self.slots[slot as usize];
             if K::DOES.splits {
                 self.splits.cuts += u64::from(slot.report.splits);
                 self.splits.kinetic += slot.report.revealed.to_double();
@@ -740,7 +747,7 @@ where
 
     fn totals(&self) -> Totals {
         let mut sum = Totals::default();
-        for slot in &self.slots {
+        for slot in self.in_place() {
             let mut part = Totals::default();
             for (bin, at) in slot.block.places() {
                 let p = self.particle(&slot.block, bin, at);
@@ -763,9 +770,7 @@ where
     }
 
     fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
-        let mut order: Vec<&Slot<T, D>> = self.slots.iter().collect();
-        order.sort_by_key(|s| s.block.coordinates);
-        for slot in order {
+        for slot in self.in_place() {
             for (bin, at) in slot.block.places() {
                 visit(&self.particle(&slot.block, bin, at));
             }
@@ -807,7 +812,8 @@ where
 
     fn still(&mut self) -> Stilled {
         let mut sum = Stilled::default();
-        for slot in &mut self.slots {
+        for &(_, slot) in &self.index {
+            let slot = &mut self.slots[slot as usize];
             let part = slot.block.motion();
             sum.kinetic += part.kinetic;
             for d in 0..3 {

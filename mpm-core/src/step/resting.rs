@@ -299,6 +299,12 @@ where
         self.bodies.iter().filter(|b| !b.rests()).map(|b| b.len()).sum()
     }
 
+    /// Node blocks, with those that bodies at rest would have: whether to look ahead is decided as if none rested.
+    pub(super) fn blocks(&self) -> usize {
+        let rest = self.bodies.iter().filter_map(|b| b.rests_at()).flatten();
+        self.fields.len() + rest.filter(|at| self.grid.find(at).is_none()).count()
+    }
+
     /// Wake a body and others that rest if they share node blocks.
     fn wake_beside(&mut self, number: usize) {
         let Some(blocks) = self.bodies[number].rests_at().map(<[_]>::to_vec) else { return };

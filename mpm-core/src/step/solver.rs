@@ -370,7 +370,7 @@ where
         });
         let changed = self.changed.contains(&true);
         if changed || self.fields_changed(prune) {
-            self.ahead = K::SEPARATES && age < OFTEN && self.moving_particles() < FEW * self.fields.len();
+            self.ahead = K::SEPARATES && age < OFTEN && self.particles() < FEW * self.blocks();
             self.arrange().map_err(|outside| self.stopped(self.who_left(outside)))?;
         }
         self.time += dt.to_double();

@@ -206,7 +206,7 @@ fn precisions_and_laws() {
     let metal = library::aluminium_6061_t6::<f64>().with_bulk_viscosity(0.06, 1.5).expect("viscosity");
     let hats = Method::new(Linear, Flip, Musl, FullSpace);
     let fast = || Flight { sound: 6000.0, ..Flight::at(0.2) };
-    compare("aluminium", 60, || fast().scene(hats, space::<3>(), metal.clone()));
+    compare("aluminium", 60, || fast().scene(hats, space::<3>(), metal));
 }
 
 /// Particles of the plate that are split when it is hit.
@@ -385,7 +385,7 @@ fn what_does_not_rest_is_refused() {
     let mut mpm = scene();
     let stressed = |_| {
         let mut state = metal().virgin();
-        state.stress.0[1] = 3.0e-4.into();
+        state.stress.0[1] = 3.0e-4;
         state
     };
     mpm.add_in_state("plate", metal(), &plate(), |_| [0.0; 2], stressed).expect("body");

@@ -72,6 +72,10 @@ pub struct Setup {
     /// FLIP forgets what the nodes do not see while sound crosses this many cells.
     pub memory: f64,
     pub detection: Detection,
+    /// Way that the rod flies before it meets the plate, thicknesses of the plate.
+    pub stand_off: f64,
+    /// Does the plate rest until then?
+    pub rest: bool,
     /// Of the time step.
     pub factor: f64,
     pub threads: usize,
@@ -85,6 +89,10 @@ impl Setup {
     /// Way of the rod's axis through the plate, m.
     pub fn way(&self) -> f64 {
         THICKNESS / self.angle.cos()
+    }
+    /// Way that the rod flies before it meets the plate, m.
+    pub fn flight(&self) -> f64 {
+        self.stand_off * THICKNESS
     }
     /// Is it the shot of \[Ma2010\]?
     pub fn is_the_paper_s(&self) -> bool {
