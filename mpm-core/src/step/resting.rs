@@ -84,27 +84,29 @@ where
         }
         // What a law makes of rest is not asked of it but tried, by the passes of the run: a clock in its state shows.
         let (slots, splits) = (self.slots.clone(), self.splits);
-        let tried = self
-            .try_rest(longest, team)
-            .map_err(|t| (t.particle, "step".into(), f64::NAN, t.cause.to_string()));
-        let tried = tried.and_then(|resting| self.changed(&slots).map_or(Ok(resting), Err));
+        let tried = self.try_rest(longest, team);
         self.outboxes.iter_mut().for_each(|outbox| outbox.clear());
-        match tried {
+        let refused = match tried {
             Ok(resting) => {
-                self.resting = Some(resting);
-                self.spare = Vec::new();
-                self.slots.retain(|slot| !slot.block.is_empty());
-                self.link_slots();
-                self.slots.iter_mut().for_each(|slot| slot.tile = Vec::new());
-                self.note_blocks();
-                Ok(())
+                let changed = self.changed(&slots);
+                self.resting = changed.is_none().then_some(resting);
+                changed
             }
-            Err((particle, field, value, before)) => {
-                (self.slots, self.splits) = (slots, splits);
-                let allowed = format!("what it is before a step among nodes at rest ({before})");
-                Err(SceneError::Restless { body, particle, field, value, allowed })
+            Err(BodyTrouble { particle, cause, .. }) => {
+                let what = format!("the end of particle {particle} in a step among nodes at rest ({cause})");
+                Some(SceneError::Disturbed { body, what })
             }
+        };
+        if let Some(error) = refused {
+            (self.slots, self.splits) = (slots, splits);
+            return Err(error);
         }
+        self.spare = Vec::new();
+        self.slots.retain(|slot| !slot.block.is_empty());
+        self.link_slots();
+        self.slots.iter_mut().for_each(|slot| slot.tile = Vec::new());
+        self.note_blocks();
+        Ok(())
     }
 
     /// Make the passes of a step of `dt`, s, among nodes that stand still.
@@ -123,20 +125,24 @@ where
         self.pass(which, Nodes { all: &[], layout: &layout }, steps, team)
     }
 
-    /// The first particle that is not as it was: its number, and what it is and was of what.
-    fn changed(&self, before: &[Slot<T, D>]) -> Option<(usize, String, f64, String)> {
+    /// The first particle that is not as it was.
+    fn changed(&self, before: &[Slot<T, D>]) -> Option<SceneError> {
         for (old, new) in before.iter().zip(&self.slots) {
             for (bin, at) in old.block.places() {
-                let number = old.block.get(at, self.columns.number()).to_double() as usize;
-                let counts = [&old.block, &new.block].map(|b| b.bin_len(bin));
-                if counts[0] != counts[1] {
-                    let field = "count of particles in the bin".into();
-                    return Some((number, field, counts[1] as f64, counts[0].to_string()));
+                let particle = old.block.get(at, self.columns.number()).to_double() as usize;
+                let not_as_it_was = |field: String, is: f64, was: f64| {
+                    let body = self.name.clone();
+                    let allowed = format!("what it is before a step among nodes at rest ({was})");
+                    Some(SceneError::Restless { body, particle, field, value: is, allowed })
+                };
+                let [was, is] = [&old.block, &new.block].map(|b| b.bin_len(bin));
+                if was != is {
+                    return not_as_it_was("number of particles in the bin".into(), is as f64, was as f64);
                 }
                 for column in 0..self.columns.count() {
                     let [was, is] = [&old.block, &new.block].map(|b| b.get(at, column));
                     if was != is {
-                        return Some((number, self.named(column), is.to_double(), format!("{was}")));
+                        return not_as_it_was(self.named(column), is.to_double(), was.to_double());
                     }
                 }
             }
