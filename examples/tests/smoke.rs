@@ -326,6 +326,31 @@ fn oblique_penetration() {
     smoke!(oblique_penetration, 3.., ["cuts.png", "speed.png", "rod_575_30deg_8.csv"]);
 }
 
+/// The plate of a rod that flies fifty thicknesses to it may rest until then: nothing changes but what it costs.
+#[test]
+fn oblique_penetration_from_afar() {
+    let shot = |name: &str, option: &[&str]| {
+        let options = [&["--resolution", "smoke", "--json", "--stand-off", "50"], option].concat();
+        let value =
+            result(&run(env!("CARGO_BIN_EXE_oblique_penetration"), &options, name), "oblique_penetration");
+        std::fs::remove_dir_all(folder(name)).expect("removed");
+        value
+    };
+    let (resting, plain) = (shot("flight_resting", &[]), shot("flight_plain", &["--no-rest"]));
+    let flight = |value: &Value, key: &str| value["settings"]["flights"][0][key].clone();
+    assert!(flight(&plain, "fingerprint").is_string());
+    for key in ["fingerprint", "steps", "particles"] {
+        assert_eq!(flight(&resting, key), flight(&plain, key), "{key}");
+    }
+    for key in ["energy_error", "momentum_error", "simulated_seconds"] {
+        assert_eq!(resting[key], plain[key], "{key}");
+    }
+    assert_eq!(resting["settings"]["residual_speeds"], plain["settings"]["residual_speeds"]);
+    let updates = [&resting, &plain].map(|v| flight(v, "updates").as_f64().expect("updates"));
+    // The rod has 6.4 % of the particles; the plate wakes in the last blocks of the way.
+    assert!(updates[0] < 0.08 * updates[1], "{updates:?}");
+}
+
 #[test]
 fn concrete_perforation() {
     // A faster rod comes out faster; energy, momentum, interpenetration. The experiment is from memory.

@@ -12,5 +12,6 @@ mod onset;
 mod reference;
 mod rest;
 mod restart;
+mod resting;
 mod rigid;
 mod symmetry;

@@ -353,6 +353,7 @@ fn what_is_refused() {
     assert!(mpm.set_null_space_filter(1).is_err());
     let sharp = TimeControl::Gershgorin { factor: 0.9, growth: 1.1, every: 10 };
     assert!(mpm.set_time_control(sharp).is_err());
+    assert!(matches!(mpm.let_rest(&["disc"]), Err(SceneError::Disturbed { .. })));
     mpm.set_body_force(|_| [0.0, -9.81]);
     let stopped = mpm.step().expect_err("weight");
     assert!(stopped.to_string().contains("a body force of the scene is not allowed beside"), "{stopped}");

@@ -53,6 +53,8 @@ pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
     fn nodes(&self) -> &[Node<T>];
     /// All nodes.
     fn nodes_mut(&mut self) -> &mut [Node<T>];
+    /// Give back memory beyond what the blocks there are need; a grid may keep it.
+    fn give_back(&mut self) {}
     /// Bytes of its memory.
     fn bytes(&self) -> usize {
         std::mem::size_of_val(self.nodes()) + std::mem::size_of_val(self.blocks())

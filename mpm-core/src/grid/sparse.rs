@@ -38,6 +38,10 @@ impl<T: Float, const D: usize> GridStorage<T, D> for BlockGrid<T, D> {
         self.nodes.reserve_exact(count.saturating_sub(self.nodes.len()));
         self.nodes.resize(count, Node::default());
     }
+    fn give_back(&mut self) {
+        self.blocks.shrink_to_fit();
+        self.nodes.shrink_to_fit();
+    }
     fn blocks(&self) -> &[[i32; D]] {
         &self.blocks
     }

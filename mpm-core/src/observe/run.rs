@@ -40,7 +40,7 @@ pub struct RunSummary {
     pub steps: u64,
     /// Seconds of wall-clock time spent in steps; observers are left out.
     pub wall_seconds: f64,
-    /// Particle updates: the number of particles, summed over steps.
+    /// Particle updates: the number of particles that do not rest ([`Mpm::let_rest`]), summed over steps.
     pub updates: f64,
 }
 
@@ -101,11 +101,11 @@ where
         let mut run = RunSummary::default();
         show(&self.moment_of(end, &run), observers, true)?;
         while !self.reached(end) {
+            run.updates += self.moving_particles() as f64;
             let start = Instant::now();
             self.step_towards(end)?;
             run.wall_seconds += start.elapsed().as_secs_f64();
             run.steps += 1;
-            run.updates += self.particles() as f64;
             show(&self.moment_of(end, &run), observers, self.reached(end))?;
         }
         Ok(run)

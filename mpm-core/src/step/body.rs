@@ -12,13 +12,15 @@ use super::load::{Load, Loading, Unloaded};
 use super::migrate::{Domains, TakeIn};
 use super::reference_body::{InReference, Shade};
 use super::rest::Stilled;
+use super::resting::Resting;
 use super::rigid::RigidState;
+use super::scene::SceneError;
 use super::splitting::{SplitBook, Splitter};
 use super::survey::{Near, Survey};
 use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
 use super::total;
-use crate::dim::{Stencil, block_nodes, neighbours};
+use crate::dim::{block_nodes, neighbours};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::geometry::Lattice;
@@ -170,6 +172,21 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
         None
     }
 
+    /// Rest until it is woken ([`Mpm::let_rest`](super::Mpm::let_rest)), tried with a step of `longest` seconds; its node
+    /// blocks are arranged next.
+    ///
+    /// # Errors
+    /// A body that cannot rest, or does not.
+    fn let_rest(&mut self, longest: T, team: &Team) -> Result<(), SceneError>;
+    /// Rest no longer, with what the last pass would have mapped; node blocks are arranged next.
+    fn wake(&mut self, team: &Team);
+    /// The node blocks that it would have, sorted, if it rests and has none.
+    fn rests_at(&self) -> Option<&[[i32; D]]>;
+    /// Does it rest ([`Mpm::let_rest`](super::Mpm::let_rest))?
+    fn rests(&self) -> bool {
+        self.rests_at().is_some()
+    }
+
     /// Largest (c + |v|) / h of the particles as they stand, 1/s, for cells of `spacing`, m.
     fn rate(&self, spacing: f64) -> T;
 
@@ -283,6 +300,8 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
     pub(super) dummy: Vec<T>,
+    /// While it rests.
+    pub(super) resting: Option<Resting<T, D>>,
 }
 
 pub(super) const NONE: u32 = u32::MAX;
@@ -333,6 +352,12 @@ where
         }
     }
 
+    /// Slots in the order of their places, which is that of sums: the order in which they were made is a matter of when
+    /// blocks were arranged.
+    fn in_place(&self) -> impl Iterator<Item = &Slot<T, D>> {
+        self.index.iter().map(|&(_, slot)| &self.slots[slot as usize])
+    }
+
     pub(super) fn traction(&self, time: f64) -> [f64; 3] {
         let mut traction = [0.0; 3];
         if L::ACTS {
@@ -361,7 +386,7 @@ where
     /// that the pass mapped, at `time`, s.
     fn book_load<K: PassKind>(&mut self, time: f64) {
         let sum = |of: &dyn Fn(&Report<T>) -> T| -> f64 {
-            self.slots.iter().map(|s| of(&s.report).to_double()).sum()
+            self.in_place().map(|s| of(&s.report).to_double()).sum()
         };
         let mut loading = self.loading;
         if K::DOES.velocity {
@@ -415,7 +440,8 @@ where
             self.book_load::<K>(dt.force_time);
         }
         let mut rate = T::default();
-        for slot in &self.slots {
+        for &(_, slot) in &self.index {
+            let slot = &self.slots[slot as usize];
             if K::DOES.splits {
                 self.splits.cuts += u64::from(slot.report.splits);
                 self.splits.kinetic += slot.report.revealed.to_double();
@@ -528,10 +554,22 @@ where
     }
 
     pub(super) fn empty_slot(&self, coordinates: [i32; D]) -> Slot<T, D> {
-        new_slot::<T, D, ExtentOf<M, T, D>>(coordinates, &self.dummy, Self::RECORDS)
+        Slot {
+            block: Block::new(coordinates, self.dummy.clone()),
+            tile: vec![[T::default(); 4]; self.tile_records()],
+            rows: 0,
+            slots_around: vec![NONE; neighbours(D)],
+            linked: 0,
+            report: Report::default(),
+        }
     }
 
-    fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
+    /// Records of a slot's tile: one or two a node.
+    pub(super) fn tile_records(&self) -> usize {
+        tile_nodes::<ExtentOf<M, T, D>>(D) * Self::RECORDS
+    }
+
+    pub(super) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
         let (numbers, state) = self.point(block, at);
         let centre = bin_centre::<ExtentOf<M, T, D>>();
         let coordinates = block.bin_coordinates(bin);
@@ -590,22 +628,6 @@ where
     }
 }
 
-/// An empty slot whose tile has one or two `records` a node.
-fn new_slot<T: Float, const D: usize, E: Stencil>(
-    coordinates: [i32; D],
-    dummy: &[T],
-    records: usize,
-) -> Slot<T, D> {
-    Slot {
-        block: Block::new(coordinates, dummy.to_vec()),
-        tile: vec![[T::default(); 4]; tile_nodes::<E>(D) * records],
-        rows: 0,
-        slots_around: vec![NONE; neighbours(D)],
-        linked: 0,
-        report: Report::default(),
-    }
-}
-
 impl<T, const D: usize, C, M, L> Body<T, D> for ParticleBody<T, D, C, M, L>
 where
     T: Float,
@@ -633,6 +655,16 @@ where
     }
     fn lightest(&self) -> T {
         self.lightest
+    }
+
+    fn let_rest(&mut self, longest: T, team: &Team) -> Result<(), SceneError> {
+        self.lie_down(longest, team)
+    }
+    fn wake(&mut self, team: &Team) {
+        self.stand_up(team);
+    }
+    fn rests_at(&self) -> Option<&[[i32; D]]> {
+        self.resting.as_ref().map(Resting::blocks)
     }
 
     fn rate(&self, spacing: f64) -> T {
@@ -665,6 +697,9 @@ where
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble> {
+        if let Some(resting) = &self.resting {
+            return Ok(resting.rate(which, dt.adapt));
+        }
         match which {
             Which::Map => self.sweep::<L::Pass<<M::Update as StressUpdate>::Map>>(nodes, dt, team),
             Which::First => self.sweep::<L::Pass<<M::Update as StressUpdate>::First>>(nodes, dt, team),
@@ -680,6 +715,9 @@ where
     }
 
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
+        if self.rests() {
+            return false;
+        }
         match which {
             Which::First => self.locate_after::<L::Pass<<M::Update as StressUpdate>::First>>(prune, team),
             _ => self.locate_after::<L::Pass<<M::Update as StressUpdate>::Second>>(prune, team),
@@ -687,8 +725,10 @@ where
     }
 
     fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
-        self.expect(ahead);
-        self.claim_blocks(number, list);
+        if !self.rests() {
+            self.expect(ahead);
+            self.claim_blocks(number, list);
+        }
     }
     fn reaches_further(&mut self, layout: &Layout) -> bool {
         self.reaches_beyond_links(layout)
@@ -697,7 +737,11 @@ where
         self.reaches_block(block)
     }
     fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
-        self.link_blocks(find, places);
+        if self.rests() {
+            (self.nodes_around, self.contributors) = (Vec::new(), Vec::new());
+        } else {
+            self.link_blocks(find, places);
+        }
     }
 
     fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
@@ -722,7 +766,7 @@ where
 
     fn totals(&self) -> Totals {
         let mut sum = Totals::default();
-        for slot in &self.slots {
+        for slot in self.in_place() {
             let mut part = Totals::default();
             for (bin, at) in slot.block.places() {
                 let p = self.particle(&slot.block, bin, at);
@@ -745,9 +789,7 @@ where
     }
 
     fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
-        let mut order: Vec<&Slot<T, D>> = self.slots.iter().collect();
-        order.sort_by_key(|s| s.block.coordinates);
-        for slot in order {
+        for slot in self.in_place() {
             for (bin, at) in slot.block.places() {
                 visit(&self.particle(&slot.block, bin, at));
             }
@@ -780,6 +822,7 @@ where
             + self.outboxes.iter().map(sent).sum::<usize>()
             + self.starts.capacity() * size_of::<[f64; D]>()
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
+            + self.resting.as_ref().map_or(0, Resting::bytes)
     }
     fn columns(&self) -> usize {
         self.columns.count()
@@ -794,7 +837,8 @@ where
 
     fn still(&mut self) -> Stilled {
         let mut sum = Stilled::default();
-        for slot in &mut self.slots {
+        for &(_, slot) in &self.index {
+            let slot = &mut self.slots[slot as usize];
             let part = slot.block.motion();
             sum.kinetic += part.kinetic;
             for d in 0..3 {
@@ -805,7 +849,7 @@ where
         sum
     }
     fn filter(&mut self, team: &Team) -> f64 {
-        self.filter_cells(team)
+        if self.rests() { 0.0 } else { self.filter_cells(team) }
     }
     fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         self.show_footprints(time, visit);

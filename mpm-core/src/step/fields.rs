@@ -11,7 +11,7 @@ use super::layout::{Layout, whole_block};
 use super::rigid::RigidState;
 use crate::dim::block_nodes;
 use crate::grid::{GridStorage, OutsideGrid};
-use crate::parallel::Float;
+use crate::parallel::{Float, Team};
 
 /// A body's claim to a node block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,18 +104,34 @@ impl<const D: usize> Default for Fields<D> {
 
 impl<const D: usize> Fields<D> {
     /// Have the node blocks that the particles reach, kept apart by body if `separate`, and tell the bodies
-    /// where theirs are; to look `ahead`, those that they reach from a cell beside as well.
+    /// where theirs are; to look `ahead`, those that they reach from a cell beside as well. A body that rests has none, and
+    /// wakes where another claims what it would.
     pub(super) fn arrange<T: Float, G: GridStorage<T, D>>(
         &mut self,
         grid: &mut G,
         bodies: &mut [Box<dyn Body<T, D>>],
         separate: bool,
         ahead: bool,
+        team: &Team,
     ) -> Result<(), OutsideGrid> {
         let claims = &mut self.claims;
         claims.clear();
         for (number, body) in bodies.iter_mut().enumerate() {
             body.claims(number as u32, ahead, claims);
+        }
+        // Those who wake claim, too, and may wake others.
+        let mut known = 0;
+        while known < claims.len() {
+            let new = std::mem::replace(&mut known, claims.len())..claims.len();
+            for (number, body) in bodies.iter_mut().enumerate() {
+                let met = body.rests_at().is_some_and(|at| {
+                    claims[new.clone()].iter().any(|claim| at.binary_search(&claim.coordinates).is_ok())
+                });
+                if met {
+                    body.wake(team);
+                    body.claims(number as u32, ahead, claims);
+                }
+            }
         }
         claims.sort_unstable_by_key(|c| (c.coordinates, c.body));
         claims.dedup_by(|next, kept| {

@@ -29,10 +29,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
         if meeting == Meeting::Trial {
             let [friction, taken] = encounters.book(self.dt.to_double());
-            if let Some(ledger) = self.ledgers.first_mut() {
-                ledger.friction += friction;
-                ledger.contact += taken;
-            }
+            self.together.friction += friction;
+            self.together.contact += taken;
             if !alone && contact.keeps(self.grid.lattice().spacing()) > 0.0 {
                 self.follow(encounters);
             }
@@ -62,10 +60,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     /// Bring the velocities behind planes of symmetry after those in front.
     fn copy_velocities(&mut self, meeting: Meeting) {
         let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff);
-        if meeting == Meeting::Trial
-            && let Some(ledger) = self.ledgers.first_mut()
-        {
-            (0..3).for_each(|d| ledger.impulse[d] += impulse[d]);
+        if meeting == Meeting::Trial {
+            (0..3).for_each(|d| self.together.impulse[d] += impulse[d]);
         }
     }
 

@@ -21,6 +21,7 @@ pub mod planes;
 mod reach;
 pub mod reference_body;
 pub mod rest;
+mod resting;
 pub mod rigid;
 mod rigid_body;
 mod scatter;

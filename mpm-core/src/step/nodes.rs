@@ -94,6 +94,8 @@ pub struct Stage<'a, T: Float, const D: usize, G> {
     pub conditions: &'a Conditions<D>,
     /// Ledgers, one a block.
     pub ledgers: &'a mut Vec<NodeLedger>,
+    /// What is of no block alone: so that sums do not depend on which block is the first.
+    pub together: &'a mut NodeLedger,
     /// Time at the start of the step, s.
     pub time: f64,
     /// Mass below which a node carries no momentum, kg.
@@ -136,6 +138,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         if sums == Sums::All {
             self.ledgers.clear();
             self.ledgers.resize(fields.len(), NodeLedger::default());
+            *self.together = NodeLedger::default();
         }
         let constraints = constraints!(self);
         let at_once = self.planes.is_empty();
@@ -164,10 +167,8 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
         let moves = self.moves(sums);
         let impulse = self.planes.fold(self.grid.nodes_mut(), sums, moves, self.cutoff);
-        if let Some(ledger) = self.ledgers.first_mut() {
-            for d in 0..3 {
-                ledger.impulse[d] += impulse[d];
-            }
+        for d in 0..3 {
+            self.together.impulse[d] += impulse[d];
         }
         self.each_node(update);
     }
@@ -570,8 +571,8 @@ pub(super) fn free_directions<const D: usize>(
 
 /// Positions of the nodes of a block.
 pub(super) struct BlockPlace<const D: usize> {
-    low: [f64; D],
-    high: [f64; D],
+    pub(super) low: [f64; D],
+    pub(super) high: [f64; D],
     first: [i32; D],
     origin: [f64; D],
     spacing: f64,

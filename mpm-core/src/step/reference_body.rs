@@ -324,6 +324,13 @@ where
     fn in_reference_mut(&mut self) -> Option<&mut dyn InReference<T, D>> {
         Some(self)
     }
+    fn let_rest(&mut self, _: T, _: &Team) -> Result<(), SceneError> {
+        Err(SceneError::Disturbed { body: self.name().into(), what: "its reference configuration".into() })
+    }
+    fn wake(&mut self, _: &Team) {}
+    fn rests_at(&self) -> Option<&[[i32; D]]> {
+        None
+    }
     fn rate(&self, spacing: f64) -> T {
         self.own().rate(self.scene.grid.lattice().spacing()).max(self.shadow.rate(spacing))
     }

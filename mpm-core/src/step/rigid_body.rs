@@ -111,6 +111,13 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     fn rigid_mut(&mut self) -> Option<&mut RigidState<D>> {
         Some(&mut self.state)
     }
+    fn let_rest(&mut self, _: T, _: &Team) -> Result<(), SceneError> {
+        Err(SceneError::Disturbed { body: self.name().into(), what: "its being rigid".into() })
+    }
+    fn wake(&mut self, _: &Team) {}
+    fn rests_at(&self) -> Option<&[[i32; D]]> {
+        None
+    }
     fn rate(&self, spacing: f64) -> T {
         self.particles.rate(spacing)
     }

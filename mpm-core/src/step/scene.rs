@@ -45,6 +45,40 @@ pub enum SceneError {
     /// Kinetic damping beside a free rigid body.
     #[error("kinetic damping is not allowed with the free rigid body `{0}`; its motion must be prescribed")]
     RestOfFree(String),
+    /// No body of this name.
+    #[error("body `{body}` is not in the scene; it must be one of {bodies}")]
+    NoBody {
+        /// The name given.
+        body: String,
+        /// Those there are.
+        bodies: String,
+    },
+    /// A body that is to rest, and does not.
+    #[error(
+        "body `{body}` does not rest: {field} of particle {particle} = {value} is not allowed; it must be {allowed}"
+    )]
+    Restless {
+        /// The body.
+        body: String,
+        /// Number of the particle.
+        particle: usize,
+        /// Which number of it.
+        field: String,
+        /// What it is.
+        value: f64,
+        /// What is allowed, in words.
+        allowed: String,
+    },
+    /// A body that is to rest where something may set it in motion.
+    #[error(
+        "body `{body}` cannot rest: {what} is not allowed with it; only other bodies may set it in motion"
+    )]
+    Disturbed {
+        /// The body.
+        body: String,
+        /// What may move it.
+        what: String,
+    },
     /// A body without particles.
     #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
     Empty(String),

@@ -90,6 +90,7 @@ where
             splits: SplitBook::default(),
             starts: Vec::new(),
             dummy,
+            resting: None,
         }
     }
 

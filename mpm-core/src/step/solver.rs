@@ -112,6 +112,8 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     /// Do the tiles hold the map of the particles as they stand?
     pub(super) mapped: bool,
     ledgers: Vec<NodeLedger>,
+    /// What no block of nodes gave or took alone, in a step.
+    together: NodeLedger,
     pub(super) ledger: NodeLedger,
     /// The surface loads on the grid.
     pub(super) acting: Loading,
@@ -136,6 +138,7 @@ macro_rules! stage {
             team: &$mpm.team,
             conditions: &$mpm.conditions,
             ledgers: &mut $mpm.ledgers,
+            together: &mut $mpm.together,
             time: $mpm.time,
             cutoff: lightest * mass_cutoff::<T>(),
             lightest,
@@ -214,6 +217,7 @@ where
             stopped_by: None,
             mapped: false,
             ledgers: Vec::new(),
+            together: NodeLedger::default(),
             ledger: NodeLedger::default(),
             acting: Loading::default(),
             terms: Vec::new(),
@@ -313,6 +317,7 @@ where
     }
 
     fn stages(&mut self, left: f64) -> Result<T, StepError> {
+        self.wake_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
         self.plan_rigid(dt)?;
@@ -351,7 +356,7 @@ where
 
     /// Book the step, bring particles to their new bins, define the new grid (xii, ii).
     pub(super) fn close_step(&mut self, dt: T) -> Result<(), StepError> {
-        for part in &self.ledgers {
+        for part in self.ledgers.iter().chain([&self.together]) {
             self.ledger.add(part);
         }
         if M::Update::BEFORE_FORCES {
@@ -373,7 +378,7 @@ where
         });
         let changed = self.changed.contains(&true);
         if changed || self.fields_changed(prune) {
-            self.ahead = K::SEPARATES && age < OFTEN && self.particles() < FEW * self.fields.len();
+            self.ahead = K::SEPARATES && age < OFTEN && self.particles() < FEW * self.blocks();
             self.arrange().map_err(|outside| self.stopped(self.who_left(outside)))?;
         }
         self.time += dt.to_double();
@@ -420,11 +425,9 @@ where
             let Some(state) = self.bodies[number].rigid_mut() else { continue };
             let held = state.push(impulse, moment, dt.to_double());
             let velocity = state.velocity();
-            if let Some(ledger) = self.ledgers.first_mut() {
-                for d in 0..3 {
-                    ledger.impulse[d] += held[d];
-                    ledger.work += held[d] * velocity[d];
-                }
+            for d in 0..3 {
+                self.together.impulse[d] += held[d];
+                self.together.work += held[d] * velocity[d];
             }
         }
         self.stage(dt).move_rigid();
@@ -560,7 +563,7 @@ where
 
     /// Have the node blocks that the particles reach, and tell the bodies where they are.
     pub(super) fn arrange(&mut self) -> Result<(), OutsideGrid> {
-        self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES, self.ahead)?;
+        self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES, self.ahead, &self.team)?;
         self.encounters.arrange(&self.fields, self.bodies.len());
         self.arranged = self.steps;
         self.arrange_planes();

@@ -10,6 +10,7 @@ mod failures;
 mod flight;
 mod loads;
 mod restart;
+mod resting;
 mod splitting;
 mod states;
 mod symmetries;

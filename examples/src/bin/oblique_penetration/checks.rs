@@ -4,6 +4,7 @@ use examples::{CaseError, Check, Resolution, largest, worst};
 
 use crate::curve::Point;
 use crate::estimate::Estimate;
+use crate::flight::Flight;
 use crate::scene::Outcome;
 use crate::{EXPERIMENT, PAPER};
 
@@ -121,6 +122,7 @@ pub fn of_grids(outcomes: &[Outcome], resolution: Resolution) -> Result<Vec<Chec
         13.13,
         "the paper's box [S]",
     ));
+    checks.extend(finest.flight.iter().flat_map(Flight::checks));
     let megabytes = 1e-6 * finest.totals.bytes as f64;
     let source = "200 864 particles [S]";
     let paper = 1.048_576 * 55.02 * finest.totals.particles as f64 / 200_864.0;

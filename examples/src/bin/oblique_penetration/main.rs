@@ -6,6 +6,7 @@ mod checks;
 mod curve;
 mod estimate;
 mod figures;
+mod flight;
 mod plate;
 mod scene;
 mod setup;
@@ -66,6 +67,12 @@ struct Options {
     /// What rod and plate do to each other
     #[arg(long, value_enum, default_value = "coulomb")]
     law: Law,
+    /// Way that the rod flies before it meets the plate, 0 to 200
+    #[arg(long, value_name = "THICKNESSES", default_value_t = 0.0, value_parser = within(0.0, 200.0))]
+    stand_off: f64,
+    /// Compute the plate while the rod flies, too: the same bits, later
+    #[arg(long)]
+    no_rest: bool,
     /// Of the time step, 0.05 to 1
     #[arg(long, value_name = "FACTOR", default_value_t = 0.5, value_parser = within(0.05, 1.0))]
     factor: f64,
@@ -104,6 +111,8 @@ impl Options {
             detection: self.detection,
             rod: self.rod,
             law: self.law,
+            stand_off: self.stand_off,
+            rest: !self.no_rest,
             factor: self.factor,
             threads: self.common.threads(),
         };
@@ -132,6 +141,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         "runs": setups,
         "curve": options.curve,
         "residual_speeds": outcomes.iter().map(Outcome::residual).collect::<Vec<_>>(),
+        "flights": outcomes.iter().filter_map(|o| o.flight.as_ref()).collect::<Vec<_>>(),
     });
     Report::new("oblique_penetration", options.common.resolution, settings, &totals, checks)
         .finish(&options.common, &folder)

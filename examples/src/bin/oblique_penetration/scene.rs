@@ -18,6 +18,7 @@ use mpm_core::{
 use mpm_materials::{LinearElastic, Moduli, library};
 
 use crate::cells::Cells;
+use crate::flight::{self, Flight};
 use crate::setup::{Detection, Kernel, ROD, RodFrame, STEEL, Setup, THICKNESS};
 use crate::track::{Row, Track};
 
@@ -34,6 +35,8 @@ pub struct Outcome {
     /// Most cells with particles at a snapshot, and cells of the box around all particles at all snapshots.
     pub cells: [usize; 2],
     pub totals: Totals,
+    /// Before it met the plate, if it flew.
+    pub flight: Option<Flight>,
     /// Energy and momentum over time.
     pub ledger: Vec<LedgerEntry>,
 }
@@ -139,8 +142,8 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     let lattice = Lattice::new([0.0; 3], h)?;
     let mut mpm = Mpm::<f64, 3, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
     let (sine, cosine) = setup.angle.sin_cos();
-    // A quarter of a cell before the plate.
-    let before = 0.25 * h;
+    // A quarter of a cell before the plate, when it has flown there.
+    let before = 0.25 * h + setup.flight();
     let tip = [-before * sine, 0.0, before * cosine];
     let (seeds, from_tail) = ROD.rings(tip, setup.angle, PI, h / f64::from(setup.parts))?;
     let velocity = [setup.speed * sine, 0.0, -setup.speed * cosine];
@@ -155,6 +158,10 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     mpm.bound(symmetry())?;
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     mpm.set_team(Team::new(setup.threads)?);
+    let flies = setup.stand_off > 0.0;
+    if flies && setup.rest {
+        mpm.let_rest(&["plate"])?;
+    }
 
     let mut track = Track::new(Pace::interval(HISTORY)?, from_tail, setup);
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
@@ -172,6 +179,13 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     let mut summary = RunSummary::default();
     let mut snapshots = Vec::new();
     let mut occupied = Cells::new(h);
+    let mut flown = None;
+    if flies {
+        let (flight, run) = flight::fly(setup, &mut mpm, &mut [&mut ledger, &mut bar])?;
+        summary += run;
+        flown = Some(flight);
+    }
+    let impact = mpm.time();
     // A rod that is still in the plate after four times as long as at full speed stays there.
     let through = (ROD.length + setup.way()) / setup.speed;
     let mut ends: Vec<f64> = ways.iter().map(|w| w / setup.speed).collect();
@@ -180,7 +194,7 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     for end in ends {
         let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
-        let run = mpm.run_observed(end, &mut observers)?;
+        let run = mpm.run_observed(impact + end, &mut observers)?;
         summary += run;
         occupied.look(&mpm.moment());
         if snapshots.len() < ways.len() {
@@ -190,8 +204,11 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
             break;
         }
     }
+    if let Some(flight) = &mut flown {
+        flight.fingerprint = flight::fingerprint(&mpm);
+    }
     let totals = Totals::of(&mpm, &summary, &ledger);
     let ledger = ledger.entries().to_vec();
     let cells = occupied.share();
-    Ok(Outcome { setup: *setup, rows: track.rows, snapshots, cells, totals, ledger })
+    Ok(Outcome { setup: *setup, rows: track.rows, snapshots, cells, totals, flight: flown, ledger })
 }

@@ -84,6 +84,10 @@ pub struct Setup {
     pub detection: Detection,
     pub rod: RodFrame,
     pub law: Law,
+    /// Way that the rod flies before it meets the plate, thicknesses of the plate.
+    pub stand_off: f64,
+    /// Does the plate rest until then?
+    pub rest: bool,
     /// Of the time step.
     pub factor: f64,
     pub threads: usize,
@@ -97,6 +101,10 @@ impl Setup {
     /// Way of the rod's axis through the plate, m.
     pub fn way(&self) -> f64 {
         THICKNESS / self.angle.cos()
+    }
+    /// Way that the rod flies before it meets the plate, m.
+    pub fn flight(&self) -> f64 {
+        self.stand_off * THICKNESS
     }
     /// Is it the shot of \[Ma2010\]?
     pub fn is_the_paper_s(&self) -> bool {

@@ -20,6 +20,7 @@ where
 {
     /// Particles, and what they mapped.
     pub(in crate::step) fn exchange_particles(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.exchange_rest(file)?;
         let mut count = self.slots.len();
         file.count(&mut count)?;
         if file.reads() {
@@ -30,12 +31,15 @@ where
             if file.reads() {
                 self.slots.push(self.empty_slot([0; D]));
             }
+            let rests = self.resting.is_some();
             let slot = &mut self.slots[s];
             slot.block.coordinates.iter_mut().try_for_each(|x| file.integer(x))?;
             file.word(&mut slot.linked)?;
             slot.block.exchange(file)?;
             file.word(&mut slot.rows)?;
-            file.numbers(slot.tile.iter_mut().flatten())?;
+            if !rests {
+                file.numbers(slot.tile.iter_mut().flatten())?;
+            }
         }
         file.reals(self.loading.numbers_mut())?;
         let SplitBook { cuts, kinetic } = &mut self.splits;
@@ -43,6 +47,7 @@ where
         file.real(kinetic)?;
         if file.reads() {
             self.link_slots();
+            self.rest_as_read();
         }
         Ok(())
     }
