@@ -73,6 +73,13 @@ impl Layout {
         let kept = self.kept(block);
         (kept >> node & 1 != 0).then(|| self.start(block) + rank(kept, node))
     }
+    /// The block of the node at a place.
+    pub(super) fn block_of(&self, place: usize) -> usize {
+        if self.is_whole() {
+            return place / self.whole;
+        }
+        self.starts.partition_point(|&start| start as usize <= place) - 1
+    }
     /// The nodes of a block.
     pub(super) fn of<'a, X>(&self, items: &'a [X], block: usize) -> &'a [X] {
         &items[self.start(block)..self.start(block + 1)]

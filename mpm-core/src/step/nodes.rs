@@ -165,8 +165,15 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         if at_once {
             return;
         }
-        let moves = self.moves(sums);
-        let impulse = self.planes.fold(self.grid.nodes_mut(), sums, moves, self.cutoff);
+        let all = self.moves(sums);
+        // Of their nodes' velocity, particles of other scenes take nothing.
+        let elsewhere = |node: u32| {
+            let owner = fields.owner(layout.block_of(node as usize)) as usize;
+            bodies.get(owner).is_some_and(|body| body.in_reference().is_some())
+        };
+        let references = bodies.iter().any(|body| body.in_reference().is_some());
+        let moves = |node: u32| if references && elsewhere(node) { [T::default(), all[1]] } else { all };
+        let impulse = self.planes.fold(self.grid.nodes_mut(), sums, &moves, self.cutoff);
         for d in 0..3 {
             self.together.impulse[d] += impulse[d];
         }

@@ -115,13 +115,19 @@ impl<T: Float> Planes<T> {
     }
 
     /// Give the nodes at planes what the other half of the body would, or what lies behind edges. Returns the
-    /// impulse of the planes of symmetry, N s; `moves`: what first\[i\] and second\[i\] give to the particles'
+    /// impulse of the planes of symmetry, N s; `moves`: what first\[i\] and second\[i\] of a node give to the particles'
     /// momentum.
-    pub fn fold(&mut self, nodes: &mut [Node<T>], sums: Sums, moves: [T; 2], cutoff: T) -> [f64; 3] {
+    pub fn fold(
+        &mut self,
+        nodes: &mut [Node<T>],
+        sums: Sums,
+        moves: &impl Fn(u32) -> [T; 2],
+        cutoff: T,
+    ) -> [f64; 3] {
         let mut impulse = [0.0; 3];
         for Columns { plane, columns } in &self.symmetries {
             for on in columns.iter().map(|c| c[1]).filter(|&n| n != NOWHERE) {
-                impulse[plane.axis] += still(&mut nodes[on as usize], plane.axis, sums, moves);
+                impulse[plane.axis] += still(&mut nodes[on as usize], plane.axis, sums, moves(on));
             }
         }
         for Beside { node, mapped, .. } in &mut self.beside {
@@ -143,7 +149,7 @@ impl<T: Float> Planes<T> {
             let folded = &nodes[*node as usize];
             if folded.first[0] > cutoff {
                 for axis in (0..3).filter(|a| self.mirrors.iter().any(|p| p.axis == *a)) {
-                    impulse[axis] += folded_impulse(mapped, folded, axis, moves);
+                    impulse[axis] += folded_impulse(mapped, folded, axis, moves(*node));
                 }
             }
         }

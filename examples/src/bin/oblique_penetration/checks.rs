@@ -6,6 +6,7 @@ use crate::curve::Point;
 use crate::estimate::Estimate;
 use crate::flight::Flight;
 use crate::scene::Outcome;
+use crate::setup::RodFrame;
 use crate::{EXPERIMENT, PAPER};
 
 /// Within which the residual speed is asked for, m/s: 3 % of the experiment below, 2 % above.
@@ -98,7 +99,10 @@ pub fn of_grids(outcomes: &[Outcome], resolution: Resolution) -> Result<Vec<Chec
         let errors = || outcome.ledger.iter().map(|e| e.energy_error);
         let (lost, gained) = (largest(errors().map(|e| -e)), largest(errors()));
         let name = |what| format!("energy {what}, {cells} cells");
-        checks.push(Check::at_most(name("lost"), lost, "-", lost_allowed(cells), "contact of first order"));
+        let books = Check::at_most(name("lost"), lost, "-", lost_allowed(cells), "contact of first order");
+        // A rod in its reference configuration sinks in a little while others stop it (docs/notes.md 7.12).
+        let apart = outcome.setup.rod == RodFrame::Reference;
+        checks.push(if apart { books.noted() } else { books });
         // From 20 cells on the elastic rod trembles as it flies through the grid, after it is through the plate.
         checks.push(Check::at_most(name("gained"), gained, "-", GAIN, "conservation").noted());
     }

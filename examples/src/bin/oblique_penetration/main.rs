@@ -37,7 +37,7 @@ struct Options {
     /// Between the rod's way and the plate's normal, 0 to 45
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = within(0.0, 45.0))]
     angle: f64,
-    /// Cells through the plate, one run each, 4 to 64 [default: 8; 12,16,20; 16,20,24 by resolution]
+    /// Cells through the plate, one run each, 4 to 64 [default: 8 in smoke, else 20,24,28]
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..=64))]
     cells: Vec<u32>,
     /// Half the edge of the square plate, diameters of the rod, 2 to 20
@@ -93,7 +93,7 @@ impl Options {
     fn setups(&self) -> Vec<Setup> {
         let mut cells = self.cells.clone();
         if cells.is_empty() {
-            cells = self.common.resolution.choose(vec![8], vec![12, 16, 20], vec![16, 20, 24]);
+            cells = self.common.resolution.choose(vec![8], vec![20, 24, 28], vec![20, 24, 28]);
         }
         cells.sort_unstable();
         cells.dedup();
