@@ -74,7 +74,7 @@ pub use shape::{
     ShapeFunction,
 };
 pub use step::{
-    Balance, Body, CheckpointError, Contact, FieldForce, Footprint, Frequency, Mpm, NodeWeight, OneField,
+    Balance, Body, CheckpointError, Contact, FieldForce, Footprint, Frequency, MergeBook, Merging, Mpm, NodeWeight, OneField,
     Particle, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepError, Stopped, TimeControl, Totals,
     Traction, Twist,
 };

@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::body::ParticleBody;
 use super::contact::Contact;
 use super::load::{Load, Unloaded};
+use super::merging::Merging;
 use super::scene::SceneError;
 use super::solver::Mpm;
 use crate::frame::Frame;
@@ -45,6 +46,7 @@ use crate::scheme::{PassKind, Splits};
 pub struct Splitting {
     stretch: f64,
     generations: u32,
+    merging: Option<Merging>,
 }
 
 impl Splitting {
@@ -60,7 +62,7 @@ impl Splitting {
     pub fn at(stretch: f64) -> Result<Self, ParameterError> {
         let holds = stretch > 1.0 && stretch <= 4.0;
         Check("splitting").that(holds, "stretch", stretch, "above 1 and at most 4")?;
-        Ok(Splitting { stretch, generations: 6 })
+        Ok(Splitting { stretch, generations: 6, merging: None })
     }
 
     /// Cut a seed and its descendants at most so many times, 6 unless told: the lightest particle has this many halves
@@ -74,6 +76,36 @@ impl Splitting {
         Ok(Splitting { generations, ..self })
     }
 
+    /// Merge particles, too, where cells hold more than they need.
+    ///
+    /// ```
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Merging, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
+    /// # use mpm_materials::{Stretching, library};
+    /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
+    /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
+    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    /// let splitting = Splitting::at(2.0).unwrap().with_merging(Merging::above(8).unwrap());
+    /// let lead = Stretching::new(library::lead::<f64>());
+    /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], splitting).unwrap();
+    /// ```
+    #[must_use]
+    pub fn with_merging(self, merging: Merging) -> Self {
+        Splitting { merging: Some(merging), ..self }
+    }
+
+    /// How particles are merged, if they are.
+    pub(super) fn merging(self) -> Option<Merging> {
+        self.merging
+    }
+    /// The stretch to split at.
+    pub(super) fn stretch(self) -> f64 {
+        self.stretch
+    }
+    /// Most cuts.
+    pub(super) fn generations(self) -> u32 {
+        self.generations
+    }
     /// Mass of the lightest particle over that of its seed.
     pub(super) fn lightest(self) -> f64 {
         0.5f64.powi(self.generations as i32)
@@ -124,7 +156,7 @@ pub struct Splitter<T> {
 }
 
 /// The largest principal value of b in the coordinates of the scene, and its direction.
-fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>) {
+pub(super) fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>) {
     let [xx, yy, zz, yz, xz, xy] = b.map(|x| x.to_double());
     let b = if D == 3 {
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
@@ -137,6 +169,11 @@ fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>) {
 }
 
 impl<T: Float> Splitter<T> {
+    /// Number of seeds.
+    pub(super) fn seeds(&self) -> u64 {
+        self.seeds.to_double() as u64
+    }
+
     /// Offset of the children, L/4 n in units of h; half a cell at most.
     fn offset(&self, square: f64, direction: &Vector3<f64>) -> Vector3<f64> {
         let quarter = 0.5 * self.half.to_double() * square.sqrt();
@@ -270,7 +307,9 @@ where
     /// ```
     ///
     /// # Errors
-    /// As [`Mpm::add`]; particles that are not as long as they are wide; more particles than can be numbered.
+    /// As [`Mpm::add`]; particles that are not as long as they are wide; more particles than can be numbered. With
+    /// [`Merging`] also an affine transfer (APIC), domains that are not boxes (CPDI), a law whose states have no mean
+    /// ([`Constitutive::merged`](mpm_materials::Constitutive::merged)), bodies in their reference configuration.
     pub fn add_splitting<C: Stretches<T>>(
         &mut self,
         name: &str,
@@ -294,6 +333,9 @@ where
                 let [half, first] = [half, seeds.half_size[0]].map(|x| x / spacing);
                 return Err(SceneError::Oblong { body: body(), axis, half, first });
             }
+        }
+        if splitting.merging.is_some() {
+            self.check_merging(name, &law)?;
         }
         let most = if size_of::<T>() == 4 { 1 << 24 } else { 1usize << 53 };
         let count = seeds.positions.len() << splitting.generations;
