@@ -293,13 +293,17 @@ where
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.energy - L::splat(self.eos.initial_energy())
     }
-    /// Points of the same failure whose volume ratios are within [`LIKE_VOLUME`] of their mean and whose plastic strains
+    /// Points of a solid that failure removes do not merge, since they no longer follow the motion. Others:
+    /// points of the same failure whose volume ratios are within [`LIKE_VOLUME`] of their mean and whose plastic strains
     /// are within [`LIKE_STRAIN`] and a quarter of theirs; failed ones without stress are like within half of their
     /// mean volume ratio. Volume ratio, energy and histories are means by mass, the stress one by volume, so that the
     /// force on the nodes stays. The mean deviator stores less energy than the deviators did: the energy, which is a
     /// number of the state, keeps that as heat. In the next step the pressure is that of the mean volume and energy,
     /// which differs from the mean pressure by the square of the differences in volume.
     fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
+        if F::POSSIBLE && !F::REMAINS.compression() {
+            return None;
+        }
         let number = |x: T::Single| -> f64 {
             let x: T = x.into();
             x.to_double()

@@ -17,7 +17,7 @@ use super::contact::Contact;
 use super::load::Load;
 use super::scene::SceneError;
 use super::solver::Mpm;
-use super::splitting::{Splitting, longest};
+use super::splitting::{Splitting, longest, symmetric};
 use crate::dim::block_nodes;
 use crate::grid::GridStorage;
 use crate::method::Composition;
@@ -39,8 +39,8 @@ use crate::transfer::Transfer;
 ///   and along that line until the volume is half of the sum.
 ///
 /// A cluster is left alone if the new particles would be longer than four fifths of what is cut, lie outside the box around
-/// the old ones, or be lighter than the heaviest of them. Particles with one ancestor go first, since merging
-/// them undoes its cuts: they get numbers and generation back. Of others two numbers are kept, of those that were cut least, and the
+/// the old ones, or be lighter than the heaviest of them. All that is left of one ancestor, or of two, goes first, since merging
+/// that undoes cuts: numbers and generations come back. Of others two numbers are kept, of those that were cut least, and the
 /// rest is never used again: where clusters mix seeds, less is left to split.
 ///
 /// The map at the start of the next step is made anew after a merge, so that a step in which something merges takes about
@@ -198,42 +198,29 @@ impl Descent {
     }
 }
 
-/// The ancestors that these have the whole living family of, with its mass; they come in their order.
-fn ancestors(family: impl Iterator<Item = (Descent, f64)>) -> Vec<(Descent, f64)> {
-    let mut found: Vec<(Descent, f64)> = Vec::new();
-    for (mut who, mut mass) in family {
-        while let Some(&(before, other)) = found.last()
-            && let Some(parent) = before.parent(who)
-        {
+/// The ancestors that these are all descendants of; they come in their order.
+fn ancestors(family: impl Iterator<Item = Descent>) -> Vec<Descent> {
+    let mut found: Vec<Descent> = Vec::new();
+    for mut who in family {
+        while let Some(parent) = found.last().and_then(|before| before.parent(who)) {
             found.pop();
-            (who, mass) = (parent, mass + other);
+            who = parent;
         }
-        found.push((who, mass));
+        found.push(who);
     }
     found
 }
 
-/// Two numbers for the children of a cluster, cut as little as their mass, `half`, lets them: they are never lighter
-/// than what splitting would have made of their seeds.
-fn heirs(found: &[(Descent, f64)], half: f64, generations: u32) -> Option<[Descent; 2]> {
-    let mut two = match *found {
+/// Two numbers for the children of a cluster, the lower one first: those of its ancestors that were cut least.
+fn heirs(mut found: Vec<Descent>, seeds: u64) -> Option<[Descent; 2]> {
+    found.sort_by_key(|who| (who.cuts, who.order()));
+    let mut two = match found[..] {
         [] => return None,
-        [(one, mass)] => [(one.child(false), 0.5 * mass), (one.child(true), 0.5 * mass)],
-        _ => {
-            let mut all = found.to_vec();
-            all.sort_by_key(|(who, _)| (who.cuts, who.order()));
-            [all[0], all[1]]
-        }
+        [one] => [one.child(false), one.child(true)],
+        [one, other, ..] => [one, other],
     };
-    for (who, mass) in &mut two {
-        while *mass > half * (1.0 + 1e-6) {
-            (*who, *mass) = (who.child(false), 0.5 * *mass);
-        }
-        if who.cuts > generations {
-            return None;
-        }
-    }
-    Some(two.map(|(who, _)| who))
+    two.sort_by_key(|who| who.number(seeds));
+    Some(two)
 }
 
 /// A particle of a bin, taken out to be merged.
@@ -284,7 +271,7 @@ where
                     continue;
                 };
                 grains.splice(first..first + size, two);
-                // The two may merge with what follows at the next time: what is one now stays so.
+                // What is new waits for the next time.
                 first += 2;
                 book.merges += 1;
                 book.removed += size as u64 - 2;
@@ -301,14 +288,15 @@ where
         }
     }
 
-    /// The two that these become, if they can; `relatives` of one ancestor only.
+    /// The two that these become, if they can; `relatives` only if they are all that is left of one or two ancestors, so
+    /// that no number is lost.
     fn merge(&self, cluster: &[Grain<T>], relatives: bool) -> Option<[Grain<T>; 2]> {
         let double = |grain: &Grain<T>, column: usize| grain.numbers[column].to_double();
         let mass = |grain: &Grain<T>| double(grain, Columns::mass(D));
-        let mut family: Vec<(Descent, f64)> = cluster.iter().map(|g| (g.who, mass(g))).collect();
-        family.sort_by_key(|(who, _)| who.order());
+        let mut family: Vec<Descent> = cluster.iter().map(|grain| grain.who).collect();
+        family.sort_by_key(|who| who.order());
         let found = ancestors(family.into_iter());
-        if relatives && found.len() > 1 {
+        if relatives && found.len() > 2 {
             return None;
         }
         let vector = |grain: &Grain<T>, first: usize| {
@@ -328,8 +316,7 @@ where
         if heaviest > 0.5 * pair.mass * (1.0 + 1e-6) {
             return None;
         }
-        let mut heirs = heirs(&found, 0.5 * pair.mass, self.splitting.generations())?;
-        heirs.sort_by_key(|who| who.number(self.seeds));
+        let heirs = heirs(found, self.seeds)?;
 
         let mut numbers = cluster[0].numbers.clone();
         self.average(cluster, &pair, &mut numbers)?;
@@ -422,10 +409,6 @@ where
         }
         Some(())
     }
-}
-
-fn symmetric([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> Matrix3<f64> {
-    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
 }
 
 impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>

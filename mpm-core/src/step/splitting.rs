@@ -52,6 +52,8 @@ pub struct Splitting {
 impl Splitting {
     /// Most generations: numbers stay exact.
     const MOST: u32 = 16;
+    /// Most cuts that numbers keep count of, where merging takes some back.
+    const DEEPEST: u32 = 40;
 
     /// Split at this stretch, which is a length over that at the start or after the last cut.
     ///
@@ -102,10 +104,6 @@ impl Splitting {
     pub(super) fn stretch(self) -> f64 {
         self.stretch
     }
-    /// Most cuts.
-    pub(super) fn generations(self) -> u32 {
-        self.generations
-    }
     /// Mass of the lightest particle over that of its seed.
     pub(super) fn lightest(self) -> f64 {
         0.5f64.powi(self.generations as i32)
@@ -145,6 +143,8 @@ pub struct Splitter<T> {
     pub square: T,
     /// Most cuts.
     generations: T,
+    /// Parts of a seed that are not cut any more, where particles merge: generations say nothing there. Else none.
+    finest: Option<f64>,
     /// Number of seeds.
     seeds: T,
     /// Half size of a seed, in units of h.
@@ -155,14 +155,15 @@ pub struct Splitter<T> {
     domain: (usize, usize),
 }
 
+/// A symmetric tensor of these components xx, yy, zz, yz, xz, xy.
+pub(super) fn symmetric([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> Matrix3<f64> {
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+}
+
 /// The largest principal value of b in the coordinates of the scene, and its direction.
 pub(super) fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>) {
     let [xx, yy, zz, yz, xz, xy] = b.map(|x| x.to_double());
-    let b = if D == 3 {
-        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
-    } else {
-        Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0)
-    };
+    let b = symmetric(if D == 3 { [xx, yy, zz, yz, xz, xy] } else { [xx, yy, 0.0, 0.0, 0.0, xy] });
     let principal = b.symmetric_eigen();
     let (at, value) = principal.eigenvalues.argmax();
     (value, principal.eigenvectors.column(at).into_owned())
@@ -180,12 +181,13 @@ impl<T: Float> Splitter<T> {
         direction * quarter.min(0.5)
     }
 
-    /// The lanes, of those in `may`, that are to be cut. `axis` is the radius of the bin's centre in units of h, and
+    /// The lanes, of those in `may`, that are to be cut. `ratio` is the law's volume ratio, `axis` is the radius of the bin's centre in units of h, and
     /// the particles' offsets from there, in a body of revolution.
     #[cold]
     pub(super) fn long<const D: usize>(
         &self,
         state: &[T::Row],
+        ratio: &T::Row,
         mut may: u32,
         axis: Option<(T, &T::Row)>,
     ) -> u32 {
@@ -197,12 +199,18 @@ impl<T: Float> Splitter<T> {
             if number(6) >= self.generations {
                 continue;
             }
-            let (square, direction) = longest::<T, D>([0, 1, 2, 3, 4, 5].map(number));
+            let b = [0, 1, 2, 3, 4, 5].map(number);
+            // A particle of k cuts is of 2^-k of the volume that its seed has at this volume ratio.
+            let fine = self.finest.is_some_and(|finest| {
+                let part = symmetric(b.map(|x| x.to_double())).determinant().sqrt();
+                ratio.as_ref()[lane].to_double() >= finest * part
+            });
+            let (square, direction) = longest::<T, D>(b);
             let across = axis.is_some_and(|(centre, xi)| {
                 let radius = (centre + xi.as_ref()[lane]).to_double();
                 self.offset(square, &direction)[0].abs() >= radius
             });
-            if square >= self.square.to_double() && !across {
+            if square >= self.square.to_double() && !across && !fine {
                 long |= 1 << lane;
             }
         }
@@ -342,6 +350,11 @@ where
         if count > most {
             return Err(SceneError::TooMany { body: body(), count, most });
         }
+        // Where particles merge, numbers are given as long as there are any.
+        let generations = match splitting.merging {
+            Some(_) => (most / seeds.positions.len()).ilog2().min(Splitting::DEEPEST),
+            None => splitting.generations,
+        };
         let lattice = *self.grid.lattice();
         let mut particles = ParticleBody::<T, D, C, M, Splitting>::empty(
             name,
@@ -354,7 +367,8 @@ where
         particles.splitter = Splitter {
             place: C::PLACE,
             square: T::of(splitting.stretch * splitting.stretch),
-            generations: T::of(f64::from(splitting.generations)),
+            generations: T::of(f64::from(generations)),
+            finest: splitting.merging.map(|_| 2.0f64.powf(f64::from(splitting.generations) - 0.5)),
             seeds: T::of(seeds.positions.len() as f64),
             half: particles.half[0],
             spacing: T::of(spacing),
