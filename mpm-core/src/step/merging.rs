@@ -41,7 +41,10 @@ use crate::transfer::Transfer;
 /// A cluster is left alone if the new particles would be longer than four fifths of what is cut, lie outside the box around
 /// the old ones, or be lighter than the heaviest of them. All that is left of one ancestor, or of two, goes first, since merging
 /// that undoes cuts: numbers and generations come back. Of others two numbers are kept, of those that were cut least, and the
-/// rest is never used again: where clusters mix seeds, less is left to split.
+/// rest is never used again. That uses numbers up: a particle that was cut 40 times without taking it back, or as often as single
+/// precision counts, is not cut any more.
+///
+/// A cell is the set of points with one stencil: around a node where that has three nodes an axis.
 ///
 /// The map at the start of the next step is made anew after a merge, so that a step in which something merges takes about
 /// half as long again, and the particles' numbers are read one by one.

@@ -68,7 +68,8 @@ impl Splitting {
     }
 
     /// Cut a seed and its descendants at most so many times, 6 unless told: the lightest particle has this many halves
-    /// of a seed's mass. What flies apart in all directions is stretched for ever.
+    /// of a seed's mass. What flies apart in all directions is stretched for ever. Where particles merge, halves are counted by
+    /// the volume of a particle, not by its cuts.
     ///
     /// # Errors
     /// Zero, or more than 16.

@@ -7,8 +7,8 @@ use mpm_core::geometry::{Cuboid, Lattice, Seeds};
 use mpm_core::step::SceneError;
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Cpdi, Flip, FullSpace, Linear, Merging,
-    Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Splitting, Team, TimeControl, Totals,
-    Usf, Usl,
+    Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Splitting, Team, TimeControl, Totals, Usf,
+    Usl,
 };
 use mpm_materials::eos::KeepEnergy;
 use mpm_materials::{
