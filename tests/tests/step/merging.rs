@@ -338,8 +338,10 @@ fn resumed_runs_merge_alike() {
     assert_eq!(whole.bodies()[0].merges(), resumed.bodies()[0].merges());
 }
 
+type StateOf<C> = <C as Constitutive<f64>>::State<f64>;
+
 /// Points of a law that were strained by so much along an axis each, as one.
-fn merged<C: Constitutive<f64>>(law: &C, strains: &[f64]) -> Option<(Vec<C::State<f64>>, C::State<f64>)> {
+fn merged<C: Constitutive<f64>>(law: &C, strains: &[f64]) -> Option<(Vec<StateOf<C>>, StateOf<C>)> {
     let strained = |&strain: &f64| {
         let mut kinematics = Kinematics { increment: Mat3::zero(), dt: 1e-6, length: 1e-3 };
         kinematics.increment.0[0][0] = strain;
@@ -354,7 +356,7 @@ fn merged<C: Constitutive<f64>>(law: &C, strains: &[f64]) -> Option<(Vec<C::Stat
 fn laws_keep_volume_and_energy() {
     let strains = [1e-3, 2e-2, -1e-2, 5e-3];
     fn check<C: Constitutive<f64>>(law: &C, strains: &[f64]) {
-        let (states, one) = merged(law, strains).expect(law.name());
+        let (states, one) = merged(law, strains).expect("alike");
         let (mut volume, mut energy, mut mass) = (0.0, 0.0, 0.0);
         for (n, state) in states.iter().enumerate() {
             let m = 1.0 + n as f64;
