@@ -74,9 +74,9 @@ pub use shape::{
     ShapeFunction,
 };
 pub use step::{
-    Balance, Body, CheckpointError, Contact, FieldForce, Footprint, Frequency, Mpm, NodeWeight, OneField,
-    Particle, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepError, Stopped, TimeControl, Totals,
-    Traction, Twist,
+    Balance, Body, CheckpointError, Contact, FieldForce, Footprint, Frequency, MergeBook, Merging, Mpm,
+    NodeWeight, OneField, Particle, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepError,
+    Stopped, TimeControl, Totals, Traction, Twist,
 };
 pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
 

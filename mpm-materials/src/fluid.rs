@@ -3,7 +3,8 @@
 use crate::eos::{EnergyColumn, Eos, balance};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
-use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, finite_state};
+use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, alike, finite_state, mean};
+use crate::solid::LIKE_VOLUME;
 use crate::state;
 use crate::tensor::Sym3;
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
@@ -267,5 +268,20 @@ where
         } else {
             self.eos.stored_energy(now.volume_ratio)
         }
+    }
+    /// Points whose volume ratios are within [`LIKE_VOLUME`] of their mean, if the fluid keeps its energy
+    /// ([`KeepEnergy`](crate::eos::KeepEnergy)): all numbers are means by mass. One that doesn't would store less in the
+    /// mean volume than it did in all.
+    fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
+        if !<E::Energy<T::Single> as EnergyColumn<T::Single>>::KEPT {
+            return None;
+        }
+        let state = mean::<T, Self::State<T::Single>>(points.iter().copied());
+        let ratio = |state: &Self::State<T::Single>| -> f64 {
+            let ratio: T = state.volume_ratio.into();
+            ratio.to_double()
+        };
+        let middle = ratio(&state);
+        alike(points.iter().map(|(_, s)| ratio(s)), middle, middle * LIKE_VOLUME).then_some(state)
     }
 }

@@ -304,6 +304,14 @@ pub trait Constitutive<T: Real>: Clone + Send + Sync + 'static {
 
     /// Internal energy per reference volume, J/m^3: stored and dissipated work since the virgin state.
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
+
+    /// One state for points that become one, each with its mass, kg; none where they are too unlike, or where the law
+    /// has no such state. Volume ratio and internal energy of what is returned are the means by mass, to rounding: no
+    /// volume and no energy is lost. A law that does not say so never merges.
+    fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
+        let _ = points;
+        None
+    }
 }
 
 /// The result of a law written for a single point.
@@ -395,6 +403,27 @@ pub fn unflatten<L: Lane, S: State<L>>(values: &[L]) -> Result<S, usize> {
         return Err(values.len());
     }
     Ok(S::read(&mut Buffer { values: values.to_vec(), at: 0 }))
+}
+
+/// Number by number the mean of states, each with its weight.
+pub fn mean<T: Real, S: State<T::Single>>(points: impl Iterator<Item = (f64, S)>) -> S {
+    let mut sums = vec![0.0; S::LEN];
+    let mut weights = 0.0;
+    for (weight, state) in points {
+        weights += weight;
+        for (sum, x) in sums.iter_mut().zip(flatten::<T::Single, S>(&state)) {
+            let x: T = x.into();
+            *sum += weight * x.to_double();
+        }
+    }
+    // Equal numbers stay what they are where weights and sums are exact: flags do.
+    let values = sums.into_iter().map(|sum| T::of(sum / weights).into()).collect();
+    S::read(&mut Buffer { values, at: 0 })
+}
+
+/// Are all of these within `within` of `middle`?
+pub(crate) fn alike(mut numbers: impl Iterator<Item = f64>, middle: f64, within: f64) -> bool {
+    numbers.all(|x| (x - middle).abs() <= within)
 }
 
 struct Buffer<L> {

@@ -5,7 +5,7 @@ use crate::eos::{Eos, balance};
 use crate::failure::{Failure, NoFailure, Observed};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::ParameterError;
-use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, finite_state};
+use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, alike, finite_state, mean};
 use crate::rate::{Jaumann, ObjectiveRate};
 use crate::state;
 use crate::strength::{FlowStress, Loading, Strength};
@@ -57,6 +57,11 @@ pub struct Solid<S, E, F = NoFailure, V = NoViscosity, R = Jaumann> {
     viscosity: V,
     rate: R,
 }
+
+/// How far volume ratios of points that merge may be from their mean, over that.
+pub const LIKE_VOLUME: f64 = 0.05;
+/// How far plastic strains of points that merge may be from their mean, beside a quarter of that.
+pub const LIKE_STRAIN: f64 = 0.05;
 
 impl<S, E> Solid<S, E> {
     /// Without failure and bulk viscosity, with the Jaumann rate.
@@ -287,6 +292,41 @@ where
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.energy - L::splat(self.eos.initial_energy())
+    }
+    /// Points of a solid that failure removes do not merge, since they no longer follow the motion. Others:
+    /// points of the same failure whose volume ratios are within [`LIKE_VOLUME`] of their mean and whose plastic strains
+    /// are within [`LIKE_STRAIN`] and a quarter of theirs; failed ones without stress are like within half of their
+    /// mean volume ratio. Volume ratio, energy and histories are means by mass, the stress one by volume, so that the
+    /// force on the nodes stays. The mean deviator stores less energy than the deviators did: the energy, which is a
+    /// number of the state, keeps that as heat. In the next step the pressure is that of the mean volume and energy,
+    /// which differs from the mean pressure by the square of the differences in volume.
+    fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
+        if F::POSSIBLE && !F::REMAINS.compression() {
+            return None;
+        }
+        let number = |x: T::Single| -> f64 {
+            let x: T = x.into();
+            x.to_double()
+        };
+        let failed = |state: &Self::State<T::Single>| {
+            self.failure.failed(&state.failure, self.strength.plastic_strain(&state.strength)).any()
+        };
+        let mut state = mean::<T, Self::State<T::Single>>(points.iter().copied());
+        let by_volume = points.iter().map(|(mass, s)| (mass * number(s.volume_ratio), s.stress));
+        state.stress = mean::<T, _>(by_volume);
+
+        let gone = failed(&points.first()?.1);
+        if points.iter().any(|(_, s)| failed(s) != gone) || failed(&state) != gone {
+            return None;
+        }
+        let bare = gone && points.iter().all(|(_, s)| s.stress.0.iter().all(|&x| number(x) == 0.0));
+        let volume = number(state.volume_ratio);
+        let within = volume * if bare { 0.5 } else { LIKE_VOLUME };
+        let strain = |s: &Self::State<T::Single>| number(self.strength.plastic_strain(&s.strength));
+        let middle = strain(&state);
+        let like = alike(points.iter().map(|(_, s)| number(s.volume_ratio)), volume, within)
+            && alike(points.iter().map(|(_, s)| strain(s)), middle, LIKE_STRAIN + 0.25 * middle);
+        like.then_some(state)
     }
 }
 

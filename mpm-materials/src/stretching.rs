@@ -2,7 +2,7 @@
 
 use crate::capability::{Fails, Stretches, Yields};
 use crate::lane::{Lane, Real};
-use crate::point::{Breakdown, Constitutive, Kinematics, Update};
+use crate::point::{Breakdown, Constitutive, Kinematics, Update, mean};
 use crate::state;
 use crate::tensor::{Mat3, Sym3};
 
@@ -89,6 +89,14 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.law.energy(&now.law)
+    }
+    /// Stretch and cuts are means, too: what they are of the new particle, its size tells.
+    fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
+        let laws: Vec<_> = points.iter().map(|(mass, state)| (*mass, state.law)).collect();
+        let law = self.law.merged(&laws)?;
+        let cauchy_green = mean::<T, _>(points.iter().map(|(mass, state)| (*mass, state.cauchy_green)));
+        let splits = mean::<T, T::Single>(points.iter().map(|(mass, state)| (*mass, state.splits)));
+        Some(StretchingState { cauchy_green, splits, law })
     }
 }
 

@@ -9,6 +9,7 @@ use super::fields::Claim;
 use super::footprint::Footprint;
 use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
+use super::merging::MergeBook;
 use super::migrate::{Domains, TakeIn};
 use super::reference_body::{InReference, Shade};
 use super::rest::Stilled;
@@ -248,6 +249,10 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn splits(&self) -> SplitBook {
         SplitBook::default()
     }
+    /// How its particles were merged since the start, if they are to be.
+    fn merges(&self) -> Option<MergeBook> {
+        None
+    }
 
     /// Take all that changes in a run to a file, or from one.
     ///
@@ -259,6 +264,10 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn still(&mut self) -> Stilled;
     /// Take out of the velocities what the nodes of a cell do not see; the kinetic energy of that, J.
     fn filter(&mut self, team: &Team) -> f64;
+    /// Merge particles, if it is time to after so many steps; were any?
+    fn merge(&mut self, _steps: u64, _team: &Team) -> bool {
+        false
+    }
     /// Show every particle as its nodes see it, loads as they are at `time`, s.
     fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>));
 }
@@ -296,6 +305,7 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// When particles are split, and how often they were.
     pub(super) splitter: Splitter<T>,
     pub(super) splits: SplitBook,
+    pub(super) merges: MergeBook,
     /// Where the particles started, by number, if a force field asks for it, m.
     pub(super) starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
@@ -830,6 +840,9 @@ where
     fn splits(&self) -> SplitBook {
         self.splits
     }
+    fn merges(&self) -> Option<MergeBook> {
+        self.load.splitting()?.merging().map(|_| self.merges)
+    }
 
     fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.exchange_particles(file)
@@ -850,6 +863,9 @@ where
     }
     fn filter(&mut self, team: &Team) -> f64 {
         if self.rests() { 0.0 } else { self.filter_cells(team) }
+    }
+    fn merge(&mut self, steps: u64, team: &Team) -> bool {
+        self.merge_cells(steps, team)
     }
     fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         self.show_footprints(time, visit);

@@ -632,6 +632,9 @@ where
         if scene.filter.is_some() || self.filter.is_some() {
             return refuse("a null-space filter");
         }
+        if self.bodies.iter().any(|b| b.merges().is_some()) {
+            return refuse("merging");
+        }
         if self.conditions.gravity.is_some() {
             return refuse("a body force of the scene");
         }

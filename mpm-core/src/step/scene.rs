@@ -109,6 +109,14 @@ pub enum SceneError {
         /// Half size along the first axis.
         first: f64,
     },
+    /// Particles that cannot be merged.
+    #[error("body `{body}`: merging is not allowed with {what}")]
+    NoMerging {
+        /// The body.
+        body: String,
+        /// What has none.
+        what: String,
+    },
     /// A body reaches outside the grid.
     #[error("body `{0}`: {1}")]
     Outside(String, OutsideGrid),

@@ -7,6 +7,7 @@ use mpm_materials::{Constitutive, State};
 use super::body::{Body, ParticleBody};
 use super::contact::Contact;
 use super::load::{Load, Loading, Unloaded};
+use super::merging::MergeBook;
 use super::rigid::Rigid;
 use super::rigid_body::RigidBody;
 use super::scene::SceneError;
@@ -88,6 +89,7 @@ where
             loading: Loading::default(),
             splitter: Splitter::default(),
             splits: SplitBook::default(),
+            merges: MergeBook::default(),
             starts: Vec::new(),
             dummy,
             resting: None,

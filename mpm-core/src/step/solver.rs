@@ -349,8 +349,7 @@ where
 
         self.advance_references(dt)?;
         self.close_step(dt)?;
-        self.filter();
-        self.still();
+        self.tend();
         Ok(dt)
     }
 

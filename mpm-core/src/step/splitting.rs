@@ -10,6 +10,7 @@ use nalgebra::{Matrix3, Vector3};
 use super::body::ParticleBody;
 use super::contact::Contact;
 use super::load::{Load, Unloaded};
+use super::merging::Merging;
 use super::scene::SceneError;
 use super::solver::Mpm;
 use crate::frame::Frame;
@@ -45,11 +46,14 @@ use crate::scheme::{PassKind, Splits};
 pub struct Splitting {
     stretch: f64,
     generations: u32,
+    merging: Option<Merging>,
 }
 
 impl Splitting {
     /// Most generations: numbers stay exact.
     const MOST: u32 = 16;
+    /// Most cuts that numbers keep count of, where merging takes some back.
+    const DEEPEST: u32 = 40;
 
     /// Split at this stretch, which is a length over that at the start or after the last cut.
     ///
@@ -60,11 +64,12 @@ impl Splitting {
     pub fn at(stretch: f64) -> Result<Self, ParameterError> {
         let holds = stretch > 1.0 && stretch <= 4.0;
         Check("splitting").that(holds, "stretch", stretch, "above 1 and at most 4")?;
-        Ok(Splitting { stretch, generations: 6 })
+        Ok(Splitting { stretch, generations: 6, merging: None })
     }
 
     /// Cut a seed and its descendants at most so many times, 6 unless told: the lightest particle has this many halves
-    /// of a seed's mass. What flies apart in all directions is stretched for ever.
+    /// of a seed's mass. What flies apart in all directions is stretched for ever. Where particles merge, halves are counted by
+    /// the volume of a particle, not by its cuts.
     ///
     /// # Errors
     /// Zero, or more than 16.
@@ -74,6 +79,32 @@ impl Splitting {
         Ok(Splitting { generations, ..self })
     }
 
+    /// Merge particles, too, where cells hold more than they need.
+    ///
+    /// ```
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Merging, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
+    /// # use mpm_materials::{Stretching, library};
+    /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
+    /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
+    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
+    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    /// let splitting = Splitting::at(2.0).unwrap().with_merging(Merging::above(8).unwrap());
+    /// let lead = Stretching::new(library::lead::<f64>());
+    /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], splitting).unwrap();
+    /// ```
+    #[must_use]
+    pub fn with_merging(self, merging: Merging) -> Self {
+        Splitting { merging: Some(merging), ..self }
+    }
+
+    /// How particles are merged, if they are.
+    pub(super) fn merging(self) -> Option<Merging> {
+        self.merging
+    }
+    /// The stretch to split at.
+    pub(super) fn stretch(self) -> f64 {
+        self.stretch
+    }
     /// Mass of the lightest particle over that of its seed.
     pub(super) fn lightest(self) -> f64 {
         0.5f64.powi(self.generations as i32)
@@ -113,6 +144,8 @@ pub struct Splitter<T> {
     pub square: T,
     /// Most cuts.
     generations: T,
+    /// Parts of a seed that are not cut any more, where particles merge: generations say nothing there. Else none.
+    finest: Option<f64>,
     /// Number of seeds.
     seeds: T,
     /// Half size of a seed, in units of h.
@@ -123,32 +156,39 @@ pub struct Splitter<T> {
     domain: (usize, usize),
 }
 
+/// A symmetric tensor of these components xx, yy, zz, yz, xz, xy.
+pub(super) fn symmetric([xx, yy, zz, yz, xz, xy]: [f64; 6]) -> Matrix3<f64> {
+    Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
+}
+
 /// The largest principal value of b in the coordinates of the scene, and its direction.
-fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>) {
+pub(super) fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>) {
     let [xx, yy, zz, yz, xz, xy] = b.map(|x| x.to_double());
-    let b = if D == 3 {
-        Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
-    } else {
-        Matrix3::new(xx, xy, 0.0, xy, yy, 0.0, 0.0, 0.0, 0.0)
-    };
+    let b = symmetric(if D == 3 { [xx, yy, zz, yz, xz, xy] } else { [xx, yy, 0.0, 0.0, 0.0, xy] });
     let principal = b.symmetric_eigen();
     let (at, value) = principal.eigenvalues.argmax();
     (value, principal.eigenvectors.column(at).into_owned())
 }
 
 impl<T: Float> Splitter<T> {
+    /// Number of seeds.
+    pub(super) fn seeds(&self) -> u64 {
+        self.seeds.to_double() as u64
+    }
+
     /// Offset of the children, L/4 n in units of h; half a cell at most.
     fn offset(&self, square: f64, direction: &Vector3<f64>) -> Vector3<f64> {
         let quarter = 0.5 * self.half.to_double() * square.sqrt();
         direction * quarter.min(0.5)
     }
 
-    /// The lanes, of those in `may`, that are to be cut. `axis` is the radius of the bin's centre in units of h, and
+    /// The lanes, of those in `may`, that are to be cut. `ratio` is the law's volume ratio, `axis` is the radius of the bin's centre in units of h, and
     /// the particles' offsets from there, in a body of revolution.
     #[cold]
     pub(super) fn long<const D: usize>(
         &self,
         state: &[T::Row],
+        ratio: &T::Row,
         mut may: u32,
         axis: Option<(T, &T::Row)>,
     ) -> u32 {
@@ -160,12 +200,18 @@ impl<T: Float> Splitter<T> {
             if number(6) >= self.generations {
                 continue;
             }
-            let (square, direction) = longest::<T, D>([0, 1, 2, 3, 4, 5].map(number));
+            let b = [0, 1, 2, 3, 4, 5].map(number);
+            // A particle of k cuts is of 2^-k of the volume that its seed has at this volume ratio.
+            let fine = self.finest.is_some_and(|finest| {
+                let part = symmetric(b.map(|x| x.to_double())).determinant().sqrt();
+                ratio.as_ref()[lane].to_double() >= finest * part
+            });
+            let (square, direction) = longest::<T, D>(b);
             let across = axis.is_some_and(|(centre, xi)| {
                 let radius = (centre + xi.as_ref()[lane]).to_double();
                 self.offset(square, &direction)[0].abs() >= radius
             });
-            if square >= self.square.to_double() && !across {
+            if square >= self.square.to_double() && !across && !fine {
                 long |= 1 << lane;
             }
         }
@@ -270,7 +316,9 @@ where
     /// ```
     ///
     /// # Errors
-    /// As [`Mpm::add`]; particles that are not as long as they are wide; more particles than can be numbered.
+    /// As [`Mpm::add`]; particles that are not as long as they are wide; more particles than can be numbered. With
+    /// [`Merging`] also an affine transfer (APIC), domains that are not boxes (CPDI), a law whose states have no mean
+    /// ([`Constitutive::merged`](mpm_materials::Constitutive::merged)), bodies in their reference configuration.
     pub fn add_splitting<C: Stretches<T>>(
         &mut self,
         name: &str,
@@ -295,11 +343,19 @@ where
                 return Err(SceneError::Oblong { body: body(), axis, half, first });
             }
         }
+        if splitting.merging.is_some() {
+            self.check_merging(name, &law)?;
+        }
         let most = if size_of::<T>() == 4 { 1 << 24 } else { 1usize << 53 };
         let count = seeds.positions.len() << splitting.generations;
         if count > most {
             return Err(SceneError::TooMany { body: body(), count, most });
         }
+        // Where particles merge, numbers are given as long as there are any.
+        let generations = match splitting.merging {
+            Some(_) => (most / seeds.positions.len()).ilog2().min(Splitting::DEEPEST),
+            None => splitting.generations,
+        };
         let lattice = *self.grid.lattice();
         let mut particles = ParticleBody::<T, D, C, M, Splitting>::empty(
             name,
@@ -312,7 +368,8 @@ where
         particles.splitter = Splitter {
             place: C::PLACE,
             square: T::of(splitting.stretch * splitting.stretch),
-            generations: T::of(f64::from(splitting.generations)),
+            generations: T::of(f64::from(generations)),
+            finest: splitting.merging.map(|_| 2.0f64.powf(f64::from(splitting.generations) - 0.5)),
             seeds: T::of(seeds.positions.len() as f64),
             half: particles.half[0],
             spacing: T::of(spacing),

@@ -479,7 +479,9 @@ where
                     let may = A::Pack::bits(alive & A::Pack::splat(splitter.square).le(trace));
                     if may != 0 {
                         let axis = M::Embedding::HOOP.then(|| (bin_x.lane(0) / common.spacing, &motion[0]));
-                        long = splitter.long::<D>(state, may, axis);
+                        let mut ratio = T::Row::default();
+                        law.volume_ratio(&C::State::<A::Pack>::read(&mut Rows::of(state))).store(&mut ratio);
+                        long = splitter.long::<D>(state, &ratio, may, axis);
                     }
                 }
 

@@ -9,6 +9,7 @@ mod dilatation;
 mod failures;
 mod flight;
 mod loads;
+mod merging;
 mod restart;
 mod resting;
 mod splitting;

@@ -7,6 +7,7 @@ use crate::method::Composition;
 use crate::parallel::Float;
 use crate::step::body::ParticleBody;
 use crate::step::load::{Load, Loading};
+use crate::step::merging::MergeBook;
 use crate::step::nodes::NodeLedger;
 use crate::step::rigid::{RigidState, Step};
 use crate::step::splitting::SplitBook;
@@ -45,6 +46,9 @@ where
         let SplitBook { cuts, kinetic } = &mut self.splits;
         file.word(cuts)?;
         file.real(kinetic)?;
+        let MergeBook { merges, removed } = &mut self.merges;
+        file.word(merges)?;
+        file.word(removed)?;
         if file.reads() {
             self.link_slots();
             self.rest_as_read();

@@ -55,7 +55,7 @@ pub enum CheckpointError {
 }
 
 /// How files begin.
-const TITLE: &str = "impactite checkpoint 3";
+const TITLE: &str = "impactite checkpoint 4";
 
 impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
 where
