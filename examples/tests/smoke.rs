@@ -248,7 +248,7 @@ fn plate_impact() {
     // Lines and states but for the energy of seven metals, the shock on three grids, spall on three, conservation.
     smoke!(
         plate_impact,
-        7 * 5 + 3 * 2 + 1 + 3 * 4 + 2..,
+        7 * 5 + 3 * 2 + 1 + 3 * 3 + 3 + 2..,
         [
             "lines.png",
             "shock.png",

@@ -7,10 +7,10 @@ use std::error::Error;
 
 use mpm_materials::driver::{Path, Step, Table, run};
 use mpm_materials::{
-    Cone, Constitutive, DruckerPrager, Explosive, Fluid, Ground, JohnsonCookDamage, Jwl, Kinematics, Mat3,
-    Moduli, MohrCoulomb, PlasticStrainLimit, Porous, Solid, library,
+    CohesiveSpall, Cone, Constitutive, DruckerPrager, Explosive, Fluid, Ground, JohnsonCookDamage, Jwl,
+    Kinematics, Mat3, Moduli, MohrCoulomb, PlasticStrainLimit, Porous, Solid, library,
 };
-use mpm_materials::{J2, MieGruneisen};
+use mpm_materials::{Fails, J2, LogarithmicBulk, MieGruneisen};
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 
@@ -159,6 +159,44 @@ fn failure() -> Outcome {
     Ok(())
 }
 
+fn crack() -> Outcome {
+    println!(
+        "\n## Cracks of 1 GPa and 5 kJ/m^2 in cells of 10, 100 and 500 micrometres, pulled to all sides\n"
+    );
+    let spall = CohesiveSpall::of_work(1e9, 5e3)?;
+    let law = Solid::new(J2::linear(26e9_f64, 300e6, 0.0)?, LogarithmicBulk::new(2700.0, 74e9)?)
+        .with_failure(spall);
+    let mut columns = Vec::new();
+    for length in [1e-5_f64, 1e-4, 5e-4] {
+        let step = Kinematics { increment: Mat3::identity() * 1e-7, dt: 1e-9, length };
+        let (mut state, mut curve) = (law.virgin(), Vec::new());
+        while !law.failed(&state) {
+            state = law.update(&step, &state).state;
+            curve.push((
+                length * state.failure.crack_volume,
+                law.stress(&state).mean(),
+                length * law.energy(&state),
+            ));
+        }
+        columns.push(curve);
+    }
+    println!(
+        "| opening, micrometres | tension, MPa | energy an area, kJ/m^2: 10 | 100 | 500 |\n|---|---|---|---|---|"
+    );
+    for tenth in 0..10 {
+        let opening = 1e-6 * f64::from(tenth);
+        let at =
+            |curve: &[(f64, f64, f64)]| curve.iter().copied().find(|c| c.0 > opening).unwrap_or_default();
+        let [small, middle, large] = [&columns[0], &columns[1], &columns[2]].map(|c| at(c));
+        let energies = [small.2, middle.2, large.2].map(|e| format!("{:.2}", e / 1e3)).join(" | ");
+        println!("| {tenth} | {:.0} | {energies} |", middle.1 / 1e6);
+    }
+    let left =
+        columns.iter().filter_map(|c| c.last()).map(|c| format!("{:.2}", c.2 / 1e3)).collect::<Vec<_>>();
+    println!("| failed | 0 | {} |", left.join(" | "));
+    Ok(())
+}
+
 fn main() -> Outcome {
     println!("# Single-point curves\n");
     println!(
@@ -170,5 +208,6 @@ fn main() -> Outcome {
     soil()?;
     explosive()?;
     porous()?;
-    failure()
+    failure()?;
+    crack()
 }

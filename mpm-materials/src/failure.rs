@@ -8,6 +8,7 @@
 //! where either does.
 
 pub mod aftermath;
+pub mod cohesive;
 pub mod damage_limit;
 pub mod johnson_cook;
 pub mod localisation;
@@ -17,6 +18,7 @@ pub mod tensile;
 pub mod tuler_butcher;
 
 pub use aftermath::{LosesShear, LosesTension, Remains, Removed};
+pub use cohesive::{CohesiveSpall, Crack};
 pub use damage_limit::DamageLimit;
 pub use johnson_cook::JohnsonCookDamage;
 pub use localisation::{CrackBand, Local, Localisation};
@@ -51,6 +53,17 @@ pub struct Observed<L> {
     pub length: L,
 }
 
+/// How a point with an opening crack is strained.
+#[derive(Clone, Copy, Debug)]
+pub struct Strain<L> {
+    /// Pressure of the matter beside the crack, Pa, compression positive, viscous pressure left out.
+    pub pressure: L,
+    /// How much it grows as that matter loses volume, -dp/dJ, Pa.
+    pub stiffness: L,
+    /// Size of the element or cell, m.
+    pub length: L,
+}
+
 /// A failure criterion.
 pub trait Failure<T: Real>: Clone + Send + Sync + 'static {
     /// Can a point fail at all? With `false` nothing of failure is compiled.
@@ -58,6 +71,9 @@ pub trait Failure<T: Real>: Clone + Send + Sync + 'static {
 
     /// What a failed point still carries.
     const REMAINS: Remains = Remains::Compression;
+
+    /// Does a crack open before the point fails? With `false` nothing of cracks is compiled.
+    const OPENS: bool = false;
 
     /// What a point remembers of its failure.
     type History<L: Lane<Real = T>>: State<L>;
@@ -70,6 +86,33 @@ pub trait Failure<T: Real>: Clone + Send + Sync + 'static {
 
     /// The history after a step. A failed point stays failed.
     fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Self::History<L>) -> Self::History<L>;
+
+    /// Volume of the open crack over reference volume: zero before, zero when the point has failed.
+    #[inline(always)]
+    fn crack_volume<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        let _ = history;
+        L::zero()
+    }
+
+    /// Where a crack opens or closes, the matter beside it under this pressure, Pa.
+    #[inline(always)]
+    fn opens<L: Lane<Real = T>>(&self, history: &Self::History<L>, pressure: L) -> L::Mask {
+        let _ = (history, pressure);
+        L::Mask::splat(false)
+    }
+
+    /// The history after the crack has opened or closed from `now` until it bears what the matter beside it does, to first
+    /// order in the volume; a step of Newton's method, which the caller repeats. `old` is the history before the time step.
+    #[inline(always)]
+    fn opened<L: Lane<Real = T>>(
+        &self,
+        strain: &Strain<L>,
+        now: &Self::History<L>,
+        old: &Self::History<L>,
+    ) -> Self::History<L> {
+        let _ = (strain, old);
+        *now
+    }
 }
 
 /// A point that cannot fail: no memory, no code.
@@ -92,6 +135,10 @@ impl<T: Real> Failure<T> for NoFailure {
 impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B) {
     const POSSIBLE: bool = A::POSSIBLE || B::POSSIBLE;
     const REMAINS: Remains = A::REMAINS.and(B::REMAINS);
+    const OPENS: bool = {
+        assert!(!(A::OPENS && B::OPENS), "one crack a point: only one of two criteria may open one");
+        A::OPENS || B::OPENS
+    };
     type History<L: Lane<Real = T>> = (A::History<L>, B::History<L>);
     fn intact(&self) -> Self::History<T::Single> {
         (self.0.intact(), self.1.intact())
@@ -103,6 +150,23 @@ impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B) {
     #[inline(always)]
     fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Self::History<L>) -> Self::History<L> {
         (self.0.judge(observed, &old.0), self.1.judge(observed, &old.1))
+    }
+    #[inline(always)]
+    fn crack_volume<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+        self.0.crack_volume(&history.0) + self.1.crack_volume(&history.1)
+    }
+    #[inline(always)]
+    fn opens<L: Lane<Real = T>>(&self, history: &Self::History<L>, pressure: L) -> L::Mask {
+        self.0.opens(&history.0, pressure) | self.1.opens(&history.1, pressure)
+    }
+    #[inline(always)]
+    fn opened<L: Lane<Real = T>>(
+        &self,
+        strain: &Strain<L>,
+        now: &Self::History<L>,
+        old: &Self::History<L>,
+    ) -> Self::History<L> {
+        (self.0.opened(strain, &now.0, &old.0), self.1.opened(strain, &now.1, &old.1))
     }
 }
 

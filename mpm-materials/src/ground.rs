@@ -185,6 +185,7 @@ where
         self.law.density()
     }
     fn virgin(&self) -> Self::State<T::Single> {
+        const { assert!(!F::OPENS, "cracks that open are for solids: ground has its own pressure") };
         GroundState {
             stress: Sym3::zero(),
             volume_ratio: T::Single::one(),

@@ -36,8 +36,8 @@ pub use eos::{
 };
 pub use explosive::{Explosive, ExplosiveState};
 pub use failure::{
-    CrackBand, DamageLimit, Failure, JohnsonCookDamage, Local, LosesShear, LosesTension, NoFailure,
-    PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure, TulerButcher,
+    CohesiveSpall, CrackBand, DamageLimit, Failure, JohnsonCookDamage, Local, LosesShear, LosesTension,
+    NoFailure, PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure, TulerButcher,
 };
 pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
 pub use ground::{Geomaterial, Ground, GroundState};

@@ -1,8 +1,8 @@
 //! A solid composed of strength, equation of state and failure.
 
 use crate::capability::{Fails, Yields};
-use crate::eos::{Eos, balance};
-use crate::failure::{Failure, NoFailure, Observed};
+use crate::eos::{Balance, Eos, balance};
+use crate::failure::{Failure, NoFailure, Observed, Strain};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::ParameterError;
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, alike, finite_state, mean};
@@ -116,7 +116,50 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
     }
 }
 
+/// Newton steps of an opening crack. A time step changes tension by little, the matter beside the crack is nearly linear,
+/// and what is left is made up in the next step.
+const CRACK_STEPS: usize = 2;
+
 impl<S, E, F, V, R> Solid<S, E, F, V, R> {
+    /// Pressure and energy together, of the matter beside the crack where the failure opens one.
+    #[inline(always)]
+    fn balanced<T, L>(
+        &self,
+        length: L,
+        volume_ratio: L,
+        worked: L,
+        volume_change: L,
+        failure: &mut F::History<L>,
+    ) -> Balance<L>
+    where
+        T: Real,
+        L: Lane<Real = T>,
+        E: Eos<T>,
+        F: Failure<T>,
+    {
+        if !F::OPENS {
+            return balance(self.eos.terms(volume_ratio), worked, volume_change);
+        }
+        let old = *failure;
+        let mut beside = volume_ratio - self.failure.crack_volume(failure);
+        let mut terms = self.eos.terms(beside);
+        let mut balanced = balance(terms, worked, volume_change);
+        for _ in 0..CRACK_STEPS {
+            if !self.failure.opens(failure, balanced.pressure).any() {
+                break;
+            }
+            // rho0 c^2 = J^2 (p b - (dp/dJ)_e): a crack opens at the energy that the step leaves.
+            let squared = self.eos.speed_squared(beside, balanced.energy) * L::splat(self.eos.density());
+            let pressure = balanced.pressure;
+            let stiffness = (squared * (beside * beside).recip() - pressure * terms.thermal).max(L::zero());
+            let strain = Strain { pressure, stiffness, length };
+            *failure = self.failure.opened(&strain, failure, &old);
+            beside = volume_ratio - self.failure.crack_volume(failure);
+            terms = self.eos.terms(beside);
+            balanced = balance(terms, worked, volume_change);
+        }
+        balanced
+    }
     /// What broke in a step, if anything. Nearly always nothing did, and one test tells so.
     #[inline(always)]
     fn health<T, L, H, G>(&self, new: &SolidState<L, H, G>, volume_factor: L, solvable: L::Mask) -> Fault<L>
@@ -213,13 +256,13 @@ where
         let deviatoric_power = (old_deviator + returned.deviator).dot(&loading.strain_deviator) * half;
         let push = (viscous - old_mean) * half;
         let worked = old.energy + middle_volume * deviatoric_power - push * volume_change;
-        let balanced = balance(self.eos.terms(volume_ratio), worked, volume_change);
+        let mut failure = old.failure;
+        let balanced = self.balanced(kinematics.length, volume_ratio, worked, volume_change, &mut failure);
 
         // Failure: what the point lost in this step, it did no work with.
         let mut deviator = returned.deviator;
         let mut pressure = balanced.pressure;
         let mut energy = balanced.energy;
-        let mut failure = old.failure;
         if F::POSSIBLE {
             let plastic_strain = self.strength.plastic_strain(&returned.history);
             let observed = Observed {
@@ -232,7 +275,7 @@ where
                 dt: kinematics.dt,
                 length: kinematics.length,
             };
-            failure = self.failure.judge(&observed, &old.failure);
+            failure = self.failure.judge(&observed, &failure);
             let failed = self.failure.failed(&failure, plastic_strain);
             if failed.any() {
                 let intact = L::select(failed, zero, L::one());
@@ -279,7 +322,8 @@ where
     /// is left out; see [`BulkViscosity`] for what it does to the step.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
-        let bulk = self.eos.speed_squared(now.volume_ratio, now.energy).max(L::zero());
+        let beside = now.volume_ratio - self.failure.crack_volume(&now.failure);
+        let bulk = self.eos.speed_squared(beside, now.energy).max(L::zero());
         let shear = L::splat(self.strength.shear_modulus() * T::of(4.0 / 3.0) / self.eos.density());
         let stiffening = self.strength.stiffening(-now.stress.mean(), now.volume_ratio, &now.strength);
         let mut stiff = shear * stiffening;

@@ -192,6 +192,94 @@ fn bad_failure_constants_are_refused() {
     assert!(JohnsonCookDamage::<f64>::steel_4340().with_smallest_strain(0.0).is_err());
     assert!(TulerButcher::new(1e9, 0.0, 1e-6).is_err());
     assert!(DamageLimit::new(1.1).is_err());
+    assert!(CohesiveSpall::new(0.0, 1e-5).is_err() && CohesiveSpall::new(1e9, f64::NAN).is_err());
+    assert!(CohesiveSpall::of_work(1e9, -1.0).is_err());
+}
+
+/// Pulled to all sides in cells of this size, m, until it fails: opening, m, and tension, Pa, of each step, and the
+/// energy per area of crack, J/m^2.
+fn opened<E: Eos<f64>>(law: &Solid<J2<f64>, E, CohesiveSpall<f64>>, size: f64) -> (Vec<[f64; 2]>, f64) {
+    let step = |size| Kinematics { increment: Mat3::identity() * 1e-6, dt: 1e-9, length: size };
+    let (mut state, mut curve) = (law.virgin(), vec![]);
+    while !law.failed(&state) {
+        let new = law.update(&step(size), &state);
+        assert!(!new.fault.any() && curve.len() < 1_000_000);
+        state = new.state;
+        curve.push([size * state.failure.crack_volume, new.stress.mean()]);
+    }
+    (curve, size * law.energy(&state))
+}
+
+#[test]
+fn cracks_take_their_work_whatever_the_cell() {
+    let (strength, work) = (1e9, 5e3);
+    let spall = CohesiveSpall::of_work(strength, work).unwrap();
+    assert_relative_eq!(spall.opening(), 1e-5, max_relative = 1e-15);
+    let j2 = J2::linear(26e9, 300e6, 0.0).unwrap();
+    // Without thermal pressure: heat would expand the matter under tension.
+    let law = Solid::new(j2, LogarithmicBulk::new(2700.0, 74e9).unwrap()).with_failure(spall);
+    for size in [1e-5, 1e-4, 5e-4] {
+        let (curve, taken) = opened(&law, size);
+        let bearing = curve[..curve.len() - 1].iter().copied();
+        let (closed, open): (Vec<[f64; 2]>, Vec<_>) = bearing.partition(|c| c[0] == 0.0);
+        assert!(closed.len() > 100 && open.len() > 100);
+        for [opening, tension] in open {
+            assert_relative_eq!(tension, strength * (1.0 - opening / 1e-5), epsilon = 1e-10 * strength);
+        }
+        // All that was stored came back, and the surface has taken the rest; by the trapezoidal rule, and in the last step
+        // what was lost did no work.
+        assert_relative_eq!(taken, work, max_relative = 1e-3);
+        assert_eq!(curve[curve.len() - 1], [0.0, 0.0]);
+    }
+    // With it tension is the same.
+    let hot = Solid::new(j2, MieGruneisen::aluminium_6061()).with_failure(spall);
+    let (curve, _) = opened(&hot, 1e-4);
+    for [opening, tension] in curve[..curve.len() - 1].iter().filter(|c| c[0] > 0.0) {
+        assert_relative_eq!(*tension, strength * (1.0 - opening / 1e-5), epsilon = 1e-10 * strength);
+    }
+    // Stiffness over strength times the opening: 74e9/1e9 * 1e-5 m. Beyond that it breaks at once.
+    let (curve, taken) = opened(&law, 1e-3);
+    assert!(curve.iter().all(|c| c[0] == 0.0));
+    assert!(taken > 1.2 * work, "{taken}");
+}
+
+#[test]
+fn closing_cracks_go_back_to_the_origin() {
+    let spall = CohesiveSpall::new(1e9, 1e-5).unwrap();
+    let solid = Solid::new(J2::linear(26e9, 300e6, 0.0).unwrap(), MieGruneisen::aluminium_6061());
+    let law = solid.with_failure((spall, PlasticStrainLimit::new(2.0).unwrap()));
+    let mut state = law.virgin();
+    let mut go = |change: f64, until: &dyn Fn(f64, f64) -> bool| {
+        let step = Kinematics { increment: Mat3::identity() * change, dt: 1e-9, length: 1e-4 };
+        let mut curve: Vec<[f64; 2]> = vec![];
+        while !curve.last().is_some_and(|&[v, t]| until(v, t)) {
+            assert!(curve.len() < 100_000);
+            let new = law.update(&step, &state);
+            assert!(!new.fault.any() && !law.failed(&new.state));
+            state = new.state;
+            curve.push([1e-4 * state.failure.0.crack_volume, new.stress.mean()]);
+        }
+        (curve, state)
+    };
+    let (_, wide) = go(1e-6, &|opening, _| opening > 0.6e-5);
+    let damage = wide.failure.0.crack_damage;
+    let slope = 1e9 * (1.0 - damage) / (damage * 1e-5);
+    let on_line = |curve: &[[f64; 2]]| {
+        for [opening, tension] in curve.iter().filter(|c| c[0] > 0.0 && c[0] < damage * 1e-5) {
+            assert_relative_eq!(*tension, slope * opening, epsilon = 1e-10 * 1e9);
+        }
+    };
+    let (curve, shut) = go(-1e-6, &|_, tension| tension < -0.5e9);
+    on_line(&curve);
+    assert_eq!((shut.failure.0.crack_volume, shut.failure.0.crack_damage), (0.0, damage));
+    // Closed, it is the solid again, but for the heat of the crack.
+    let whole = solid.eos().pressure(shut.volume_ratio, shut.energy);
+    assert_relative_eq!(-shut.stress.mean(), whole, max_relative = 1e-12);
+    let (curve, state) = go(1e-6, &|opening, _| opening > 0.7e-5);
+    on_line(&curve);
+    let again = curve[curve.len() - 1];
+    assert_relative_eq!(again[1], 1e9 * (1.0 - again[0] / 1e-5), max_relative = 1e-9);
+    assert!(state.failure.0.crack_damage > damage);
 }
 
 #[cfg(feature = "conformance")]
@@ -226,6 +314,13 @@ mod battery {
         yields
     );
 
+    conformance_suite!(
+        crack_not_opened,
+        aluminium().with_failure(CohesiveSpall::new(20e9, 1e-5).unwrap()),
+        metal(0.05),
+        yields
+    );
+
     #[test]
     fn failed_points_stay_failed() {
         let options = metal(0.05);
@@ -242,6 +337,12 @@ mod battery {
         held::fails(&timed, &options).unwrap();
         held::lanes(&timed, &options).unwrap();
         held::not_a_number(&timed, &options).unwrap();
+        let crack = CohesiveSpall::new(0.5e9, 1e-7).unwrap();
+        held::fails(&aluminium().with_failure(crack), &options).unwrap();
+        held::lanes(&aluminium().with_failure(crack), &options).unwrap();
+        held::not_a_number(&aluminium().with_failure(crack), &options).unwrap();
+        let slow = CohesiveSpall::new(0.5e9, 1e-3).unwrap();
+        held::lanes(&aluminium().with_failure((small, slow)), &options).unwrap();
         let pair = (small, TensilePressure::new(1.2e9).unwrap());
         held::fails(&aluminium().with_failure(pair), &options).unwrap();
         held::lanes(&aluminium().with_failure(Removed(pair)), &options).unwrap();
@@ -252,6 +353,7 @@ mod battery {
     fn memory_of_failure() {
         let length = |n: usize, expected: usize| assert_eq!(n, expected);
         length(held::state_length(&aluminium().with_failure(JohnsonCookDamage::aluminium_6061())), 11);
+        length(held::state_length(&aluminium().with_failure(CohesiveSpall::new(1e9, 1e-5).unwrap())), 12);
         length(
             held::state_length(&aluminium().with_failure(Removed(PlasticStrainLimit::new(3.0).unwrap()))),
             10,

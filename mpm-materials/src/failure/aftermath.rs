@@ -1,6 +1,6 @@
 //! What a failed point still carries.
 
-use crate::failure::{Failure, Observed};
+use crate::failure::{Failure, Observed, Strain};
 use crate::lane::{Lane, Real};
 
 /// What a failed point still carries. A criterion leaves [`Remains::Compression`] unless it is wrapped:
@@ -57,6 +57,11 @@ macro_rules! aftermath {
         impl<T: Real, F: Failure<T>> Failure<T> for $name<F> {
             const POSSIBLE: bool = F::POSSIBLE;
             const REMAINS: Remains = $remains;
+            const OPENS: bool = {
+                let keeps = <Self as Failure<T>>::REMAINS.tension();
+                assert!(!(F::OPENS && keeps), "what a crack has opened in bears no tension");
+                F::OPENS
+            };
             type History<L: Lane<Real = T>> = F::History<L>;
             fn intact(&self) -> Self::History<T::Single> {
                 self.0.intact()
@@ -72,6 +77,23 @@ macro_rules! aftermath {
                 old: &Self::History<L>,
             ) -> Self::History<L> {
                 self.0.judge(observed, old)
+            }
+            #[inline(always)]
+            fn crack_volume<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
+                self.0.crack_volume(history)
+            }
+            #[inline(always)]
+            fn opens<L: Lane<Real = T>>(&self, history: &Self::History<L>, pressure: L) -> L::Mask {
+                self.0.opens(history, pressure)
+            }
+            #[inline(always)]
+            fn opened<L: Lane<Real = T>>(
+        &self,
+        strain: &Strain<L>,
+        now: &Self::History<L>,
+        old: &Self::History<L>,
+    ) -> Self::History<L> {
+                self.0.opened(strain, now, old)
             }
         }
     };

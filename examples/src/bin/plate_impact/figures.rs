@@ -33,7 +33,7 @@ pub fn draw(
         .panel("density of the target at the end", scabs(spalls)?.draw()?)
         .compose()?
         .save(folder.join("spall.png"))?;
-    for spall in spalls.iter().step_by(3) {
+    for spall in spalls.iter().step_by(4) {
         let columns = [("time", "s"), ("velocity", "m/s"), ("pressure", "Pa")];
         let mut file = History::create(folder.join(format!("surface_{}.csv", spall.cells)), columns)?;
         for look in &spall.surface {
@@ -149,7 +149,7 @@ fn errors(refined: &[Impact]) -> Result<Chart, OutputError> {
 fn surface(spalls: &[Spall]) -> Result<Chart, OutputError> {
     let mut chart =
         Chart::new(760, 520).x(Axis::new("time").unit("µs", 1e6)).y(Axis::new("velocity").unit("m/s", 1.0));
-    for (i, spall) in spalls.iter().step_by(3).enumerate() {
+    for (i, spall) in spalls.iter().step_by(4).enumerate() {
         let (t, u): (Vec<f64>, Vec<f64>) = spall.surface.iter().map(|l| (l.time, l.speed)).unzip();
         chart =
             chart.series(Series::new(format!("{} cells a flyer", spall.cells), &t, &u)?.colour(palette(i)));
@@ -169,7 +169,7 @@ fn scabs(spalls: &[Spall]) -> Result<Chart, OutputError> {
     let mut chart = Chart::new(760, 520)
         .x(Axis::new("virgin metal from the free surface").unit("mm", 1e3))
         .y(Axis::new("ρ/ρ0").unit("-", 1.0));
-    for (i, spall) in spalls.iter().step_by(3).enumerate() {
+    for (i, spall) in spalls.iter().step_by(4).enumerate() {
         let mut depth = 0.0;
         let (mut x, mut y) = (Vec::new(), Vec::new());
         for p in spall.profile.iter().rev() {

@@ -1,6 +1,6 @@
 //! The same spall by another method: Lagrangian finite differences in one dimension, staggered in space and time, with
-//! von Neumann and Richtmyer's viscosity. The metal is a fluid that breaks at once where its tension exceeds the spall
-//! strength. It shares no line with the material point method.
+//! von Neumann and Richtmyer's viscosity. The metal is a fluid with cracks that open where its tension exceeds the spall
+//! strength, and bear the less the wider they are, to nothing. It shares no line with the material point method.
 
 use crate::metals::Metal;
 use crate::spall::{FLYER, STRENGTH};
@@ -23,10 +23,64 @@ pub struct Mesh {
     pub length: f64,
     /// Its linear and quadratic coefficient: q = rho l |du/dx| (b1 c0 + b0 l |du/dx|) where the metal is compressed.
     pub viscosity: [f64; 2],
+    /// Opening at which a crack bears nothing, m.
+    pub opening: f64,
+}
+
+/// The crack of a cell.
+#[derive(Clone, Copy, Debug, Default)]
+struct Crack {
+    /// Its opening now, m.
+    open: f64,
+    /// The widest so far, m.
+    widest: f64,
+}
+
+impl Crack {
+    /// Let it open or close in a cell of length h, at rest, that is stretched so much; gives the pressure.
+    fn follow(&mut self, metal: &Metal, stretch: f64, h: f64, full: f64) -> f64 {
+        let stiffness = metal.density * metal.sound_speed * metal.sound_speed;
+        if self.widest >= full {
+            return metal.pressure(1.0 - stretch).max(0.0);
+        }
+        if self.widest == 0.0 {
+            let pressure = metal.pressure(1.0 - stretch);
+            if pressure >= -STRENGTH {
+                return pressure;
+            }
+            if stiffness * full < STRENGTH * h {
+                self.widest = full;
+                return 0.0;
+            }
+        }
+        // Tension of the metal, which falls with the opening, is what the crack bears: on the line down from the strength,
+        // or on that to the origin where it was wider before.
+        let widest = self.widest;
+        let mut w = self.open;
+        for _ in 0..NEWTON_STEPS {
+            let (line, slope) = if w < widest {
+                let slope = STRENGTH * (1.0 / widest - 1.0 / full);
+                (slope * w, slope)
+            } else {
+                (STRENGTH * (1.0 - w / full), -STRENGTH / full)
+            };
+            let tension = -metal.pressure(1.0 - (stretch - w / h));
+            w = (w + (tension - line) / (stiffness / h + slope)).clamp(0.0, full);
+        }
+        self.open = w;
+        self.widest = widest.max(w);
+        if self.open > full * (1.0 - 1e-9) {
+            *self = Crack { open: 0.0, widest: full };
+            return metal.pressure(1.0 - stretch).max(0.0);
+        }
+        metal.pressure(1.0 - (stretch - self.open / h))
+    }
 }
 
 /// Courant number of the step.
 const COURANT: f64 = 0.3;
+/// Steps of Newton's method for an opening.
+const NEWTON_STEPS: usize = 6;
 /// The pull-back is looked for in this time, and the run ends, in transits of the flyer by sound.
 const PULL_BACK: [f64; 2] = [3.4, 5.0];
 const END: f64 = 6.5;
@@ -34,7 +88,7 @@ const END: f64 = 6.5;
 /// Let a flyer at this speed hit the target of twice its thickness.
 pub fn spall(metal: &Metal, speed: f64, mesh: &Mesh) -> Reference {
     let (density, sound) = (metal.density, metal.sound_speed);
-    let Mesh { cells, length, viscosity: [linear, quadratic] } = *mesh;
+    let Mesh { cells, length, viscosity: [linear, quadratic], opening } = *mesh;
     let h = FLYER / cells as f64;
     let all = 3 * cells;
     let transit = FLYER / sound;
@@ -45,7 +99,7 @@ pub fn spall(metal: &Metal, speed: f64, mesh: &Mesh) -> Reference {
     let mut stretch = vec![1.0; all];
     // Minus the stress of each cell, between two that are empty.
     let mut push = vec![0.0; all + 2];
-    let mut broken = vec![false; all];
+    let mut cracks = vec![Crack::default(); all];
     let (mut time, mut lowest) = (0.0, speed);
     while time < END * transit {
         for (i, u) in velocity.iter_mut().enumerate() {
@@ -57,18 +111,13 @@ pub fn spall(metal: &Metal, speed: f64, mesh: &Mesh) -> Reference {
             stretch[i] += dt * rate;
             let closing = length * (-rate).max(0.0);
             let viscous = density / stretch[i] * closing * (linear * sound + quadratic * closing);
-            let mut pressure = metal.pressure(1.0 - stretch[i]);
-            broken[i] |= pressure < -STRENGTH;
-            if broken[i] {
-                pressure = pressure.max(0.0);
-            }
-            push[i + 1] = pressure + viscous;
+            push[i + 1] = cracks[i].follow(metal, stretch[i], h, opening) + viscous;
         }
         time += dt;
         if (PULL_BACK[0]..PULL_BACK[1]).contains(&(time / transit)) {
             lowest = lowest.min(velocity[all]);
         }
     }
-    let intact = broken.iter().rev().take_while(|b| !**b).count();
+    let intact = cracks.iter().rev().take_while(|c| c.widest < opening).count();
     Reference { pull_back: speed - lowest, scab: intact as f64 * h }
 }

@@ -89,14 +89,18 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         for factor in GRIDS {
             let cells = factor * flyer_cells;
             let frames = if factor == 1 { options.frames } else { 0 };
+            let (opening, transits) = (spall::OPENING, spall::RINGING);
+            let main = spall::Setup { speed: spall::SPEED, opening, transits, cells, viscosity };
+            let onset = |factor| spall::Setup { speed: factor * threshold, transits: spall::ONSET, ..main };
             let runs = [
-                ("spall", spall::SPEED, spall::RINGING, frames),
-                ("slower", checks::SLOWER * threshold, spall::ONSET, 0),
-                ("faster", checks::FASTER * threshold, spall::ONSET, 0),
+                ("spall", main, frames),
+                ("at_once", spall::Setup { opening: spall::AT_ONCE, ..main }, 0),
+                ("slower", onset(checks::SLOWER), 0),
+                ("faster", onset(checks::FASTER), 0),
             ];
-            for (name, speed, transits, frames) in runs {
+            for (name, setup, frames) in runs {
                 let files = files(format!("{name}_{cells}"), frames);
-                spalls.push(Box::new(move || spall::spall(&metal, speed, transits, cells, viscosity, files)));
+                spalls.push(Box::new(move || spall::spall(&metal, &setup, files)));
             }
         }
     }
@@ -115,6 +119,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         "viscosity": viscosity,
         "particle_speeds": PARTICLE_SPEEDS,
         "spall_strength": spall::STRENGTH,
+        "opening": spall::OPENING,
         "spall_speed": spall::SPEED,
     });
     let checks = checks::of(&impacts, &refined, &spalls, viscosity, &totals);

@@ -130,7 +130,7 @@ pub fn collide<C: Constitutive<f64> + Clone>(
     let body = &mpm.bodies()[0];
     let names = body.state_names();
     let place = |word: &str| names.iter().position(|n| n.contains(word));
-    let (energy, failed) = (place("energy"), place("failed"));
+    let (energy, failed) = (place("energy"), place("crack_damage"));
     let mut points = Vec::with_capacity(body.len());
     body.for_each(&mut |p| {
         let state = |at: Option<usize>| at.and_then(|i| p.state.get(i).copied()).unwrap_or(0.0);
@@ -140,7 +140,7 @@ pub fn collide<C: Constitutive<f64> + Clone>(
             pressure: p.pressure(),
             compression: p.mass / (p.volume * density) - 1.0,
             energy: state(energy),
-            failed: state(failed) > 0.5,
+            failed: state(failed) >= 1.0,
             thickness: p.mass / (density * h),
         });
     });

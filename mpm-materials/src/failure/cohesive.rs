@@ -1,0 +1,116 @@
+//! Spall with the work of the crack: tension that falls as the crack opens.
+
+use crate::failure::{Failure, Observed, Strain};
+use crate::lane::{Lane, Real};
+use crate::parameter::{Check, ParameterError};
+use crate::state;
+
+state! {
+    /// Memory of a crack that opens.
+    pub struct Crack<L> {
+        /// Volume of the open crack over reference volume.
+        pub crack_volume: L,
+        /// The widest opening so far over w_c, in \[0, 1\]; one where the point has failed.
+        pub crack_damage: L,
+    }
+}
+
+/// Cohesive spall \[Hillerborg1976\]: where the mean tension reaches sigma_sp a crack opens, and bears
+/// sigma = sigma_sp (1 - w/w_c) at the opening w; at w_c the point has failed. A crack that closes bears what lies on
+/// the straight line to the origin, and nothing closed. So a surface takes the work G_c = sigma_sp w_c/2, whatever the
+/// cell: the crack is as wide as one cell h, w = h x volume of the crack over reference volume (a crack band,
+/// \[BazantOh1983\]), and the equation of state sees the volume beside it (docs/notes.md 3.12).
+///
+/// Cells shall be smaller than 2 G_c K/sigma_sp^2 = w_c K/sigma_sp, K the bulk modulus: larger ones store more than the
+/// surface takes, and fail as soon as the strength is reached, as those of
+/// [`TensilePressure`](crate::failure::TensilePressure) do. The deviator is lost when the crack has opened. Two numbers
+/// of memory. For a [`Solid`](crate::Solid), one such criterion in each.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CohesiveSpall<T> {
+    strength: T,
+    opening: T,
+}
+
+impl<T: Real> CohesiveSpall<T> {
+    /// With the spall strength sigma_sp, Pa, and the opening w_c at which nothing is borne, m.
+    ///
+    /// # Errors
+    /// A number that is not positive.
+    pub fn new(strength: T, opening: T) -> Result<Self, ParameterError> {
+        let check = Check("cohesive spall");
+        Ok(CohesiveSpall {
+            strength: check.positive("spall strength", strength)?,
+            opening: check.positive("opening w_c", opening)?,
+        })
+    }
+    /// With the spall strength sigma_sp, Pa, and the work G_c that an area of crack takes, J/m^2.
+    ///
+    /// # Errors
+    /// A number that is not positive.
+    pub fn of_work(strength: T, work: T) -> Result<Self, ParameterError> {
+        let check = Check("cohesive spall");
+        let strength = check.positive("spall strength", strength)?;
+        let work = check.positive("work of the crack G_c", work)?;
+        CohesiveSpall::new(strength, T::of(2.0) * work / strength)
+    }
+    /// The opening w_c, m.
+    pub fn opening(&self) -> T {
+        self.opening
+    }
+}
+
+impl<T: Real> Failure<T> for CohesiveSpall<T> {
+    const OPENS: bool = true;
+    type History<L: Lane<Real = T>> = Crack<L>;
+    fn intact(&self) -> Crack<T::Single> {
+        Crack { crack_volume: T::Single::zero(), crack_damage: T::Single::zero() }
+    }
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, history: &Crack<L>, _: L) -> L::Mask {
+        history.crack_damage.ge(L::one())
+    }
+    #[inline(always)]
+    fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, old: &Crack<L>) -> Crack<L> {
+        *old
+    }
+    #[inline(always)]
+    fn crack_volume<L: Lane<Real = T>>(&self, history: &Crack<L>) -> L {
+        history.crack_volume
+    }
+    #[inline(always)]
+    fn opens<L: Lane<Real = T>>(&self, history: &Crack<L>, pressure: L) -> L::Mask {
+        let (zero, one) = (L::zero(), L::one());
+        let cracked = history.crack_damage.gt(zero);
+        let bears = L::select(cracked, zero, L::splat(self.strength));
+        let strained = (zero - pressure).gt(bears) | history.crack_volume.gt(zero);
+        strained & history.crack_damage.lt(one)
+    }
+    /// With t the tension and K the stiffness, t + K (v - v') = sigma(v') is linear in v' on both branches: the line down
+    /// from the strength, and that to the origin where the crack was wider before the step.
+    #[inline(always)]
+    fn opened<L: Lane<Real = T>>(&self, strain: &Strain<L>, now: &Crack<L>, old: &Crack<L>) -> Crack<L> {
+        let (zero, one) = (L::zero(), L::one());
+        let strength = L::splat(self.strength);
+        let full = L::splat(self.opening) * strain.length.recip();
+        let damage = old.crack_damage;
+        // The tension if the crack were closed.
+        let closed = strain.stiffness.mul_add(now.crack_volume, zero - strain.pressure);
+        // Softer than the fall of the strength with the opening: no state in between.
+        let stable = (strain.stiffness * full).gt(strength * L::of(1.0 + 1e-3));
+        let slope = L::select(stable, strain.stiffness - strength * full.recip(), one);
+        let down = (closed - strength) * slope.recip();
+        let widest = damage * full;
+        let opens = self.opens(now, strain.pressure);
+        let wider = opens & stable & down.gt(widest);
+        let breaks = opens & ((wider & down.ge(full)) | (!stable & closed.gt(strength)));
+        // Back on the line to the origin, and shut where that would bear compression.
+        let both = strain.stiffness * widest + strength * (one - damage);
+        let back = (closed * widest * both.recip()).max(zero);
+        let volume = L::select(wider, down, back);
+        let reached = L::select(wider, down * full.recip(), damage);
+        Crack {
+            crack_volume: L::select(breaks, zero, L::select(opens, volume, now.crack_volume)),
+            crack_damage: L::select(breaks, one, L::select(opens, reached, now.crack_damage)),
+        }
+    }
+}
