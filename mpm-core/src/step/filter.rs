@@ -3,10 +3,10 @@
 use mpm_materials::Constitutive;
 use nalgebra::{DMatrix, DVector};
 
-use super::body::ParticleBody;
 use super::contact::Contact;
 use super::footprint::NodeWeight;
 use super::load::Load;
+use super::particle_body::ParticleBody;
 use super::scene::SceneError;
 use super::solver::Mpm;
 use crate::dim::block_nodes;

@@ -2,9 +2,9 @@
 
 use mpm_materials::{Constitutive, Lane};
 
-use super::body::ParticleBody;
 use super::contact::Contact;
 use super::load::Load;
+use super::particle_body::ParticleBody;
 use super::solver::Mpm;
 use super::sweep::{ExtentOf, ShapeOf};
 use super::total;

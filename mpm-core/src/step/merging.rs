@@ -12,9 +12,9 @@
 use mpm_materials::{Check, Constitutive, ParameterError};
 use nalgebra::{Matrix3, Vector3};
 
-use super::body::ParticleBody;
 use super::contact::Contact;
 use super::load::Load;
+use super::particle_body::ParticleBody;
 use super::scene::SceneError;
 use super::solver::Mpm;
 use super::splitting::{Splitting, longest, symmetric};

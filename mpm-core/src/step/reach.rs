@@ -2,10 +2,10 @@
 
 use mpm_materials::Constitutive;
 
-use super::body::{NONE, ParticleBody, offset, shifted};
 use super::fields::Claim;
 use super::layout::Layout;
 use super::load::Load;
+use super::particle_body::{NONE, ParticleBody, offset, shifted};
 use super::survey::{beside, nodes_of};
 use super::sweep::ExtentOf;
 use crate::dim::{Stencil, neighbours};

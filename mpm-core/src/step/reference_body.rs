@@ -24,7 +24,7 @@
 
 use mpm_materials::Constitutive;
 
-use super::body::{Body, BodyTrouble, ExtentOf, Particle, ParticleBody, Steps, Totals, Which};
+use super::body::{Body, BodyTrouble, Particle, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
 use super::contact::Contact;
 use super::control::TimeControl;
@@ -33,6 +33,7 @@ use super::footprint::Footprint;
 use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{BlockPlace, Leave, NodeLedger, Stage, free_directions};
+use super::particle_body::{ExtentOf, ParticleBody};
 use super::rest::Stilled;
 use super::rigid_body::Undeformed;
 use super::scene::SceneError;

@@ -7,13 +7,14 @@
 
 use mpm_materials::Constitutive;
 
-use super::body::{Body, BodyTrouble, NONE, ParticleBody, Steps, Which};
+use super::body::{Body, BodyTrouble, Steps, Which};
 use super::checkpoint::{Archive, CheckpointError};
 use super::contact::Contact;
 use super::fields::Claim;
 use super::layout::{Layout, Nodes};
 use super::load::Load;
 use super::nodes::BlockPlace;
+use super::particle_body::{NONE, ParticleBody};
 use super::scene::SceneError;
 use super::solver::Mpm;
 use super::sweep::Slot;

@@ -2,13 +2,14 @@
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Real, Sym3, Update};
 
-use super::body::{Body, BodyTrouble, Particle, ParticleBody, Steps, Totals, Which};
+use super::body::{Body, BodyTrouble, Particle, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
 use super::fields::{Claim, Fields};
 use super::footprint::Footprint;
 use super::layout::{Layout, Nodes, Piece, numbers};
 use super::load::Loading;
 use super::nodes::{BlockPlace, NodeLedger, Stage};
+use super::particle_body::ParticleBody;
 use super::reference_body::Shade;
 use super::rest::Stilled;
 use super::rigid::{Rigid, RigidState};

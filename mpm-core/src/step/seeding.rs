@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use mpm_materials::{Constitutive, State};
 
-use super::body::{Body, ParticleBody};
+use super::body::Body;
 use super::contact::Contact;
 use super::load::{Load, Loading, Unloaded};
 use super::merging::MergeBook;
+use super::particle_body::ParticleBody;
 use super::rigid::Rigid;
 use super::rigid_body::RigidBody;
 use super::scene::SceneError;

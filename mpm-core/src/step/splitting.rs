@@ -7,10 +7,10 @@
 use mpm_materials::{Check, ParameterError, Stretches};
 use nalgebra::{Matrix3, Vector3};
 
-use super::body::ParticleBody;
 use super::contact::Contact;
 use super::load::{Load, Unloaded};
 use super::merging::Merging;
+use super::particle_body::ParticleBody;
 use super::scene::SceneError;
 use super::solver::Mpm;
 use crate::frame::Frame;

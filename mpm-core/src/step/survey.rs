@@ -7,9 +7,9 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Lane, Source, State, Sym3};
 
-use super::body::{ParticleBody, offset};
 use super::load::Load;
 use super::migrate::Domains;
+use super::particle_body::{ParticleBody, offset};
 use super::sweep::{ExtentOf, ShapeOf, Slot};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
 use crate::method::Composition;

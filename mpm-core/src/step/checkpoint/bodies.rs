@@ -5,10 +5,10 @@ use mpm_materials::Constitutive;
 use super::{Archive, CheckpointError};
 use crate::method::Composition;
 use crate::parallel::Float;
-use crate::step::body::ParticleBody;
 use crate::step::load::{Load, Loading};
 use crate::step::merging::MergeBook;
 use crate::step::nodes::NodeLedger;
+use crate::step::particle_body::ParticleBody;
 use crate::step::rigid::{RigidState, Step};
 use crate::step::splitting::SplitBook;
 
