@@ -115,7 +115,10 @@ pub struct SurfaceDistance<N = Gradients> {
     what: Survey,
 }
 impl Default for SurfaceDistance {
-    /// Half sizes, threshold zero, collinear mass gradients.
+    /// Half sizes, threshold zero, collinear mass gradients. By chart C5 (docs/report/index.html) no test is the best of
+    /// all: along normals by regression the discs of V10 lose least energy, 2 to 3 % for 3 %, the force of Hertz in V11 is the same
+    /// with hats, and with quadratic splines [`SurfaceDistance::locally`] by regression alone converges to it. So the plain one is the default,
+    /// and [`crate::Regression`] the first to try where a surface is curved or oblique.
     fn default() -> Self {
         SurfaceDistance { normals: Gradients::default(), threshold: 0.0, what: Survey::Reach }
     }

@@ -34,6 +34,12 @@ use crate::transfer::{Allows, Suits, Transfer};
 /// fn check<M: mpm_core::Composition<f64, 3>>(_: M) {}
 /// check(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
 /// ```
+///
+/// Two ingredients are there without being asked for, and the charts of docs/report/index.html say what they cost. Weights are
+/// those of the current configuration: those of the reference one ([`Method::total_lagrangian`]) are the cheapest for any error
+/// below half a per cent in chart C1 and below a tenth in C2, but only what neither tears nor flows without end has one. Laws see every particle's own
+/// dilatation: in chart C6 the mean of a cell ([`Method::mean_dilatation`]) takes the error of a limit load from 16 to below 5 %, and
+/// brings nothing where material is compressible, so that it is for metal that flows, undrained soil and rubber.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Method<S, X, U, E, F = UpdatedLagrangian, V = OwnDilatation> {
     shape: S,
