@@ -119,6 +119,27 @@ pub struct BodyTrouble {
     pub cause: Cause,
 }
 
+/// How a body is present among the nodes of a scene: which blocks it takes, what it maps to them, what is near them.
+pub trait Presence<T: Float, const D: usize>: Send + Sync {
+    /// Append the node blocks that the particles reach or may come to, as claims of body `number`; to look `ahead`, those
+    /// that they reach from a cell beside as well.
+    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>);
+    /// Did a particle come to where the body has no node?
+    fn reaches_further(&mut self, layout: &Layout) -> bool;
+    /// Does a particle reach this block of the body's own list?
+    fn reaches(&self, block: usize) -> bool;
+    /// Note where the node blocks are now, and append their places: this is the body's own list of blocks.
+    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>);
+    /// Add what this body's particles map to the nodes of a block, by its place in the body's own list.
+    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]);
+    /// What contact wants to know of the particles near some nodes of a block of the body's own list; `nodes`
+    /// has a bit for each. Adds to `out`, one entry a node ([`Survey::Reach`]: the larger one), for the unit
+    /// vectors in `normals`, one a node, where the survey needs them.
+    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]);
+    /// Call `visit` for every particle near some nodes of a block, with the node; particles in order of place.
+    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>));
+}
+
 /// A body as the solver and observers see it.
 pub trait Body<T: Float, const D: usize>: Send + Sync {
     /// The body's name.
@@ -139,6 +160,10 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn half_size(&self) -> [f64; D];
     /// Smallest particle mass, kg.
     fn lightest(&self) -> T;
+    /// Its presence among the nodes: that of its particles, or of what stands for them.
+    fn presence(&self) -> &dyn Presence<T, D>;
+    /// The same, to be arranged anew.
+    fn presence_mut(&mut self) -> &mut dyn Presence<T, D>;
     /// Place and motion, if the body is rigid.
     fn rigid(&self) -> Option<&RigidState<D>> {
         None
@@ -191,24 +216,6 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     /// Bring particles that left their bins to the new ones, and make blocks where they come to; `prune`
     /// blocks that are empty. Returns whether the set of blocks changed.
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool;
-    /// Append the node blocks that the particles reach or may come to, as claims of body `number`; to look `ahead`, those
-    /// that they reach from a cell beside as well.
-    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>);
-    /// Did a particle come to where the body has no node?
-    fn reaches_further(&mut self, layout: &Layout) -> bool;
-    /// Does a particle reach this block of the body's own list?
-    fn reaches(&self, block: usize) -> bool;
-    /// Note where the node blocks are now, and append their places: this is the body's own list of blocks.
-    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>);
-    /// Add what this body's particles map to the nodes of a block, by its place in the body's own list.
-    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]);
-
-    /// What contact wants to know of the particles near some nodes of a block of the body's own list; `nodes`
-    /// has a bit for each. Adds to `out`, one entry a node ([`Survey::Reach`]: the larger one), for the unit
-    /// vectors in `normals`, one a node, where the survey needs them.
-    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]);
-    /// Call `visit` for every particle near some nodes of a block, with the node; particles in order of place.
-    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>));
 
     /// Totals over the particles.
     fn totals(&self) -> Totals;

@@ -117,7 +117,7 @@ impl<const D: usize> Fields<D> {
         let claims = &mut self.claims;
         claims.clear();
         for (number, body) in bodies.iter_mut().enumerate() {
-            body.claims(number as u32, ahead, claims);
+            body.presence_mut().claims(number as u32, ahead, claims);
         }
         // Those who wake claim, too, and may wake others.
         let mut known = 0;
@@ -129,7 +129,7 @@ impl<const D: usize> Fields<D> {
                 });
                 if met {
                     body.wake(team);
-                    body.claims(number as u32, ahead, claims);
+                    body.presence_mut().claims(number as u32, ahead, claims);
                 }
             }
         }
@@ -232,9 +232,9 @@ impl<const D: usize> Fields<D> {
             places.clear();
             if separate {
                 let table = &self.table;
-                body.link(&|c| find_in(table, c, number), &mut places);
+                body.presence_mut().link(&|c| find_in(table, c, number), &mut places);
             } else {
-                body.link(&|c| grid.find(c), &mut places);
+                body.presence_mut().link(&|c| grid.find(c), &mut places);
             }
             let givers = places.iter().enumerate();
             found.extend(givers.map(|(l, &block)| (block, Giver { body: number, local: l as u32 })));
@@ -314,7 +314,7 @@ impl<const D: usize> Fields<D> {
     }
     /// Is there a field that no particle of its body reaches any more?
     pub(super) fn outdated<T: Float>(&self, bodies: &[Box<dyn Body<T, D>>]) -> bool {
-        self.members.iter().any(|m| !bodies[m.body as usize].reaches(m.local as usize))
+        self.members.iter().any(|m| !bodies[m.body as usize].presence().reaches(m.local as usize))
     }
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {

@@ -37,7 +37,7 @@ pub mod sweep;
 pub mod tile;
 mod total;
 
-pub use body::{Body, Particle, Totals};
+pub use body::{Body, Particle, Presence, Totals};
 pub use checkpoint::CheckpointError;
 pub use contact::{Contact, ContactNode, OneField, PairContact};
 pub use control::TimeControl;

@@ -316,7 +316,7 @@ fn sum_up<T: Float, const D: usize>(
         }
     }
     for giver in fields.givers(block) {
-        bodies[giver.body as usize].add_tiles(giver.local as usize, sums, nodes);
+        bodies[giver.body as usize].presence().add_tiles(giver.local as usize, sums, nodes);
     }
 }
 

@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Breakdown, Constitutive, Lane};
 
-use super::body::{Body, BodyTrouble, Particle, Steps, Totals, Which};
+use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
 use super::fields::Claim;
 use super::footprint::Footprint;
@@ -399,6 +399,52 @@ where
     }
 }
 
+impl<T, const D: usize, C, M, L> Presence<T, D> for ParticleBody<T, D, C, M, L>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+    L: Load<D>,
+{
+    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
+        if !self.rests() {
+            self.expect(ahead);
+            self.claim_blocks(number, list);
+        }
+    }
+    fn reaches_further(&mut self, layout: &Layout) -> bool {
+        self.reaches_beyond_links(layout)
+    }
+    fn reaches(&self, block: usize) -> bool {
+        self.reaches_block(block)
+    }
+    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
+        if self.rests() {
+            (self.nodes_around, self.contributors) = (Vec::new(), Vec::new());
+        } else {
+            self.link_blocks(find, places);
+        }
+    }
+    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
+        let (around, next) = self.contributors[block * neighbours(D)..].split_at(neighbours(D));
+        let around = [around, next];
+        let tile = |n: usize, block: usize| {
+            let slot = *around[block].get(n).unwrap_or(&NONE);
+            self.slots.get(slot as usize).map(|slot| (&slot.tile[..], slot.rows))
+        };
+        let two = !M::MAPS_TOGETHER && !M::Update::BEFORE_FORCES;
+        let add: AddTiles<'_, T, D, ExtentOf<M, T, D>, _> =
+            AddTiles { nodes, tile, sums, two, extent: PhantomData };
+        T::dispatch(add);
+    }
+    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
+        self.survey_nodes(block, what, nodes, normals, out);
+    }
+    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+        self.visit_near(block, nodes, visit);
+    }
+}
+
 impl<T, const D: usize, C, M, L> Body<T, D> for ParticleBody<T, D, C, M, L>
 where
     T: Float,
@@ -426,6 +472,12 @@ where
     }
     fn lightest(&self) -> T {
         self.lightest
+    }
+    fn presence(&self) -> &dyn Presence<T, D> {
+        self
+    }
+    fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
+        self
     }
 
     fn let_rest(&mut self, longest: T, team: &Team) -> Result<(), SceneError> {
@@ -493,46 +545,6 @@ where
             Which::First => self.locate_after::<L::Pass<<M::Update as StressUpdate>::First>>(prune, team),
             _ => self.locate_after::<L::Pass<<M::Update as StressUpdate>::Second>>(prune, team),
         }
-    }
-
-    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
-        if !self.rests() {
-            self.expect(ahead);
-            self.claim_blocks(number, list);
-        }
-    }
-    fn reaches_further(&mut self, layout: &Layout) -> bool {
-        self.reaches_beyond_links(layout)
-    }
-    fn reaches(&self, block: usize) -> bool {
-        self.reaches_block(block)
-    }
-    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
-        if self.rests() {
-            (self.nodes_around, self.contributors) = (Vec::new(), Vec::new());
-        } else {
-            self.link_blocks(find, places);
-        }
-    }
-
-    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
-        let (around, next) = self.contributors[block * neighbours(D)..].split_at(neighbours(D));
-        let around = [around, next];
-        let tile = |n: usize, block: usize| {
-            let slot = *around[block].get(n).unwrap_or(&NONE);
-            self.slots.get(slot as usize).map(|slot| (&slot.tile[..], slot.rows))
-        };
-        let two = !M::MAPS_TOGETHER && !M::Update::BEFORE_FORCES;
-        let add: AddTiles<'_, T, D, ExtentOf<M, T, D>, _> =
-            AddTiles { nodes, tile, sums, two, extent: PhantomData };
-        T::dispatch(add);
-    }
-
-    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
-        self.survey_nodes(block, what, nodes, normals, out);
-    }
-    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
-        self.visit_near(block, nodes, visit);
     }
 
     fn totals(&self) -> Totals {

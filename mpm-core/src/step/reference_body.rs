@@ -24,13 +24,12 @@
 
 use mpm_materials::Constitutive;
 
-use super::body::{Body, BodyTrouble, Particle, Steps, Totals, Which};
+use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
 use super::contact::Contact;
 use super::control::TimeControl;
-use super::fields::Claim;
 use super::footprint::Footprint;
-use super::layout::{Layout, Nodes};
+use super::layout::Nodes;
 use super::load::{Load, Loading, Unloaded};
 use super::nodes::{BlockPlace, Leave, NodeLedger, Stage, free_directions};
 use super::particle_body::{ExtentOf, ParticleBody};
@@ -38,7 +37,7 @@ use super::rest::Stilled;
 use super::rigid_body::Undeformed;
 use super::scene::SceneError;
 use super::solver::{Mpm, StepError, Stopped};
-use super::survey::{Near, Survey};
+
 use super::tile::Sums;
 use crate::dim::block_nodes;
 use crate::embedding::Embedding;
@@ -319,6 +318,12 @@ where
     fn lightest(&self) -> T {
         self.shadow.lightest()
     }
+    fn presence(&self) -> &dyn Presence<T, D> {
+        &self.shadow
+    }
+    fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
+        &mut self.shadow
+    }
     fn in_reference(&self) -> Option<&dyn InReference<T, D>> {
         Some(self)
     }
@@ -353,27 +358,6 @@ where
     }
     fn locate(&mut self, _: Which, prune: bool, team: &Team) -> bool {
         self.shadow.locate_after::<Follow>(prune, team)
-    }
-    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
-        self.shadow.claims(number, ahead, list);
-    }
-    fn reaches_further(&mut self, layout: &Layout) -> bool {
-        self.shadow.reaches_further(layout)
-    }
-    fn reaches(&self, block: usize) -> bool {
-        self.shadow.reaches(block)
-    }
-    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
-        self.shadow.link(find, places);
-    }
-    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
-        self.shadow.add_tiles(block, sums, nodes);
-    }
-    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
-        self.shadow.survey(block, what, nodes, normals, out);
-    }
-    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
-        self.shadow.near(block, nodes, visit);
     }
     fn totals(&self) -> Totals {
         self.own().totals()

@@ -2,11 +2,11 @@
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Real, Sym3, Update};
 
-use super::body::{Body, BodyTrouble, Particle, Steps, Totals, Which};
+use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
-use super::fields::{Claim, Fields};
+use super::fields::Fields;
 use super::footprint::Footprint;
-use super::layout::{Layout, Nodes, Piece, numbers};
+use super::layout::{Nodes, Piece, numbers};
 use super::load::Loading;
 use super::nodes::{BlockPlace, NodeLedger, Stage};
 use super::particle_body::ParticleBody;
@@ -14,7 +14,7 @@ use super::reference_body::Shade;
 use super::rest::Stilled;
 use super::rigid::{Rigid, RigidState};
 use super::scene::SceneError;
-use super::survey::{Near, Survey};
+
 use super::tile::Sums;
 use crate::embedding::Embedding;
 use crate::geometry::{Lattice, Seeds};
@@ -106,6 +106,12 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     fn lightest(&self) -> T {
         self.particles.lightest()
     }
+    fn presence(&self) -> &dyn Presence<T, D> {
+        &self.particles
+    }
+    fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
+        &mut self.particles
+    }
     fn rigid(&self) -> Option<&RigidState<D>> {
         Some(&self.state)
     }
@@ -136,27 +142,6 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     }
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
         self.particles.locate(which, prune, team)
-    }
-    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
-        self.particles.claims(number, ahead, list);
-    }
-    fn reaches_further(&mut self, layout: &Layout) -> bool {
-        self.particles.reaches_further(layout)
-    }
-    fn reaches(&self, block: usize) -> bool {
-        self.particles.reaches(block)
-    }
-    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
-        self.particles.link(find, places);
-    }
-    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
-        self.particles.add_tiles(block, sums, nodes);
-    }
-    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
-        self.particles.survey(block, what, nodes, normals, out);
-    }
-    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
-        self.particles.near(block, nodes, visit);
     }
     /// Of the body, not of its particles; nothing but their number if its motion is prescribed.
     fn totals(&self) -> Totals {

@@ -113,7 +113,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     pub fn survey(&self, field: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
         let member = self.members[field];
         let body = &self.bodies[member.body as usize];
-        body.survey(member.local as usize, what, nodes, normals, out);
+        body.presence().survey(member.local as usize, what, nodes, normals, out);
         for mirror in self.mirrors {
             self.mirror(mirror, member, what, nodes, normals, out);
         }
@@ -122,7 +122,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     /// Call `visit` for every particle of a field near some nodes, a bit each, with the node.
     pub fn near(&self, field: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
         let member = self.members[field];
-        self.bodies[member.body as usize].near(member.local as usize, nodes, visit);
+        self.bodies[member.body as usize].presence().near(member.local as usize, nodes, visit);
     }
 
     /// A node of a field; empty where the body has none.
@@ -178,7 +178,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
                 }
                 found[there(n)][0] = if largest { out[n][0] } else { T::default() };
             }
-            self.bodies[member.body as usize].survey(local, what, bits, &turned, &mut found);
+            self.bodies[member.body as usize].presence().survey(local, what, bits, &turned, &mut found);
             for n in mine {
                 let mut image = found[there(n)];
                 if largest {

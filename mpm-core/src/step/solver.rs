@@ -452,7 +452,7 @@ where
         let layout = self.fields.layout();
         K::SEPARATES
             && (prune && self.ahead
-                || self.bodies.iter_mut().any(|b| b.reaches_further(layout))
+                || self.bodies.iter_mut().any(|b| b.presence_mut().reaches_further(layout))
                 || prune && self.fields.outdated(&self.bodies))
     }
 

@@ -98,7 +98,7 @@ impl Job {
             }
             Job::Touch(touch) => Job::Touch(touch.scaled()),
             Job::Footing(footing) => Job::Footing(Footing { cells: 1, ..footing }),
-            Job::Long(long) => Job::Long(Long { steps: 1000, ..long }),
+            Job::Long(long) => Job::Long(Long { steps: 100, ..long }),
         }
     }
 }
