@@ -37,7 +37,6 @@ use super::rest::Stilled;
 use super::rigid_body::Undeformed;
 use super::scene::SceneError;
 use super::solver::{Mpm, StepError, Stopped};
-
 use super::tile::Sums;
 use crate::dim::block_nodes;
 use crate::embedding::Embedding;
