@@ -9,6 +9,9 @@
 //! | [`strip_pib`] | the same in strips \[Xiao2015\] |
 
 mod pib;
+// Here and not in a program of its own: those are tested beside all programs of the package, which take long to compile.
+#[cfg(test)]
+mod searches;
 mod tree;
 
 pub use pib::{pib, strip_pib};

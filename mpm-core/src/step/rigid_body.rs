@@ -14,7 +14,6 @@ use super::reference_body::Shade;
 use super::rest::Stilled;
 use super::rigid::{Rigid, RigidState};
 use super::scene::SceneError;
-
 use super::tile::Sums;
 use crate::embedding::Embedding;
 use crate::geometry::{Lattice, Seeds};

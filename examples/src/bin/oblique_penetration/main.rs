@@ -46,7 +46,7 @@ struct Options {
     /// Coefficient of friction between rod and plate, 0 to 0.5
     #[arg(long, value_name = "MU", default_value_t = 0.0, value_parser = within(0.0, 0.5))]
     friction: f64,
-    /// When a point of the plate loses shear and tension
+    /// When a point of the plate is taken out: its mass and momentum go on, free
     #[arg(long, value_enum, default_value = "strain")]
     failure: Criterion,
     /// Plastic strain at which it does with --failure strain, 0.1 to 10

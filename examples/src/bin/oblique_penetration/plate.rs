@@ -3,7 +3,7 @@
 use mpm_materials::failure::{Failure, Observed, johnson_cook::Damaged};
 use mpm_materials::{JohnsonCookDamage, Lane, ParameterError, PlasticStrainLimit};
 
-/// When a point of the plate stops carrying shear and tension.
+/// When a point of the plate stops carrying anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Ductility {
     /// Never.

@@ -15,7 +15,7 @@ use mpm_core::{
     Blend, BlockGrid, Boundary, Composition, Contact, CpGimp, Flip, FullSpace, GridStorage, Linear, Method,
     Mpm, Musl, OneField, Side, Team, TimeControl,
 };
-use mpm_materials::{LinearElastic, Moduli, library};
+use mpm_materials::{LinearElastic, Moduli, Removed, library};
 
 use crate::cells::Cells;
 use crate::flight::{self, Flight};
@@ -148,8 +148,9 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     let (seeds, from_tail) = ROD.rings(tip, setup.angle, PI, h / f64::from(setup.parts))?;
     let velocity = [setup.speed * sine, 0.0, -setup.speed * cosine];
     add_rod(&mut mpm, &seeds, velocity)?;
-    let aluminium =
-        library::aluminium_6061_t6().with_failure(setup.ductility()?).with_bulk_viscosity(0.06, 1.5)?;
+    let aluminium = library::aluminium_6061_t6()
+        .with_failure(Removed(setup.ductility()?))
+        .with_bulk_viscosity(0.06, 1.5)?;
     let middle = 0.5 * THICKNESS * setup.angle.tan();
     let half = setup.half_width;
     let plate = Cuboid::new([middle - half, 0.0, -THICKNESS], [middle + half, half, 0.0])?;

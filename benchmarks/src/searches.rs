@@ -1,8 +1,6 @@
 //! All searches find the same: what looking at every pair finds.
 
-#![allow(missing_docs)]
-
-use benchmarks::{packing, pib, random, strip_pib, tree};
+use crate::{packing, pib, random, strip_pib, tree};
 use mpm_core::Team;
 use pcmm::{Neighbours, Particle};
 
