@@ -110,7 +110,11 @@ impl Touch {
 
     /// The smallest that still meets.
     pub fn scaled(self) -> Touch {
-        let cells = if matches!(self.meeting, Meeting::Bars | Meeting::BareBars) { 25 } else { 10 };
+        let cells = match self.meeting {
+            Meeting::Bars | Meeting::BareBars => 25,
+            Meeting::Pulse | Meeting::Discs => 10,
+            Meeting::Balls => 5,
+        };
         Touch { cells, ..self }
     }
 

@@ -89,7 +89,7 @@ impl Job {
         match *self {
             Job::Case(case) => {
                 let (cells, courant) = match case.problem {
-                    Problem::Vortex => (16, 0.2),
+                    Problem::Vortex => (12, 0.2),
                     Problem::Ring => (4, 0.3),
                     Problem::Sod | Problem::SodBare => (50, 0.4),
                     _ => (12, 0.4),

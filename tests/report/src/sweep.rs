@@ -282,7 +282,7 @@ fn cases(problem: Problem, quick: bool) -> Vec<Case> {
         }
         (Problem::Vortex, true) => {
             const TWO: &[f64] = &[0.05, 0.1];
-            (without_musl(), &[(32, TWO), (64, TWO), (96, &[0.1])], &[2])
+            (without_musl(), &[(32, TWO), (64, &[0.1]), (96, &[0.1])], &[2])
         }
         (Problem::Vortex, false) => {
             (Scheme::all(), &[(32, SMALL), (64, SMALL), (128, SMALL), (256, SMALL)], &[2, 3, 4])
