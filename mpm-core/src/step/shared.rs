@@ -108,7 +108,7 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         self.wide && self.place.is_copy(node, self.mirrors)
     }
 
-    /// Ask a field's particles about some nodes, a bit each; see [`Body::survey`]. What lies beyond planes of
+    /// Ask a field's particles about some nodes, a bit each; see [`Presence::survey`](super::body::Presence::survey). What lies beyond planes of
     /// symmetry counts.
     pub fn survey(&self, field: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
         let member = self.members[field];
