@@ -213,7 +213,7 @@ fn cells(all: &[Particle]) -> (usize, usize) {
     (empty as usize, most)
 }
 
-/// Drawn out to eight times its length and pushed together twice: the strip is always whole, and every time it closes
+/// Drawn out to eight times its length and pushed together three times: the strip is always whole, and every time it closes
 /// the particles are few again, where without merging there are four times as many as at the start.
 fn closes_again<M: Composition<f64, 2>>(method: M, above: usize) {
     let mut apart = strip(method, None, 1);
@@ -221,7 +221,7 @@ fn closes_again<M: Composition<f64, 2>>(method: M, above: usize) {
     let (apart, (_, crowd)) = (apart.particles(), cells(&particles(&apart)));
     let mut mpm = strip(method, Some(Merging::above(above).expect("count")), 1);
     let seeds = mpm.particles();
-    for second in 1..=4 {
+    for second in 1..=6 {
         mpm.run_until(f64::from(second)).expect("run");
         let all = particles(&mpm);
         let (empty, most) = cells(&all);
