@@ -23,10 +23,27 @@ pub struct Avx2;
 impl Arch<f64> for Avx2 {
     type Pack = F64x4;
     type Quad = F64x4;
+    #[inline(always)]
+    fn sums([a, b, c, d]: [F64x4; 4]) -> F64x4 {
+        unsafe {
+            // Halves of a and b in turn, and of c and d: [a01, b01, a23, b23].
+            let ab = _mm256_add_pd(_mm256_unpacklo_pd(a.0, b.0), _mm256_unpackhi_pd(a.0, b.0));
+            let cd = _mm256_add_pd(_mm256_unpacklo_pd(c.0, d.0), _mm256_unpackhi_pd(c.0, d.0));
+            let (outer, inner) = (_mm256_blend_pd::<0b1100>(ab, cd), _mm256_permute2f128_pd::<0x21>(ab, cd));
+            F64x4(_mm256_add_pd(outer, inner))
+        }
+    }
 }
 impl Arch<f32> for Avx2 {
     type Pack = F32x8;
     type Quad = F32x4;
+    #[inline(always)]
+    fn sums([a, b, c, d]: [F32x8; 4]) -> F32x4 {
+        unsafe {
+            let halves = _mm256_hadd_ps(_mm256_hadd_ps(a.0, b.0), _mm256_hadd_ps(c.0, d.0));
+            F32x4(_mm_add_ps(_mm256_castps256_ps128(halves), _mm256_extractf128_ps::<1>(halves)))
+        }
+    }
 }
 
 macro_rules! vector {
@@ -485,6 +502,41 @@ mod tests {
             assert!(!nan.lt(two).any() && !two.le(nan).any());
             assert!((!two.lt(two)).all() && two.le(two).all());
         }
+    }
+
+    struct Sums;
+    macro_rules! sums {
+        ($t:ty) => {
+            impl Kernel<$t> for Sums {
+                type Output = ();
+                #[inline(always)]
+                fn run<A: Arch<$t>>(self) {
+                    let mut of = [A::Pack::zero(); 4];
+                    let mut expected = [0.0; 4];
+                    for i in 0..4 {
+                        for j in 0..A::Pack::WIDTH {
+                            // Each lane has a digit of its own, so that none can stand for another.
+                            let x = ((i + 1) << (3 * j)) as $t;
+                            of[i] = of[i].with_lane(j, x);
+                            expected[i] += x;
+                        }
+                    }
+                    let mut sums = [0.0; 4];
+                    A::sums(of).store(&mut sums);
+                    assert_eq!(sums, expected);
+                }
+            }
+        };
+    }
+    sums!(f64);
+    sums!(f32);
+
+    #[test]
+    fn sums_take_every_lane_once() {
+        f64::dispatch(Sums);
+        f64::portable(Sums);
+        f32::dispatch(Sums);
+        f32::portable(Sums);
     }
 
     #[test]

@@ -51,6 +51,9 @@ pub trait Arch<T: Float>: 'static {
     type Pack: Pack<T>;
     /// Lanes over the numbers of a node record.
     type Quad: Quad<T>;
+
+    /// The sums over the lanes of four vectors.
+    fn sums(of: [Self::Pack; 4]) -> Self::Quad;
 }
 
 /// Plain Rust, any processor.
@@ -165,6 +168,16 @@ macro_rules! float {
         impl Arch<$t> for Portable {
             type Pack = Wide<$t, $n>;
             type Quad = Wide<$t, 4>;
+            #[inline(always)]
+            fn sums(of: [Self::Pack; 4]) -> Self::Quad {
+                let mut sums = [0.0; 4];
+                for i in 0..4 {
+                    for x in of[i].0 {
+                        sums[i] += x;
+                    }
+                }
+                Wide(sums)
+            }
         }
     };
 }

@@ -1,6 +1,6 @@
 //! A chosen number of threads.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -87,12 +87,15 @@ impl Team {
         memory: &[Mutex<S>],
         task: impl Fn(usize, &mut X, &mut S) + Send + Sync,
     ) {
-        self.each(items, |i, x| {
-            let thread = rayon::current_thread_index().filter(|_| self.0.is_some()).unwrap_or(0);
-            // No other thread waits for it. A task that panicked leaves nothing that the next would trust.
-            let mut own = memory[thread % memory.len()].lock().unwrap_or_else(PoisonError::into_inner);
-            task(i, x, &mut own);
-        });
+        self.each(items, |i, x| task(i, x, &mut self.own(memory)));
+    }
+
+    /// In a task: the memory of the thread it runs on, of which there must be one for each thread. To be let go before
+    /// the task ends.
+    pub fn own<'a, S>(&self, memory: &'a [Mutex<S>]) -> MutexGuard<'a, S> {
+        let thread = rayon::current_thread_index().filter(|_| self.0.is_some()).unwrap_or(0);
+        // No other thread waits for it. A task that panicked leaves nothing that the next would trust.
+        memory[thread % memory.len()].lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// `task` on every piece of `length` elements of `items`, with the matching element of `with`.

@@ -48,12 +48,12 @@ pub struct Block<T: Float, const D: usize> {
     dummy: Vec<T>,
 }
 
-/// The particles that left the bins of a block in a pass, for the blocks around (and itself) to take in.
+/// Particles that left the bins of a block in a pass, for the blocks around, or itself, to take in.
 #[derive(Clone, Debug, Default)]
 pub struct Outbox<T> {
-    /// For each, the neighbour it goes to: 0 .. 3^D, x fastest, the block itself in the middle.
+    /// For each, the block it goes to: 0 .. 3^D, x fastest, the one it comes from in the middle.
     pub to: Vec<u8>,
-    /// For each, the bin in that neighbour.
+    /// For each, the bin in that block.
     pub bin: Vec<u8>,
     /// For each, its numbers.
     pub numbers: Vec<T>,
@@ -71,6 +71,29 @@ impl<T> Outbox<T> {
         self.numbers.clear();
         self.records.clear();
         self.directions = 0;
+    }
+    /// Add a particle that goes to bin `bin` of the block `to`, with its numbers and records.
+    pub fn post(&mut self, to: usize, bin: usize, numbers: &[T], records: impl Iterator<Item = [T; 4]>)
+    where
+        T: Copy,
+    {
+        if self.numbers.capacity() < self.numbers.len() + numbers.len() {
+            // By a quarter, not by half: where a lattice of particles moves as one, many leave at once and rarely.
+            let ahead = self.to.len() / 4 + 8;
+            self.numbers.reserve_exact(ahead * numbers.len());
+        }
+        self.to.push(to as u8);
+        self.bin.push(bin as u8);
+        self.numbers.extend_from_slice(numbers);
+        self.records.extend(records);
+        self.directions |= 1 << to;
+    }
+    /// Bytes of its memory.
+    pub fn bytes(&self) -> usize {
+        self.numbers.capacity() * size_of::<T>()
+            + self.records.capacity() * size_of::<[T; 4]>()
+            + self.to.capacity()
+            + self.bin.capacity()
     }
 }
 
@@ -142,13 +165,19 @@ impl<T: Float, const D: usize> Block<T, D> {
     pub fn group_mut(&mut self, group: u32) -> &mut [T::Row] {
         &mut self.rows[group as usize * self.columns..][..self.columns]
     }
-    /// Ask for the first `rows` rows of the groups of a bin that comes soon.
+    /// Ask for the first `rows` rows of the groups of a bin that comes soon, of three at most.
     #[inline(always)]
     pub fn prefetch(&self, bin: usize, rows: usize) {
-        let mut group = self.runs[bin].last;
-        while group != NONE {
+        let last = self.runs[bin].last;
+        if last == NONE {
+            return;
+        }
+        // The last three, whatever their number: a loop's end would be guessed wrong as often as not.
+        let mut group = last;
+        for _ in 0..3 {
             prefetch(&self.group(group)[..rows]);
-            group = self.before[group as usize];
+            let before = self.before[group as usize];
+            group = if before == NONE { group } else { before };
         }
     }
 

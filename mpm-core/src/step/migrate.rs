@@ -5,6 +5,7 @@ use std::marker::PhantomData;
 
 use mpm_materials::Lane;
 
+use super::cell::Moments;
 use super::scatter::{AFFINE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::splitting::Splitter;
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
@@ -34,25 +35,51 @@ pub(super) struct Cut<'a, T: Float> {
     pub(super) gradient: &'a [T::Row],
 }
 
-/// Take the particles that leave a group out of their bin and put them into the outbox with their records, of which
-/// zeros are left; what is cut in two goes there as two.
+/// Memory of a thread for the particles of the block at work that change their bins.
+#[derive(Clone, Debug, Default)]
+pub struct Movers<T> {
+    /// Those that stay in the block: its own pass takes them in at its end.
+    within: Outbox<T>,
+    /// The numbers of one on its way, or of the two that it was cut in.
+    moving: Vec<T>,
+}
+
+impl<T> Movers<T> {
+    /// Empty it, keeping its memory.
+    pub(super) fn clear(&mut self) {
+        self.within.clear();
+    }
+    /// Those that stay in the block.
+    pub(super) fn within(&self) -> &Outbox<T> {
+        &self.within
+    }
+    /// Bytes of its memory.
+    pub(super) fn bytes(&self) -> usize {
+        self.within.bytes() + self.moving.capacity() * size_of::<T>()
+    }
+}
+
+/// Take the particles that leave a group out of their bin and put them into the outbox, or among those that stay in the
+/// block, with their records, of which zeros are left; what is cut in two goes there as two.
 #[cold]
 pub(super) fn send_away<T: Float, const D: usize>(
     block: &mut Block<T, D>,
-    outbox: &mut Outbox<T>,
+    (outbox, movers): (&mut Outbox<T>, &mut Movers<T>),
     report: &mut Report<T>,
     leaving: Leaving<'_, T>,
     records: &mut Records<T>,
     maps: Maps,
 ) {
     let Leaving { bin, group, gone, cut: Cut { long, splitter, gradient } } = leaving;
+    let columns = block.dummy().len();
+    let Movers { within, moving } = movers;
     let mut leave = gone | long;
     // The last lane first: the particle that takes the place of one removed has been at work already.
     while leave != 0 {
         let lane = leave.ilog2();
         leave &= !(1 << lane);
-        let first = outbox.numbers.len();
-        block.read(Place { group, lane }, &mut outbox.numbers);
+        moving.clear();
+        block.read(Place { group, lane }, moving);
         block.remove(bin, Place { group, lane });
         let mut own = [[T::default(); 4]; RECORDS];
         for kind in 0..RECORDS {
@@ -60,27 +87,24 @@ pub(super) fn send_away<T: Float, const D: usize>(
                 own[kind] = std::mem::take(&mut records[kind][lane as usize]);
             }
         }
-        let within = too_fast::<T, D>(&outbox.numbers[first..]);
-        if let Some(particle) = within {
+        let fast = too_fast::<T, D>(moving);
+        if let Some(particle) = fast {
             let trouble = Trouble { bin, particle, cause: Cause::TooFast };
             report.trouble = report.trouble.or(Some(trouble));
         }
-        if long >> lane & 1 == 0 || within.is_some() {
-            post::<T, D>(outbox, bin, first, own, maps);
-            continue;
-        }
-        // A child takes half of everything its parent maps, from its own place.
-        for record in &mut own {
-            for x in record {
-                *x *= T::of(0.5);
+        if long >> lane & 1 == 1 && fast.is_none() {
+            // A child takes half of everything its parent maps, from its own place.
+            for record in &mut own {
+                for x in record {
+                    *x *= T::of(0.5);
+                }
             }
+            report.revealed += splitter.cut::<D>(moving, 0, gradient, lane as usize);
+            report.splits += 1;
         }
-        report.revealed += splitter.cut::<D>(&mut outbox.numbers, first, gradient, lane as usize);
-        let columns = block.dummy().len();
-        for child in [first, first + columns] {
-            post::<T, D>(outbox, bin, child, own, maps);
+        for numbers in moving.chunks_exact_mut(columns) {
+            post::<T, D>(outbox, within, bin, numbers, own, maps);
         }
-        report.splits += 1;
     }
 }
 
@@ -96,16 +120,16 @@ fn too_fast<T: Float, const D: usize>(numbers: &[T]) -> Option<usize> {
     None
 }
 
-/// Address a particle whose numbers begin at `first` in the outbox, and that came out of `bin`.
+/// Address a particle with these numbers that came out of `bin`: to another block, or `within` this one.
 fn post<T: Float, const D: usize>(
     outbox: &mut Outbox<T>,
+    within: &mut Outbox<T>,
     bin: usize,
-    first: usize,
+    numbers: &mut [T],
     mut records: [[T; 4]; RECORDS],
     maps: Maps,
 ) {
     let half = T::of(0.5);
-    let numbers = &mut outbox.numbers[first..];
     let (mut to, mut to_bin, mut weight, mut bin_weight, mut rest) = (0, 0, 1, 1, bin);
     for d in 0..D {
         let xi = numbers[Columns::position() + d];
@@ -129,14 +153,9 @@ fn post<T: Float, const D: usize>(
         weight *= 3;
         bin_weight *= BLOCK;
     }
-    for (kind, record) in records.into_iter().enumerate() {
-        if maps.uses::<D>(kind) {
-            outbox.records.push(record);
-        }
-    }
-    outbox.to.push(to as u8);
-    outbox.bin.push(to_bin as u8);
-    outbox.directions |= 1 << to;
+    let to_list = if to == neighbours(D) / 2 { within } else { outbox };
+    let used = records.into_iter().enumerate().filter(|&(kind, _)| maps.uses::<D>(kind));
+    to_list.post(to, to_bin, numbers, used.map(|(_, record)| record));
 }
 
 /// Where particles' domains come from: their columns, or one box for all.
@@ -222,6 +241,13 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
         spread.place(method.shape(), &xi, &domain, maps.slopes());
         let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
+        if maps.moments::<ExtentOf<M, T, D>>() {
+            let mut at = [T::default(); 3];
+            at[..D].copy_from_slice(&numbers[Columns::position()..][..D]);
+            let mut moments = Moments::<A::Quad, ExtentOf<M, T, D>>::zero();
+            moments.add_one(at, records);
+            moments.give(if maps.together { &mut *first } else { &mut *second }, corner);
+        }
         scatter::<T, A, ExtentOf<M, T, D>, 1>([first, second], corner, spread, records, maps);
     }
 }

@@ -1,6 +1,7 @@
 //! The step: a list of stages, in the order of the flow chart of \[Ma2010\] 1.4.
 
 pub mod body;
+mod cell;
 pub mod checkpoint;
 pub mod contact;
 pub mod control;

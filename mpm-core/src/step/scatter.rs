@@ -14,6 +14,8 @@
 
 use mpm_materials::Lane;
 
+use super::cell::scatter_cell;
+
 use crate::dim::{Array, Stencil};
 use crate::parallel::{Arch, Float, Pack, Quad};
 use crate::shape::domain::{Corners, MOST_NUMBERS, Table};
@@ -71,6 +73,11 @@ impl Maps {
     pub fn has_affine(self) -> bool {
         self.affine || (self.force && self.least_squares)
     }
+    /// Do forces go by way of the moments of a cell?
+    #[inline(always)]
+    pub(super) fn moments<E: Stencil>(self) -> bool {
+        E::NODES == 2 && self.slopes() && !self.convected
+    }
     /// Are records of this kind mapped in `D` dimensions?
     #[inline(always)]
     pub fn uses<const D: usize>(self, kind: usize) -> bool {
@@ -84,16 +91,11 @@ impl Maps {
 }
 
 /// Products of the weights along y and z, and those along x, where single lanes can be read. Of weights that are no
-/// products: those on all nodes.
-///
-/// With two nodes an axis slopes are -1 and 1 (weights add to one and reproduce positions), so that those of
-/// the products are weights along one axis.
+/// products, and of stencils of two nodes an axis: those on all nodes.
 #[derive(Clone, Copy)]
 pub struct Spread<T: Float, E: Stencil> {
     x: E::Axis<T::Row>,
     dx: E::Axis<T::Row>,
-    y: E::Axis<T::Row>,
-    z: E::Axis<T::Row>,
     yz: E::Nodes<T::Row>,
     dy: E::Nodes<T::Row>,
     dz: E::Nodes<T::Row>,
@@ -105,7 +107,7 @@ impl<T: Float, E: Stencil> Spread<T, E> {
     #[inline(always)]
     pub fn zero() -> Self {
         let (axis, nodes) = (Array::filled(T::Row::default()), Array::filled(T::Row::default()));
-        Spread { x: axis, dx: axis, y: axis, z: axis, yz: nodes, dy: nodes, dz: nodes, table: [nodes; 2] }
+        Spread { x: axis, dx: axis, yz: nodes, dy: nodes, dz: nodes, table: [nodes; 2] }
     }
 
     /// What particles at `xi` with these domains weigh, with slopes for forces. Returns the signed volume of domains that
@@ -127,7 +129,11 @@ impl<T: Float, E: Stencil> Spread<T, E> {
             for d in 0..D {
                 at[d] = shape.weights(xi[d], domain[d]);
             }
-            self.fill(&at, force);
+            if E::NODES == 2 {
+                self.fill_cell(&at);
+            } else {
+                self.fill(&at, force);
+            }
             return P::one();
         }
         let corners = Corners::of::<D>(S::DOMAIN, domain);
@@ -148,13 +154,9 @@ impl<T: Float, E: Stencil> Spread<T, E> {
     #[inline(always)]
     fn fill<P: Pack<T>>(&mut self, at: &[Weights<P, E>; 3], force: bool) {
         let [x, y, z] = at;
-        let tent = E::NODES == 2;
         for i in 0..E::NODES {
             x.value[i].store(&mut self.x[i]);
-            if force && tent {
-                y.value[i].store(&mut self.y[i]);
-                z.value[i].store(&mut self.z[i]);
-            } else if force {
+            if force {
                 x.slope[i].store(&mut self.dx[i]);
             }
         }
@@ -163,18 +165,38 @@ impl<T: Float, E: Stencil> Spread<T, E> {
                 let jk = k * E::NODES + j;
                 if E::LAYERS == 1 {
                     y.value[j].store(&mut self.yz[jk]);
-                    if force && !tent {
+                    if force {
                         y.slope[j].store(&mut self.dy[jk]);
                     }
                 } else {
                     (y.value[j] * z.value[k]).store(&mut self.yz[jk]);
-                    if force && !tent {
+                    if force {
                         (y.slope[j] * z.value[k]).store(&mut self.dy[jk]);
                         (y.value[j] * z.slope[k]).store(&mut self.dz[jk]);
                     }
                 }
             }
         }
+    }
+
+    /// Weights on all nodes, for particles with these weights along the axes of a cell.
+    #[inline(always)]
+    fn fill_cell<P: Pack<T>>(&mut self, at: &[Weights<P, E>; 3]) {
+        let [x, y, z] = at;
+        for k in 0..E::LAYERS {
+            for j in 0..E::NODES {
+                let yz = if E::LAYERS == 1 { y.value[j] } else { y.value[j] * z.value[k] };
+                for i in 0..E::NODES {
+                    (x.value[i] * yz).store(&mut self.table[0][(k * E::NODES + j) * E::NODES + i]);
+                }
+            }
+        }
+    }
+
+    /// Weight of the particle of a lane on a node, where those on all nodes are kept.
+    #[inline(always)]
+    pub(super) fn weight(&self, node: usize, lane: usize) -> T {
+        self.table[0][node].as_ref()[lane]
     }
 
     /// Add what the particle of a lane gives to the nodes of row `jk`, by its weights on all nodes.
@@ -211,29 +233,15 @@ impl<T: Float, E: Stencil> Spread<T, E> {
 
     /// What the forces along y and z, `g`, give to the nodes (j, k), before the weight along x.
     #[inline(always)]
-    fn across<Q: Quad<T>>(&self, lane: usize, j: usize, k: usize, g: [Q; 2]) -> Q {
-        let jk = k * E::NODES + j;
-        if E::NODES > 2 {
-            let dy = g[0] * Q::splat(self.dy[jk].as_ref()[lane]);
-            return if E::LAYERS > 1 { g[1].mul_add(Q::splat(self.dz[jk].as_ref()[lane]), dy) } else { dy };
-        }
-        if E::LAYERS == 1 {
-            return if j == 0 { -g[0] } else { g[0] };
-        }
-        let y = g[0] * Q::splat(self.z[k].as_ref()[lane]);
-        let z = g[1] * Q::splat(self.y[j].as_ref()[lane]);
-        match (j, k) {
-            (0, 0) => -(y + z),
-            (1, 0) => y - z,
-            (0, _) => z - y,
-            _ => y + z,
-        }
+    fn across<Q: Quad<T>>(&self, lane: usize, jk: usize, g: [Q; 2]) -> Q {
+        let dy = g[0] * Q::splat(self.dy[jk].as_ref()[lane]);
+        if E::LAYERS > 1 { g[1].mul_add(Q::splat(self.dz[jk].as_ref()[lane]), dy) } else { dy }
     }
 }
 
 /// Add the particles in the first `LANES` lanes of a group to the nodes of their bin's stencil, of which the
 /// first lies at `corner` of the tile: to its `first` records and, where the pass maps two, to its `second`.
-/// A lane without a particle has records of zero.
+/// A lane without a particle has records of zero. Forces that go by way of [`super::cell::Moments`] are left to those.
 #[inline(always)]
 pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     [first, second]: [&mut [[T; 4]]; 2],
@@ -242,6 +250,9 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     records: &Records<T>,
     maps: Maps,
 ) {
+    if E::NODES == 2 && !maps.convected {
+        return scatter_cell::<T, A, E, LANES>([first, second], corner, spread, records, maps);
+    }
     let first = if maps.momentum { &mut first[corner..][..E::SPAN] } else { first };
     let second = if maps.second() { &mut second[corner..][..E::SPAN] } else { second };
     let mut rows = RowsOut::<T, E, LANES> { first, second, spread, records, maps };
@@ -317,7 +328,7 @@ impl<T: Float, E: Stencil, const LANES: usize> RowsOut<'_, T, E, LANES> {
             if maps.slopes() {
                 along = A::Quad::load(&records[FORCE][lane]) * yz;
                 let g = [A::Quad::load(&records[FORCE + 1][lane]), A::Quad::load(&records[FORCE + 2][lane])];
-                across = spread.across(lane, j, k, g);
+                across = spread.across(lane, jk, g);
                 if maps.direct {
                     across = A::Quad::load(&records[DIRECT][lane]).mul_add(yz, across);
                 }
@@ -336,11 +347,7 @@ impl<T: Float, E: Stencil, const LANES: usize> RowsOut<'_, T, E, LANES> {
                 }
                 if maps.slopes() {
                     let sum = if maps.together { one[i] } else { x.mul_add(across, two[i]) };
-                    let sum = match i {
-                        0 if E::NODES == 2 => sum - along,
-                        1 if E::NODES == 2 => sum + along,
-                        _ => A::Quad::splat(spread.dx[i].as_ref()[lane]).mul_add(along, sum),
-                    };
+                    let sum = A::Quad::splat(spread.dx[i].as_ref()[lane]).mul_add(along, sum);
                     if maps.together {
                         one[i] = sum;
                     } else {
@@ -362,7 +369,7 @@ impl<T: Float, E: Stencil, const LANES: usize> RowsOut<'_, T, E, LANES> {
 
 /// `a * offset + b` for an offset known when compiling.
 #[inline(always)]
-fn times_offset<Q: Lane>(a: Q, offset: f64, b: Q) -> Q {
+pub(super) fn times_offset<Q: Lane>(a: Q, offset: f64, b: Q) -> Q {
     if offset == 0.0 {
         b
     } else if offset == 1.0 {

@@ -9,11 +9,12 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
 
+use super::cell::Moments;
 use super::convect::Moved;
 use super::gather::{Sampler, Wanted};
 use super::layout::Nodes;
 use super::mean::Strained;
-use super::migrate::{Cut, Domains, Leaving, send_away, take_in};
+use super::migrate::{Cut, Domains, Leaving, Movers, send_away, take_in};
 use super::scatter::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::splitting::Splitter;
 use super::tile::{Reads, Stencilled, TileIn, clear_rows, rows_of, tile_corner, tile_nodes};
@@ -143,8 +144,10 @@ pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
     pub around: [&'a [u32]; 2],
     /// The block.
     pub slot: &'a mut Slot<T, D>,
-    /// Its particles that leave their bins.
+    /// Its particles that leave it.
     pub outbox: &'a mut Outbox<T>,
+    /// Its particles that change their bins within it.
+    pub movers: &'a mut Movers<T>,
     /// Shared numbers.
     pub common: Common<T>,
     /// The pass.
@@ -204,7 +207,7 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Sweep { law, method, nodes, around, slot, outbox, common, .. } = self;
+        let Sweep { law, method, nodes, around, slot, outbox, movers, common, .. } = self;
         let Slot { block, tile, rows, report, .. } = slot;
         let does = K::DOES;
         let maps = maps::<T, D, M, K>();
@@ -230,6 +233,7 @@ where
         *rows = rows_of::<ExtentOf<M, T, D>, D>(block.occupied());
         clear_rows::<T, D, ExtentOf<M, T, D>>(tile, *rows, maps);
         outbox.clear();
+        movers.clear();
         *report = Report::default();
         if block.is_empty() {
             return;
@@ -255,6 +259,7 @@ where
         let mut flux = [zero; 3];
         let (mut pushed, mut power) = ([zero; 3], zero);
 
+        let by_moments = maps.moments::<ExtentOf<M, T, D>>();
         let side = <ExtentOf<M, T, D> as Stencil>::TILE;
         let rows_in = if D == 3 { side * side } else { side };
         for bin in 0..block_nodes(D) {
@@ -277,6 +282,8 @@ where
                     + bin_centre::<ExtentOf<M, T, D>>(),
             );
             let bin_x = A::Pack::splat(common.origin + common.spacing * bin_x);
+
+            let mut moments = Moments::<A::Quad, ExtentOf<M, T, D>>::zero();
 
             // What laws see of a change of volume, if it is not their own.
             let mean = match does.strain {
@@ -451,7 +458,7 @@ where
                 }
 
                 // Position.
-                let mut stays = !0;
+                let (mut stays, mut staying) = (!0, alive);
                 if does.moves && total {
                     for d in 0..D {
                         let moved = cells.mul_add(nodal[d], A::Pack::load(&rest[frame + d]));
@@ -465,6 +472,7 @@ where
                         inside = inside & (-half).le(xi[d]) & xi[d].lt(half);
                     }
                     stays = A::Pack::bits(inside);
+                    staying = alive & inside;
                 }
 
                 // Particles stretched so far that they are cut in two.
@@ -542,7 +550,10 @@ where
                     }
                     A::Pack::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
                 }
-                fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, &force, maps);
+                fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, maps);
+                if maps.slopes() && !by_moments {
+                    force_records::<T, A, D>(&mut records, &force);
+                }
                 let volume = spread.place(method.shape(), &xi, &domain, maps.slopes());
                 if maps.convected {
                     let sound = A::Pack::bits(zero.lt(volume));
@@ -560,16 +571,28 @@ where
                             }
                         }
                         let cut = Cut { long, splitter: &common.splitter, gradient: &spread };
+                        if by_moments {
+                            force_records::<T, A, D>(&mut records, &force);
+                            staying = staying & !lanes_of::<T, A>(long);
+                        }
                         let leaving = Leaving { bin, group, gone, cut };
-                        send_away::<T, D>(block, outbox, report, leaving, &mut records, maps);
+                        send_away::<T, D>(block, (outbox, movers), report, leaving, &mut records, maps);
                     }
                 }
                 for lane in here..T::GROUP {
                     for kind in 0..RECORDS {
-                        if maps.uses::<D>(kind) {
+                        if maps.uses::<D>(kind) && !(by_moments && kind >= FORCE) {
                             records[kind][lane] = [T::default(); 4];
                         }
                     }
+                }
+                if by_moments {
+                    for c in 0..D {
+                        for d in 0..D {
+                            force.0[c][d] = A::Pack::select(staying, force.0[c][d], zero);
+                        }
+                    }
+                    moments.add_group::<T, A>(&xi, &force);
                 }
                 let (tiles, at) = ([&mut *first, &mut *second], corner);
                 match T::GROUP {
@@ -583,11 +606,22 @@ where
                     _ => scatter::<T, A, ExtentOf<M, T, D>, 8>(tiles, at, &spread, &records, maps),
                 }
             }
+            if by_moments {
+                moments.give::<T>(if maps.together { &mut *first } else { &mut *second }, corner);
+            }
         }
         if does.moves && !total {
             let here = neighbours(D) / 2;
             let scratch = (&mut records, &mut spread);
-            take_in::<T, A, D, M, K>(method, block, (tile, rows), outbox, here, common.domains, scratch);
+            take_in::<T, A, D, M, K>(
+                method,
+                block,
+                (tile, rows),
+                movers.within(),
+                here,
+                common.domains,
+                scratch,
+            );
         }
         for i in 0..A::Pack::WIDTH {
             report.rate = report.rate.max(rate.lane(i));
@@ -612,7 +646,7 @@ where
     law.wave_speed(now) + (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
 }
 
-/// The records of a group; see [`super::scatter`].
+/// The records of a group but those of forces; see [`super::scatter`].
 #[inline(always)]
 fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     records: &mut Records<T>,
@@ -620,7 +654,6 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     mut p: [A::Pack; 3],
     affine: &[[A::Pack; 3]; 3],
     xi: &[A::Pack; 3],
-    force: &Mat3<A::Pack>,
     maps: Maps,
 ) {
     let zero = A::Pack::zero();
@@ -636,12 +669,26 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
         }
         A::Pack::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
     }
-    if maps.slopes() {
-        for d in 0..D {
-            let third = if D == 3 { force.0[2][d] } else { zero };
-            A::Pack::records(zero, force.0[0][d], force.0[1][d], third, &mut records[FORCE + d]);
-        }
+}
+
+/// The records of the forces of a group.
+#[inline(always)]
+fn force_records<T: Float, A: Arch<T>, const D: usize>(records: &mut Records<T>, force: &Mat3<A::Pack>) {
+    let zero = A::Pack::zero();
+    for d in 0..D {
+        let third = if D == 3 { force.0[2][d] } else { zero };
+        A::Pack::records(zero, force.0[0][d], force.0[1][d], third, &mut records[FORCE + d]);
     }
+}
+
+/// The lanes of set bits.
+#[inline(always)]
+fn lanes_of<T: Float, A: Arch<T>>(bits: u32) -> <A::Pack as Lane>::Mask {
+    let mut set = A::Pack::zero();
+    for lane in 0..A::Pack::WIDTH {
+        set = set.with_lane(lane, T::of(f64::from(bits >> lane & 1)));
+    }
+    A::Pack::zero().lt(set)
 }
 
 /// Speed of signals over the cells, m/s: past a particle, or through the reference configuration.

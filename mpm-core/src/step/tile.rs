@@ -2,11 +2,12 @@
 //! grid through one and adds to the grid through another.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use super::gather::to_coefficients;
 use super::layout::{Nodes, numbers, rank};
 use super::scatter::Maps;
-use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
+use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::grid::Node;
 use crate::parallel::{Arch, Float, Kernel, Quad, prefetch, prefetch_early};
 use crate::shape::ShapeFunction;
@@ -61,7 +62,7 @@ pub(super) fn rows_of<E: Stencil, const D: usize>(bins: u64) -> u64 {
 
 /// The records of a tile in runs of rows.
 #[inline(always)]
-fn runs<E: Stencil>(mut rows: u64) -> impl Iterator<Item = std::ops::Range<usize>> {
+fn runs<E: Stencil>(mut rows: u64) -> impl Iterator<Item = Range<usize>> {
     std::iter::from_fn(move || {
         let from = rows.trailing_zeros();
         let to = from + rows.checked_shr(from)?.trailing_ones();
@@ -275,7 +276,7 @@ pub(super) fn clear_rows<T: Float, const D: usize, E: Stencil>(tile: &mut [[T; 4
 
 /// The tile coordinates that lie in the left, same or right block (0, 1, 2) along an axis.
 #[inline(always)]
-pub(super) fn thirds<E: Stencil>(which: usize) -> std::ops::Range<usize> {
+pub(super) fn thirds<E: Stencil>(which: usize) -> Range<usize> {
     let before = (-E::BASE) as usize;
     match which {
         0 => 0..before,
@@ -305,12 +306,18 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
 
     #[inline(always)]
     fn run<A: Arch<T>>(mut self) {
-        for n in 0..neighbours(D) {
-            // The blocks of particles lie around the nodes; nodes are a third of the tile, seen from there.
-            match 2 - n % 3 {
-                0 => self.add::<A, 0>(n),
-                1 => self.add::<A, 1>(n),
-                _ => self.add::<A, 2>(n),
+        // The blocks of particles lie around the nodes; nodes are a third of the tile, seen from there.
+        for z in 0..if D == 3 { 3 } else { 1 } {
+            let layers = if D == 3 { thirds::<E>(2 - z) } else { 0..1 };
+            for y in 0..3 {
+                let lines = thirds::<E>(2 - y);
+                if layers.is_empty() || lines.is_empty() {
+                    continue;
+                }
+                let first = (z * 3 + y) * 3;
+                self.add::<A, 2>(first, &layers, &lines);
+                self.add::<A, 1>(first + 1, &layers, &lines);
+                self.add::<A, 0>(first + 2, &layers, &lines);
             }
         }
     }
@@ -319,43 +326,37 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
 impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'a [[T; 4]], u64)>>
     AddTiles<'_, T, D, E, F>
 {
-    /// Add neighbour `n`, of whose tile the nodes are the third `X` along x.
+    /// Add these rows of neighbour `n`, of whose tile the nodes are the third `X` along x; those of the next block of nodes
+    /// are asked for.
     #[inline(always)]
-    fn add<A: Arch<T>, const X: usize>(&mut self, n: usize) {
+    fn add<A: Arch<T>, const X: usize>(&mut self, n: usize, layers: &Range<usize>, lines: &Range<usize>) {
         let x = thirds::<E>(X);
         if x.is_empty() {
             return;
         }
-        let y = thirds::<E>(2 - n / 3 % 3);
-        let z = if D == 3 { thirds::<E>(2 - n / 9) } else { 0..1 };
+        let (own, next) = ((self.tile)(n, 0), (self.tile)(n, 1));
+        let Some((soon, rows_soon)) = next.or(own) else { return };
+        let (tile, rows) = own.unwrap_or((soon, 0));
         let (sums, two) = (self.sums, self.two);
-        if let Some((next, rows)) = (self.tile)(n, 1) {
-            let (first, second) = next.split_at(tile_nodes::<E>(D));
-            for k in z.clone() {
-                for j in y.clone() {
-                    if rows >> (k * E::TILE + j) & 1 == 0 {
-                        continue;
-                    }
-                    let row = (k * E::TILE + j) * E::TILE;
-                    if sums != Sums::Force {
-                        prefetch(&first[row + x.start..][..x.len()]);
-                    }
-                    if sums == Sums::Force || (sums == Sums::All && two) {
-                        prefetch(&second[row + x.start..][..x.len()]);
-                    }
-                }
-            }
-        }
-        let Some((tile, rows)) = (self.tile)(n, 0) else { return };
         let nodes = &mut self.nodes[..block_nodes(D)];
         let (first, second) = tile.split_at(tile_nodes::<E>(D));
-        for k in z {
+        let (first_soon, second_soon) = soon.split_at(tile_nodes::<E>(D));
+        for k in layers.clone() {
             let nz = if D == 3 { place::<E>(k).1 } else { 0 };
-            for j in y.clone() {
-                if rows >> (k * E::TILE + j) & 1 == 0 {
+            for j in lines.clone() {
+                let row = k * E::TILE + j;
+                let from = row * E::TILE + x.start;
+                if rows_soon >> row & 1 == 1 {
+                    if sums != Sums::Force {
+                        prefetch(&first_soon[from..][..x.len()]);
+                    }
+                    if sums == Sums::Force || (sums == Sums::All && two) {
+                        prefetch(&second_soon[from..][..x.len()]);
+                    }
+                }
+                if rows >> row & 1 == 0 {
                     continue;
                 }
-                let from = (k * E::TILE + j) * E::TILE + x.start;
                 let to = (nz * BLOCK + place::<E>(j).1) * BLOCK + place::<E>(x.start).1;
                 let to = &mut nodes[to..][..x.len()];
                 match sums {
