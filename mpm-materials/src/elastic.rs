@@ -122,7 +122,7 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
         let lambda = L::splat(self.moduli.lambda());
         let two_g = L::splat(self.moduli.shear * T::of(2.0));
         let rotated = self.rate.rotate(kinematics, &old.stress);
-        let stress = (rotated + strain * two_g).plus_isotropic(lambda * strain.trace());
+        let stress = rotated.plus_times(&strain, two_g).plus_isotropic(lambda * strain.trace());
         let factor = kinematics.volume_factor();
         let state = HypoelasticState { stress, volume_ratio: old.volume_ratio * factor };
         let fault = Fault::none()
@@ -203,7 +203,7 @@ impl<T: Real> Constitutive<T> for NeoHookean<T> {
         kinematics: &Kinematics<L>,
         old: &HyperelasticState<L>,
     ) -> Update<L, HyperelasticState<L>> {
-        let deformation = old.deformation + kinematics.increment.times(&old.deformation);
+        let deformation = kinematics.increment.times_plus(&old.deformation, old.deformation);
         let state = HyperelasticState { deformation };
         let stress = self.stress(&state);
         let fault = Fault::none()
@@ -217,7 +217,7 @@ impl<T: Real> Constitutive<T> for NeoHookean<T> {
         let per_volume = j.recip();
         let g = L::splat(self.moduli.shear);
         let b = now.deformation.times_transpose();
-        (b * g).plus_isotropic(L::splat(self.moduli.lambda()) * j.ln() - g) * per_volume
+        (b * g).plus_isotropic(L::splat(self.moduli.lambda()).mul_add(j.ln(), -g)) * per_volume
     }
     #[inline(always)]
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {
@@ -235,7 +235,7 @@ impl<T: Real> Constitutive<T> for NeoHookean<T> {
         let largest = (b.mean() + b.deviator().equivalent() * L::of(2.0 / 3.0)).max(L::one());
         let modulus = lambda * (L::one() - j.ln()).max(L::zero()) + g * (L::one() + largest);
         // c^2 = modulus / (J rho) and rho = rho0 / J.
-        (modulus / L::splat(self.density)).sqrt()
+        (modulus * L::splat(T::of(1.0) / self.density)).sqrt()
     }
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &HyperelasticState<L>) -> L {

@@ -120,7 +120,7 @@ pub fn balance<L: Lane>(terms: Terms<L>, energy: L, volume_change: L) -> Balance
     let implicit = terms.thermal.mul_add(half, L::one());
     // The inverse does not wait for the energy.
     let pressure = terms.thermal.mul_add(energy, terms.cold) * implicit.recip();
-    Balance { pressure, energy: energy - half * pressure, solvable: implicit.gt(L::zero()) }
+    Balance { pressure, energy: (-half).mul_add(pressure, energy), solvable: implicit.gt(L::zero()) }
 }
 
 /// A column for the internal energy, or none.

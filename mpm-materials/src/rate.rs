@@ -18,17 +18,18 @@ pub struct Jaumann;
 impl ObjectiveRate for Jaumann {
     #[inline(always)]
     fn rotate<L: Lane>(&self, kinematics: &Kinematics<L>, tensor: &Sym3<L>) -> Sym3<L> {
+        let two = L::of(2.0);
         let [x, y, z] = kinematics.spin();
         let [xx, yy, zz, yz, xz, xy] = tensor.0;
         let (ax, ay, az) = (x * yz, y * xz, z * xy);
         let (dx, dy, dz) = (ay - az, az - ax, ax - ay);
         Sym3([
-            xx + (dx + dx),
-            yy + (dy + dy),
-            zz + (dz + dz),
-            yz + (x * (yy - zz) + z * xz - y * xy),
-            xz + (y * (zz - xx) + x * xy - z * yz),
-            xy + (z * (xx - yy) + y * yz - x * xz),
+            dx.mul_add(two, xx),
+            dy.mul_add(two, yy),
+            dz.mul_add(two, zz),
+            x.mul_add(yy - zz, z.mul_add(xz, (-y).mul_add(xy, yz))),
+            y.mul_add(zz - xx, x.mul_add(xy, (-z).mul_add(yz, xz))),
+            z.mul_add(xx - yy, y.mul_add(yz, (-x).mul_add(xz, xy))),
         ])
     }
 }

@@ -240,7 +240,7 @@ where
         let old_deviator = rotated.plus_isotropic(-old_mean);
         let loading = Loading::of(kinematics, -old_mean, specific_volume);
         let two_g = L::splat(self.strength.shear_modulus() * T::of(2.0));
-        let mut trial = old_deviator + loading.strain_deviator * two_g;
+        let mut trial = old_deviator.plus_times(&loading.strain_deviator, two_g);
         if F::POSSIBLE && !F::REMAINS.shear() {
             let failed = self.failure.failed(&old.failure, self.strength.plastic_strain(&old.strength));
             trial = trial * L::select(failed, zero, L::one());
@@ -252,10 +252,10 @@ where
         // Viscous pressure, then pressure and energy together.
         let mut viscous = self.viscosity.pressure(kinematics, density);
         let volume_change = volume_ratio - old.volume_ratio;
-        let middle_volume = old.volume_ratio + volume_change * half;
+        let middle_volume = volume_change.mul_add(half, old.volume_ratio);
         let deviatoric_power = (old_deviator + returned.deviator).dot(&loading.strain_deviator) * half;
         let push = (viscous - old_mean) * half;
-        let worked = old.energy + middle_volume * deviatoric_power - push * volume_change;
+        let worked = middle_volume.mul_add(deviatoric_power, (-push).mul_add(volume_change, old.energy));
         let mut failure = old.failure;
         let balanced = self.balanced(kinematics.length, volume_ratio, worked, volume_change, &mut failure);
 

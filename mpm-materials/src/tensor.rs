@@ -76,7 +76,16 @@ impl<L: Lane> Sym3<L> {
     #[inline(always)]
     pub fn determinant(&self) -> L {
         let [xx, yy, zz, yz, xz, xy] = self.0;
-        xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+        let (x, y, z) = (minor(yy, yz, yz, zz), minor(xy, yz, xz, zz), minor(xy, yy, xz, yz));
+        xx.mul_add(x, (-xy).mul_add(y, xz * z))
+    }
+    /// The tensor plus `a` times another.
+    #[inline(always)]
+    pub fn plus_times(mut self, o: &Self, a: L) -> Self {
+        for i in 0..6 {
+            self.0[i] = o.0[i].mul_add(a, self.0[i]);
+        }
+        self
     }
     /// The general tensor with the same components.
     #[inline(always)]
@@ -99,6 +108,12 @@ impl<L: Lane> Sym3<L> {
     }
 }
 
+/// a d - b c.
+#[inline(always)]
+fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
+    (-b).mul_add(c, a * d)
+}
+
 impl<L: Lane> Mat3<L> {
     /// All components zero.
     #[inline(always)]
@@ -119,9 +134,11 @@ impl<L: Lane> Mat3<L> {
     /// Determinant.
     #[inline(always)]
     pub fn determinant(&self) -> L {
-        let m = &self.0;
-        m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1]) - m[0][1] * (m[1][0] * m[2][2] - m[1][2] * m[2][0])
-            + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0])
+        let [a, b, c] = &self.0;
+        let x = minor(b[1], b[2], c[1], c[2]);
+        let y = minor(b[0], b[2], c[0], c[2]);
+        let z = minor(b[0], b[1], c[0], c[1]);
+        a[0].mul_add(x, (-a[1]).mul_add(y, a[2] * z))
     }
     /// The transpose.
     #[inline(always)]
@@ -140,6 +157,17 @@ impl<L: Lane> Mat3<L> {
             }
         }
         r
+    }
+    /// The sum of `self . other` and `rest`.
+    #[inline(always)]
+    pub fn times_plus(&self, o: &Self, mut rest: Self) -> Self {
+        for i in 0..3 {
+            for j in 0..3 {
+                let sum = self.0[i][2].mul_add(o.0[2][j], rest.0[i][j]);
+                rest.0[i][j] = self.0[i][0].mul_add(o.0[0][j], self.0[i][1].mul_add(o.0[1][j], sum));
+            }
+        }
+        rest
     }
     /// The symmetric part.
     #[inline(always)]

@@ -330,6 +330,12 @@ fn each_exp(x: F32x4) -> F32x4 {
 const LN2_HIGH: f64 = 0.693_147_180_369_123_8;
 const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
 
+/// `high` x + `low`.
+#[inline(always)]
+fn pair(high: f64, low: f64, x: F64x4) -> F64x4 {
+    F64x4::of(high).mul_add(x, F64x4::of(low))
+}
+
 /// Natural logarithm of positive, finite, normal numbers, to about one unit in the last place:
 /// x = 2^e m with m in [sqrt 1/2, sqrt 2), and ln m = 2 artanh s, s = (m - 1) / (m + 1), by its series.
 #[inline(always)]
@@ -346,20 +352,16 @@ fn ln_f64x4(x: F64x4) -> F64x4 {
         let e = F64x4(_mm256_cvtepi32_pd(_mm256_castsi256_si128(packed)));
         let s = (m - F64x4::one()) / (m + F64x4::one());
         let z = s * s;
-        // Even and odd powers of z apart: two chains that run side by side.
-        let w = z * z;
-        let mut even = F64x4::of(2.0 / 23.0);
-        even = even.mul_add(w, F64x4::of(2.0 / 19.0));
-        even = even.mul_add(w, F64x4::of(2.0 / 15.0));
-        even = even.mul_add(w, F64x4::of(2.0 / 11.0));
-        even = even.mul_add(w, F64x4::of(2.0 / 7.0));
-        even = even.mul_add(w, F64x4::of(2.0 / 3.0));
-        let mut odd = F64x4::of(2.0 / 21.0);
-        odd = odd.mul_add(w, F64x4::of(2.0 / 17.0));
-        odd = odd.mul_add(w, F64x4::of(2.0 / 13.0));
-        odd = odd.mul_add(w, F64x4::of(2.0 / 9.0));
-        odd = odd.mul_add(w, F64x4::of(2.0 / 5.0));
-        let p = odd.mul_add(z, even);
+        // Pairs, pairs of pairs and so on (Estrin): a step of a material law waits for this chain, so that it is short.
+        let (z2, z4) = (z * z, z * z * (z * z));
+        let a = pair(2.0 / 5.0, 2.0 / 3.0, z);
+        let b = pair(2.0 / 9.0, 2.0 / 7.0, z);
+        let c = pair(2.0 / 13.0, 2.0 / 11.0, z);
+        let d = pair(2.0 / 17.0, 2.0 / 15.0, z);
+        let e1 = pair(2.0 / 21.0, 2.0 / 19.0, z);
+        let last = F64x4::of(2.0 / 23.0).mul_add(z2, e1);
+        let (first, second) = (b.mul_add(z2, a), d.mul_add(z2, c));
+        let p = last.mul_add(z4, second).mul_add(z4, first);
         let ln_m = (p * z).mul_add(s, s + s);
         e.mul_add(F64x4::of(LN2_HIGH), e.mul_add(F64x4::of(LN2_LOW), ln_m))
     }
@@ -374,23 +376,17 @@ fn exp_f64x4(x: F64x4) -> F64x4 {
         let k = F64x4(_mm256_round_pd::<0x08>((x * F64x4::of(std::f64::consts::LOG2_E)).0));
         let r = (-k).mul_add(F64x4::of(LN2_HIGH), x);
         let r = (-k).mul_add(F64x4::of(LN2_LOW), r);
-        // Even and odd powers of r apart, as in the logarithm.
-        let w = r * r;
-        let mut odd = F64x4::of(1.0 / 6_227_020_800.0);
-        odd = odd.mul_add(w, F64x4::of(1.0 / 39_916_800.0));
-        odd = odd.mul_add(w, F64x4::of(1.0 / 362_880.0));
-        odd = odd.mul_add(w, F64x4::of(1.0 / 5_040.0));
-        odd = odd.mul_add(w, F64x4::of(1.0 / 120.0));
-        odd = odd.mul_add(w, F64x4::of(1.0 / 6.0));
-        odd = odd.mul_add(w, F64x4::one());
-        let mut even = F64x4::of(1.0 / 479_001_600.0);
-        even = even.mul_add(w, F64x4::of(1.0 / 3_628_800.0));
-        even = even.mul_add(w, F64x4::of(1.0 / 40_320.0));
-        even = even.mul_add(w, F64x4::of(1.0 / 720.0));
-        even = even.mul_add(w, F64x4::of(1.0 / 24.0));
-        even = even.mul_add(w, F64x4::of(0.5));
-        even = even.mul_add(w, F64x4::one());
-        let p = odd.mul_add(r, even);
+        // 1 + (r + r^2 q), q as in the logarithm.
+        let (r2, r4) = (r * r, r * r * (r * r));
+        let a = pair(1.0 / 6.0, 0.5, r);
+        let b = pair(1.0 / 120.0, 1.0 / 24.0, r);
+        let c = pair(1.0 / 5_040.0, 1.0 / 720.0, r);
+        let d = pair(1.0 / 362_880.0, 1.0 / 40_320.0, r);
+        let e = pair(1.0 / 39_916_800.0, 1.0 / 3_628_800.0, r);
+        let f = pair(1.0 / 6_227_020_800.0, 1.0 / 479_001_600.0, r);
+        let (first, second, last) = (b.mul_add(r2, a), d.mul_add(r2, c), f.mul_add(r2, e));
+        let q = last.mul_add(r4, second).mul_add(r4, first);
+        let p = q.mul_add(r2, r) + F64x4::one();
         let k = _mm256_cvtepi32_epi64(_mm256_cvtpd_epi32(k.0));
         let scale = _mm256_slli_epi64::<52>(_mm256_add_epi64(k, _mm256_set1_epi64x(1023)));
         p * F64x4(_mm256_castsi256_pd(scale))

@@ -510,8 +510,8 @@ where
                             momenta[c][d] = mass * affine[c][d];
                         }
                         if maps.least_squares {
-                            momenta[c][d] = momenta[c][d]
-                                + force.0[c][d] * method.shape().inertia(xi[d], domain[d]).recip();
+                            let per_inertia = method.shape().inertia(xi[d], domain[d]).recip();
+                            momenta[c][d] = force.0[c][d].mul_add(per_inertia, momenta[c][d]);
                         }
                     }
                 }
@@ -596,11 +596,11 @@ where
                 }
                 let (tiles, at) = ([&mut *first, &mut *second], corner);
                 match T::GROUP {
-                    4 if here <= 2 => {
+                    4 if here <= 2 && ExtentOf::<M, T, D>::NODES > 2 => {
                         scatter::<T, A, ExtentOf<M, T, D>, 2>(tiles, at, &spread, &records, maps)
                     }
                     4 => scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, at, &spread, &records, maps),
-                    _ if here <= 4 => {
+                    _ if here <= 4 && ExtentOf::<M, T, D>::NODES > 2 => {
                         scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, at, &spread, &records, maps)
                     }
                     _ => scatter::<T, A, ExtentOf<M, T, D>, 8>(tiles, at, &spread, &records, maps),
@@ -643,7 +643,7 @@ where
     P: Pack<T>,
     C: Constitutive<T>,
 {
-    law.wave_speed(now) + (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt()
+    law.wave_speed(now) + v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2])).sqrt()
 }
 
 /// The records of a group but those of forces; see [`super::scatter`].
@@ -661,7 +661,7 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
         if maps.has_affine() {
             for d in 0..D {
                 for c in 0..D {
-                    p[c] = p[c] - affine[c][d] * xi[d];
+                    p[c] = (-affine[c][d]).mul_add(xi[d], p[c]);
                 }
                 let a = [affine[0][d], affine[1][d], affine[2][d]];
                 A::Pack::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);

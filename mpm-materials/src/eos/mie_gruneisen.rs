@@ -132,8 +132,8 @@ impl<T: Real> Eos<T> for MieGruneisen<T> {
         let eta = L::one() - volume_ratio;
         let inverse = volume_ratio.recip();
         let thermal = (L::splat(self.correction) * eta).mul_add(inverse, L::splat(self.gruneisen));
-        let to_singular = (L::one() - L::splat(self.slope) * eta).recip();
-        let compressed = to_singular * to_singular * (L::one() - thermal * eta * L::of(0.5));
+        let to_singular = (-L::splat(self.slope)).mul_add(eta, L::one()).recip();
+        let compressed = to_singular * to_singular * (-(thermal * L::of(0.5))).mul_add(eta, L::one());
         let shape = L::select(eta.gt(L::zero()), compressed, inverse);
         Terms { cold: L::splat(self.bulk_modulus()) * eta * shape, thermal }
     }
@@ -144,13 +144,13 @@ impl<T: Real> Eos<T> for MieGruneisen<T> {
         let (one, half) = (L::one(), L::of(0.5));
         let (j, slope) = (volume_ratio, L::splat(self.slope));
         let (gamma0, a) = (L::splat(self.gruneisen), L::splat(self.correction));
-        let (rho0, bulk) = (L::splat(self.density), L::splat(self.bulk_modulus()));
+        let (per_density, bulk) = (L::splat(T::of(1.0) / self.density), L::splat(self.bulk_modulus()));
         let eta = one - j;
         let inverse = j.recip();
         let square = j * j;
         let thermal = (a * eta).mul_add(inverse, gamma0);
-        let to_singular = (one - slope * eta).recip();
-        let factor = one - thermal * eta * half;
+        let to_singular = (-slope).mul_add(eta, one).recip();
+        let factor = (-(thermal * half)).mul_add(eta, one);
         // J^2 d/deta = d/dmu: of the Hugoniot, and of the factor (dg/dmu = a).
         let hugoniot = eta * to_singular * to_singular;
         let hugoniot_slope = square * (one + slope * eta) * to_singular * to_singular * to_singular;
@@ -159,7 +159,7 @@ impl<T: Real> Eos<T> for MieGruneisen<T> {
         let cold_slope = bulk * L::select(compression, compressed, one);
         let cold = bulk * L::select(compression, hugoniot * factor, eta * inverse);
         let pressure = thermal.mul_add(energy, cold);
-        (cold_slope + a * energy + pressure * square * thermal) / rho0
+        (cold_slope + a * energy + pressure * square * thermal) * per_density
     }
     /// 1 - 0.98/s, or zero where the Hugoniot is nowhere singular.
     #[inline(always)]
