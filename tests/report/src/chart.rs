@@ -100,7 +100,7 @@ impl Mark {
                 )
             }
             Mark::Diamond => {
-                let r = size + 2.5;
+                let r = size + 1.5;
                 write!(
                     out,
                     "<path class=\"peer c{colour}\" d=\"M{:.1} {y:.1}l{r} -{r}l{r} {r}l-{r} {r}z\">{title}</path>",

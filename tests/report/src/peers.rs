@@ -12,6 +12,7 @@ use serde_json::Value;
 use verification::{Case, Kernel, Outcome, Problem, Scheme, Velocity};
 
 use crate::chart::{escape, percent};
+use crate::front::schemes;
 use crate::job::{Job, Key};
 use crate::record::Record;
 use crate::sweep::{self, Chart};
@@ -134,32 +135,43 @@ fn twin<'a>(theirs: &Record, ours: &[&'a Record]) -> Option<&'a Record> {
 }
 
 /// How far a peer's series is from ours.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Agreement {
     /// Runs of both that have the error.
     pub runs: usize,
     /// The largest difference of the errors, in parts of ours.
     pub difference: f64,
-    /// Their core-seconds over ours, the geometric mean.
-    pub time: f64,
+    /// Their core-seconds over ours, least and most.
+    pub time: [f64; 2],
+    /// The same of the run with most particle-steps.
+    pub longest: f64,
 }
 
 /// Of one series and error; none if no run of ours is the same.
 pub fn agreement(name: &str, theirs: &[&Record], ours: &[&Record], error: &str) -> Option<Agreement> {
     let own = theirs.iter().filter(|r| r.scheme() == name);
-    let pairs = own.filter_map(|r| {
-        let twin = twin(r, ours)?;
-        Some((r.error(error)?, twin.error(error)?, r.core_seconds / twin.core_seconds))
-    });
-    let (mut found, mut logarithms) = (Agreement::default(), 0.0);
-    for (e, of_ours, time) in pairs {
-        found.runs += 1;
-        found.difference = found.difference.max((e / of_ours - 1.0).abs());
-        logarithms += time.ln();
-    }
-    found.time = (logarithms / found.runs as f64).exp();
-    (found.runs > 0).then_some(found)
+    let mut pairs: Vec<(u64, f64, f64)> = own
+        .filter_map(|r| {
+            let twin = twin(r, ours)?;
+            let difference = (r.error(error)? / twin.error(error)? - 1.0).abs();
+            Some((r.particles * r.steps, difference, r.core_seconds / twin.core_seconds))
+        })
+        .collect();
+    pairs.sort_by_key(|p| p.0);
+    let (_, _, longest) = *pairs.last()?;
+    Some(Agreement {
+        runs: pairs.len(),
+        difference: pairs.iter().map(|p| p.1).fold(0.0, f64::max),
+        time: [
+            pairs.iter().map(|p| p.2).fold(f64::INFINITY, f64::min),
+            pairs.iter().map(|p| p.2).fold(0.0, f64::max),
+        ],
+        longest,
+    })
 }
+
+/// Below this, errors differ by the order of sums alone: round-off, grown over the steps of a run.
+const ROUNDING: f64 = 1e-9;
 
 /// What the peers' runs in a chart say.
 pub fn reading(out: &mut String, chart: &Chart, theirs: &[&Record], ours: &[&Record]) {
@@ -167,28 +179,36 @@ pub fn reading(out: &mut String, chart: &Chart, theirs: &[&Record], ours: &[&Rec
         return;
     }
     out.push_str(
-        "<p><b>Peers.</b> Squares and diamonds are programs of ours for packages of Python (<code>benchmarks/peers</code>) on one thread; they \
-         share no line with the library and solve the same equations on the same grid with the same particles and steps. ",
+        "<p><b>Peers.</b> Squares and diamonds are programs of ours for packages of Python (<code>benchmarks/peers</code>) on one thread: \
+         the same equations, grid, particles and steps, no line shared with the library. ",
     );
-    let mut names: Vec<&str> = theirs.iter().map(|r| r.scheme()).collect();
-    names.sort_unstable();
-    names.dedup();
-    for name in names {
-        let Some(Agreement { runs, difference, time }) = agreement(name, theirs, ours, chart.error) else {
-            continue;
-        };
-        let _ = write!(
-            out,
-            "{}: in {runs} runs that both made the {} differs from ours by at most {} of it; core-seconds are {time:.2} times ours (geometric mean). ",
-            escape(name),
-            chart.label.split(" / ").next().unwrap_or(chart.label),
-            percent(difference),
-        );
+    let names = schemes(theirs);
+    let of_name = |name: &String| Some((name.clone(), agreement(name, theirs, ours, chart.error)?));
+    let found: Vec<(String, Agreement)> = names.iter().filter_map(of_name).collect();
+    if let Some(worst) = found.iter().map(|(_, a)| a.difference).reduce(f64::max) {
+        let _ = write!(out, "Their errors are ours within {} of them", percent(worst));
+        out.push_str(if worst < ROUNDING {
+            ", which is rounding: independent programs confirm what is computed here. "
+        } else {
+            ", which is more than rounding: one of the programs computes something else. "
+        });
     }
     out.push_str(
-        "Each of them ran with no other run beside it, and has neither lists of blocks nor books nor checks of failures. They are not in the grey line \
-         nor in the choices.</p>",
+        "Each ran with no other run beside it; they have neither lists of blocks nor books nor checks of failures, and the force field takes much of \
+         everyone's time. They are neither in the grey line nor in the choices.</p><div class=\"wide\"><table><tr><th>peer</th><th>same runs</th>\
+         <th>largest difference of the error</th><th>core-seconds over ours</th><th>in the longest run</th></tr>",
     );
+    for (name, Agreement { runs, difference, time, longest }) in &found {
+        let _ = write!(
+            out,
+            "<tr><td>{}</td><td>{runs}</td><td>{}</td><td>{:.2} to {:.2}</td><td>{longest:.2}</td></tr>",
+            escape(name),
+            percent(*difference),
+            time[0],
+            time[1]
+        );
+    }
+    out.push_str("</table></div>");
 }
 
 /// What is absent, in a sentence; nothing if none is.
