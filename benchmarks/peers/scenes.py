@@ -124,6 +124,7 @@ class Axes:
         # Velocities belong to half a step before the positions.
         self.velocities = self.motion(-0.5 * self.dt)[1]
         self.errors = {"u": 0.0, "u largest": 0.0, "v": 0.0, "stress": 0.0}
+        self.failure = None
 
     def __len__(self):
         return len(self.starts)
@@ -142,18 +143,25 @@ class Axes:
         """Steps between looks, as numbers of the first and the one after the last."""
         return [(n, min(n + self.every, self.steps)) for n in range(0, self.steps, self.every)]
 
-    def look(self, steps, x, v, deformation):
-        """Take the errors after so many steps."""
+    def look(self, steps, x, v, deformation, lost):
+        """Take the errors after so many steps. A run that lost particles, or in which one is turned inside out, has failed."""
+        if lost > 0:
+            self.failure = "a particle left the nodes"
+            return
+        j = np.linalg.det(deformation)
+        if not (j > 0).all():
+            self.failure = "a particle is inverted"
+            return
         t = steps * self.dt
         u, _, stretch = self.motion(t)
         _, velocity, _ = self.motion(t - 0.5 * self.dt)
         exact = self.stress(stretch[:, 0] * stretch[:, 1], stretch**2)
         left = np.einsum("nij,nij->ni", deformation, deformation)
-        found = self.stress(np.linalg.det(deformation), left)
+        found = self.stress(j, left)
         of_u = np.linalg.norm(x - self.starts - u, axis=1) / self.AMPLITUDE
         of_v = np.linalg.norm(v - velocity, axis=1) / (self.AMPLITUDE * self.OMEGA)
         of_s = np.linalg.norm(found - exact, axis=1) / (self.AMPLITUDE * self.K)
-        now = {"u": rms(of_u), "u largest": of_u.max(), "v": rms(of_v), "stress": rms(of_s)}
+        now = {"u": rms(of_u), "u largest": float(of_u.max()), "v": rms(of_v), "stress": rms(of_s)}
         for name, error in now.items():
             self.errors[name] = float(np.maximum(self.errors[name], error))  # keeps what is not a number
 
@@ -197,6 +205,7 @@ def run_axes(program, schemes):
             "particles": len(scene),
             "steps": scene.steps,
             "core_seconds": seconds,
+            "failure": scene.failure,
             # What is not a number is no JSON.
             "errors": {name: error if math.isfinite(error) else None for name, error in scene.errors.items()},
         }), flush=True)
@@ -211,4 +220,7 @@ def run_axes_once(scene, schemes):
         advance(first, end)
         seconds += time.process_time() - before
         scene.look(end, *state())
+        if scene.failure:
+            scene.steps = end
+            break
     return seconds

@@ -18,6 +18,7 @@ Vectors = ti.types.ndarray(dtype=vec2, ndim=1)
 Matrices = ti.types.ndarray(dtype=mat2, ndim=1)
 Momenta = ti.types.ndarray(dtype=vec3, ndim=2)
 Fields = ti.types.ndarray(dtype=vec2, ndim=2)
+Count = ti.types.ndarray(dtype=ti.i32, ndim=1)
 
 AMPLITUDE, K, OMEGA, PAD = Axes.AMPLITUDE, Axes.K, Axes.OMEGA, Axes.PAD
 PHASE_X, PHASE_Y = Axes.PHASES
@@ -76,10 +77,24 @@ def still(node, low, high, value):
     return value
 
 
+@ti.func
+def kept(x, start, h, lost: ti.template()):
+    """Where a particle is; what would leave the box of nodes is counted and put back to its start, for the run is over."""
+    at = x / h
+    inside = True
+    for d in ti.static(range(2)):
+        # Written so that what is not a number is outside.
+        inside = inside and at[d] > -1 and at[d] < ti.round(1 / h) + 1
+    if not inside:
+        lost[0] += 1
+        x = start
+    return x
+
+
 @ti.kernel
 def hats_flip_musl(
     starts: Vectors, x: Vectors, moved: Vectors, v: Vectors, deformation: Matrices, momentum: Momenta, force: Fields,
-    again: Fields, first: int, end: int, dt: ti.f64, h: ti.f64, mass: ti.f64,
+    again: Fields, lost: Count, first: int, end: int, dt: ti.f64, h: ti.f64, mass: ti.f64,
 ):
     low, high = PAD, momentum.shape[0] - 1 - PAD
     ti.loop_config(serialize=True)
@@ -125,7 +140,7 @@ def hats_flip_musl(
                     vec2(g[0, i] * w[1, j], w[0, i] * g[1, j])
                 )
             deformation[p] += dt * gradient @ deformation[p]
-            x[p] = moved[p]
+            x[p] = kept(moved[p], starts[p], h, lost)
 
 
 @ti.func
@@ -151,7 +166,7 @@ def mirror(momentum: ti.template(), force: ti.template(), low, high):
 @ti.kernel
 def splines_apic_usl(
     starts: Vectors, x: Vectors, v: Vectors, affine: Matrices, deformation: Matrices, momentum: Momenta, force: Fields,
-    first: int, end: int, dt: ti.f64, h: ti.f64, mass: ti.f64,
+    lost: Count, first: int, end: int, dt: ti.f64, h: ti.f64, mass: ti.f64,
 ):
     low, high = PAD, momentum.shape[0] - 1 - PAD
     ti.loop_config(serialize=True)
@@ -187,7 +202,7 @@ def splines_apic_usl(
             v[p] = nodal
             affine[p] = moment * (4 / (h * h))
             deformation[p] += dt * gradient @ deformation[p]
-            x[p] += dt * nodal
+            x[p] = kept(x[p] + dt * nodal, starts[p], h, lost)
 
 
 def vectors(values):
@@ -203,10 +218,12 @@ def matrices(scene, diagonal):
 
 
 def particles(scene):
-    """Starts, positions, velocities, deformation gradients; and what returns the last three."""
+    """Starts, positions, velocities, deformation gradients; and what returns the last three, and how many are lost."""
     starts, x, v = (vectors(a) for a in (scene.starts, scene.starts, scene.velocities))
     deformation = matrices(scene, 1.0)
-    return starts, x, v, deformation, lambda: (x.to_numpy(), v.to_numpy(), deformation.to_numpy())
+    lost = ti.ndarray(ti.i32, 1)
+    state = lambda: (x.to_numpy(), v.to_numpy(), deformation.to_numpy(), lost.to_numpy()[0])
+    return starts, x, v, deformation, lost, state
 
 
 def grid(scene, kind):
@@ -214,24 +231,24 @@ def grid(scene, kind):
 
 
 def with_hats(scene):
-    starts, x, v, deformation, state = particles(scene)
+    starts, x, v, deformation, lost, state = particles(scene)
     moved = ti.ndarray(vec2, len(scene))
     nodes = [grid(scene, kind) for kind in (vec3, vec2, vec2)]
 
     def advance(first, end):
-        hats_flip_musl(starts, x, moved, v, deformation, *nodes, first, end, scene.dt, scene.h, scene.mass)
+        hats_flip_musl(starts, x, moved, v, deformation, *nodes, lost, first, end, scene.dt, scene.h, scene.mass)
         ti.sync()
 
     return advance, state
 
 
 def with_splines(scene):
-    starts, x, v, deformation, state = particles(scene)
+    starts, x, v, deformation, lost, state = particles(scene)
     affine = matrices(scene, 0.0)
     nodes = [grid(scene, kind) for kind in (vec3, vec2)]
 
     def advance(first, end):
-        splines_apic_usl(starts, x, v, affine, deformation, *nodes, first, end, scene.dt, scene.h, scene.mass)
+        splines_apic_usl(starts, x, v, affine, deformation, *nodes, lost, first, end, scene.dt, scene.h, scene.mass)
         ti.sync()
 
     return advance, state

@@ -282,8 +282,8 @@ def undeform():
 
 def start():
     kind = np.float64 if R == ti.f64 else np.float32
-    x.from_numpy(scene.positions.astype(kind))
-    v.from_numpy(scene.velocities.astype(kind))
+    x.from_numpy(scene.positions.astype(kind, copy=False))
+    v.from_numpy(scene.velocities.astype(kind, copy=False))
     if scheme == "mls":
         undeform()
         C.fill(0)

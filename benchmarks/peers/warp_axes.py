@@ -15,6 +15,7 @@ wp.init()
 
 R, V2, V3, M2 = wp.float64, wp.vec2d, wp.vec3d, wp.mat22d
 Scalars, Vectors, Matrices = wp.array(dtype=R), wp.array(dtype=V2), wp.array(dtype=M2)
+Count = wp.array(dtype=int)
 Momenta, Fields = wp.array2d(dtype=V3), wp.array2d(dtype=V2)
 
 AMPLITUDE, K, OMEGA = (wp.constant(R(a)) for a in (Axes.AMPLITUDE, Axes.K, Axes.OMEGA))
@@ -56,6 +57,17 @@ def still(i: int, j: int, last: int, value: V2):
     if j == PAD or j == last - PAD:
         y = ZERO
     return V2(x, y)
+
+
+@wp.func
+def kept(x: V2, start: V2, h: R, lost: Count):
+    """Where a particle is; what would leave the box of nodes is counted and put back to its start, for the run is over."""
+    low, high = -h, ONE + h
+    # Written so that what is not a number is outside.
+    if x[0] > low and x[0] < high and x[1] > low and x[1] < high:
+        return x
+    wp.atomic_add(lost, 0, 1)
+    return start
 
 
 # ---------------------------------------------------------------- hats, FLIP, MUSL
@@ -136,7 +148,9 @@ def hats_move_again(momentum: Momenta, again: Fields):
 
 
 @wp.kernel
-def hats_gather(x: Vectors, moved: Vectors, f: Matrices, h: R, dt: R, again: Fields):
+def hats_gather(
+    starts: Vectors, x: Vectors, moved: Vectors, f: Matrices, lost: Count, h: R, dt: R, again: Fields
+):
     p = wp.tid()
     at = x[p] / h
     bi, bj = int(wp.floor(at[0])), int(wp.floor(at[1]))
@@ -147,7 +161,7 @@ def hats_gather(x: Vectors, moved: Vectors, f: Matrices, h: R, dt: R, again: Fie
             g = V2(slope(i, h) * hat(j, xi[1]), hat(i, xi[0]) * slope(j, h))
             gradient = gradient + wp.outer(again[bi + i + PAD, bj + j + PAD], g)
     f[p] = f[p] + dt * (gradient * f[p])
-    x[p] = moved[p]
+    x[p] = kept(moved[p], starts[p], h, lost)
 
 
 # ---------------------------------------------------------------- quadratic B-splines, APIC, USL
@@ -218,7 +232,9 @@ def splines_move(momentum: Momenta, force: Fields, dt: R):
 
 
 @wp.kernel
-def splines_gather(x: Vectors, v: Vectors, affine: Matrices, f: Matrices, h: R, dt: R, momentum: Momenta):
+def splines_gather(
+    starts: Vectors, x: Vectors, v: Vectors, affine: Matrices, f: Matrices, lost: Count, h: R, dt: R, momentum: Momenta
+):
     p = wp.tid()
     at = x[p] / h
     bi, bj = int(wp.floor(at[0] + HALF)), int(wp.floor(at[1] + HALF))
@@ -236,7 +252,7 @@ def splines_gather(x: Vectors, v: Vectors, affine: Matrices, f: Matrices, h: R, 
     v[p] = nodal
     affine[p] = (FOUR / (h * h)) * moment
     f[p] = f[p] + dt * (gradient * f[p])
-    x[p] = x[p] + dt * nodal
+    x[p] = kept(x[p] + dt * nodal, starts[p], h, lost)
 
 
 # ---------------------------------------------------------------- scenes
@@ -248,6 +264,7 @@ class State:
         self.starts, self.x = self.vectors(scene.starts), self.vectors(scene.starts)
         self.v = self.vectors(scene.velocities)
         self.f = wp.array(np.tile(np.eye(2), (len(scene), 1, 1)), dtype=M2, device="cpu")
+        self.lost = wp.zeros(1, dtype=int, device="cpu")
         self.t = wp.zeros(1, dtype=R, device="cpu")
         self.momentum, self.force = self.grid(V3), self.grid(V2)
         # Recorded launches do not hold their arrays.
@@ -273,7 +290,7 @@ class State:
                 launch.launch()
 
     def look(self):
-        return self.x.numpy(), self.v.numpy(), self.f.numpy()
+        return self.x.numpy(), self.v.numpy(), self.f.numpy(), self.lost.numpy()[0]
 
 
 def with_hats(scene):
@@ -285,7 +302,7 @@ def with_hats(scene):
     s.then(hats_move, nodes, [s.momentum, s.force, dt])
     s.then(hats_velocities, n, [s.x, s.v, moved, h, m, dt, s.momentum, s.force, again])
     s.then(hats_move_again, nodes, [s.momentum, again])
-    s.then(hats_gather, n, [s.x, moved, s.f, h, dt, again])
+    s.then(hats_gather, n, [s.starts, s.x, moved, s.f, s.lost, h, dt, again])
     return s.advance, s.look
 
 
@@ -299,7 +316,7 @@ def with_splines(scene):
         for axis in range(2):
             s.then(splines_mirror, scene.nodes, [s.momentum, s.force, axis, copies])
     s.then(splines_move, nodes, [s.momentum, s.force, dt])
-    s.then(splines_gather, n, [s.x, s.v, affine, s.f, h, dt, s.momentum])
+    s.then(splines_gather, n, [s.starts, s.x, s.v, affine, s.f, s.lost, h, dt, s.momentum])
     return s.advance, s.look
 
 

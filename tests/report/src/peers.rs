@@ -83,6 +83,7 @@ struct Line {
     particles: u64,
     steps: u64,
     core_seconds: f64,
+    failure: Option<String>,
     errors: BTreeMap<String, Option<f64>>,
 }
 
@@ -91,7 +92,7 @@ struct Line {
 /// # Errors
 /// A line of other contents, or of a scheme that no program was asked for.
 pub fn record(peer: Peer, line: Value, commit: &str) -> Result<Record, CaseError> {
-    let Line { scheme, per_axis, cells, courant, particles, steps, core_seconds, errors } =
+    let Line { scheme, per_axis, cells, courant, particles, steps, core_seconds, failure, errors } =
         serde_json::from_value(line).map_err(|e| CaseError::Other(format!("{}: {e}", peer.name())))?;
     let unknown = || CaseError::Other(format!("{}: there is no scheme {scheme}", peer.name()));
     let found = SCHEMES.into_iter().find(|s| s.name() == scheme).ok_or_else(unknown)?;
@@ -101,6 +102,7 @@ pub fn record(peer: Peer, line: Value, commit: &str) -> Result<Record, CaseError
     outcome.work.steps = steps;
     outcome.work.nodes = found.kernel.nodes(2);
     outcome.work.seconds = core_seconds;
+    outcome.failure = failure;
     let size = |name: &str| errors.get(name).copied().flatten().unwrap_or(f64::NAN);
     outcome.measures = MEASURES.map(|name| (name, size(name))).into();
     Ok(Record::new(key(peer, &case), outcome, commit))
@@ -190,7 +192,7 @@ pub fn reading(out: &mut String, chart: &Chart, theirs: &[&Record], ours: &[&Rec
         out.push_str(if worst < ROUNDING {
             ", which is rounding: independent programs confirm what is computed here. "
         } else {
-            ", which is more than rounding: one of the programs computes something else. "
+            ", which is more than rounding: a scheme amplifies it, or one of the programs computes something else. "
         });
     }
     out.push_str(

@@ -126,6 +126,9 @@ fn lines_of_peers_become_runs() {
 
     // What is not a number is a run that failed; what is no object is nobody's.
     assert!(of_line(Peer::Warp, &line("null")).failure.is_some());
+    let stopped = line("0.1").replace("0.004", "0.004, \"failure\": \"a particle left the nodes\"");
+    let stopped = of_line(Peer::Warp, &stopped);
+    assert_eq!((stopped.failure.as_deref(), stopped.error("u")), (Some("a particle left the nodes"), None));
     assert_eq!(object("[Taichi] version 1.7.4, llvm 15.0.4, linux"), None);
     assert_eq!(object("17"), None);
     for wrong in [line("\"small\""), line("0.1").replace("linear", "linnear"), "{}".into()] {
