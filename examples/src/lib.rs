@@ -33,6 +33,7 @@ mod law;
 pub mod machine;
 pub mod march;
 mod ogive;
+pub mod peers;
 pub mod throughput;
 
 pub use case::{CaseError, Check, Common, Report, Resolution, Totals, largest, within, worst};

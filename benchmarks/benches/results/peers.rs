@@ -4,6 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use examples::CaseError;
+use examples::peers::{Asked, FOLDER, Peer};
 use examples::throughput::{Job, Kernel, Spread, timed};
 use mpm_core::{FullSpace, Method, Mls, QuadraticBSpline, Usl};
 use mpm_materials::{LinearElastic, Moduli, NeoHookean};
@@ -12,9 +13,7 @@ use crate::page::table;
 use crate::sample::{Subject, alternate};
 use crate::scenes::{blocks, hats};
 
-const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers");
-
-/// A run of a peer: the number after "Mpups", its own median of three.
+/// A run of the kernel in C: the number after "Mpups", its own median of three.
 fn rate(command: &mut Command) -> Option<f64> {
     let output = command.output().ok()?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -25,12 +24,7 @@ fn rate(command: &mut Command) -> Option<f64> {
 /// Ours beside theirs on two elastic blocks.
 pub fn compare(quick: bool, python: &Path) -> Result<Option<String>, CaseError> {
     let steps = if quick { 30 } else { 100 };
-    let has = |package: &str| {
-        Command::new(python)
-            .args(["-c", &format!("import {package}")])
-            .output()
-            .is_ok_and(|o| o.status.success())
-    };
+    let present: Vec<Peer> = Peer::ALL.into_iter().filter(|p| p.version(python).is_some()).collect();
     let folder = std::env::temp_dir().join(format!("impactite-peers-{}", std::process::id()));
     std::fs::create_dir_all(&folder).map_err(|source| CaseError::File { path: folder.clone(), source })?;
     let compiled = folder.join("ref_hat");
@@ -44,7 +38,8 @@ pub fn compare(quick: bool, python: &Path) -> Result<Option<String>, CaseError> 
 
     let moduli = || Moduli::young_poisson(100.0, 0.3);
     let mut rows = Vec::new();
-    let mut missing = Vec::new();
+    let absent = Peer::ALL.into_iter().filter(|p| !present.contains(p));
+    let mut missing: Vec<&str> = absent.map(Peer::name).collect();
     for threads in [1, 2] {
         let job = Job { kernel: Kernel::LinearMuslElastic, particles: 200_000, threads, steps };
         let samples = alternate(
@@ -59,7 +54,8 @@ pub fn compare(quick: bool, python: &Path) -> Result<Option<String>, CaseError> 
             ],
             3,
         )?;
-        for (scheme, sample) in ["musl", "mls"].into_iter().zip(&samples) {
+        let kernels = [Kernel::LinearMuslElastic, Kernel::QuadraticApicUsl];
+        for (kernel, sample) in kernels.into_iter().zip(&samples) {
             let ours = sample.rates();
             let mut add = |who: &str, theirs: Option<f64>| match theirs {
                 Some(theirs) => rows.push([
@@ -72,31 +68,17 @@ pub fn compare(quick: bool, python: &Path) -> Result<Option<String>, CaseError> 
                 ]),
                 None => eprintln!("{who}: its program failed"),
             };
-            let median = |run: &dyn Fn() -> Option<f64>| {
+            for &peer in present.iter().filter(|p| p.most_threads() >= threads) {
+                let asked = Asked { kernel, cube: None, threads, steps, repeat: 3 };
+                let rates = peer.throughput(python, &asked).map_err(|error| eprintln!("{error}")).ok();
+                add(peer.name(), rates.map(|(rates, _)| 1e-6 * Spread::of(rates.into_iter()).median));
+            }
+            if has_c && kernel == Kernel::LinearMuslElastic {
+                let (threads, steps) = (threads.to_string(), steps.to_string());
+                let run = || rate(Command::new(&compiled).args([&threads, &steps]));
                 let rates: Vec<f64> = (0..3).filter_map(|_| run()).collect();
-                (!rates.is_empty()).then(|| Spread::of(rates.into_iter()).median)
-            };
-            let (threads, steps) = (threads.to_string(), steps.to_string());
-            if has("taichi") {
-                let program = format!("{FOLDER}/taichi_w1.py");
-                add(
-                    "Taichi",
-                    median(&|| rate(Command::new(python).args([&program, scheme, "f64", &threads, &steps]))),
-                );
+                add("C, by hand", (!rates.is_empty()).then(|| Spread::of(rates.into_iter()).median));
             }
-            if has("warp") && threads == "1" {
-                let program = format!("{FOLDER}/warp_w1.py");
-                add("Warp", median(&|| rate(Command::new(python).args([&program, scheme, "f64", &steps]))));
-            }
-            if has_c && scheme == "musl" {
-                add("C, by hand", median(&|| rate(Command::new(&compiled).args([&threads, &steps]))));
-            }
-        }
-    }
-    for (package, install) in [("taichi", "taichi"), ("warp", "warp-lang")] {
-        if !has(package) {
-            eprintln!("{package} is absent and left out; `pip install {install} numpy` brings it");
-            missing.push(package);
         }
     }
     if !has_c {

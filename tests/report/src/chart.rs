@@ -2,8 +2,11 @@
 
 use std::fmt::Write;
 
+use examples::peers::Peer;
+
 use crate::contact::DETECTIONS;
 use crate::front::{Cost, front, schemes};
+use crate::peers;
 use crate::record::Record;
 use crate::sweep::{Chart, Kind};
 
@@ -51,25 +54,87 @@ impl Scale {
     }
 }
 
-/// How a scheme is drawn: the number of its colour, its dash, ring or disc.
+/// The shape of a marker.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mark {
+    /// Moves through the grid.
+    Disc,
+    /// In the reference configuration, or in single precision.
+    Ring,
+    /// Taichi.
+    Square,
+    /// Warp.
+    Diamond,
+}
+
+impl Mark {
+    /// Of runs of a peer; of ours a ring or a disc.
+    pub fn of(peer: Option<Peer>, ring: bool) -> Mark {
+        match peer {
+            Some(Peer::Taichi) => Mark::Square,
+            Some(Peer::Warp) => Mark::Diamond,
+            None if ring => Mark::Ring,
+            None => Mark::Disc,
+        }
+    }
+
+    /// Draw it with the number of its colour, and a tip if that is not empty. Those of peers are hollow and larger, so that ours
+    /// are seen where both are in one place.
+    pub fn draw(self, out: &mut String, colour: usize, (x, y): (f64, f64), size: f64, tip: &str) {
+        let title = if tip.is_empty() { String::new() } else { format!("<title>{tip}</title>") };
+        let _ = match self {
+            Mark::Disc | Mark::Ring => {
+                let kind = if self == Mark::Ring { "ring" } else { "disc" };
+                write!(
+                    out,
+                    "<circle class=\"{kind} c{colour}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{size}\">{title}</circle>"
+                )
+            }
+            Mark::Square => {
+                let (low, wide) = (size + 0.5, 2.0 * size + 1.0);
+                write!(
+                    out,
+                    "<path class=\"peer c{colour}\" d=\"M{:.1} {:.1}h{wide}v{wide}h-{wide}z\">{title}</path>",
+                    x - low,
+                    y - low
+                )
+            }
+            Mark::Diamond => {
+                let r = size + 1.5;
+                write!(
+                    out,
+                    "<path class=\"peer c{colour}\" d=\"M{:.1} {y:.1}l{r} -{r}l{r} {r}l-{r} {r}z\">{title}</path>",
+                    x - r
+                )
+            }
+        };
+    }
+}
+
+/// How a scheme is drawn: the number of its colour, its dash, its marker.
 struct Style {
     colour: usize,
     dash: &'static str,
-    ring: bool,
+    mark: Mark,
 }
 
 impl Style {
     /// Of runs of contact the colour is that of the test, of footings that of the cure, else that of the kernel.
     fn of(scheme: &str) -> Style {
+        let (peer, scheme) = peers::split(scheme);
         let (method, variant) = scheme.split_once(", ").unwrap_or((scheme, ""));
         if let Some(test) = DETECTIONS.iter().position(|d| d.name() == variant) {
             let ring = method.contains("quadratic");
-            return Style { colour: test + 1, dash: if ring { "7 4" } else { "none" }, ring };
+            return Style {
+                colour: test + 1,
+                dash: if ring { "7 4" } else { "none" },
+                mark: Mark::of(peer, ring),
+            };
         }
         let ring = method.starts_with("TL");
         if !variant.is_empty() {
             let colour = if variant.starts_with("mean") { 3 } else { 1 };
-            return Style { colour, dash: if ring { "7 4" } else { "none" }, ring };
+            return Style { colour, dash: if ring { "7 4" } else { "none" }, mark: Mark::of(peer, ring) };
         }
         let kernel = ["linear", "uGIMP", "cpGIMP", "quadratic", "cubic", "CPDI-2", "CPDI"];
         let colour = kernel.iter().position(|k| method.contains(k)).unwrap_or(0) + 1;
@@ -82,18 +147,8 @@ impl Style {
         } else {
             "none"
         };
-        Style { colour, dash, ring }
+        Style { colour, dash, mark: Mark::of(peer, ring) }
     }
-}
-
-/// A marker of a scheme: rings in the reference configuration, discs that move with the material.
-fn marker(out: &mut String, scheme: &str, x: f64, y: f64, size: f64, tip: &str) {
-    let Style { colour, ring, .. } = Style::of(scheme);
-    let kind = if ring { "ring" } else { "disc" };
-    let _ = write!(
-        out,
-        "<circle class=\"{kind} c{colour}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{size}\"><title>{tip}</title></circle>"
-    );
 }
 
 fn tip(record: &Record, error: &str) -> String {
@@ -119,14 +174,21 @@ pub fn open(about: &str) -> String {
 }
 
 /// The chart of some runs. A line is a scheme's own unbeaten runs; the others of the scheme are faint; runs that stopped
-/// or whose error is above the top are crosses on the top edge; the broad line joins the unbeaten of all. `band` is how
-/// much the time of the same run differs, which is drawn against time.
-pub fn draw(chart: &Chart, runs: &[&Record], cost: Cost, band: Option<f64>) -> Option<String> {
+/// or whose error is above the top are crosses on the top edge; the broad line joins the unbeaten of all of ours. `theirs`
+/// are the runs of peers. `band` is how much the time of the same run differs, which is drawn against time.
+pub fn draw(
+    chart: &Chart,
+    runs: &[&Record],
+    theirs: &[&Record],
+    cost: Cost,
+    band: Option<f64>,
+) -> Option<String> {
     let error = chart.error;
-    let x = Scale::across(runs.iter().filter_map(|r| cost.of(r)))?;
+    let drawn: Vec<&Record> = runs.iter().chain(theirs).copied().collect();
+    let x = Scale::across(drawn.iter().filter_map(|r| cost.of(r)))?;
     // Errors above one are no answers: they are crosses on the edge, as failures are.
     let inside = |r: &Record| r.answer(error).is_some();
-    let y = Scale::up(runs.iter().filter_map(|r| r.answer(error)))?;
+    let y = Scale::up(drawn.iter().filter_map(|r| r.answer(error)))?;
     let mut out = open(&format!("{} against {}", chart.label, cost.label()));
     let what = if chart.kind == Kind::Time {
         "× stopped, or change above 1"
@@ -138,12 +200,12 @@ pub fn draw(chart: &Chart, runs: &[&Record], cost: Cost, band: Option<f64>) -> O
         let all = front(runs.iter().copied().filter(|r| inside(r)), error, cost);
         path(&mut out, &all, error, cost, (&x, &y), "class=\"front\"");
     }
-    for scheme in schemes(runs) {
-        let own: Vec<&Record> = runs.iter().copied().filter(|r| r.scheme() == scheme).collect();
+    for scheme in schemes(&drawn) {
+        let own: Vec<&Record> = drawn.iter().copied().filter(|r| r.scheme() == scheme).collect();
         let good = own.iter().copied().filter(|r| inside(r));
         let line: Vec<&Record> =
             if chart.kind == Kind::Time { good.collect() } else { front(good, error, cost) };
-        let Style { colour, dash, .. } = Style::of(&scheme);
+        let Style { colour, dash, mark } = Style::of(&scheme);
         let how = format!("class=\"line c{colour}\" stroke-dasharray=\"{dash}\"");
         path(&mut out, &line, error, cost, (&x, &y), &how);
         for record in own {
@@ -153,7 +215,7 @@ pub fn draw(chart: &Chart, runs: &[&Record], cost: Cost, band: Option<f64>) -> O
                 Some(_) if cost.of(record).is_none() => {}
                 Some(e) => {
                     let size = if line.iter().any(|r| std::ptr::eq(*r, record)) { 4.0 } else { 1.8 };
-                    marker(&mut out, &scheme, at, y.at(e.max(1e-300)), size, &tip(record, error));
+                    mark.draw(&mut out, colour, (at, y.at(e.max(1e-300))), size, &tip(record, error));
                 }
                 None => {
                     let _ = write!(
@@ -264,12 +326,12 @@ pub fn axes(out: &mut String, (x, y): (&Scale, &Scale), along: &str, up: &str, r
 pub fn legend(runs: &[&Record]) -> String {
     let mut out = String::from("<p class=\"legend\">");
     for scheme in schemes(runs) {
-        let Style { colour, dash, .. } = Style::of(&scheme);
+        let Style { colour, dash, mark } = Style::of(&scheme);
         let _ = write!(
             out,
             "<span><svg viewBox=\"0 0 34 12\"><path class=\"line c{colour}\" stroke-dasharray=\"{dash}\" d=\"M0 6H34\"/>"
         );
-        marker(&mut out, &scheme, 17.0, 6.0, 4.0, &escape(&scheme));
+        mark.draw(&mut out, colour, (17.0, 6.0), 4.0, &escape(&scheme));
         let _ = write!(out, "</svg>{}</span> ", escape(&scheme));
     }
     out.push_str("</p>");

@@ -4,6 +4,7 @@ use verification::Scheme;
 
 use crate::contact::DETECTIONS;
 use crate::job::Key;
+use crate::peers;
 use crate::record::Record;
 
 /// What a run costs.
@@ -73,14 +74,15 @@ pub fn cheapest<'a>(
     known.min_by(|a, b| a.0.total_cmp(&b.0)).map(|r| r.1)
 }
 
-/// Schemes that occur: by frame, kernel and transfer, variants in the order of their choices.
+/// Schemes that occur: ours before those of peers, by frame, kernel and transfer, variants in the order of their choices.
 pub fn schemes(runs: &[&Record]) -> Vec<String> {
     let mut list: Vec<String> = runs.iter().map(|r| r.scheme().to_string()).collect();
     let all = Scheme::all();
     let rank = |name: &str| {
+        let (peer, name) = peers::split(name);
         let (method, variant) = name.split_once(", ").unwrap_or((name, ""));
         let method = all.iter().position(|s| s.name() == method);
-        (method, DETECTIONS.iter().position(|d| d.name() == variant), variant.to_string())
+        (peer, method, DETECTIONS.iter().position(|d| d.name() == variant), variant.to_string())
     };
     list.sort_by_cached_key(|name| rank(name));
     list.dedup();

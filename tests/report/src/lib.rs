@@ -2,7 +2,8 @@
 //!
 //! A [`job`] is a run by name; a [`sweep`] the jobs of a chart. [`record`]s are lines of a file, so that a sweep goes on where
 //! it was stopped. [`counts`] has instructions by callgrind, [`speed`] throughput, [`map`] the verdicts of the stability
-//! scenes, [`price`] what an error of one per cent takes. [`page`] puts it together.
+//! scenes, [`price`] what an error of one per cent takes, [`peers`] runs of programs for Taichi and Warp. [`page`] puts it
+//! together.
 
 pub mod chart;
 pub mod contact;
@@ -13,6 +14,7 @@ pub mod limits;
 pub mod long;
 pub mod map;
 pub mod page;
+pub mod peers;
 pub mod pool;
 pub mod price;
 pub mod rates;
@@ -27,12 +29,14 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use clap::Parser;
-use examples::machine;
+use examples::peers::Peer;
+use examples::{CaseError, machine};
 use verification::origin::said_by;
 use verification::{fast, stored};
 
 use counts::Count;
 use job::{Job, Key};
+use peers::Package;
 use record::Record;
 use speed::Speed;
 
@@ -51,6 +55,9 @@ struct Options {
     /// Runs at a time, each on one thread [default: one a processor]
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,
+    /// Python with the packages of peers, Taichi and Warp; what is absent is left out
+    #[arg(long, value_name = "PROGRAM", default_value = "python3")]
+    python: PathBuf,
     /// Folder for page and data
     #[arg(long, value_name = "DIR", default_value = "out/report")]
     out: PathBuf,
@@ -105,16 +112,20 @@ fn run(options: &Options) -> Made<()> {
     let files = Files::new(&options.out);
     if !options.draw {
         let sweeper = Sweeper { options, commit: &commit, files: &files, start: Instant::now() };
+        let packages = Package::all(&options.python);
         sweeper.runs(&charts)?;
         sweeper.limits()?;
         sweeper.speeds()?;
+        sweeper.peers(&packages)?;
         sweeper.counts(&charts)?;
-        sweeper.band()?;
+        sweeper.band(packages)?;
         println!("swept in {:.1} min", sweeper.minutes());
     }
     let mut records = record::read(&files.runs)?;
     records.retain(|r| Job::of(&r.key).is_some());
     counts::attach(&mut records, &record::lines::<Count>(&files.counts)?);
+    let mut of_peers = record::read(&files.peers)?;
+    of_peers.retain(|r| peers::is_known(&r.key));
     let mut commits: Vec<&str> = records.iter().map(|r| r.commit.as_str()).collect();
     commits.sort_unstable();
     commits.dedup();
@@ -126,11 +137,13 @@ fn run(options: &Options) -> Made<()> {
         making: files.making()?,
         charts: &charts,
         records: &records,
+        peers: &of_peers,
     };
-    record::write_csv(&options.out.join("runs.csv"), records.iter())?;
+    let all = || records.iter().chain(&of_peers);
+    record::write_csv(&options.out.join("runs.csv"), all())?;
     for chart in &charts {
         let file = options.out.join(format!("{}.csv", chart.id));
-        record::write_csv(&file, records.iter().filter(|r| r.key.problem == chart.problem))?;
+        record::write_csv(&file, all().filter(|r| r.key.problem == chart.problem))?;
     }
     limits::write_csv(&options.out.join("c10-limits.csv"), &data.limits)?;
     rates::write_csv(&options.out.join("c12-throughput.csv"), &data.speeds)?;
@@ -157,16 +170,17 @@ struct Files {
     runs: PathBuf,
     counts: PathBuf,
     speeds: PathBuf,
+    peers: PathBuf,
     limits: PathBuf,
     making: PathBuf,
 }
 
 impl Files {
     fn new(out: &Path) -> Self {
-        let [runs, counts, speeds, limits, making] =
-            ["runs.jsonl", "counts.jsonl", "speeds.jsonl", "limits.jsonl", "making.json"]
+        let [runs, counts, speeds, peers, limits, making] =
+            ["runs.jsonl", "counts.jsonl", "speeds.jsonl", "peers.jsonl", "limits.jsonl", "making.json"]
                 .map(|f| out.join(f));
-        Files { runs, counts, speeds, limits, making }
+        Files { runs, counts, speeds, peers, limits, making }
     }
 
     /// What is known of how the runs were made.
@@ -197,6 +211,11 @@ impl Sweeper<'_> {
         self.options.threads.map_or_else(all, usize::from)
     }
 
+    /// The clock is judged by the smallest of some repeats; long runs (s) need it less.
+    fn repeats(&self) -> (u32, f64) {
+        if self.options.quick { (2, 0.1) } else { (5, 3.0) }
+    }
+
     fn wants(&self, number: &str) -> bool {
         self.options.charts.is_empty() || self.options.charts.iter().any(|c| c == number)
     }
@@ -212,13 +231,12 @@ impl Sweeper<'_> {
     }
 
     fn runs(&self, charts: &[sweep::Chart]) -> Made<()> {
-        let (quick, there) = (self.options.quick, record::read(&self.files.runs)?);
+        let there = record::read(&self.files.runs)?;
         let jobs = self.jobs(charts);
         let is_there = |job: &Job| there.iter().any(|r| r.is_of(job, self.commit));
         let missing: Vec<Job> = jobs.iter().filter(|j| !is_there(j)).copied().collect();
         println!("{} runs, {} of them there", jobs.len(), jobs.len() - missing.len());
-        // The clock is judged by the smallest of some repeats; long runs need it less.
-        let (repeats, brief) = if quick { (2, 0.1) } else { (5, 3.0) };
+        let (repeats, brief) = self.repeats();
         let work = |job: &Job| {
             let mut outcomes = job.run();
             for _ in 1..repeats {
@@ -333,9 +351,64 @@ impl Sweeper<'_> {
         Ok(())
     }
 
+    /// V3 and throughput by the packages that are there, one run at a time. A program that fails is left out with a message: a
+    /// package of others must not cost the page.
+    fn peers(&self, packages: &[Package]) -> Made<()> {
+        for peer in packages.iter().filter(|p| p.version.is_some()).map(|p| p.peer) {
+            let made = self.runs_of(peer).and_then(|()| self.speeds_of(peer));
+            if let Err(error) = made {
+                eprintln!("{} is left out: {error}", peer.name());
+            }
+        }
+        Ok(())
+    }
+
+    fn runs_of(&self, peer: Peer) -> Made<()> {
+        if !self.wants("C1") {
+            return Ok(());
+        }
+        let there = record::read(&self.files.peers)?;
+        let mut missing = peers::cases(self.options.quick);
+        missing.retain(|c| !there.iter().any(|r| r.key == peers::key(peer, c) && r.commit == self.commit));
+        if missing.is_empty() {
+            return Ok(());
+        }
+        let mut count = 0;
+        peers::run(peer, &self.options.python, &missing, self.repeats(), self.commit, &mut |record| {
+            record::append(&self.files.peers, &[&record])
+                .map_err(|source| CaseError::File { path: self.files.peers.clone(), source })?;
+            count += 1;
+            let name = format!("{}, {}, {} cells", record.key.problem, record.scheme(), record.key.cells);
+            println!("peer {count}/{} at {:.1} min: {name}", missing.len(), self.minutes());
+            Ok(())
+        })?;
+        Ok(())
+    }
+
+    fn speeds_of(&self, peer: Peer) -> Made<()> {
+        if !self.wants("C12") {
+            return Ok(());
+        }
+        let there = read_speeds(&self.files.speeds)?;
+        let quick = self.options.quick;
+        // Starting Python and compiling take seconds for each.
+        let sizes = if quick { &[10_000, 100_000] } else { sweep::sizes(false) };
+        let much = if quick { (2, 1_000_000) } else { (6, 4_000_000) };
+        for asked in speed::Asked::of_peer(peer, sizes) {
+            if there.iter().any(|s| s.asked == asked && s.commit == self.commit) {
+                continue;
+            }
+            let speed = speed::of_peer((peer, &asked), &self.options.python, much, self.commit)?;
+            record::append(&self.files.speeds, &[&speed])?;
+            let name = format!("{}, {} particles, {} threads", asked.name(), asked.particles, asked.threads);
+            println!("speed at {:.1} min: {name}: {:.1} million/s", self.minutes(), 1e-6 * speed.best());
+        }
+        Ok(())
+    }
+
     /// How much the time of one and the same run differs: two series of five, by turns, on as many threads as the
     /// sweep had. And with that, what else the page says of its making.
-    fn band(&self) -> Made<()> {
+    fn band(&self, packages: Vec<Package>) -> Made<()> {
         let series = |_: &()| {
             let (case, mut best) = (sweep::control(), [f64::INFINITY; 2]);
             for n in 0..10 {
@@ -356,6 +429,7 @@ impl Sweeper<'_> {
             threads: self.threads(),
             band,
             sweep: if self.options.quick { "quick".into() } else { "full".into() },
+            packages,
         };
         fs::write(&self.files.making, serde_json::to_string_pretty(&making)?)?;
         Ok(())

@@ -8,6 +8,7 @@ use crate::chart::{draw, escape, legend, percent};
 use crate::front::{Cost, cheapest, front, schemes};
 use crate::limits::{self, Found};
 use crate::map::{self, Row};
+use crate::peers::{self, Package};
 use crate::record::Record;
 use crate::speed::Speed;
 use crate::sweep::{Chart, Kind};
@@ -28,6 +29,9 @@ pub struct Making {
     pub band: f64,
     /// The sweep.
     pub sweep: String,
+    /// Packages of peers; empty if nobody looked.
+    #[serde(default)]
+    pub packages: Vec<Package>,
 }
 
 /// What a page is made of.
@@ -40,6 +44,8 @@ pub struct Data<'a> {
     pub charts: &'a [Chart],
     /// Runs.
     pub records: &'a [Record],
+    /// Runs of peers.
+    pub peers: &'a [Record],
     /// Throughput.
     pub speeds: Vec<Speed>,
     /// Rows of the page of stability.
@@ -145,9 +151,12 @@ fn section(out: &mut String, chart: &Chart, data: &Data) {
         out.push_str("<p>No run yet.</p></section>");
         return;
     }
+    let theirs = of(chart, data.peers);
     let band = data.making.as_ref().map(|m| m.band);
     let figure = |out: &mut String, cost: Cost| {
-        let drawing = draw(chart, &runs, cost, band);
+        // Instructions of peers are not counted.
+        let beside = if cost == Cost::Instructions { &[] } else { &theirs[..] };
+        let drawing = draw(chart, &runs, beside, cost, band);
         let drawing = drawing.unwrap_or_else(|| "<p>No run that could be drawn.</p>".into());
         let _ = write!(out, "<figure>{drawing}</figure>");
     };
@@ -164,11 +173,13 @@ fn section(out: &mut String, chart: &Chart, data: &Data) {
             out.push_str("</div>");
         }
     }
-    out.push_str(&legend(&runs));
+    let all: Vec<&Record> = runs.iter().chain(&theirs).copied().collect();
+    out.push_str(&legend(&all));
     match chart.kind {
         Kind::Work => reading(out, chart, &runs, band.unwrap_or(0.0)),
         Kind::Time => reading_of_time(out, chart, &runs),
     }
+    peers::reading(out, chart, &theirs, &runs);
     if chart.kind == Kind::Work {
         out.push_str("<details><summary>Against instructions</summary>");
         if runs.iter().any(|r| r.instructions.is_some()) {
@@ -180,7 +191,7 @@ fn section(out: &mut String, chart: &Chart, data: &Data) {
         }
         out.push_str("</details>");
     }
-    verdicts(out, chart, &runs);
+    verdicts(out, chart, &all);
     foot(out, chart, &runs, band);
     out.push_str("</section>");
 }
@@ -406,7 +417,7 @@ fn method(out: &mut String, data: &Data) {
         data.records.len(),
         escape(&data.commit)
     );
-    if let Some(Making { date, machine, compiler, threads, band, sweep }) = &data.making {
+    if let Some(Making { date, machine, compiler, threads, band, sweep, packages }) = &data.making {
         let _ = write!(
             out,
             "<li>Sweep “{sweep}”, {date}, {threads} runs at a time, each on one thread.</li>\
@@ -417,6 +428,12 @@ fn method(out: &mut String, data: &Data) {
             escape(compiler),
             percent(*band)
         );
+        let (there, absent) = (peers::present(packages), peers::absent(packages));
+        let _ = match (there.is_empty(), absent.is_empty()) {
+            (true, true) => write!(out, "<li>Peers: not looked for.</li>"),
+            (true, false) => write!(out, "<li>Peers: none. {absent}</li>"),
+            _ => write!(out, "<li>Peers: {there}. {absent}</li>"),
+        };
     }
     out.push_str(
         "<li>Error and time are of the same run. Time is processor time of the steps alone, the force field of the manufactured \
@@ -429,7 +446,7 @@ fn method(out: &mut String, data: &Data) {
          <li>Not covered: three dimensions (but for C12), several threads (but for C12), FMPM with MUSL, CPDI with other than FLIP and USL, friction, finite elements and particle hydrodynamics beside. \
          Problems here are smooth, or one shock, or one contact; what breaks in fracture or penetration is another matter.</li>\
          <li>Data: <a href=\"runs.csv\">runs.csv</a>, <a href=\"runs.jsonl\">runs.jsonl</a>, <a href=\"counts.jsonl\">counts.jsonl</a>, \
-         <a href=\"speeds.jsonl\">speeds.jsonl</a>, <a href=\"stability.json\">stability.json</a>. \
+         <a href=\"speeds.jsonl\">speeds.jsonl</a>, <a href=\"peers.jsonl\">peers.jsonl</a>, <a href=\"stability.json\">stability.json</a>. \
          Made by <code>cargo run --release -p report</code>.</li></ul>",
     );
 }

@@ -3,6 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use clap::ValueEnum;
+use examples::peers::{self, Peer};
+use examples::throughput::Kernel;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -12,6 +15,9 @@ pub const KERNELS: [&str; 3] = ["linear-musl-elastic", "linear-musl-johnson-cook
 /// What is to be run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Asked {
+    /// Whose program; ours if none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peer: Option<Peer>,
     /// What a step computes.
     pub kernel: String,
     /// About so many particles.
@@ -48,7 +54,7 @@ impl Asked {
             for kernel in KERNELS {
                 for bits in [64, 32] {
                     for threads in [1, 2] {
-                        list.push(Asked { kernel: kernel.into(), particles, threads, bits });
+                        list.push(Asked { peer: None, kernel: kernel.into(), particles, threads, bits });
                     }
                 }
             }
@@ -56,9 +62,22 @@ impl Asked {
         list
     }
 
+    /// The kernels that a peer has programs for, in double precision on as many threads as it can and ours are run on.
+    pub fn of_peer(peer: Peer, sizes: &[u64]) -> Vec<Asked> {
+        let ours = Asked::all(sizes).into_iter().filter(|a| a.bits == 64 && a.threads <= peer.most_threads());
+        let known = ours.filter(|a| a.kernel != Kernel::LinearMuslJohnsonCook.name());
+        known.map(|asked| Asked { peer: Some(peer), ..asked }).collect()
+    }
+
     /// Its line's name.
     pub fn name(&self) -> String {
-        format!("{}, f{}", self.kernel, self.bits)
+        let name = format!("{}, f{}", self.kernel, self.bits);
+        self.peer.map_or(name.clone(), |peer| format!("{}: {name}", peer.name()))
+    }
+
+    /// Steps that come to about so many particle-steps.
+    fn steps(&self, particle_steps: u64) -> u64 {
+        (particle_steps / self.particles).clamp(4, 1000)
     }
 
     /// Run it so many times.
@@ -72,7 +91,7 @@ impl Asked {
         repeats: u32,
         commit: &str,
     ) -> Result<Speed, Box<dyn std::error::Error>> {
-        let steps = (4_000_000 / self.particles).clamp(4, 1000);
+        let steps = self.steps(4_000_000);
         let output = Command::new(program)
             .args(["--kernel", &self.kernel, "--particles", &self.particles.to_string()])
             .args(["--threads", &self.threads.to_string(), "--steps", &steps.to_string()])
@@ -94,6 +113,35 @@ impl Asked {
             commit: commit.into(),
         })
     }
+}
+
+/// Run a peer's program so many times, each for about so many particle-steps.
+///
+/// # Errors
+/// A program that fails, and a kernel that there is none for.
+pub fn of_peer(
+    (peer, asked): (Peer, &Asked),
+    python: &Path,
+    (repeats, particle_steps): (u32, u64),
+    commit: &str,
+) -> Result<Speed, Box<dyn std::error::Error>> {
+    let steps = asked.steps(particle_steps);
+    let wanted = peers::Asked {
+        kernel: Kernel::from_str(&asked.kernel, false)?,
+        cube: Some(asked.particles),
+        threads: asked.threads,
+        steps,
+        repeat: repeats,
+    };
+    let (rates, said) = peer.throughput(python, &wanted)?;
+    Ok(Speed {
+        asked: asked.clone(),
+        count: said["particles"].as_u64().unwrap_or_default(),
+        steps,
+        rates,
+        bytes: said["total_bytes_per_particle"].as_f64().unwrap_or(f64::NAN),
+        commit: commit.into(),
+    })
 }
 
 impl Speed {

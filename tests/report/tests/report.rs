@@ -1,9 +1,17 @@
 //! What the page is put together by.
 
+use std::path::Path;
+
+use examples::peers::{Peer, object};
+use report::chart::{draw, legend};
+use report::front::Cost;
 use report::job::Job;
 use report::limits::{self, Asked};
+use report::peers;
 use report::pool::each;
 use report::price::{Need, needed};
+use report::record::Record;
+use report::speed::{self, Speed};
 use report::sweep::{charts, jobs};
 use verification::{Kernel, Scheme, Velocity};
 
@@ -86,4 +94,133 @@ fn limits_are_found_and_drawn() {
     // Two lines each of two transfers, in the drawing; markers there and in the legend.
     assert_eq!(page.matches("class=\"disc").count(), 4 + 3);
     assert!(page.contains("Of 4 arrangements"), "{page}");
+}
+
+/// A line of a peer's program: hats, 2 particles a cell and axis, 16 cells, with this error of displacement.
+fn line(u: &str) -> String {
+    format!(
+        "{{\"program\": \"Taichi 1.7.4\", \"scheme\": \"linear FLIP-MUSL\", \"per_axis\": 2, \"cells\": 16, \"courant\": 0.3, \
+         \"particles\": 1024, \"steps\": 54, \"core_seconds\": 0.004, \
+         \"errors\": {{\"u\": {u}, \"u largest\": 0.4, \"v\": 0.7, \"stress\": 0.8}}}}"
+    )
+}
+
+fn of_line(peer: Peer, text: &str) -> Record {
+    peers::record(peer, object(text).unwrap(), "none").unwrap()
+}
+
+#[test]
+fn lines_of_peers_become_runs() {
+    let run = of_line(Peer::Taichi, &line("0.24"));
+    let of_hats = |c: &&verification::Case| (c.scheme, c.cells, c.courant) == (peers::SCHEMES[0], 16, 0.3);
+    let case = peers::cases(true).into_iter().find(|c| of_hats(&c)).unwrap();
+    assert_eq!(run.key, peers::key(Peer::Taichi, &case));
+    assert_eq!((run.particles, run.steps, run.units), (1024, 54, 1024.0 * 54.0 * 4.0));
+    assert_eq!((run.error("u"), run.error("stress")), (Some(0.24), Some(0.8)));
+    // As it is written down, it is read again, and it is none of ours.
+    let again: Record = serde_json::from_str(&serde_json::to_string(&run).unwrap()).unwrap();
+    assert_eq!(again, run);
+    assert!(peers::is_known(&run.key) && Job::of(&run.key).is_none());
+    assert_eq!(peers::split(run.scheme()), (Some(Peer::Taichi), "linear FLIP-MUSL"));
+    assert!(!peers::is_known(&Job::Case(case).key()));
+
+    // What is not a number is a run that failed; what is no object is nobody's.
+    assert!(of_line(Peer::Warp, &line("null")).failure.is_some());
+    let stopped = line("0.1").replace("0.004", "0.004, \"failure\": \"a particle left the nodes\"");
+    let stopped = of_line(Peer::Warp, &stopped);
+    assert_eq!((stopped.failure.as_deref(), stopped.error("u")), (Some("a particle left the nodes"), None));
+    assert_eq!(object("[Taichi] version 1.7.4, llvm 15.0.4, linux"), None);
+    assert_eq!(object("17"), None);
+    for wrong in [line("\"small\""), line("0.1").replace("linear", "linnear"), "{}".into()] {
+        assert!(peers::record(Peer::Taichi, object(&wrong).unwrap(), "none").is_err(), "{wrong}");
+    }
+}
+
+#[test]
+fn peers_are_drawn_beside_ours_and_compared() {
+    let charts = charts();
+    let chart = charts.iter().find(|c| c.id == "c1-displacement").unwrap();
+    let theirs = [of_line(Peer::Taichi, &line("0.24")), of_line(Peer::Warp, &line("0.3"))];
+    let mut own = theirs[0].clone();
+    own.key.scheme = "linear FLIP-MUSL".into();
+    own.errors[0].1 = 0.25;
+    own.core_seconds = 0.008;
+    let (ours, theirs): (Vec<&Record>, Vec<&Record>) = (vec![&own], theirs.iter().collect());
+
+    let plain = draw(chart, &ours, &[], Cost::Seconds, None).unwrap();
+    let both = draw(chart, &ours, &theirs, Cost::Seconds, None).unwrap();
+    assert_eq!(plain.matches("class=\"peer c1\"").count(), 0);
+    assert_eq!(both.matches("class=\"peer c1\"").count(), 2);
+    assert_eq!(both.matches("class=\"disc c1\"").count(), 1);
+    // A peer beats no run of ours: the broad line has ours alone, one point.
+    let broad = both.split("class=\"front\" d=\"").nth(1).and_then(|d| d.split('"').next()).unwrap();
+    assert_eq!((broad.matches('M').count(), broad.matches('L').count()), (1, 0), "{broad}");
+    let all: Vec<&Record> = theirs.iter().chain(&ours).copied().collect();
+    let legend = legend(&all);
+    let places =
+        ["</svg>linear FLIP-MUSL", "</svg>Taichi: linear", "</svg>Warp: linear"].map(|n| legend.find(n));
+    assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{legend}");
+
+    let found = peers::agreement(theirs[0].scheme(), &theirs, &ours, "u").unwrap();
+    assert_eq!(found.runs, 1);
+    assert!((found.difference - 0.04).abs() < 1e-12, "{found:?}");
+    assert_eq!((found.time, found.longest), ([0.5; 2], 0.5));
+    assert_eq!(peers::agreement(theirs[0].scheme(), &theirs, &[], "u"), None);
+    let mut text = String::new();
+    peers::reading(&mut text, chart, &theirs, &ours);
+    assert!(text.contains("ours within 20 % of them, which is more than rounding"), "{text}");
+    assert!(text.contains("<td>Taichi: linear FLIP-MUSL</td><td>1</td><td>4 %</td>"), "{text}");
+}
+
+#[test]
+fn speeds_of_peers_are_told_from_ours() {
+    let asked = speed::Asked::of_peer(Peer::Warp, &[1000]);
+    assert!(!asked.is_empty() && asked.iter().all(|a| (a.threads, a.bits) == (1, 64)));
+    assert_eq!(speed::Asked::of_peer(Peer::Taichi, &[1000]).len(), 2 * asked.len());
+    let speed = |asked: &speed::Asked, rate| Speed {
+        asked: asked.clone(),
+        count: 1000,
+        steps: 1000,
+        rates: vec![rate],
+        bytes: 200.0,
+        commit: "none".into(),
+    };
+    let theirs = speed(&asked[0], 1e7);
+    let again: Speed = serde_json::from_str(&serde_json::to_string(&theirs).unwrap()).unwrap();
+    assert_eq!(again, theirs);
+    // Lines from before there were peers are ours.
+    let before = r#"{"kernel":"linear-musl-elastic","particles":1000,"threads":1,"bits":64,"count":1000,"steps":1000,"rates":[2.5e7],"bytes":200.0,"commit":"none"}"#;
+    let ours: Speed = serde_json::from_str(before).unwrap();
+    assert_eq!(ours, speed(&speed::Asked { peer: None, ..asked[0].clone() }, 2.5e7));
+    let mut page = String::new();
+    report::rates::section(&mut page, &[ours, theirs]);
+    // In the drawing and in the legend.
+    assert_eq!(page.matches("class=\"peer c1\"").count(), 2);
+    assert!(page.contains("Warp: linear-musl-elastic, f64: ours is 2.5 to 2.5 times as fast"), "{page}");
+}
+
+/// Programs that share no line with the library make the same errors: the same sums in another order, over 80 steps in which
+/// round-off grows by some powers of ten. Skipped where a package is absent.
+#[test]
+fn peers_make_the_errors_that_we_make() {
+    let python = std::env::var_os("IMPACTITE_PYTHON").unwrap_or_else(|| "python3".into());
+    let python = Path::new(&python);
+    let mut cases = peers::cases(true);
+    cases.retain(|c| c.cells == 8);
+    for peer in Peer::ALL.into_iter().filter(|p| p.version(python).is_some()) {
+        let mut count = 0;
+        peers::run(peer, python, &cases, (1, 0.0), "none", &mut |theirs| {
+            let case = cases[count];
+            assert_eq!(theirs.key, peers::key(peer, &case));
+            let ours = Record::new(theirs.key.clone(), case.run(), "none");
+            for (name, error) in &ours.errors {
+                let found = theirs.error(name).unwrap_or(f64::NAN);
+                assert!((found / error - 1.0).abs() < 1e-9, "{}: {name} {found} for {error}", case.name());
+            }
+            count += 1;
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(count, cases.len());
+    }
 }
