@@ -52,8 +52,6 @@ pub trait Stencil: Copy + Send + Sync + 'static {
     type Axis<X: Copy + Send>: Array<X>;
     /// A value a node of the stencil.
     type Nodes<X: Copy + Send>: Array<X>;
-    /// A value a node that a block's particles reach: `TILE` an axis.
-    type Tile<X: Copy + Send>: Array<X>;
 }
 
 /// The [`Stencil`] of `N` nodes an axis in `D` dimensions.
@@ -61,14 +59,13 @@ pub trait Stencil: Copy + Send + Sync + 'static {
 pub struct Extent<const D: usize, const N: usize>;
 
 macro_rules! stencil {
-    ($($d:literal $n:literal $layers:literal $all:literal $tile:literal),*) => {$(
+    ($($d:literal $n:literal $layers:literal $all:literal),*) => {$(
         impl Stencil for Extent<$d, $n> {
             const NODES: usize = $n;
             const LAYERS: usize = $layers;
             type Axis<X: Copy + Send> = [X; $n];
             type Nodes<X: Copy + Send> = [X; $all];
-            type Tile<X: Copy + Send> = [X; $tile];
         }
     )*};
 }
-stencil!(2 2 1 4 25, 2 3 1 9 36, 2 4 1 16 49, 3 2 2 8 125, 3 3 3 27 216, 3 4 4 64 343);
+stencil!(2 2 1 4, 2 3 1 9, 2 4 1 16, 3 2 2 8, 3 3 3 27, 3 4 4 64);

@@ -35,7 +35,7 @@ pub(super) struct Cut<'a, T: Float> {
     pub(super) gradient: &'a [T::Row],
 }
 
-/// Memory of a thread for the particles of the block at work that change their bins.
+/// The particles of the block at work that change their bins.
 #[derive(Clone, Debug, Default)]
 pub struct Movers<T> {
     /// Those that stay in the block: its own pass takes them in at its end.

@@ -12,14 +12,14 @@ use super::footprint::Footprint;
 use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
 use super::merging::MergeBook;
-use super::migrate::{Domains, Movers, TakeIn};
+use super::migrate::{Domains, TakeIn};
 use super::reference_body::Shade;
 use super::rest::Stilled;
 use super::resting::Resting;
 use super::scene::SceneError;
 use super::splitting::{SplitBook, Splitter};
 use super::survey::{Near, Survey};
-use super::sweep::{Cause, Common, Report, Slot, Sweep, Trouble};
+use super::sweep::{Cause, Common, Report, Scratch, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
 use super::total;
 use crate::dim::{block_nodes, neighbours};
@@ -53,7 +53,7 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Particles that left their bins in the last pass, by slot.
     pub(super) outboxes: Vec<Outbox<T>>,
     /// Memory of each thread.
-    pub(super) movers: Vec<Mutex<Movers<T>>>,
+    pub(super) scratch: Vec<Mutex<Scratch<T>>>,
     /// Blocks of nodes around each slot, 3^D, x fastest; `NONE` where there is none.
     pub(super) nodes_around: Vec<u32>,
     /// Slot of each neighbour (3^D, x fastest) of each node block of the body's own list, `NONE` where there is
@@ -199,19 +199,19 @@ where
         if L::FIELD && K::DOES.field && K::DOES.force {
             self.accelerate(dt.force_time, team);
         }
-        if self.movers.len() < team.threads() {
-            self.movers.resize_with(team.threads(), Mutex::default);
+        if self.scratch.len() < team.threads() {
+            self.scratch.resize_with(team.threads(), Mutex::default);
         }
         let common = self.common(dt);
         let (law, method) = (&self.law, &self.method);
-        let (nodes_around, movers) = (&self.nodes_around, &self.movers);
+        let (nodes_around, scratch) = (&self.nodes_around, &self.scratch);
         team.each_piece(&mut self.slots, 1, &mut self.outboxes, |s, slot, outbox| {
             let slot = &mut slot[0];
-            let movers = &mut *team.own(movers);
+            let scratch = &mut *team.own(scratch);
             let (here, ahead) = nodes_around[s * neighbours(D)..].split_at(neighbours(D));
             let around = [here, &ahead[..neighbours(D).min(ahead.len())]];
             let sweep: Sweep<'_, T, D, C, M, K> =
-                Sweep { law, method, nodes, around, slot, outbox, movers, common, pass: PhantomData };
+                Sweep { law, method, nodes, around, slot, outbox, scratch, common, pass: PhantomData };
             T::dispatch(sweep);
         });
         if (L::ACTS && K::DOES.load) || (L::FIELD && K::DOES.field) {
@@ -599,13 +599,13 @@ where
                 + s.slots_around.len() * size_of::<u32>()
                 + size_of::<Slot<T, D>>()
         };
-        let moving = |m: &Mutex<Movers<T>>| m.lock().unwrap_or_else(PoisonError::into_inner).bytes();
+        let own = |s: &Mutex<Scratch<T>>| s.lock().unwrap_or_else(PoisonError::into_inner).bytes();
         self.slots.iter().chain(&self.spare).map(slot).sum::<usize>()
             + self.index.capacity() * size_of::<([i32; D], u32)>()
             + self.wanted.capacity() * size_of::<[i32; D]>()
             + self.links.capacity() * size_of::<(u32, u32, usize)>()
             + self.outboxes.iter().map(Outbox::bytes).sum::<usize>()
-            + self.movers.iter().map(moving).sum::<usize>()
+            + self.scratch.iter().map(own).sum::<usize>()
             + self.starts.capacity() * size_of::<[f64; D]>()
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
             + self.resting.as_ref().map_or(0, Resting::bytes)

@@ -48,6 +48,20 @@ pub struct Slot<T: Float, const D: usize> {
     pub report: Report<T>,
 }
 
+/// Memory of a thread for a pass over a block.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch<T> {
+    movers: Movers<T>,
+    tile_in: TileIn<T>,
+}
+
+impl<T: Float> Scratch<T> {
+    /// Bytes of its memory.
+    pub(super) fn bytes(&self) -> usize {
+        self.movers.bytes() + self.tile_in.bytes()
+    }
+}
+
 /// Bins between the one at work and the one whose particles are asked for.
 const AHEAD: usize = 4;
 
@@ -146,8 +160,8 @@ pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
     pub slot: &'a mut Slot<T, D>,
     /// Its particles that leave it.
     pub outbox: &'a mut Outbox<T>,
-    /// Its particles that change their bins within it.
-    pub movers: &'a mut Movers<T>,
+    /// Memory of the thread.
+    pub scratch: &'a mut Scratch<T>,
     /// Shared numbers.
     pub common: Common<T>,
     /// The pass.
@@ -207,7 +221,8 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Sweep { law, method, nodes, around, slot, outbox, movers, common, .. } = self;
+        let Sweep { law, method, nodes, around, slot, outbox, scratch, common, .. } = self;
+        let Scratch { movers, tile_in } = scratch;
         let Slot { block, tile, rows, report, .. } = slot;
         let does = K::DOES;
         let maps = maps::<T, D, M, K>();
@@ -238,8 +253,7 @@ where
         if block.is_empty() {
             return;
         }
-        let mut tile_in = TileIn::<T, ExtentOf<M, T, D>>::zero();
-        tile_in.load::<D>(nodes, around[0], reads, *rows);
+        tile_in.load::<ExtentOf<M, T, D>, D>(nodes, around[0], reads, *rows);
         let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
 
@@ -264,7 +278,7 @@ where
         let rows_in = if D == 3 { side * side } else { side };
         for bin in 0..block_nodes(D) {
             if bin < rows_in && !around[1].is_empty() {
-                TileIn::<T, ExtentOf<M, T, D>>::prefetch::<D>(nodes, around[1], bin);
+                TileIn::prefetch::<ExtentOf<M, T, D>, D>(nodes, around[1], bin);
             }
             let mut next = block.last_group(bin);
             if next.is_none() {
@@ -274,7 +288,7 @@ where
                 block.prefetch(bin + AHEAD, soon);
             }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-            stencil.load::<D, A::Quad, ShapeOf<M, T, D>>(&tile_in, corner, reads);
+            stencil.load::<D, A::Quad, ShapeOf<M, T, D>>(tile_in, corner, reads);
             // x of the bin's centre, for the distance to the axis of revolution.
             let bin_x = T::of(
                 f64::from(block.coordinates[0]) * BLOCK as f64

@@ -71,38 +71,40 @@ fn runs<E: Stencil>(mut rows: u64) -> impl Iterator<Item = Range<usize>> {
     })
 }
 
-/// The nodal records that a block's particles read.
-pub(super) struct TileIn<T: Float, E: Stencil> {
-    first: E::Tile<[T; 4]>,
-    second: E::Tile<[T; 4]>,
+/// The nodal records that a block's particles read, and those of other blocks that none of them does.
+#[derive(Clone, Debug, Default)]
+pub(super) struct TileIn<T> {
+    first: Vec<[T; 4]>,
+    second: Vec<[T; 4]>,
 }
 
-impl<T: Float, E: Stencil> TileIn<T, E> {
-    /// All zero.
-    #[inline(always)]
-    pub(super) fn zero() -> Self {
-        TileIn { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
+impl<T: Float> TileIn<T> {
+    /// Bytes of its memory.
+    pub(super) fn bytes(&self) -> usize {
+        (self.first.capacity() + self.second.capacity()) * size_of::<[T; 4]>()
     }
 
     /// Copy at least these rows of records out of the blocks of the grid.
     #[inline(always)]
-    pub(super) fn load<const D: usize>(
+    pub(super) fn load<E: Stencil, const D: usize>(
         &mut self,
         nodes: Nodes<'_, T>,
         around: &[u32],
         reads: Reads,
         rows: u64,
     ) {
+        self.first.resize(tile_nodes::<E>(D), [T::default(); 4]);
+        self.second.resize(tile_nodes::<E>(D), [T::default(); 4]);
         if nodes.layout.is_whole() {
-            self.load_whole::<D>(nodes.all, around, reads, rows);
+            self.load_whole::<E, D>(nodes.all, around, reads, rows);
         } else {
-            self.load_kept::<D>(nodes, around, reads);
+            self.load_kept::<E, D>(nodes, around, reads);
         }
     }
 
     /// The same where blocks may lack nodes.
     #[inline(never)]
-    fn load_kept<const D: usize>(&mut self, nodes: Nodes<'_, T>, around: &[u32], reads: Reads) {
+    fn load_kept<E: Stencil, const D: usize>(&mut self, nodes: Nodes<'_, T>, around: &[u32], reads: Reads) {
         let layers = if D == 3 { E::TILE } else { 1 };
         for (n, &block) in around.iter().enumerate().filter(|(_, b)| **b != u32::MAX) {
             let [x, y, z] = [n % 3, n / 3 % 3, if D == 3 { n / 9 } else { 0 }].map(thirds::<E>);
@@ -131,7 +133,13 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
     }
 
     #[inline(always)]
-    fn load_whole<const D: usize>(&mut self, nodes: &[Node<T>], around: &[u32], reads: Reads, rows: u64) {
+    fn load_whole<E: Stencil, const D: usize>(
+        &mut self,
+        nodes: &[Node<T>],
+        around: &[u32],
+        reads: Reads,
+        rows: u64,
+    ) {
         let layers = if D == 3 { E::TILE } else { 1 };
         let [left, _, right] = [0, 1, 2].map(thirds::<E>);
         for z in 0..layers {
@@ -153,7 +161,7 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
 
     /// Ask for row `row` of the nodes that another block of particles reads soon.
     #[inline(always)]
-    pub(super) fn prefetch<const D: usize>(nodes: Nodes<'_, T>, around: &[u32], row: usize) {
+    pub(super) fn prefetch<E: Stencil, const D: usize>(nodes: Nodes<'_, T>, around: &[u32], row: usize) {
         if !nodes.layout.is_whole() {
             return;
         }
@@ -178,13 +186,13 @@ impl<T: Float, E: Stencil> TileIn<T, E> {
     fn piece(&mut self, nodes: &[Node<T>], from: usize, to: usize, length: usize, reads: Reads) {
         let Some(found) = nodes.get(from..from + length) else { return };
         if reads.first {
-            let to = &mut self.first.as_mut()[to..to + length];
+            let to = &mut self.first[to..to + length];
             for (to, node) in to.iter_mut().zip(found) {
                 *to = node.first;
             }
         }
         if reads.second {
-            let to = &mut self.second.as_mut()[to..to + length];
+            let to = &mut self.second[to..to + length];
             for (to, node) in to.iter_mut().zip(found) {
                 *to = node.second;
             }
@@ -220,7 +228,7 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
     #[inline(always)]
     pub(super) fn load<const D: usize, Q: Quad<T>, S: ShapeFunction<T, D, Extent = E>>(
         &mut self,
-        tile: &TileIn<T, E>,
+        tile: &TileIn<T>,
         corner: usize,
         reads: Reads,
     ) {
@@ -238,12 +246,12 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
 #[inline(always)]
 fn load_stencil<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
     to: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
-    tile: &<S::Extent as Stencil>::Tile<[T; 4]>,
+    tile: &[[T; 4]],
     corner: usize,
 ) {
     let (side, layers) = (<S::Extent as Stencil>::TILE, <S::Extent as Stencil>::LAYERS);
     let n = <S::Extent as Stencil>::NODES;
-    let from = &tile.as_ref()[corner..][..<S::Extent as Stencil>::SPAN];
+    let from = &tile[corner..][..<S::Extent as Stencil>::SPAN];
     let mut numbers = <S::Extent as Stencil>::Nodes::<Q>::filled(Q::zero());
     for k in 0..layers {
         for j in 0..n {
