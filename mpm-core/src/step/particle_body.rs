@@ -144,13 +144,19 @@ where
     fn accelerate(&mut self, time: f64, team: &Team) {
         let (load, starts, columns) = (&self.load, &self.starts, &self.columns);
         team.each(&mut self.slots, |_, slot| {
-            let places: Vec<Place> = slot.block.places().map(|(_, place)| place).collect();
-            for place in places {
-                let number = slot.block.get(place, columns.number()).to_double() as usize;
-                let Some(start) = starts.get(number) else { continue };
-                let a = load.acceleration(start, time);
-                for d in 0..D {
-                    slot.block.set(place, columns.load() + d, T::of(a[d]));
+            for bin in 0..block_nodes(D) {
+                let mut next = slot.block.last_group(bin);
+                while let Some((group, here)) = next {
+                    next = slot.block.group_before(group);
+                    let rows = slot.block.group_mut(group);
+                    for lane in 0..here {
+                        let number = rows[columns.number()].as_ref()[lane].to_double() as usize;
+                        let Some(start) = starts.get(number) else { continue };
+                        let a = load.acceleration(start, time);
+                        for d in 0..D {
+                            rows[columns.load() + d].as_mut()[lane] = T::of(a[d]);
+                        }
+                    }
                 }
             }
         });

@@ -48,6 +48,59 @@ pub struct Slot<T: Float, const D: usize> {
     pub report: Report<T>,
 }
 
+/// Groups of a bin that go through the stages of a pass together. A law is a long chain of operations that wait for each
+/// other; those of two groups, one behind the other, run side by side. With two nodes an axis the gather is so
+/// short that what the stages hand on costs more than that gains (docs/notes.md 6.2).
+const fn together<E: Stencil>() -> usize {
+    if E::NODES > 2 { TOGETHER } else { 1 }
+}
+const TOGETHER: usize = 2;
+
+/// What stages of a pass hand on of a group.
+#[derive(Clone, Copy)]
+struct Stage<P: Lane> {
+    /// Position.
+    xi: [P; 3],
+    /// Velocity.
+    v: [P; 3],
+    mass: P,
+    /// First nodal vector.
+    nodal: [P; 3],
+    /// Second nodal vector.
+    increment: [P; 3],
+    /// Gradient that strains.
+    gradient: Mat3<P>,
+    /// Affine fit of the first nodal vector.
+    affine: [[P; 3]; 3],
+    /// Radial velocity that strains around the axis of revolution.
+    hoop_velocity: P,
+    stress: Sym3<P>,
+    /// Volume of the particles, m^3.
+    volume: P,
+    /// Inverse of the deformation gradient, where the method maps in the reference configuration.
+    inverse: Mat3<P>,
+}
+
+impl<P: Lane> Stage<P> {
+    #[inline(always)]
+    fn zero() -> Self {
+        let (zero, none) = (P::zero(), Mat3::zero());
+        Stage {
+            xi: [zero; 3],
+            v: [zero; 3],
+            mass: zero,
+            nodal: [zero; 3],
+            increment: [zero; 3],
+            gradient: none,
+            affine: none.0,
+            hoop_velocity: zero,
+            stress: Sym3::zero(),
+            volume: zero,
+            inverse: Mat3::identity(),
+        }
+    }
+}
+
 /// Memory of a thread for a pass over a block.
 #[derive(Clone, Debug, Default)]
 pub struct Scratch<T> {
@@ -269,6 +322,9 @@ where
         }
         let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
         let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
+        let mut stages = [Stage::<A::Pack>::zero(); TOGETHER];
+        let mut groups = [(0, 0); TOGETHER];
+        let together = together::<ExtentOf<M, T, D>>();
         let mut rate = zero;
         let mut flux = [zero; 3];
         let (mut pushed, mut power) = ([zero; 3], zero);
@@ -319,305 +375,334 @@ where
                 _ => None,
             };
 
-            while let Some((group, here)) = next {
-                next = block.group_before(group);
-                let alive = lane_index.lt(A::Pack::of(here as f64));
-                let (motion, rest) = block.group_mut(group).split_at_mut(2 * D + 1);
-                let (state, rest) = rest.split_at_mut(state_rows);
+            while next.is_some() {
+                // Grid to particles.
+                let mut taken = 0;
+                while taken < together
+                    && let Some((group, here)) = next
+                {
+                    next = block.group_before(group);
+                    let Stage { xi, v, mass, nodal, gradient, affine, increment, hoop_velocity, .. } =
+                        &mut stages[taken];
+                    groups[taken] = (group, here);
+                    taken += 1;
+                    let (motion, rest) = block.group_mut(group).split_at_mut(2 * D + 1);
+                    let rest = &mut rest[state_rows..];
 
-                let mut xi = [zero; 3];
-                let mut v = [zero; 3];
-                for d in 0..D {
-                    xi[d] = A::Pack::load(&motion[Columns::position() + d]);
-                    v[d] = A::Pack::load(&motion[Columns::velocity(D) + d]);
-                }
-                let mass = A::Pack::load(&motion[Columns::mass(D)]);
-                let carried = |n: usize| A::Pack::load(&rest[n]);
-                let mut domain = common.domains.of::<A::Pack, ShapeOf<M, T, D>, D>(carried);
-                let mut sampler = Sampler::<A::Pack, ExtentOf<M, T, D>>::zero();
-                if reads.first || reads.second {
-                    sampler = Sampler::of(method.shape(), &xi, &domain, maps.affine);
-                }
-
-                // Grid to particles: first nodal vector (velocity) with what is wanted of it. In the
-                // moving-least-squares form the gradient is the affine fit.
-                let mut nodal = [zero; 3];
-                let mut gradient = Mat3::<A::Pack>::zero();
-                let mut affine = [[zero; 3]; 3];
-                let mut hoop_velocity = zero;
-                if reads.first {
-                    let slope = slopes_first && !M::Transfer::LEAST_SQUARES;
-                    let wanted = Wanted { slope, fit: maps.affine };
-                    for c in 0..D {
-                        let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&stencil.first, c, wanted);
-                        nodal[c] = found.value;
-                        affine[c] = found.fit;
-                        if slopes_first {
-                            gradient.0[c] = if slope { found.slope } else { found.fit };
-                        }
-                    }
-                    hoop_velocity = nodal[0];
-                }
-                // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
-                let mut increment = [zero; 3];
-                if reads.second {
-                    let wanted = Wanted { slope: strain_second, fit: false };
-                    for c in 0..D {
-                        let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&stencil.second, c, wanted);
-                        increment[c] = found.value;
-                        if strain_second {
-                            gradient.0[c] = found.slope;
-                        }
-                    }
-                    if strain_second {
-                        hoop_velocity = increment[0];
-                    }
-                }
-                // The forces on the nodes did their work with the velocities in the middle of the step, here mapped to
-                // the particle; where accelerations are not mapped, by what was mapped before.
-                let frame = rest.len() - 1 - total::rows::<T, D, M>();
-                if does.velocity && (does.load || does.field) {
-                    let columns = ShapeOf::<M, T, D>::DOMAIN.numbers(D);
                     for d in 0..D {
-                        let change = if reads.second { dt * increment[d] } else { nodal[d] - v[d] };
-                        let middle = nodal[d] - half * change;
-                        if does.load {
-                            flux[d] = A::Pack::load(&rest[columns]).mul_add(middle, flux[d]);
-                        } else {
-                            power = (mass * A::Pack::load(&rest[frame - D + d])).mul_add(middle, power);
-                        }
+                        xi[d] = A::Pack::load(&motion[Columns::position() + d]);
+                        v[d] = A::Pack::load(&motion[Columns::velocity(D) + d]);
                     }
-                }
-                if does.velocity {
-                    for d in 0..D {
-                        v[d] = method.transfer().velocity(v[d], nodal[d], dt * increment[d], dt);
-                        v[d].store(&mut motion[Columns::velocity(D) + d]);
+                    *mass = A::Pack::load(&motion[Columns::mass(D)]);
+                    let carried = |n: usize| A::Pack::load(&rest[n]);
+                    let domain = common.domains.of::<A::Pack, ShapeOf<M, T, D>, D>(carried);
+                    let mut sampler = Sampler::<A::Pack, ExtentOf<M, T, D>>::zero();
+                    if reads.first || reads.second {
+                        sampler = Sampler::of(method.shape(), xi, &domain, maps.affine);
                     }
-                }
-
-                // Lanes without a particle do not deform and do not move.
-                let step = A::Pack::select(alive, dt, zero);
-                let cells = step * per_spacing;
-                let radius = xi[0].mul_add(spacing, bin_x);
-
-                // Deformation gradient, if mapped in the reference configuration, and its inverse.
-                let (mut f, mut inverse) = (Mat3::identity(), Mat3::identity());
-                if total && (does.strain.is_some() || does.force || does.moves) {
-                    f = total::load::<T, A::Pack, D, M>(&rest[frame..]);
-                    inverse = total::inverse::<A::Pack, D>(&f);
-                }
-
-                // Stress update, at the old position.
-                let mut stress = Sym3::<A::Pack>::zero();
-                let mut volume = zero;
-                if does.strain.is_some() {
-                    let mut deformation = gradient * cells;
-                    if M::Embedding::HOOP {
-                        deformation.0[2][2] = step * hoop_velocity / radius;
-                    }
-                    if total {
-                        f = f + deformation;
-                        total::store::<T, A::Pack, D, M>(&f, &mut rest[frame..]);
-                        deformation = total::product::<A::Pack, D>(&deformation, &inverse);
-                        inverse = total::inverse::<A::Pack, D>(&f);
-                    }
-                    let old = C::State::<A::Pack>::read(&mut Rows::of(state));
-                    if let Some(mean) = &mean {
-                        deformation = mean.give::<T, D, M>(deformation, law.volume_ratio(&old));
-                    }
-                    let kinematics = Kinematics { increment: deformation, dt, length: spacing };
-                    let new = law.update(&kinematics, &old);
-                    new.state.write(&mut RowsMut { rows: state, at: 0, lanes: PhantomData });
-                    stress = new.stress;
-                    volume = law.volume_ratio(&new.state) * mass * per_density;
-                    if new.fault.any() {
-                        let numbers = rest[rest.len() - 1].as_ref();
-                        note_fault(report, bin, &numbers[..here], new.fault);
-                    }
-                    if does.force && common.speeds {
-                        rate = rate.max(A::Pack::select(
-                            alive,
-                            signal::<T, A::Pack, C>(law, &new.state, &v, &inverse, total),
-                            zero,
-                        ));
-                    }
-                } else if does.force {
-                    let now = C::State::<A::Pack>::read(&mut Rows::of(state));
-                    stress = law.stress(&now);
-                    volume = law.volume_ratio(&now) * mass * per_density;
-                    if common.speeds {
-                        rate = rate.max(A::Pack::select(
-                            alive,
-                            signal::<T, A::Pack, C>(law, &now, &v, &inverse, total),
-                            zero,
-                        ));
-                    }
-                } else if does.moves && common.speeds {
-                    let now = C::State::<A::Pack>::read(&mut Rows::of(state));
-                    rate = rate.max(A::Pack::select(
-                        alive,
-                        signal::<T, A::Pack, C>(law, &now, &v, &inverse, total),
-                        zero,
-                    ));
-                }
-
-                // Domains keep their sizes until the particles move, so that all passes of a step use the same
-                // weights.
-                if stretches {
-                    let moved = Moved { xi: &xi, nodal: &nodal, gradient: &gradient, cells };
-                    moved.domain::<T, ShapeOf<M, T, D>, D>(method.shape(), &stencil.first, &mut domain);
-                    for n in 0..ShapeOf::<M, T, D>::DOMAIN.numbers(D) {
-                        domain[n].store(&mut rest[n]);
-                    }
-                }
-
-                // Position.
-                let (mut stays, mut staying) = (!0, alive);
-                if does.moves && total {
-                    for d in 0..D {
-                        let moved = cells.mul_add(nodal[d], A::Pack::load(&rest[frame + d]));
-                        moved.store(&mut rest[frame + d]);
-                    }
-                } else if does.moves {
-                    let mut inside = <A::Pack as Lane>::Mask::splat(true);
-                    for d in 0..D {
-                        xi[d] = cells.mul_add(nodal[d], xi[d]);
-                        xi[d].store(&mut motion[Columns::position() + d]);
-                        inside = inside & (-half).le(xi[d]) & xi[d].lt(half);
-                    }
-                    stays = A::Pack::bits(inside);
-                    staying = alive & inside;
-                }
-
-                // Particles stretched so far that they are cut in two.
-                let mut long = 0;
-                if splits {
-                    let (splitter, first) = (&common.splitter, common.splitter.place);
-                    let mut trace = A::Pack::load(&state[first]);
-                    for d in 1..D {
-                        trace = trace + A::Pack::load(&state[first + d]);
-                    }
-                    // The largest principal value is at most the sum of all.
-                    let may = A::Pack::bits(alive & A::Pack::splat(splitter.square).le(trace));
-                    if may != 0 {
-                        let axis = M::Embedding::HOOP.then(|| (bin_x.lane(0) / common.spacing, &motion[0]));
-                        let mut ratio = T::Row::default();
-                        law.volume_ratio(&C::State::<A::Pack>::read(&mut Rows::of(state))).store(&mut ratio);
-                        long = splitter.long::<D>(state, &ratio, may, axis);
-                    }
-                }
-
-                // Particles to grid, at the new position.
-                let momentum = if does.smooth { increment } else { v };
-                let mut force_scale = volume * per_spacing;
-                if maps.together {
-                    force_scale = force_scale * A::Pack::splat(common.next_dt);
-                }
-                // In the reference configuration not symmetric.
-                let carried =
-                    if total { total::nominal::<A::Pack, D>(&stress, &inverse) } else { stress.to_mat() };
-                let mut force = carried * -force_scale;
-                let mut momenta = [[zero; 3]; 3];
-                for d in 0..D {
-                    for c in 0..D {
-                        if maps.affine {
-                            momenta[c][d] = mass * affine[c][d];
-                        }
-                        if maps.least_squares {
-                            let per_inertia = method.shape().inertia(xi[d], domain[d]).recip();
-                            momenta[c][d] = force.0[c][d].mul_add(per_inertia, momenta[c][d]);
-                        }
-                    }
-                }
-                if maps.least_squares {
-                    force = Mat3::zero();
-                }
-                let mut impulse = [mass * momentum[0], mass * momentum[1], mass * momentum[2]];
-                if maps.direct {
-                    let mut direct = [zero; 3];
-                    if M::Embedding::HOOP {
-                        // The radius of the new position, like the weights.
-                        direct[0] = -(volume * carried.0[2][2]) / xi[0].mul_add(spacing, bin_x);
-                    }
-                    if does.load {
-                        let columns = ShapeOf::<M, T, D>::DOMAIN.numbers(D);
-                        let area = A::Pack::load(&rest[columns]);
-                        for d in 0..D {
-                            direct[d] = area.mul_add(A::Pack::splat(common.traction[d]), direct[d]);
-                        }
-                    }
-                    if does.field {
-                        let column = frame - D;
-                        for d in 0..D {
-                            let push = mass * A::Pack::load(&rest[column + d]);
-                            direct[d] = direct[d] + push;
-                            pushed[d] = pushed[d] + push;
-                        }
-                    }
-                    for d in 0..D {
-                        if maps.together {
-                            direct[d] = direct[d] * A::Pack::splat(common.next_dt);
-                        }
-                        if maps.least_squares {
-                            impulse[d] = impulse[d] + direct[d];
-                        }
-                    }
-                    A::Pack::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
-                }
-                fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, maps);
-                if maps.slopes() && !by_moments {
-                    force_records::<T, A, D>(&mut records, &force);
-                }
-                let volume = spread.place(method.shape(), &xi, &domain, maps.slopes());
-                if maps.convected {
-                    let sound = A::Pack::bits(zero.lt(volume));
-                    if does.moves && !sound & ((1 << here) - 1) != 0 {
-                        note_inside_out(report, bin, &rest[rest.len() - 1].as_ref()[..here], sound);
-                    }
-                }
-                if does.moves && !total {
-                    let gone = !stays & ((1 << here) - 1);
-                    if gone | long != 0 {
-                        let mut spread = [T::Row::default(); 9];
-                        if splits {
-                            for i in 0..D * D {
-                                (gradient.0[i / D][i % D] * per_spacing).store(&mut spread[i]);
+                    // Grid to particles: first nodal vector (velocity) with what is wanted of it. In the
+                    // moving-least-squares form the gradient is the affine fit.
+                    if reads.first {
+                        let slope = slopes_first && !M::Transfer::LEAST_SQUARES;
+                        let wanted = Wanted { slope, fit: maps.affine };
+                        for c in 0..D {
+                            let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&stencil.first, c, wanted);
+                            nodal[c] = found.value;
+                            affine[c] = found.fit;
+                            if slopes_first {
+                                gradient.0[c] = if slope { found.slope } else { found.fit };
                             }
                         }
-                        let cut = Cut { long, splitter: &common.splitter, gradient: &spread };
-                        if by_moments {
-                            force_records::<T, A, D>(&mut records, &force);
-                            staying = staying & !lanes_of::<T, A>(long);
-                        }
-                        let leaving = Leaving { bin, group, gone, cut };
-                        send_away::<T, D>(block, (outbox, movers), report, leaving, &mut records, maps);
+                        *hoop_velocity = nodal[0];
                     }
-                }
-                for lane in here..T::GROUP {
-                    for kind in 0..RECORDS {
-                        if maps.uses::<D>(kind) && !(by_moments && kind >= FORCE) {
-                            records[kind][lane] = [T::default(); 4];
+                    // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
+                    if reads.second {
+                        let wanted = Wanted { slope: strain_second, fit: false };
+                        for c in 0..D {
+                            let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&stencil.second, c, wanted);
+                            increment[c] = found.value;
+                            if strain_second {
+                                gradient.0[c] = found.slope;
+                            }
+                        }
+                        if strain_second {
+                            *hoop_velocity = increment[0];
                         }
                     }
-                }
-                if by_moments {
-                    for c in 0..D {
+                    // The forces on the nodes did their work with the velocities in the middle of the step, here mapped to
+                    // the particle; where accelerations are not mapped, by what was mapped before.
+                    let frame = rest.len() - 1 - total::rows::<T, D, M>();
+                    if does.velocity && (does.load || does.field) {
+                        let columns = ShapeOf::<M, T, D>::DOMAIN.numbers(D);
                         for d in 0..D {
-                            force.0[c][d] = A::Pack::select(staying, force.0[c][d], zero);
+                            let change = if reads.second { dt * increment[d] } else { nodal[d] - v[d] };
+                            let middle = nodal[d] - half * change;
+                            if does.load {
+                                flux[d] = A::Pack::load(&rest[columns]).mul_add(middle, flux[d]);
+                            } else {
+                                power = (*mass * A::Pack::load(&rest[frame - D + d])).mul_add(middle, power);
+                            }
                         }
                     }
-                    moments.add_group::<T, A>(&xi, &force);
+                    if does.velocity {
+                        for d in 0..D {
+                            v[d] = method.transfer().velocity(v[d], nodal[d], dt * increment[d], dt);
+                            v[d].store(&mut motion[Columns::velocity(D) + d]);
+                        }
+                    }
                 }
-                let (tiles, at) = ([&mut *first, &mut *second], corner);
-                match T::GROUP {
-                    4 if here <= 2 && ExtentOf::<M, T, D>::NODES > 2 => {
-                        scatter::<T, A, ExtentOf<M, T, D>, 2>(tiles, at, &spread, &records, maps)
+                // Strain and stress, at the old position. Lanes without a particle do not deform.
+                for n in 0..taken {
+                    let (group, here) = groups[n];
+                    let Stage { xi, v, mass, gradient, hoop_velocity, stress, volume, inverse, .. } =
+                        &mut stages[n];
+                    let alive = lane_index.lt(A::Pack::of(here as f64));
+                    let rest = &mut block.group_mut(group)[2 * D + 1..];
+                    let (state, rest) = rest.split_at_mut(state_rows);
+                    let step = A::Pack::select(alive, dt, zero);
+                    let cells = step * per_spacing;
+                    let frame = rest.len() - 1 - total::rows::<T, D, M>();
+                    // Deformation gradient, if mapped in the reference configuration, and its inverse.
+                    let mut f = Mat3::identity();
+                    if total && (does.strain.is_some() || does.force || does.moves) {
+                        f = total::load::<T, A::Pack, D, M>(&rest[frame..]);
+                        *inverse = total::inverse::<A::Pack, D>(&f);
                     }
-                    4 => scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, at, &spread, &records, maps),
-                    _ if here <= 4 && ExtentOf::<M, T, D>::NODES > 2 => {
-                        scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, at, &spread, &records, maps)
+
+                    if does.strain.is_some() {
+                        let mut deformation = *gradient * cells;
+                        if M::Embedding::HOOP {
+                            deformation.0[2][2] = step * *hoop_velocity / xi[0].mul_add(spacing, bin_x);
+                        }
+                        if total {
+                            f = f + deformation;
+                            total::store::<T, A::Pack, D, M>(&f, &mut rest[frame..]);
+                            deformation = total::product::<A::Pack, D>(&deformation, inverse);
+                            *inverse = total::inverse::<A::Pack, D>(&f);
+                        }
+                        let old = C::State::<A::Pack>::read(&mut Rows::of(state));
+                        if let Some(mean) = &mean {
+                            deformation = mean.give::<T, D, M>(deformation, law.volume_ratio(&old));
+                        }
+                        let kinematics = Kinematics { increment: deformation, dt, length: spacing };
+                        let new = law.update(&kinematics, &old);
+                        new.state.write(&mut RowsMut { rows: state, at: 0, lanes: PhantomData });
+                        *stress = new.stress;
+                        *volume = law.volume_ratio(&new.state) * *mass * per_density;
+                        if new.fault.any() {
+                            let numbers = rest[rest.len() - 1].as_ref();
+                            note_fault(report, bin, &numbers[..here], new.fault);
+                        }
+                        if does.force && common.speeds {
+                            rate = rate.max(A::Pack::select(
+                                alive,
+                                signal::<T, A::Pack, C>(law, &new.state, v, inverse, total),
+                                zero,
+                            ));
+                        }
+                    } else if does.force {
+                        let now = C::State::<A::Pack>::read(&mut Rows::of(state));
+                        *stress = law.stress(&now);
+                        *volume = law.volume_ratio(&now) * *mass * per_density;
+                        if common.speeds {
+                            rate = rate.max(A::Pack::select(
+                                alive,
+                                signal::<T, A::Pack, C>(law, &now, v, inverse, total),
+                                zero,
+                            ));
+                        }
+                    } else if does.moves && common.speeds {
+                        let now = C::State::<A::Pack>::read(&mut Rows::of(state));
+                        rate = rate.max(A::Pack::select(
+                            alive,
+                            signal::<T, A::Pack, C>(law, &now, v, inverse, total),
+                            zero,
+                        ));
                     }
-                    _ => scatter::<T, A, ExtentOf<M, T, D>, 8>(tiles, at, &spread, &records, maps),
+                }
+                // Motion, and particles to grid. Lanes without a particle do not move.
+                for n in 0..taken {
+                    let (group, here) = groups[n];
+                    let Stage {
+                        mut xi,
+                        v,
+                        mass,
+                        nodal,
+                        gradient,
+                        affine,
+                        increment,
+                        stress,
+                        volume,
+                        inverse,
+                        ..
+                    } = stages[n];
+                    let alive = lane_index.lt(A::Pack::of(here as f64));
+                    let (motion, rest) = block.group_mut(group).split_at_mut(2 * D + 1);
+                    let (state, rest) = rest.split_at_mut(state_rows);
+                    let carried = |n: usize| A::Pack::load(&rest[n]);
+                    let mut domain = common.domains.of::<A::Pack, ShapeOf<M, T, D>, D>(carried);
+                    let cells = A::Pack::select(alive, dt, zero) * per_spacing;
+                    let frame = rest.len() - 1 - total::rows::<T, D, M>();
+                    // Domains keep their sizes until the particles move, so that all passes of a step use the same
+                    // weights.
+                    if stretches {
+                        let moved = Moved { xi: &xi, nodal: &nodal, gradient: &gradient, cells };
+                        moved.domain::<T, ShapeOf<M, T, D>, D>(method.shape(), &stencil.first, &mut domain);
+                        for n in 0..ShapeOf::<M, T, D>::DOMAIN.numbers(D) {
+                            domain[n].store(&mut rest[n]);
+                        }
+                    }
+
+                    // Position.
+                    let (mut stays, mut staying) = (!0, alive);
+                    if does.moves && total {
+                        for d in 0..D {
+                            let moved = cells.mul_add(nodal[d], A::Pack::load(&rest[frame + d]));
+                            moved.store(&mut rest[frame + d]);
+                        }
+                    } else if does.moves {
+                        let mut inside = <A::Pack as Lane>::Mask::splat(true);
+                        for d in 0..D {
+                            xi[d] = cells.mul_add(nodal[d], xi[d]);
+                            xi[d].store(&mut motion[Columns::position() + d]);
+                            inside = inside & (-half).le(xi[d]) & xi[d].lt(half);
+                        }
+                        stays = A::Pack::bits(inside);
+                        staying = alive & inside;
+                    }
+
+                    // Particles stretched so far that they are cut in two.
+                    let mut long = 0;
+                    if splits {
+                        let (splitter, first) = (&common.splitter, common.splitter.place);
+                        let mut trace = A::Pack::load(&state[first]);
+                        for d in 1..D {
+                            trace = trace + A::Pack::load(&state[first + d]);
+                        }
+                        // The largest principal value is at most the sum of all.
+                        let may = A::Pack::bits(alive & A::Pack::splat(splitter.square).le(trace));
+                        if may != 0 {
+                            let axis =
+                                M::Embedding::HOOP.then(|| (bin_x.lane(0) / common.spacing, &motion[0]));
+                            let mut ratio = T::Row::default();
+                            law.volume_ratio(&C::State::<A::Pack>::read(&mut Rows::of(state)))
+                                .store(&mut ratio);
+                            long = splitter.long::<D>(state, &ratio, may, axis);
+                        }
+                    }
+
+                    // Particles to grid, at the new position.
+                    let momentum = if does.smooth { increment } else { v };
+                    let mut force_scale = volume * per_spacing;
+                    if maps.together {
+                        force_scale = force_scale * A::Pack::splat(common.next_dt);
+                    }
+                    // In the reference configuration not symmetric.
+                    let carried =
+                        if total { total::nominal::<A::Pack, D>(&stress, &inverse) } else { stress.to_mat() };
+                    let mut force = carried * -force_scale;
+                    let mut momenta = [[zero; 3]; 3];
+                    for d in 0..D {
+                        for c in 0..D {
+                            if maps.affine {
+                                momenta[c][d] = mass * affine[c][d];
+                            }
+                            if maps.least_squares {
+                                let per_inertia = method.shape().inertia(xi[d], domain[d]).recip();
+                                momenta[c][d] = force.0[c][d].mul_add(per_inertia, momenta[c][d]);
+                            }
+                        }
+                    }
+                    if maps.least_squares {
+                        force = Mat3::zero();
+                    }
+                    let mut impulse = [mass * momentum[0], mass * momentum[1], mass * momentum[2]];
+                    if maps.direct {
+                        let mut direct = [zero; 3];
+                        if M::Embedding::HOOP {
+                            // The radius of the new position, like the weights.
+                            direct[0] = -(volume * carried.0[2][2]) / xi[0].mul_add(spacing, bin_x);
+                        }
+                        if does.load {
+                            let columns = ShapeOf::<M, T, D>::DOMAIN.numbers(D);
+                            let area = A::Pack::load(&rest[columns]);
+                            for d in 0..D {
+                                direct[d] = area.mul_add(A::Pack::splat(common.traction[d]), direct[d]);
+                            }
+                        }
+                        if does.field {
+                            let column = frame - D;
+                            for d in 0..D {
+                                let push = mass * A::Pack::load(&rest[column + d]);
+                                direct[d] = direct[d] + push;
+                                pushed[d] = pushed[d] + push;
+                            }
+                        }
+                        for d in 0..D {
+                            if maps.together {
+                                direct[d] = direct[d] * A::Pack::splat(common.next_dt);
+                            }
+                            if maps.least_squares {
+                                impulse[d] = impulse[d] + direct[d];
+                            }
+                        }
+                        A::Pack::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
+                    }
+                    fill_records::<T, A, D>(&mut records, mass, impulse, &momenta, &xi, maps);
+                    if maps.slopes() && !by_moments {
+                        force_records::<T, A, D>(&mut records, &force);
+                    }
+                    let volume = spread.place(method.shape(), &xi, &domain, maps.slopes());
+                    if maps.convected {
+                        let sound = A::Pack::bits(zero.lt(volume));
+                        if does.moves && !sound & ((1 << here) - 1) != 0 {
+                            note_inside_out(report, bin, &rest[rest.len() - 1].as_ref()[..here], sound);
+                        }
+                    }
+                    if does.moves && !total {
+                        let gone = !stays & ((1 << here) - 1);
+                        if gone | long != 0 {
+                            let mut spread = [T::Row::default(); 9];
+                            if splits {
+                                for i in 0..D * D {
+                                    (gradient.0[i / D][i % D] * per_spacing).store(&mut spread[i]);
+                                }
+                            }
+                            let cut = Cut { long, splitter: &common.splitter, gradient: &spread };
+                            if by_moments {
+                                force_records::<T, A, D>(&mut records, &force);
+                                staying = staying & !lanes_of::<T, A>(long);
+                            }
+                            let leaving = Leaving { bin, group, gone, cut };
+                            send_away::<T, D>(block, (outbox, movers), report, leaving, &mut records, maps);
+                        }
+                    }
+                    for lane in here..T::GROUP {
+                        for kind in 0..RECORDS {
+                            if maps.uses::<D>(kind) && !(by_moments && kind >= FORCE) {
+                                records[kind][lane] = [T::default(); 4];
+                            }
+                        }
+                    }
+                    if by_moments {
+                        for c in 0..D {
+                            for d in 0..D {
+                                force.0[c][d] = A::Pack::select(staying, force.0[c][d], zero);
+                            }
+                        }
+                        moments.add_group::<T, A>(&xi, &force);
+                    }
+                    let (tiles, at) = ([&mut *first, &mut *second], corner);
+                    match T::GROUP {
+                        4 if here <= 2 && ExtentOf::<M, T, D>::NODES > 2 => {
+                            scatter::<T, A, ExtentOf<M, T, D>, 2>(tiles, at, &spread, &records, maps)
+                        }
+                        4 => scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, at, &spread, &records, maps),
+                        _ if here <= 4 && ExtentOf::<M, T, D>::NODES > 2 => {
+                            scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, at, &spread, &records, maps)
+                        }
+                        _ => scatter::<T, A, ExtentOf<M, T, D>, 8>(tiles, at, &spread, &records, maps),
+                    }
                 }
             }
             if by_moments {
