@@ -57,7 +57,7 @@ def cube(particles):
 def throughput_options(threads):
     """What the programs of throughput are asked; `threads`: can there be more than one?"""
     parser = argparse.ArgumentParser()
-    parser.add_argument("scheme", choices=["usl", "musl", "mls"])
+    parser.add_argument("scheme", choices=["musl", "mls"])
     parser.add_argument("--precision", choices=["f32", "f64"], default="f64")
     parser.add_argument("--threads", type=int, choices=None if threads else [1], default=1)
     parser.add_argument("--steps", type=int, default=100)

@@ -1,7 +1,6 @@
 """Throughput of Taichi on the processor: elastic particles (`scenes.blocks`, `scenes.cube`), written from scratch for this project.
 
 schemes:  musl  linear hats, MUSL, Jaumann linear elastic (two scatters, two gathers)
-          usl   linear hats, one scatter + one gather (velocity gradient from the updated grid velocity)
           mls   quadratic B-splines, APIC/MLS-MPM, neo-Hookean
 usage: taichi_throughput.py --help
 """
@@ -136,26 +135,6 @@ def stress(p, L):
 
 
 @ti.kernel
-def g2p_usl():
-    for p in x:
-        b = ti.floor(x[p]).cast(int)
-        d = x[p] - b
-        w = ti.Matrix.cols([1 - d, d])
-        vn, an, L = ti.Vector.zero(R, 3), ti.Vector.zero(R, 3), ti.Matrix.zero(R, 3, 3)
-        for i, j, k in ti.static(ti.ndrange(2, 2, 2)):
-            N_ = w[0, i] * w[1, j] * w[2, k]
-            G = vec3((2 * i - 1) * w[1, j] * w[2, k], (2 * j - 1) * w[0, i] * w[2, k], (2 * k - 1) * w[0, i] * w[1, j])
-            I = of(0, b + ti.Vector([i, j, k]))
-            gv = vec3(g[I][0], g[I][1], g[I][2])
-            vn += N_ * gv
-            an += N_ * f[I]
-            L += gv.outer_product(G)
-        v[p] += an * dt
-        x[p] += vn * dt
-        stress(p, L)
-
-
-@ti.kernel
 def zero_mom():
     for I in ti.grouped(v2):
         v2[I] = ti.Vector.zero(R, 3)
@@ -266,9 +245,6 @@ if scheme == "musl":
 
     def step():
         clear(); zero_mom(); p2g_hat(); grid_hat(); g2p_musl_a(); grid_musl(); g2p_musl_b()
-elif scheme == "usl":
-    def step():
-        clear(); p2g_hat(); grid_hat(); g2p_usl()
 else:
     def step():
         clear_g(); p2g_mls(); grid_mls(); g2p_mls()
