@@ -184,26 +184,33 @@ macro_rules! float {
 float!(f64, 4);
 float!(f32, 8);
 
-/// Ask for memory that will be read at once. Never faults, changes no result.
+/// Ask for `count` items of a slice from the place `first` on, which will be read at once. Never faults, also where there is
+/// no such place, and changes no result.
 #[inline(always)]
-pub fn prefetch<X>(soon: &[X]) {
-    ask::<X, true>(soon);
+pub fn prefetch_from<X>(of: &[X], first: usize, count: usize) {
+    ask_at::<X, true>(of.as_ptr().wrapping_add(first), count);
 }
 
-/// Ask for memory that will be read after some other work, for the second cache: the first has no room for it.
+/// The same for what will be read after some other work, for the second cache: the first has no room for it.
 #[inline(always)]
-pub fn prefetch_early<X>(later: &[X]) {
-    ask::<X, false>(later);
+pub fn prefetch_early_from<X>(of: &[X], first: usize, count: usize) {
+    ask_at::<X, false>(of.as_ptr().wrapping_add(first), count);
+}
+
+/// The same of `bytes` bytes from an address on, of memory that another thread may be at work in: nothing is read.
+#[inline(always)]
+pub fn prefetch_early_address(first: usize, bytes: usize) {
+    ask_at::<u8, false>(std::ptr::without_provenance(first), bytes);
 }
 
 #[inline(always)]
-fn ask<X, const NEAR: bool>(soon: &[X]) {
+fn ask_at<X, const NEAR: bool>(first: *const X, count: usize) {
     #[cfg(target_arch = "x86_64")]
     {
         use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
-        let first = soon.as_ptr().cast::<i8>();
+        let first = first.cast::<i8>();
         // Up to the line of the last byte, wherever in its line the first one lies.
-        let lines = size_of_val(soon) / 64 + 1;
+        let lines = count * size_of::<X>() / 64 + 1;
         for line in 0..lines {
             // SAFETY: a prefetch reads nothing the program can see, at any address.
             unsafe {
@@ -216,5 +223,5 @@ fn ask<X, const NEAR: bool>(soon: &[X]) {
         }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = soon;
+    let _ = (first, count);
 }

@@ -2,7 +2,7 @@
 
 use super::Columns;
 use crate::dim::{BLOCK, block_nodes};
-use crate::parallel::{Float, prefetch};
+use crate::parallel::{Float, prefetch_from};
 use crate::step::checkpoint::{Archive, CheckpointError};
 use crate::step::rest::Stilled;
 
@@ -48,6 +48,58 @@ pub struct Block<T: Float, const D: usize> {
     dummy: Vec<T>,
 }
 
+/// The groups of a block at work: where they lie, for a pass that looks at every one of them.
+pub struct Groups<'a, T: Float> {
+    rows: &'a mut [T::Row],
+    before: &'a [u32],
+    runs: &'a [Run],
+    columns: usize,
+}
+
+impl<T: Float> Groups<'_, T> {
+    /// As [`Block::last_group`].
+    #[inline(always)]
+    pub fn last(&self, bin: usize) -> Option<(u32, usize)> {
+        let Run { last, particles } = self.runs[bin];
+        (particles > 0).then(|| (last, (particles as usize - 1) % T::GROUP + 1))
+    }
+    /// As [`Block::group_before`].
+    #[inline(always)]
+    pub fn before(&self, group: u32) -> Option<(u32, usize)> {
+        let before = self.before[group as usize];
+        (before != NONE).then_some((before, T::GROUP))
+    }
+    /// The rows of a group.
+    #[inline(always)]
+    pub fn rows(&mut self, group: u32) -> &mut [T::Row] {
+        &mut self.rows[group as usize * self.columns..][..self.columns]
+    }
+    /// As [`Block::prefetch`].
+    #[inline(always)]
+    pub fn prefetch(&self, bin: usize, rows: usize) {
+        ask_for_groups(self.rows, self.before, self.columns, self.runs[bin], rows);
+    }
+}
+
+/// Address and bytes of what a slice holds.
+pub fn place_of<X>(of: &[X]) -> (usize, usize) {
+    (of.as_ptr().addr(), size_of_val(of))
+}
+
+#[inline(always)]
+fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: usize) {
+    let mut group = run.last;
+    if group == NONE {
+        return;
+    }
+    // The last three, whatever their number: a loop's end would be guessed wrong as often as not.
+    for _ in 0..3 {
+        prefetch_from(all, group as usize * columns, rows);
+        let before = before.get(group as usize).copied().unwrap_or(NONE);
+        group = if before == NONE { group } else { before };
+    }
+}
+
 /// Particles that left the bins of a block in a pass, for the blocks around, or itself, to take in.
 #[derive(Clone, Debug, Default)]
 pub struct Outbox<T> {
@@ -72,21 +124,30 @@ impl<T> Outbox<T> {
         self.records.clear();
         self.directions = 0;
     }
-    /// Add a particle that goes to bin `bin` of the block `to`, with its numbers and records.
-    pub fn post(&mut self, to: usize, bin: usize, numbers: &[T], records: impl Iterator<Item = [T; 4]>)
+    /// Add a particle that goes to bin `bin` of the block `to`: room for its numbers, and its records.
+    #[inline(always)]
+    pub fn post(
+        &mut self,
+        to: usize,
+        bin: usize,
+        columns: usize,
+        records: impl Iterator<Item = [T; 4]>,
+    ) -> &mut [T]
     where
-        T: Copy,
+        T: Float,
     {
-        if self.numbers.capacity() < self.numbers.len() + numbers.len() {
+        let start = self.numbers.len();
+        if self.numbers.capacity() < start + columns {
             // By a quarter, not by half: where a lattice of particles moves as one, many leave at once and rarely.
             let ahead = self.to.len() / 4 + 8;
-            self.numbers.reserve_exact(ahead * numbers.len());
+            self.numbers.reserve_exact(ahead * columns);
         }
         self.to.push(to as u8);
         self.bin.push(bin as u8);
-        self.numbers.extend_from_slice(numbers);
         self.records.extend(records);
         self.directions |= 1 << to;
+        self.numbers.resize(start + columns, T::default());
+        &mut self.numbers[start..]
     }
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
@@ -134,6 +195,10 @@ impl<T: Float, const D: usize> Block<T, D> {
             + self.runs.capacity() * size_of::<Run>()
             + self.dummy.capacity() * size_of::<T>()
     }
+    /// Where the tables of its groups lie and where the groups themselves begin, by address and bytes.
+    pub fn outline(&self) -> [(usize, usize); 3] {
+        [place_of(&self.runs), place_of(&self.before), place_of(&self.rows)]
+    }
     /// Bins with particles, a bit each.
     pub fn occupied(&self) -> u64 {
         self.occupied
@@ -168,16 +233,18 @@ impl<T: Float, const D: usize> Block<T, D> {
     /// Ask for the first `rows` rows of the groups of a bin that comes soon, of three at most.
     #[inline(always)]
     pub fn prefetch(&self, bin: usize, rows: usize) {
-        let last = self.runs[bin].last;
-        if last == NONE {
-            return;
-        }
-        // The last three, whatever their number: a loop's end would be guessed wrong as often as not.
-        let mut group = last;
-        for _ in 0..3 {
-            prefetch(&self.group(group)[..rows]);
-            let before = self.before[group as usize];
-            group = if before == NONE { group } else { before };
+        ask_for_groups(&self.rows, &self.before, self.columns, self.runs[bin], rows);
+    }
+
+    /// The groups at work in a pass, of `least` rows or more.
+    #[inline(always)]
+    pub fn groups(&mut self, least: usize) -> Groups<'_, T> {
+        Groups {
+            rows: &mut self.rows,
+            before: &self.before,
+            runs: &self.runs[..block_nodes(D)],
+            // They are not fewer; said so that the compiler knows.
+            columns: self.columns.max(least),
         }
     }
 
@@ -248,21 +315,40 @@ impl<T: Float, const D: usize> Block<T, D> {
         self.occupied |= 1 << bin;
     }
 
-    /// Remove a particle of a bin; the bin's last one takes its place.
+    /// Remove a particle of a bin, with its numbers; the bin's last one takes its place.
     #[inline(always)]
-    pub fn remove(&mut self, bin: usize, at: Place) {
+    pub fn take(&mut self, bin: usize, at: Place, numbers: &mut [T]) {
         let Run { last, particles } = self.runs[bin];
-        let lane = (particles as usize - 1) % T::GROUP;
-        let (to, from) = (at.group as usize * self.columns, last as usize * self.columns);
-        for c in 0..self.columns {
-            let x = self.rows[from + c].as_ref()[lane];
-            self.rows[to + c].as_mut()[at.lane as usize] = x;
-            self.rows[from + c].as_mut()[lane] = self.dummy[c];
+        let (lane, to) = ((particles as usize - 1) % T::GROUP, at.lane as usize % T::GROUP);
+        let group = |group: u32| {
+            let first = group as usize * self.columns;
+            first..first + self.columns
+        };
+        let numbers = numbers.iter_mut().zip(&self.dummy);
+        if at.group == last {
+            for (row, (number, dummy)) in self.rows[group(last)].iter_mut().zip(numbers) {
+                let row = row.as_mut();
+                *number = row[to];
+                row[to] = row[lane];
+                row[lane] = *dummy;
+            }
+        } else if let Ok([here, end]) = self.rows.get_disjoint_mut([group(at.group), group(last)]) {
+            for ((row, from), (number, dummy)) in here.iter_mut().zip(end).zip(numbers) {
+                *number = std::mem::replace(&mut row.as_mut()[to], from.as_mut()[lane]);
+                from.as_mut()[lane] = *dummy;
+            }
         }
+        self.shorten(bin);
+    }
+
+    /// Take note of one particle less at the end of a bin.
+    #[inline(always)]
+    fn shorten(&mut self, bin: usize) {
+        let Run { last, particles } = self.runs[bin];
         self.runs[bin].particles -= 1;
         self.particles -= 1;
         self.occupied &= !(u64::from(particles == 1) << bin);
-        if lane == 0 {
+        if particles as usize % T::GROUP == 1 {
             self.runs[bin].last = std::mem::replace(&mut self.before[last as usize], self.free);
             self.free = last;
         }

@@ -3,7 +3,8 @@
 use mpm_materials::{Constitutive, Lane, Mat3, State};
 
 use super::gather::{Sampler, Wanted};
-use super::sweep::{Common, ExtentOf, Rows, ShapeOf};
+use super::stage::Rows;
+use super::sweep::{Common, ExtentOf, ShapeOf};
 use super::tile::Stencilled;
 use super::total;
 use crate::dilatation::MeanDilatation;

@@ -283,8 +283,9 @@ where
         if *book == before {
             return;
         }
+        let mut numbers = block.dummy().to_vec();
         while let Some((group, particles)) = block.last_group(bin) {
-            block.remove(bin, Place { group, lane: particles as u32 - 1 });
+            block.take(bin, Place { group, lane: particles as u32 - 1 }, &mut numbers);
         }
         for grain in &grains {
             block.push(bin, &grain.numbers);

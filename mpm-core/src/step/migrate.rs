@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use mpm_materials::Lane;
 
 use super::cell::Moments;
-use super::scatter::{AFFINE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
+use super::scatter::{AFFINE, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
 use super::splitting::Splitter;
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
 use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
@@ -62,15 +62,16 @@ impl<T> Movers<T> {
 /// Take the particles that leave a group out of their bin and put them into the outbox, or among those that stay in the
 /// block, with their records, of which zeros are left; what is cut in two goes there as two.
 #[cold]
-pub(super) fn send_away<T: Float, const D: usize>(
+#[inline(never)]
+pub(super) fn send_away<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>(
     block: &mut Block<T, D>,
     (outbox, movers): (&mut Outbox<T>, &mut Movers<T>),
     report: &mut Report<T>,
     leaving: Leaving<'_, T>,
     records: &mut Records<T>,
-    maps: Maps,
 ) {
     let Leaving { bin, group, gone, cut: Cut { long, splitter, gradient } } = leaving;
+    let maps = maps::<T, D, M, K>();
     let columns = block.dummy().len();
     let Movers { within, moving } = movers;
     let mut leave = gone | long;
@@ -78,84 +79,144 @@ pub(super) fn send_away<T: Float, const D: usize>(
     while leave != 0 {
         let lane = leave.ilog2();
         leave &= !(1 << lane);
-        moving.clear();
-        block.read(Place { group, lane }, moving);
-        block.remove(bin, Place { group, lane });
+        let place = Place { group, lane };
         let mut own = [[T::default(); 4]; RECORDS];
         for kind in 0..RECORDS {
             if maps.uses::<D>(kind) {
                 own[kind] = std::mem::take(&mut records[kind][lane as usize]);
             }
         }
-        let fast = too_fast::<T, D>(moving);
-        if let Some(particle) = fast {
+        let mut xi = [T::default(); 3];
+        for d in 0..D {
+            xi[d] = block.get(place, Columns::position() + d);
+        }
+        let fast = is_too_fast::<T, D>(&xi);
+        if fast {
+            let particle = block.get(place, columns - 1).to_double() as usize;
             let trouble = Trouble { bin, particle, cause: Cause::TooFast };
             report.trouble = report.trouble.or(Some(trouble));
         }
-        if long >> lane & 1 == 1 && fast.is_none() {
-            // A child takes half of everything its parent maps, from its own place.
-            for record in &mut own {
-                for x in record {
-                    *x *= T::of(0.5);
-                }
+        if long >> lane & 1 == 0 || fast {
+            let address = Address::of::<D>(&xi, bin);
+            address.turn::<D>(&mut own, maps);
+            let numbers = address.room::<D>(outbox, within, columns, &own, maps);
+            block.take(bin, place, numbers);
+            address.shift::<D>(numbers);
+            continue;
+        }
+        // A child takes half of everything its parent maps, from its own place.
+        for record in &mut own {
+            for x in record {
+                *x *= T::of(0.5);
             }
-            report.revealed += splitter.cut::<D>(moving, 0, gradient, lane as usize);
-            report.splits += 1;
         }
-        for numbers in moving.chunks_exact_mut(columns) {
-            post::<T, D>(outbox, within, bin, numbers, own, maps);
+        moving.clear();
+        moving.resize(columns, T::default());
+        block.take(bin, place, moving);
+        report.revealed += splitter.cut::<D>(moving, 0, gradient, lane as usize);
+        report.splits += 1;
+        for child in moving.chunks_exact(columns) {
+            let mut own = own;
+            xi[..D].copy_from_slice(&child[Columns::position()..][..D]);
+            let address = Address::of::<D>(&xi, bin);
+            address.turn::<D>(&mut own, maps);
+            let numbers = address.room::<D>(outbox, within, columns, &own, maps);
+            numbers.copy_from_slice(child);
+            address.shift::<D>(numbers);
         }
     }
 }
 
-/// The number of a particle that moved by more than a cell, or nobody knows where.
-fn too_fast<T: Float, const D: usize>(numbers: &[T]) -> Option<usize> {
+/// In which bin is xi, seen from the one it was in?
+#[inline(always)]
+fn cells_off<T: Float>(xi: T) -> T {
+    let (half, far) = (T::of(0.5), T::of(1.5));
+    if xi >= half && xi < far {
+        T::of(1.0)
+    } else if xi >= -half && xi < half {
+        T::default()
+    } else if xi >= -far && xi < -half {
+        T::of(-1.0)
+    } else {
+        (xi + half).floor()
+    }
+}
+
+/// Has a particle moved by more than a cell, or nobody knows where?
+#[inline(always)]
+fn is_too_fast<T: Float, const D: usize>(xi: &[T; 3]) -> bool {
+    let mut fast = false;
     for d in 0..D {
-        let shift = (numbers[Columns::position() + d] + T::of(0.5)).floor();
-        let one_cell = shift.abs() <= T::of(1.0); // false for a value that is not a number
-        if !one_cell {
-            return Some(numbers[numbers.len() - 1].to_double() as usize);
-        }
+        let one_cell = cells_off(xi[d]).abs() <= T::of(1.0); // false for a value that is not a number
+        fast |= !one_cell;
     }
-    None
+    fast
 }
 
-/// Address a particle with these numbers that came out of `bin`: to another block, or `within` this one.
-fn post<T: Float, const D: usize>(
-    outbox: &mut Outbox<T>,
-    within: &mut Outbox<T>,
+/// Where a particle goes that left its bin.
+struct Address<T> {
+    /// The block, as an outbox has it.
+    to: usize,
     bin: usize,
-    numbers: &mut [T],
-    mut records: [[T; 4]; RECORDS],
-    maps: Maps,
-) {
-    let half = T::of(0.5);
-    let (mut to, mut to_bin, mut weight, mut bin_weight, mut rest) = (0, 0, 1, 1, bin);
-    for d in 0..D {
-        let xi = numbers[Columns::position() + d];
-        let shift = (xi + half).floor();
-        // Rounding may leave xi - shift at 1/2 where xi was just below -1/2: that is the bin's far edge.
-        numbers[Columns::position() + d] = xi - shift;
-        if maps.has_affine() {
-            // R = [m, m v] - sum A xi refers to the bin's centre.
+    /// By how many cells.
+    cells: [T; 3],
+}
+
+impl<T: Float> Address<T> {
+    /// Of a particle at `xi` of `bin`.
+    #[inline(always)]
+    fn of<const D: usize>(xi: &[T; 3], bin: usize) -> Self {
+        let mut address = Address { to: 0, bin: 0, cells: [T::default(); 3] };
+        let (mut weight, mut bin_weight, mut rest) = (1, 1, bin);
+        for d in 0..D {
+            let cells = cells_off(xi[d]);
+            address.cells[d] = cells;
+            // Two cells are the most: one moved, less than one from the parent.
+            let at = (rest % BLOCK) as i32 + (cells.to_double() as i32).clamp(-2, 2);
+            rest /= BLOCK;
+            let (block_shift, place) = crate::particles::split(at);
+            address.to += (block_shift + 1) as usize * weight;
+            address.bin += place * bin_weight;
+            weight *= 3;
+            bin_weight *= BLOCK;
+        }
+        address
+    }
+
+    /// Make records refer to the bin that the particle goes to: R = [m, m v] - sum A xi refers to the bin's centre.
+    #[inline(always)]
+    fn turn<const D: usize>(&self, records: &mut [[T; 4]; RECORDS], maps: Maps) {
+        for d in 0..if maps.has_affine() { D } else { 0 } {
             for c in 0..4 {
-                let more = records[AFFINE + d][c] * shift;
+                let more = records[AFFINE + d][c] * self.cells[d];
                 records[MOMENTUM][c] += more;
             }
         }
-        // Two cells are the most: one moved, less than one from the parent.
-        let cells = (shift.to_double() as i32).clamp(-2, 2);
-        let at = (rest % BLOCK) as i32 + cells;
-        rest /= BLOCK;
-        let (block_shift, place) = crate::particles::split(at);
-        to += (block_shift + 1) as usize * weight;
-        to_bin += place * bin_weight;
-        weight *= 3;
-        bin_weight *= BLOCK;
     }
-    let to_list = if to == neighbours(D) / 2 { within } else { outbox };
-    let used = records.into_iter().enumerate().filter(|&(kind, _)| maps.uses::<D>(kind));
-    to_list.post(to, to_bin, numbers, used.map(|(_, record)| record));
+
+    /// Room for its numbers beside its records.
+    #[inline(always)]
+    fn room<'a, const D: usize>(
+        &self,
+        outbox: &'a mut Outbox<T>,
+        within: &'a mut Outbox<T>,
+        columns: usize,
+        records: &[[T; 4]; RECORDS],
+        maps: Maps,
+    ) -> &'a mut [T] {
+        let list = if self.to == neighbours(D) / 2 { within } else { outbox };
+        let used = records.iter().enumerate().filter(|&(kind, _)| maps.uses::<D>(kind));
+        list.post(self.to, self.bin, columns, used.map(|(_, record)| *record))
+    }
+
+    /// Make its position refer to that bin, too. Rounding may leave it at 1/2 where it was just below -1/2: that is the bin's
+    /// far edge.
+    #[inline(always)]
+    fn shift<const D: usize>(&self, numbers: &mut [T]) {
+        for d in 0..D {
+            numbers[Columns::position() + d] -= self.cells[d];
+        }
+    }
 }
 
 /// Where particles' domains come from: their columns, or one box for all.
@@ -197,7 +258,7 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
     outbox: &Outbox<T>,
     to: usize,
     domains: Domains<T>,
-    scratch: (&mut Records<T>, &mut Spread<T, ExtentOf<M, T, D>>),
+    (records, spread): (&mut Records<T>, &mut Spread<T, ExtentOf<M, T, D>>),
 ) where
     T: Float,
     A: Arch<T>,
@@ -213,7 +274,6 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
     for kind in 0..RECORDS {
         kinds += usize::from(maps.uses::<D>(kind));
     }
-    let (records, spread) = scratch;
     for n in 0..outbox.to.len() {
         if outbox.to[n] as usize != to {
             continue;
@@ -278,8 +338,7 @@ where
     fn run<A: Arch<T>>(self) {
         let TakeIn { method, slot, outboxes, common, .. } = self;
         let Slot { block, tile, rows, slots_around, .. } = slot;
-        let mut records: Records<T> = [[[T::default(); 4]; MAX_LANES]; RECORDS];
-        let mut spread: Spread<T, ExtentOf<M, T, D>> = Spread::zero();
+        let (mut records, mut spread) = (Records::<T>::zero(), Spread::<T, ExtentOf<M, T, D>>::zero());
         for from in 0..neighbours(D) {
             // What lies in direction `from` of here sent towards the opposite direction.
             let to = neighbours(D) - 1 - from;
@@ -287,8 +346,8 @@ where
                 continue; // its own pass took them in
             }
             let Some(outbox) = outboxes.get(slots_around[from] as usize) else { continue };
-            let scratch = (&mut records, &mut spread);
             let sums = (&mut tile[..], &mut *rows);
+            let scratch = (&mut records, &mut spread);
             take_in::<T, A, D, M, K>(method, block, sums, outbox, to, common.domains, scratch);
         }
         block.tidy();

@@ -33,8 +33,9 @@ mod seeding;
 mod shared;
 mod solver;
 pub mod splitting;
+pub mod stage;
 pub mod survey;
-pub mod sweep;
+mod sweep;
 pub mod tile;
 mod total;
 

@@ -19,7 +19,7 @@ use super::resting::Resting;
 use super::scene::SceneError;
 use super::splitting::{SplitBook, Splitter};
 use super::survey::{Near, Survey};
-use super::sweep::{Cause, Common, Report, Scratch, Slot, Sweep, Trouble};
+use super::sweep::{Cause, Common, Outline, Report, Scratch, Slot, Sweep, Trouble};
 use super::tile::{AddTiles, Sums, tile_nodes};
 use super::total;
 use crate::dim::{block_nodes, neighbours};
@@ -52,6 +52,8 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) links: Vec<(u32, u32, usize)>,
     /// Particles that left their bins in the last pass, by slot.
     pub(super) outboxes: Vec<Outbox<T>>,
+    /// Where the slots' memory lies, for a pass.
+    pub(super) outlines: Vec<Outline>,
     /// Memory of each thread.
     pub(super) scratch: Vec<Mutex<Scratch<T>>>,
     /// Blocks of nodes around each slot, 3^D, x fastest; `NONE` where there is none.
@@ -210,14 +212,17 @@ where
         }
         let common = self.common(dt);
         let (law, method) = (&self.law, &self.method);
-        let (nodes_around, scratch) = (&self.nodes_around, &self.scratch);
+        self.outlines.clear();
+        self.outlines.extend(self.slots.iter().map(Outline::of));
+        let (nodes_around, scratch, outlines) = (&self.nodes_around, &self.scratch, &self.outlines);
         team.each_piece(&mut self.slots, 1, &mut self.outboxes, |s, slot, outbox| {
             let slot = &mut slot[0];
             let scratch = &mut *team.own(scratch);
             let (here, ahead) = nodes_around[s * neighbours(D)..].split_at(neighbours(D));
             let around = [here, &ahead[..neighbours(D).min(ahead.len())]];
+            let (next, pass) = (outlines.get(s + 1), PhantomData);
             let sweep: Sweep<'_, T, D, C, M, K> =
-                Sweep { law, method, nodes, around, slot, outbox, scratch, common, pass: PhantomData };
+                Sweep { law, method, nodes, around, slot, next, outbox, scratch, common, pass };
             T::dispatch(sweep);
         });
         if (L::ACTS && K::DOES.load) || (L::FIELD && K::DOES.field) {
@@ -612,6 +617,7 @@ where
             + self.links.capacity() * size_of::<(u32, u32, usize)>()
             + self.outboxes.iter().map(Outbox::bytes).sum::<usize>()
             + self.scratch.iter().map(own).sum::<usize>()
+            + self.outlines.capacity() * size_of::<Outline>()
             + self.starts.capacity() * size_of::<[f64; D]>()
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
             + self.resting.as_ref().map_or(0, Resting::bytes)

@@ -12,6 +12,8 @@
 //!
 //! Lanes here are the four numbers of a node record, one particle at a time.
 
+use std::ops::{Index, IndexMut};
+
 use mpm_materials::Lane;
 
 use super::cell::scatter_cell;
@@ -35,8 +37,33 @@ pub const FORCE: usize = 5;
 /// Most lanes a group has.
 pub const MAX_LANES: usize = 8;
 
-/// Records of a group: `[kind][lane]`.
-pub type Records<T> = [[[T; 4]; MAX_LANES]; RECORDS];
+/// Records of a group: `[kind][lane]`. Aligned, and with it the stack of a pass: no vector on it straddles two cache lines.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub struct Records<T>([[[T; 4]; MAX_LANES]; RECORDS]);
+
+impl<T: Float> Records<T> {
+    /// Zeros.
+    #[inline(always)]
+    pub fn zero() -> Self {
+        Records([[[T::default(); 4]; MAX_LANES]; RECORDS])
+    }
+}
+
+impl<T> Index<usize> for Records<T> {
+    type Output = [[T; 4]; MAX_LANES];
+    #[inline(always)]
+    fn index(&self, kind: usize) -> &Self::Output {
+        &self.0[kind]
+    }
+}
+
+impl<T> IndexMut<usize> for Records<T> {
+    #[inline(always)]
+    fn index_mut(&mut self, kind: usize) -> &mut Self::Output {
+        &mut self.0[kind]
+    }
+}
 
 /// What a pass maps to the grid.
 #[derive(Clone, Copy)]

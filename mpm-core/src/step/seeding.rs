@@ -81,6 +81,7 @@ where
             wanted: Vec::new(),
             links: Vec::new(),
             outboxes: Vec::new(),
+            outlines: Vec::new(),
             scratch: Vec::new(),
             nodes_around: Vec::new(),
             contributors: Vec::new(),

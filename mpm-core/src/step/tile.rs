@@ -9,7 +9,7 @@ use super::layout::{Nodes, numbers, rank};
 use super::scatter::Maps;
 use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::grid::Node;
-use crate::parallel::{Arch, Float, Kernel, Quad, prefetch, prefetch_early};
+use crate::parallel::{Arch, Float, Kernel, Quad, prefetch_early_from, prefetch_from};
 use crate::shape::ShapeFunction;
 
 /// Which records of the bodies' tiles to sum, and where to.
@@ -140,21 +140,46 @@ impl<T: Float> TileIn<T> {
         reads: Reads,
         rows: u64,
     ) {
-        let layers = if D == 3 { E::TILE } else { 1 };
-        let [left, _, right] = [0, 1, 2].map(thirds::<E>);
-        for z in 0..layers {
-            let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
-            for y in 0..E::TILE {
-                if rows >> (z * E::TILE + y) & 1 == 0 {
-                    continue;
+        let (left, right) = (thirds::<E>(0).len(), thirds::<E>(2).len());
+        let first = &mut self.first[..tile_nodes::<E>(D)];
+        let second = &mut self.second[..tile_nodes::<E>(D)];
+        for (bz, by) in (0..if D == 3 { 3 } else { 1 }).flat_map(|bz| (0..3).map(move |by| (bz, by))) {
+            let layers = if D == 3 { thirds::<E>(bz) } else { 0..1 };
+            let lines = thirds::<E>(by);
+            if layers.is_empty() || lines.is_empty() {
+                continue;
+            }
+            let blocks = &around[(bz * 3 + by) * 3..][..3];
+            let before = lines_of::<T, D>(nodes, blocks[0]);
+            let here = lines_of::<T, D>(nodes, blocks[1]);
+            let behind = lines_of::<T, D>(nodes, blocks[2]);
+            for k in layers {
+                let nz = if D == 3 { place::<E>(k).1 } else { 0 };
+                for j in lines.clone() {
+                    let row = k * E::TILE + j;
+                    if rows >> row & 1 == 0 {
+                        continue;
+                    }
+                    let line = nz * BLOCK + place::<E>(j).1;
+                    let to = row * E::TILE..(row + 1) * E::TILE;
+                    for i in 0..2 {
+                        if !(if i == 0 { reads.first } else { reads.second }) {
+                            continue;
+                        }
+                        let to = if i == 0 { &mut first[to.clone()] } else { &mut second[to.clone()] };
+                        if left > 0
+                            && let Some(from) = before.get(line)
+                        {
+                            copy(&mut to[..left], &from[BLOCK - left..], i);
+                        }
+                        if let Some(from) = here.get(line) {
+                            copy(&mut to[left..left + BLOCK], from, i);
+                        }
+                        if let Some(from) = behind.get(line) {
+                            copy(&mut to[left + BLOCK..], &from[..right], i);
+                        }
+                    }
                 }
-                let (by, ny) = place::<E>(y);
-                let blocks = &around[(bz * 3 + by) * 3..][..3];
-                let (row, line) = ((z * E::TILE + y) * E::TILE, (nz * BLOCK + ny) * BLOCK);
-                let at = |x: usize, block: usize| block_nodes(D) * blocks[block] as usize + line + x;
-                self.piece(nodes, at(BLOCK - left.len(), 0), row, left.len(), reads);
-                self.piece(nodes, at(0, 1), row + left.len(), BLOCK, reads);
-                self.piece(nodes, at(0, 2), row + right.start, right.len(), reads);
             }
         }
     }
@@ -165,20 +190,18 @@ impl<T: Float> TileIn<T> {
         if !nodes.layout.is_whole() {
             return;
         }
-        let nodes = nodes.all;
         let (y, z) = (row % E::TILE, row / E::TILE);
         let (bz, nz) = if D == 3 { place::<E>(z) } else { (0, 0) };
         let (by, ny) = place::<E>(y);
         let (blocks, line) = (&around[(bz * 3 + by) * 3..][..3], (nz * BLOCK + ny) * BLOCK);
-        let [left, _, right] = [thirds::<E>(0), thirds::<E>(1), thirds::<E>(2)];
-        let at = [line + BLOCK - left.len(), line, line];
-        let lengths = [left.len(), BLOCK, right.len()];
-        for i in 0..3 {
-            let from = block_nodes(D) * blocks[i] as usize + at[i];
-            if let Some(soon) = nodes.get(from..from + lengths[i]) {
-                prefetch_early(soon);
-            }
+        let (left, right) = (thirds::<E>(0).len(), thirds::<E>(2).len());
+        // Nobody asks what lies at a block that is none.
+        if left > 0 {
+            let from = block_nodes(D) * blocks[0] as usize + line + BLOCK - left;
+            prefetch_early_from(nodes.all, from, left);
         }
+        prefetch_early_from(nodes.all, block_nodes(D) * blocks[1] as usize + line, BLOCK);
+        prefetch_early_from(nodes.all, block_nodes(D) * blocks[2] as usize + line, right);
     }
 
     /// A piece of a row inside one block; nothing where the block does not exist.
@@ -197,6 +220,21 @@ impl<T: Float> TileIn<T> {
                 *to = node.second;
             }
         }
+    }
+}
+
+/// The nodes of a block by lines along x; none where there is no such block.
+#[inline(always)]
+fn lines_of<T, const D: usize>(nodes: &[Node<T>], block: u32) -> &[[Node<T>; BLOCK]] {
+    let from = block_nodes(D) * block as usize;
+    nodes.get(from..from + block_nodes(D)).unwrap_or_default().as_chunks().0
+}
+
+/// Copy the first (0) or second (1) records of nodes.
+#[inline(always)]
+fn copy<T: Float>(to: &mut [[T; 4]], from: &[Node<T>], record: usize) {
+    for (to, node) in to.iter_mut().zip(from) {
+        *to = if record == 0 { node.first } else { node.second };
     }
 }
 
@@ -314,7 +352,27 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
 
     #[inline(always)]
     fn run<A: Arch<T>>(mut self) {
-        // The blocks of particles lie around the nodes; nodes are a third of the tile, seen from there.
+        match self.sums {
+            Sums::All if self.two => self.add_all::<A, FIRST_AND_SECOND>(),
+            Sums::All => self.add_all::<A, FIRST>(),
+            Sums::Force => self.add_all::<A, SECOND>(),
+            Sums::Again | Sums::Smoothed | Sums::Pushes => self.add_all::<A, FIRST_TO_SECOND>(),
+        }
+    }
+}
+
+// Which records of a tile go where.
+const FIRST: u8 = 0;
+const FIRST_AND_SECOND: u8 = 1;
+const SECOND: u8 = 2;
+const FIRST_TO_SECOND: u8 = 3;
+
+impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'a [[T; 4]], u64)>>
+    AddTiles<'_, T, D, E, F>
+{
+    /// Add the tiles. The blocks of particles lie around the nodes; nodes are a third of the tile, seen from there.
+    #[inline(always)]
+    fn add_all<A: Arch<T>, const WHAT: u8>(&mut self) {
         for z in 0..if D == 3 { 3 } else { 1 } {
             let layers = if D == 3 { thirds::<E>(2 - z) } else { 0..1 };
             for y in 0..3 {
@@ -323,61 +381,55 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
                     continue;
                 }
                 let first = (z * 3 + y) * 3;
-                self.add::<A, 2>(first, &layers, &lines);
-                self.add::<A, 1>(first + 1, &layers, &lines);
-                self.add::<A, 0>(first + 2, &layers, &lines);
+                self.add::<A, WHAT, 2>(first, &layers, &lines);
+                self.add::<A, WHAT, 1>(first + 1, &layers, &lines);
+                self.add::<A, WHAT, 0>(first + 2, &layers, &lines);
             }
         }
     }
-}
 
-impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'a [[T; 4]], u64)>>
-    AddTiles<'_, T, D, E, F>
-{
     /// Add these rows of neighbour `n`, of whose tile the nodes are the third `X` along x; those of the next block of nodes
     /// are asked for.
     #[inline(always)]
-    fn add<A: Arch<T>, const X: usize>(&mut self, n: usize, layers: &Range<usize>, lines: &Range<usize>) {
+    fn add<A: Arch<T>, const WHAT: u8, const X: usize>(
+        &mut self,
+        n: usize,
+        layers: &Range<usize>,
+        lines: &Range<usize>,
+    ) {
         let x = thirds::<E>(X);
         if x.is_empty() {
             return;
         }
         let (own, next) = ((self.tile)(n, 0), (self.tile)(n, 1));
-        let Some((soon, rows_soon)) = next.or(own) else { return };
+        let Some((soon, _)) = next.or(own) else { return };
         let (tile, rows) = own.unwrap_or((soon, 0));
-        let (sums, two) = (self.sums, self.two);
-        let nodes = &mut self.nodes[..block_nodes(D)];
+        let nodes = self.nodes[..block_nodes(D)].as_chunks_mut::<BLOCK>().0;
         let (first, second) = tile.split_at(tile_nodes::<E>(D));
-        let (first_soon, second_soon) = soon.split_at(tile_nodes::<E>(D));
+        let at = place::<E>(x.start).1;
         for k in layers.clone() {
             let nz = if D == 3 { place::<E>(k).1 } else { 0 };
             for j in lines.clone() {
                 let row = k * E::TILE + j;
                 let from = row * E::TILE + x.start;
-                if rows_soon >> row & 1 == 1 {
-                    if sums != Sums::Force {
-                        prefetch(&first_soon[from..][..x.len()]);
-                    }
-                    if sums == Sums::Force || (sums == Sums::All && two) {
-                        prefetch(&second_soon[from..][..x.len()]);
-                    }
+                if WHAT != SECOND {
+                    prefetch_from(soon, from, x.len());
+                }
+                if WHAT == SECOND || WHAT == FIRST_AND_SECOND {
+                    prefetch_from(soon, tile_nodes::<E>(D) + from, x.len());
                 }
                 if rows >> row & 1 == 0 {
                     continue;
                 }
-                let to = (nz * BLOCK + place::<E>(j).1) * BLOCK + place::<E>(x.start).1;
-                let to = &mut nodes[to..][..x.len()];
-                match sums {
-                    Sums::All => {
-                        add_row::<T, A, 0>(to, &first[from..][..x.len()]);
-                        if two {
-                            add_row::<T, A, 1>(to, &second[from..][..x.len()]);
-                        }
-                    }
-                    Sums::Force => add_row::<T, A, 1>(to, &second[from..][..x.len()]),
-                    Sums::Again | Sums::Smoothed | Sums::Pushes => {
-                        add_row::<T, A, 1>(to, &first[from..][..x.len()])
-                    }
+                let to = &mut nodes[nz * BLOCK + place::<E>(j).1][at..at + x.len()];
+                if WHAT == FIRST || WHAT == FIRST_AND_SECOND {
+                    add_row::<T, A, 0>(to, &first[from..][..x.len()]);
+                }
+                if WHAT == FIRST_TO_SECOND {
+                    add_row::<T, A, 1>(to, &first[from..][..x.len()]);
+                }
+                if WHAT == SECOND || WHAT == FIRST_AND_SECOND {
+                    add_row::<T, A, 1>(to, &second[from..][..x.len()]);
                 }
             }
         }

@@ -1,0 +1,671 @@
+//! The stages that a group of lanes goes through in a pass: from the grid to its particles; strain and law; motion, and
+//! from the particles to the grid.
+
+use std::marker::PhantomData;
+
+use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
+
+use super::cell::Moments;
+use super::convect::Moved;
+use super::gather::{Sampler, Wanted};
+use super::mean::Mean;
+use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, Records, Spread, scatter};
+use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Trouble, maps};
+use super::tile::{Reads, Stencilled};
+use super::total;
+use crate::dilatation::Dilatation;
+use crate::dim::{BLOCK, Stencil};
+use crate::embedding::Embedding;
+use crate::frame::Frame;
+use crate::method::Composition;
+use crate::parallel::{Arch, Float, Pack};
+use crate::particles::Columns;
+use crate::scheme::{Nodal, Pass, PassKind};
+use crate::shape::ShapeFunction;
+use crate::shape::domain::MOST_NUMBERS;
+use crate::transfer::Transfer;
+
+/// What stages of a pass hand on of a group.
+#[derive(Clone, Copy)]
+pub(super) struct Stage<P: Lane> {
+    /// Position.
+    xi: [P; 3],
+    /// Velocity.
+    v: [P; 3],
+    mass: P,
+    /// First nodal vector.
+    nodal: [P; 3],
+    /// Second nodal vector.
+    increment: [P; 3],
+    /// Gradient that strains.
+    gradient: Mat3<P>,
+    /// Affine fit of the first nodal vector.
+    affine: [[P; 3]; 3],
+    /// Radial velocity that strains around the axis of revolution.
+    hoop_velocity: P,
+    stress: Sym3<P>,
+    /// Volume of the particles, m^3.
+    volume: P,
+    /// Inverse of the deformation gradient, where the method maps in the reference configuration.
+    inverse: Mat3<P>,
+    /// G_d of [`super::scatter`], column by column.
+    force: Mat3<P>,
+    /// Particles that stay in their bin.
+    pub(super) staying: P::Mask,
+}
+
+impl<P: Lane> Stage<P> {
+    #[inline(always)]
+    pub(super) fn zero() -> Self {
+        let (zero, none) = (P::zero(), Mat3::zero());
+        Stage {
+            xi: [zero; 3],
+            v: [zero; 3],
+            mass: zero,
+            nodal: [zero; 3],
+            increment: [zero; 3],
+            gradient: none,
+            affine: none.0,
+            hoop_velocity: zero,
+            stress: Sym3::zero(),
+            volume: zero,
+            inverse: Mat3::identity(),
+            force: none,
+            staying: P::Mask::splat(true),
+        }
+    }
+}
+
+/// The bin that the groups belong to.
+pub(super) struct Bin<'a, T: Float, E: Stencil, P> {
+    /// Its number.
+    pub(super) number: usize,
+    /// Its stencil.
+    pub(super) stencil: &'a Stencilled<T, E>,
+    /// x of its centre, m, for the distance to the axis of revolution.
+    pub(super) x: P,
+    /// What laws see of a change of volume, if it is not their own.
+    pub(super) mean: Option<Mean<P>>,
+}
+
+/// What the groups of a block sum up beside their nodes.
+#[derive(Clone, Copy)]
+pub(super) struct Found<P> {
+    /// Largest speed of signals, m/s.
+    pub(super) rate: P,
+    pub(super) flux: [P; 3],
+    pub(super) push: [P; 3],
+    pub(super) power: P,
+}
+
+impl<P: Lane> Found<P> {
+    #[inline(always)]
+    pub(super) fn none() -> Self {
+        let zero = P::zero();
+        Found { rate: zero, flux: [zero; 3], push: [zero; 3], power: zero }
+    }
+}
+
+/// The stages of the pass `K`, with what all groups of a block share.
+pub(super) struct Stages<'a, T: Float, const D: usize, C, M, K, A: Arch<T>> {
+    law: &'a C,
+    method: &'a M,
+    common: &'a Common<T>,
+    dt: A::Pack,
+    spacing: A::Pack,
+    per_spacing: A::Pack,
+    per_density: A::Pack,
+    /// 0, 1, 2 ...
+    lane_index: A::Pack,
+    pass: PhantomData<K>,
+}
+
+impl<'a, T, const D: usize, C, M, K, A> Stages<'a, T, D, C, M, K, A>
+where
+    T: Float,
+    C: Constitutive<T>,
+    M: Composition<T, D>,
+    K: PassKind,
+    A: Arch<T>,
+{
+    const DOES: Pass = K::DOES;
+    const TOTAL: bool = M::Frame::TOTAL;
+    const STRAIN_FIRST: bool = matches!(K::DOES.strain, Some(Nodal::First));
+    const STRAIN_SECOND: bool = matches!(K::DOES.strain, Some(Nodal::Second));
+    /// Do domains follow the motion?
+    const STRETCHES: bool = ShapeOf::<M, T, D>::DOMAIN.carried() && K::DOES.moves;
+    /// Are particles split that are stretched too far?
+    const SPLITS: bool = K::DOES.splits && !M::Frame::TOTAL;
+    const SLOPES_FIRST: bool =
+        Self::STRAIN_FIRST || ((Self::STRETCHES || Self::SPLITS) && K::DOES.strain.is_none());
+    /// What it reads of a node.
+    pub(super) const READS: Reads = Reads {
+        first: K::DOES.velocity || K::DOES.moves || Self::STRAIN_FIRST,
+        second: (K::DOES.velocity && M::Transfer::READS_INCREMENT) || Self::STRAIN_SECOND || K::DOES.smooth,
+    };
+    const STATE: usize = <C::State<A::Pack> as State<A::Pack>>::LEN;
+    const MOTION: usize = 2 * D + 1;
+    /// Rows that every group has.
+    pub(super) const ROWS: usize = Self::MOTION + Self::STATE + 1;
+    /// Rows at work.
+    pub(super) const AT_WORK: usize = if K::DOES.strain.is_some() || K::DOES.force || K::DOES.moves {
+        Self::MOTION + Self::STATE
+    } else {
+        Self::MOTION
+    };
+
+    #[inline(always)]
+    pub(super) fn new(law: &'a C, method: &'a M, common: &'a Common<T>) -> Self {
+        let mut lane_index = A::Pack::zero();
+        for i in 0..A::Pack::WIDTH {
+            lane_index = lane_index.with_lane(i, T::of(i as f64));
+        }
+        let spacing = A::Pack::splat(common.spacing);
+        Stages {
+            law,
+            method,
+            common,
+            dt: A::Pack::splat(common.dt),
+            spacing,
+            per_spacing: spacing.recip(),
+            per_density: A::Pack::splat(law.density()).recip(),
+            lane_index,
+            pass: PhantomData,
+        }
+    }
+
+    /// Are these the lanes with a particle?
+    #[inline(always)]
+    fn alive(&self, here: usize) -> <A::Pack as Lane>::Mask {
+        self.lane_index.lt(A::Pack::of(here as f64))
+    }
+
+    /// The domains of the particles of a group.
+    #[inline(always)]
+    fn domain(&self, rest: &[T::Row]) -> [A::Pack; MOST_NUMBERS] {
+        self.common.domains.of::<A::Pack, ShapeOf<M, T, D>, D>(|n: usize| A::Pack::load(&rest[n]))
+    }
+
+    /// Grid to particles.
+    #[inline(always)]
+    pub(super) fn gather(
+        &self,
+        rows: &mut [T::Row],
+        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Pack>,
+        stage: &mut Stage<A::Pack>,
+        found: &mut Found<A::Pack>,
+    ) {
+        let (does, reads, maps) = (Self::DOES, Self::READS, maps::<T, D, M, K>());
+        let Stage { xi, v, mass, nodal, gradient, affine, increment, hoop_velocity, .. } = stage;
+        let (motion, rest) = rows.split_at_mut(Self::MOTION);
+        let rest = &rest[Self::STATE..];
+        for d in 0..D {
+            xi[d] = A::Pack::load(&motion[Columns::position() + d]);
+            v[d] = A::Pack::load(&motion[Columns::velocity(D) + d]);
+        }
+        *mass = A::Pack::load(&motion[Columns::mass(D)]);
+        let mut sampler = Sampler::<A::Pack, ExtentOf<M, T, D>>::zero();
+        if reads.first || reads.second {
+            sampler = Sampler::of(self.method.shape(), xi, &self.domain(rest), maps.affine);
+        }
+        // First nodal vector (velocity) with what is wanted of it. In the moving-least-squares form the gradient is the
+        // affine fit.
+        if reads.first {
+            let slope = Self::SLOPES_FIRST && !M::Transfer::LEAST_SQUARES;
+            let wanted = Wanted { slope, fit: maps.affine };
+            for c in 0..D {
+                let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&bin.stencil.first, c, wanted);
+                nodal[c] = found.value;
+                affine[c] = found.fit;
+                if Self::SLOPES_FIRST {
+                    gradient.0[c] = if slope { found.slope } else { found.fit };
+                }
+            }
+            *hoop_velocity = nodal[0];
+        }
+        // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
+        if reads.second {
+            let wanted = Wanted { slope: Self::STRAIN_SECOND, fit: false };
+            for c in 0..D {
+                let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&bin.stencil.second, c, wanted);
+                increment[c] = found.value;
+                if Self::STRAIN_SECOND {
+                    gradient.0[c] = found.slope;
+                }
+            }
+            if Self::STRAIN_SECOND {
+                *hoop_velocity = increment[0];
+            }
+        }
+        // The forces on the nodes did their work with the velocities in the middle of the step, here mapped to the
+        // particle; where accelerations are not mapped, by what was mapped before.
+        if does.velocity && (does.load || does.field) {
+            let frame = rest.len() - 1 - total::rows::<T, D, M>();
+            let columns = ShapeOf::<M, T, D>::DOMAIN.numbers(D);
+            for d in 0..D {
+                let change = if reads.second { self.dt * increment[d] } else { nodal[d] - v[d] };
+                let middle = nodal[d] - A::Pack::of(0.5) * change;
+                if does.load {
+                    found.flux[d] = A::Pack::load(&rest[columns]).mul_add(middle, found.flux[d]);
+                } else {
+                    let push = *mass * A::Pack::load(&rest[frame - D + d]);
+                    found.power = push.mul_add(middle, found.power);
+                }
+            }
+        }
+        if does.velocity {
+            for d in 0..D {
+                v[d] = self.method.transfer().velocity(v[d], nodal[d], self.dt * increment[d], self.dt);
+                v[d].store(&mut motion[Columns::velocity(D) + d]);
+            }
+        }
+    }
+
+    /// Strain and stress, at the old position. Lanes without a particle do not deform.
+    #[inline(always)]
+    pub(super) fn strain(
+        &self,
+        (rows, here): (&mut [T::Row], usize),
+        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Pack>,
+        stage: &mut Stage<A::Pack>,
+        found: &mut Found<A::Pack>,
+        report: &mut Report<T>,
+    ) {
+        let (does, law) = (Self::DOES, self.law);
+        let Stage { xi, v, mass, gradient, hoop_velocity, stress, volume, inverse, .. } = stage;
+        let alive = self.alive(here);
+        let (state, rest) = rows[Self::MOTION..].split_at_mut(Self::STATE);
+        let step = A::Pack::select(alive, self.dt, A::Pack::zero());
+        let frame = rest.len() - 1 - total::rows::<T, D, M>();
+        // Deformation gradient, if mapped in the reference configuration, and its inverse.
+        let mut f = Mat3::identity();
+        if Self::TOTAL && (does.strain.is_some() || does.force || does.moves) {
+            f = total::load::<T, A::Pack, D, M>(&rest[frame..]);
+            *inverse = total::inverse::<A::Pack, D>(&f);
+        }
+        let mut signals = None;
+        if does.strain.is_some() {
+            let mut deformation = *gradient * (step * self.per_spacing);
+            if M::Embedding::HOOP {
+                deformation.0[2][2] = step * *hoop_velocity / xi[0].mul_add(self.spacing, bin.x);
+            }
+            if Self::TOTAL {
+                f = f + deformation;
+                total::store::<T, A::Pack, D, M>(&f, &mut rest[frame..]);
+                deformation = total::product::<A::Pack, D>(&deformation, inverse);
+                *inverse = total::inverse::<A::Pack, D>(&f);
+            }
+            let old = C::State::<A::Pack>::read(&mut Rows::of(state));
+            if M::Dilatation::MEAN
+                && let Some(mean) = &bin.mean
+            {
+                deformation = mean.give::<T, D, M>(deformation, law.volume_ratio(&old));
+            }
+            let kinematics = Kinematics { increment: deformation, dt: self.dt, length: self.spacing };
+            let new = law.update(&kinematics, &old);
+            new.state.write(&mut RowsMut { rows: state, at: 0, lanes: PhantomData });
+            *stress = new.stress;
+            *volume = law.volume_ratio(&new.state) * *mass * self.per_density;
+            if new.fault.any() {
+                let numbers = rest[rest.len() - 1].as_ref();
+                note_fault(report, bin.number, &numbers[..here], new.fault);
+            }
+            if does.force {
+                signals = Some(new.state);
+            }
+        } else if does.force {
+            let now = C::State::<A::Pack>::read(&mut Rows::of(state));
+            *stress = law.stress(&now);
+            *volume = law.volume_ratio(&now) * *mass * self.per_density;
+            signals = Some(now);
+        } else if does.moves && self.common.speeds {
+            signals = Some(C::State::<A::Pack>::read(&mut Rows::of(state)));
+        }
+        if let Some(now) = signals
+            && self.common.speeds
+        {
+            let speed = signal::<T, A::Pack, C>(law, &now, v, inverse, Self::TOTAL);
+            found.rate = found.rate.max(A::Pack::select(alive, speed, A::Pack::zero()));
+        }
+    }
+
+    /// Motion, and what the particles give to the nodes from where they are now. Lanes without a particle do not move.
+    /// Which lanes leave the bin, and which are cut in two?
+    #[inline(always)]
+    pub(super) fn advance(
+        &self,
+        (rows, here): (&mut [T::Row], usize),
+        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Pack>,
+        stage: &mut Stage<A::Pack>,
+        found: &mut Found<A::Pack>,
+        (records, spread): (&mut Records<T>, &mut Spread<T, ExtentOf<M, T, D>>),
+        report: &mut Report<T>,
+    ) -> [u32; 2] {
+        let (does, maps) = (Self::DOES, maps::<T, D, M, K>());
+        let Stage { xi, v, mass, nodal, gradient, affine, increment, stress, volume, inverse, .. } = stage;
+        let zero = A::Pack::zero();
+        let alive = self.alive(here);
+        let (motion, rest) = rows.split_at_mut(Self::MOTION);
+        let (state, rest) = rest.split_at_mut(Self::STATE);
+        let mut domain = self.domain(rest);
+        let cells = A::Pack::select(alive, self.dt, zero) * self.per_spacing;
+        let frame = rest.len() - 1 - total::rows::<T, D, M>();
+        // Domains keep their sizes until the particles move, so that all passes of a step use the same weights.
+        if Self::STRETCHES {
+            let moved = Moved { xi, nodal, gradient, cells };
+            moved.domain::<T, ShapeOf<M, T, D>, D>(self.method.shape(), &bin.stencil.first, &mut domain);
+            for n in 0..ShapeOf::<M, T, D>::DOMAIN.numbers(D) {
+                domain[n].store(&mut rest[n]);
+            }
+        }
+
+        // Position.
+        let mut stays = !0;
+        stage.staying = alive;
+        if does.moves && Self::TOTAL {
+            for d in 0..D {
+                let moved = cells.mul_add(nodal[d], A::Pack::load(&rest[frame + d]));
+                moved.store(&mut rest[frame + d]);
+            }
+        } else if does.moves {
+            let half = A::Pack::of(0.5);
+            let mut inside = <A::Pack as Lane>::Mask::splat(true);
+            for d in 0..D {
+                xi[d] = cells.mul_add(nodal[d], xi[d]);
+                xi[d].store(&mut motion[Columns::position() + d]);
+                inside = inside & (-half).le(xi[d]) & xi[d].lt(half);
+            }
+            stays = A::Pack::bits(inside);
+            stage.staying = alive & inside;
+        }
+
+        // Particles stretched so far that they are cut in two.
+        let mut long = 0;
+        if Self::SPLITS {
+            let (splitter, first) = (&self.common.splitter, self.common.splitter.place);
+            let mut trace = A::Pack::load(&state[first]);
+            for d in 1..D {
+                trace = trace + A::Pack::load(&state[first + d]);
+            }
+            // The largest principal value is at most the sum of all.
+            let may = A::Pack::bits(alive & A::Pack::splat(splitter.square).le(trace));
+            if may != 0 {
+                let axis = M::Embedding::HOOP.then(|| (bin.x.lane(0) / self.common.spacing, &motion[0]));
+                let mut ratio = T::Row::default();
+                let now = C::State::<A::Pack>::read(&mut Rows::of(state));
+                self.law.volume_ratio(&now).store(&mut ratio);
+                long = splitter.long::<D>(state, &ratio, may, axis);
+            }
+        }
+
+        // Particles to grid, at the new position.
+        let momentum = if does.smooth { *increment } else { *v };
+        let mut force_scale = *volume * self.per_spacing;
+        if maps.together {
+            force_scale = force_scale * A::Pack::splat(self.common.next_dt);
+        }
+        // In the reference configuration not symmetric.
+        let carried =
+            if Self::TOTAL { total::nominal::<A::Pack, D>(stress, inverse) } else { stress.to_mat() };
+        let mut force = carried * -force_scale;
+        if !maps.moments::<ExtentOf<M, T, D>>() {
+            // Lanes without a particle have no volume; but zero times their stress need not be zero.
+            for c in 0..D {
+                for d in 0..D {
+                    force.0[c][d] = A::Pack::select(alive, force.0[c][d], zero);
+                }
+            }
+        }
+        let mut momenta = [[zero; 3]; 3];
+        for d in 0..D {
+            for c in 0..D {
+                if maps.affine {
+                    momenta[c][d] = *mass * affine[c][d];
+                }
+                if maps.least_squares {
+                    let per_inertia = self.method.shape().inertia(xi[d], domain[d]).recip();
+                    momenta[c][d] = force.0[c][d].mul_add(per_inertia, momenta[c][d]);
+                }
+            }
+        }
+        if maps.least_squares {
+            force = Mat3::zero();
+        }
+        let mut impulse = [*mass * momentum[0], *mass * momentum[1], *mass * momentum[2]];
+        if maps.direct {
+            let mut direct = [zero; 3];
+            if M::Embedding::HOOP {
+                // The radius of the new position, like the weights.
+                let hoop = -(*volume * carried.0[2][2]) / xi[0].mul_add(self.spacing, bin.x);
+                direct[0] = A::Pack::select(alive, hoop, zero);
+            }
+            if does.load {
+                let area = A::Pack::load(&rest[ShapeOf::<M, T, D>::DOMAIN.numbers(D)]);
+                for d in 0..D {
+                    direct[d] = area.mul_add(A::Pack::splat(self.common.traction[d]), direct[d]);
+                }
+            }
+            if does.field {
+                for d in 0..D {
+                    let push = *mass * A::Pack::load(&rest[frame - D + d]);
+                    direct[d] = direct[d] + push;
+                    found.push[d] = found.push[d] + push;
+                }
+            }
+            for d in 0..D {
+                if maps.together {
+                    direct[d] = direct[d] * A::Pack::splat(self.common.next_dt);
+                }
+                if maps.least_squares {
+                    impulse[d] = impulse[d] + direct[d];
+                }
+            }
+            A::Pack::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
+        }
+        fill_records::<T, A, D>(records, *mass, impulse, &momenta, xi, maps);
+        if maps.slopes() && !maps.moments::<ExtentOf<M, T, D>>() {
+            force_records::<T, A, D>(records, &force);
+        }
+        let sound = spread.place(self.method.shape(), xi, &domain, maps.slopes());
+        if maps.convected {
+            let sound = A::Pack::bits(zero.lt(sound));
+            if does.moves && !sound & ((1 << here) - 1) != 0 {
+                note_inside_out(report, bin.number, &rest[rest.len() - 1].as_ref()[..here], sound);
+            }
+        }
+        stage.force = force;
+        [if does.moves && !Self::TOTAL { !stays & ((1 << here) - 1) } else { 0 }, long]
+    }
+
+    /// The velocity gradient of the particles of a group, 1/s, D x D rows, for those that are cut in two.
+    #[inline(always)]
+    pub(super) fn spread_of(&self, stage: &Stage<A::Pack>) -> [T::Row; 9] {
+        let mut spread = [T::Row::default(); 9];
+        if Self::SPLITS {
+            for i in 0..D * D {
+                (stage.gradient.0[i / D][i % D] * self.per_spacing).store(&mut spread[i]);
+            }
+        }
+        spread
+    }
+
+    /// Put the records of forces, which go by way of moments, beside the others, for particles that leave; of those, `long`
+    /// are cut in two.
+    #[inline(always)]
+    pub(super) fn part(stage: &mut Stage<A::Pack>, long: u32, records: &mut Records<T>) {
+        if maps::<T, D, M, K>().moments::<ExtentOf<M, T, D>>() {
+            force_records::<T, A, D>(records, &stage.force);
+            stage.staying = stage.staying & !lanes_of::<T, A>(long);
+        }
+    }
+
+    /// Particles to grid.
+    #[inline(always)]
+    pub(super) fn give(
+        here: usize,
+        corner: usize,
+        stage: &mut Stage<A::Pack>,
+        (records, spread): (&mut Records<T>, &mut Spread<T, ExtentOf<M, T, D>>),
+        moments: &mut Moments<A::Quad, ExtentOf<M, T, D>>,
+        tiles: [&mut [[T; 4]]; 2],
+    ) {
+        let maps = maps::<T, D, M, K>();
+        let by_moments = maps.moments::<ExtentOf<M, T, D>>();
+        if by_moments {
+            for c in 0..D {
+                for d in 0..D {
+                    let force = &mut stage.force.0[c][d];
+                    *force = A::Pack::select(stage.staying, *force, A::Pack::zero());
+                }
+            }
+            moments.add_group::<T, A>(&stage.xi, &stage.force);
+        }
+        match T::GROUP {
+            4 if here <= 2 && ExtentOf::<M, T, D>::NODES > 2 => {
+                scatter::<T, A, ExtentOf<M, T, D>, 2>(tiles, corner, spread, records, maps)
+            }
+            4 => scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, corner, spread, records, maps),
+            _ if here <= 4 && ExtentOf::<M, T, D>::NODES > 2 => {
+                scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, corner, spread, records, maps)
+            }
+            _ => scatter::<T, A, ExtentOf<M, T, D>, 8>(tiles, corner, spread, records, maps),
+        }
+    }
+}
+
+/// x of the centre of a bin of the block with the first coordinate `block`, m.
+#[inline(always)]
+pub(super) fn centre_x<T: Float>(common: &Common<T>, block: i32, bin: usize, centre: f64) -> T {
+    let cells = f64::from(block) * BLOCK as f64 + (bin % BLOCK) as f64 + centre;
+    common.origin + common.spacing * T::of(cells)
+}
+
+/// Reads a law's state from the rows of a group.
+pub(super) struct Rows<'a, R, P> {
+    rows: &'a [R],
+    at: usize,
+    lanes: PhantomData<P>,
+}
+impl<'a, R, P> Rows<'a, R, P> {
+    #[inline(always)]
+    pub(super) fn of(rows: &'a [R]) -> Self {
+        Rows { rows, at: 0, lanes: PhantomData }
+    }
+}
+impl<T: Float, P: Pack<T>> Source<P> for Rows<'_, T::Row, P>
+where
+    P: Lane<Real = T>,
+{
+    #[inline(always)]
+    fn take(&mut self) -> P {
+        self.at += 1;
+        P::load(&self.rows[self.at - 1])
+    }
+}
+/// Writes a law's state to the rows of a group.
+struct RowsMut<'a, R, P> {
+    rows: &'a mut [R],
+    at: usize,
+    lanes: PhantomData<P>,
+}
+impl<T: Float, P: Pack<T>> Sink<P> for RowsMut<'_, T::Row, P>
+where
+    P: Lane<Real = T>,
+{
+    #[inline(always)]
+    fn put(&mut self, value: P) {
+        value.store(&mut self.rows[self.at]);
+        self.at += 1;
+    }
+}
+
+/// Speed of signals past a particle, c + |v|, m/s.
+#[inline(always)]
+fn speed<T, P, C>(law: &C, now: &C::State<P>, v: &[P; 3]) -> P
+where
+    T: Float,
+    P: Pack<T>,
+    C: Constitutive<T>,
+{
+    law.wave_speed(now) + v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2])).sqrt()
+}
+
+/// The records of a group but those of forces; see [`super::scatter`].
+#[inline(always)]
+fn fill_records<T: Float, A: Arch<T>, const D: usize>(
+    records: &mut Records<T>,
+    mass: A::Pack,
+    mut p: [A::Pack; 3],
+    affine: &[[A::Pack; 3]; 3],
+    xi: &[A::Pack; 3],
+    maps: Maps,
+) {
+    let zero = A::Pack::zero();
+    if maps.momentum {
+        if maps.has_affine() {
+            for d in 0..D {
+                for c in 0..D {
+                    p[c] = (-affine[c][d]).mul_add(xi[d], p[c]);
+                }
+                let a = [affine[0][d], affine[1][d], affine[2][d]];
+                A::Pack::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);
+            }
+        }
+        A::Pack::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
+    }
+}
+
+/// The records of the forces of a group.
+#[inline(always)]
+fn force_records<T: Float, A: Arch<T>, const D: usize>(records: &mut Records<T>, force: &Mat3<A::Pack>) {
+    let zero = A::Pack::zero();
+    for d in 0..D {
+        let third = if D == 3 { force.0[2][d] } else { zero };
+        A::Pack::records(zero, force.0[0][d], force.0[1][d], third, &mut records[FORCE + d]);
+    }
+}
+
+/// The lanes of set bits.
+#[inline(always)]
+fn lanes_of<T: Float, A: Arch<T>>(bits: u32) -> <A::Pack as Lane>::Mask {
+    let mut set = A::Pack::zero();
+    for lane in 0..A::Pack::WIDTH {
+        set = set.with_lane(lane, T::of(f64::from(bits >> lane & 1)));
+    }
+    A::Pack::zero().lt(set)
+}
+
+/// Speed of signals over the cells, m/s: past a particle, or through the reference configuration.
+#[inline(always)]
+fn signal<T, P, C>(law: &C, now: &C::State<P>, v: &[P; 3], inverse: &Mat3<P>, total: bool) -> P
+where
+    T: Float,
+    P: Pack<T>,
+    C: Constitutive<T>,
+{
+    if total { total::speed::<T, P, C>(law, now, inverse) } else { speed(law, now, v) }
+}
+
+#[cold]
+fn note_inside_out<T: Float>(report: &mut Report<T>, bin: usize, numbers: &[T], sound: u32) {
+    let bad = numbers.iter().enumerate().find(|(lane, _)| sound >> lane & 1 == 0);
+    if let (None, Some((_, number))) = (report.trouble, bad) {
+        let particle = number.to_double() as usize;
+        report.trouble = Some(Trouble { bin, particle, cause: Cause::InsideOut });
+    }
+}
+
+#[cold]
+fn note_fault<T: Float, L: Lane<Real = T>>(
+    report: &mut Report<T>,
+    bin: usize,
+    numbers: &[T],
+    fault: Fault<L>,
+) {
+    for (lane, number) in numbers.iter().enumerate() {
+        if let (None, Some(cause)) = (report.trouble, fault.cause(lane)) {
+            let particle = number.to_double() as usize;
+            report.trouble = Some(Trouble { bin, particle, cause: Cause::Law(cause) });
+        }
+    }
+}
