@@ -28,7 +28,7 @@ use crate::frame::Frame;
 use crate::geometry::Lattice;
 use crate::grid::Node;
 use crate::method::Composition;
-use crate::parallel::{Float, Team};
+use crate::parallel::{Float, Team, prefetch_from};
 use crate::particles::{Block, Columns, Outbox, Place};
 use crate::scheme::{PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
@@ -450,6 +450,10 @@ where
             let slot = *around[block].get(n).unwrap_or(&NONE);
             self.slots.get(slot as usize).map(|slot| (&slot.tile[..], slot.rows))
         };
+        // Whose tiles the block after the next one sums up.
+        for &slot in around[1].iter().skip(neighbours(D)).take(neighbours(D)) {
+            prefetch_from(&self.slots, slot as usize, 0);
+        }
         let two = !M::MAPS_TOGETHER && !M::Update::BEFORE_FORCES;
         let add: AddTiles<'_, T, D, ExtentOf<M, T, D>, _> =
             AddTiles { nodes, tile, sums, two, extent: PhantomData };

@@ -29,15 +29,18 @@ use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
 
 /// A block of particles with what its passes need and leave behind.
+///
+/// What sums over tiles need comes first, in one cache line.
 #[derive(Clone, Debug)]
+#[repr(C, align(64))]
 pub struct Slot<T: Float, const D: usize> {
-    /// The particles.
-    pub block: Block<T, D>,
-    /// What they add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
+    /// What its particles add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
     /// the method maps two, all second ones.
     pub tile: Vec<[T; 4]>,
     /// Rows of the tile that hold sums, a bit each; nothing is known of the others.
     pub rows: u64,
+    /// The particles.
+    pub block: Block<T, D>,
     /// Slots around, likewise.
     pub slots_around: Vec<u32>,
     /// Bins whose stencils the body's nodes hold, a bit each.
