@@ -33,9 +33,9 @@ mod seeding;
 mod shared;
 mod solver;
 pub mod splitting;
-pub mod stage;
+mod stage;
 pub mod survey;
-mod sweep;
+pub mod sweep;
 pub mod tile;
 mod total;
 

@@ -77,9 +77,10 @@ pub struct Outline {
     slot: (usize, usize),
     /// Tables of its block.
     tables: [(usize, usize); 2],
-    /// Groups of its block.
-    groups: (usize, usize),
-    tile: (usize, usize),
+    /// Where the groups of its block begin.
+    groups: usize,
+    /// Where its tile begins.
+    tile: usize,
 }
 
 impl Outline {
@@ -87,26 +88,27 @@ impl Outline {
     pub(super) fn of<T: Float, const D: usize>(slot: &Slot<T, D>) -> Self {
         let [runs, before, groups] = slot.block.outline();
         let (tile, tables) = (place_of(&slot.tile), [runs, before]);
-        Outline { slot: place_of(std::slice::from_ref(slot)), tables, groups, tile }
+        Outline { slot: place_of(std::slice::from_ref(slot)), tables, groups: groups.0, tile: tile.0 }
     }
 
-    /// Ask for what falls to one of the bins of the block at work: the slot and its tables; of the tile's first records or of
-    /// `both`; towards the end, the groups that lie first, which are those of the first bins if few moved.
+    /// Ask for the slot and its tables.
     #[inline(always)]
-    fn ask<const D: usize>(&self, bin: usize, both: bool) {
-        const LINE: usize = 64;
-        if bin == 0 {
-            for (address, bytes) in [self.slot, self.tables[0], self.tables[1]] {
-                prefetch_early_address(address, bytes);
-            }
+    fn ask_first(&self) {
+        for (address, bytes) in [self.slot, self.tables[0], self.tables[1]] {
+            prefetch_early_address(address, bytes);
         }
-        let (address, bytes) = self.tile;
-        let bytes = if both { bytes } else { bytes / 2 };
-        let lines = bytes.div_ceil(LINE * block_nodes(D));
-        prefetch_early_address(address + bin * lines * LINE, lines * LINE - 1);
+    }
+
+    /// Ask for what falls to one of the bins of the block at work: some of the first `records` of the tile; towards the end,
+    /// the groups that lie first, which are those of the first bins if few moved.
+    #[inline(always)]
+    fn ask<T: Float, const D: usize>(&self, bin: usize, records: usize) {
+        const LINE: usize = 64;
+        let lines = (records * size_of::<[T; 4]>()).div_ceil(LINE * block_nodes(D));
+        prefetch_early_address(self.tile + bin * lines * LINE, lines * LINE - 1);
         let late = block_nodes(D) * 3 / 4;
         if bin >= late {
-            prefetch_early_address(self.groups.0 + (bin - late) * 4 * LINE, 4 * LINE - 1);
+            prefetch_early_address(self.groups + (bin - late) * 4 * LINE, 4 * LINE - 1);
         }
     }
 }
@@ -263,14 +265,17 @@ where
         let side = <ExtentOf<M, T, D> as Stencil>::TILE;
         let rows_in = if D == 3 { side * side } else { side };
         let block_x = block.coordinates[0];
-        let two_records = !second.is_empty();
+        let summed = tile_nodes::<ExtentOf<M, T, D>>(D) * (1 + usize::from(maps.second()));
+        if let Some(soon) = soon {
+            soon.ask_first();
+        }
         groups = block.groups(least);
         for number in 0..block_nodes(D) {
             if number < rows_in && !around[1].is_empty() {
                 TileIn::prefetch::<ExtentOf<M, T, D>, D>(nodes, around[1], number);
             }
             if let Some(soon) = soon {
-                soon.ask::<D>(number, maps.second() || !two_records);
+                soon.ask::<T, D>(number, summed);
             }
             let mut next = groups.last(number);
             if next.is_none() {
