@@ -151,9 +151,9 @@ macro_rules! stage {
     }};
 }
 
-/// Steps between two removals of empty blocks, and where blocks were arranged with a look ahead. (\[Ma2010\] 1.4, step ii, has
-/// 10; but a block that is given up and needed again soon costs more than one that stays empty.)
-const PRUNE_EVERY: u64 = 32;
+/// Steps between two removals of empty blocks (the default of \[Ma2010\] 1.4, step ii), and where blocks were arranged with
+/// a look ahead.
+const PRUNE_EVERY: u64 = 10;
 const PRUNE_AHEAD: u64 = 128;
 /// Blocks that are arranged anew after fewer steps than this, and hold fewer particles each on average, are arranged with a
 /// look ahead: that takes memory, and about as long as a step.
