@@ -16,6 +16,21 @@ struct Run {
     particles: u32,
 }
 
+impl Run {
+    /// The last group and the number of its particles.
+    #[inline(always)]
+    fn last_group<T: Float>(self) -> Option<(u32, usize)> {
+        (self.particles > 0).then(|| (self.last, (self.particles as usize - 1) % T::GROUP + 1))
+    }
+}
+
+/// The group before another one, which is full, and the number of its particles.
+#[inline(always)]
+fn full_before<T: Float>(before: &[u32], group: u32) -> Option<(u32, usize)> {
+    let before = before[group as usize];
+    (before != NONE).then_some((before, T::GROUP))
+}
+
 /// A particle's place in a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
@@ -60,14 +75,12 @@ impl<T: Float> Groups<'_, T> {
     /// As [`Block::last_group`].
     #[inline(always)]
     pub fn last(&self, bin: usize) -> Option<(u32, usize)> {
-        let Run { last, particles } = self.runs[bin];
-        (particles > 0).then(|| (last, (particles as usize - 1) % T::GROUP + 1))
+        self.runs[bin].last_group::<T>()
     }
     /// As [`Block::group_before`].
     #[inline(always)]
     pub fn before(&self, group: u32) -> Option<(u32, usize)> {
-        let before = self.before[group as usize];
-        (before != NONE).then_some((before, T::GROUP))
+        full_before::<T>(self.before, group)
     }
     /// The rows of a group.
     #[inline(always)]
@@ -211,14 +224,12 @@ impl<T: Float, const D: usize> Block<T, D> {
     /// The last group of a bin and the number of its particles.
     #[inline(always)]
     pub fn last_group(&self, bin: usize) -> Option<(u32, usize)> {
-        let Run { last, particles } = self.runs[bin];
-        (particles > 0).then(|| (last, (particles as usize - 1) % T::GROUP + 1))
+        self.runs[bin].last_group::<T>()
     }
     /// The group before another one of a bin, which is full, and the number of its particles.
     #[inline(always)]
     pub fn group_before(&self, group: u32) -> Option<(u32, usize)> {
-        let before = self.before[group as usize];
-        (before != NONE).then_some((before, T::GROUP))
+        full_before::<T>(&self.before, group)
     }
     /// The rows of a group.
     #[inline(always)]
@@ -315,7 +326,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         self.occupied |= 1 << bin;
     }
 
-    /// Remove a particle of a bin, with its numbers; the bin's last one takes its place.
+    /// Take a particle out of a bin, with its `numbers`, one a column; the bin's last one takes its place.
     #[inline(always)]
     pub fn take(&mut self, bin: usize, at: Place, numbers: &mut [T]) {
         let Run { last, particles } = self.runs[bin];
@@ -332,23 +343,17 @@ impl<T: Float, const D: usize> Block<T, D> {
                 row[to] = row[lane];
                 row[lane] = *dummy;
             }
+        // Two groups never overlap.
         } else if let Ok([here, end]) = self.rows.get_disjoint_mut([group(at.group), group(last)]) {
             for ((row, from), (number, dummy)) in here.iter_mut().zip(end).zip(numbers) {
                 *number = std::mem::replace(&mut row.as_mut()[to], from.as_mut()[lane]);
                 from.as_mut()[lane] = *dummy;
             }
         }
-        self.shorten(bin);
-    }
-
-    /// Take note of one particle less at the end of a bin.
-    #[inline(always)]
-    fn shorten(&mut self, bin: usize) {
-        let Run { last, particles } = self.runs[bin];
         self.runs[bin].particles -= 1;
         self.particles -= 1;
         self.occupied &= !(u64::from(particles == 1) << bin);
-        if particles as usize % T::GROUP == 1 {
+        if lane == 0 {
             self.runs[bin].last = std::mem::replace(&mut self.before[last as usize], self.free);
             self.free = last;
         }

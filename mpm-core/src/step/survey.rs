@@ -3,13 +3,12 @@
 //! Nodes of a block are given by a bit each, x fastest. Only bins whose stencil has one of them are visited:
 //! slots around the block, bins and particles in order of place, so that the sums do not depend on threads.
 
-use std::marker::PhantomData;
-
-use mpm_materials::{Constitutive, Lane, Source, State, Sym3};
+use mpm_materials::{Constitutive, Lane, State, Sym3};
 
 use super::load::Load;
 use super::migrate::Domains;
 use super::particle_body::{ParticleBody, offset};
+use super::stage::Rows;
 use super::sweep::{ExtentOf, ShapeOf, Slot};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
 use crate::method::Composition;
@@ -196,23 +195,6 @@ const LOCAL_REACH: u8 = 5;
 /// those half a cell away to either side count alike, whatever the rounding.
 const BESIDE: f64 = 0.25 + 1e-6;
 
-/// Reads a law's state from the rows of a group.
-struct Rows<'a, R, P> {
-    rows: &'a [R],
-    at: usize,
-    lanes: PhantomData<P>,
-}
-impl<T: Float, P: Pack<T>> Source<P> for Rows<'_, T::Row, P>
-where
-    P: Lane<Real = T>,
-{
-    #[inline(always)]
-    fn take(&mut self) -> P {
-        self.at += 1;
-        P::load(&self.rows[self.at - 1])
-    }
-}
-
 impl<T, const D: usize, C, M, const WHAT: u8> Kernel<T> for SurveyBlock<'_, T, D, C, M, WHAT>
 where
     T: Float,
@@ -281,7 +263,7 @@ where
                 let mut stress = Sym3::<A::Pack>::zero();
                 if WHAT == VOLUME_GRADIENT || WHAT == TRACTION {
                     let rows = &group[Columns::state(D)..][..state_rows];
-                    let now = C::State::<A::Pack>::read(&mut Rows { rows, at: 0, lanes: PhantomData });
+                    let now = C::State::<A::Pack>::read(&mut Rows::of(rows));
                     if WHAT == VOLUME_GRADIENT {
                         amount = law.volume_ratio(&now) * mass * A::Pack::splat(law.density()).recip();
                     } else {

@@ -322,9 +322,11 @@ where
                     }
                     taken += 1;
                 }
-                for n in 0..if together == 1 { 0 } else { taken } {
-                    let rows = (groups.rows(at[n].0), at[n].1);
-                    stages.strain(rows, &bin, &mut stage[n], &mut found, report);
+                if together > 1 {
+                    for n in 0..taken {
+                        let rows = (groups.rows(at[n].0), at[n].1);
+                        stages.strain(rows, &bin, &mut stage[n], &mut found, report);
+                    }
                 }
                 for n in 0..taken {
                     let ((group, here), stage) = (at[n], &mut stage[n]);
