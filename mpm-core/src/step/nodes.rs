@@ -1,10 +1,12 @@
 //! The grid stages: sums of the tiles, momentum update, boundaries, re-mapped velocities.
 
+use mpm_materials::Lane;
+
 use crate::boundary::{BodyForce, Boundary, Plane};
 use crate::dim::{BLOCK, block_nodes};
 use crate::geometry::Lattice;
 use crate::grid::{GridStorage, Node};
-use crate::parallel::{Float, Team};
+use crate::parallel::{Arch, Float, Kernel, Quad, Team};
 
 use super::body::Body;
 use super::fields::Fields;
@@ -361,7 +363,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
         let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, self.time, reach);
         if !self.boundaries.iter().any(|b| reaches(&b)) {
-            nodes.items.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
+            update.update_free(nodes.items, ledger);
             return;
         }
         let mirrors = self.planes.copied();
@@ -397,6 +399,11 @@ pub(super) trait NodeUpdate<T>: Sync {
         constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
         ledger: &mut NodeLedger,
     );
+
+    /// The same, bit for bit, of nodes that no boundary reaches.
+    fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
+        nodes.iter_mut().for_each(|node| self.update(node, &|_, _| false, ledger));
+    }
 }
 
 /// Only the sums.
@@ -505,6 +512,45 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
             }
         }
     }
+
+    fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
+        let Integrate { cutoff, dt, gravity, damping, from_velocity, .. } = *self;
+        if gravity.is_none() && damping == 0.0 && !from_velocity {
+            T::dispatch(IntegrateFree::<T, D> { cutoff, dt, nodes, ledger });
+        } else {
+            nodes.iter_mut().for_each(|node| self.update(node, &|_, _| false, ledger));
+        }
+    }
+}
+
+/// [`Integrate`] where forces alone act.
+struct IntegrateFree<'a, T, const D: usize> {
+    cutoff: T,
+    dt: T,
+    nodes: &'a mut [Node<T>],
+    ledger: &'a mut NodeLedger,
+}
+
+impl<T: Float, const D: usize> Kernel<T> for IntegrateFree<'_, T, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let dt = A::Quad::splat(self.dt);
+        for node in self.nodes {
+            let mass = node.first[0];
+            if mass <= self.cutoff {
+                drop_momentum::<T, D>(node, self.ledger, self.dt);
+                continue;
+            }
+            let per_mass = A::Quad::splat(T::of(1.0) / mass);
+            let a = A::Quad::load(&node.second) * per_mass;
+            let v = A::Quad::load(&node.first) * per_mass + a * dt;
+            v.store(&mut node.first);
+            a.store(&mut node.second);
+            node.first[0] = mass;
+        }
+    }
 }
 
 impl<T: Float, const D: usize> Integrate<T, D> {
@@ -539,6 +585,29 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
             for d in 0..D {
                 node.second[d + 1] = T::of(v[d]);
             }
+        }
+    }
+
+    fn update_free(&self, nodes: &mut [Node<T>], _ledger: &mut NodeLedger) {
+        T::dispatch(RemapFree { cutoff: self.cutoff, nodes });
+    }
+}
+
+/// [`Remap`] of all nodes alike.
+struct RemapFree<'a, T> {
+    cutoff: T,
+    nodes: &'a mut [Node<T>],
+}
+
+impl<T: Float> Kernel<T> for RemapFree<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        for node in self.nodes {
+            let mass = node.first[0];
+            let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
+            (A::Quad::load(&node.second) * A::Quad::splat(per_mass)).store(&mut node.second);
         }
     }
 }
@@ -611,5 +680,60 @@ impl<const D: usize> BlockPlace<D> {
             rest /= BLOCK;
         }
         x
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nodes of all weights, from none to some that are too light for a velocity.
+    fn nodes<T: Float>() -> Vec<Node<T>> {
+        let record =
+            |n: u32, k: u32| T::of(f64::from((n * 2654435761_u32.wrapping_mul(k)) >> 8) * 1e-5 - 60.0);
+        let masses = [1.0, 3e-7, 1e-20, 1e-40, 0.0];
+        let node = |n: u32| {
+            let mass = T::of(masses[n as usize % masses.len()]);
+            let (p, f) = (|d| record(n + 1, d), |d| record(n + 7, d));
+            Node { first: [mass, p(1), p(2), p(3)], second: [T::default(), f(4), f(5), f(6)] }
+        };
+        (0..40).map(node).collect()
+    }
+
+    fn agree<T: Float, const D: usize>(update: &impl NodeUpdate<T>) {
+        let mut plain = nodes::<T>();
+        if D == 2 {
+            plain.iter_mut().for_each(|n| (n.first[3], n.second[3]) = (T::default(), T::default()));
+        }
+        let mut fast = plain.clone();
+        let [mut of_plain, mut of_fast] = [NodeLedger::default(); 2];
+        plain.iter_mut().for_each(|n| update.update(n, &|_, _| false, &mut of_plain));
+        update.update_free(&mut fast, &mut of_fast);
+        for (n, (plain, fast)) in plain.iter().zip(&fast).enumerate() {
+            assert_eq!((plain.first, plain.second), (fast.first, fast.second), "node {n}");
+        }
+        assert_eq!(of_plain.dropped, of_fast.dropped);
+    }
+
+    fn all<T: Float, const D: usize>() {
+        let (cutoff, dt) = (mass_cutoff::<T>(), T::of(1e-3));
+        for damping in [0.0, 0.1] {
+            for gravity in [None, Some([9.81; D])] {
+                for from_velocity in [false, true] {
+                    let end = 0.0;
+                    agree::<T, D>(&Integrate { cutoff, dt, end, gravity, damping, from_velocity });
+                }
+            }
+        }
+        agree::<T, D>(&Remap::<T, D> { cutoff, end: 0.0 });
+        agree::<T, D>(&Velocities::<T, D> { cutoff, time: 0.0, takes: T::of(1.0) });
+    }
+
+    #[test]
+    fn free_nodes_are_changed_like_constrained_ones() {
+        all::<f64, 2>();
+        all::<f64, 3>();
+        all::<f32, 2>();
+        all::<f32, 3>();
     }
 }
