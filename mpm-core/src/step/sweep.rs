@@ -236,6 +236,14 @@ where
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
         let Sweep { law, method, nodes, around, slot, next: soon, outbox, scratch, common, .. } = self;
+        // A copy of a law of plain numbers, which no write to memory can change, can stay in vectors.
+        let own;
+        let law = if std::mem::needs_drop::<C>() {
+            law
+        } else {
+            own = law.clone();
+            &own
+        };
         let Scratch { movers, tile_in } = scratch;
         let Slot { block, tile, rows, report, .. } = slot;
         let maps = maps::<T, D, M, K>();
