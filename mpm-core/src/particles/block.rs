@@ -150,14 +150,19 @@ impl<T> Outbox<T> {
         T: Float,
     {
         let start = self.numbers.len();
+        // By a quarter, not by half: where a lattice of particles moves as one, many leave at once and rarely.
+        let ahead = self.to.len() / 4 + 8;
         if self.numbers.capacity() < start + columns {
-            // By a quarter, not by half: where a lattice of particles moves as one, many leave at once and rarely.
-            let ahead = self.to.len() / 4 + 8;
             self.numbers.reserve_exact(ahead * columns);
         }
         self.to.push(to as u8);
         self.bin.push(bin as u8);
-        self.records.extend(records);
+        for record in records {
+            if self.records.len() == self.records.capacity() {
+                self.records.reserve_exact(ahead);
+            }
+            self.records.push(record);
+        }
         self.directions |= 1 << to;
         self.numbers.resize(start + columns, T::default());
         &mut self.numbers[start..]

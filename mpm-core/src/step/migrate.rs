@@ -90,14 +90,13 @@ pub(super) fn send_away<T: Float, const D: usize, M: Composition<T, D>, K: PassK
         for d in 0..D {
             xi[d] = block.get(place, Columns::position() + d);
         }
-        let fast = is_too_fast::<T, D>(&xi);
-        if fast {
+        let address = Address::of::<D>(&xi, bin);
+        if address.far {
             let particle = block.get(place, columns - 1).to_double() as usize;
             let trouble = Trouble { bin, particle, cause: Cause::TooFast };
             report.trouble = report.trouble.or(Some(trouble));
         }
-        if long >> lane & 1 == 0 || fast {
-            let address = Address::of::<D>(&xi, bin);
+        if long >> lane & 1 == 0 || address.far {
             address.turn::<D>(&mut own, maps);
             let numbers = address.room::<D>(outbox, within, columns, &own, maps);
             block.take(bin, place, numbers);
@@ -142,17 +141,6 @@ fn cells_off<T: Float>(xi: T) -> T {
     }
 }
 
-/// Has a particle moved by more than a cell, or nobody knows where?
-#[inline(always)]
-fn is_too_fast<T: Float, const D: usize>(xi: &[T; 3]) -> bool {
-    let mut fast = false;
-    for d in 0..D {
-        let one_cell = cells_off(xi[d]).abs() <= T::of(1.0); // false for a value that is not a number
-        fast |= !one_cell;
-    }
-    fast
-}
-
 /// Where a particle goes that left its bin.
 struct Address<T> {
     /// The block, as an outbox has it.
@@ -160,17 +148,21 @@ struct Address<T> {
     bin: usize,
     /// By how many cells.
     cells: [T; 3],
+    /// Is that more than one, or does nobody know?
+    far: bool,
 }
 
 impl<T: Float> Address<T> {
     /// Of a particle at `xi` of `bin`.
     #[inline(always)]
     fn of<const D: usize>(xi: &[T; 3], bin: usize) -> Self {
-        let mut address = Address { to: 0, bin: 0, cells: [T::default(); 3] };
+        let mut address = Address { to: 0, bin: 0, cells: [T::default(); 3], far: false };
         let (mut weight, mut bin_weight, mut rest) = (1, 1, bin);
         for d in 0..D {
             let cells = cells_off(xi[d]);
             address.cells[d] = cells;
+            let within_one = cells.abs() <= T::of(1.0); // false for a value that is not a number
+            address.far |= !within_one;
             // Two cells are the most: one moved, less than one from the parent.
             let at = (rest % BLOCK) as i32 + (cells.to_double() as i32).clamp(-2, 2);
             rest /= BLOCK;
