@@ -4,8 +4,10 @@
 //! A kernel is generic text over an [`Arch`]: the pack of lanes it computes particles with and the quad it
 //! adds node records with. [`Float::dispatch`] looks at the processor once and runs the kernel compiled for
 //! AVX2 and FMA, or the portable one. With `--cfg impactite_avx2_only` among the compiler's flags it has the former alone, compiles
-//! in about two thirds of the time, and panics on other processors: for tests. (`-C target-feature=+avx2,+fma` would have the
-//! whole program compiled so, and takes up to 18 % more instructions a kernel.) The invariant behind every `unsafe` here and in `lanes`:
+//! in about two thirds of the time, and panics on other processors: for tests. So it does where the whole program is compiled for
+//! processors that have both: `-C target-cpu=native`, which is the faster way where there is AVX-512 (32 registers), and the
+//! slower one where there is not (up to 18 % more instructions a kernel).
+//! The invariant behind every `unsafe` here and in `lanes`:
 //! **a value of a vector type exists only inside a kernel that `dispatch` entered after it saw the processor
 //! has AVX2 and FMA.** It holds because the types are private to this module, their values are made only by
 //! methods of [`Lane`] on a type that a kernel receives as `A: Arch`, and only `dispatch` names
@@ -121,9 +123,9 @@ macro_rules! float {
                     // SAFETY: the processor has AVX2 and FMA.
                     return unsafe { with_avx2(kernel) };
                 }
-                #[cfg(impactite_avx2_only)]
-                panic!("compiled with --cfg impactite_avx2_only, but this processor lacks AVX2 or FMA");
-                #[cfg(not(impactite_avx2_only))]
+                #[cfg(any(impactite_avx2_only, all(target_feature = "avx2", target_feature = "fma")))]
+                panic!("compiled for AVX2 and FMA alone, which this processor lacks");
+                #[cfg(not(any(impactite_avx2_only, all(target_feature = "avx2", target_feature = "fma"))))]
                 kernel.run::<Portable>()
             }
             #[inline]
@@ -183,6 +185,23 @@ macro_rules! float {
 }
 float!(f64, 4);
 float!(f32, 8);
+
+/// The same reference, of which the compiler does not know that it is: what was written there is read from there. Single
+/// lanes of vectors are best had so, where the compiler would shuffle each out of a register.
+#[inline(always)]
+pub fn through_memory<X>(of: &X) -> &X {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let mut place: *const X = of;
+        // SAFETY: no instruction, so that the pointer is what it was.
+        unsafe {
+            std::arch::asm!("/* {0} */", inout(reg) place, options(pure, readonly, nostack, preserves_flags));
+            &*place
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    of
+}
 
 /// Ask for `count` items of a slice from the place `first` on, which will be read at once. Never faults, also where there is
 /// no such place, and changes no result.

@@ -17,7 +17,7 @@ use mpm_materials::{Lane, Mat3};
 
 use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, Records, Spread, times_offset};
 use crate::dim::{Array, Stencil};
-use crate::parallel::{Arch, Float, Quad};
+use crate::parallel::{Arch, Float, Quad, through_memory};
 use crate::shape::node_offset;
 
 /// The moments of the forces of one cell. The bits of the place are the axes: x, y, xy, z, xz, yz, xyz from 1 on.
@@ -161,6 +161,7 @@ pub(super) fn scatter_cell<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>
     records: &Records<T>,
     maps: Maps,
 ) {
+    let spread = through_memory(spread);
     if maps.momentum {
         let first = &mut first[corner..][..E::SPAN];
         let mut sums = load_cell::<T, A, E>(first);
