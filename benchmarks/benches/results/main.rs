@@ -1,7 +1,7 @@
 //! Speed and memory, measured in one run and written down: `RESULTS.md` beside this crate.
 //!
 //! ```text
-//! cargo bench -p benchmarks --bench results -- [--quick] [--yardstick PROGRAM] [--section NAME,..] [--out FILE]
+//! cargo bench -p benchmarks --bench results -- [--quick] [--yardstick PROGRAM] [--native PROGRAM] [--section NAME,..] [--out FILE]
 //! ```
 //!
 //! What is compared runs in alternation in this process or as a child, several rounds; the page shows medians with
@@ -36,6 +36,9 @@ struct Options {
     /// A built yardstick of hand-written kernels to compare with
     #[arg(long, value_name = "PROGRAM")]
     yardstick: Option<PathBuf>,
+    /// Our `throughput` built with `-C target-cpu=native`, to be measured beside
+    #[arg(long, value_name = "PROGRAM")]
+    native: Option<PathBuf>,
     /// Python with the packages of peers
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: PathBuf,
@@ -85,7 +88,9 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         eprintln!("{section:?} ...");
         let text = match section {
             Section::Noise => kernels::noise(options.quick)?,
-            Section::Yardstick => kernels::yardstick(options.quick, options.yardstick.as_deref())?,
+            Section::Yardstick => {
+                kernels::yardstick(options.quick, options.yardstick.as_deref(), options.native.as_deref())?
+            }
             Section::Sizes => kernels::sizes(options.quick)?,
             Section::Compositions => kernels::compositions(options.quick)?,
             Section::Laws => kernels::laws(options.quick)?,
