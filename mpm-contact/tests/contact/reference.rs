@@ -5,10 +5,11 @@ use mpm_contact::{Coulomb, Frictionless, GridContact, Pairs, Penalty, Regression
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::step::{SceneError, Totals};
 use mpm_core::{
-    Blend, BlockGrid, Boundary, Composition, Contact, CpGimp, Embedding, Flip, FullSpace, Linear, Method,
-    Mpm, Musl, PlaneStrain, QuadraticBSpline, Rigid, Side, Team, TimeControl, Twist, Usf, Usl,
+    Blend, BlockGrid, Boundary, Composition, Contact, CpGimp, Embedding, Flip, FullSpace, Linear, Merging,
+    Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Rigid, Side, Splitting, Team, TimeControl, Twist, Usf,
+    Usl,
 };
-use mpm_materials::{LinearElastic, Moduli};
+use mpm_materials::{Elastic, LinearDensity, LinearElastic, Moduli, Solid, Stretching};
 
 type Total<const D: usize, R> = Mpm<f64, D, R, BlockGrid<f64, D>>;
 type Both<const D: usize, M, K> = Mpm<f64, D, M, BlockGrid<f64, D>, K>;
@@ -360,4 +361,33 @@ fn what_is_refused() {
     mpm.set_body_force(|_| [0.0, -9.81]);
     let stopped = mpm.step().expect_err("weight");
     assert!(stopped.to_string().contains("a body force of the scene is not allowed beside"), "{stopped}");
+}
+
+/// Particles that merge leave the scene, in which bodies in their reference configuration keep their own: whichever comes first,
+/// the other is refused.
+#[test]
+fn no_merging_beside_them() {
+    let elastic = Solid::new(
+        Elastic::new(100.0 * WAVE * WAVE).expect("strength"),
+        LinearDensity::new(1000.0, WAVE).expect("equation of state"),
+    );
+    let splitting = Splitting::at(2.0).expect("stretch");
+    let merging = splitting.with_merging(Merging::above(8).expect("count"));
+    let disc = || total("disc", hats(PlaneStrain), lattice(), &ball([0.3; 2], 0.2), |_| [1.0, 0.0]);
+    let cloud = |mpm: &mut Meeting, splitting| {
+        mpm.add_splitting("cloud", Stretching::new(elastic), &ball([0.9; 2], 0.2), |_| [0.0; 2], splitting)
+    };
+    let mut first = meeting();
+    first.add_total_lagrangian(disc()).expect("body");
+    let mut then = meeting();
+    cloud(&mut then, merging).expect("body");
+    for refused in [cloud(&mut first, merging), then.add_total_lagrangian(disc())] {
+        let refused = refused.expect_err("merging");
+        assert!(refused.to_string().contains("merging is not allowed beside the body `disc`"), "{refused}");
+    }
+    // Splitting alone adds particles to a body that has its own.
+    cloud(&mut first, splitting).expect("body");
+    let mut then = meeting();
+    cloud(&mut then, splitting).expect("body");
+    then.add_total_lagrangian(disc()).expect("body");
 }

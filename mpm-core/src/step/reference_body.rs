@@ -581,8 +581,8 @@ where
     ///
     /// # Errors
     /// A scene of no or several bodies, of other coordinates, that made steps, or damps or filters; particles larger than a
-    /// cell of this grid or outside of it; a body force, kinetic damping, a null-space filter or [`TimeControl::Gershgorin`] in
-    /// this scene.
+    /// cell of this grid or outside of it; a body force, kinetic damping, a null-space filter, a body whose particles merge or
+    /// [`TimeControl::Gershgorin`] in this scene.
     pub fn add_total_lagrangian<R, H>(&mut self, scene: Mpm<T, D, R, H>) -> Result<(), SceneError>
     where
         R: Composition<T, D, Transfer = Flip, Update = Musl>,

@@ -24,7 +24,30 @@ state! {
 /// Cells shall be smaller than 2 G_c K/sigma_sp^2 = w_c K/sigma_sp, K the bulk modulus: larger ones store more than the
 /// surface takes, and fail as soon as the strength is reached, as those of
 /// [`TensilePressure`](crate::failure::TensilePressure) do. The deviator is lost when the crack has opened. Two numbers
-/// of memory. For a [`Solid`](crate::Solid), one such criterion in each.
+/// of memory. For a [`Solid`](crate::Solid), one such criterion in each:
+///
+/// ```
+/// use mpm_materials::{CohesiveSpall, Constitutive, PlasticStrainLimit, library};
+/// # fn main() -> Result<(), mpm_materials::ParameterError> {
+/// let spall = CohesiveSpall::of_work(1.2e9, 2e4)?;
+/// let copper = library::copper_ofhc().with_failure((spall, PlasticStrainLimit::new(2.0)?));
+/// assert!(copper.wave_speed(&copper.virgin()) > 4e3);
+/// # Ok(())
+/// # }
+/// ```
+///
+/// Two that open cracks do not compile:
+/// ```compile_fail
+/// use mpm_materials::{CohesiveSpall, Constitutive, PlasticStrainLimit, library};
+/// # fn main() -> Result<(), mpm_materials::ParameterError> {
+/// let spall = CohesiveSpall::of_work(1.2e9, 2e4)?;
+/// let copper = library::copper_ofhc().with_failure((spall, spall));
+/// # let increment = mpm_materials::Mat3::zero();
+/// # let kinematics = mpm_materials::Kinematics { increment, dt: 1e-9, length: 1e-3 };
+/// copper.update(&kinematics, &copper.virgin());
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CohesiveSpall<T> {
     strength: T,
