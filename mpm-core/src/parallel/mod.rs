@@ -216,11 +216,34 @@ pub fn prefetch_early_from<X>(of: &[X], first: usize, count: usize) {
     ask_at::<X, false>(of.as_ptr().wrapping_add(first), count);
 }
 
-/// The same of `bytes` bytes from an address on, of memory that another thread may be at work in: nothing is read.
-#[inline(always)]
-pub fn prefetch_early_address(first: usize, bytes: usize) {
-    ask_at::<u8, false>(std::ptr::without_provenance(first), bytes);
+/// Where some memory lies, to be asked for while another thread may be at work in it: nothing is read.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Whereabouts {
+    /// Address of the first byte.
+    first: usize,
+    bytes: usize,
 }
+
+impl Whereabouts {
+    /// Of what a slice holds.
+    pub fn of<X>(slice: &[X]) -> Self {
+        Whereabouts { first: slice.as_ptr().addr(), bytes: size_of_val(slice) }
+    }
+    /// Ask for all of it, for the second cache.
+    #[inline(always)]
+    pub fn prefetch_early(self) {
+        ask_at::<u8, false>(std::ptr::without_provenance(self.first), self.bytes);
+    }
+    /// The same of so many cache lines from line `first` on, whether or not they are within.
+    #[inline(always)]
+    pub fn prefetch_lines_early(self, first: usize, lines: usize) {
+        let address = self.first + first * LINE;
+        ask_at::<u8, false>(std::ptr::without_provenance(address), lines * LINE - 1);
+    }
+}
+
+/// Bytes of a cache line.
+pub const LINE: usize = 64;
 
 #[inline(always)]
 fn ask_at<X, const NEAR: bool>(first: *const X, count: usize) {
@@ -229,14 +252,14 @@ fn ask_at<X, const NEAR: bool>(first: *const X, count: usize) {
         use std::arch::x86_64::{_MM_HINT_T0, _MM_HINT_T1, _mm_prefetch};
         let first = first.cast::<i8>();
         // Up to the line of the last byte, wherever in its line the first one lies.
-        let lines = count * size_of::<X>() / 64 + 1;
+        let lines = count * size_of::<X>() / LINE + 1;
         for line in 0..lines {
             // SAFETY: a prefetch reads nothing the program can see, at any address.
             unsafe {
                 if NEAR {
-                    _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(64 * line));
+                    _mm_prefetch::<_MM_HINT_T0>(first.wrapping_add(LINE * line));
                 } else {
-                    _mm_prefetch::<_MM_HINT_T1>(first.wrapping_add(64 * line));
+                    _mm_prefetch::<_MM_HINT_T1>(first.wrapping_add(LINE * line));
                 }
             }
         }

@@ -2,7 +2,7 @@
 
 use super::Columns;
 use crate::dim::{BLOCK, block_nodes};
-use crate::parallel::{Float, prefetch_from};
+use crate::parallel::{Float, Whereabouts, prefetch_from};
 use crate::step::checkpoint::{Archive, CheckpointError};
 use crate::step::rest::Stilled;
 
@@ -92,11 +92,6 @@ impl<T: Float> Groups<'_, T> {
     pub fn prefetch(&self, bin: usize, rows: usize) {
         ask_for_groups(self.rows, self.before, self.columns, self.runs[bin], rows);
     }
-}
-
-/// Address and bytes of what a slice holds.
-pub fn place_of<X>(of: &[X]) -> (usize, usize) {
-    (of.as_ptr().addr(), size_of_val(of))
 }
 
 #[inline(always)]
@@ -213,9 +208,9 @@ impl<T: Float, const D: usize> Block<T, D> {
             + self.runs.capacity() * size_of::<Run>()
             + self.dummy.capacity() * size_of::<T>()
     }
-    /// Where the tables of its groups lie and where the groups themselves begin, by address and bytes.
-    pub fn outline(&self) -> [(usize, usize); 3] {
-        [place_of(&self.runs), place_of(&self.before), place_of(&self.rows)]
+    /// Where the two tables of its groups lie, and the groups.
+    pub fn outline(&self) -> [Whereabouts; 3] {
+        [Whereabouts::of(&self.runs), Whereabouts::of(&self.before), Whereabouts::of(&self.rows)]
     }
     /// Bins with particles, a bit each.
     pub fn occupied(&self) -> u64 {

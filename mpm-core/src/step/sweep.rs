@@ -22,8 +22,8 @@ use crate::dim::{Stencil, block_nodes, neighbours};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, prefetch_early_address};
-use crate::particles::{Block, Outbox, place_of};
+use crate::parallel::{Arch, Float, Kernel, LINE, Whereabouts};
+use crate::particles::{Block, Outbox};
 use crate::scheme::PassKind;
 use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
@@ -71,31 +71,30 @@ impl<T: Float> Scratch<T> {
     }
 }
 
-/// Where the memory of a slot lies, by address and bytes: to be asked for while another slot is at work.
+/// Where the memory of a slot lies: to be asked for while another slot is at work.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Outline {
-    slot: (usize, usize),
+    slot: Whereabouts,
     /// Tables of its block.
-    tables: [(usize, usize); 2],
-    /// Where the groups of its block begin.
-    groups: usize,
-    /// Where its tile begins.
-    tile: usize,
+    tables: [Whereabouts; 2],
+    /// The groups of its block.
+    groups: Whereabouts,
+    tile: Whereabouts,
 }
 
 impl Outline {
     /// Of a slot.
     pub(super) fn of<T: Float, const D: usize>(slot: &Slot<T, D>) -> Self {
         let [runs, before, groups] = slot.block.outline();
-        let (tile, tables) = (place_of(&slot.tile), [runs, before]);
-        Outline { slot: place_of(std::slice::from_ref(slot)), tables, groups: groups.0, tile: tile.0 }
+        let (tables, tile) = ([runs, before], Whereabouts::of(&slot.tile));
+        Outline { slot: Whereabouts::of(std::slice::from_ref(slot)), tables, groups, tile }
     }
 
     /// Ask for the slot and its tables.
     #[inline(always)]
     fn ask_first(&self) {
-        for (address, bytes) in [self.slot, self.tables[0], self.tables[1]] {
-            prefetch_early_address(address, bytes);
+        for memory in [self.slot, self.tables[0], self.tables[1]] {
+            memory.prefetch_early();
         }
     }
 
@@ -103,12 +102,11 @@ impl Outline {
     /// the groups that lie first, which are those of the first bins if few moved.
     #[inline(always)]
     fn ask<T: Float, const D: usize>(&self, bin: usize, records: usize) {
-        const LINE: usize = 64;
         let lines = (records * size_of::<[T; 4]>()).div_ceil(LINE * block_nodes(D));
-        prefetch_early_address(self.tile + bin * lines * LINE, lines * LINE - 1);
+        self.tile.prefetch_lines_early(bin * lines, lines);
         let late = block_nodes(D) * 3 / 4;
         if bin >= late {
-            prefetch_early_address(self.groups + (bin - late) * 4 * LINE, 4 * LINE - 1);
+            self.groups.prefetch_lines_early((bin - late) * 4, 4);
         }
     }
 }
