@@ -268,21 +268,30 @@ pub fn hand_written(
     scene: &str,
     job: &Job,
 ) -> Result<serde_json::Value, CaseError> {
-    let fail = |what: String| CaseError::Other(format!("{}: {what}", program.display()));
-    let output = Command::new(program)
-        .args(["--kernel", kernel, "--scene", scene, "--particles", &job.particles.to_string()])
-        .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string()])
-        .output()
-        .map_err(|e| fail(e.to_string()))?;
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let line = text.lines().next_back().ok_or_else(|| fail("it printed nothing".into()))?;
-    let value: serde_json::Value = serde_json::from_str(line)?;
+    let value = printed(
+        Command::new(program)
+            .args(["--kernel", kernel, "--scene", scene, "--particles", &job.particles.to_string()])
+            .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string()]),
+    )?;
     for key in ["particles", "seconds", "particle_updates_per_second", "bytes_per_particle"] {
         if !value[key].is_number() {
-            return Err(fail(format!("no number `{key}` in {line}")));
+            return Err(CaseError::Other(format!("{}: no number `{key}` in {value}", program.display())));
         }
     }
     Ok(value)
+}
+
+/// The object that a program prints as its last line.
+///
+/// # Errors
+/// A program that does not run, or prints no object.
+pub fn printed(command: &mut Command) -> Result<serde_json::Value, CaseError> {
+    let program = command.get_program().to_os_string();
+    let fail = |what: String| CaseError::Other(format!("{}: {what}", program.display()));
+    let output = command.output().map_err(|e| fail(e.to_string()))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let line = text.lines().next_back().ok_or_else(|| fail("it printed nothing".into()))?;
+    Ok(serde_json::from_str(line)?)
 }
 
 /// Median, least and most.

@@ -58,20 +58,16 @@ pub fn by_hand(program: &Path, kernel: &str, scene: &'static str, job: &Job) -> 
 
 /// One run of our `throughput` as built for this machine, which is given memory in huge pages.
 fn tuned(program: &Path, job: &Job) -> Result<Measured, CaseError> {
-    let fail = |what: String| CaseError::Other(format!("{}: {what}", program.display()));
-    let output = Command::new(program)
-        .env("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1")
-        .args(["--kernel", job.kernel.name(), "--particles", &job.particles.to_string(), "--json"])
-        .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string(), "--out"])
-        .arg(std::env::temp_dir().join("impactite-tuned"))
-        .output()
-        .map_err(|e| fail(e.to_string()))?;
-    let text = String::from_utf8_lossy(&output.stdout);
-    let line = text.lines().next_back().ok_or_else(|| fail("it printed nothing".into()))?;
-    let found: serde_json::Value = serde_json::from_str(line)?;
+    let found = throughput::printed(
+        Command::new(program)
+            .env("GLIBC_TUNABLES", "glibc.malloc.hugetlb=1")
+            .args(["--kernel", job.kernel.name(), "--particles", &job.particles.to_string(), "--json"])
+            .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string(), "--out"])
+            .arg(std::env::temp_dir().join("impactite-tuned")),
+    )?;
     let run = &found["settings"]["runs"][0];
     if !run["particle_updates_per_second"].is_number() {
-        return Err(fail(format!("no rate in {line}")));
+        return Err(CaseError::Other(format!("{}: no rate in {found}", program.display())));
     }
     Ok(elsewhere(run, job.kernel.name(), job.kernel.scene(), job))
 }
