@@ -18,6 +18,7 @@ mod mean;
 mod meet;
 pub mod merging;
 mod migrate;
+mod node_update;
 pub mod nodes;
 pub mod particle_body;
 pub mod planes;

@@ -38,7 +38,7 @@ state! {
 ///
 /// Two that open cracks do not compile:
 /// ```compile_fail
-/// use mpm_materials::{CohesiveSpall, Constitutive, PlasticStrainLimit, library};
+/// use mpm_materials::{CohesiveSpall, Constitutive, library};
 /// # fn main() -> Result<(), mpm_materials::ParameterError> {
 /// let spall = CohesiveSpall::of_work(1.2e9, 2e4)?;
 /// let copper = library::copper_ofhc().with_failure((spall, spall));

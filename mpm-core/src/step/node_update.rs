@@ -1,0 +1,297 @@
+//! What the grid stages make of a node: velocity, momentum update, re-mapped velocity.
+
+use mpm_materials::Lane;
+
+use super::nodes::NodeLedger;
+use crate::grid::Node;
+use crate::parallel::{Arch, Float, Kernel, Quad};
+
+/// What a stage makes of a node.
+pub(super) trait NodeUpdate<T>: Sync {
+    /// `constrain` makes a velocity obey the boundaries at a time and says whether any applies there.
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
+        ledger: &mut NodeLedger,
+    );
+
+    /// The same, bit for bit, of nodes that no boundary reaches.
+    fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
+        one_by_one(self, nodes, ledger);
+    }
+}
+
+fn one_by_one<T>(update: &(impl NodeUpdate<T> + ?Sized), nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
+    nodes.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
+}
+
+/// Only the sums.
+pub(super) struct Leave;
+
+impl<T> NodeUpdate<T> for Leave {
+    #[inline(always)]
+    fn update(&self, _: &mut Node<T>, _: &impl Fn(&mut [f64; 3], f64) -> bool, _: &mut NodeLedger) {}
+}
+
+pub(super) struct Velocities<T, const D: usize> {
+    pub(super) cutoff: T,
+    pub(super) time: f64,
+    pub(super) takes: T,
+}
+
+impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
+    #[inline(always)]
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
+        ledger: &mut NodeLedger,
+    ) {
+        let mass = node.first[0];
+        if mass <= self.cutoff {
+            drop_momentum::<T, D>(node, ledger, T::default());
+            return;
+        }
+        let per_mass = T::of(1.0) / mass;
+        let mut v = [0.0; 3];
+        for d in 0..D {
+            node.first[d + 1] *= per_mass;
+            v[d] = node.first[d + 1].to_double();
+        }
+        let free = v;
+        if constrain(&mut v, self.time) {
+            for d in 0..D {
+                let impulse = (self.takes * mass).to_double() * (v[d] - free[d]);
+                ledger.impulse[d] += impulse;
+                ledger.work += impulse * v[d];
+                node.first[d + 1] = T::of(v[d]);
+            }
+        }
+    }
+}
+
+pub(super) struct Integrate<T, const D: usize> {
+    pub(super) cutoff: T,
+    pub(super) dt: T,
+    pub(super) end: f64,
+    pub(super) gravity: Option<[f64; D]>,
+    pub(super) damping: f64,
+    pub(super) from_velocity: bool,
+}
+
+impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
+    #[inline(always)]
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
+        ledger: &mut NodeLedger,
+    ) {
+        let (mass, dt) = (node.first[0], self.dt);
+        if mass <= self.cutoff {
+            drop_momentum::<T, D>(node, ledger, dt);
+            return;
+        }
+        let per_mass = T::of(1.0) / mass;
+        let per_first = if self.from_velocity { T::of(1.0) } else { per_mass };
+        let (mut old, mut new) = ([T::default(); 3], [T::default(); 3]);
+        let mut given = [0.0; 3];
+        for d in 0..D {
+            old[d] = node.first[d + 1] * per_first;
+            let mut a = node.second[d + 1] * per_mass;
+            if let Some(g) = self.gravity {
+                a += T::of(g[d]);
+                given[d] = g[d];
+            }
+            if self.damping > 0.0 {
+                let more = self.damped(a, old[d]);
+                a += more;
+                given[d] += more.to_double();
+            }
+            new[d] = old[d] + a * dt;
+            node.first[d + 1] = new[d];
+            node.second[d + 1] = a;
+        }
+        let mut v = new.map(T::to_double);
+        if constrain(&mut v, self.end) {
+            let per_dt = T::of(1.0) / dt;
+            for d in 0..D {
+                let impulse = mass.to_double() * (v[d] - new[d].to_double());
+                ledger.impulse[d] += impulse;
+                ledger.work += impulse * v[d];
+                node.first[d + 1] = T::of(v[d]);
+                node.second[d + 1] = (node.first[d + 1] - old[d]) * per_dt;
+            }
+        }
+        if self.gravity.is_some() || self.damping > 0.0 {
+            for d in 0..D {
+                let impulse = (mass * dt).to_double() * given[d];
+                ledger.load[d] += impulse;
+                ledger.work += impulse * 0.5 * (old[d].to_double() + v[d]);
+            }
+        }
+    }
+
+    fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
+        let Integrate { cutoff, dt, gravity, damping, from_velocity, .. } = *self;
+        if gravity.is_none() && damping == 0.0 && !from_velocity {
+            T::dispatch(IntegrateFree::<T, D> { cutoff, dt, nodes, ledger });
+        } else {
+            one_by_one(self, nodes, ledger);
+        }
+    }
+}
+
+/// [`Integrate`] where forces alone act.
+struct IntegrateFree<'a, T, const D: usize> {
+    cutoff: T,
+    dt: T,
+    nodes: &'a mut [Node<T>],
+    ledger: &'a mut NodeLedger,
+}
+
+impl<T: Float, const D: usize> Kernel<T> for IntegrateFree<'_, T, D> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let dt = A::Quad::splat(self.dt);
+        for node in self.nodes {
+            let mass = node.first[0];
+            if mass <= self.cutoff {
+                drop_momentum::<T, D>(node, self.ledger, self.dt);
+                continue;
+            }
+            let per_mass = A::Quad::splat(T::of(1.0) / mass);
+            let a = A::Quad::load(&node.second) * per_mass;
+            let v = A::Quad::load(&node.first) * per_mass + a * dt;
+            v.store(&mut node.first);
+            a.store(&mut node.second);
+            node.first[0] = mass;
+        }
+    }
+}
+
+impl<T: Float, const D: usize> Integrate<T, D> {
+    /// What local damping adds to the acceleration `a` of a node that moves with `v`: alpha |a| against v.
+    fn damped(&self, a: T, v: T) -> T {
+        let against = if v == T::default() { 0.0 } else { -v.to_double().signum() };
+        T::of(against * self.damping * a.to_double().abs())
+    }
+}
+
+pub(super) struct Remap<T, const D: usize> {
+    pub(super) cutoff: T,
+    pub(super) end: f64,
+}
+
+impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
+    #[inline(always)]
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
+        _ledger: &mut NodeLedger,
+    ) {
+        let mass = node.first[0];
+        let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
+        let mut v = [0.0; 3];
+        for d in 0..D {
+            node.second[d + 1] *= per_mass;
+            v[d] = node.second[d + 1].to_double();
+        }
+        if mass > self.cutoff && constrain(&mut v, self.end) {
+            for d in 0..D {
+                node.second[d + 1] = T::of(v[d]);
+            }
+        }
+    }
+
+    fn update_free(&self, nodes: &mut [Node<T>], _ledger: &mut NodeLedger) {
+        T::dispatch(RemapFree { cutoff: self.cutoff, nodes });
+    }
+}
+
+/// [`Remap`] of all nodes alike.
+struct RemapFree<'a, T> {
+    cutoff: T,
+    nodes: &'a mut [Node<T>],
+}
+
+impl<T: Float> Kernel<T> for RemapFree<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        for node in self.nodes {
+            let mass = node.first[0];
+            let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
+            (A::Quad::load(&node.second) * A::Quad::splat(per_mass)).store(&mut node.second);
+        }
+    }
+}
+
+/// A node too light to divide by: its momentum leaves with a note.
+fn drop_momentum<T: Float, const D: usize>(node: &mut Node<T>, ledger: &mut NodeLedger, dt: T) {
+    for d in 0..D {
+        ledger.dropped[d] += (node.first[d + 1] + dt * node.second[d + 1]).to_double();
+        node.first[d + 1] = T::default();
+        node.second[d + 1] = T::default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::nodes::mass_cutoff;
+    use super::*;
+
+    /// Nodes of all weights, from none to some that are too light for a velocity.
+    fn nodes<T: Float>() -> Vec<Node<T>> {
+        let mixed = |n: u32, k: u32| n.wrapping_mul(k).wrapping_mul(2_654_435_761) >> 8;
+        let record = |n: u32, k: u32| T::of(f64::from(mixed(n, k)) * 1e-5 - 60.0);
+        let masses = [1.0, 3e-7, 1e-20, 1e-40, 0.0];
+        let node = |n: u32| {
+            let mass = T::of(masses[n as usize % masses.len()]);
+            let (p, f) = (|d| record(n + 1, d), |d| record(n + 7, d));
+            Node { first: [mass, p(1), p(2), p(3)], second: [T::default(), f(4), f(5), f(6)] }
+        };
+        (0..40).map(node).collect()
+    }
+
+    fn agree<T: Float, const D: usize>(update: &impl NodeUpdate<T>) {
+        let mut plain = nodes::<T>();
+        if D == 2 {
+            plain.iter_mut().for_each(|n| (n.first[3], n.second[3]) = (T::default(), T::default()));
+        }
+        let mut fast = plain.clone();
+        let [mut of_plain, mut of_fast] = [NodeLedger::default(); 2];
+        plain.iter_mut().for_each(|n| update.update(n, &|_, _| false, &mut of_plain));
+        update.update_free(&mut fast, &mut of_fast);
+        for (n, (plain, fast)) in plain.iter().zip(&fast).enumerate() {
+            assert_eq!((plain.first, plain.second), (fast.first, fast.second), "node {n}");
+        }
+        assert_eq!(of_plain.dropped, of_fast.dropped);
+    }
+
+    fn all<T: Float, const D: usize>() {
+        let (cutoff, dt) = (mass_cutoff::<T>(), T::of(1e-3));
+        for damping in [0.0, 0.1] {
+            for gravity in [None, Some([9.81; D])] {
+                for from_velocity in [false, true] {
+                    let end = 0.0;
+                    agree::<T, D>(&Integrate { cutoff, dt, end, gravity, damping, from_velocity });
+                }
+            }
+        }
+        agree::<T, D>(&Remap::<T, D> { cutoff, end: 0.0 });
+    }
+
+    #[test]
+    fn free_nodes_are_changed_like_constrained_ones() {
+        all::<f64, 2>();
+        all::<f64, 3>();
+        all::<f32, 2>();
+        all::<f32, 3>();
+    }
+}
