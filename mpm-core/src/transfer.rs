@@ -9,6 +9,8 @@ use crate::shape::{AffineShape, ShapeFunction};
 pub trait Transfer<T: Real>: Copy + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
+    /// Does it read the nodal velocity? Where nothing else in a pass does, it is not fetched.
+    const READS_VELOCITY: bool = true;
     /// Does it read the nodal acceleration?
     const READS_INCREMENT: bool;
     /// Does it carry the affine velocity field of APIC from the gather to the next scatter?
@@ -35,6 +37,7 @@ pub(crate) fn taken<T: Real, X: Transfer<T>>(transfer: &X, dt: T) -> T {
 pub struct Flip;
 impl<T: Real> Transfer<T> for Flip {
     const NAME: &'static str = "FLIP";
+    const READS_VELOCITY: bool = false;
     const READS_INCREMENT: bool = true;
     #[inline(always)]
     fn velocity<L: Lane<Real = T>>(&self, old: L, _nodal: L, increment: L, _dt: L) -> L {

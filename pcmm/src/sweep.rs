@@ -17,7 +17,7 @@ struct Rows<'a> {
     rows: &'a [Row],
     at: usize,
 }
-impl<P: Pack<f64>> Source<P> for Rows<'_> {
+impl<P: Pack<f64, Numbers = Row>> Source<P> for Rows<'_> {
     #[inline(always)]
     fn take(&mut self) -> P {
         self.at += 1;
@@ -29,7 +29,7 @@ struct RowsMut<'a> {
     rows: &'a mut [Row],
     at: usize,
 }
-impl<P: Pack<f64>> Sink<P> for RowsMut<'_> {
+impl<P: Pack<f64, Numbers = Row>> Sink<P> for RowsMut<'_> {
     #[inline(always)]
     fn put(&mut self, value: P) {
         value.store(&mut self.rows[self.at]);
@@ -86,7 +86,7 @@ struct Corner<P> {
 impl<const D: usize, C, M> Sweep<'_, D, C, M> {
     /// The corners of a group. Lanes without an element get a simplex at rest.
     #[inline(always)]
-    fn corners<P: Pack<f64>>(&self, group: usize) -> [Corner<P>; 4] {
+    fn corners<P: Pack<f64, Numbers = Row>>(&self, group: usize) -> [Corner<P>; 4] {
         let zero = P::zero();
         let mut corners = [Corner { x: [zero; 3], v: [zero; 3] }; 4];
         for a in 0..=D {
@@ -114,7 +114,7 @@ impl<const D: usize, C, M> Sweep<'_, D, C, M> {
 
     /// The mean over the corners of a group of a number at the particles; `idle` without an element.
     #[inline(always)]
-    fn mean_at_corners<P: Pack<f64>>(&self, group: usize, idle: f64) -> P {
+    fn mean_at_corners<P: Pack<f64, Numbers = Row>>(&self, group: usize, idle: f64) -> P {
         let mut sum = Row::default();
         for lane in 0..GROUP {
             let e = group * GROUP + lane;
@@ -129,7 +129,7 @@ impl<const D: usize, C, M> Sweep<'_, D, C, M> {
     }
 
     #[inline(always)]
-    fn reference<P: Pack<f64>>(&self, group: usize) -> P {
+    fn reference<P: Pack<f64, Numbers = Row>>(&self, group: usize) -> P {
         let mut row = Row::default();
         for lane in 0..GROUP {
             row.as_mut()[lane] = self.reference.get(group * GROUP + lane).copied().unwrap_or(0.0);

@@ -1,17 +1,20 @@
 //! Vector instructions and threads: how a kernel is run. The only module of the project with `unsafe`.
 //!
 //! # Vector instructions
-//! A kernel is generic text over an [`Arch`]: the pack of lanes it computes particles with and the quad it
-//! adds node records with. [`Float::dispatch`] looks at the processor once and runs the kernel compiled for
-//! AVX2 and FMA, or the portable one. With `--cfg impactite_avx2_only` among the compiler's flags it has the former alone, compiles
-//! in about two thirds of the time, and panics on other processors: for tests. So it does where the whole program is compiled for
-//! processors that have both: `-C target-cpu=native`, which is the faster way where there is AVX-512 (32 registers), and the
-//! slower one where there is not (up to 18 % more instructions a kernel).
-//! The invariant behind every `unsafe` here and in `lanes`:
-//! **a value of a vector type exists only inside a kernel that `dispatch` entered after it saw the processor
-//! has AVX2 and FMA.** It holds because the types are private to this module, their values are made only by
-//! methods of [`Lane`] on a type that a kernel receives as `A: Arch`, and only `dispatch` names
-//! [`Arch`] implementations.
+//! A kernel is generic text over an [`Arch`]: the lanes it computes particles with and the quad it adds node records with.
+//! [`Float::dispatch`] looks at the processor and runs the kernel compiled for AVX-512, where two groups of particles in double
+//! precision go through a pass together, the one for AVX2 and FMA, or the portable one. They differ by rounding.
+//!
+//! Every kind is one more compilation of all kernels. Debug builds leave out the one for AVX-512, whose numbers would take too
+//! much of a thread's stack there. With `--cfg impactite_avx2_only` among the compiler's flags there is the
+//! one for AVX2 alone, and a panic on other processors: for tests. Where the whole program is compiled for processors of one kind
+//! (`-C target-cpu=native`), there is only the best one that those have.
+//!
+//! The invariant behind every `unsafe` here, in `avx2` and in `avx512`:
+//! **a value of a vector type exists only inside a kernel that was entered after the processor was seen to have its
+//! instructions.** It holds because the types are private to this module, their values are made only by
+//! methods of [`Lane`] on a type that a kernel receives as `A: Arch`, and only functions of this module that looked at the
+//! processor name [`Arch`] implementations.
 //!
 //! # Threads
 //! [`Team`] runs a loop over blocks on a chosen number of threads. Each task owns what it writes (Rust checks
@@ -19,19 +22,32 @@
 
 #![allow(unsafe_code)]
 
-mod lanes;
+mod avx2;
+mod avx512;
+mod functions;
 mod team;
 
 use mpm_materials::{Lane, Real, Wide};
 
 pub use team::{Team, TeamError};
 
-/// Vectors of the lanes of a group of particles: one row of storage each.
+/// Vectors of lanes over particles: over those of one group, a row of storage each, or over those of two groups.
 pub trait Pack<T: Float>: Lane<Real = T> {
-    /// Read a row.
-    fn load(row: &T::Row) -> Self;
-    /// Write a row.
-    fn store(self, row: &mut T::Row);
+    /// Groups whose lanes it takes together, 1 or 2.
+    const GROUPS: usize = Self::WIDTH / T::GROUP;
+    /// Its numbers in memory.
+    type Numbers: Copy + Default + Send + AsRef<[T]>;
+    /// The lanes of one group.
+    type Group: Pack<T, Numbers = T::Row>;
+
+    /// Read numbers.
+    fn load(numbers: &Self::Numbers) -> Self;
+    /// Write them.
+    fn store(self, numbers: &mut Self::Numbers);
+    /// The lanes of two groups together; of the first one alone where it holds one group.
+    fn join(groups: [Self::Group; 2]) -> Self;
+    /// The lanes of its groups; twice the same where it holds one group.
+    fn part(self) -> [Self::Group; 2];
     /// Bit `i` set where lane `i` of the mask is.
     fn bits(mask: Self::Mask) -> u32;
     /// `out[i]` becomes lane `i` of `a`, `b`, `c` and `d`: from four columns of a group to one record a
@@ -49,13 +65,15 @@ pub trait Quad<T>: Lane<Real = T> {
 
 /// The vector types of a kind of processor.
 pub trait Arch<T: Float>: 'static {
-    /// Lanes over particles.
-    type Pack: Pack<T>;
+    /// Lanes over the particles of a group.
+    type Pack: Pack<T, Numbers = T::Row>;
+    /// Lanes over the particles that go through a pass together: of one group or two.
+    type Batch: Pack<T>;
     /// Lanes over the numbers of a node record.
     type Quad: Quad<T>;
 
     /// The sums over the lanes of four vectors.
-    fn sums(of: [Self::Pack; 4]) -> Self::Quad;
+    fn sums(of: [Self::Batch; 4]) -> Self::Quad;
 }
 
 /// Plain Rust, any processor.
@@ -79,8 +97,9 @@ pub trait Float: Real {
 
     /// Run the kernel with the best vectors this processor has.
     fn dispatch<K: Kernel<Self>>(kernel: K) -> K::Output;
-    /// Run the kernel in plain Rust: the reference that the vector kernels are tested against.
-    fn portable<K: Kernel<Self>>(kernel: K) -> K::Output;
+    /// Run it with every kind of vectors that this processor has, plain Rust first: the reference that others are tested
+    /// against.
+    fn each<K: Kernel<Self>>(kernel: impl Fn() -> K) -> Vec<K::Output>;
 }
 
 /// A 32-byte row of numbers.
@@ -107,33 +126,39 @@ impl<T, const N: usize> AsMut<[T]> for Row<T, N> {
 }
 
 macro_rules! float {
-    ($t:ty, $n:literal) => {
+    ($t:ty, $n:literal, $dispatch:path, $($vectors:ident),+) => {
         impl Float for $t {
             const GROUP: usize = $n;
             type Row = Row<$t, $n>;
             #[inline]
             fn dispatch<K: Kernel<$t>>(kernel: K) -> K::Output {
-                #[cfg(target_arch = "x86_64")]
-                #[target_feature(enable = "avx2,fma")]
-                fn with_avx2<K: Kernel<$t>>(kernel: K) -> K::Output {
-                    kernel.run::<lanes::Avx2>()
-                }
-                #[cfg(target_arch = "x86_64")]
-                if lanes::available() {
-                    // SAFETY: the processor has AVX2 and FMA.
-                    return unsafe { with_avx2(kernel) };
-                }
-                #[cfg(any(impactite_avx2_only, all(target_feature = "avx2", target_feature = "fma")))]
-                panic!("compiled for AVX2 and FMA alone, which this processor lacks");
-                #[cfg(not(any(impactite_avx2_only, all(target_feature = "avx2", target_feature = "fma"))))]
-                kernel.run::<Portable>()
+                $dispatch(kernel)
             }
-            #[inline]
-            fn portable<K: Kernel<$t>>(kernel: K) -> K::Output {
-                kernel.run::<Portable>()
+            fn each<K: Kernel<$t>>(kernel: impl Fn() -> K) -> Vec<K::Output> {
+                let mut found = vec![kernel().run::<Portable>()];
+                #[cfg(target_arch = "x86_64")]
+                {
+                    // SAFETY: they run where the processor has what they ask for.
+                    unsafe {
+                        $(if $vectors::available() {
+                            found.push($vectors::with(kernel()));
+                        })+
+                    }
+                }
+                found
             }
         }
         impl Pack<$t> for Wide<$t, $n> {
+            type Numbers = Row<$t, $n>;
+            type Group = Self;
+            #[inline(always)]
+            fn join([group, _]: [Self; 2]) -> Self {
+                group
+            }
+            #[inline(always)]
+            fn part(self) -> [Self; 2] {
+                [self; 2]
+            }
             #[inline(always)]
             fn load(row: &Row<$t, $n>) -> Self {
                 Wide(row.0)
@@ -169,9 +194,10 @@ macro_rules! float {
         }
         impl Arch<$t> for Portable {
             type Pack = Wide<$t, $n>;
+            type Batch = Wide<$t, $n>;
             type Quad = Wide<$t, 4>;
             #[inline(always)]
-            fn sums(of: [Self::Pack; 4]) -> Self::Quad {
+            fn sums(of: [Self::Batch; 4]) -> Self::Quad {
                 let mut sums = [0.0; 4];
                 for i in 0..4 {
                     for x in of[i].0 {
@@ -183,8 +209,49 @@ macro_rules! float {
         }
     };
 }
-float!(f64, 4);
-float!(f32, 8);
+float!(f64, 4, dispatch_double, avx2, avx512);
+float!(f32, 8, dispatch_single, avx2);
+
+#[inline]
+fn dispatch_double<K: Kernel<f64>>(kernel: K) -> K::Output {
+    #[cfg(all(
+        target_arch = "x86_64",
+        any(target_feature = "avx512f", not(any(impactite_avx2_only, debug_assertions)))
+    ))]
+    if avx512::available() {
+        // SAFETY: the processor has what that asks for.
+        return unsafe { avx512::with(kernel) };
+    }
+    #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512f")))]
+    if avx2::available() {
+        // SAFETY: likewise.
+        return unsafe { avx2::with(kernel) };
+    }
+    in_plain_rust(kernel)
+}
+
+#[inline]
+fn dispatch_single<K: Kernel<f32>>(kernel: K) -> K::Output {
+    #[cfg(target_arch = "x86_64")]
+    if avx2::available() {
+        // SAFETY: the processor has what that asks for.
+        return unsafe { avx2::with(kernel) };
+    }
+    in_plain_rust(kernel)
+}
+
+#[cfg(any(impactite_avx2_only, all(target_feature = "avx2", target_feature = "fma")))]
+fn in_plain_rust<T: Float, K: Kernel<T>>(_: K) -> K::Output {
+    panic!("compiled for vector instructions that this processor lacks")
+}
+
+#[cfg(not(any(impactite_avx2_only, all(target_feature = "avx2", target_feature = "fma"))))]
+fn in_plain_rust<T: Float, K: Kernel<T>>(kernel: K) -> K::Output
+where
+    Portable: Arch<T>,
+{
+    kernel.run::<Portable>()
+}
 
 /// The same reference, of which the compiler does not know that it is: what was written there is read from there. Single
 /// lanes of vectors are best had so, where the compiler would shuffle each out of a register.

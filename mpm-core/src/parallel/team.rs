@@ -8,6 +8,9 @@ use rayon::prelude::*;
 #[derive(Clone, Debug, Default)]
 pub struct Team(Option<Arc<rayon::ThreadPool>>);
 
+/// Bytes of stack of a thread: kernels compiled without optimisation take much of it.
+const STACK: usize = 8 << 20;
+
 /// Why a team could not be made.
 #[derive(Debug, thiserror::Error)]
 #[error("could not start {threads} threads: {cause}")]
@@ -32,6 +35,7 @@ impl Team {
             1 => Ok(Team(None)),
             _ => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
+                .stack_size(STACK)
                 .build()
                 .map(|pool| Team(Some(Arc::new(pool))))
                 .map_err(|e| TeamError { threads, cause: e.to_string() }),

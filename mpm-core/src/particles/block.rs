@@ -2,7 +2,7 @@
 
 use super::Columns;
 use crate::dim::{BLOCK, block_nodes};
-use crate::parallel::{Float, Whereabouts, prefetch_from};
+use crate::parallel::{Float, Pack, Whereabouts, prefetch_from};
 use crate::step::checkpoint::{Archive, CheckpointError};
 use crate::step::rest::Stilled;
 
@@ -63,6 +63,26 @@ pub struct Block<T: Float, const D: usize> {
     dummy: Vec<T>,
 }
 
+/// Groups of a bin that go through a pass together.
+#[derive(Clone, Copy, Debug)]
+pub enum Members {
+    /// A group alone.
+    One(u32),
+    /// Two of them.
+    Two([u32; 2]),
+}
+
+impl Members {
+    /// Them, or twice the same.
+    #[inline(always)]
+    pub fn both(self) -> [u32; 2] {
+        match self {
+            Members::One(group) => [group; 2],
+            Members::Two(groups) => groups,
+        }
+    }
+}
+
 /// The groups of a block at work: where they lie, for a pass that looks at every one of them.
 pub struct Groups<'a, T: Float> {
     rows: &'a mut [T::Row],
@@ -82,10 +102,30 @@ impl<T: Float> Groups<'_, T> {
     pub fn before(&self, group: u32) -> Option<(u32, usize)> {
         full_before::<T>(self.before, group)
     }
-    /// The rows of a group.
+    /// The rows of groups that go through a pass together. One alone has `idle` beside it.
     #[inline(always)]
-    pub fn rows(&mut self, group: u32) -> &mut [T::Row] {
-        &mut self.rows[group as usize * self.columns..][..self.columns]
+    pub fn members<'s, P: Pack<T>>(
+        &'s mut self,
+        members: Members,
+        idle: &'s mut [T::Row],
+    ) -> [&'s mut [T::Row]; 2] {
+        let columns = self.columns;
+        match members {
+            Members::One(group) => {
+                let idle = if P::GROUPS == 1 { idle } else { &mut idle[..columns] };
+                [&mut self.rows[group as usize * columns..][..columns], idle]
+            }
+            Members::Two([one, two]) => {
+                let (one, two) = (one as usize * columns, two as usize * columns);
+                if one < two {
+                    let (before, behind) = self.rows.split_at_mut(two);
+                    [&mut before[one..][..columns], &mut behind[..columns]]
+                } else {
+                    let (before, behind) = self.rows.split_at_mut(one);
+                    [&mut behind[..columns], &mut before[two..][..columns]]
+                }
+            }
+        }
     }
     /// As [`Block::prefetch`].
     #[inline(always)]
@@ -256,6 +296,16 @@ impl<T: Float, const D: usize> Block<T, D> {
             runs: &self.runs[..block_nodes(D)],
             // They are not fewer; said so that the compiler knows.
             columns: self.columns.max(least),
+        }
+    }
+
+    /// Make a group without particles of these rows.
+    pub fn fill_idle(&self, rows: &mut Vec<T::Row>) {
+        rows.clear();
+        for &number in &self.dummy {
+            let mut row = T::Row::default();
+            row.as_mut().fill(number);
+            rows.push(row);
         }
     }
 

@@ -9,7 +9,7 @@
 
 mod block;
 
-pub use block::{Block, Outbox, Place, split};
+pub use block::{Block, Members, Outbox, Place, split};
 
 /// Where the columns of a particle are: rows of a group, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]

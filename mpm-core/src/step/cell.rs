@@ -15,7 +15,7 @@
 
 use mpm_materials::{Lane, Mat3};
 
-use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, Records, Spread, times_offset};
+use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, Records, SpreadOf, times_offset};
 use crate::dim::{Array, Stencil};
 use crate::parallel::{Arch, Float, Quad, through_memory};
 use crate::shape::node_offset;
@@ -46,7 +46,7 @@ impl<Q: Lane, E: Stencil> Moments<Q, E> {
 
     /// Add a group at `xi`, of which `force` has the columns G_d; zero for lanes without a particle.
     #[inline(always)]
-    pub(super) fn add_group<T, A>(&mut self, xi: &[A::Pack; 3], force: &Mat3<A::Pack>)
+    pub(super) fn add_group<T, A>(&mut self, xi: &[A::Batch; 3], force: &Mat3<A::Batch>)
     where
         T: Float,
         A: Arch<T, Quad = Q>,
@@ -64,17 +64,17 @@ impl<Q: Lane, E: Stencil> Moments<Q, E> {
     }
 
     #[inline(always)]
-    fn add_moment<T, A, const AXES: usize>(&mut self, xi: &[A::Pack; 3], force: &Mat3<A::Pack>)
+    fn add_moment<T, A, const AXES: usize>(&mut self, xi: &[A::Batch; 3], force: &Mat3<A::Batch>)
     where
         T: Float,
         A: Arch<T, Quad = Q>,
     {
         let f = &force.0;
         let of = [
-            A::Pack::zero(),
-            moment::<A::Pack, AXES>(xi, &f[0]),
-            moment::<A::Pack, AXES>(xi, &f[1]),
-            if E::LAYERS > 1 { moment::<A::Pack, AXES>(xi, &f[2]) } else { A::Pack::zero() },
+            A::Batch::zero(),
+            moment::<A::Batch, AXES>(xi, &f[0]),
+            moment::<A::Batch, AXES>(xi, &f[1]),
+            if E::LAYERS > 1 { moment::<A::Batch, AXES>(xi, &f[2]) } else { A::Batch::zero() },
         ];
         self.0[AXES] = self.0[AXES] + A::sums(of);
     }
@@ -157,7 +157,7 @@ const fn place<E: Stencil>(n: usize) -> usize {
 pub(super) fn scatter_cell<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     [first, second]: [&mut [[T; 4]]; 2],
     corner: usize,
-    spread: &Spread<T, E>,
+    spread: &SpreadOf<T, A, E>,
     records: &Records<T>,
     maps: Maps,
 ) {
@@ -207,7 +207,7 @@ fn store_cell<T: Float, A: Arch<T>, E: Stencil>(to: &mut [[T; 4]], sums: &E::Nod
 #[inline(always)]
 fn add_record<T: Float, A: Arch<T>, E: Stencil>(
     sums: &mut E::Nodes<A::Quad>,
-    spread: &Spread<T, E>,
+    spread: &SpreadOf<T, A, E>,
     lane: usize,
     record: A::Quad,
 ) {
@@ -219,7 +219,7 @@ fn add_record<T: Float, A: Arch<T>, E: Stencil>(
 #[inline(always)]
 fn add_affine<T: Float, A: Arch<T>, E: Stencil>(
     sums: &mut E::Nodes<A::Quad>,
-    spread: &Spread<T, E>,
+    spread: &SpreadOf<T, A, E>,
     records: &Records<T>,
     lane: usize,
     momentum: A::Quad,

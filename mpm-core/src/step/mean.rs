@@ -3,7 +3,7 @@
 use mpm_materials::{Constitutive, Lane, Mat3, State};
 
 use super::gather::{Sampler, Wanted};
-use super::stage::Rows;
+use super::rows::Rows;
 use super::sweep::{Common, ExtentOf, ShapeOf};
 use super::tile::Stencilled;
 use super::total;
@@ -23,6 +23,7 @@ fn axes<T: Float, const D: usize, M: Composition<T, D>>() -> usize {
 }
 
 /// Means over the particles of a bin, by mass.
+#[derive(Clone, Copy)]
 pub(super) struct Mean<L> {
     /// Of the traces of the step's increments.
     trace: L,
@@ -67,14 +68,13 @@ pub(super) struct Strained<'a, T: Float, const D: usize, C, M: Composition<T, D>
 impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Strained<'_, T, D, C, M> {
     /// The means of the bin.
     #[inline(always)]
-    pub(super) fn mean<A: Arch<T>>(&self) -> Mean<A::Pack> {
-        let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
+    pub(super) fn mean<A: Arch<T>>(&self) -> Mean<A::Batch> {
         let mut sums = [A::Pack::zero(); 3];
         let mut next = self.block.last_group(self.bin);
         while let Some((group, _)) = next {
             next = self.block.group_before(group);
             let rows = self.block.group(group);
-            let now = C::State::<A::Pack>::read(&mut Rows::of(&rows[2 * D + 1..][..state_rows]));
+            let now = C::State::<A::Pack>::read(&mut Rows::of(rows).reader(Columns::state(D)));
             // Lanes without a particle weigh nothing.
             let mass = A::Pack::load(&rows[Columns::mass(D)]);
             sums[0] = sums[0] + mass;
@@ -89,7 +89,7 @@ impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Straine
             trace += sums[1].lane(lane);
             ratio += sums[2].lane(lane);
         }
-        Mean { trace: A::Pack::splat(trace / mass), ratio: A::Pack::splat(ratio / mass) }
+        Mean { trace: A::Batch::splat(trace / mass), ratio: A::Batch::splat(ratio / mass) }
     }
 
     /// The trace of the increment of a group's particles; zero in a lane without one.
@@ -125,7 +125,7 @@ impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Straine
         }
         if M::Frame::TOTAL {
             let frame = rows.len() - 1 - total::rows::<T, D, M>();
-            let f = total::load::<T, A::Pack, D, M>(&rows[frame..]);
+            let f = total::load::<T, A::Pack, D, M, _>(&Rows::of(rows), frame);
             increment = total::product::<A::Pack, D>(&increment, &total::inverse::<A::Pack, D>(&f));
         }
         let mass = A::Pack::load(&rows[Columns::mass(D)]);

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use mpm_materials::Lane;
 
 use super::cell::Moments;
-use super::scatter::{AFFINE, MOMENTUM, Maps, RECORDS, Records, Spread, scatter};
+use super::scatter::{AFFINE, MOMENTUM, Maps, RECORDS, Records, SpreadOf, scatter};
 use super::splitting::Splitter;
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
 use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
@@ -18,21 +18,22 @@ use crate::scheme::PassKind;
 use crate::shape::ShapeFunction;
 use crate::shape::domain::MOST_NUMBERS;
 
-/// Who leaves a group of a bin, by bits of lanes.
-pub(super) struct Leaving<'a, T: Float> {
+/// Who leaves groups of a bin that go through a pass together, by bits of lanes.
+pub(super) struct Leaving<'a, T: Float, N> {
     pub(super) bin: usize,
-    pub(super) group: u32,
+    /// The groups, in the order of their lanes. The last one is the last of them in the bin.
+    pub(super) groups: [u32; 2],
     /// Particles that left the bin.
     pub(super) gone: u32,
-    pub(super) cut: Cut<'a, T>,
+    pub(super) cut: Cut<'a, T, N>,
 }
 
 /// Which particles are cut in two, wherever they are.
-pub(super) struct Cut<'a, T: Float> {
+pub(super) struct Cut<'a, T: Float, N> {
     pub(super) long: u32,
     pub(super) splitter: &'a Splitter<T>,
     /// The velocity gradient in units of 1/s, D x D rows.
-    pub(super) gradient: &'a [T::Row],
+    pub(super) gradient: &'a [N],
 }
 
 /// The particles of the block at work that change their bins.
@@ -59,18 +60,18 @@ impl<T> Movers<T> {
     }
 }
 
-/// Take the particles that leave a group out of their bin and put them into the outbox, or among those that stay in the
+/// Take the particles that leave groups out of their bin and put them into the outbox, or among those that stay in the
 /// block, with their records, of which zeros are left; what is cut in two goes there as two.
 #[cold]
 #[inline(never)]
-pub(super) fn send_away<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>(
+pub(super) fn send_away<T: Float, N: AsRef<[T]>, const D: usize, M: Composition<T, D>, K: PassKind>(
     block: &mut Block<T, D>,
     (outbox, movers): (&mut Outbox<T>, &mut Movers<T>),
     report: &mut Report<T>,
-    leaving: Leaving<'_, T>,
+    leaving: Leaving<'_, T, N>,
     records: &mut Records<T>,
 ) {
-    let Leaving { bin, group, gone, cut: Cut { long, splitter, gradient } } = leaving;
+    let Leaving { bin, groups, gone, cut: Cut { long, splitter, gradient } } = leaving;
     let maps = maps::<T, D, M, K>();
     let columns = block.dummy().len();
     let Movers { within, moving } = movers;
@@ -79,7 +80,7 @@ pub(super) fn send_away<T: Float, const D: usize, M: Composition<T, D>, K: PassK
     while leave != 0 {
         let lane = leave.ilog2();
         leave &= !(1 << lane);
-        let place = Place { group, lane };
+        let place = Place { group: groups[lane as usize / T::GROUP % 2], lane: lane % T::GROUP as u32 };
         let mut own = [[T::default(); 4]; RECORDS];
         for kind in 0..RECORDS {
             if maps.uses::<D>(kind) {
@@ -250,7 +251,7 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
     outbox: &Outbox<T>,
     to: usize,
     domains: Domains<T>,
-    (records, spread): (&mut Records<T>, &mut Spread<T, ExtentOf<M, T, D>>),
+    (records, spread): (&mut Records<T>, &mut SpreadOf<T, A, ExtentOf<M, T, D>>),
 ) where
     T: Float,
     A: Arch<T>,
@@ -284,13 +285,13 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
                 next += 1;
             }
         }
-        let mut xi = [A::Pack::zero(); 3];
+        let mut xi = [A::Batch::zero(); 3];
         for d in 0..D {
-            xi[d] = A::Pack::splat(numbers[Columns::position() + d]);
+            xi[d] = A::Batch::splat(numbers[Columns::position() + d]);
         }
-        let carried = |n: usize| A::Pack::splat(numbers[domains.column + n]);
-        let domain = domains.of::<A::Pack, ShapeOf<M, T, D>, D>(carried);
-        spread.place(method.shape(), &xi, &domain, maps.slopes());
+        let carried = |n: usize| A::Batch::splat(numbers[domains.column + n]);
+        let domain = domains.of::<A::Batch, ShapeOf<M, T, D>, D>(carried);
+        spread.place::<T, A::Batch, _, D>(method.shape(), &xi, &domain, maps.slopes());
         let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
         if maps.moments::<ExtentOf<M, T, D>>() {
@@ -330,7 +331,7 @@ where
     fn run<A: Arch<T>>(self) {
         let TakeIn { method, slot, outboxes, common, .. } = self;
         let Slot { block, tile, rows, slots_around, .. } = slot;
-        let (mut records, mut spread) = (Records::<T>::zero(), Spread::<T, ExtentOf<M, T, D>>::zero());
+        let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<M, T, D>>::zero());
         for from in 0..neighbours(D) {
             // What lies in direction `from` of here sent towards the opposite direction.
             let to = neighbours(D) - 1 - from;

@@ -28,6 +28,7 @@ pub mod rest;
 mod resting;
 pub mod rigid;
 mod rigid_body;
+mod rows;
 mod scatter;
 mod scene;
 mod seeding;

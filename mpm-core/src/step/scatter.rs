@@ -120,27 +120,32 @@ impl Maps {
 /// Products of the weights along y and z, and those along x, where single lanes can be read. Of weights that are no
 /// products, and of stencils of two nodes an axis: those on all nodes.
 #[derive(Clone, Copy)]
-pub struct Spread<T: Float, E: Stencil> {
-    x: E::Axis<T::Row>,
-    dx: E::Axis<T::Row>,
-    yz: E::Nodes<T::Row>,
-    dy: E::Nodes<T::Row>,
-    dz: E::Nodes<T::Row>,
-    table: [E::Nodes<T::Row>; 2],
+pub struct Spread<N: Copy + Send, E: Stencil> {
+    x: E::Axis<N>,
+    dx: E::Axis<N>,
+    yz: E::Nodes<N>,
+    dy: E::Nodes<N>,
+    dz: E::Nodes<N>,
+    table: [E::Nodes<N>; 2],
 }
 
-impl<T: Float, E: Stencil> Spread<T, E> {
+/// The numbers of a batch of particles.
+pub(super) type NumbersOf<T, A> = <<A as Arch<T>>::Batch as Pack<T>>::Numbers;
+/// Weights of a batch of particles.
+pub(super) type SpreadOf<T, A, E> = Spread<NumbersOf<T, A>, E>;
+
+impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
     /// To be filled in.
     #[inline(always)]
     pub fn zero() -> Self {
-        let (axis, nodes) = (Array::filled(T::Row::default()), Array::filled(T::Row::default()));
+        let (axis, nodes) = (Array::filled(N::default()), Array::filled(N::default()));
         Spread { x: axis, dx: axis, yz: nodes, dy: nodes, dz: nodes, table: [nodes; 2] }
     }
 
     /// What particles at `xi` with these domains weigh, with slopes for forces. Returns the signed volume of domains that
     /// convect, which is positive unless they are inside out.
     #[inline(always)]
-    pub fn place<P, S, const D: usize>(
+    pub fn place<T, P, S, const D: usize>(
         &mut self,
         shape: &S,
         xi: &[P; 3],
@@ -148,7 +153,8 @@ impl<T: Float, E: Stencil> Spread<T, E> {
         force: bool,
     ) -> P
     where
-        P: Pack<T> + Lane<Real = T>,
+        T: Float,
+        P: Pack<T, Numbers = N>,
         S: ShapeFunction<T, D, Extent = E>,
     {
         if !S::DOMAIN.convects() {
@@ -179,7 +185,7 @@ impl<T: Float, E: Stencil> Spread<T, E> {
 
     /// The products for particles with these weights.
     #[inline(always)]
-    fn fill<P: Pack<T>>(&mut self, at: &[Weights<P, E>; 3], force: bool) {
+    fn fill<T: Float, P: Pack<T, Numbers = N>>(&mut self, at: &[Weights<P, E>; 3], force: bool) {
         let [x, y, z] = at;
         for i in 0..E::NODES {
             x.value[i].store(&mut self.x[i]);
@@ -208,7 +214,7 @@ impl<T: Float, E: Stencil> Spread<T, E> {
 
     /// Weights on all nodes, for particles with these weights along the axes of a cell.
     #[inline(always)]
-    fn fill_cell<P: Pack<T>>(&mut self, at: &[Weights<P, E>; 3]) {
+    fn fill_cell<T: Float, P: Pack<T, Numbers = N>>(&mut self, at: &[Weights<P, E>; 3]) {
         let [x, y, z] = at;
         for k in 0..E::LAYERS {
             for j in 0..E::NODES {
@@ -222,22 +228,27 @@ impl<T: Float, E: Stencil> Spread<T, E> {
 
     /// Weight of the particle of a lane on a node, where those on all nodes are kept.
     #[inline(always)]
-    pub(super) fn weight(&self, node: usize, lane: usize) -> T {
+    pub(super) fn weight<T: Copy>(&self, node: usize, lane: usize) -> T
+    where
+        N: AsRef<[T]>,
+    {
         self.table[0][node].as_ref()[lane]
     }
 
     /// Add what the particle of a lane gives to the nodes of row `jk`, by its weights on all nodes.
     #[inline(always)]
-    fn add_table<A: Arch<T>>(
+    fn add_table<T: Float, A: Arch<T>>(
         &self,
         records: &Records<T>,
         lane: usize,
         jk: usize,
         maps: Maps,
         [one, two]: [&mut E::Axis<A::Quad>; 2],
-    ) {
+    ) where
+        N: AsRef<[T]>,
+    {
         let record = |kind: usize| A::Quad::load(&records[kind][lane]);
-        let splat = |rows: &E::Nodes<T::Row>, node: usize| A::Quad::splat(rows[node].as_ref()[lane]);
+        let splat = |rows: &E::Nodes<N>, node: usize| A::Quad::splat(rows[node].as_ref()[lane]);
         for i in 0..E::NODES {
             let node = jk * E::NODES + i;
             let value = splat(&self.table[0], node);
@@ -260,7 +271,10 @@ impl<T: Float, E: Stencil> Spread<T, E> {
 
     /// What the forces along y and z, `g`, give to the nodes (j, k), before the weight along x.
     #[inline(always)]
-    fn across<Q: Quad<T>>(&self, lane: usize, jk: usize, g: [Q; 2]) -> Q {
+    fn across<T: Float, Q: Quad<T> + Lane<Real = T>>(&self, lane: usize, jk: usize, g: [Q; 2]) -> Q
+    where
+        N: AsRef<[T]>,
+    {
         let dy = g[0] * Q::splat(self.dy[jk].as_ref()[lane]);
         if E::LAYERS > 1 { g[1].mul_add(Q::splat(self.dz[jk].as_ref()[lane]), dy) } else { dy }
     }
@@ -273,7 +287,7 @@ impl<T: Float, E: Stencil> Spread<T, E> {
 pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     [first, second]: [&mut [[T; 4]]; 2],
     corner: usize,
-    spread: &Spread<T, E>,
+    spread: &SpreadOf<T, A, E>,
     records: &Records<T>,
     maps: Maps,
 ) {
@@ -282,7 +296,7 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     }
     let first = if maps.momentum { &mut first[corner..][..E::SPAN] } else { first };
     let second = if maps.second() { &mut second[corner..][..E::SPAN] } else { second };
-    let mut rows = RowsOut::<T, E, LANES> { first, second, spread, records, maps };
+    let mut rows = RowsOut::<T, NumbersOf<T, A>, E, LANES> { first, second, spread, records, maps };
     // By hand: a loop that the compiler does not unroll would decide for each row what is known here.
     rows.add_layer::<A>(0);
     if E::LAYERS > 1 {
@@ -297,15 +311,17 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
 }
 
 /// The rows of nodes of a stencil, with what is added to them.
-struct RowsOut<'a, T: Float, E: Stencil, const LANES: usize> {
+struct RowsOut<'a, T: Float, N: Copy + Send, E: Stencil, const LANES: usize> {
     first: &'a mut [[T; 4]],
     second: &'a mut [[T; 4]],
-    spread: &'a Spread<T, E>,
+    spread: &'a Spread<N, E>,
     records: &'a Records<T>,
     maps: Maps,
 }
 
-impl<T: Float, E: Stencil, const LANES: usize> RowsOut<'_, T, E, LANES> {
+impl<T: Float, N: Copy + Default + Send + AsRef<[T]>, E: Stencil, const LANES: usize>
+    RowsOut<'_, T, N, E, LANES>
+{
     #[inline(always)]
     fn add_layer<A: Arch<T>>(&mut self, k: usize) {
         self.add::<A>(0, k);
@@ -335,7 +351,7 @@ impl<T: Float, E: Stencil, const LANES: usize> RowsOut<'_, T, E, LANES> {
             }
         }
         for lane in 0..if maps.convected { LANES } else { 0 } {
-            spread.add_table::<A>(records, lane, jk, maps, [&mut one, &mut two]);
+            spread.add_table::<T, A>(records, lane, jk, maps, [&mut one, &mut two]);
         }
         for lane in 0..if maps.convected { 0 } else { LANES } {
             let yz = A::Quad::splat(spread.yz[jk].as_ref()[lane]);

@@ -182,21 +182,21 @@ impl<T: Float> Splitter<T> {
         direction * quarter.min(0.5)
     }
 
-    /// The lanes, of those in `may`, that are to be cut. `ratio` is the law's volume ratio, `axis` is the radius of the bin's centre in units of h, and
-    /// the particles' offsets from there, in a body of revolution.
+    /// The lanes of a group, of those in `may`, that are to be cut. `ratio` is the law's volume ratio, `axis` the radius of the
+    /// bin's centre in units of h, in a body of revolution.
     #[cold]
     pub(super) fn long<const D: usize>(
         &self,
-        state: &[T::Row],
+        group: &[T::Row],
         ratio: &T::Row,
         mut may: u32,
-        axis: Option<(T, &T::Row)>,
+        axis: Option<T>,
     ) -> u32 {
         let mut long = 0;
         while may != 0 {
             let lane = may.trailing_zeros() as usize;
             may &= may - 1;
-            let number = |row: usize| state[self.place + row].as_ref()[lane];
+            let number = |row: usize| group[Columns::state(D) + self.place + row].as_ref()[lane];
             if number(6) >= self.generations {
                 continue;
             }
@@ -207,8 +207,8 @@ impl<T: Float> Splitter<T> {
                 ratio.as_ref()[lane].to_double() >= finest * part
             });
             let (square, direction) = longest::<T, D>(b);
-            let across = axis.is_some_and(|(centre, xi)| {
-                let radius = (centre + xi.as_ref()[lane]).to_double();
+            let across = axis.is_some_and(|centre| {
+                let radius = (centre + group[Columns::position()].as_ref()[lane]).to_double();
                 self.offset(square, &direction)[0].abs() >= radius
             });
             if square >= self.square.to_double() && !across && !fine {
@@ -224,7 +224,7 @@ impl<T: Float> Splitter<T> {
         &self,
         list: &mut Vec<T>,
         first: usize,
-        gradient: &[T::Row],
+        gradient: &[impl AsRef<[T]>],
         lane: usize,
     ) -> T {
         let parent = &mut list[first..];

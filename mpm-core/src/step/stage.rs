@@ -3,13 +3,14 @@
 
 use std::marker::PhantomData;
 
-use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, Sink, Source, State, Sym3};
+use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, State, Sym3};
 
 use super::cell::Moments;
 use super::convect::Moved;
 use super::gather::{Sampler, Wanted};
 use super::mean::Mean;
-use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, Records, Spread, scatter};
+use super::rows::RowsMut;
+use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, NumbersOf, Records, SpreadOf, scatter};
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Trouble, maps};
 use super::tile::{Reads, Stencilled};
 use super::total;
@@ -77,6 +78,7 @@ impl<P: Lane> Stage<P> {
 }
 
 /// The bin that the groups belong to.
+#[derive(Clone, Copy)]
 pub(super) struct Bin<'a, T: Float, E: Stencil, P> {
     /// Its number.
     pub(super) number: usize,
@@ -111,12 +113,12 @@ pub(super) struct Stages<'a, T: Float, const D: usize, C, M, K, A: Arch<T>> {
     law: &'a C,
     method: &'a M,
     common: &'a Common<T>,
-    dt: A::Pack,
-    spacing: A::Pack,
-    per_spacing: A::Pack,
-    per_density: A::Pack,
+    dt: A::Batch,
+    spacing: A::Batch,
+    per_spacing: A::Batch,
+    per_density: A::Batch,
     /// 0, 1, 2 ...
-    lane_index: A::Pack,
+    lane_index: A::Batch,
     pass: PhantomData<K>,
 }
 
@@ -140,35 +142,36 @@ where
         Self::STRAIN_FIRST || ((Self::STRETCHES || Self::SPLITS) && K::DOES.strain.is_none());
     /// What it reads of a node.
     pub(super) const READS: Reads = Reads {
-        first: K::DOES.velocity || K::DOES.moves || Self::STRAIN_FIRST,
+        first: (K::DOES.velocity && (M::Transfer::READS_VELOCITY || K::DOES.load || K::DOES.field))
+            || K::DOES.moves
+            || Self::STRAIN_FIRST,
         second: (K::DOES.velocity && M::Transfer::READS_INCREMENT) || Self::STRAIN_SECOND || K::DOES.smooth,
     };
-    const STATE: usize = <C::State<A::Pack> as State<A::Pack>>::LEN;
+    const STATE: usize = <C::State<A::Batch> as State<A::Batch>>::LEN;
     const MOTION: usize = 2 * D + 1;
+    /// First row after the law's state: of the domain, then of loads, displacement and deformation, and the number.
+    const REST: usize = Self::MOTION + Self::STATE;
     /// Rows that every group has.
-    pub(super) const ROWS: usize = Self::MOTION + Self::STATE + 1;
+    pub(super) const ROWS: usize = Self::REST + 1;
     /// Rows at work.
-    pub(super) const AT_WORK: usize = if K::DOES.strain.is_some() || K::DOES.force || K::DOES.moves {
-        Self::MOTION + Self::STATE
-    } else {
-        Self::MOTION
-    };
+    pub(super) const AT_WORK: usize =
+        if K::DOES.strain.is_some() || K::DOES.force || K::DOES.moves { Self::REST } else { Self::MOTION };
 
     #[inline(always)]
     pub(super) fn new(law: &'a C, method: &'a M, common: &'a Common<T>) -> Self {
-        let mut lane_index = A::Pack::zero();
-        for i in 0..A::Pack::WIDTH {
+        let mut lane_index = A::Batch::zero();
+        for i in 0..A::Batch::WIDTH {
             lane_index = lane_index.with_lane(i, T::of(i as f64));
         }
-        let spacing = A::Pack::splat(common.spacing);
+        let spacing = A::Batch::splat(common.spacing);
         Stages {
             law,
             method,
             common,
-            dt: A::Pack::splat(common.dt),
+            dt: A::Batch::splat(common.dt),
             spacing,
             per_spacing: spacing.recip(),
-            per_density: A::Pack::splat(law.density()).recip(),
+            per_density: A::Batch::splat(law.density()).recip(),
             lane_index,
             pass: PhantomData,
         }
@@ -176,37 +179,47 @@ where
 
     /// Are these the lanes with a particle?
     #[inline(always)]
-    fn alive(&self, here: usize) -> <A::Pack as Lane>::Mask {
-        self.lane_index.lt(A::Pack::of(here as f64))
+    fn alive(&self, here: usize) -> <A::Batch as Lane>::Mask {
+        self.lane_index.lt(A::Batch::of(here as f64))
     }
 
     /// The domains of the particles of a group.
     #[inline(always)]
-    fn domain(&self, rest: &[T::Row]) -> [A::Pack; MOST_NUMBERS] {
-        self.common.domains.of::<A::Pack, ShapeOf<M, T, D>, D>(|n: usize| A::Pack::load(&rest[n]))
+    fn domain(&self, rows: &RowsMut<'_, T>) -> [A::Batch; MOST_NUMBERS] {
+        self.common.domains.of::<A::Batch, ShapeOf<M, T, D>, D>(|n: usize| rows.load(Self::REST + n))
+    }
+
+    /// First row of displacement and deformation, where particles are mapped in their reference configuration.
+    #[inline(always)]
+    fn frame(rows: &RowsMut<'_, T>) -> usize {
+        rows.len() - 1 - total::rows::<T, D, M>()
+    }
+
+    /// The law's state.
+    #[inline(always)]
+    fn state(rows: &RowsMut<'_, T>) -> C::State<A::Batch> {
+        C::State::<A::Batch>::read(&mut rows.reader(Self::MOTION))
     }
 
     /// Grid to particles.
     #[inline(always)]
     pub(super) fn gather(
         &self,
-        rows: &mut [T::Row],
-        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Pack>,
-        stage: &mut Stage<A::Pack>,
-        found: &mut Found<A::Pack>,
+        rows: &mut RowsMut<'_, T>,
+        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
+        stage: &mut Stage<A::Batch>,
+        found: &mut Found<A::Batch>,
     ) {
         let (does, reads, maps) = (Self::DOES, Self::READS, maps::<T, D, M, K>());
         let Stage { xi, v, mass, nodal, gradient, affine, increment, hoop_velocity, .. } = stage;
-        let (motion, rest) = rows.split_at_mut(Self::MOTION);
-        let rest = &rest[Self::STATE..];
         for d in 0..D {
-            xi[d] = A::Pack::load(&motion[Columns::position() + d]);
-            v[d] = A::Pack::load(&motion[Columns::velocity(D) + d]);
+            xi[d] = rows.load(Columns::position() + d);
+            v[d] = rows.load(Columns::velocity(D) + d);
         }
-        *mass = A::Pack::load(&motion[Columns::mass(D)]);
-        let mut sampler = Sampler::<A::Pack, ExtentOf<M, T, D>>::zero();
+        *mass = rows.load(Columns::mass(D));
+        let mut sampler = Sampler::<A::Batch, ExtentOf<M, T, D>>::zero();
         if reads.first || reads.second {
-            sampler = Sampler::of(self.method.shape(), xi, &self.domain(rest), maps.affine);
+            sampler = Sampler::of(self.method.shape(), xi, &self.domain(rows), maps.affine);
         }
         // First nodal vector (velocity) with what is wanted of it. In the moving-least-squares form the gradient is the
         // affine fit.
@@ -240,15 +253,15 @@ where
         // The forces on the nodes did their work with the velocities in the middle of the step, here mapped to the
         // particle; where accelerations are not mapped, by what was mapped before.
         if does.velocity && (does.load || does.field) {
-            let frame = rest.len() - 1 - total::rows::<T, D, M>();
-            let columns = ShapeOf::<M, T, D>::DOMAIN.numbers(D);
+            let frame = Self::frame(rows);
+            let area = Self::REST + ShapeOf::<M, T, D>::DOMAIN.numbers(D);
             for d in 0..D {
                 let change = if reads.second { self.dt * increment[d] } else { nodal[d] - v[d] };
-                let middle = nodal[d] - A::Pack::of(0.5) * change;
+                let middle = nodal[d] - A::Batch::of(0.5) * change;
                 if does.load {
-                    found.flux[d] = A::Pack::load(&rest[columns]).mul_add(middle, found.flux[d]);
+                    found.flux[d] = rows.load::<A::Batch>(area).mul_add(middle, found.flux[d]);
                 } else {
-                    let push = *mass * A::Pack::load(&rest[frame - D + d]);
+                    let push = *mass * rows.load(frame - D + d);
                     found.power = push.mul_add(middle, found.power);
                 }
             }
@@ -256,7 +269,7 @@ where
         if does.velocity {
             for d in 0..D {
                 v[d] = self.method.transfer().velocity(v[d], nodal[d], self.dt * increment[d], self.dt);
-                v[d].store(&mut motion[Columns::velocity(D) + d]);
+                rows.store(Columns::velocity(D) + d, v[d]);
             }
         }
     }
@@ -265,23 +278,22 @@ where
     #[inline(always)]
     pub(super) fn strain(
         &self,
-        (rows, here): (&mut [T::Row], usize),
-        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Pack>,
-        stage: &mut Stage<A::Pack>,
-        found: &mut Found<A::Pack>,
+        (rows, here): (&mut RowsMut<'_, T>, usize),
+        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
+        stage: &mut Stage<A::Batch>,
+        found: &mut Found<A::Batch>,
         report: &mut Report<T>,
     ) {
         let (does, law) = (Self::DOES, self.law);
         let Stage { xi, v, mass, gradient, hoop_velocity, stress, volume, inverse, .. } = stage;
         let alive = self.alive(here);
-        let (state, rest) = rows[Self::MOTION..].split_at_mut(Self::STATE);
-        let step = A::Pack::select(alive, self.dt, A::Pack::zero());
-        let frame = rest.len() - 1 - total::rows::<T, D, M>();
+        let step = A::Batch::select(alive, self.dt, A::Batch::zero());
+        let frame = Self::frame(rows);
         // Deformation gradient, if mapped in the reference configuration, and its inverse.
         let mut f = Mat3::identity();
         if Self::TOTAL && (does.strain.is_some() || does.force || does.moves) {
-            f = total::load::<T, A::Pack, D, M>(&rest[frame..]);
-            *inverse = total::inverse::<A::Pack, D>(&f);
+            f = total::load::<T, A::Batch, D, M, _>(rows, frame);
+            *inverse = total::inverse::<A::Batch, D>(&f);
         }
         let mut signals = None;
         if does.strain.is_some() {
@@ -291,11 +303,11 @@ where
             }
             if Self::TOTAL {
                 f = f + deformation;
-                total::store::<T, A::Pack, D, M>(&f, &mut rest[frame..]);
-                deformation = total::product::<A::Pack, D>(&deformation, inverse);
-                *inverse = total::inverse::<A::Pack, D>(&f);
+                total::store::<T, A::Batch, D, M>(&f, rows, frame);
+                deformation = total::product::<A::Batch, D>(&deformation, inverse);
+                *inverse = total::inverse::<A::Batch, D>(&f);
             }
-            let old = C::State::<A::Pack>::read(&mut Rows::of(state));
+            let old = Self::state(rows);
             if M::Dilatation::MEAN
                 && let Some(mean) = &bin.mean
             {
@@ -303,29 +315,28 @@ where
             }
             let kinematics = Kinematics { increment: deformation, dt: self.dt, length: self.spacing };
             let new = law.update(&kinematics, &old);
-            new.state.write(&mut RowsMut { rows: state, at: 0, lanes: PhantomData });
+            new.state.write(&mut rows.writer(Self::MOTION));
             *stress = new.stress;
             *volume = law.volume_ratio(&new.state) * *mass * self.per_density;
             if new.fault.any() {
-                let numbers = rest[rest.len() - 1].as_ref();
-                note_fault(report, bin.number, &numbers[..here], new.fault);
+                note_fault(report, bin.number, (rows, here), new.fault);
             }
             if does.force {
                 signals = Some(new.state);
             }
         } else if does.force {
-            let now = C::State::<A::Pack>::read(&mut Rows::of(state));
+            let now = Self::state(rows);
             *stress = law.stress(&now);
             *volume = law.volume_ratio(&now) * *mass * self.per_density;
             signals = Some(now);
         } else if does.moves && self.common.speeds {
-            signals = Some(C::State::<A::Pack>::read(&mut Rows::of(state)));
+            signals = Some(Self::state(rows));
         }
         if let Some(now) = signals
             && self.common.speeds
         {
-            let speed = signal::<T, A::Pack, C>(law, &now, v, inverse, Self::TOTAL);
-            found.rate = found.rate.max(A::Pack::select(alive, speed, A::Pack::zero()));
+            let speed = signal::<T, A::Batch, C>(law, &now, v, inverse, Self::TOTAL);
+            found.rate = found.rate.max(A::Batch::select(alive, speed, A::Batch::zero()));
         }
     }
 
@@ -334,28 +345,26 @@ where
     #[inline(always)]
     pub(super) fn advance(
         &self,
-        (rows, here): (&mut [T::Row], usize),
-        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Pack>,
-        stage: &mut Stage<A::Pack>,
-        found: &mut Found<A::Pack>,
-        (records, spread): (&mut Records<T>, &mut Spread<T, ExtentOf<M, T, D>>),
+        (rows, here): (&mut RowsMut<'_, T>, usize),
+        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
+        stage: &mut Stage<A::Batch>,
+        found: &mut Found<A::Batch>,
+        (records, spread): (&mut Records<T>, &mut SpreadOf<T, A, ExtentOf<M, T, D>>),
         report: &mut Report<T>,
     ) -> [u32; 2] {
         let (does, maps) = (Self::DOES, maps::<T, D, M, K>());
         let Stage { xi, v, mass, nodal, gradient, affine, increment, stress, volume, inverse, .. } = stage;
-        let zero = A::Pack::zero();
+        let zero = A::Batch::zero();
         let alive = self.alive(here);
-        let (motion, rest) = rows.split_at_mut(Self::MOTION);
-        let (state, rest) = rest.split_at_mut(Self::STATE);
-        let mut domain = self.domain(rest);
-        let cells = A::Pack::select(alive, self.dt, zero) * self.per_spacing;
-        let frame = rest.len() - 1 - total::rows::<T, D, M>();
+        let mut domain = self.domain(rows);
+        let cells = A::Batch::select(alive, self.dt, zero) * self.per_spacing;
+        let frame = Self::frame(rows);
         // Domains keep their sizes until the particles move, so that all passes of a step use the same weights.
         if Self::STRETCHES {
             let moved = Moved { xi, nodal, gradient, cells };
             moved.domain::<T, ShapeOf<M, T, D>, D>(self.method.shape(), &bin.stencil.first, &mut domain);
             for n in 0..ShapeOf::<M, T, D>::DOMAIN.numbers(D) {
-                domain[n].store(&mut rest[n]);
+                rows.store(Self::REST + n, domain[n]);
             }
         }
 
@@ -364,37 +373,41 @@ where
         stage.staying = alive;
         if does.moves && Self::TOTAL {
             for d in 0..D {
-                let moved = cells.mul_add(nodal[d], A::Pack::load(&rest[frame + d]));
-                moved.store(&mut rest[frame + d]);
+                let moved = cells.mul_add(nodal[d], rows.load(frame + d));
+                rows.store(frame + d, moved);
             }
         } else if does.moves {
-            let half = A::Pack::of(0.5);
-            let mut inside = <A::Pack as Lane>::Mask::splat(true);
+            let half = A::Batch::of(0.5);
+            let mut inside = <A::Batch as Lane>::Mask::splat(true);
             for d in 0..D {
                 xi[d] = cells.mul_add(nodal[d], xi[d]);
-                xi[d].store(&mut motion[Columns::position() + d]);
+                rows.store(Columns::position() + d, xi[d]);
                 inside = inside & (-half).le(xi[d]) & xi[d].lt(half);
             }
-            stays = A::Pack::bits(inside);
+            stays = A::Batch::bits(inside);
             stage.staying = alive & inside;
         }
 
         // Particles stretched so far that they are cut in two.
         let mut long = 0;
         if Self::SPLITS {
-            let (splitter, first) = (&self.common.splitter, self.common.splitter.place);
-            let mut trace = A::Pack::load(&state[first]);
+            let splitter = &self.common.splitter;
+            let first = Self::MOTION + splitter.place;
+            let mut trace = rows.load::<A::Batch>(first);
             for d in 1..D {
-                trace = trace + A::Pack::load(&state[first + d]);
+                trace = trace + rows.load(first + d);
             }
             // The largest principal value is at most the sum of all.
-            let may = A::Pack::bits(alive & A::Pack::splat(splitter.square).le(trace));
+            let may = A::Batch::bits(alive & A::Batch::splat(splitter.square).le(trace));
             if may != 0 {
-                let axis = M::Embedding::HOOP.then(|| (bin.x.lane(0) / self.common.spacing, &motion[0]));
-                let mut ratio = T::Row::default();
-                let now = C::State::<A::Pack>::read(&mut Rows::of(state));
-                self.law.volume_ratio(&now).store(&mut ratio);
-                long = splitter.long::<D>(state, &ratio, may, axis);
+                let axis = M::Embedding::HOOP.then(|| bin.x.lane(0) / self.common.spacing);
+                let ratio = self.law.volume_ratio(&Self::state(rows));
+                for (n, group) in ratio.part().iter().enumerate().take(A::Batch::GROUPS) {
+                    let mut ratio = T::Row::default();
+                    group.store(&mut ratio);
+                    let may = may >> (n * T::GROUP) & ((1 << T::GROUP) - 1);
+                    long |= splitter.long::<D>(rows.group(n), &ratio, may, axis) << (n * T::GROUP);
+                }
             }
         }
 
@@ -402,17 +415,17 @@ where
         let momentum = if does.smooth { *increment } else { *v };
         let mut force_scale = *volume * self.per_spacing;
         if maps.together {
-            force_scale = force_scale * A::Pack::splat(self.common.next_dt);
+            force_scale = force_scale * A::Batch::splat(self.common.next_dt);
         }
         // In the reference configuration not symmetric.
         let carried =
-            if Self::TOTAL { total::nominal::<A::Pack, D>(stress, inverse) } else { stress.to_mat() };
+            if Self::TOTAL { total::nominal::<A::Batch, D>(stress, inverse) } else { stress.to_mat() };
         let mut force = carried * -force_scale;
         if !maps.moments::<ExtentOf<M, T, D>>() {
             // Lanes without a particle have no volume; but zero times their stress need not be zero.
             for c in 0..D {
                 for d in 0..D {
-                    force.0[c][d] = A::Pack::select(alive, force.0[c][d], zero);
+                    force.0[c][d] = A::Batch::select(alive, force.0[c][d], zero);
                 }
             }
         }
@@ -437,30 +450,30 @@ where
             if M::Embedding::HOOP {
                 // The radius of the new position, like the weights.
                 let hoop = -(*volume * carried.0[2][2]) / xi[0].mul_add(self.spacing, bin.x);
-                direct[0] = A::Pack::select(alive, hoop, zero);
+                direct[0] = A::Batch::select(alive, hoop, zero);
             }
             if does.load {
-                let area = A::Pack::load(&rest[ShapeOf::<M, T, D>::DOMAIN.numbers(D)]);
+                let area = rows.load::<A::Batch>(Self::REST + ShapeOf::<M, T, D>::DOMAIN.numbers(D));
                 for d in 0..D {
-                    direct[d] = area.mul_add(A::Pack::splat(self.common.traction[d]), direct[d]);
+                    direct[d] = area.mul_add(A::Batch::splat(self.common.traction[d]), direct[d]);
                 }
             }
             if does.field {
                 for d in 0..D {
-                    let push = *mass * A::Pack::load(&rest[frame - D + d]);
+                    let push = *mass * rows.load(frame - D + d);
                     direct[d] = direct[d] + push;
                     found.push[d] = found.push[d] + push;
                 }
             }
             for d in 0..D {
                 if maps.together {
-                    direct[d] = direct[d] * A::Pack::splat(self.common.next_dt);
+                    direct[d] = direct[d] * A::Batch::splat(self.common.next_dt);
                 }
                 if maps.least_squares {
                     impulse[d] = impulse[d] + direct[d];
                 }
             }
-            A::Pack::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
+            A::Batch::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
         }
         fill_records::<T, A, D>(records, *mass, impulse, &momenta, xi, maps);
         if maps.slopes() && !maps.moments::<ExtentOf<M, T, D>>() {
@@ -468,9 +481,9 @@ where
         }
         let sound = spread.place(self.method.shape(), xi, &domain, maps.slopes());
         if maps.convected {
-            let sound = A::Pack::bits(zero.lt(sound));
+            let sound = A::Batch::bits(zero.lt(sound));
             if does.moves && !sound & ((1 << here) - 1) != 0 {
-                note_inside_out(report, bin.number, &rest[rest.len() - 1].as_ref()[..here], sound);
+                note_inside_out(report, bin.number, (rows, here), sound);
             }
         }
         stage.force = force;
@@ -479,8 +492,8 @@ where
 
     /// The velocity gradient of the particles of a group, 1/s, D x D rows, for those that are cut in two.
     #[inline(always)]
-    pub(super) fn spread_of(&self, stage: &Stage<A::Pack>) -> [T::Row; 9] {
-        let mut spread = [T::Row::default(); 9];
+    pub(super) fn spread_of(&self, stage: &Stage<A::Batch>) -> [NumbersOf<T, A>; 9] {
+        let mut spread = [Default::default(); 9];
         if Self::SPLITS {
             for i in 0..D * D {
                 (stage.gradient.0[i / D][i % D] * self.per_spacing).store(&mut spread[i]);
@@ -492,7 +505,7 @@ where
     /// Put the records of forces, which go by way of moments, beside the others, for particles that leave; of those, `long`
     /// are cut in two.
     #[inline(always)]
-    pub(super) fn part(stage: &mut Stage<A::Pack>, long: u32, records: &mut Records<T>) {
+    pub(super) fn part(stage: &mut Stage<A::Batch>, long: u32, records: &mut Records<T>) {
         if maps::<T, D, M, K>().moments::<ExtentOf<M, T, D>>() {
             force_records::<T, A, D>(records, &stage.force);
             stage.staying = stage.staying & !lanes_of::<T, A>(long);
@@ -504,8 +517,8 @@ where
     pub(super) fn give(
         here: usize,
         corner: usize,
-        stage: &mut Stage<A::Pack>,
-        (records, spread): (&mut Records<T>, &mut Spread<T, ExtentOf<M, T, D>>),
+        stage: &mut Stage<A::Batch>,
+        (records, spread): (&mut Records<T>, &mut SpreadOf<T, A, ExtentOf<M, T, D>>),
         moments: &mut Moments<A::Quad, ExtentOf<M, T, D>>,
         tiles: [&mut [[T; 4]]; 2],
     ) {
@@ -515,17 +528,18 @@ where
             for c in 0..D {
                 for d in 0..D {
                     let force = &mut stage.force.0[c][d];
-                    *force = A::Pack::select(stage.staying, *force, A::Pack::zero());
+                    *force = A::Batch::select(stage.staying, *force, A::Batch::zero());
                 }
             }
             moments.add_group::<T, A>(&stage.xi, &stage.force);
         }
-        match T::GROUP {
-            4 if here <= 2 && ExtentOf::<M, T, D>::NODES > 2 => {
+        let wide = ExtentOf::<M, T, D>::NODES > 2;
+        match A::Batch::WIDTH {
+            4 if here <= 2 && wide => {
                 scatter::<T, A, ExtentOf<M, T, D>, 2>(tiles, corner, spread, records, maps)
             }
             4 => scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, corner, spread, records, maps),
-            _ if here <= 4 && ExtentOf::<M, T, D>::NODES > 2 => {
+            _ if here <= 4 && (wide || A::Batch::GROUPS > 1) => {
                 scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, corner, spread, records, maps)
             }
             _ => scatter::<T, A, ExtentOf<M, T, D>, 8>(tiles, corner, spread, records, maps),
@@ -538,45 +552,6 @@ where
 pub(super) fn centre_x<T: Float>(common: &Common<T>, block: i32, bin: usize, centre: f64) -> T {
     let cells = f64::from(block) * BLOCK as f64 + (bin % BLOCK) as f64 + centre;
     common.origin + common.spacing * T::of(cells)
-}
-
-/// Reads a law's state from the rows of a group.
-pub(super) struct Rows<'a, R, P> {
-    rows: &'a [R],
-    at: usize,
-    lanes: PhantomData<P>,
-}
-impl<'a, R, P> Rows<'a, R, P> {
-    #[inline(always)]
-    pub(super) fn of(rows: &'a [R]) -> Self {
-        Rows { rows, at: 0, lanes: PhantomData }
-    }
-}
-impl<T: Float, P: Pack<T>> Source<P> for Rows<'_, T::Row, P>
-where
-    P: Lane<Real = T>,
-{
-    #[inline(always)]
-    fn take(&mut self) -> P {
-        self.at += 1;
-        P::load(&self.rows[self.at - 1])
-    }
-}
-/// Writes a law's state to the rows of a group.
-struct RowsMut<'a, R, P> {
-    rows: &'a mut [R],
-    at: usize,
-    lanes: PhantomData<P>,
-}
-impl<T: Float, P: Pack<T>> Sink<P> for RowsMut<'_, T::Row, P>
-where
-    P: Lane<Real = T>,
-{
-    #[inline(always)]
-    fn put(&mut self, value: P) {
-        value.store(&mut self.rows[self.at]);
-        self.at += 1;
-    }
 }
 
 /// Speed of signals past a particle, c + |v|, m/s.
@@ -594,13 +569,13 @@ where
 #[inline(always)]
 fn fill_records<T: Float, A: Arch<T>, const D: usize>(
     records: &mut Records<T>,
-    mass: A::Pack,
-    mut p: [A::Pack; 3],
-    affine: &[[A::Pack; 3]; 3],
-    xi: &[A::Pack; 3],
+    mass: A::Batch,
+    mut p: [A::Batch; 3],
+    affine: &[[A::Batch; 3]; 3],
+    xi: &[A::Batch; 3],
     maps: Maps,
 ) {
-    let zero = A::Pack::zero();
+    let zero = A::Batch::zero();
     if maps.momentum {
         if maps.has_affine() {
             for d in 0..D {
@@ -608,31 +583,31 @@ fn fill_records<T: Float, A: Arch<T>, const D: usize>(
                     p[c] = (-affine[c][d]).mul_add(xi[d], p[c]);
                 }
                 let a = [affine[0][d], affine[1][d], affine[2][d]];
-                A::Pack::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);
+                A::Batch::records(zero, a[0], a[1], a[2], &mut records[AFFINE + d]);
             }
         }
-        A::Pack::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
+        A::Batch::records(mass, p[0], p[1], p[2], &mut records[MOMENTUM]);
     }
 }
 
 /// The records of the forces of a group.
 #[inline(always)]
-fn force_records<T: Float, A: Arch<T>, const D: usize>(records: &mut Records<T>, force: &Mat3<A::Pack>) {
-    let zero = A::Pack::zero();
+fn force_records<T: Float, A: Arch<T>, const D: usize>(records: &mut Records<T>, force: &Mat3<A::Batch>) {
+    let zero = A::Batch::zero();
     for d in 0..D {
         let third = if D == 3 { force.0[2][d] } else { zero };
-        A::Pack::records(zero, force.0[0][d], force.0[1][d], third, &mut records[FORCE + d]);
+        A::Batch::records(zero, force.0[0][d], force.0[1][d], third, &mut records[FORCE + d]);
     }
 }
 
 /// The lanes of set bits.
 #[inline(always)]
-fn lanes_of<T: Float, A: Arch<T>>(bits: u32) -> <A::Pack as Lane>::Mask {
-    let mut set = A::Pack::zero();
-    for lane in 0..A::Pack::WIDTH {
+fn lanes_of<T: Float, A: Arch<T>>(bits: u32) -> <A::Batch as Lane>::Mask {
+    let mut set = A::Batch::zero();
+    for lane in 0..A::Batch::WIDTH {
         set = set.with_lane(lane, T::of(f64::from(bits >> lane & 1)));
     }
-    A::Pack::zero().lt(set)
+    A::Batch::zero().lt(set)
 }
 
 /// Speed of signals over the cells, m/s: past a particle, or through the reference configuration.
@@ -647,10 +622,14 @@ where
 }
 
 #[cold]
-fn note_inside_out<T: Float>(report: &mut Report<T>, bin: usize, numbers: &[T], sound: u32) {
-    let bad = numbers.iter().enumerate().find(|(lane, _)| sound >> lane & 1 == 0);
-    if let (None, Some((_, number))) = (report.trouble, bad) {
-        let particle = number.to_double() as usize;
+fn note_inside_out<T: Float>(
+    report: &mut Report<T>,
+    bin: usize,
+    (rows, here): (&RowsMut<'_, T>, usize),
+    sound: u32,
+) {
+    if let (None, Some(lane)) = (report.trouble, (0..here).find(|lane| sound >> lane & 1 == 0)) {
+        let particle = rows.particle(lane);
         report.trouble = Some(Trouble { bin, particle, cause: Cause::InsideOut });
     }
 }
@@ -659,12 +638,12 @@ fn note_inside_out<T: Float>(report: &mut Report<T>, bin: usize, numbers: &[T], 
 fn note_fault<T: Float, L: Lane<Real = T>>(
     report: &mut Report<T>,
     bin: usize,
-    numbers: &[T],
+    (rows, here): (&RowsMut<'_, T>, usize),
     fault: Fault<L>,
 ) {
-    for (lane, number) in numbers.iter().enumerate() {
+    for lane in 0..here {
         if let (None, Some(cause)) = (report.trouble, fault.cause(lane)) {
-            let particle = number.to_double() as usize;
+            let particle = rows.particle(lane);
             report.trouble = Some(Trouble { bin, particle, cause: Cause::Law(cause) });
         }
     }

@@ -8,7 +8,7 @@ use mpm_materials::{Constitutive, Lane, State, Sym3};
 use super::load::Load;
 use super::migrate::Domains;
 use super::particle_body::{ParticleBody, offset};
-use super::stage::Rows;
+use super::rows::Rows;
 use super::sweep::{ExtentOf, ShapeOf, Slot};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
 use crate::method::Composition;
@@ -209,7 +209,6 @@ where
             self;
         let count = <ExtentOf<M, T, D> as Stencil>::NODES;
         let layers = <ExtentOf<M, T, D> as Stencil>::LAYERS;
-        let state_rows = <C::State<A::Pack> as State<A::Pack>>::LEN;
         let (zero, one) = (A::Pack::zero(), A::Pack::one());
         let lowest = A::Pack::of(-1e30);
         let carries = ShapeOf::<M, T, D>::DOMAIN.carried();
@@ -262,8 +261,7 @@ where
                 let mut amount = mass;
                 let mut stress = Sym3::<A::Pack>::zero();
                 if WHAT == VOLUME_GRADIENT || WHAT == TRACTION {
-                    let rows = &group[Columns::state(D)..][..state_rows];
-                    let now = C::State::<A::Pack>::read(&mut Rows::of(rows));
+                    let now = C::State::<A::Pack>::read(&mut Rows::of(group).reader(Columns::state(D)));
                     if WHAT == VOLUME_GRADIENT {
                         amount = law.volume_ratio(&now) * mass * A::Pack::splat(law.density()).recip();
                     } else {

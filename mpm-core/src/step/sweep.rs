@@ -13,7 +13,8 @@ use super::cell::Moments;
 use super::layout::Nodes;
 use super::mean::Strained;
 use super::migrate::{Cut, Domains, Leaving, Movers, send_away, take_in};
-use super::scatter::{Maps, Records, Spread};
+use super::rows::RowsMut;
+use super::scatter::{Maps, NumbersOf, Records, SpreadOf};
 use super::splitting::Splitter;
 use super::stage::{Bin, Found, Stage, Stages, centre_x};
 use super::tile::{Stencilled, TileIn, clear_rows, rows_of, tile_corner, tile_nodes};
@@ -22,8 +23,8 @@ use crate::dim::{Stencil, block_nodes, neighbours};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, LINE, Whereabouts};
-use crate::particles::{Block, Outbox};
+use crate::parallel::{Arch, Float, Kernel, LINE, Pack, Whereabouts, through_memory};
+use crate::particles::{Block, Members, Outbox};
 use crate::scheme::PassKind;
 use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
@@ -51,23 +52,26 @@ pub struct Slot<T: Float, const D: usize> {
 
 /// Groups of a bin that go through the stages of a pass together. A law is a long chain of operations that wait for each
 /// other; those of two groups, one behind the other, run side by side. With two nodes an axis the gather is so
-/// short that what the stages hand on costs more than that gains (docs/notes.md 6.2).
-const fn together<E: Stencil>() -> usize {
-    if E::NODES > 2 { TOGETHER } else { 1 }
+/// short that what the stages hand on costs more than that gains (docs/notes.md 6.2); so it does where one vector holds
+/// two groups.
+const fn together<E: Stencil>(groups: usize) -> usize {
+    if E::NODES > 2 && groups == 1 { TOGETHER } else { 1 }
 }
 const TOGETHER: usize = 2;
 
 /// Memory of a thread for a pass over a block.
 #[derive(Clone, Debug, Default)]
-pub struct Scratch<T> {
+pub struct Scratch<T: Float> {
     movers: Movers<T>,
     tile_in: TileIn<T>,
+    /// What goes through a pass beside a group that has no other.
+    idle: Vec<T::Row>,
 }
 
 impl<T: Float> Scratch<T> {
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {
-        self.movers.bytes() + self.tile_in.bytes()
+        self.movers.bytes() + self.tile_in.bytes() + self.idle.capacity() * size_of::<T::Row>()
     }
 }
 
@@ -242,7 +246,7 @@ where
             own = law.clone();
             &own
         };
-        let Scratch { movers, tile_in } = scratch;
+        let Scratch { movers, tile_in, idle } = scratch;
         let Slot { block, tile, rows, report, .. } = slot;
         let maps = maps::<T, D, M, K>();
         let stages = Stages::<T, D, C, M, K, A>::new(law, method, &common);
@@ -260,13 +264,16 @@ where
         if block.is_empty() {
             return;
         }
+        if A::Batch::GROUPS > 1 {
+            block.fill_idle(idle);
+        }
         tile_in.load::<ExtentOf<M, T, D>, D>(nodes, around[0], reads, *rows);
         let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
-        let (mut records, mut spread) = (Records::<T>::zero(), Spread::<T, ExtentOf<M, T, D>>::zero());
-        let mut found = Found::<A::Pack>::none();
-        let (mut stage, mut at) = ([Stage::<A::Pack>::zero(); TOGETHER], [(0, 0); TOGETHER]);
-        let together = together::<ExtentOf<M, T, D>>();
+        let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<M, T, D>>::zero());
+        let mut found = Found::<A::Batch>::none();
+        let (mut stage, mut at) = ([Stage::<A::Batch>::zero(); TOGETHER], [(Members::One(0), 0); TOGETHER]);
+        let together = together::<ExtentOf<M, T, D>>(A::Batch::GROUPS);
         let by_moments = maps.moments::<ExtentOf<M, T, D>>();
         let side = <ExtentOf<M, T, D> as Stencil>::TILE;
         let rows_in = if D == 3 { side * side } else { side };
@@ -312,40 +319,63 @@ where
                 }
                 _ => None,
             };
-            let bin = Bin { number, stencil: &stencil, x: A::Pack::splat(x), mean };
+            let x = A::Batch::splat(x);
             let mut moments = Moments::<A::Quad, ExtentOf<M, T, D>>::zero();
             while next.is_some() {
-                let mut taken = 0;
+                // Numbers of the stencil from memory: the compiler would make vectors of all of them once a bin, where a
+                // bin's particles are one batch or two.
+                let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
+                let bin = Bin { number, stencil, x, mean };
+                let (mut taken, mut leave) = (0, [0; 2]);
                 while taken < together
                     && let Some((group, here)) = next
                 {
                     next = groups.before(group);
-                    at[taken] = (group, here);
-                    let (rows, stage) = (groups.rows(group), &mut stage[taken]);
+                    at[taken] = (Members::One(group), here);
+                    if A::Batch::GROUPS > 1
+                        && let Some((before, full)) = next
+                    {
+                        next = groups.before(before);
+                        at[taken] = (Members::Two([before, group]), full + here);
+                    }
+                    let (members, here) = at[taken];
+                    let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(members, idle));
+                    let stage = &mut stage[taken];
                     stages.gather(rows, &bin, stage, &mut found);
                     if together == 1 {
                         stages.strain((rows, here), &bin, stage, &mut found, report);
+                        let scratch = (&mut records, &mut spread);
+                        leave = stages.advance((rows, here), &bin, stage, &mut found, scratch, report);
                     }
                     taken += 1;
                 }
                 if together > 1 {
                     for n in 0..taken {
-                        let rows = (groups.rows(at[n].0), at[n].1);
-                        stages.strain(rows, &bin, &mut stage[n], &mut found, report);
+                        let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(at[n].0, idle));
+                        stages.strain((rows, at[n].1), &bin, &mut stage[n], &mut found, report);
                     }
                 }
                 for n in 0..taken {
-                    let ((group, here), stage) = (at[n], &mut stage[n]);
-                    let rows = (groups.rows(group), here);
-                    let [gone, long] =
-                        stages.advance(rows, &bin, stage, &mut found, (&mut records, &mut spread), report);
+                    let ((members, here), stage) = (at[n], &mut stage[n]);
+                    if together > 1 {
+                        let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(members, idle));
+                        let scratch = (&mut records, &mut spread);
+                        leave = stages.advance((rows, here), &bin, stage, &mut found, scratch, report);
+                    }
+                    let [gone, long] = leave;
                     if gone | long != 0 {
                         let gradient = &stages.spread_of(stage);
                         let cut = Cut { long, splitter: &common.splitter, gradient };
                         Stages::<T, D, C, M, K, A>::part(stage, long, &mut records);
-                        let leaving = Leaving { bin: number, group, gone, cut };
+                        let leaving = Leaving { bin: number, groups: members.both(), gone, cut };
                         let records = &mut records;
-                        send_away::<T, D, M, K>(block, (outbox, movers), report, leaving, records);
+                        send_away::<T, NumbersOf<T, A>, D, M, K>(
+                            block,
+                            (outbox, movers),
+                            report,
+                            leaving,
+                            records,
+                        );
                         groups = block.groups(least);
                     }
                     let tiles = [&mut *first, &mut *second];
@@ -376,7 +406,7 @@ where
                 (&mut records, &mut spread),
             );
         }
-        for i in 0..A::Pack::WIDTH {
+        for i in 0..A::Batch::WIDTH {
             report.rate = report.rate.max(found.rate.lane(i));
             for d in 0..D {
                 report.flux[d] += found.flux[d].lane(i);

@@ -1,7 +1,10 @@
 //! The deformation of a particle that is mapped in its reference configuration ([`crate::frame`]).
 
+use std::ops::Deref;
+
 use mpm_materials::{Constitutive, Lane, Mat3, Sym3};
 
+use super::rows::{Rows, RowsMut};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
@@ -29,17 +32,26 @@ pub(super) fn undeformed<T: Float, const D: usize, M: Composition<T, D>>() -> Ve
     numbers
 }
 
-/// The deformation gradient in the rows of a group.
+/// The deformation gradient in rows from `first` on.
 #[inline(always)]
-pub(super) fn load<T: Float, P: Pack<T>, const D: usize, M: Composition<T, D>>(rows: &[T::Row]) -> Mat3<P> {
+pub(super) fn load<
+    T: Float,
+    P: Pack<T>,
+    const D: usize,
+    M: Composition<T, D>,
+    S: Deref<Target = [T::Row]>,
+>(
+    rows: &Rows<T, S>,
+    first: usize,
+) -> Mat3<P> {
     let mut f = Mat3::identity();
     for i in 0..D {
         for j in 0..D {
-            f.0[i][j] = P::load(&rows[D + i * D + j]);
+            f.0[i][j] = rows.load(first + D + i * D + j);
         }
     }
     if M::Embedding::HOOP {
-        f.0[2][2] = P::load(&rows[D + D * D]);
+        f.0[2][2] = rows.load(first + D + D * D);
     }
     f
 }
@@ -62,15 +74,16 @@ pub(super) fn gradient<T: Float, const D: usize, M: Composition<T, D>>(numbers: 
 #[inline(always)]
 pub(super) fn store<T: Float, P: Pack<T>, const D: usize, M: Composition<T, D>>(
     f: &Mat3<P>,
-    rows: &mut [T::Row],
+    rows: &mut RowsMut<'_, T>,
+    first: usize,
 ) {
     for i in 0..D {
         for j in 0..D {
-            f.0[i][j].store(&mut rows[D + i * D + j]);
+            rows.store(first + D + i * D + j, f.0[i][j]);
         }
     }
     if M::Embedding::HOOP {
-        f.0[2][2].store(&mut rows[D + D * D]);
+        rows.store(first + D + D * D, f.0[2][2]);
     }
 }
 

@@ -9,7 +9,8 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
 use mpm_materials::{Lane, Mask};
 
-use super::{Arch, Pack, Quad, Row};
+use super::functions::{exp_of_rest, ln_of_parts};
+use super::{Arch, Float, Kernel, Pack, Quad, Row};
 
 /// Does this processor have what [`Avx2`] needs?
 #[inline]
@@ -20,8 +21,18 @@ pub fn available() -> bool {
 /// Processors with AVX2 and FMA.
 pub struct Avx2;
 
+/// Run a kernel on such a processor.
+#[target_feature(enable = "avx2,fma")]
+pub fn with<T: Float, K: Kernel<T>>(kernel: K) -> K::Output
+where
+    Avx2: Arch<T>,
+{
+    kernel.run::<Avx2>()
+}
+
 impl Arch<f64> for Avx2 {
     type Pack = F64x4;
+    type Batch = F64x4;
     type Quad = F64x4;
     #[inline(always)]
     fn sums([a, b, c, d]: [F64x4; 4]) -> F64x4 {
@@ -36,6 +47,7 @@ impl Arch<f64> for Avx2 {
 }
 impl Arch<f32> for Avx2 {
     type Pack = F32x8;
+    type Batch = F32x8;
     type Quad = F32x4;
     #[inline(always)]
     fn sums([a, b, c, d]: [F32x8; 4]) -> F32x4 {
@@ -53,7 +65,7 @@ macro_rules! vector {
      $loadu:ident, $storeu:ident, $ln:expr, $exp:expr) => {
         #[derive(Clone, Copy, Debug)]
         #[repr(transparent)]
-        pub struct $name($raw);
+        pub struct $name(pub(super) $raw);
         #[derive(Clone, Copy, Debug)]
         #[repr(transparent)]
         pub struct $mask($raw);
@@ -231,6 +243,16 @@ vector!(
 
 macro_rules! pack {
     ($name:ident, $t:ty, $n:literal, $load:ident, $store:ident) => {
+        type Numbers = Row<$t, $n>;
+        type Group = Self;
+        #[inline(always)]
+        fn join([group, _]: [Self; 2]) -> Self {
+            group
+        }
+        #[inline(always)]
+        fn part(self) -> [Self; 2] {
+            [self; 2]
+        }
         #[inline(always)]
         fn load(row: &Row<$t, $n>) -> Self {
             // SAFETY (beyond the module's invariant): a row is 32 bytes at a multiple of 32.
@@ -326,29 +348,7 @@ fn each_exp(x: F32x4) -> F32x4 {
     F32x4::from_array(&a)
 }
 
-/// ln 2 in two parts: the first has so few digits that its product with an exponent is exact.
-const LN2_HIGH: f64 = 0.693_147_180_369_123_8;
-const LN2_LOW: f64 = 1.908_214_929_270_587_7e-10;
-
-/// `high` x + `low`.
-#[inline(always)]
-fn pair(high: f64, low: f64, x: F64x4) -> F64x4 {
-    F64x4::of(high).mul_add(x, F64x4::of(low))
-}
-
-/// (ln m / s - 2) / s^2 by powers of s^2, s = (m - 1) / (m + 1), for m in [sqrt 1/2, sqrt 2]: through the series 2/3 + 2/5 s^2 + ..
-/// at the Chebyshev points of that interval, which leaves 5e-18 of the logarithm; the series itself would need ten terms.
-const LN: [f64; 7] = [
-    0.666_666_666_666_667,
-    0.399_999_999_998_994_44,
-    0.285_714_286_260_032_7,
-    0.222_222_111_302_598_78,
-    0.181_828_894_556_749_47,
-    0.153_317_106_182_107_73,
-    0.146_165_854_248_886_23,
-];
-
-/// Natural logarithm of positive, finite, normal numbers, to about one unit in the last place: x = 2^e m.
+/// Natural logarithm of positive, finite, normal numbers, x = 2^e m.
 #[inline(always)]
 fn ln_f64x4(x: F64x4) -> F64x4 {
     const SQRT_HALF: i64 = 0x3fe6_a09e_667f_3bcd;
@@ -361,38 +361,17 @@ fn ln_f64x4(x: F64x4) -> F64x4 {
         let high = _mm256_srai_epi32::<20>(exponent);
         let packed = _mm256_permutevar8x32_epi32(high, _mm256_setr_epi32(1, 3, 5, 7, 1, 3, 5, 7));
         let e = F64x4(_mm256_cvtepi32_pd(_mm256_castsi256_si128(packed)));
-        let s = (m - F64x4::one()) / (m + F64x4::one());
-        let z = s * s;
-        // Pairs, pairs of pairs and so on (Estrin): a step of a material law waits for this chain, so that it is short.
-        let (z2, z4) = (z * z, z * z * (z * z));
-        let (first, second) = (pair(LN[1], LN[0], z), pair(LN[3], LN[2], z));
-        let last = F64x4::of(LN[6]).mul_add(z2, pair(LN[5], LN[4], z));
-        let p = last.mul_add(z4, second.mul_add(z2, first));
-        let ln_m = (p * z).mul_add(s, s + s);
-        e.mul_add(F64x4::of(LN2_HIGH), e.mul_add(F64x4::of(LN2_LOW), ln_m))
+        ln_of_parts(m, e)
     }
 }
 
-/// Exponential to about one unit in the last place: x = k ln 2 + r with |r| <= ln(2)/2, 2^k by the exponent
-/// bits, exp r by its series. Arguments are limited to [-708, 709].
+/// Exponential, x = k ln 2 + r, 2^k by the exponent bits. Arguments are limited to [-708, 709].
 #[inline(always)]
 fn exp_f64x4(x: F64x4) -> F64x4 {
     let x = x.clamp(F64x4::of(-708.0), F64x4::of(709.0));
     unsafe {
         let k = F64x4(_mm256_round_pd::<0x08>((x * F64x4::of(std::f64::consts::LOG2_E)).0));
-        let r = (-k).mul_add(F64x4::of(LN2_HIGH), x);
-        let r = (-k).mul_add(F64x4::of(LN2_LOW), r);
-        // 1 + (r + r^2 q), q as in the logarithm.
-        let (r2, r4) = (r * r, r * r * (r * r));
-        let a = pair(1.0 / 6.0, 0.5, r);
-        let b = pair(1.0 / 120.0, 1.0 / 24.0, r);
-        let c = pair(1.0 / 5_040.0, 1.0 / 720.0, r);
-        let d = pair(1.0 / 362_880.0, 1.0 / 40_320.0, r);
-        let e = pair(1.0 / 39_916_800.0, 1.0 / 3_628_800.0, r);
-        let f = pair(1.0 / 6_227_020_800.0, 1.0 / 479_001_600.0, r);
-        let (first, second, last) = (b.mul_add(r2, a), d.mul_add(r2, c), f.mul_add(r2, e));
-        let q = last.mul_add(r4, second).mul_add(r4, first);
-        let p = q.mul_add(r2, r) + F64x4::one();
+        let p = exp_of_rest(x, k);
         let k = _mm256_cvtepi32_epi64(_mm256_cvtpd_epi32(k.0));
         let scale = _mm256_slli_epi64::<52>(_mm256_add_epi64(k, _mm256_set1_epi64x(1023)));
         p * F64x4(_mm256_castsi256_pd(scale))
@@ -456,8 +435,8 @@ mod tests {
                 #[inline(always)]
                 fn run<A: Arch<$t>>(self) -> Self::Output {
                     let one = |x: $t| {
-                        let v = A::Pack::splat(x);
-                        [v.ln().lane(0), v.min(A::Pack::of(80.0)).exp().lane(1)]
+                        let v = A::Batch::splat(x);
+                        [v.ln().lane(0), v.min(A::Batch::of(80.0)).exp().lane(1)]
                     };
                     self.0.into_iter().map(one).collect()
                 }
@@ -470,14 +449,18 @@ mod tests {
     #[test]
     fn logarithm_and_exponential_are_accurate() {
         let x: Vec<f64> = (1..4000).map(|i| 1e-6 * f64::from(i) * f64::from(i) * 1.01).collect();
-        for (x, [ln, exp]) in x.iter().zip(f64::dispatch(Functions(x.clone()))) {
-            assert!((ln - x.ln()).abs() <= 4e-16 * x.ln().abs().max(1e-3), "ln {x}: {ln}");
-            assert!((exp / x.min(80.0).exp() - 1.0).abs() < 5e-16, "exp {x}: {exp}");
+        for found in f64::each(|| Functions(x.clone())) {
+            for (x, [ln, exp]) in x.iter().zip(found) {
+                assert!((ln - x.ln()).abs() <= 4e-16 * x.ln().abs().max(1e-3), "ln {x}: {ln}");
+                assert!((exp / x.min(80.0).exp() - 1.0).abs() < 5e-16, "exp {x}: {exp}");
+            }
         }
         let x: Vec<f32> = x.iter().map(|&x| x as f32).collect();
-        for (x, [ln, exp]) in x.iter().zip(f32::dispatch(Functions(x.clone()))) {
-            assert!((ln - x.ln()).abs() <= 3e-7 * x.ln().abs().max(1e-1), "ln {x}: {ln}");
-            assert!((exp / x.min(80.0).exp() - 1.0).abs() < 6e-7, "exp {x}: {exp}");
+        for found in f32::each(|| Functions(x.clone())) {
+            for (x, [ln, exp]) in x.iter().zip(found) {
+                assert!((ln - x.ln()).abs() <= 3e-7 * x.ln().abs().max(1e-1), "ln {x}: {ln}");
+                assert!((exp / x.min(80.0).exp() - 1.0).abs() < 6e-7, "exp {x}: {exp}");
+            }
         }
     }
 
@@ -486,19 +469,19 @@ mod tests {
         type Output = ();
         #[inline(always)]
         fn run<A: Arch<f64>>(self) {
-            let mut v = [A::Pack::zero(); 4];
+            let mut v = [A::Batch::zero(); 4];
             for i in 0..4 {
-                for j in 0..4 {
+                for j in 0..A::Batch::WIDTH {
                     v[i] = v[i].with_lane(j, (10 * i + j) as f64);
                 }
             }
-            let mut out = [[0.0; 4]; 4];
-            A::Pack::records(v[0], v[1], v[2], v[3], &mut out);
-            for j in 0..4 {
+            let mut out = [[0.0; 4]; 8];
+            A::Batch::records(v[0], v[1], v[2], v[3], &mut out);
+            for j in 0..A::Batch::WIDTH {
                 assert_eq!(out[j], [j as f64, 10.0 + j as f64, 20.0 + j as f64, 30.0 + j as f64]);
             }
-            let nan = A::Pack::of(f64::NAN);
-            let two = A::Pack::of(2.0);
+            let nan = A::Batch::of(f64::NAN);
+            let two = A::Batch::of(2.0);
             assert_eq!(two.min(nan).lane(1), 2.0);
             assert_eq!(two.max(nan).lane(1), 2.0);
             assert!(!nan.lt(two).any() && !two.le(nan).any());
@@ -513,10 +496,10 @@ mod tests {
                 type Output = ();
                 #[inline(always)]
                 fn run<A: Arch<$t>>(self) {
-                    let mut of = [A::Pack::zero(); 4];
+                    let mut of = [A::Batch::zero(); 4];
                     let mut expected = [0.0; 4];
                     for i in 0..4 {
-                        for j in 0..A::Pack::WIDTH {
+                        for j in 0..A::Batch::WIDTH {
                             // Each lane has a digit of its own, so that none can stand for another.
                             let x = ((i + 1) << (3 * j)) as $t;
                             of[i] = of[i].with_lane(j, x);
@@ -535,15 +518,12 @@ mod tests {
 
     #[test]
     fn sums_take_every_lane_once() {
-        f64::dispatch(Sums);
-        f64::portable(Sums);
-        f32::dispatch(Sums);
-        f32::portable(Sums);
+        f64::each(|| Sums);
+        f32::each(|| Sums);
     }
 
     #[test]
     fn vectors_and_plain_rust_agree_on_order_and_nan() {
-        f64::dispatch(Orders);
-        f64::portable(Orders);
+        f64::each(|| Orders);
     }
 }

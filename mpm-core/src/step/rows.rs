@@ -1,0 +1,104 @@
+//! Rows of groups, as a pass reads and writes them: of one group, or of two whose lanes one vector takes together.
+
+use std::marker::PhantomData;
+use std::ops::Deref;
+
+use mpm_materials::{Sink, Source};
+
+use crate::parallel::{Float, Pack};
+
+/// The rows of the groups that a vector takes its lanes from. Of vectors of one group, the second one is never looked at.
+pub(super) struct Rows<T, S> {
+    groups: [S; 2],
+    number: PhantomData<T>,
+}
+
+/// Rows that can be written.
+pub(super) type RowsMut<'a, T> = Rows<T, &'a mut [<T as Float>::Row]>;
+
+impl<'a, T: Float> Rows<T, &'a [T::Row]> {
+    /// Of one group.
+    #[inline(always)]
+    pub(super) fn of(group: &'a [T::Row]) -> Self {
+        Rows { groups: [group, &[]], number: PhantomData }
+    }
+}
+
+impl<T: Float, S: Deref<Target = [T::Row]>> Rows<T, S> {
+    /// Of two groups, or of one and anything else.
+    #[inline(always)]
+    pub(super) fn pair(groups: [S; 2]) -> Self {
+        Rows { groups, number: PhantomData }
+    }
+    /// Rows of a group.
+    #[inline(always)]
+    pub(super) fn len(&self) -> usize {
+        self.groups[0].len()
+    }
+    /// The rows of one of the groups.
+    #[inline(always)]
+    pub(super) fn group(&self, n: usize) -> &[T::Row] {
+        &self.groups[n]
+    }
+    /// The numbers of a row.
+    #[inline(always)]
+    pub(super) fn load<P: Pack<T>>(&self, row: usize) -> P {
+        let second = &self.groups[if P::GROUPS == 1 { 0 } else { 1 }];
+        P::join([P::Group::load(&self.groups[0][row]), P::Group::load(&second[row])])
+    }
+    /// Reads a law's state from row `at` on.
+    #[inline(always)]
+    pub(super) fn reader(&self, at: usize) -> Reader<'_, T, S> {
+        Reader { rows: self, at }
+    }
+    /// The number of the particle in a lane.
+    pub(super) fn particle(&self, lane: usize) -> usize {
+        let group = &self.groups[lane / T::GROUP % 2];
+        group[group.len() - 1].as_ref()[lane % T::GROUP].to_double() as usize
+    }
+}
+
+impl<'a, T: Float> RowsMut<'a, T> {
+    /// Write the numbers of a row.
+    #[inline(always)]
+    pub(super) fn store<P: Pack<T>>(&mut self, row: usize, numbers: P) {
+        let [one, two] = numbers.part();
+        one.store(&mut self.groups[0][row]);
+        if P::GROUPS > 1 {
+            two.store(&mut self.groups[1][row]);
+        }
+    }
+    /// Writes a law's state from row `at` on.
+    #[inline(always)]
+    pub(super) fn writer(&mut self, at: usize) -> Writer<'_, 'a, T> {
+        Writer { rows: self, at }
+    }
+}
+
+/// Reads a law's state.
+pub(super) struct Reader<'a, T, S> {
+    rows: &'a Rows<T, S>,
+    at: usize,
+}
+
+impl<T: Float, P: Pack<T>, S: Deref<Target = [T::Row]>> Source<P> for Reader<'_, T, S> {
+    #[inline(always)]
+    fn take(&mut self) -> P {
+        self.at += 1;
+        self.rows.load(self.at - 1)
+    }
+}
+
+/// Writes a law's state.
+pub(super) struct Writer<'a, 'b, T: Float> {
+    rows: &'a mut RowsMut<'b, T>,
+    at: usize,
+}
+
+impl<T: Float, P: Pack<T>> Sink<P> for Writer<'_, '_, T> {
+    #[inline(always)]
+    fn put(&mut self, value: P) {
+        self.at += 1;
+        self.rows.store(self.at - 1, value);
+    }
+}
