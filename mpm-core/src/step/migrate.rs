@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 use mpm_materials::Lane;
 
 use super::cell::Moments;
-use super::scatter::{AFFINE, MOMENTUM, Maps, RECORDS, Records, SpreadOf, scatter};
+use super::scatter::{AFFINE, MOMENTUM, Maps, RECORDS, Records, Room, SpreadOf, scatter};
 use super::splitting::Splitter;
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
 use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
@@ -251,7 +251,7 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
     outbox: &Outbox<T>,
     to: usize,
     domains: Domains<T>,
-    (records, spread): (&mut Records<T>, &mut SpreadOf<T, A, ExtentOf<M, T, D>>),
+    (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
 ) where
     T: Float,
     A: Arch<T>,

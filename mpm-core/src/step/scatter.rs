@@ -133,6 +133,8 @@ pub struct Spread<N: Copy + Send, E: Stencil> {
 pub(super) type NumbersOf<T, A> = <<A as Arch<T>>::Batch as Pack<T>>::Numbers;
 /// Weights of a batch of particles.
 pub(super) type SpreadOf<T, A, E> = Spread<NumbersOf<T, A>, E>;
+/// Where the records of a batch and its weights go, one batch after the other.
+pub(super) type Room<'a, T, A, E> = (&'a mut Records<T>, &'a mut SpreadOf<T, A, E>);
 
 impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
     /// To be filled in.

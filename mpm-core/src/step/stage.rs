@@ -10,7 +10,7 @@ use super::convect::Moved;
 use super::gather::{Sampler, Wanted};
 use super::mean::Mean;
 use super::rows::RowsMut;
-use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, NumbersOf, Records, SpreadOf, scatter};
+use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, NumbersOf, Records, Room, scatter};
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Trouble, maps};
 use super::tile::{Reads, Stencilled};
 use super::total;
@@ -349,7 +349,7 @@ where
         bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
         stage: &mut Stage<A::Batch>,
         found: &mut Found<A::Batch>,
-        (records, spread): (&mut Records<T>, &mut SpreadOf<T, A, ExtentOf<M, T, D>>),
+        (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
         report: &mut Report<T>,
     ) -> [u32; 2] {
         let (does, maps) = (Self::DOES, maps::<T, D, M, K>());
@@ -518,7 +518,7 @@ where
         here: usize,
         corner: usize,
         stage: &mut Stage<A::Batch>,
-        (records, spread): (&mut Records<T>, &mut SpreadOf<T, A, ExtentOf<M, T, D>>),
+        (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
         moments: &mut Moments<A::Quad, ExtentOf<M, T, D>>,
         tiles: [&mut [[T; 4]]; 2],
     ) {
