@@ -5,8 +5,8 @@
 //! [`Float::dispatch`] looks at the processor and runs the kernel compiled for AVX-512, where two groups of particles in double
 //! precision go through a pass together, the one for AVX2 and FMA, or the portable one. They differ by rounding.
 //!
-//! Every kind is one more compilation of all kernels. Debug builds leave out the one for AVX-512, whose numbers would take too
-//! much of a thread's stack there. With `--cfg impactite_avx2_only` among the compiler's flags there is the
+//! Every kind is one more compilation, of all kernels or, with AVX-512, of those that say so. Debug builds leave that one out, whose
+//! numbers would take too much of a thread's stack there. With `--cfg impactite_avx2_only` among the compiler's flags there is the
 //! one for AVX2 alone, and a panic on other processors: for tests. Where the whole program is compiled for processors of one kind
 //! (`-C target-cpu=native`), there is only the best one that those have.
 //!
@@ -82,6 +82,8 @@ pub struct Portable;
 
 /// Text compiled once for each [`Arch`]. Mark `run` and all it calls `#[inline(always)]`.
 pub trait Kernel<T: Float> {
+    /// Does it compute with an [`Arch::Batch`], so that it is worth one more compilation where that takes two groups?
+    const BATCHES: bool = false;
     /// What it returns.
     type Output;
     /// Run it.
@@ -218,7 +220,7 @@ fn dispatch_double<K: Kernel<f64>>(kernel: K) -> K::Output {
         target_arch = "x86_64",
         any(target_feature = "avx512f", not(any(impactite_avx2_only, debug_assertions)))
     ))]
-    if avx512::available() {
+    if (K::BATCHES || cfg!(target_feature = "avx512f")) && avx512::available() {
         // SAFETY: the processor has what that asks for.
         return unsafe { avx512::with(kernel) };
     }

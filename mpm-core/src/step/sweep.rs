@@ -233,6 +233,7 @@ where
     M: Composition<T, D>,
     K: PassKind,
 {
+    const BATCHES: bool = true;
     type Output = ();
 
     #[inline(always)]
