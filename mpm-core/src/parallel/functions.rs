@@ -1,5 +1,7 @@
 //! Logarithm and exponential in double precision, to about one unit in the last place, but for what they do with bits.
 
+#![cfg(target_arch = "x86_64")]
+
 use mpm_materials::Lane;
 
 /// ln 2 in two parts: the first has so few digits that its product with an exponent is exact.

@@ -26,6 +26,8 @@ mod avx2;
 mod avx512;
 mod functions;
 mod team;
+#[cfg(test)]
+mod tests;
 
 use mpm_materials::{Lane, Real, Wide};
 
@@ -218,13 +220,19 @@ float!(f32, 8, dispatch_single, avx2);
 fn dispatch_double<K: Kernel<f64>>(kernel: K) -> K::Output {
     #[cfg(all(
         target_arch = "x86_64",
-        any(target_feature = "avx512f", not(any(impactite_avx2_only, debug_assertions)))
+        not(debug_assertions),
+        any(all(target_feature = "avx512dq", target_feature = "avx512vl"), not(impactite_avx2_only))
     ))]
-    if (K::BATCHES || cfg!(target_feature = "avx512f")) && avx512::available() {
+    if (K::BATCHES || cfg!(all(target_feature = "avx512dq", target_feature = "avx512vl")))
+        && avx512::available()
+    {
         // SAFETY: the processor has what that asks for.
         return unsafe { avx512::with(kernel) };
     }
-    #[cfg(all(target_arch = "x86_64", not(target_feature = "avx512f")))]
+    #[cfg(all(
+        target_arch = "x86_64",
+        any(debug_assertions, not(all(target_feature = "avx512dq", target_feature = "avx512vl")))
+    ))]
     if avx2::available() {
         // SAFETY: likewise.
         return unsafe { avx2::with(kernel) };

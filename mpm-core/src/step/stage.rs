@@ -78,7 +78,6 @@ impl<P: Lane> Stage<P> {
 }
 
 /// The bin that the groups belong to.
-#[derive(Clone, Copy)]
 pub(super) struct Bin<'a, T: Float, E: Stencil, P> {
     /// Its number.
     pub(super) number: usize,

@@ -253,7 +253,6 @@ pub(super) struct Reads {
 }
 
 /// The nodal records of one bin's stencil.
-#[derive(Clone, Copy)]
 pub(super) struct Stencilled<T: Float, E: Stencil> {
     pub(super) first: E::Nodes<[T; 4]>,
     pub(super) second: E::Nodes<[T; 4]>,

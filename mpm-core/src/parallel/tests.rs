@@ -1,0 +1,105 @@
+//! All kinds of vectors that the processor has do the same.
+
+use mpm_materials::{Lane, Mask};
+
+use super::{Arch, Float, Kernel, Pack, Quad};
+
+struct Functions<T>(Vec<T>);
+macro_rules! kernel {
+    ($t:ty) => {
+        impl Kernel<$t> for Functions<$t> {
+            type Output = Vec<[$t; 2]>;
+            #[inline(always)]
+            fn run<A: Arch<$t>>(self) -> Self::Output {
+                let one = |x: $t| {
+                    let v = A::Batch::splat(x);
+                    [v.ln().lane(0), v.min(A::Batch::of(80.0)).exp().lane(1)]
+                };
+                self.0.into_iter().map(one).collect()
+            }
+        }
+    };
+}
+kernel!(f64);
+kernel!(f32);
+
+#[test]
+fn logarithm_and_exponential_are_accurate() {
+    let x: Vec<f64> = (1..4000).map(|i| 1e-6 * f64::from(i) * f64::from(i) * 1.01).collect();
+    for found in f64::each(|| Functions(x.clone())) {
+        for (x, [ln, exp]) in x.iter().zip(found) {
+            assert!((ln - x.ln()).abs() <= 4e-16 * x.ln().abs().max(1e-3), "ln {x}: {ln}");
+            assert!((exp / x.min(80.0).exp() - 1.0).abs() < 5e-16, "exp {x}: {exp}");
+        }
+    }
+    let x: Vec<f32> = x.iter().map(|&x| x as f32).collect();
+    for found in f32::each(|| Functions(x.clone())) {
+        for (x, [ln, exp]) in x.iter().zip(found) {
+            assert!((ln - x.ln()).abs() <= 3e-7 * x.ln().abs().max(1e-1), "ln {x}: {ln}");
+            assert!((exp / x.min(80.0).exp() - 1.0).abs() < 6e-7, "exp {x}: {exp}");
+        }
+    }
+}
+
+struct Orders;
+impl Kernel<f64> for Orders {
+    type Output = ();
+    #[inline(always)]
+    fn run<A: Arch<f64>>(self) {
+        let mut v = [A::Batch::zero(); 4];
+        for i in 0..4 {
+            for j in 0..A::Batch::WIDTH {
+                v[i] = v[i].with_lane(j, (10 * i + j) as f64);
+            }
+        }
+        let mut out = [[0.0; 4]; 8];
+        A::Batch::records(v[0], v[1], v[2], v[3], &mut out);
+        for j in 0..A::Batch::WIDTH {
+            assert_eq!(out[j], [j as f64, 10.0 + j as f64, 20.0 + j as f64, 30.0 + j as f64]);
+        }
+        let nan = A::Batch::of(f64::NAN);
+        let two = A::Batch::of(2.0);
+        assert_eq!(two.min(nan).lane(1), 2.0);
+        assert_eq!(two.max(nan).lane(1), 2.0);
+        assert!(!nan.lt(two).any() && !two.le(nan).any());
+        assert!((!two.lt(two)).all() && two.le(two).all());
+    }
+}
+
+struct Sums;
+macro_rules! sums {
+    ($t:ty) => {
+        impl Kernel<$t> for Sums {
+            type Output = ();
+            #[inline(always)]
+            fn run<A: Arch<$t>>(self) {
+                let mut of = [A::Batch::zero(); 4];
+                let mut expected = [0.0; 4];
+                for i in 0..4 {
+                    for j in 0..A::Batch::WIDTH {
+                        // Each lane has a digit of its own, so that none can stand for another.
+                        let x = ((i + 1) << (3 * j)) as $t;
+                        of[i] = of[i].with_lane(j, x);
+                        expected[i] += x;
+                    }
+                }
+                let mut sums = [0.0; 4];
+                A::sums(of).store(&mut sums);
+                assert_eq!(sums, expected);
+            }
+        }
+    };
+}
+sums!(f64);
+sums!(f32);
+
+#[test]
+fn sums_take_every_lane_once() {
+    f64::each(|| Sums);
+    f32::each(|| Sums);
+}
+
+#[test]
+fn vectors_and_plain_rust_agree_on_order_and_nan() {
+    f64::each(|| Orders);
+}
