@@ -10,7 +10,7 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 use mpm_materials::{Lane, Mask};
 
 use super::functions::{exp_of_rest, ln_of_parts};
-use super::{Arch, Float, Kernel, Pack, Quad, Row};
+use super::{Arch, Band, Float, Kernel, Pack, Quad, Row};
 
 /// Does this processor have what [`Avx2`] needs?
 #[inline]
@@ -34,6 +34,7 @@ impl Arch<f64> for Avx2 {
     type Pack = F64x4;
     type Batch = F64x4;
     type Quad = F64x4;
+    type Band = F64x4;
     #[inline(always)]
     fn sums([a, b, c, d]: [F64x4; 4]) -> F64x4 {
         unsafe {
@@ -49,6 +50,7 @@ impl Arch<f32> for Avx2 {
     type Pack = F32x8;
     type Batch = F32x8;
     type Quad = F32x4;
+    type Band = F32x8;
     #[inline(always)]
     fn sums([a, b, c, d]: [F32x8; 4]) -> F32x4 {
         unsafe {
@@ -329,6 +331,49 @@ impl Quad<f32> for F32x4 {
     #[inline(always)]
     fn store(self, record: &mut [f32; 4]) {
         unsafe { _mm_storeu_ps(record.as_mut_ptr(), self.0) }
+    }
+}
+
+impl Band<f64, F64x4, F64x4> for F64x4 {
+    #[inline(always)]
+    fn load(records: &[[f64; 4]]) -> Self {
+        Self::from_array(&records[0])
+    }
+    #[inline(always)]
+    fn weights(of: &Row<f64, 4>, first: usize) -> Self {
+        Self::splat(of.0[first])
+    }
+    #[inline(always)]
+    fn widen(record: F64x4) -> Self {
+        record
+    }
+    #[inline(always)]
+    fn fold(self) -> F64x4 {
+        self
+    }
+}
+impl Band<f32, F32x8, F32x4> for F32x8 {
+    #[inline(always)]
+    fn load(records: &[[f32; 4]]) -> Self {
+        let numbers = records[..2].as_flattened();
+        // SAFETY (beyond the module's invariant): there are 8 numbers.
+        unsafe { F32x8(_mm256_loadu_ps(numbers.as_ptr())) }
+    }
+    #[inline(always)]
+    fn weights(of: &Row<f32, 8>, first: usize) -> Self {
+        let (one, two) = (first as i32, first as i32 + 1);
+        unsafe {
+            let lanes = _mm256_setr_epi32(one, one, one, one, two, two, two, two);
+            F32x8(_mm256_permutevar8x32_ps(<F32x8 as Pack<f32>>::load(of).0, lanes))
+        }
+    }
+    #[inline(always)]
+    fn widen(record: F32x4) -> Self {
+        unsafe { F32x8(_mm256_zextps128_ps256(record.0)) }
+    }
+    #[inline(always)]
+    fn fold(self) -> F32x4 {
+        unsafe { F32x4(_mm_add_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0))) }
     }
 }
 

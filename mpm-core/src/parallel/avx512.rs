@@ -10,7 +10,7 @@ use mpm_materials::{Lane, Mask};
 
 use super::avx2::F64x4;
 use super::functions::{exp_of_rest, ln_of_parts};
-use super::{Arch, Kernel, Pack};
+use super::{Arch, Band, Kernel, Pack};
 
 /// Does this processor have what [`Avx512`] needs?
 #[inline]
@@ -46,6 +46,7 @@ impl Arch<f64> for Avx512 {
     type Pack = F64x4;
     type Batch = F64x8;
     type Quad = F64x4;
+    type Band = F64x8;
     #[inline(always)]
     fn sums([a, b, c, d]: [F64x8; 4]) -> F64x4 {
         unsafe {
@@ -241,6 +242,32 @@ impl Pack<f64> for F64x8 {
             _mm512_storeu_pd(to.add(16), _mm512_shuffle_f64x2::<0x88>(t0, t1));
             _mm512_storeu_pd(to.add(24), _mm512_shuffle_f64x2::<0xdd>(t0, t1));
         }
+    }
+}
+
+impl Band<f64, F64x8, F64x4> for F64x8 {
+    #[inline(always)]
+    fn load(records: &[[f64; 4]]) -> Self {
+        let numbers = records[..2].as_flattened();
+        // SAFETY (beyond the module's invariant): there are 8 numbers.
+        unsafe { F64x8(_mm512_loadu_pd(numbers.as_ptr())) }
+    }
+    #[inline(always)]
+    fn weights(of: &Numbers, first: usize) -> Self {
+        let (one, two) = (first as i64, first as i64 + 1);
+        unsafe {
+            let lanes = _mm512_setr_epi64(one, one, one, one, two, two, two, two);
+            F64x8(_mm512_permutexvar_pd(lanes, <F64x8 as Pack<f64>>::load(of).0))
+        }
+    }
+    #[inline(always)]
+    fn widen(record: F64x4) -> Self {
+        unsafe { F64x8(_mm512_zextpd256_pd512(record.0)) }
+    }
+    #[inline(always)]
+    fn fold(self) -> F64x4 {
+        let [low, high] = self.part();
+        low + high
     }
 }
 

@@ -65,6 +65,24 @@ pub trait Quad<T>: Lane<Real = T> {
     fn store(self, record: &mut [T; 4]);
 }
 
+/// A vector over the numbers of node records: of one particle's, or of those of two particles.
+pub trait Band<T, B: Pack<T>, Q>: Lane<Real = T>
+where
+    T: Float,
+{
+    /// Records it takes together, 1 or 2.
+    const RECORDS: usize = Self::WIDTH / 4;
+
+    /// Read so many records.
+    fn load(records: &[[T; 4]]) -> Self;
+    /// For all numbers of a record what its particle weighs: that of lane `first`, and the next one's.
+    fn weights(of: &B::Numbers, first: usize) -> Self;
+    /// A record, and zeros.
+    fn widen(record: Q) -> Self;
+    /// The sum of the records.
+    fn fold(self) -> Q;
+}
+
 /// The vector types of a kind of processor.
 pub trait Arch<T: Float>: 'static {
     /// Lanes over the particles of a group.
@@ -73,6 +91,8 @@ pub trait Arch<T: Float>: 'static {
     type Batch: Pack<T>;
     /// Lanes over the numbers of a node record.
     type Quad: Quad<T>;
+    /// Lanes over the numbers of the records of one particle or of two.
+    type Band: Band<T, Self::Batch, Self::Quad>;
 
     /// The sums over the lanes of four vectors.
     fn sums(of: [Self::Batch; 4]) -> Self::Quad;
@@ -196,10 +216,29 @@ macro_rules! float {
                 *record = self.0;
             }
         }
+        impl Band<$t, Wide<$t, $n>, Self> for Wide<$t, 4> {
+            #[inline(always)]
+            fn load(records: &[[$t; 4]]) -> Self {
+                Wide(records[0])
+            }
+            #[inline(always)]
+            fn weights(of: &Row<$t, $n>, first: usize) -> Self {
+                Wide([of.0[first]; 4])
+            }
+            #[inline(always)]
+            fn widen(record: Self) -> Self {
+                record
+            }
+            #[inline(always)]
+            fn fold(self) -> Self {
+                self
+            }
+        }
         impl Arch<$t> for Portable {
             type Pack = Wide<$t, $n>;
             type Batch = Wide<$t, $n>;
             type Quad = Wide<$t, 4>;
+            type Band = Wide<$t, 4>;
             #[inline(always)]
             fn sums(of: [Self::Batch; 4]) -> Self::Quad {
                 let mut sums = [0.0; 4];

@@ -17,8 +17,8 @@ use mpm_materials::{Lane, Mat3};
 
 use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, Records, SpreadOf, times_offset};
 use crate::dim::{Array, Stencil};
-use crate::parallel::{Arch, Float, Quad, through_memory};
-use crate::shape::node_offset;
+use crate::parallel::{Arch, Band, Float, Quad, through_memory};
+use crate::shape::{Weights, node_offset};
 
 /// The moments of the forces of one cell. The bits of the place are the axes: x, y, xy, z, xz, yz, xyz from 1 on.
 pub(super) struct Moments<Q: Lane, E: Stencil>(E::Nodes<Q>);
@@ -151,6 +151,37 @@ const fn place<E: Stencil>(n: usize) -> usize {
     ((n >> 2) * E::TILE + (n >> 1 & 1)) * E::TILE + (n & 1)
 }
 
+/// Weights on all nodes of a cell, of those along the axes.
+#[inline(always)]
+pub(super) fn on_cell<P: Lane, E: Stencil>([x, y, z]: &[Weights<P, E>; 3]) -> E::Nodes<P> {
+    let mut weights = E::Nodes::<P>::filled(P::zero());
+    for k in 0..E::LAYERS {
+        for j in 0..E::NODES {
+            let yz = if E::LAYERS == 1 { y.value[j] } else { y.value[j] * z.value[k] };
+            for i in 0..E::NODES {
+                weights[(k * E::NODES + j) * E::NODES + i] = x.value[i] * yz;
+            }
+        }
+    }
+    weights
+}
+
+/// Component `c` of the vector in the records of a cell's nodes, in tile order, at particles with these weights.
+#[inline(always)]
+pub(super) fn from_cell<T: Float, P: Lane<Real = T>, E: Stencil>(
+    weights: &E::Nodes<P>,
+    nodes: &[[T; 4]],
+    c: usize,
+) -> P {
+    let number = |n: usize| P::splat(nodes[place::<E>(n)][c + 1]);
+    // Two sums side by side, so that each waits half as long.
+    let mut sums = [weights[0] * number(0), weights[1] * number(1)];
+    for n in 2..nodes_of::<E>() {
+        sums[n % 2] = weights[n].mul_add(number(n), sums[n % 2]);
+    }
+    sums[0] + sums[1]
+}
+
 /// Add the first `LANES` particles of a group to the nodes of their cell, of which the first lies at `corner` of the
 /// tile, without forces: to its `first` records, and what acts as such to its `second` where the pass maps two.
 #[inline(always)]
@@ -161,19 +192,20 @@ pub(super) fn scatter_cell<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>
     records: &Records<T>,
     maps: Maps,
 ) {
-    let spread = through_memory(spread);
+    let spread = if A::Band::RECORDS == 1 { through_memory(spread) } else { spread };
+    let lanes = (0..LANES).step_by(A::Band::RECORDS);
     if maps.momentum {
         let first = &mut first[corner..][..E::SPAN];
         let mut sums = load_cell::<T, A, E>(first);
-        for lane in 0..LANES {
-            let momentum = A::Quad::load(&records[MOMENTUM][lane]);
+        for lane in lanes.clone() {
+            let momentum = records.band::<A, LANES>(MOMENTUM, lane);
             if maps.has_affine() {
-                add_affine::<T, A, E>(&mut sums, spread, records, lane, momentum);
+                add_affine::<T, A, E, LANES>(&mut sums, spread, records, lane, momentum);
             } else {
                 add_record::<T, A, E>(&mut sums, spread, lane, momentum);
             }
             if maps.direct && maps.together {
-                add_record::<T, A, E>(&mut sums, spread, lane, A::Quad::load(&records[DIRECT][lane]));
+                add_record::<T, A, E>(&mut sums, spread, lane, records.band::<A, LANES>(DIRECT, lane));
             }
         }
         store_cell::<T, A, E>(first, &sums);
@@ -181,55 +213,55 @@ pub(super) fn scatter_cell<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>
     if maps.direct && maps.second() {
         let second = &mut second[corner..][..E::SPAN];
         let mut sums = load_cell::<T, A, E>(second);
-        for lane in 0..LANES {
-            add_record::<T, A, E>(&mut sums, spread, lane, A::Quad::load(&records[DIRECT][lane]));
+        for lane in lanes {
+            add_record::<T, A, E>(&mut sums, spread, lane, records.band::<A, LANES>(DIRECT, lane));
         }
         store_cell::<T, A, E>(second, &sums);
     }
 }
 
 #[inline(always)]
-fn load_cell<T: Float, A: Arch<T>, E: Stencil>(from: &[[T; 4]]) -> E::Nodes<A::Quad> {
-    let mut sums = E::Nodes::<A::Quad>::filled(A::Quad::zero());
+fn load_cell<T: Float, A: Arch<T>, E: Stencil>(from: &[[T; 4]]) -> E::Nodes<A::Band> {
+    let mut sums = E::Nodes::<A::Band>::filled(A::Band::zero());
     for n in 0..nodes_of::<E>() {
-        sums[n] = A::Quad::load(&from[place::<E>(n)]);
+        sums[n] = A::Band::widen(A::Quad::load(&from[place::<E>(n)]));
     }
     sums
 }
 
 #[inline(always)]
-fn store_cell<T: Float, A: Arch<T>, E: Stencil>(to: &mut [[T; 4]], sums: &E::Nodes<A::Quad>) {
+fn store_cell<T: Float, A: Arch<T>, E: Stencil>(to: &mut [[T; 4]], sums: &E::Nodes<A::Band>) {
     for n in 0..nodes_of::<E>() {
-        sums[n].store(&mut to[place::<E>(n)]);
+        sums[n].fold().store(&mut to[place::<E>(n)]);
     }
 }
 
 #[inline(always)]
 fn add_record<T: Float, A: Arch<T>, E: Stencil>(
-    sums: &mut E::Nodes<A::Quad>,
+    sums: &mut E::Nodes<A::Band>,
     spread: &SpreadOf<T, A, E>,
     lane: usize,
-    record: A::Quad,
+    record: A::Band,
 ) {
     for n in 0..nodes_of::<E>() {
-        sums[n] = A::Quad::splat(spread.weight(n, lane)).mul_add(record, sums[n]);
+        sums[n] = A::Band::weights(spread.on_node(n), lane).mul_add(record, sums[n]);
     }
 }
 
 #[inline(always)]
-fn add_affine<T: Float, A: Arch<T>, E: Stencil>(
-    sums: &mut E::Nodes<A::Quad>,
+fn add_affine<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
+    sums: &mut E::Nodes<A::Band>,
     spread: &SpreadOf<T, A, E>,
     records: &Records<T>,
     lane: usize,
-    momentum: A::Quad,
+    momentum: A::Band,
 ) {
     for n in 0..nodes_of::<E>() {
         let mut here = momentum;
         for d in 0..if E::LAYERS > 1 { 3 } else { 2 } {
-            let a = A::Quad::load(&records[AFFINE + d][lane]);
+            let a = records.band::<A, LANES>(AFFINE + d, lane);
             here = times_offset(a, node_offset::<E>(n >> d & 1), here);
         }
-        sums[n] = A::Quad::splat(spread.weight(n, lane)).mul_add(here, sums[n]);
+        sums[n] = A::Band::weights(spread.on_node(n), lane).mul_add(here, sums[n]);
     }
 }

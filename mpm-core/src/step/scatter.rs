@@ -16,10 +16,10 @@ use std::ops::{Index, IndexMut};
 
 use mpm_materials::Lane;
 
-use super::cell::scatter_cell;
+use super::cell::{on_cell, scatter_cell};
 
 use crate::dim::{Array, Stencil};
-use crate::parallel::{Arch, Float, Pack, Quad};
+use crate::parallel::{Arch, Band, Float, Pack, Quad};
 use crate::shape::domain::{Corners, MOST_NUMBERS, Table};
 use crate::shape::{ShapeFunction, Weights, node_offset};
 
@@ -47,6 +47,15 @@ impl<T: Float> Records<T> {
     #[inline(always)]
     pub fn zero() -> Self {
         Records([[[T::default(); 4]; MAX_LANES]; RECORDS])
+    }
+    /// Those of the particle in a lane and, where that is not the last one of `LANES`, of the next one.
+    #[inline(always)]
+    pub(super) fn band<A: Arch<T>, const LANES: usize>(&self, kind: usize, lane: usize) -> A::Band {
+        if lane + 1 == LANES {
+            A::Band::widen(A::Quad::load(&self.0[kind][lane]))
+        } else {
+            A::Band::load(&self.0[kind][lane..])
+        }
     }
 }
 
@@ -160,10 +169,7 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
         S: ShapeFunction<T, D, Extent = E>,
     {
         if !S::DOMAIN.convects() {
-            let mut at = [Weights::<P, E>::zero(); 3];
-            for d in 0..D {
-                at[d] = shape.weights(xi[d], domain[d]);
-            }
+            let at = along_axes(shape, xi, domain);
             if E::NODES == 2 {
                 self.fill_cell(&at);
             } else {
@@ -217,52 +223,44 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
     /// Weights on all nodes, for particles with these weights along the axes of a cell.
     #[inline(always)]
     fn fill_cell<T: Float, P: Pack<T, Numbers = N>>(&mut self, at: &[Weights<P, E>; 3]) {
-        let [x, y, z] = at;
-        for k in 0..E::LAYERS {
-            for j in 0..E::NODES {
-                let yz = if E::LAYERS == 1 { y.value[j] } else { y.value[j] * z.value[k] };
-                for i in 0..E::NODES {
-                    (x.value[i] * yz).store(&mut self.table[0][(k * E::NODES + j) * E::NODES + i]);
-                }
-            }
+        let weights = on_cell::<P, E>(at);
+        for node in 0..E::NODES * E::NODES * E::LAYERS {
+            weights[node].store(&mut self.table[0][node]);
         }
     }
 
-    /// Weight of the particle of a lane on a node, where those on all nodes are kept.
+    /// Weights on a node, where those on all nodes are kept.
     #[inline(always)]
-    pub(super) fn weight<T: Copy>(&self, node: usize, lane: usize) -> T
-    where
-        N: AsRef<[T]>,
-    {
-        self.table[0][node].as_ref()[lane]
+    pub(super) fn on_node(&self, node: usize) -> &N {
+        &self.table[0][node]
     }
 
-    /// Add what the particle of a lane gives to the nodes of row `jk`, by its weights on all nodes.
+    /// Add what the particles of a band give to the nodes of row `jk`, by their weights on all nodes.
     #[inline(always)]
-    fn add_table<T: Float, A: Arch<T>>(
+    fn add_table<T: Float, A: Arch<T>, const LANES: usize>(
         &self,
         records: &Records<T>,
         lane: usize,
         jk: usize,
         maps: Maps,
-        [one, two]: [&mut E::Axis<A::Quad>; 2],
+        [one, two]: [&mut E::Axis<A::Band>; 2],
     ) where
-        N: AsRef<[T]>,
+        A::Batch: Pack<T, Numbers = N>,
     {
-        let record = |kind: usize| A::Quad::load(&records[kind][lane]);
-        let splat = |rows: &E::Nodes<N>, node: usize| A::Quad::splat(rows[node].as_ref()[lane]);
+        let record = |kind: usize| records.band::<A, LANES>(kind, lane);
+        let weights = |rows: &E::Nodes<N>, node: usize| A::Band::weights(&rows[node], lane);
         for i in 0..E::NODES {
             let node = jk * E::NODES + i;
-            let value = splat(&self.table[0], node);
+            let value = weights(&self.table[0], node);
             if maps.momentum {
                 one[i] = value.mul_add(record(MOMENTUM), one[i]);
             }
             if maps.slopes() {
                 let to = if maps.together { &mut one[i] } else { &mut two[i] };
-                *to = splat(&self.table[1], node).mul_add(record(FORCE), *to);
-                *to = splat(&self.dy, node).mul_add(record(FORCE + 1), *to);
+                *to = weights(&self.table[1], node).mul_add(record(FORCE), *to);
+                *to = weights(&self.dy, node).mul_add(record(FORCE + 1), *to);
                 if E::LAYERS > 1 {
-                    *to = splat(&self.dz, node).mul_add(record(FORCE + 2), *to);
+                    *to = weights(&self.dz, node).mul_add(record(FORCE + 2), *to);
                 }
                 if maps.direct {
                     *to = value.mul_add(record(DIRECT), *to);
@@ -273,13 +271,32 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
 
     /// What the forces along y and z, `g`, give to the nodes (j, k), before the weight along x.
     #[inline(always)]
-    fn across<T: Float, Q: Quad<T> + Lane<Real = T>>(&self, lane: usize, jk: usize, g: [Q; 2]) -> Q
+    fn across<T: Float, A: Arch<T>>(&self, lane: usize, jk: usize, g: [A::Band; 2]) -> A::Band
     where
-        N: AsRef<[T]>,
+        A::Batch: Pack<T, Numbers = N>,
     {
-        let dy = g[0] * Q::splat(self.dy[jk].as_ref()[lane]);
-        if E::LAYERS > 1 { g[1].mul_add(Q::splat(self.dz[jk].as_ref()[lane]), dy) } else { dy }
+        let dy = g[0] * A::Band::weights(&self.dy[jk], lane);
+        if E::LAYERS > 1 { g[1].mul_add(A::Band::weights(&self.dz[jk], lane), dy) } else { dy }
     }
+}
+
+/// Weights along each axis of particles at `xi` with these domains.
+#[inline(always)]
+pub(super) fn along_axes<T, P, S, const D: usize>(
+    shape: &S,
+    xi: &[P; 3],
+    domain: &[P; MOST_NUMBERS],
+) -> [Weights<P, S::Extent>; 3]
+where
+    T: Float,
+    P: Lane<Real = T>,
+    S: ShapeFunction<T, D>,
+{
+    let mut at = [Weights::zero(); 3];
+    for d in 0..D {
+        at[d] = shape.weights(xi[d], domain[d]);
+    }
+    at
 }
 
 /// Add the particles in the first `LANES` lanes of a group to the nodes of their bin's stencil, of which the
@@ -298,91 +315,88 @@ pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     }
     let first = if maps.momentum { &mut first[corner..][..E::SPAN] } else { first };
     let second = if maps.second() { &mut second[corner..][..E::SPAN] } else { second };
-    let mut rows = RowsOut::<T, NumbersOf<T, A>, E, LANES> { first, second, spread, records, maps };
+    let mut rows = RowsOut::<T, A, E, LANES> { first, second, spread, records, maps };
     // By hand: a loop that the compiler does not unroll would decide for each row what is known here.
-    rows.add_layer::<A>(0);
+    rows.add_layer(0);
     if E::LAYERS > 1 {
-        rows.add_layer::<A>(1);
+        rows.add_layer(1);
     }
     if E::LAYERS > 2 {
-        rows.add_layer::<A>(2);
+        rows.add_layer(2);
     }
     if E::LAYERS > 3 {
-        rows.add_layer::<A>(3);
+        rows.add_layer(3);
     }
 }
 
 /// The rows of nodes of a stencil, with what is added to them.
-struct RowsOut<'a, T: Float, N: Copy + Send, E: Stencil, const LANES: usize> {
+struct RowsOut<'a, T: Float, A: Arch<T>, E: Stencil, const LANES: usize> {
     first: &'a mut [[T; 4]],
     second: &'a mut [[T; 4]],
-    spread: &'a Spread<N, E>,
+    spread: &'a SpreadOf<T, A, E>,
     records: &'a Records<T>,
     maps: Maps,
 }
 
-impl<T: Float, N: Copy + Default + Send + AsRef<[T]>, E: Stencil, const LANES: usize>
-    RowsOut<'_, T, N, E, LANES>
-{
+impl<T: Float, A: Arch<T>, E: Stencil, const LANES: usize> RowsOut<'_, T, A, E, LANES> {
     #[inline(always)]
-    fn add_layer<A: Arch<T>>(&mut self, k: usize) {
-        self.add::<A>(0, k);
-        self.add::<A>(1, k);
+    fn add_layer(&mut self, k: usize) {
+        self.add(0, k);
+        self.add(1, k);
         if E::NODES > 2 {
-            self.add::<A>(2, k);
+            self.add(2, k);
         }
         if E::NODES > 3 {
-            self.add::<A>(3, k);
+            self.add(3, k);
         }
     }
 
     /// Add to row (j, k), which is read and written once for all lanes.
     #[inline(always)]
-    fn add<A: Arch<T>>(&mut self, j: usize, k: usize) {
+    fn add(&mut self, j: usize, k: usize) {
         let RowsOut { first, second, spread, records, maps } = self;
         let (maps, jk) = (*maps, k * E::NODES + j);
         let row = (k * E::TILE + j) * E::TILE;
-        let mut one = E::Axis::<A::Quad>::filled(A::Quad::zero());
+        let mut one = E::Axis::<A::Band>::filled(A::Band::zero());
         let mut two = one;
         for i in 0..E::NODES {
             if maps.momentum {
-                one[i] = A::Quad::load(&first[row + i]);
+                one[i] = A::Band::widen(A::Quad::load(&first[row + i]));
             }
             if maps.second() {
-                two[i] = A::Quad::load(&second[row + i]);
+                two[i] = A::Band::widen(A::Quad::load(&second[row + i]));
             }
         }
-        for lane in 0..if maps.convected { LANES } else { 0 } {
-            spread.add_table::<T, A>(records, lane, jk, maps, [&mut one, &mut two]);
+        let lanes = |wanted: bool| (0..if wanted { LANES } else { 0 }).step_by(A::Band::RECORDS);
+        for lane in lanes(maps.convected) {
+            spread.add_table::<T, A, LANES>(records, lane, jk, maps, [&mut one, &mut two]);
         }
-        for lane in 0..if maps.convected { 0 } else { LANES } {
-            let yz = A::Quad::splat(spread.yz[jk].as_ref()[lane]);
-            let mut momentum = A::Quad::load(&records[MOMENTUM][lane]);
-            let mut affine = A::Quad::zero();
+        for lane in lanes(!maps.convected) {
+            let record = |kind: usize| records.band::<A, LANES>(kind, lane);
+            let yz = A::Band::weights(&spread.yz[jk], lane);
+            let mut momentum = record(MOMENTUM);
+            let mut affine = A::Band::zero();
             if maps.has_affine() {
                 if E::LAYERS > 1 {
-                    let a = A::Quad::load(&records[AFFINE + 2][lane]);
-                    momentum = times_offset(a, node_offset::<E>(k), momentum);
+                    momentum = times_offset(record(AFFINE + 2), node_offset::<E>(k), momentum);
                 }
-                let a = A::Quad::load(&records[AFFINE + 1][lane]);
-                momentum = times_offset(a, node_offset::<E>(j), momentum);
-                affine = A::Quad::load(&records[AFFINE][lane]) * yz;
+                momentum = times_offset(record(AFFINE + 1), node_offset::<E>(j), momentum);
+                affine = record(AFFINE) * yz;
             }
             momentum = momentum * yz;
-            let (mut along, mut across) = (A::Quad::zero(), A::Quad::zero());
+            let (mut along, mut across) = (A::Band::zero(), A::Band::zero());
             if maps.slopes() {
-                along = A::Quad::load(&records[FORCE][lane]) * yz;
-                let g = [A::Quad::load(&records[FORCE + 1][lane]), A::Quad::load(&records[FORCE + 2][lane])];
-                across = spread.across(lane, jk, g);
+                along = record(FORCE) * yz;
+                across = spread.across::<T, A>(lane, jk, [record(FORCE + 1), record(FORCE + 2)]);
                 if maps.direct {
-                    across = A::Quad::load(&records[DIRECT][lane]).mul_add(yz, across);
+                    across = record(DIRECT).mul_add(yz, across);
                 }
                 if maps.together {
                     momentum = momentum + across;
                 }
             }
             for i in 0..E::NODES {
-                let x = A::Quad::splat(spread.x[i].as_ref()[lane]);
+                let x = A::Band::weights(&spread.x[i], lane);
                 if maps.momentum {
                     let mut here = momentum;
                     if maps.has_affine() {
@@ -392,7 +406,7 @@ impl<T: Float, N: Copy + Default + Send + AsRef<[T]>, E: Stencil, const LANES: u
                 }
                 if maps.slopes() {
                     let sum = if maps.together { one[i] } else { x.mul_add(across, two[i]) };
-                    let sum = A::Quad::splat(spread.dx[i].as_ref()[lane]).mul_add(along, sum);
+                    let sum = A::Band::weights(&spread.dx[i], lane).mul_add(along, sum);
                     if maps.together {
                         one[i] = sum;
                     } else {
@@ -403,10 +417,10 @@ impl<T: Float, N: Copy + Default + Send + AsRef<[T]>, E: Stencil, const LANES: u
         }
         for i in 0..E::NODES {
             if maps.momentum {
-                one[i].store(&mut first[row + i]);
+                one[i].fold().store(&mut first[row + i]);
             }
             if maps.second() {
-                two[i].store(&mut second[row + i]);
+                two[i].fold().store(&mut second[row + i]);
             }
         }
     }

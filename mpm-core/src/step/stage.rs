@@ -5,17 +5,17 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, State, Sym3};
 
-use super::cell::Moments;
+use super::cell::{Moments, from_cell, on_cell};
 use super::convect::Moved;
 use super::gather::{Sampler, Wanted};
 use super::mean::Mean;
 use super::rows::RowsMut;
-use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, NumbersOf, Records, Room, scatter};
+use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, NumbersOf, Records, Room, along_axes, scatter};
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Trouble, maps};
 use super::tile::{Reads, Stencilled};
 use super::total;
 use crate::dilatation::Dilatation;
-use crate::dim::{BLOCK, Stencil};
+use crate::dim::{Array, BLOCK, Stencil};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
@@ -83,6 +83,8 @@ pub(super) struct Bin<'a, T: Float, E: Stencil, P> {
     pub(super) number: usize,
     /// Its stencil.
     pub(super) stencil: &'a Stencilled<T, E>,
+    /// The records of its nodes themselves, first and second, in tile order.
+    pub(super) nodes: [&'a [[T; 4]]; 2],
     /// x of its centre, m, for the distance to the axis of revolution.
     pub(super) x: P,
     /// What laws see of a change of volume, if it is not their own.
@@ -146,6 +148,16 @@ where
             || Self::STRAIN_FIRST,
         second: (K::DOES.velocity && M::Transfer::READS_INCREMENT) || Self::STRAIN_SECOND || K::DOES.smooth,
     };
+    /// Of these it makes coefficients for its particles. Where a bin's particles are a vector or two, nodal sums take fewer
+    /// operations, if nothing but values is wanted.
+    pub(super) const BY_COEFFICIENTS: Reads = Reads {
+        first: Self::READS.first
+            && !(Self::SUMS_NODES && !Self::SLOPES_FIRST && !M::Transfer::AFFINE),
+        second: Self::READS.second && !(Self::SUMS_NODES && !Self::STRAIN_SECOND),
+    };
+    const SUMS_NODES: bool = A::Batch::WIDTH == 8
+        && ExtentOf::<M, T, D>::NODES == 2
+        && !ShapeOf::<M, T, D>::DOMAIN.convects();
     const STATE: usize = <C::State<A::Batch> as State<A::Batch>>::LEN;
     const MOTION: usize = 2 * D + 1;
     /// First row after the law's state: of the domain, then of loads, displacement and deformation, and the number.
@@ -217,12 +229,23 @@ where
         }
         *mass = rows.load(Columns::mass(D));
         let mut sampler = Sampler::<A::Batch, ExtentOf<M, T, D>>::zero();
-        if reads.first || reads.second {
+        let by_coefficients = Self::BY_COEFFICIENTS;
+        let mut weights = <ExtentOf<M, T, D> as Stencil>::Nodes::<A::Batch>::filled(A::Batch::zero());
+        if Self::SUMS_NODES {
+            let along = along_axes(self.method.shape(), xi, &self.domain(rows));
+            weights = on_cell::<A::Batch, ExtentOf<M, T, D>>(&along);
+        }
+        if by_coefficients.first || by_coefficients.second {
             sampler = Sampler::of(self.method.shape(), xi, &self.domain(rows), maps.affine);
         }
         // First nodal vector (velocity) with what is wanted of it. In the moving-least-squares form the gradient is the
         // affine fit.
-        if reads.first {
+        if reads.first && !by_coefficients.first {
+            for c in 0..D {
+                nodal[c] = from_cell::<T, A::Batch, ExtentOf<M, T, D>>(&weights, bin.nodes[0], c);
+            }
+            *hoop_velocity = nodal[0];
+        } else if reads.first {
             let slope = Self::SLOPES_FIRST && !M::Transfer::LEAST_SQUARES;
             let wanted = Wanted { slope, fit: maps.affine };
             for c in 0..D {
@@ -236,7 +259,11 @@ where
             *hoop_velocity = nodal[0];
         }
         // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
-        if reads.second {
+        if reads.second && !by_coefficients.second {
+            for c in 0..D {
+                increment[c] = from_cell::<T, A::Batch, ExtentOf<M, T, D>>(&weights, bin.nodes[1], c);
+            }
+        } else if reads.second {
             let wanted = Wanted { slope: Self::STRAIN_SECOND, fit: false };
             for c in 0..D {
                 let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&bin.stencil.second, c, wanted);

@@ -253,6 +253,7 @@ where
         let stages = Stages::<T, D, C, M, K, A>::new(law, method, &common);
         let (at_work, least) = (Stages::<T, D, C, M, K, A>::AT_WORK, Stages::<T, D, C, M, K, A>::ROWS);
         let reads = Stages::<T, D, C, M, K, A>::READS;
+        let by_coefficients = Stages::<T, D, C, M, K, A>::BY_COEFFICIENTS;
         let mut groups = block.groups(least);
         for bin in 0..AHEAD {
             groups.prefetch(bin, at_work);
@@ -299,7 +300,8 @@ where
                 groups.prefetch(number + AHEAD, at_work);
             }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(number);
-            stencil.load::<D, A::Quad, ShapeOf<M, T, D>>(tile_in, corner, reads);
+            stencil.load::<D, A, ShapeOf<M, T, D>>(tile_in, corner, by_coefficients);
+            let nodes = tile_in.from::<ExtentOf<M, T, D>>(corner);
             let x = centre_x(&common, block_x, number, bin_centre::<ExtentOf<M, T, D>>());
             let mean = match K::DOES.strain {
                 Some(nodal) if M::Dilatation::MEAN => {
@@ -326,7 +328,7 @@ where
                 // Numbers of the stencil from memory: the compiler would make vectors of all of them once a bin, where a
                 // bin's particles are one batch or two.
                 let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
-                let bin = Bin { number, stencil, x, mean };
+                let bin = Bin { number, stencil, nodes, x, mean };
                 let (mut taken, mut leave) = (0, [0; 2]);
                 while taken < together
                     && let Some((group, here)) = next

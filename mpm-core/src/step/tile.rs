@@ -4,6 +4,8 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
+use mpm_materials::Lane;
+
 use super::gather::to_coefficients;
 use super::layout::{Nodes, numbers, rank};
 use super::scatter::Maps;
@@ -184,6 +186,12 @@ impl<T: Float> TileIn<T> {
         }
     }
 
+    /// The records, first and second, of the stencil that begins at `corner`, in tile order.
+    #[inline(always)]
+    pub(super) fn from<E: Stencil>(&self, corner: usize) -> [&[[T; 4]]; 2] {
+        [&self.first[corner..][..E::SPAN], &self.second[corner..][..E::SPAN]]
+    }
+
     /// Ask for row `row` of the nodes that another block of particles reads soon.
     #[inline(always)]
     pub(super) fn prefetch<E: Stencil, const D: usize>(nodes: Nodes<'_, T>, around: &[u32], row: usize) {
@@ -252,7 +260,8 @@ pub(super) struct Reads {
     pub(super) second: bool,
 }
 
-/// The nodal records of one bin's stencil.
+/// The nodal records of one bin's stencil, as a gather has them.
+#[repr(C, align(64))]
 pub(super) struct Stencilled<T: Float, E: Stencil> {
     pub(super) first: E::Nodes<[T; 4]>,
     pub(super) second: E::Nodes<[T; 4]>,
@@ -264,17 +273,17 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
         Stencilled { first: Array::filled([T::default(); 4]), second: Array::filled([T::default(); 4]) }
     }
     #[inline(always)]
-    pub(super) fn load<const D: usize, Q: Quad<T>, S: ShapeFunction<T, D, Extent = E>>(
+    pub(super) fn load<const D: usize, A: Arch<T>, S: ShapeFunction<T, D, Extent = E>>(
         &mut self,
         tile: &TileIn<T>,
         corner: usize,
         reads: Reads,
     ) {
         if reads.first {
-            load_stencil::<T, D, Q, S>(&mut self.first, &tile.first, corner);
+            load_stencil::<T, D, A, S>(&mut self.first, &tile.first, corner);
         }
         if reads.second {
-            load_stencil::<T, D, Q, S>(&mut self.second, &tile.second, corner);
+            load_stencil::<T, D, A, S>(&mut self.second, &tile.second, corner);
         }
     }
 }
@@ -282,7 +291,7 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
 /// The records of the stencil that begins at `corner`, as coefficients where the shape function has a polynomial
 /// form.
 #[inline(always)]
-fn load_stencil<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
+fn load_stencil<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
     to: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
     tile: &[[T; 4]],
     corner: usize,
@@ -290,16 +299,16 @@ fn load_stencil<T: Float, const D: usize, Q: Quad<T>, S: ShapeFunction<T, D>>(
     let (side, layers) = (<S::Extent as Stencil>::TILE, <S::Extent as Stencil>::LAYERS);
     let n = <S::Extent as Stencil>::NODES;
     let from = &tile[corner..][..<S::Extent as Stencil>::SPAN];
-    let mut numbers = <S::Extent as Stencil>::Nodes::<Q>::filled(Q::zero());
+    let mut numbers = <S::Extent as Stencil>::Nodes::<A::Quad>::filled(A::Quad::zero());
     for k in 0..layers {
         for j in 0..n {
             for i in 0..n {
-                numbers[(k * n + j) * n + i] = Q::load(&from[(k * side + j) * side + i]);
+                numbers[(k * n + j) * n + i] = A::Quad::load(&from[(k * side + j) * side + i]);
             }
         }
     }
     if S::POLYNOMIAL {
-        to_coefficients::<T, D, Q, S>(&mut numbers);
+        to_coefficients::<T, D, A::Quad, S>(&mut numbers);
     }
     for i in 0..layers * n * n {
         numbers[i].store(&mut to[i]);
