@@ -56,6 +56,8 @@ pub struct Block<T: Float, const D: usize> {
     before: Vec<u32>,
     /// The list of free groups.
     free: u32,
+    /// Groups that are not free.
+    in_use: usize,
     particles: usize,
     /// Bins with particles, a bit each.
     occupied: u64,
@@ -221,6 +223,7 @@ impl<T: Float, const D: usize> Block<T, D> {
             rows: Vec::new(),
             before: Vec::new(),
             free: NONE,
+            in_use: 0,
             particles: 0,
             occupied: 0,
             dummy,
@@ -406,11 +409,13 @@ impl<T: Float, const D: usize> Block<T, D> {
         if lane == 0 {
             self.runs[bin].last = std::mem::replace(&mut self.before[last as usize], self.free);
             self.free = last;
+            self.in_use -= 1;
         }
     }
 
     /// A group without particles, linked to the one before it.
     fn take_group(&mut self, before: u32) -> u32 {
+        self.in_use += 1;
         if self.free != NONE {
             let group = self.free;
             self.free = std::mem::replace(&mut self.before[group as usize], before);
@@ -434,20 +439,15 @@ impl<T: Float, const D: usize> Block<T, D> {
 
     /// Lay the groups out in bin order, without free ones, if free ones take more than a quarter.
     pub fn tidy(&mut self) {
-        if 4 * self.groups_in_use() < 3 * self.before.len() {
+        if 4 * self.in_use < 3 * self.before.len() {
             self.pack();
         }
     }
 
-    fn groups_in_use(&self) -> usize {
-        self.runs.iter().map(|r| (r.particles as usize).div_ceil(T::GROUP)).sum()
-    }
-
     /// Lay the groups out in bin order, without free ones.
     pub fn pack(&mut self) {
-        let in_use = self.groups_in_use();
-        let mut rows = Vec::with_capacity(in_use * self.columns);
-        let mut before = Vec::with_capacity(in_use);
+        let mut rows = Vec::with_capacity(self.in_use * self.columns);
+        let mut before = Vec::with_capacity(self.in_use);
         for bin in 0..self.runs.len() {
             let first = before.len();
             let mut group = self.runs[bin].last;

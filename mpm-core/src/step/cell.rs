@@ -15,7 +15,7 @@
 
 use mpm_materials::{Lane, Mat3};
 
-use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, Records, SpreadOf, times_offset};
+use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, RECORDS, Records, SpreadOf, times_offset};
 use crate::dim::{Array, Stencil};
 use crate::parallel::{Arch, Band, Float, Quad, through_memory};
 use crate::shape::{Weights, node_offset};
@@ -79,16 +79,16 @@ impl<Q: Lane, E: Stencil> Moments<Q, E> {
         self.0[AXES] = self.0[AXES] + A::sums(of);
     }
 
-    /// Add the particle at `xi` with the records in lane 0.
+    /// Add the particle at `xi` with these records.
     #[inline(always)]
-    pub(super) fn add_one<T: Float>(&mut self, xi: [T; 3], records: &Records<T>)
+    pub(super) fn add_one<T: Float>(&mut self, xi: &[T; 3], records: &[[T; 4]; RECORDS])
     where
         Q: Quad<T> + Lane<Real = T>,
     {
         let xi = [Q::splat(xi[0]), Q::splat(xi[1]), Q::splat(xi[2])];
         let mut g = [Q::zero(); 3];
         for d in 0..if E::LAYERS > 1 { 3 } else { 2 } {
-            g[d] = Q::load(&records[FORCE + d][0]);
+            g[d] = Q::load(&records[FORCE + d]);
         }
         let m = &mut self.0;
         m[1] = m[1] + moment::<Q, 1>(&xi, &g);
@@ -173,11 +173,11 @@ pub(super) fn from_cell<T: Float, P: Lane<Real = T>, E: Stencil>(
     nodes: &[[T; 4]],
     c: usize,
 ) -> P {
-    let number = |n: usize| P::splat(nodes[place::<E>(n)][c + 1]);
     // Two sums side by side, so that each waits half as long.
-    let mut sums = [weights[0] * number(0), weights[1] * number(1)];
-    for n in 2..nodes_of::<E>() {
-        sums[n % 2] = weights[n].mul_add(number(n), sums[n % 2]);
+    let mut sums = [P::zero(); 2];
+    for n in 0..nodes_of::<E>() {
+        let number = P::splat(nodes[place::<E>(n)][c + 1]);
+        sums[n % 2] = if n < 2 { weights[n] * number } else { weights[n].mul_add(number, sums[n % 2]) };
     }
     sums[0] + sums[1]
 }
@@ -217,6 +217,40 @@ pub(super) fn scatter_cell<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>
             add_record::<T, A, E>(&mut sums, spread, lane, records.band::<A, LANES>(DIRECT, lane));
         }
         store_cell::<T, A, E>(second, &sums);
+    }
+}
+
+/// Add one particle with these weights on the nodes of its cell, of which the first lies at `corner`, likewise.
+#[inline(always)]
+pub(super) fn add_particle<T: Float, A: Arch<T>, E: Stencil>(
+    [first, second]: [&mut [[T; 4]]; 2],
+    corner: usize,
+    weights: &E::Nodes<T::Single>,
+    records: &[[T; 4]; RECORDS],
+    maps: Maps,
+) {
+    let direct = A::Quad::load(&records[DIRECT]);
+    for n in 0..nodes_of::<E>() {
+        let (weight, at) = (A::Quad::splat(weights[n].into()), corner + place::<E>(n));
+        if maps.momentum {
+            let mut here = A::Quad::load(&records[MOMENTUM]);
+            for d in 0..if !maps.has_affine() {
+                0
+            } else if E::LAYERS > 1 {
+                3
+            } else {
+                2
+            } {
+                here = times_offset(A::Quad::load(&records[AFFINE + d]), node_offset::<E>(n >> d & 1), here);
+            }
+            if maps.direct && maps.together {
+                here = here + direct;
+            }
+            weight.mul_add(here, A::Quad::load(&first[at])).store(&mut first[at]);
+        }
+        if maps.direct && maps.second() {
+            weight.mul_add(direct, A::Quad::load(&second[at])).store(&mut second[at]);
+        }
     }
 }
 

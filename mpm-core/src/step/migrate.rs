@@ -5,12 +5,12 @@ use std::marker::PhantomData;
 
 use mpm_materials::Lane;
 
-use super::cell::Moments;
-use super::scatter::{AFFINE, MOMENTUM, Maps, RECORDS, Records, Room, SpreadOf, scatter};
+use super::cell::{Moments, add_particle, on_cell};
+use super::scatter::{AFFINE, MOMENTUM, Maps, RECORDS, Records, Room, SpreadOf, along_axes, scatter};
 use super::splitting::Splitter;
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
 use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
-use crate::dim::{BLOCK, neighbours};
+use crate::dim::{BLOCK, Stencil, neighbours};
 use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel};
 use crate::particles::{Block, Columns, Outbox, Place};
@@ -242,6 +242,20 @@ impl<T: Float> Domains<T> {
     }
 }
 
+/// The offset and the domain of a particle with these numbers, in every lane.
+#[inline(always)]
+fn place_of<T: Float, P: Lane<Real = T>, const D: usize, M: Composition<T, D>>(
+    numbers: &[T],
+    domains: &Domains<T>,
+) -> ([P; 3], [P; MOST_NUMBERS]) {
+    let mut xi = [P::zero(); 3];
+    for d in 0..D {
+        xi[d] = P::splat(numbers[Columns::position() + d]);
+    }
+    let carried = |n: usize| P::splat(numbers[domains.column + n]);
+    (xi, domains.of::<P, ShapeOf<M, T, D>, D>(carried))
+}
+
 /// Append the particles that an outbox sends in direction `to` to their bins, and scatter them.
 #[inline(always)]
 pub(super) fn take_in<T, A, const D: usize, M, K>(
@@ -277,30 +291,36 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
         let more = rows_of::<ExtentOf<M, T, D>, D>(1 << bin) & !*rows;
         clear_rows::<T, D, ExtentOf<M, T, D>>(tile, more, maps);
         *rows |= more;
-        let sent = &outbox.records[n * kinds..][..kinds];
-        let mut next = 0;
+        let mut own = [[T::default(); 4]; RECORDS];
+        let mut sent = outbox.records[n * kinds..][..kinds].iter();
         for kind in 0..RECORDS {
-            if maps.uses::<D>(kind) {
-                records[kind][0] = sent[next];
-                next += 1;
+            if maps.uses::<D>(kind)
+                && let Some(record) = sent.next()
+            {
+                own[kind] = *record;
             }
         }
-        let mut xi = [A::Batch::zero(); 3];
-        for d in 0..D {
-            xi[d] = A::Batch::splat(numbers[Columns::position() + d]);
-        }
-        let carried = |n: usize| A::Batch::splat(numbers[domains.column + n]);
-        let domain = domains.of::<A::Batch, ShapeOf<M, T, D>, D>(carried);
-        spread.place::<T, A::Batch, _, D>(method.shape(), &xi, &domain, maps.slopes());
         let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
         if maps.moments::<ExtentOf<M, T, D>>() {
             let mut at = [T::default(); 3];
             at[..D].copy_from_slice(&numbers[Columns::position()..][..D]);
             let mut moments = Moments::<A::Quad, ExtentOf<M, T, D>>::zero();
-            moments.add_one(at, records);
+            moments.add_one(&at, &own);
             moments.give(if maps.together { &mut *first } else { &mut *second }, corner);
         }
+        if ExtentOf::<M, T, D>::NODES == 2 && !maps.convected {
+            let (xi, domain) = place_of::<T, T::Single, D, M>(numbers, &domains);
+            let along = along_axes(method.shape(), &xi, &domain);
+            let weights = on_cell::<T::Single, ExtentOf<M, T, D>>(&along);
+            add_particle::<T, A, ExtentOf<M, T, D>>([first, second], corner, &weights, &own, maps);
+            continue;
+        }
+        for kind in 0..RECORDS {
+            records[kind][0] = own[kind];
+        }
+        let (xi, domain) = place_of::<T, A::Batch, D, M>(numbers, &domains);
+        spread.place::<T, A::Batch, _, D>(method.shape(), &xi, &domain, maps.slopes());
         scatter::<T, A, ExtentOf<M, T, D>, 1>([first, second], corner, spread, records, maps);
     }
 }
@@ -343,6 +363,5 @@ where
             let scratch = (&mut records, &mut spread);
             take_in::<T, A, D, M, K>(method, block, sums, outbox, to, common.domains, scratch);
         }
-        block.tidy();
     }
 }

@@ -278,12 +278,17 @@ where
             self.common(Steps { this: T::default(), next: T::default(), adapt: false, force_time: 0.0 });
         let (method, outboxes) = (&self.method, &self.outboxes);
         team.each(&mut self.slots, |_, slot| {
-            let near = |&s: &u32| outboxes.get(s as usize).is_some_and(|o| o.directions != 0);
-            if slot.slots_around.iter().any(near) {
+            // What lies in direction `from` of here sends towards the opposite direction.
+            let sent = |(from, &s): (usize, &u32)| {
+                let to = neighbours(D) - 1 - from;
+                from != to && outboxes.get(s as usize).is_some_and(|o| o.directions >> to & 1 == 1)
+            };
+            if slot.slots_around.iter().enumerate().any(sent) {
                 let take: TakeIn<'_, T, D, M, K> =
                     TakeIn { method, slot, outboxes, common, pass: PhantomData };
                 T::dispatch(take);
             }
+            slot.block.tidy();
         });
     }
 

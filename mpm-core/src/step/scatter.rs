@@ -247,23 +247,21 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
     ) where
         A::Batch: Pack<T, Numbers = N>,
     {
-        let record = |kind: usize| records.band::<A, LANES>(kind, lane);
-        let weights = |rows: &E::Nodes<N>, node: usize| A::Band::weights(&rows[node], lane);
         for i in 0..E::NODES {
             let node = jk * E::NODES + i;
-            let value = weights(&self.table[0], node);
+            let value = A::Band::weights(&self.table[0][node], lane);
             if maps.momentum {
-                one[i] = value.mul_add(record(MOMENTUM), one[i]);
+                one[i] = value.mul_add(records.band::<A, LANES>(MOMENTUM, lane), one[i]);
             }
             if maps.slopes() {
                 let to = if maps.together { &mut one[i] } else { &mut two[i] };
-                *to = weights(&self.table[1], node).mul_add(record(FORCE), *to);
-                *to = weights(&self.dy, node).mul_add(record(FORCE + 1), *to);
+                *to = A::Band::weights(&self.table[1][node], lane).mul_add(records.band::<A, LANES>(FORCE, lane), *to);
+                *to = A::Band::weights(&self.dy[node], lane).mul_add(records.band::<A, LANES>(FORCE + 1, lane), *to);
                 if E::LAYERS > 1 {
-                    *to = weights(&self.dz, node).mul_add(record(FORCE + 2), *to);
+                    *to = A::Band::weights(&self.dz[node], lane).mul_add(records.band::<A, LANES>(FORCE + 2, lane), *to);
                 }
                 if maps.direct {
-                    *to = value.mul_add(record(DIRECT), *to);
+                    *to = value.mul_add(records.band::<A, LANES>(DIRECT, lane), *to);
                 }
             }
         }
@@ -367,29 +365,27 @@ impl<T: Float, A: Arch<T>, E: Stencil, const LANES: usize> RowsOut<'_, T, A, E, 
                 two[i] = A::Band::widen(A::Quad::load(&second[row + i]));
             }
         }
-        let lanes = |wanted: bool| (0..if wanted { LANES } else { 0 }).step_by(A::Band::RECORDS);
-        for lane in lanes(maps.convected) {
+        for lane in (0..if maps.convected { LANES } else { 0 }).step_by(A::Band::RECORDS) {
             spread.add_table::<T, A, LANES>(records, lane, jk, maps, [&mut one, &mut two]);
         }
-        for lane in lanes(!maps.convected) {
-            let record = |kind: usize| records.band::<A, LANES>(kind, lane);
+        for lane in (0..if maps.convected { 0 } else { LANES }).step_by(A::Band::RECORDS) {
             let yz = A::Band::weights(&spread.yz[jk], lane);
-            let mut momentum = record(MOMENTUM);
+            let mut momentum = records.band::<A, LANES>(MOMENTUM, lane);
             let mut affine = A::Band::zero();
             if maps.has_affine() {
                 if E::LAYERS > 1 {
-                    momentum = times_offset(record(AFFINE + 2), node_offset::<E>(k), momentum);
+                    momentum = times_offset(records.band::<A, LANES>(AFFINE + 2, lane), node_offset::<E>(k), momentum);
                 }
-                momentum = times_offset(record(AFFINE + 1), node_offset::<E>(j), momentum);
-                affine = record(AFFINE) * yz;
+                momentum = times_offset(records.band::<A, LANES>(AFFINE + 1, lane), node_offset::<E>(j), momentum);
+                affine = records.band::<A, LANES>(AFFINE, lane) * yz;
             }
             momentum = momentum * yz;
             let (mut along, mut across) = (A::Band::zero(), A::Band::zero());
             if maps.slopes() {
-                along = record(FORCE) * yz;
-                across = spread.across::<T, A>(lane, jk, [record(FORCE + 1), record(FORCE + 2)]);
+                along = records.band::<A, LANES>(FORCE, lane) * yz;
+                across = spread.across::<T, A>(lane, jk, [records.band::<A, LANES>(FORCE + 1, lane), records.band::<A, LANES>(FORCE + 2, lane)]);
                 if maps.direct {
-                    across = record(DIRECT).mul_add(yz, across);
+                    across = records.band::<A, LANES>(DIRECT, lane).mul_add(yz, across);
                 }
                 if maps.together {
                     momentum = momentum + across;
