@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-use clap::{Args, ValueEnum};
+use clap::{Args, Parser, ValueEnum};
 use mpm_core::geometry::GeometryError;
 use mpm_core::observe::{Ledger, ObserveError, RunError, RunSummary};
 use mpm_core::output::OutputError;
@@ -13,6 +13,8 @@ use mpm_core::step::control::ControlError;
 use mpm_core::{Composition, Contact, Float, GridStorage, Mpm};
 use mpm_materials::ParameterError;
 use serde::Serialize;
+
+use crate::machine;
 
 /// How fine a case is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -465,9 +467,11 @@ pub fn peak_memory() -> Option<usize> {
     Some(1024 * kilobytes)
 }
 
-/// Turn the end of a case into an exit code; errors go to the standard error stream.
-pub fn exit(result: Result<ExitCode, CaseError>) -> ExitCode {
-    result.unwrap_or_else(|e| {
+/// Run a case with the options of the command line, in huge pages where there are any; errors go to the standard error
+/// stream.
+pub fn start<O: Parser>(run: impl FnOnce(&O) -> Result<ExitCode, CaseError>) -> ExitCode {
+    machine::into_huge_pages();
+    run(&O::parse()).unwrap_or_else(|e| {
         eprintln!("error: {e}");
         ExitCode::FAILURE
     })

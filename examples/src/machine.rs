@@ -22,6 +22,27 @@ pub fn commit() -> String {
     if changed.is_some_and(|list| !list.is_empty()) { format!("{head}+") } else { head }
 }
 
+/// Begin this program anew with its memory in huge pages, if the C library asks for them when told so in the environment (Linux,
+/// glibc 2.35). From a million particles on, looking up where pages of 4 KiB lie takes a tenth of the time. Whoever has set
+/// `GLIBC_TUNABLES`, to whatever it be, is left alone.
+pub fn into_huge_pages() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    {
+        use std::os::unix::process::CommandExt;
+        const TUNABLES: &str = "GLIBC_TUNABLES";
+        if std::env::var_os(TUNABLES).is_some() {
+            return;
+        }
+        if let Ok(program) = std::env::current_exe() {
+            // It comes back only if that could not be started; then all goes on in small pages.
+            let _ = Command::new(program)
+                .args(std::env::args_os().skip(1))
+                .env(TUNABLES, "glibc.malloc.hugetlb=1")
+                .exec();
+        }
+    }
+}
+
 /// Kind of processor, how many, and system.
 pub fn class() -> String {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);

@@ -76,7 +76,7 @@ enum Section {
 }
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

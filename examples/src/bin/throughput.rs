@@ -69,7 +69,7 @@ struct Sample {
 }
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 impl Options {

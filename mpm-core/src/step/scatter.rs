@@ -255,10 +255,13 @@ impl<N: Copy + Default + Send, E: Stencil> Spread<N, E> {
             }
             if maps.slopes() {
                 let to = if maps.together { &mut one[i] } else { &mut two[i] };
-                *to = A::Band::weights(&self.table[1][node], lane).mul_add(records.band::<A, LANES>(FORCE, lane), *to);
-                *to = A::Band::weights(&self.dy[node], lane).mul_add(records.band::<A, LANES>(FORCE + 1, lane), *to);
+                *to = A::Band::weights(&self.table[1][node], lane)
+                    .mul_add(records.band::<A, LANES>(FORCE, lane), *to);
+                *to = A::Band::weights(&self.dy[node], lane)
+                    .mul_add(records.band::<A, LANES>(FORCE + 1, lane), *to);
                 if E::LAYERS > 1 {
-                    *to = A::Band::weights(&self.dz[node], lane).mul_add(records.band::<A, LANES>(FORCE + 2, lane), *to);
+                    *to = A::Band::weights(&self.dz[node], lane)
+                        .mul_add(records.band::<A, LANES>(FORCE + 2, lane), *to);
                 }
                 if maps.direct {
                     *to = value.mul_add(records.band::<A, LANES>(DIRECT, lane), *to);
@@ -374,16 +377,25 @@ impl<T: Float, A: Arch<T>, E: Stencil, const LANES: usize> RowsOut<'_, T, A, E, 
             let mut affine = A::Band::zero();
             if maps.has_affine() {
                 if E::LAYERS > 1 {
-                    momentum = times_offset(records.band::<A, LANES>(AFFINE + 2, lane), node_offset::<E>(k), momentum);
+                    momentum = times_offset(
+                        records.band::<A, LANES>(AFFINE + 2, lane),
+                        node_offset::<E>(k),
+                        momentum,
+                    );
                 }
-                momentum = times_offset(records.band::<A, LANES>(AFFINE + 1, lane), node_offset::<E>(j), momentum);
+                momentum =
+                    times_offset(records.band::<A, LANES>(AFFINE + 1, lane), node_offset::<E>(j), momentum);
                 affine = records.band::<A, LANES>(AFFINE, lane) * yz;
             }
             momentum = momentum * yz;
             let (mut along, mut across) = (A::Band::zero(), A::Band::zero());
             if maps.slopes() {
                 along = records.band::<A, LANES>(FORCE, lane) * yz;
-                across = spread.across::<T, A>(lane, jk, [records.band::<A, LANES>(FORCE + 1, lane), records.band::<A, LANES>(FORCE + 2, lane)]);
+                across = spread.across::<T, A>(
+                    lane,
+                    jk,
+                    [records.band::<A, LANES>(FORCE + 1, lane), records.band::<A, LANES>(FORCE + 2, lane)],
+                );
                 if maps.direct {
                     across = records.band::<A, LANES>(DIRECT, lane).mul_add(yz, across);
                 }

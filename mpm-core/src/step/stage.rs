@@ -151,13 +151,11 @@ where
     /// Of these it makes coefficients for its particles. Where a bin's particles are a vector or two, nodal sums take fewer
     /// operations, if nothing but values is wanted.
     pub(super) const BY_COEFFICIENTS: Reads = Reads {
-        first: Self::READS.first
-            && !(Self::SUMS_NODES && !Self::SLOPES_FIRST && !M::Transfer::AFFINE),
+        first: Self::READS.first && !(Self::SUMS_NODES && !Self::SLOPES_FIRST && !M::Transfer::AFFINE),
         second: Self::READS.second && !(Self::SUMS_NODES && !Self::STRAIN_SECOND),
     };
-    const SUMS_NODES: bool = A::Batch::WIDTH == 8
-        && ExtentOf::<M, T, D>::NODES == 2
-        && !ShapeOf::<M, T, D>::DOMAIN.convects();
+    const SUMS_NODES: bool =
+        A::Batch::WIDTH == 8 && ExtentOf::<M, T, D>::NODES == 2 && !ShapeOf::<M, T, D>::DOMAIN.convects();
     const STATE: usize = <C::State<A::Batch> as State<A::Batch>>::LEN;
     const MOTION: usize = 2 * D + 1;
     /// First row after the law's state: of the domain, then of loads, displacement and deformation, and the number.

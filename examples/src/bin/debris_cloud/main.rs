@@ -70,7 +70,7 @@ enum Particles {
 }
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

@@ -38,7 +38,7 @@ const ENERGY_TOLERANCE: f64 = 0.02;
 const ADDED_TOLERANCE: f64 = 0.02;
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

@@ -52,7 +52,7 @@ const MASS_TOLERANCE: f64 = 1e-12;
 const ENERGY_TOLERANCE: f64 = 0.005;
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

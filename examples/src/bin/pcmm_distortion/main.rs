@@ -38,7 +38,7 @@ const TURNED_TOLERANCE: f64 = 0.05;
 const AREA_TOLERANCE: f64 = 1e-9;
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

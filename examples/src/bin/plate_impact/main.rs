@@ -56,7 +56,7 @@ const REFINED: (&str, f64) = ("copper", 1000.0);
 const GRIDS: [u32; 3] = [1, 2, 4];
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

@@ -61,7 +61,7 @@ const GROWTH: f64 = 1e-9;
 const MOMENTUM_TOLERANCE: f64 = 1e-10;
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

@@ -43,7 +43,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

@@ -55,7 +55,7 @@ const CUBE_END: f64 = 6.0e-6;
 const ZONES: usize = 400;
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

@@ -50,7 +50,7 @@ const ENERGY_TOLERANCE: f64 = 0.01;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {

@@ -56,7 +56,7 @@ const ADDED_TOLERANCE: f64 = 0.02;
 const ENERGY_TOLERANCE: f64 = 0.06;
 
 fn main() -> ExitCode {
-    case::exit(run(&Options::parse()))
+    case::start(run)
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {
