@@ -302,16 +302,6 @@ impl<T: Float, const D: usize> Block<T, D> {
         }
     }
 
-    /// Make a group without particles of these rows.
-    pub fn fill_idle(&self, rows: &mut Vec<T::Row>) {
-        rows.clear();
-        for &number in &self.dummy {
-            let mut row = T::Row::default();
-            row.as_mut().fill(number);
-            rows.push(row);
-        }
-    }
-
     /// The number of column `column` of a particle.
     #[inline(always)]
     pub fn get(&self, at: Place, column: usize) -> T {

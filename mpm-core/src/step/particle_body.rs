@@ -211,7 +211,7 @@ where
             self.scratch.resize_with(team.threads(), Mutex::default);
         }
         let common = self.common(dt);
-        let (law, method) = (&self.law, &self.method);
+        let (law, method, dummy) = (&self.law, &self.method, &self.dummy[..]);
         self.outlines.clear();
         self.outlines.extend(self.slots.iter().map(Outline::of));
         let (nodes_around, scratch, outlines) = (&self.nodes_around, &self.scratch, &self.outlines);
@@ -222,7 +222,7 @@ where
             let around = [here, &ahead[..neighbours(D).min(ahead.len())]];
             let (next, pass) = (outlines.get(s + 1), PhantomData);
             let sweep: Sweep<'_, T, D, C, M, K> =
-                Sweep { law, method, nodes, around, slot, next, outbox, scratch, common, pass };
+                Sweep { law, method, nodes, around, slot, next, outbox, dummy, scratch, common, pass };
             T::dispatch(sweep);
         });
         if (L::ACTS && K::DOES.load) || (L::FIELD && K::DOES.field) {

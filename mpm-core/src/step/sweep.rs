@@ -110,13 +110,13 @@ impl Outline {
         self.tile.prefetch_lines_early(bin * lines, lines);
         let late = block_nodes(D) * 3 / 4;
         if bin >= late {
-            self.groups.prefetch_lines_early((bin - late) * 4, 4);
+            self.groups.prefetch_lines_early((bin - late) * AHEAD, AHEAD);
         }
     }
 }
 
 /// Bins between the one at work and the one whose particles are asked for.
-const AHEAD: usize = 4;
+const AHEAD: usize = 8;
 
 /// What a pass found out.
 #[derive(Clone, Copy, Debug, Default)]
@@ -215,6 +215,8 @@ pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
     pub next: Option<&'a Outline>,
     /// Its particles that leave it.
     pub outbox: &'a mut Outbox<T>,
+    /// What lanes without a particle hold, as its block has it, from a place that all blocks share.
+    pub dummy: &'a [T],
     /// Memory of the thread.
     pub scratch: &'a mut Scratch<T>,
     /// Shared numbers.
@@ -238,7 +240,7 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Sweep { law, method, nodes, around, slot, next: soon, outbox, scratch, common, .. } = self;
+        let Sweep { law, method, nodes, around, slot, next: soon, outbox, dummy, scratch, common, .. } = self;
         // A copy of a law of plain numbers, which no write to memory can change, can stay in vectors.
         let own;
         let law = if std::mem::needs_drop::<C>() {
@@ -267,7 +269,12 @@ where
             return;
         }
         if A::Batch::GROUPS > 1 {
-            block.fill_idle(idle);
+            idle.clear();
+            for &number in dummy {
+                let mut row = T::Row::default();
+                row.as_mut().fill(number);
+                idle.push(row);
+            }
         }
         tile_in.load::<ExtentOf<M, T, D>, D>(nodes, around[0], reads, *rows);
         let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
