@@ -82,6 +82,7 @@ fn elsewhere(found: &serde_json::Value, kernel: &str, scene: &'static str, job: 
         threads: job.threads,
         steps: job.steps,
         seconds: number("seconds"),
+        grid_seconds: f64::NAN,
         particle_updates_per_second: number("particle_updates_per_second"),
         bytes_per_particle: number("bytes_per_particle") as usize,
         bytes_per_node: 0,

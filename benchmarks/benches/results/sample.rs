@@ -55,9 +55,13 @@ pub fn attempt(subjects: &[Subject], rounds: usize) -> Vec<Sample> {
 }
 
 impl Sample {
+    /// A number of each run.
+    pub fn spread(&self, of: impl Fn(&Measured) -> f64) -> Spread {
+        Spread::of(self.runs.iter().map(of))
+    }
     /// Rates, 10^6 updates a second.
     pub fn rates(&self) -> Spread {
-        Spread::of(self.runs.iter().map(|r| 1e-6 * r.particle_updates_per_second))
+        self.spread(|r| 1e-6 * r.particle_updates_per_second)
     }
     /// Rate over that of another one, round by round.
     pub fn over(&self, other: &Sample) -> Spread {

@@ -1,5 +1,7 @@
 //! The solver: bodies on a grid, and the step.
 
+use std::time::{Duration, Instant};
+
 use super::body::{Body, BodyTrouble, Steps, Totals, Which};
 use super::contact::{Contact, ContactNode, Meeting, OneField, PairContact};
 use super::control::TimeControl;
@@ -98,6 +100,8 @@ pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
     pub(super) steps: u64,
     /// What the bodies' last pass came to, and whether their blocks changed after it.
     passed: Vec<Result<T, BodyTrouble>>,
+    /// Time spent at particles so far.
+    at_particles: Duration,
     changed: Vec<bool>,
     /// The step after which blocks were arranged last, and whether with a look ahead.
     pub(super) arranged: u64,
@@ -208,6 +212,7 @@ where
             time: 0.0,
             steps: 0,
             passed: Vec::new(),
+            at_particles: Duration::ZERO,
             changed: Vec::new(),
             arranged: 0,
             ahead: false,
@@ -372,9 +377,11 @@ where
         let prune = if self.ahead { age >= PRUNE_AHEAD } else { self.steps % PRUNE_EVERY == PRUNE_EVERY - 1 };
         let team = &self.team;
         self.changed.resize(self.bodies.len(), false);
+        let clock = Instant::now();
         team.each_piece(&mut self.bodies, 1, &mut self.changed, |_, body, changed| {
             *changed = body[0].locate(last, prune, team);
         });
+        self.at_particles += clock.elapsed();
         let changed = self.changed.contains(&true);
         if changed || self.fields_changed(prune) {
             self.ahead = K::SEPARATES && age < OFTEN && self.particles() < FEW * self.blocks();
@@ -507,9 +514,11 @@ where
         let nodes = Nodes { all: self.grid.nodes(), layout: self.fields.layout() };
         let team = &self.team;
         self.passed.resize_with(self.bodies.len(), || Ok(T::default()));
+        let clock = Instant::now();
         team.each_piece(&mut self.bodies, 1, &mut self.passed, |_, body, passed| {
             *passed = body[0].pass(which, nodes, dt, team);
         });
+        self.at_particles += clock.elapsed();
         let mut rate = T::default();
         for (b, passed) in self.passed.iter_mut().enumerate() {
             match std::mem::replace(passed, Ok(T::default())) {
@@ -632,6 +641,12 @@ where
     /// Has the time come to `end`, s, within rounding?
     pub fn reached(&self, end: f64) -> bool {
         self.time >= end * (1.0 - 1e-12)
+    }
+
+    /// Wall-clock time, s, that steps spent at particles so far: in passes over them and bringing them to their bins. What is
+    /// left of a step's is the grid's and contact's.
+    pub fn particle_seconds(&self) -> f64 {
+        self.at_particles.as_secs_f64()
     }
 
     /// Simulated time, s.
