@@ -1,7 +1,8 @@
 //! Vector instructions and threads: how a kernel is run. The only module of the project with `unsafe`.
 //!
 //! # Vector instructions
-//! A kernel is generic text over an [`Arch`]: the lanes it computes particles with and the quad it adds node records with.
+//! A kernel is generic text over an [`Arch`]: the lanes it computes particles with, and the quad and the band that it adds node records
+//! with, of one particle and of one or two.
 //! [`Float::dispatch`] looks at the processor and runs the kernel compiled for AVX-512, where two groups of particles in double
 //! precision go through a pass together, the one for AVX2 and FMA, or the portable one. They differ by rounding.
 //!

@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Mask};
 
-use super::{Arch, Float, Kernel, Pack, Quad};
+use super::{Arch, Band, Float, Kernel, Pack, Quad};
 
 struct Functions<T>(Vec<T>);
 macro_rules! kernel {
@@ -92,6 +92,52 @@ macro_rules! sums {
 }
 sums!(f64);
 sums!(f32);
+
+struct Bands;
+macro_rules! bands {
+    ($t:ty) => {
+        impl Kernel<$t> for Bands {
+            type Output = ();
+            #[inline(always)]
+            fn run<A: Arch<$t>>(self) {
+                let mut numbers = A::Batch::zero();
+                let mut records = [[0.0; 4]; 8];
+                for lane in 0..A::Batch::WIDTH {
+                    numbers = numbers.with_lane(lane, (lane + 1) as $t);
+                    for c in 0..4 {
+                        records[lane][c] = (1 << (2 * lane + c)) as $t;
+                    }
+                }
+                let mut weights = <A::Batch as Pack<$t>>::Numbers::default();
+                numbers.store(&mut weights);
+                for lane in (0..A::Batch::WIDTH).step_by(A::Band::RECORDS) {
+                    let mut expected = records[lane];
+                    for c in 0..4 {
+                        expected[c] *= (lane + 1) as $t;
+                        if A::Band::RECORDS == 2 {
+                            expected[c] += (lane + 2) as $t * records[lane + 1][c];
+                        }
+                    }
+                    let (mut sum, mut one) = ([0.0; 4], [0.0; 4]);
+                    (A::Band::weights(&weights, lane) * A::Band::load(&records[lane..]))
+                        .fold()
+                        .store(&mut sum);
+                    assert_eq!(sum, expected);
+                    A::Band::widen(A::Quad::load(&records[lane])).fold().store(&mut one);
+                    assert_eq!(one, records[lane]);
+                }
+            }
+        }
+    };
+}
+bands!(f64);
+bands!(f32);
+
+#[test]
+fn bands_weigh_each_record_by_its_own_particle() {
+    f64::each(|| Bands);
+    f32::each(|| Bands);
+}
 
 #[test]
 fn sums_take_every_lane_once() {

@@ -220,6 +220,15 @@ pub(super) fn scatter_cell<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>
     }
 }
 
+/// A record with what its affine part adds to it at node `n` of the cell.
+#[inline(always)]
+fn seen_from<L: Lane, E: Stencil>(n: usize, mut record: L, affine: &[L; 3]) -> L {
+    for d in 0..if E::LAYERS > 1 { 3 } else { 2 } {
+        record = times_offset(affine[d], node_offset::<E>(n >> d & 1), record);
+    }
+    record
+}
+
 /// Add one particle with these weights on the nodes of its cell, of which the first lies at `corner`, likewise.
 #[inline(always)]
 pub(super) fn add_particle<T: Float, A: Arch<T>, E: Stencil>(
@@ -229,20 +238,15 @@ pub(super) fn add_particle<T: Float, A: Arch<T>, E: Stencil>(
     records: &[[T; 4]; RECORDS],
     maps: Maps,
 ) {
-    let direct = A::Quad::load(&records[DIRECT]);
+    let (momentum, direct) = (A::Quad::load(&records[MOMENTUM]), A::Quad::load(&records[DIRECT]));
+    let mut affine = [A::Quad::zero(); 3];
+    for d in 0..3 {
+        affine[d] = A::Quad::load(&records[AFFINE + d]);
+    }
     for n in 0..nodes_of::<E>() {
         let (weight, at) = (A::Quad::splat(weights[n].into()), corner + place::<E>(n));
         if maps.momentum {
-            let mut here = A::Quad::load(&records[MOMENTUM]);
-            for d in 0..if !maps.has_affine() {
-                0
-            } else if E::LAYERS > 1 {
-                3
-            } else {
-                2
-            } {
-                here = times_offset(A::Quad::load(&records[AFFINE + d]), node_offset::<E>(n >> d & 1), here);
-            }
+            let mut here = if maps.has_affine() { seen_from::<_, E>(n, momentum, &affine) } else { momentum };
             if maps.direct && maps.together {
                 here = here + direct;
             }
@@ -290,12 +294,12 @@ fn add_affine<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     lane: usize,
     momentum: A::Band,
 ) {
+    let mut affine = [A::Band::zero(); 3];
+    for d in 0..3 {
+        affine[d] = records.band::<A, LANES>(AFFINE + d, lane);
+    }
     for n in 0..nodes_of::<E>() {
-        let mut here = momentum;
-        for d in 0..if E::LAYERS > 1 { 3 } else { 2 } {
-            let a = records.band::<A, LANES>(AFFINE + d, lane);
-            here = times_offset(a, node_offset::<E>(n >> d & 1), here);
-        }
+        let here = seen_from::<_, E>(n, momentum, &affine);
         sums[n] = A::Band::weights(spread.on_node(n), lane).mul_add(here, sums[n]);
     }
 }
