@@ -114,7 +114,7 @@ pub fn sparse(quick: bool) -> Result<Option<String>, CaseError> {
         "## Blocks of nodes against a dense grid\n\nThe oblique penetration with a box for the whole flight of the rod: \
          {} of {cells} cells ({:.1} %) hold particles at the end of 100 steps ([Ma2010] reports 13.13 %). The grid of \
          blocks takes {:.1} % of the memory of the dense one and {:.1} % of its time (25 % of both are asked): of a step but \
-         for passes over particles, which are the same. Of a whole step's time it is {:.1} %.\n\n{}",
+         for passes over particles. Of a whole step's time it is {:.1} %.\n\n{}",
         b.cells,
         100.0 * b.cells as f64 / cells as f64,
         100.0 * b.grid_bytes as f64 / d.grid_bytes as f64,

@@ -174,6 +174,11 @@ impl<T> Outbox<T> {
         self.records.clear();
         self.directions = 0;
     }
+    /// Does a particle go to the block `to`?
+    #[inline(always)]
+    pub fn sends(&self, to: usize) -> bool {
+        self.directions >> to & 1 == 1
+    }
     /// Add a particle that goes to bin `bin` of the block `to`: room for its numbers, and its records.
     #[inline(always)]
     pub fn post(

@@ -272,7 +272,7 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
     M: Composition<T, D>,
     K: PassKind,
 {
-    if outbox.directions >> to & 1 == 0 {
+    if !outbox.sends(to) {
         return;
     }
     let maps = maps::<T, D, M, K>();

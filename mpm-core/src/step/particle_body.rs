@@ -281,7 +281,7 @@ where
             // What lies in direction `from` of here sends towards the opposite direction.
             let sent = |(from, &s): (usize, &u32)| {
                 let to = neighbours(D) - 1 - from;
-                from != to && outboxes.get(s as usize).is_some_and(|o| o.directions >> to & 1 == 1)
+                from != to && outboxes.get(s as usize).is_some_and(|o| o.sends(to))
             };
             if slot.slots_around.iter().enumerate().any(sent) {
                 let take: TakeIn<'_, T, D, M, K> =

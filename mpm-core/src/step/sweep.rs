@@ -110,13 +110,16 @@ impl Outline {
         self.tile.prefetch_lines_early(bin * lines, lines);
         let late = block_nodes(D) * 3 / 4;
         if bin >= late {
-            self.groups.prefetch_lines_early((bin - late) * AHEAD, AHEAD);
+            self.groups.prefetch_lines_early((bin - late) * FIRST_LINES, FIRST_LINES);
         }
     }
 }
 
 /// Bins between the one at work and the one whose particles are asked for.
 const AHEAD: usize = 8;
+/// Cache lines of the groups that lie first that are asked for beside each of the last bins of the block before: in space two
+/// groups of full bins are about fifteen, so that all of them are those of some eight bins.
+const FIRST_LINES: usize = 8;
 
 /// What a pass found out.
 #[derive(Clone, Copy, Debug, Default)]
