@@ -23,6 +23,7 @@
 
 #![allow(unsafe_code)]
 
+mod aligned;
 mod avx2;
 mod avx512;
 mod functions;
@@ -32,6 +33,7 @@ mod tests;
 
 use mpm_materials::{Lane, Real, Wide};
 
+pub use aligned::AlignedRecords;
 pub use team::{Team, TeamError};
 
 /// Vectors of lanes over particles: over those of one group, a row of storage each, or over those of two groups.

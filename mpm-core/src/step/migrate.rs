@@ -351,6 +351,7 @@ where
     fn run<A: Arch<T>>(self) {
         let TakeIn { method, slot, outboxes, common, .. } = self;
         let Slot { block, tile, rows, slots_around, .. } = slot;
+        let tile = tile.all_mut();
         let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<M, T, D>>::zero());
         for from in 0..neighbours(D) {
             // What lies in direction `from` of here sent towards the opposite direction.

@@ -28,7 +28,7 @@ use crate::frame::Frame;
 use crate::geometry::Lattice;
 use crate::grid::Node;
 use crate::method::Composition;
-use crate::parallel::{Float, Team, prefetch_from};
+use crate::parallel::{AlignedRecords, Float, Team, prefetch_from};
 use crate::particles::{Block, Columns, Outbox, Place};
 use crate::scheme::{PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
@@ -350,7 +350,7 @@ where
     pub(super) fn empty_slot(&self, coordinates: [i32; D]) -> Slot<T, D> {
         Slot {
             block: Block::new(coordinates, self.dummy.clone()),
-            tile: vec![[T::default(); 4]; self.tile_records()],
+            tile: AlignedRecords::zeros(self.tile_records()),
             rows: 0,
             slots_around: vec![NONE; neighbours(D)],
             linked: 0,
@@ -453,7 +453,7 @@ where
         let around = [around, next];
         let tile = |n: usize, block: usize| {
             let slot = *around[block].get(n).unwrap_or(&NONE);
-            self.slots.get(slot as usize).map(|slot| (&slot.tile[..], slot.rows))
+            self.slots.get(slot as usize).map(|slot| (slot.tile.all(), slot.rows))
         };
         // Whose tiles the block after the next one sums up.
         for &slot in around[1].iter().skip(neighbours(D)).take(neighbours(D)) {
@@ -615,7 +615,7 @@ where
     fn bytes(&self) -> usize {
         let slot = |s: &Slot<T, D>| {
             s.block.bytes()
-                + s.tile.capacity() * size_of::<[T; 4]>()
+                + s.tile.bytes()
                 + s.slots_around.len() * size_of::<u32>()
                 + size_of::<Slot<T, D>>()
         };

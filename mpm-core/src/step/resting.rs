@@ -23,7 +23,7 @@ use crate::dim::neighbours;
 use crate::frame::Frame;
 use crate::grid::{GridStorage, OutsideGrid};
 use crate::method::Composition;
-use crate::parallel::{Float, Team};
+use crate::parallel::{AlignedRecords, Float, Team};
 use crate::particles::Columns;
 use crate::scheme::StressUpdate;
 
@@ -105,7 +105,7 @@ where
         self.spare = Vec::new();
         self.slots.retain(|slot| !slot.block.is_empty());
         self.link_slots();
-        self.slots.iter_mut().for_each(|slot| slot.tile = Vec::new());
+        self.slots.iter_mut().for_each(|slot| slot.tile = AlignedRecords::default());
         self.note_blocks();
         Ok(())
     }
@@ -179,7 +179,7 @@ where
     pub(super) fn stand_up(&mut self, team: &Team) {
         let Some(resting) = self.resting.take() else { return };
         let nodes = self.tile_records();
-        self.slots.iter_mut().for_each(|slot| slot.tile = vec![[T::default(); 4]; nodes]);
+        self.slots.iter_mut().for_each(|slot| slot.tile = AlignedRecords::zeros(nodes));
         self.nodes_around.clear();
         self.nodes_around.resize(self.slots.len() * neighbours(D), NONE);
         let two = M::Update::BEFORE_FORCES || M::Update::REMAP;
@@ -198,7 +198,7 @@ where
     /// After the particles were read.
     pub(super) fn rest_as_read(&mut self) {
         if self.resting.is_some() {
-            self.slots.iter_mut().for_each(|slot| slot.tile = Vec::new());
+            self.slots.iter_mut().for_each(|slot| slot.tile = AlignedRecords::default());
             self.note_blocks();
         }
     }

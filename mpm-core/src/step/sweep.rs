@@ -23,7 +23,7 @@ use crate::dim::{Stencil, block_nodes, neighbours};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, LINE, Pack, Whereabouts, through_memory};
+use crate::parallel::{AlignedRecords, Arch, Float, Kernel, LINE, Pack, Whereabouts, through_memory};
 use crate::particles::{Block, Members, Outbox};
 use crate::scheme::PassKind;
 use crate::shape::{ShapeFunction, bin_centre};
@@ -37,7 +37,7 @@ use crate::transfer::Transfer;
 pub struct Slot<T: Float, const D: usize> {
     /// What its particles add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
     /// the method maps two, all second ones.
-    pub tile: Vec<[T; 4]>,
+    pub tile: AlignedRecords<T>,
     /// Rows of the tile that hold sums, a bit each; nothing is known of the others.
     pub rows: u64,
     /// The particles.
@@ -60,7 +60,7 @@ const fn together<E: Stencil>(groups: usize) -> usize {
 const TOGETHER: usize = 2;
 
 /// Memory of a thread for a pass over a block.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Scratch<T: Float> {
     movers: Movers<T>,
     tile_in: TileIn<T>,
@@ -90,7 +90,7 @@ impl Outline {
     /// Of a slot.
     pub(super) fn of<T: Float, const D: usize>(slot: &Slot<T, D>) -> Self {
         let [runs, before, groups] = slot.block.outline();
-        let (tables, tile) = ([runs, before], Whereabouts::of(&slot.tile));
+        let (tables, tile) = ([runs, before], Whereabouts::of(slot.tile.all()));
         Outline { slot: Whereabouts::of(std::slice::from_ref(slot)), tables, groups, tile }
     }
 
@@ -254,7 +254,7 @@ where
         };
         let Scratch { movers, tile_in, idle } = scratch;
         let Slot { block, tile, rows, report, .. } = slot;
-        let maps = maps::<T, D, M, K>();
+        let (tile, maps) = (tile.all_mut(), maps::<T, D, M, K>());
         let stages = Stages::<T, D, C, M, K, A>::new(law, method, &common);
         let (at_work, least) = (Stages::<T, D, C, M, K, A>::AT_WORK, Stages::<T, D, C, M, K, A>::ROWS);
         let reads = Stages::<T, D, C, M, K, A>::READS;
@@ -280,6 +280,7 @@ where
             }
         }
         tile_in.load::<ExtentOf<M, T, D>, D>(nodes, around[0], reads, *rows);
+        let tile_in = tile_in.records();
         let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
         let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<M, T, D>>::zero());
@@ -311,7 +312,7 @@ where
             }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(number);
             stencil.load::<D, A, ShapeOf<M, T, D>>(tile_in, corner, by_coefficients);
-            let nodes = tile_in.from::<ExtentOf<M, T, D>>(corner);
+            let nodes = tile_in.map(|records| &records[corner..][..<ExtentOf<M, T, D> as Stencil>::SPAN]);
             let x = centre_x(&common, block_x, number, bin_centre::<ExtentOf<M, T, D>>());
             let mean = match K::DOES.strain {
                 Some(nodal) if M::Dilatation::MEAN => {

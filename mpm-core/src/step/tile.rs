@@ -11,7 +11,7 @@ use super::layout::{Nodes, numbers, rank};
 use super::scatter::Maps;
 use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::grid::Node;
-use crate::parallel::{Arch, Float, Kernel, Quad, prefetch_early_from, prefetch_from};
+use crate::parallel::{AlignedRecords, Arch, Float, Kernel, Quad, prefetch_early_from, prefetch_from};
 use crate::shape::ShapeFunction;
 
 /// Which records of the bodies' tiles to sum, and where to.
@@ -74,16 +74,16 @@ fn runs<E: Stencil>(mut rows: u64) -> impl Iterator<Item = Range<usize>> {
 }
 
 /// The nodal records that a block's particles read, and those of other blocks that none of them does.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub(super) struct TileIn<T> {
-    first: Vec<[T; 4]>,
-    second: Vec<[T; 4]>,
+    first: AlignedRecords<T>,
+    second: AlignedRecords<T>,
 }
 
 impl<T: Float> TileIn<T> {
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {
-        (self.first.capacity() + self.second.capacity()) * size_of::<[T; 4]>()
+        self.first.bytes() + self.second.bytes()
     }
 
     /// Copy at least these rows of records out of the blocks of the grid.
@@ -95,8 +95,11 @@ impl<T: Float> TileIn<T> {
         reads: Reads,
         rows: u64,
     ) {
-        self.first.resize(tile_nodes::<E>(D), [T::default(); 4]);
-        self.second.resize(tile_nodes::<E>(D), [T::default(); 4]);
+        for records in [&mut self.first, &mut self.second] {
+            if records.all().len() != tile_nodes::<E>(D) {
+                *records = AlignedRecords::zeros(tile_nodes::<E>(D));
+            }
+        }
         if nodes.layout.is_whole() {
             self.load_whole::<E, D>(nodes.all, around, reads, rows);
         } else {
@@ -143,8 +146,8 @@ impl<T: Float> TileIn<T> {
         rows: u64,
     ) {
         let (left, right) = (thirds::<E>(0).len(), thirds::<E>(2).len());
-        let first = &mut self.first[..tile_nodes::<E>(D)];
-        let second = &mut self.second[..tile_nodes::<E>(D)];
+        let first = &mut self.first.all_mut()[..tile_nodes::<E>(D)];
+        let second = &mut self.second.all_mut()[..tile_nodes::<E>(D)];
         for (bz, by) in (0..if D == 3 { 3 } else { 1 }).flat_map(|bz| (0..3).map(move |by| (bz, by))) {
             let layers = if D == 3 { thirds::<E>(bz) } else { 0..1 };
             let lines = thirds::<E>(by);
@@ -186,10 +189,10 @@ impl<T: Float> TileIn<T> {
         }
     }
 
-    /// The records, first and second, of the stencil that begins at `corner`, in tile order.
+    /// The records, first and second.
     #[inline(always)]
-    pub(super) fn from<E: Stencil>(&self, corner: usize) -> [&[[T; 4]]; 2] {
-        [&self.first[corner..][..E::SPAN], &self.second[corner..][..E::SPAN]]
+    pub(super) fn records(&self) -> [&[[T; 4]]; 2] {
+        [self.first.all(), self.second.all()]
     }
 
     /// Ask for row `row` of the nodes that another block of particles reads soon.
@@ -217,13 +220,13 @@ impl<T: Float> TileIn<T> {
     fn piece(&mut self, nodes: &[Node<T>], from: usize, to: usize, length: usize, reads: Reads) {
         let Some(found) = nodes.get(from..from + length) else { return };
         if reads.first {
-            let to = &mut self.first[to..to + length];
+            let to = &mut self.first.all_mut()[to..to + length];
             for (to, node) in to.iter_mut().zip(found) {
                 *to = node.first;
             }
         }
         if reads.second {
-            let to = &mut self.second[to..to + length];
+            let to = &mut self.second.all_mut()[to..to + length];
             for (to, node) in to.iter_mut().zip(found) {
                 *to = node.second;
             }
@@ -275,15 +278,15 @@ impl<T: Float, E: Stencil> Stencilled<T, E> {
     #[inline(always)]
     pub(super) fn load<const D: usize, A: Arch<T>, S: ShapeFunction<T, D, Extent = E>>(
         &mut self,
-        tile: &TileIn<T>,
+        [first, second]: [&[[T; 4]]; 2],
         corner: usize,
         reads: Reads,
     ) {
         if reads.first {
-            load_stencil::<T, D, A, S>(&mut self.first, &tile.first, corner);
+            load_stencil::<T, D, A, S>(&mut self.first, first, corner);
         }
         if reads.second {
-            load_stencil::<T, D, A, S>(&mut self.second, &tile.second, corner);
+            load_stencil::<T, D, A, S>(&mut self.second, second, corner);
         }
     }
 }

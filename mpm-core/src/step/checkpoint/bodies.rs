@@ -39,7 +39,7 @@ where
             slot.block.exchange(file)?;
             file.word(&mut slot.rows)?;
             if !rests {
-                file.numbers(slot.tile.iter_mut().flatten())?;
+                file.numbers(slot.tile.all_mut().iter_mut().flatten())?;
             }
         }
         file.reals(self.loading.numbers_mut())?;
