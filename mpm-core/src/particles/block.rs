@@ -150,74 +150,6 @@ fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: 
     }
 }
 
-/// Particles that left the bins of a block in a pass, for the blocks around, or itself, to take in.
-#[derive(Clone, Debug, Default)]
-pub struct Outbox<T> {
-    /// For each, the block it goes to: 0 .. 3^D, x fastest, the one it comes from in the middle.
-    pub to: Vec<u8>,
-    /// For each, the bin in that block.
-    pub bin: Vec<u8>,
-    /// For each, its numbers.
-    pub numbers: Vec<T>,
-    /// For each, the records it scatters to the nodes.
-    pub records: Vec<[T; 4]>,
-    /// Bit `to` is set if a particle goes there.
-    pub directions: u32,
-}
-
-impl<T> Outbox<T> {
-    /// Empty it, keeping its memory.
-    pub fn clear(&mut self) {
-        self.to.clear();
-        self.bin.clear();
-        self.numbers.clear();
-        self.records.clear();
-        self.directions = 0;
-    }
-    /// Does a particle go to the block `to`?
-    #[inline(always)]
-    pub fn sends(&self, to: usize) -> bool {
-        self.directions >> to & 1 == 1
-    }
-    /// Add a particle that goes to bin `bin` of the block `to`: room for its numbers, and its records.
-    #[inline(always)]
-    pub fn post(
-        &mut self,
-        to: usize,
-        bin: usize,
-        columns: usize,
-        records: impl Iterator<Item = [T; 4]>,
-    ) -> &mut [T]
-    where
-        T: Float,
-    {
-        let start = self.numbers.len();
-        // By a quarter, not by half: where a lattice of particles moves as one, many leave at once and rarely.
-        let ahead = self.to.len() / 4 + 8;
-        if self.numbers.capacity() < start + columns {
-            self.numbers.reserve_exact(ahead * columns);
-        }
-        self.to.push(to as u8);
-        self.bin.push(bin as u8);
-        for record in records {
-            if self.records.len() == self.records.capacity() {
-                self.records.reserve_exact(ahead);
-            }
-            self.records.push(record);
-        }
-        self.directions |= 1 << to;
-        self.numbers.resize(start + columns, T::default());
-        &mut self.numbers[start..]
-    }
-    /// Bytes of its memory.
-    pub fn bytes(&self) -> usize {
-        self.numbers.capacity() * size_of::<T>()
-            + self.records.capacity() * size_of::<[T; 4]>()
-            + self.to.capacity()
-            + self.bin.capacity()
-    }
-}
-
 impl<T: Float, const D: usize> Block<T, D> {
     /// An empty block. `dummy` is what a lane without a particle holds: one number a column.
     pub fn new(coordinates: [i32; D], dummy: Vec<T>) -> Self {
@@ -419,7 +351,7 @@ impl<T: Float, const D: usize> Block<T, D> {
         let group = self.before.len();
         if self.rows.len() == self.rows.capacity() {
             // A little ahead: most of it never grows again.
-            let ahead = group / 8 + 1;
+            let ahead = group / 16 + 1;
             self.before.reserve_exact(ahead);
             self.rows.reserve_exact(ahead * self.columns);
         }
@@ -432,9 +364,9 @@ impl<T: Float, const D: usize> Block<T, D> {
         group as u32
     }
 
-    /// Lay the groups out in bin order, without free ones, if free ones take more than a quarter.
+    /// Lay the groups out in bin order, without free ones, if free ones take more than a twelfth.
     pub fn tidy(&mut self) {
-        if 4 * self.in_use < 3 * self.before.len() {
+        if 12 * self.in_use < 11 * self.before.len() {
             self.pack();
         }
     }

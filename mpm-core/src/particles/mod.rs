@@ -8,8 +8,10 @@
 //! Only the store moves particles, and it moves all columns at once; a column cannot be forgotten.
 
 mod block;
+mod outbox;
 
-pub use block::{Block, Members, Outbox, Place, split};
+pub use block::{Block, Members, Place, split};
+pub use outbox::{Outbox, Sent};
 
 /// Where the columns of a particle are: rows of a group, in order.
 #[derive(Clone, Debug, PartialEq, Eq)]

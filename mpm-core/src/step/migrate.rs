@@ -6,14 +6,14 @@ use std::marker::PhantomData;
 use mpm_materials::Lane;
 
 use super::cell::{Moments, add_particle, on_cell};
-use super::scatter::{AFFINE, MOMENTUM, Maps, RECORDS, Records, Room, SpreadOf, along_axes, scatter};
+use super::scatter::{AFFINE, FORCE, MOMENTUM, Maps, RECORDS, Records, Room, SpreadOf, along_axes, scatter};
 use super::splitting::Splitter;
 use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
 use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
 use crate::dim::{BLOCK, Stencil, neighbours};
 use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel};
-use crate::particles::{Block, Columns, Outbox, Place};
+use crate::particles::{Block, Columns, Outbox, Place, Sent};
 use crate::scheme::PassKind;
 use crate::shape::ShapeFunction;
 use crate::shape::domain::MOST_NUMBERS;
@@ -36,27 +36,84 @@ pub(super) struct Cut<'a, T: Float, N> {
     pub(super) gradient: &'a [N],
 }
 
-/// The particles of the block at work that change their bins.
+/// The particles that change their bins, as a thread finds them.
 #[derive(Clone, Debug, Default)]
 pub struct Movers<T> {
-    /// Those that stay in the block: its own pass takes them in at its end.
-    within: Outbox<T>,
+    /// Those that leave their block.
+    pub(super) out: Outbox<T>,
+    /// Those of the block at work that stay in it: its own pass takes them in at its end.
+    pub(super) within: Outbox<T>,
     /// The numbers of one on its way, or of the two that it was cut in.
     moving: Vec<T>,
 }
 
-impl<T> Movers<T> {
-    /// Empty it, keeping its memory.
-    pub(super) fn clear(&mut self) {
-        self.within.clear();
-    }
-    /// Those that stay in the block.
-    pub(super) fn within(&self) -> &Outbox<T> {
-        &self.within
-    }
+impl<T: Float> Movers<T> {
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {
-        self.within.bytes() + self.moving.capacity() * size_of::<T>()
+        self.out.bytes() + self.within.bytes() + self.moving.capacity() * size_of::<T>()
+    }
+}
+
+/// The numbers of a particle's records that go with it when it leaves its bin: not those that are zero, nor G_dc beside G_cd,
+/// nor mass and momentum, where they are those of the particle itself.
+pub(super) struct Luggage {
+    /// By kind of record and place in it.
+    numbers: [(u8, u8); MOST_LUGGAGE],
+    count: usize,
+}
+/// Momentum, hoop force and load, affine part, force.
+const MOST_LUGGAGE: usize = 3 + 3 + 9 + 6;
+
+impl Luggage {
+    /// Of the particles in a pass.
+    #[inline(always)]
+    pub(super) fn of<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Self {
+        let maps = maps::<T, D, M, K>();
+        // What is cut in two gives each half of what the whole would map.
+        let plain = !maps.has_affine() && !K::DOES.splits;
+        let mut luggage = Luggage { numbers: [(0, 0); MOST_LUGGAGE], count: 0 };
+        for kind in 0..RECORDS {
+            let from = if kind < FORCE { 0 } else { kind - FORCE };
+            for c in from..if maps.uses::<D>(kind) && !(kind == MOMENTUM && plain) { D } else { 0 } {
+                luggage.numbers[luggage.count] = (kind as u8, c as u8 + 1);
+                luggage.count += 1;
+            }
+        }
+        luggage
+    }
+
+    /// How many numbers that are.
+    #[inline(always)]
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Take them from the records.
+    #[inline(always)]
+    fn pack<T: Copy>(&self, records: &[[T; 4]; RECORDS], to: &mut [T]) {
+        for (x, &(kind, c)) in to.iter_mut().zip(&self.numbers[..self.count]) {
+            *x = records[kind as usize][c as usize];
+        }
+    }
+
+    /// The records of a particle with these numbers, of which those that went with it are the last.
+    #[inline(always)]
+    fn unpack<T: Float, const D: usize>(&self, numbers: &[T], maps: Maps) -> [[T; 4]; RECORDS] {
+        let mut records = [[T::default(); 4]; RECORDS];
+        if maps.momentum {
+            records[MOMENTUM][0] = numbers[Columns::mass(D)];
+            for d in 0..D {
+                records[MOMENTUM][d + 1] = numbers[Columns::mass(D)] * numbers[Columns::velocity(D) + d];
+            }
+        }
+        let packed = &numbers[numbers.len() - self.count..];
+        for (&x, &(kind, c)) in packed.iter().zip(&self.numbers[..self.count]) {
+            records[kind as usize][c as usize] = x;
+            if kind as usize >= FORCE {
+                records[FORCE + c as usize - 1][kind as usize - FORCE + 1] = x;
+            }
+        }
+        records
     }
 }
 
@@ -66,7 +123,7 @@ impl<T> Movers<T> {
 #[inline(never)]
 pub(super) fn send_away<T: Float, N: AsRef<[T]>, const D: usize, M: Composition<T, D>, K: PassKind>(
     block: &mut Block<T, D>,
-    (outbox, movers): (&mut Outbox<T>, &mut Movers<T>),
+    Movers { out, within, moving }: &mut Movers<T>,
     report: &mut Report<T>,
     leaving: Leaving<'_, T, N>,
     records: &mut Records<T>,
@@ -74,7 +131,7 @@ pub(super) fn send_away<T: Float, N: AsRef<[T]>, const D: usize, M: Composition<
     let Leaving { bin, groups, gone, cut: Cut { long, splitter, gradient } } = leaving;
     let maps = maps::<T, D, M, K>();
     let columns = block.dummy().len();
-    let Movers { within, moving } = movers;
+    let luggage = Luggage::of::<T, D, M, K>();
     let mut leave = gone | long;
     // The last lane first: the particle that takes the place of one removed has been at work already.
     while leave != 0 {
@@ -99,7 +156,8 @@ pub(super) fn send_away<T: Float, N: AsRef<[T]>, const D: usize, M: Composition<
         }
         if long >> lane & 1 == 0 || address.far {
             address.turn::<D>(&mut own, maps);
-            let numbers = address.room::<D>(outbox, within, columns, &own, maps);
+            let (numbers, packed) = address.room::<D>(out, within).split_at_mut(columns);
+            luggage.pack(&own, packed);
             block.take(bin, place, numbers);
             address.shift::<D>(numbers);
             continue;
@@ -120,7 +178,8 @@ pub(super) fn send_away<T: Float, N: AsRef<[T]>, const D: usize, M: Composition<
             xi[..D].copy_from_slice(&child[Columns::position()..][..D]);
             let address = Address::of::<D>(&xi, bin);
             address.turn::<D>(&mut own, maps);
-            let numbers = address.room::<D>(outbox, within, columns, &own, maps);
+            let (numbers, packed) = address.room::<D>(out, within).split_at_mut(columns);
+            luggage.pack(&own, packed);
             numbers.copy_from_slice(child);
             address.shift::<D>(numbers);
         }
@@ -187,19 +246,11 @@ impl<T: Float> Address<T> {
         }
     }
 
-    /// Room for its numbers beside its records.
+    /// Room for its numbers and what goes with it.
     #[inline(always)]
-    fn room<'a, const D: usize>(
-        &self,
-        outbox: &'a mut Outbox<T>,
-        within: &'a mut Outbox<T>,
-        columns: usize,
-        records: &[[T; 4]; RECORDS],
-        maps: Maps,
-    ) -> &'a mut [T] {
-        let list = if self.to == neighbours(D) / 2 { within } else { outbox };
-        let used = records.iter().enumerate().filter(|&(kind, _)| maps.uses::<D>(kind));
-        list.post(self.to, self.bin, columns, used.map(|(_, record)| *record))
+    fn room<'a, const D: usize>(&self, out: &'a mut Outbox<T>, within: &'a mut Outbox<T>) -> &'a mut [T] {
+        let list = if self.to == neighbours(D) / 2 { within } else { out };
+        list.post(self.to, self.bin)
     }
 
     /// Make its position refer to that bin, too. Rounding may leave it at 1/2 where it was just below -1/2: that is the bin's
@@ -256,14 +307,13 @@ fn place_of<T: Float, P: Lane<Real = T>, const D: usize, M: Composition<T, D>>(
     (xi, domains.of::<P, ShapeOf<M, T, D>, D>(carried))
 }
 
-/// Append the particles that an outbox sends in direction `to` to their bins, and scatter them.
+/// Append particles that come to a block to their bins there, and scatter them.
 #[inline(always)]
-pub(super) fn take_in<T, A, const D: usize, M, K>(
+pub(super) fn take_in<'a, T, A, const D: usize, M, K>(
     method: &M,
     block: &mut Block<T, D>,
     (tile, rows): (&mut [[T; 4]], &mut u64),
-    outbox: &Outbox<T>,
-    to: usize,
+    arrivals: impl Iterator<Item = (usize, &'a [T])>,
     domains: Domains<T>,
     (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
 ) where
@@ -272,34 +322,15 @@ pub(super) fn take_in<T, A, const D: usize, M, K>(
     M: Composition<T, D>,
     K: PassKind,
 {
-    if !outbox.sends(to) {
-        return;
-    }
     let maps = maps::<T, D, M, K>();
     let columns = block.dummy().len();
-    let mut kinds = 0;
-    for kind in 0..RECORDS {
-        kinds += usize::from(maps.uses::<D>(kind));
-    }
-    for n in 0..outbox.to.len() {
-        if outbox.to[n] as usize != to {
-            continue;
-        }
-        let bin = outbox.bin[n] as usize;
-        let numbers = &outbox.numbers[n * columns..][..columns];
-        block.push(bin, numbers);
+    let luggage = Luggage::of::<T, D, M, K>();
+    for (bin, numbers) in arrivals {
+        block.push(bin, &numbers[..columns]);
         let more = rows_of::<ExtentOf<M, T, D>, D>(1 << bin) & !*rows;
         clear_rows::<T, D, ExtentOf<M, T, D>>(tile, more, maps);
         *rows |= more;
-        let mut own = [[T::default(); 4]; RECORDS];
-        let mut sent = outbox.records[n * kinds..][..kinds].iter();
-        for kind in 0..RECORDS {
-            if maps.uses::<D>(kind)
-                && let Some(record) = sent.next()
-            {
-                own[kind] = *record;
-            }
-        }
+        let own = luggage.unpack::<T, D>(numbers, maps);
         let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
         if maps.moments::<ExtentOf<M, T, D>>() {
@@ -331,7 +362,9 @@ pub struct TakeIn<'a, T: Float, const D: usize, M, K> {
     pub method: &'a M,
     /// The block that takes in.
     pub slot: &'a mut Slot<T, D>,
-    /// Outboxes of all slots.
+    /// What all slots sent, and the outboxes where it is.
+    pub sent: &'a [Sent],
+    /// The outboxes.
     pub outboxes: &'a [Outbox<T>],
     /// Shared numbers.
     pub common: Common<T>,
@@ -349,7 +382,7 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let TakeIn { method, slot, outboxes, common, .. } = self;
+        let TakeIn { method, slot, sent, outboxes, common, .. } = self;
         let Slot { block, tile, rows, slots_around, .. } = slot;
         let tile = tile.all_mut();
         let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<M, T, D>>::zero());
@@ -359,10 +392,11 @@ where
             if from == to {
                 continue; // its own pass took them in
             }
-            let Some(outbox) = outboxes.get(slots_around[from] as usize) else { continue };
+            let Some(sent) = sent.get(slots_around[from] as usize).filter(|sent| sent.goes(to)) else { continue };
+            let arrivals = outboxes[sent.outbox as usize].going(*sent, to);
             let sums = (&mut tile[..], &mut *rows);
             let scratch = (&mut records, &mut spread);
-            take_in::<T, A, D, M, K>(method, block, sums, outbox, to, common.domains, scratch);
+            take_in::<T, A, D, M, K>(method, block, sums, arrivals, common.domains, scratch);
         }
     }
 }

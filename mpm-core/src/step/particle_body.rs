@@ -12,7 +12,7 @@ use super::footprint::Footprint;
 use super::layout::{Layout, Nodes};
 use super::load::{Load, Loading, Unloaded};
 use super::merging::MergeBook;
-use super::migrate::{Domains, TakeIn};
+use super::migrate::{Domains, Luggage, TakeIn};
 use super::reference_body::Shade;
 use super::rest::Stilled;
 use super::resting::Resting;
@@ -29,7 +29,7 @@ use crate::geometry::Lattice;
 use crate::grid::Node;
 use crate::method::Composition;
 use crate::parallel::{AlignedRecords, Float, Team, prefetch_from};
-use crate::particles::{Block, Columns, Outbox, Place};
+use crate::particles::{Block, Columns, Outbox, Place, Sent};
 use crate::scheme::{PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
@@ -50,7 +50,9 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) wanted: Vec<[i32; D]>,
     /// Node block, slot and direction of each link, while they are made.
     pub(super) links: Vec<(u32, u32, usize)>,
-    /// Particles that left their bins in the last pass, by slot.
+    /// What each slot sent to others in the last pass.
+    pub(super) sent: Vec<Sent>,
+    /// The particles sent, by thread: here between passes.
     pub(super) outboxes: Vec<Outbox<T>>,
     /// Where the slots' memory lies, for a pass.
     pub(super) outlines: Vec<Outline>,
@@ -118,7 +120,7 @@ where
         index.clear();
         index.extend(self.slots.iter().enumerate().map(|(i, s)| (s.block.coordinates, i as u32)));
         index.sort_unstable();
-        self.outboxes.resize_with(self.slots.len(), Outbox::default);
+        self.sent.resize(self.slots.len(), Sent::default());
         for slot in &mut self.slots {
             let c = slot.block.coordinates;
             for (n, around) in slot.slots_around.iter_mut().enumerate() {
@@ -207,24 +209,29 @@ where
         if L::FIELD && K::DOES.field && K::DOES.force {
             self.accelerate(dt.force_time, team);
         }
-        if self.scratch.len() < team.threads() {
-            self.scratch.resize_with(team.threads(), Mutex::default);
+        for number in self.scratch.len()..team.threads() {
+            self.scratch.push(Mutex::new(Scratch::new(number)));
+            self.outboxes.push(Outbox::default());
         }
+        let luggage = Luggage::of::<T, D, M, K>().count();
+        self.outboxes.iter_mut().for_each(|outbox| outbox.clear(self.columns.count() + luggage));
+        self.hand_outboxes();
         let common = self.common(dt);
         let (law, method, dummy) = (&self.law, &self.method, &self.dummy[..]);
         self.outlines.clear();
         self.outlines.extend(self.slots.iter().map(Outline::of));
         let (nodes_around, scratch, outlines) = (&self.nodes_around, &self.scratch, &self.outlines);
-        team.each_piece(&mut self.slots, 1, &mut self.outboxes, |s, slot, outbox| {
+        team.each_piece(&mut self.slots, 1, &mut self.sent, |s, slot, sent| {
             let slot = &mut slot[0];
             let scratch = &mut *team.own(scratch);
             let (here, ahead) = nodes_around[s * neighbours(D)..].split_at(neighbours(D));
             let around = [here, &ahead[..neighbours(D).min(ahead.len())]];
             let (next, pass) = (outlines.get(s + 1), PhantomData);
             let sweep: Sweep<'_, T, D, C, M, K> =
-                Sweep { law, method, nodes, around, slot, next, outbox, dummy, scratch, common, pass };
+                Sweep { law, method, nodes, around, slot, next, sent, dummy, scratch, common, pass };
             T::dispatch(sweep);
         });
+        self.hand_outboxes();
         if (L::ACTS && K::DOES.load) || (L::FIELD && K::DOES.field) {
             self.book_load::<K>(dt.force_time);
         }
@@ -241,6 +248,14 @@ where
             }
         }
         Ok(rate)
+    }
+
+    /// Give each thread its outbox for a pass, or take it back.
+    fn hand_outboxes(&mut self) {
+        for (scratch, outbox) in self.scratch.iter_mut().zip(&mut self.outboxes) {
+            let scratch = scratch.get_mut().unwrap_or_else(PoisonError::into_inner);
+            std::mem::swap(scratch.out(), outbox);
+        }
     }
 
     /// Which particle, and where: its position, or the centre of its bin if it is on its way to another or its position
@@ -276,16 +291,16 @@ where
         }
         let common =
             self.common(Steps { this: T::default(), next: T::default(), adapt: false, force_time: 0.0 });
-        let (method, outboxes) = (&self.method, &self.outboxes);
+        let (method, sent, outboxes) = (&self.method, &self.sent, &self.outboxes);
         team.each(&mut self.slots, |_, slot| {
             // What lies in direction `from` of here sends towards the opposite direction.
-            let sent = |(from, &s): (usize, &u32)| {
+            let comes = |(from, &s): (usize, &u32)| {
                 let to = neighbours(D) - 1 - from;
-                from != to && outboxes.get(s as usize).is_some_and(|o| o.sends(to))
+                from != to && sent.get(s as usize).is_some_and(|sent| sent.goes(to))
             };
-            if slot.slots_around.iter().enumerate().any(sent) {
+            if slot.slots_around.iter().enumerate().any(comes) {
                 let take: TakeIn<'_, T, D, M, K> =
-                    TakeIn { method, slot, outboxes, common, pass: PhantomData };
+                    TakeIn { method, slot, sent, outboxes, common, pass: PhantomData };
                 T::dispatch(take);
             }
             slot.block.tidy();
@@ -313,8 +328,8 @@ where
     fn make_blocks(&mut self) -> bool {
         let mut wanted = std::mem::take(&mut self.wanted);
         wanted.clear();
-        for (slot, outbox) in self.slots.iter().zip(&self.outboxes) {
-            let mut directions = outbox.directions;
+        for (slot, sent) in self.slots.iter().zip(&self.sent) {
+            let mut directions = sent.directions;
             while directions != 0 {
                 let to = directions.trailing_zeros() as usize;
                 directions &= directions - 1;
@@ -624,6 +639,7 @@ where
             + self.index.capacity() * size_of::<([i32; D], u32)>()
             + self.wanted.capacity() * size_of::<[i32; D]>()
             + self.links.capacity() * size_of::<(u32, u32, usize)>()
+            + self.sent.capacity() * size_of::<Sent>()
             + self.outboxes.iter().map(Outbox::bytes).sum::<usize>()
             + self.scratch.iter().map(own).sum::<usize>()
             + self.outlines.capacity() * size_of::<Outline>()

@@ -24,7 +24,7 @@ use crate::frame::Frame;
 use crate::grid::{GridStorage, OutsideGrid};
 use crate::method::Composition;
 use crate::parallel::{AlignedRecords, Float, Team};
-use crate::particles::Columns;
+use crate::particles::{Columns, Sent};
 use crate::scheme::StressUpdate;
 
 /// What is known of a body while it rests.
@@ -86,7 +86,7 @@ where
         // What a law makes of rest is not asked of it but tried, by the passes of the run: a clock in its state shows.
         let (slots, splits) = (self.slots.clone(), self.splits);
         let tried = self.try_rest(longest, team);
-        self.outboxes.iter_mut().for_each(|outbox| outbox.clear());
+        self.sent.fill(Sent::default());
         let refused = match tried {
             Ok(resting) => {
                 let changed = self.changed(&slots);

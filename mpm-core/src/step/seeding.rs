@@ -80,6 +80,7 @@ where
             index: Vec::new(),
             wanted: Vec::new(),
             links: Vec::new(),
+            sent: Vec::new(),
             outboxes: Vec::new(),
             outlines: Vec::new(),
             scratch: Vec::new(),

@@ -12,7 +12,7 @@ use mpm_materials::{Constitutive, Lane};
 use super::cell::Moments;
 use super::layout::Nodes;
 use super::mean::Strained;
-use super::migrate::{Cut, Domains, Leaving, Movers, send_away, take_in};
+use super::migrate::{Cut, Domains, Leaving, Luggage, Movers, send_away, take_in};
 use super::rows::RowsMut;
 use super::scatter::{Maps, NumbersOf, Records, SpreadOf};
 use super::splitting::Splitter;
@@ -24,7 +24,7 @@ use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
 use crate::parallel::{AlignedRecords, Arch, Float, Kernel, LINE, Pack, Whereabouts, through_memory};
-use crate::particles::{Block, Members, Outbox};
+use crate::particles::{Block, Members, Outbox, Sent};
 use crate::scheme::PassKind;
 use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
@@ -62,6 +62,8 @@ const TOGETHER: usize = 2;
 /// Memory of a thread for a pass over a block.
 #[derive(Debug, Default)]
 pub struct Scratch<T: Float> {
+    /// Which one it is among those of all threads.
+    number: u32,
     movers: Movers<T>,
     tile_in: TileIn<T>,
     /// What goes through a pass beside a group that has no other.
@@ -69,6 +71,14 @@ pub struct Scratch<T: Float> {
 }
 
 impl<T: Float> Scratch<T> {
+    /// The `number`-th one, empty.
+    pub(super) fn new(number: usize) -> Self {
+        Scratch { number: number as u32, ..Scratch::default() }
+    }
+    /// Particles that left their blocks.
+    pub(super) fn out(&mut self) -> &mut Outbox<T> {
+        &mut self.movers.out
+    }
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {
         self.movers.bytes() + self.tile_in.bytes() + self.idle.capacity() * size_of::<T::Row>()
@@ -216,8 +226,8 @@ pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
     pub slot: &'a mut Slot<T, D>,
     /// The one that comes next.
     pub next: Option<&'a Outline>,
-    /// Its particles that leave it.
-    pub outbox: &'a mut Outbox<T>,
+    /// Which of the thread's particles on their way left it.
+    pub sent: &'a mut Sent,
     /// What lanes without a particle hold, as its block has it, from a place that all blocks share.
     pub dummy: &'a [T],
     /// Memory of the thread.
@@ -243,7 +253,7 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Sweep { law, method, nodes, around, slot, next: soon, outbox, dummy, scratch, common, .. } = self;
+        let Sweep { law, method, nodes, around, slot, next: soon, sent, dummy, scratch, common, .. } = self;
         // A copy of a law of plain numbers, which no write to memory can change, can stay in vectors.
         let own;
         let law = if std::mem::needs_drop::<C>() {
@@ -252,7 +262,7 @@ where
             own = law.clone();
             &own
         };
-        let Scratch { movers, tile_in, idle } = scratch;
+        let Scratch { number: thread, movers, tile_in, idle } = scratch;
         let Slot { block, tile, rows, report, .. } = slot;
         let (tile, maps) = (tile.all_mut(), maps::<T, D, M, K>());
         let stages = Stages::<T, D, C, M, K, A>::new(law, method, &common);
@@ -265,8 +275,9 @@ where
         }
         *rows = rows_of::<ExtentOf<M, T, D>, D>(block.occupied());
         clear_rows::<T, D, ExtentOf<M, T, D>>(tile, *rows, maps);
-        outbox.clear();
-        movers.clear();
+        *sent = Sent::default();
+        let sent_before = movers.out.len();
+        movers.within.clear(block.dummy().len() + Luggage::of::<T, D, M, K>().count());
         *report = Report::default();
         if block.is_empty() {
             return;
@@ -385,7 +396,7 @@ where
                         let records = &mut records;
                         send_away::<T, NumbersOf<T, A>, D, M, K>(
                             block,
-                            (outbox, movers),
+                            movers,
                             report,
                             leaving,
                             records,
@@ -409,16 +420,11 @@ where
         }
         if K::DOES.moves && !M::Frame::TOTAL {
             let here = neighbours(D) / 2;
-            let (tile, movers) = ((&mut tile[..], rows), movers.within());
-            take_in::<T, A, D, M, K>(
-                method,
-                block,
-                tile,
-                movers,
-                here,
-                common.domains,
-                (&mut records, &mut spread),
-            );
+            let stayed = movers.within.since(0, 0);
+            let arrivals = movers.within.going(stayed, here);
+            let scratch = (&mut records, &mut spread);
+            take_in::<T, A, D, M, K>(method, block, (&mut tile[..], rows), arrivals, common.domains, scratch);
+            *sent = movers.out.since(sent_before, *thread);
         }
         for i in 0..A::Batch::WIDTH {
             report.rate = report.rate.max(found.rate.lane(i));

@@ -1,0 +1,84 @@
+//! Particles on their way from one bin to another.
+
+use crate::parallel::Float;
+
+/// Particles that left their bins in a pass, those of one block behind each other, for other blocks, or the same, to take in.
+#[derive(Clone, Debug, Default)]
+pub struct Outbox<T> {
+    /// For each, the block it goes to: 0 .. 3^D, x fastest, the one it comes from in the middle.
+    to: Vec<u8>,
+    /// For each, the bin in that block.
+    bin: Vec<u8>,
+    /// For each, its numbers and what goes with it.
+    numbers: Vec<T>,
+    /// Numbers of each.
+    length: usize,
+}
+
+/// What a block sent: some of the particles of an outbox.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sent {
+    /// The outbox.
+    pub outbox: u32,
+    first: u32,
+    end: u32,
+    /// Bit `to` is set if a particle goes there.
+    pub directions: u32,
+}
+
+impl Sent {
+    /// Does a particle go to the block `to`?
+    #[inline(always)]
+    pub fn goes(&self, to: usize) -> bool {
+        self.directions >> to & 1 == 1
+    }
+}
+
+impl<T: Float> Outbox<T> {
+    /// Empty it for particles with so many numbers each, keeping its memory.
+    pub fn clear(&mut self, length: usize) {
+        self.to.clear();
+        self.bin.clear();
+        self.numbers.clear();
+        self.length = length;
+    }
+
+    /// Add a particle that goes to bin `bin` of the block `to`: room for its numbers.
+    #[inline(always)]
+    pub fn post(&mut self, to: usize, bin: usize) -> &mut [T] {
+        let start = self.numbers.len();
+        if self.numbers.capacity() < start + self.length {
+            // A little: where a lattice of particles moves as one, many leave at once and rarely.
+            self.numbers.reserve_exact((self.to.len() / 8 + 32) * self.length);
+        }
+        self.to.push(to as u8);
+        self.bin.push(bin as u8);
+        self.numbers.resize(start + self.length, T::default());
+        &mut self.numbers[start..]
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.to.len()
+    }
+
+    /// All from the place `first` on, as sent from outbox number `outbox`.
+    pub fn since(&self, first: usize, outbox: u32) -> Sent {
+        let directions = self.to[first..].iter().fold(0, |all, to| all | 1 << to);
+        Sent { outbox, first: first as u32, end: self.len() as u32, directions }
+    }
+
+    /// Of those `sent`, the ones that go to the block `to`: their bins there, and their numbers.
+    #[inline(always)]
+    pub fn going(&self, sent: Sent, to: usize) -> impl Iterator<Item = (usize, &[T])> {
+        let particles = sent.first as usize..sent.end as usize;
+        particles
+            .filter(move |&n| self.to[n] as usize == to)
+            .map(|n| (self.bin[n] as usize, &self.numbers[n * self.length..][..self.length]))
+    }
+
+    /// Bytes of its memory.
+    pub fn bytes(&self) -> usize {
+        self.numbers.capacity() * size_of::<T>() + self.to.capacity() + self.bin.capacity()
+    }
+}
