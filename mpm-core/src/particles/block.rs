@@ -1,6 +1,6 @@
 //! A block of bins with their particles.
 
-use super::Columns;
+use super::{Columns, Masses};
 use crate::dim::{BLOCK, block_nodes};
 use crate::parallel::{Float, Pack, Whereabouts, prefetch_from};
 use crate::step::checkpoint::{Archive, CheckpointError};
@@ -131,13 +131,20 @@ impl<T: Float> Groups<'_, T> {
     }
     /// As [`Block::prefetch`].
     #[inline(always)]
-    pub fn prefetch(&self, bin: usize, rows: usize) {
-        ask_for_groups(self.rows, self.before, self.columns, self.runs[bin], rows);
+    pub fn prefetch(&self, bin: usize, rows: usize, mass: Option<usize>) {
+        ask_for_groups(self.rows, self.before, self.columns, self.runs[bin], rows, mass);
     }
 }
 
 #[inline(always)]
-fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: usize) {
+fn ask_for_groups<R>(
+    all: &[R],
+    before: &[u32],
+    columns: usize,
+    run: Run,
+    rows: usize,
+    mass: Option<usize>,
+) {
     let mut group = run.last;
     if group == NONE {
         return;
@@ -145,6 +152,9 @@ fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: 
     // The last three, whatever their number: a loop's end would be guessed wrong as often as not.
     for _ in 0..3 {
         prefetch_from(all, group as usize * columns, rows);
+        if let Some(row) = mass {
+            prefetch_from(all, group as usize * columns + row, 1);
+        }
         let before = before.get(group as usize).copied().unwrap_or(NONE);
         group = if before == NONE { group } else { before };
     }
@@ -221,10 +231,10 @@ impl<T: Float, const D: usize> Block<T, D> {
     pub fn group_mut(&mut self, group: u32) -> &mut [T::Row] {
         &mut self.rows[group as usize * self.columns..][..self.columns]
     }
-    /// Ask for the first `rows` rows of the groups of a bin that comes soon, of three at most.
+    /// Ask for the first `rows` rows of the groups of a bin that comes soon, of three at most, and for that of their masses.
     #[inline(always)]
-    pub fn prefetch(&self, bin: usize, rows: usize) {
-        ask_for_groups(&self.rows, &self.before, self.columns, self.runs[bin], rows);
+    pub fn prefetch(&self, bin: usize, rows: usize, mass: Option<usize>) {
+        ask_for_groups(&self.rows, &self.before, self.columns, self.runs[bin], rows, mass);
     }
 
     /// The groups at work in a pass, of `least` rows or more.
@@ -258,17 +268,19 @@ impl<T: Float, const D: usize> Block<T, D> {
     }
 
     /// Momentum, kg m/s, and kinetic energy, J, of the particles, in the order of the groups.
-    pub fn motion(&self) -> Stilled {
+    pub fn motion(&self, masses: Masses<T>) -> Stilled {
         let mut sum = Stilled::default();
         for bin in 0..self.runs.len() {
             let mut next = self.last_group(bin);
-            while let Some((group, _)) = next {
+            while let Some((group, here)) = next {
                 next = self.group_before(group);
                 let rows = self.group(group);
                 let velocity = |d: usize| rows[Columns::velocity(D) + d].as_ref();
-                // Lanes without a particle weigh nothing.
-                for (lane, mass) in rows[Columns::mass(D)].as_ref().iter().enumerate() {
-                    let mass = mass.to_double();
+                for lane in 0..here {
+                    let mass = match masses {
+                        Masses::Equal(mass) => mass.to_double(),
+                        Masses::Each(row) => rows[row].as_ref()[lane].to_double(),
+                    };
                     for d in 0..D {
                         let v = velocity(d)[lane].to_double();
                         sum.momentum[d] += mass * v;

@@ -3,14 +3,17 @@
 //! A **group** is one [`GROUP`](crate::Float::GROUP)-wide set of particles of one bin: a row of storage
 //! for each of their numbers. A bin has a list of groups; a [`Block`] is the 4^D bins whose stencils start at
 //! the same node block, with all their groups in one piece of memory. Lanes without a particle have
-//! mass zero and a virgin state, so that kernels need not look at them.
+//! mass zero and a virgin state, so that kernels need not look at them. Where all particles of a body have the same mass,
+//! none carries it.
 //!
 //! Only the store moves particles, and it moves all columns at once; a column cannot be forgotten.
 
 mod block;
+mod masses;
 mod outbox;
 
 pub use block::{Block, Members, Place, split};
+pub use masses::Masses;
 pub use outbox::{Outbox, Sent};
 
 /// Where the columns of a particle are: rows of a group, in order.
@@ -21,14 +24,15 @@ pub struct Columns {
     domain: usize,
     load: usize,
     frame: usize,
+    mass: usize,
     names: Vec<String>,
 }
 
 impl Columns {
     /// Columns of a body: the numbers of its law's `state`, by name, `domain` numbers of a domain, `load`
-    /// numbers of a load, and `frame` of displacement and deformation.
+    /// numbers of a load, and `frame` of displacement and deformation; with a mass.
     pub fn new(dimension: usize, state: Vec<String>, domain: usize, load: usize, frame: usize) -> Self {
-        Columns { dimension, state: state.len(), domain, load, frame, names: state }
+        Columns { dimension, state: state.len(), domain, load, frame, mass: 1, names: state }
     }
     /// Rows of a group; numbers of a particle.
     #[inline(always)]
@@ -45,15 +49,10 @@ impl Columns {
     pub const fn velocity(dimension: usize) -> usize {
         dimension
     }
-    /// Row of the mass, kg.
-    #[inline(always)]
-    pub const fn mass(dimension: usize) -> usize {
-        2 * dimension
-    }
     /// First row of the law's state.
     #[inline(always)]
     pub const fn state(dimension: usize) -> usize {
-        2 * dimension + 1
+        2 * dimension
     }
     /// First row of the domain, in units of h (if carried).
     #[inline(always)]
@@ -69,10 +68,20 @@ impl Columns {
     pub fn load(&self) -> usize {
         self.domain() + self.domain
     }
+    /// Row of the mass, kg, if it is carried.
+    #[inline(always)]
+    pub fn mass(&self) -> usize {
+        self.frame() + self.frame
+    }
+    /// The same without the mass.
+    pub fn without_mass(mut self) -> Self {
+        self.mass = 0;
+        self
+    }
     /// Row of the particle's number, by which it can be told all its life.
     #[inline(always)]
     pub fn number(&self) -> usize {
-        self.frame() + self.frame
+        self.mass() + self.mass
     }
     /// First row of displacement (in units of h) and deformation gradient (if carried).
     #[inline(always)]

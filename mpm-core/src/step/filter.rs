@@ -51,7 +51,7 @@ where
         let mut roots = Vec::with_capacity(places.len());
         for &at in &places {
             self.node_weights(block, bin, at, &mut nodes);
-            let root = block.get(at, Columns::mass(D)).to_double().sqrt();
+            let root = self.mass_at(block, at).to_double().sqrt();
             numbers.extend(nodes.iter().map(|w| root * w.value));
             roots.push(root);
         }

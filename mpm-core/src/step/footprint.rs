@@ -159,7 +159,7 @@ where
     ) -> Option<Footprint<'a, D>> {
         let (numbers, state) = self.point(block, at);
         let state = state.ok()?;
-        let mass = numbers[Columns::mass(D)].to_double();
+        let mass = self.masses.of(&numbers).to_double();
         let ratio: T = self.law.volume_ratio(&state).into();
         let volume = mass / self.law.density().to_double() * ratio.to_double();
         let mut carried = self.law.stress(&state).to_mat();

@@ -71,16 +71,20 @@ impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Straine
     pub(super) fn mean<A: Arch<T>>(&self) -> Mean<A::Batch> {
         let mut sums = [A::Pack::zero(); 3];
         let mut next = self.block.last_group(self.bin);
-        while let Some((group, _)) = next {
+        let mut lane_index = A::Pack::zero();
+        for lane in 0..A::Pack::WIDTH {
+            lane_index = lane_index.with_lane(lane, T::of(lane as f64));
+        }
+        while let Some((group, here)) = next {
             next = self.block.group_before(group);
             let rows = self.block.group(group);
+            let alive = lane_index.lt(A::Pack::of(here as f64));
             let now = C::State::<A::Pack>::read(&mut Rows::of(rows).reader(Columns::state(D)));
-            // Lanes without a particle weigh nothing.
-            let mass = A::Pack::load(&rows[Columns::mass(D)]);
+            let mass = self.common.masses.of_group(alive, |row| A::Pack::load(&rows[row]));
             sums[0] = sums[0] + mass;
-            sums[1] = mass.mul_add(self.trace::<A>(rows), sums[1]);
+            sums[1] = mass.mul_add(self.trace::<A>(rows, alive), sums[1]);
             let ratio =
-                A::Pack::select(mass.gt(A::Pack::zero()), self.law.volume_ratio(&now), A::Pack::zero());
+                A::Pack::select(alive, self.law.volume_ratio(&now), A::Pack::zero());
             sums[2] = mass.mul_add(ratio, sums[2]);
         }
         let (mut mass, mut trace, mut ratio) = (T::default(), T::default(), T::default());
@@ -94,7 +98,7 @@ impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Straine
 
     /// The trace of the increment of a group's particles; zero in a lane without one.
     #[inline(always)]
-    fn trace<A: Arch<T>>(&self, rows: &[T::Row]) -> A::Pack {
+    fn trace<A: Arch<T>>(&self, rows: &[T::Row], alive: <A::Pack as Lane>::Mask) -> A::Pack {
         let Strained { method, stencil, common, .. } = *self;
         let zero = A::Pack::zero();
         let first = matches!(self.nodal, Nodal::First);
@@ -124,11 +128,9 @@ impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Straine
             increment.0[2][2] = dt * outward / xi.mul_add(spacing, A::Pack::splat(self.bin_x));
         }
         if M::Frame::TOTAL {
-            let frame = rows.len() - 1 - total::rows::<T, D, M>();
-            let f = total::load::<T, A::Pack, D, M, _>(&Rows::of(rows), frame);
+            let f = total::load::<T, A::Pack, D, M, _>(&Rows::of(rows), common.frame);
             increment = total::product::<A::Pack, D>(&increment, &total::inverse::<A::Pack, D>(&f));
         }
-        let mass = A::Pack::load(&rows[Columns::mass(D)]);
-        A::Pack::select(mass.gt(zero), increment.trace(), zero)
+        A::Pack::select(alive, increment.trace(), zero)
     }
 }

@@ -296,7 +296,7 @@ where
     /// that no number is lost.
     fn merge(&self, cluster: &[Grain<T>], relatives: bool) -> Option<[Grain<T>; 2]> {
         let double = |grain: &Grain<T>, column: usize| grain.numbers[column].to_double();
-        let mass = |grain: &Grain<T>| double(grain, Columns::mass(D));
+        let mass = |grain: &Grain<T>| self.body.masses.of(&grain.numbers).to_double();
         let mut family: Vec<Descent> = cluster.iter().map(|grain| grain.who).collect();
         family.sort_by_key(|who| who.order());
         let found = ancestors(family.into_iter());
@@ -324,7 +324,7 @@ where
 
         let mut numbers = cluster[0].numbers.clone();
         self.average(cluster, &pair, &mut numbers)?;
-        numbers[Columns::mass(D)] = T::of(0.5 * pair.mass);
+        numbers[self.body.columns.mass()] = T::of(0.5 * pair.mass);
         let cuts = Columns::state(D) + self.body.splitter.place + 6;
         let mut two = heirs.map(|who| Grain { numbers: numbers.clone(), who });
         for (grain, side) in two.iter_mut().zip([-1.0, 1.0]) {
@@ -351,7 +351,7 @@ where
         for grain in cluster {
             let state = grain.numbers[Columns::state(D)..columns.domain()].iter();
             let state: Vec<T::Single> = state.map(|&x| T::Single::from(x)).collect();
-            let mass = grain.numbers[Columns::mass(D)].to_double();
+            let mass = self.body.masses.of(&grain.numbers).to_double();
             states.push((mass, mpm_materials::point::unflatten(&state).ok()?));
         }
         let state = self.body.law.merged(&states)?;
@@ -364,7 +364,7 @@ where
         let n = pair.apart.normalize();
         let across = Matrix3::identity() - n * n.transpose();
         let extent = across * pair.moment * across * 3.0;
-        let share = |grain: &Grain<T>| grain.numbers[Columns::mass(D)].to_double() / pair.mass;
+        let share = |grain: &Grain<T>| self.body.masses.of(&grain.numbers).to_double() / pair.mass;
         let place = Columns::state(D) + self.body.splitter.place;
         let half = self.body.half[0].to_double();
         let (mut b, mut volume) = (extent / (half * half), 0.0);

@@ -98,12 +98,12 @@ impl Luggage {
 
     /// The records of a particle with these numbers, of which those that went with it are the last.
     #[inline(always)]
-    fn unpack<T: Float, const D: usize>(&self, numbers: &[T], maps: Maps) -> [[T; 4]; RECORDS] {
+    fn unpack<T: Float, const D: usize>(&self, numbers: &[T], mass: T, maps: Maps) -> [[T; 4]; RECORDS] {
         let mut records = [[T::default(); 4]; RECORDS];
         if maps.momentum {
-            records[MOMENTUM][0] = numbers[Columns::mass(D)];
+            records[MOMENTUM][0] = mass;
             for d in 0..D {
-                records[MOMENTUM][d + 1] = numbers[Columns::mass(D)] * numbers[Columns::velocity(D) + d];
+                records[MOMENTUM][d + 1] = mass * numbers[Columns::velocity(D) + d];
             }
         }
         let packed = &numbers[numbers.len() - self.count..];
@@ -314,7 +314,7 @@ pub(super) fn take_in<'a, T, A, const D: usize, M, K>(
     block: &mut Block<T, D>,
     (tile, rows): (&mut [[T; 4]], &mut u64),
     arrivals: impl Iterator<Item = (usize, &'a [T])>,
-    domains: Domains<T>,
+    common: &Common<T>,
     (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
 ) where
     T: Float,
@@ -330,7 +330,7 @@ pub(super) fn take_in<'a, T, A, const D: usize, M, K>(
         let more = rows_of::<ExtentOf<M, T, D>, D>(1 << bin) & !*rows;
         clear_rows::<T, D, ExtentOf<M, T, D>>(tile, more, maps);
         *rows |= more;
-        let own = luggage.unpack::<T, D>(numbers, maps);
+        let own = luggage.unpack::<T, D>(numbers, common.masses.of(numbers), maps);
         let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
         if maps.moments::<ExtentOf<M, T, D>>() {
@@ -341,7 +341,7 @@ pub(super) fn take_in<'a, T, A, const D: usize, M, K>(
             moments.give(if maps.together { &mut *first } else { &mut *second }, corner);
         }
         if ExtentOf::<M, T, D>::NODES == 2 && !maps.convected {
-            let (xi, domain) = place_of::<T, T::Single, D, M>(numbers, &domains);
+            let (xi, domain) = place_of::<T, T::Single, D, M>(numbers, &common.domains);
             let along = along_axes(method.shape(), &xi, &domain);
             let weights = on_cell::<T::Single, ExtentOf<M, T, D>>(&along);
             add_particle::<T, A, ExtentOf<M, T, D>>([first, second], corner, &weights, &own, maps);
@@ -350,7 +350,7 @@ pub(super) fn take_in<'a, T, A, const D: usize, M, K>(
         for kind in 0..RECORDS {
             records[kind][0] = own[kind];
         }
-        let (xi, domain) = place_of::<T, A::Batch, D, M>(numbers, &domains);
+        let (xi, domain) = place_of::<T, A::Batch, D, M>(numbers, &common.domains);
         spread.place::<T, A::Batch, _, D>(method.shape(), &xi, &domain, maps.slopes());
         scatter::<T, A, ExtentOf<M, T, D>, 1>([first, second], corner, spread, records, maps);
     }
@@ -396,7 +396,7 @@ where
             let arrivals = outboxes[sent.outbox as usize].going(*sent, to);
             let sums = (&mut tile[..], &mut *rows);
             let scratch = (&mut records, &mut spread);
-            take_in::<T, A, D, M, K>(method, block, sums, arrivals, common.domains, scratch);
+            take_in::<T, A, D, M, K>(method, block, sums, arrivals, &common, scratch);
         }
     }
 }

@@ -29,7 +29,7 @@ use crate::geometry::Lattice;
 use crate::grid::Node;
 use crate::method::Composition;
 use crate::parallel::{AlignedRecords, Float, Team, prefetch_from};
-use crate::particles::{Block, Columns, Outbox, Place, Sent};
+use crate::particles::{Block, Columns, Masses, Outbox, Place, Sent};
 use crate::scheme::{PassKind, Smooth, StressUpdate};
 use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
@@ -66,6 +66,7 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Half sizes of the particles in units of h.
     pub(super) half: [T; 3],
     pub(super) lightest: T,
+    pub(super) masses: Masses<T>,
     pub(super) load: L,
     /// Sum of the loaded areas, m^2.
     pub(super) loaded_area: f64,
@@ -196,6 +197,8 @@ where
             spacing: T::of(self.lattice.spacing()),
             origin: T::of(self.lattice.origin()[0]),
             domains: Domains { column: self.columns.domain(), half: self.half },
+            masses: self.masses,
+            frame: self.columns.frame(),
             splitter: self.splitter,
         }
     }
@@ -386,7 +389,7 @@ where
             number: numbers[self.columns.number()].to_double() as usize,
             position: [0.0; 3],
             velocity: [0.0; 3],
-            mass: numbers[Columns::mass(D)].to_double(),
+            mass: self.masses.of(&numbers).to_double(),
             volume: 0.0,
             half_edges: self.half_edges(&numbers),
             stress: [0.0; 6],
@@ -412,6 +415,14 @@ where
         p
     }
 
+    /// The mass of a particle, kg.
+    pub(super) fn mass_at(&self, block: &Block<T, D>, at: Place) -> T {
+        match self.masses {
+            Masses::Equal(mass) => mass,
+            Masses::Each(row) => block.get(at, row),
+        }
+    }
+
     /// The numbers of a particle, and its law's state.
     #[allow(clippy::type_complexity)]
     pub(super) fn point(
@@ -431,7 +442,7 @@ where
         let (numbers, state) = self.point(block, at);
         state.map_or(0.0, |state| {
             let per_volume: T = self.law.energy(&state).into();
-            let volume = numbers[Columns::mass(D)] / self.law.density();
+            let volume = self.masses.of(&numbers) / self.law.density();
             (per_volume * volume).to_double()
         })
     }
@@ -665,7 +676,7 @@ where
         let mut sum = Stilled::default();
         for &(_, slot) in &self.index {
             let slot = &mut self.slots[slot as usize];
-            let part = slot.block.motion();
+            let part = slot.block.motion(self.masses);
             sum.kinetic += part.kinetic;
             for d in 0..3 {
                 sum.momentum[d] += part.momentum[d];

@@ -196,7 +196,7 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Shadow<T, D, M> {
             for d in 0..D {
                 numbers[Columns::velocity(D) + d] = T::of(p.velocity[d]);
             }
-            numbers[Columns::mass(D)] = T::of(p.mass);
+            numbers[self.columns.mass()] = T::of(p.mass);
             numbers[self.columns.number()] = T::of(p.number as f64);
             self.put(&mut index, &std::array::from_fn(|d| p.position[d]), &mut numbers);
         });

@@ -158,7 +158,7 @@ where
         match name {
             Some(name) => name.clone(),
             None if column < Columns::velocity(D) => "position in its bin".into(),
-            None if column < Columns::mass(D) => "velocity".into(),
+            None if column < state => "velocity".into(),
             None => "domain".into(),
         }
     }

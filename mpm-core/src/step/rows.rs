@@ -30,11 +30,6 @@ impl<T: Float, S: Deref<Target = [T::Row]>> Rows<T, S> {
     pub(super) fn pair(groups: [S; 2]) -> Self {
         Rows { groups, number: PhantomData }
     }
-    /// Rows of a group.
-    #[inline(always)]
-    pub(super) fn len(&self) -> usize {
-        self.groups[0].len()
-    }
     /// The rows of one of the groups.
     #[inline(always)]
     pub(super) fn group(&self, n: usize) -> &[T::Row] {

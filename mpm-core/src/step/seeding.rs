@@ -23,7 +23,7 @@ use crate::geometry::{Lattice, Seeds};
 use crate::grid::GridStorage;
 use crate::method::Composition;
 use crate::parallel::Float;
-use crate::particles::{Columns, split};
+use crate::particles::{Columns, Masses, split};
 use crate::shape::domain::MOST_NUMBERS;
 use crate::shape::{Domain, ShapeFunction, bin_centre};
 
@@ -68,7 +68,8 @@ where
         dummy.extend(domain[..Self::DOMAIN.numbers(D)].iter().map(|&x| -> T { x.into() }));
         dummy.resize(dummy.len() + loads, T::default());
         dummy.extend(total::undeformed::<T, D, M>());
-        dummy.push(T::default());
+        dummy.resize(columns.count(), T::default());
+        let masses = Masses::Each(columns.mass());
         ParticleBody {
             name: name.into(),
             law,
@@ -88,6 +89,7 @@ where
             contributors: Vec::new(),
             half,
             lightest: T::of(f64::MAX),
+            masses,
             load,
             loaded_area: 0.0,
             loading: Loading::default(),
@@ -108,6 +110,9 @@ where
         state: Option<&InitialState<'_, T, D, C>>,
     ) {
         let density = self.law.density();
+        if state.is_none() && self.load.splitting().is_none() {
+            self.share_mass(seeds.volumes.iter().map(|&volume| density * T::of(volume)));
+        }
         let mut index = BTreeMap::new();
         let mut numbers = self.dummy.clone();
         if L::FIELD {
@@ -131,7 +136,9 @@ where
             }
             let parts = self.load.splitting().map_or(1.0, Splitting::lightest);
             self.lightest = self.lightest.min(mass * T::of(parts));
-            numbers[Columns::mass(D)] = mass;
+            if let Masses::Each(row) = self.masses {
+                numbers[row] = mass;
+            }
             if L::ACTS {
                 let area = self.load.area(&x, &seeds.half_size);
                 self.loaded_area += area;
@@ -141,6 +148,16 @@ where
             self.put(&mut index, &x, &mut numbers);
         }
         self.settle();
+    }
+
+    /// Where particles yet to come all have the same mass, let none carry it.
+    fn share_mass(&mut self, mut masses: impl Iterator<Item = T>) {
+        let Some(first) = masses.next() else { return };
+        if masses.all(|mass| mass == first) {
+            self.dummy.remove(self.columns.mass());
+            self.columns = self.columns.clone().without_mass();
+            self.masses = Masses::Equal(first);
+        }
     }
 
     /// Put a particle with these numbers at `x`, m.
@@ -202,6 +219,11 @@ where
     /// Take the particles of a body of this law over.
     fn adopt(&mut self, body: &dyn Body<T, D>) {
         let h = self.lattice.spacing();
+        let mut masses = Vec::with_capacity(body.len());
+        body.for_each(&mut |p| masses.push(T::of(p.mass)));
+        if self.load.splitting().is_none() {
+            self.share_mass(masses.into_iter());
+        }
         let mut index = BTreeMap::new();
         let mut numbers = self.dummy.clone();
         let (state, domain) = (Columns::state(D), self.columns.domain());
@@ -209,7 +231,9 @@ where
             for d in 0..D {
                 numbers[Columns::velocity(D) + d] = T::of(p.velocity[d]);
             }
-            numbers[Columns::mass(D)] = T::of(p.mass);
+            if let Masses::Each(row) = self.masses {
+                numbers[row] = T::of(p.mass);
+            }
             self.lightest = self.lightest.min(T::of(p.mass));
             for (number, x) in numbers[state..domain].iter_mut().zip(&p.state) {
                 *number = T::of(*x);

@@ -154,6 +154,8 @@ pub struct Splitter<T> {
     spacing: T,
     /// Rows of the domain: where they begin, and how many they are.
     domain: (usize, usize),
+    /// Row of the mass.
+    mass: usize,
 }
 
 /// A symmetric tensor of these components xx, yy, zz, yz, xz, xy.
@@ -233,7 +235,7 @@ impl<T: Float> Splitter<T> {
         let (square, direction) = longest::<T, D>(b);
         let offset = self.offset(square, &direction);
 
-        parent[Columns::mass(D)] *= T::of(0.5);
+        parent[self.mass] *= T::of(0.5);
         // b loses three quarters of its largest principal value: half of the stretch is left.
         let n = direction;
         let outer = [n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]];
@@ -280,7 +282,7 @@ impl<T: Float> Splitter<T> {
             list[first + columns + Columns::velocity(D) + d] += w;
             square += w * w;
         }
-        list[first + Columns::mass(D)] * square
+        list[first + self.mass] * square
     }
 }
 
@@ -374,6 +376,7 @@ where
             half: particles.half[0],
             spacing: T::of(spacing),
             domain: particles.columns.domains(),
+            mass: particles.columns.mass(),
         };
         particles.seed(seeds, velocity, None);
         self.enter(name, Box::new(particles))

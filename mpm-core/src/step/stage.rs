@@ -157,8 +157,8 @@ where
     const SUMS_NODES: bool =
         A::Batch::WIDTH == 8 && ExtentOf::<M, T, D>::NODES == 2 && !ShapeOf::<M, T, D>::DOMAIN.convects();
     const STATE: usize = <C::State<A::Batch> as State<A::Batch>>::LEN;
-    const MOTION: usize = 2 * D + 1;
-    /// First row after the law's state: of the domain, then of loads, displacement and deformation, and the number.
+    const MOTION: usize = Columns::state(D);
+    /// First row after the law's state: of the domain, then of loads, displacement and deformation, the mass, and the number.
     const REST: usize = Self::MOTION + Self::STATE;
     /// Rows that every group has.
     pub(super) const ROWS: usize = Self::REST + 1;
@@ -198,12 +198,6 @@ where
         self.common.domains.of::<A::Batch, ShapeOf<M, T, D>, D>(|n: usize| rows.load(Self::REST + n))
     }
 
-    /// First row of displacement and deformation, where particles are mapped in their reference configuration.
-    #[inline(always)]
-    fn frame(rows: &RowsMut<'_, T>) -> usize {
-        rows.len() - 1 - total::rows::<T, D, M>()
-    }
-
     /// The law's state.
     #[inline(always)]
     fn state(rows: &RowsMut<'_, T>) -> C::State<A::Batch> {
@@ -214,7 +208,7 @@ where
     #[inline(always)]
     pub(super) fn gather(
         &self,
-        rows: &mut RowsMut<'_, T>,
+        (rows, here): (&mut RowsMut<'_, T>, usize),
         bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
         stage: &mut Stage<A::Batch>,
         found: &mut Found<A::Batch>,
@@ -225,7 +219,7 @@ where
             xi[d] = rows.load(Columns::position() + d);
             v[d] = rows.load(Columns::velocity(D) + d);
         }
-        *mass = rows.load(Columns::mass(D));
+        *mass = self.common.masses.of_group(self.alive(here), |row| rows.load(row));
         let mut sampler = Sampler::<A::Batch, ExtentOf<M, T, D>>::zero();
         let by_coefficients = Self::BY_COEFFICIENTS;
         let mut weights = <ExtentOf<M, T, D> as Stencil>::Nodes::<A::Batch>::filled(A::Batch::zero());
@@ -277,7 +271,7 @@ where
         // The forces on the nodes did their work with the velocities in the middle of the step, here mapped to the
         // particle; where accelerations are not mapped, by what was mapped before.
         if does.velocity && (does.load || does.field) {
-            let frame = Self::frame(rows);
+            let frame = self.common.frame;
             let area = Self::REST + ShapeOf::<M, T, D>::DOMAIN.numbers(D);
             for d in 0..D {
                 let change = if reads.second { self.dt * increment[d] } else { nodal[d] - v[d] };
@@ -312,7 +306,7 @@ where
         let Stage { xi, v, mass, gradient, hoop_velocity, stress, volume, inverse, .. } = stage;
         let alive = self.alive(here);
         let step = A::Batch::select(alive, self.dt, A::Batch::zero());
-        let frame = Self::frame(rows);
+        let frame = self.common.frame;
         // Deformation gradient, if mapped in the reference configuration, and its inverse.
         let mut f = Mat3::identity();
         if Self::TOTAL && (does.strain.is_some() || does.force || does.moves) {
@@ -382,7 +376,7 @@ where
         let alive = self.alive(here);
         let mut domain = self.domain(rows);
         let cells = A::Batch::select(alive, self.dt, zero) * self.per_spacing;
-        let frame = Self::frame(rows);
+        let frame = self.common.frame;
         // Domains keep their sizes until the particles move, so that all passes of a step use the same weights.
         if Self::STRETCHES {
             let moved = Moved { xi, nodal, gradient, cells };

@@ -13,7 +13,7 @@ use super::sweep::{ExtentOf, ShapeOf, Slot};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
 use crate::method::Composition;
 use crate::parallel::{Arch, Float, Kernel, Pack};
-use crate::particles::Columns;
+use crate::particles::{Columns, Masses};
 use crate::shape::domain::{MOST_NUMBERS, Table, table};
 use crate::shape::{ShapeFunction, Weights, node_offset};
 
@@ -144,7 +144,7 @@ fn bins_at<E: Stencil, const D: usize>(o: &[i32; D], nodes: u64) -> u64 {
 
 /// The bins of the slots around a block that have one of `nodes` in their stencil, with particles in them.
 macro_rules! for_bins {
-    ($slots:expr, $contributors:expr, $nodes:expr, $extent:ty, $d:ident, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
+    ($slots:expr, $contributors:expr, $nodes:expr, $extent:ty, $d:ident, $masses:expr, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
         for around in 0..neighbours($d) {
             let Some($slot) = $slots.get($contributors[around] as usize) else { continue };
             let o = offset::<$d>(around);
@@ -153,7 +153,7 @@ macro_rules! for_bins {
                 let $bin = set.trailing_zeros() as usize;
                 set &= set - 1;
                 if set != 0 {
-                    $slot.block.prefetch(set.trailing_zeros() as usize, Columns::mass($d) + 1);
+                    $slot.block.prefetch(set.trailing_zeros() as usize, Columns::state($d), $masses.row());
                 }
                 if $slot.block.bin_len($bin) == 0 {
                     continue;
@@ -182,6 +182,7 @@ struct SurveyBlock<'a, T: Float, const D: usize, C, M: Composition<T, D>, const 
     half: [T; 3],
     spacing: T,
     domain: usize,
+    masses: Masses<T>,
 }
 
 const MASS_GRADIENT: u8 = 0;
@@ -205,7 +206,7 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let SurveyBlock { law, method, slots, contributors, nodes, normals, out, half, spacing, domain } =
+        let SurveyBlock { law, method, slots, contributors, nodes, normals, out, half, spacing, domain, masses } =
             self;
         let count = <ExtentOf<M, T, D> as Stencil>::NODES;
         let layers = <ExtentOf<M, T, D> as Stencil>::LAYERS;
@@ -234,7 +235,7 @@ where
         for i in 0..A::Pack::WIDTH {
             lane_index = lane_index.with_lane(i, T::of(i as f64));
         }
-        for_bins!(slots, contributors, nodes, ExtentOf<M, T, D>, D, |slot, bin, at| {
+        for_bins!(slots, contributors, nodes, ExtentOf<M, T, D>, D, masses, |slot, bin, at| {
             let mut next = slot.block.last_group(bin);
             while let Some((group, here)) = next {
                 next = slot.block.group_before(group);
@@ -257,7 +258,7 @@ where
                 if D == 2 {
                     w[2].value[0] = one;
                 }
-                let mass = A::Pack::select(alive, A::Pack::load(&group[Columns::mass(D)]), zero);
+                let mass = masses.of_group(alive, |row| A::Pack::load(&group[row]));
                 let mut amount = mass;
                 let mut stress = Sym3::<A::Pack>::zero();
                 if WHAT == VOLUME_GRADIENT || WHAT == TRACTION {
@@ -404,6 +405,7 @@ where
             half: self.half,
             spacing: T::of(self.lattice.spacing()),
             domain: self.columns.domain(),
+            masses: self.masses,
         });
     }
 
@@ -418,13 +420,14 @@ where
         let (count, layers) = (<ExtentOf<M, T, D> as Stencil>::NODES, <ExtentOf<M, T, D> as Stencil>::LAYERS);
         let one: T = T::of(1.0);
         let contributors = &self.contributors[block * neighbours(D)..][..neighbours(D)];
-        for_bins!(self.slots, contributors, nodes, ExtentOf<M, T, D>, D, |slot, bin, at| {
+        let masses = self.masses;
+        for_bins!(self.slots, contributors, nodes, ExtentOf<M, T, D>, D, masses, |slot, bin, at| {
             for place in slot.block.bin_places(bin) {
                 let number = |column: usize| slot.block.get(place, column);
                 let mut near = Near {
                     offset: [T::default(); 3],
                     half: [T::default(); 3],
-                    mass: number(Columns::mass(D)),
+                    mass: self.mass_at(&slot.block, place),
                     weight: one,
                 };
                 let kind = ShapeOf::<M, T, D>::DOMAIN;

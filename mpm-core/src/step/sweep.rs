@@ -24,7 +24,7 @@ use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
 use crate::parallel::{AlignedRecords, Arch, Float, Kernel, LINE, Pack, Whereabouts, through_memory};
-use crate::particles::{Block, Members, Outbox, Sent};
+use crate::particles::{Block, Masses, Members, Outbox, Sent};
 use crate::scheme::PassKind;
 use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
@@ -207,6 +207,10 @@ pub struct Common<T> {
     pub speeds: bool,
     /// Domain half sizes of the particles, in units of h.
     pub domains: Domains<T>,
+    /// What particles weigh.
+    pub masses: Masses<T>,
+    /// First row of displacement and deformation, where particles are mapped in their reference configuration.
+    pub frame: usize,
     /// When particles are split.
     pub splitter: Splitter<T>,
 }
@@ -269,9 +273,11 @@ where
         let (at_work, least) = (Stages::<T, D, C, M, K, A>::AT_WORK, Stages::<T, D, C, M, K, A>::ROWS);
         let reads = Stages::<T, D, C, M, K, A>::READS;
         let by_coefficients = Stages::<T, D, C, M, K, A>::BY_COEFFICIENTS;
+        // What lies apart of what is at work.
+        let mass_row = common.masses.row().filter(|row| *row >= at_work);
         let mut groups = block.groups(least);
         for bin in 0..AHEAD {
-            groups.prefetch(bin, at_work);
+            groups.prefetch(bin, at_work, mass_row);
         }
         *rows = rows_of::<ExtentOf<M, T, D>, D>(block.occupied());
         clear_rows::<T, D, ExtentOf<M, T, D>>(tile, *rows, maps);
@@ -319,7 +325,7 @@ where
                 continue;
             }
             if number + AHEAD < block_nodes(D) {
-                groups.prefetch(number + AHEAD, at_work);
+                groups.prefetch(number + AHEAD, at_work, mass_row);
             }
             let corner = tile_corner::<ExtentOf<M, T, D>, D>(number);
             stencil.load::<D, A, ShapeOf<M, T, D>>(tile_in, corner, by_coefficients);
@@ -366,7 +372,7 @@ where
                     let (members, here) = at[taken];
                     let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(members, idle));
                     let stage = &mut stage[taken];
-                    stages.gather(rows, &bin, stage, &mut found);
+                    stages.gather((rows, here), &bin, stage, &mut found);
                     if together == 1 {
                         stages.strain((rows, here), &bin, stage, &mut found, report);
                         let scratch = (&mut records, &mut spread);
@@ -423,7 +429,7 @@ where
             let stayed = movers.within.since(0, 0);
             let arrivals = movers.within.going(stayed, here);
             let scratch = (&mut records, &mut spread);
-            take_in::<T, A, D, M, K>(method, block, (&mut tile[..], rows), arrivals, common.domains, scratch);
+            take_in::<T, A, D, M, K>(method, block, (&mut tile[..], rows), arrivals, &common, scratch);
             *sent = movers.out.since(sent_before, *thread);
         }
         for i in 0..A::Batch::WIDTH {
