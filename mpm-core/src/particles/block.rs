@@ -137,14 +137,7 @@ impl<T: Float> Groups<'_, T> {
 }
 
 #[inline(always)]
-fn ask_for_groups<R>(
-    all: &[R],
-    before: &[u32],
-    columns: usize,
-    run: Run,
-    rows: usize,
-    mass: Option<usize>,
-) {
+fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: usize, mass: Option<usize>) {
     let mut group = run.last;
     if group == NONE {
         return;

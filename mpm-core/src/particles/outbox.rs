@@ -58,14 +58,14 @@ impl<T: Float> Outbox<T> {
     }
 
     /// How many there are.
-    pub fn len(&self) -> usize {
+    pub fn posted(&self) -> usize {
         self.to.len()
     }
 
     /// All from the place `first` on, as sent from outbox number `outbox`.
     pub fn since(&self, first: usize, outbox: u32) -> Sent {
         let directions = self.to[first..].iter().fold(0, |all, to| all | 1 << to);
-        Sent { outbox, first: first as u32, end: self.len() as u32, directions }
+        Sent { outbox, first: first as u32, end: self.posted() as u32, directions }
     }
 
     /// Of those `sent`, the ones that go to the block `to`: their bins there, and their numbers.
@@ -80,5 +80,40 @@ impl<T: Float> Outbox<T> {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
         self.numbers.capacity() * size_of::<T>() + self.to.capacity() + self.bin.capacity()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_find_what_was_sent_to_them() {
+        let mut outbox = Outbox::default();
+        for pass in 0..2 {
+            outbox.clear(2 + pass);
+            let mut sent = Vec::new();
+            // Three blocks: of three particles, none, and more than there is room for at first.
+            for (block, count) in [(0, 3), (1, 0), (2, 500)] {
+                let first = outbox.posted();
+                for n in 0..count {
+                    outbox.post(n % 5, n % 64)[1] = (1000 * block + n) as f64;
+                }
+                sent.push(outbox.since(first, block as u32));
+            }
+            for (block, (sent, count)) in sent.iter().zip([3, 0, 500]).enumerate() {
+                assert_eq!(sent.outbox, block as u32);
+                for to in 0..9 {
+                    let expected: Vec<usize> = (0..count).filter(|n| n % 5 == to).collect();
+                    assert_eq!(sent.goes(to), !expected.is_empty());
+                    let found: Vec<(usize, f64)> =
+                        outbox.going(*sent, to).map(|(bin, numbers)| (bin, numbers[1])).collect();
+                    let expected: Vec<(usize, f64)> =
+                        expected.iter().map(|n| (n % 64, (1000 * block + n) as f64)).collect();
+                    assert_eq!(found, expected);
+                    assert!(outbox.going(*sent, to).all(|(_, numbers)| numbers.len() == 2 + pass));
+                }
+            }
+        }
     }
 }

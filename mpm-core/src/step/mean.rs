@@ -83,8 +83,7 @@ impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Straine
             let mass = self.common.masses.of_group(alive, |row| A::Pack::load(&rows[row]));
             sums[0] = sums[0] + mass;
             sums[1] = mass.mul_add(self.trace::<A>(rows, alive), sums[1]);
-            let ratio =
-                A::Pack::select(alive, self.law.volume_ratio(&now), A::Pack::zero());
+            let ratio = A::Pack::select(alive, self.law.volume_ratio(&now), A::Pack::zero());
             sums[2] = mass.mul_add(ratio, sums[2]);
         }
         let (mut mass, mut trace, mut ratio) = (T::default(), T::default(), T::default());

@@ -73,7 +73,7 @@ impl Luggage {
         let plain = !maps.has_affine() && !K::DOES.splits;
         let mut luggage = Luggage { numbers: [(0, 0); MOST_LUGGAGE], count: 0 };
         for kind in 0..RECORDS {
-            let from = if kind < FORCE { 0 } else { kind - FORCE };
+            let from = kind.saturating_sub(FORCE);
             for c in from..if maps.uses::<D>(kind) && !(kind == MOMENTUM && plain) { D } else { 0 } {
                 luggage.numbers[luggage.count] = (kind as u8, c as u8 + 1);
                 luggage.count += 1;
@@ -392,7 +392,9 @@ where
             if from == to {
                 continue; // its own pass took them in
             }
-            let Some(sent) = sent.get(slots_around[from] as usize).filter(|sent| sent.goes(to)) else { continue };
+            let Some(sent) = sent.get(slots_around[from] as usize).filter(|sent| sent.goes(to)) else {
+                continue;
+            };
             let arrivals = outboxes[sent.outbox as usize].going(*sent, to);
             let sums = (&mut tile[..], &mut *rows);
             let scratch = (&mut records, &mut spread);

@@ -206,8 +206,19 @@ where
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let SurveyBlock { law, method, slots, contributors, nodes, normals, out, half, spacing, domain, masses } =
-            self;
+        let SurveyBlock {
+            law,
+            method,
+            slots,
+            contributors,
+            nodes,
+            normals,
+            out,
+            half,
+            spacing,
+            domain,
+            masses,
+        } = self;
         let count = <ExtentOf<M, T, D> as Stencil>::NODES;
         let layers = <ExtentOf<M, T, D> as Stencil>::LAYERS;
         let (zero, one) = (A::Pack::zero(), A::Pack::one());

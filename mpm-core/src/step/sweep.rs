@@ -282,7 +282,7 @@ where
         *rows = rows_of::<ExtentOf<M, T, D>, D>(block.occupied());
         clear_rows::<T, D, ExtentOf<M, T, D>>(tile, *rows, maps);
         *sent = Sent::default();
-        let sent_before = movers.out.len();
+        let sent_before = movers.out.posted();
         movers.within.clear(block.dummy().len() + Luggage::of::<T, D, M, K>().count());
         *report = Report::default();
         if block.is_empty() {
@@ -400,13 +400,7 @@ where
                         Stages::<T, D, C, M, K, A>::part(stage, long, &mut records);
                         let leaving = Leaving { bin: number, groups: members.both(), gone, cut };
                         let records = &mut records;
-                        send_away::<T, NumbersOf<T, A>, D, M, K>(
-                            block,
-                            movers,
-                            report,
-                            leaving,
-                            records,
-                        );
+                        send_away::<T, NumbersOf<T, A>, D, M, K>(block, movers, report, leaving, records);
                         groups = block.groups(least);
                     }
                     let tiles = [&mut *first, &mut *second];

@@ -95,11 +95,8 @@ impl<T: Float> TileIn<T> {
         reads: Reads,
         rows: u64,
     ) {
-        for records in [&mut self.first, &mut self.second] {
-            if records.all().len() != tile_nodes::<E>(D) {
-                *records = AlignedRecords::zeros(tile_nodes::<E>(D));
-            }
-        }
+        self.first.have(tile_nodes::<E>(D));
+        self.second.have(tile_nodes::<E>(D));
         if nodes.layout.is_whole() {
             self.load_whole::<E, D>(nodes.all, around, reads, rows);
         } else {

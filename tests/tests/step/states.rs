@@ -64,6 +64,29 @@ fn a_body_may_start_in_equilibrium() {
     assert!(resting < 0.01 * bouncing, "{resting:e} against {bouncing:e}");
 }
 
+/// A mass that all particles of a body have is the body's number, not theirs; nothing else changes.
+#[test]
+fn equal_masses_are_not_carried() {
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let seeds = block(&lattice, [0, 0], [3, 12], 2, 0.0);
+    let rising = |[_, y]: [f64; 2]| [0.0, 0.2 * wave_speed() * y / HEIGHT];
+    let (mut equal, mut own) = (column(lattice, 0.0), column(lattice, 0.0));
+    equal.add("column", rubber(), &seeds, rising).expect("body");
+    // Bodies that start in a state carry masses, since each point may have another density; here none has.
+    own.add_in_state("column", rubber(), &seeds, rising, |_| pressed(0.0)).expect("body");
+    assert_eq!(equal.bodies()[0].columns() + 1, own.bodies()[0].columns());
+    for _ in 0..60 {
+        equal.step().expect("step");
+        own.step().expect("step");
+    }
+    let (equal, own) = (particles(&equal), particles(&own));
+    let top = equal[0].iter().map(|p| p.position[1]).fold(0.0, f64::max);
+    assert!(top > HEIGHT + 0.5 * H, "particles must change their bins: {top}");
+    for (a, b) in equal[0].iter().zip(&own[0]) {
+        assert_eq!((a.mass, a.position, a.velocity, a.stress), (b.mass, b.position, b.velocity, b.stress));
+    }
+}
+
 #[test]
 fn a_state_that_cannot_be_is_refused() {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
