@@ -357,7 +357,9 @@ impl Whereabouts {
     #[inline(always)]
     pub fn prefetch_lines_early(self, first: usize, lines: usize) {
         let address = self.first + first * LINE;
-        ask_at::<u8, false>(std::ptr::without_provenance(address), lines * LINE - 1);
+        if lines > 0 {
+            ask_at::<u8, false>(std::ptr::without_provenance(address), lines * LINE - 1);
+        }
     }
 }
 
