@@ -36,6 +36,16 @@ use mpm_materials::{Lane, Real, Wide};
 pub use aligned::AlignedRecords;
 pub use team::{Team, TeamError};
 
+/// The numbers of its lanes: 0, 1, 2 ...
+#[inline(always)]
+pub(crate) fn lane_numbers<T: Float, P: Lane<Real = T>>() -> P {
+    let mut numbers = P::zero();
+    for lane in 0..P::WIDTH {
+        numbers = numbers.with_lane(lane, T::of(lane as f64));
+    }
+    numbers
+}
+
 /// Vectors of lanes over particles: over those of one group, a row of storage each, or over those of two groups.
 pub trait Pack<T: Float>: Lane<Real = T> {
     /// Groups whose lanes it takes together, 1 or 2.

@@ -270,10 +270,7 @@ impl<T: Float, const D: usize> Block<T, D> {
                 let rows = self.group(group);
                 let velocity = |d: usize| rows[Columns::velocity(D) + d].as_ref();
                 for lane in 0..here {
-                    let mass = match masses {
-                        Masses::Equal(mass) => mass.to_double(),
-                        Masses::Each(row) => rows[row].as_ref()[lane].to_double(),
-                    };
+                    let mass = masses.read(|row| rows[row].as_ref()[lane]).to_double();
                     for d in 0..D {
                         let v = velocity(d)[lane].to_double();
                         sum.momentum[d] += mass * v;

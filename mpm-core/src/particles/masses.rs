@@ -15,9 +15,15 @@ impl<T: Float> Masses<T> {
     /// Of a particle with these numbers.
     #[inline(always)]
     pub fn of(&self, numbers: &[T]) -> T {
+        self.read(|row| numbers[row])
+    }
+
+    /// Of a particle of which `row` reads a row.
+    #[inline(always)]
+    pub fn read(&self, row: impl FnOnce(usize) -> T) -> T {
         match *self {
             Masses::Equal(mass) => mass,
-            Masses::Each(row) => numbers[row],
+            Masses::Each(at) => row(at),
         }
     }
 

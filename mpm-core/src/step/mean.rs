@@ -11,7 +11,7 @@ use crate::dilatation::MeanDilatation;
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Pack};
+use crate::parallel::{Arch, Float, Pack, lane_numbers};
 use crate::particles::{Block, Columns};
 use crate::scheme::Nodal;
 use crate::transfer::Transfer;
@@ -71,10 +71,7 @@ impl<T: Float, const D: usize, C: Constitutive<T>, M: Composition<T, D>> Straine
     pub(super) fn mean<A: Arch<T>>(&self) -> Mean<A::Batch> {
         let mut sums = [A::Pack::zero(); 3];
         let mut next = self.block.last_group(self.bin);
-        let mut lane_index = A::Pack::zero();
-        for lane in 0..A::Pack::WIDTH {
-            lane_index = lane_index.with_lane(lane, T::of(lane as f64));
-        }
+        let lane_index = lane_numbers::<T, A::Pack>();
         while let Some((group, here)) = next {
             next = self.block.group_before(group);
             let rows = self.block.group(group);

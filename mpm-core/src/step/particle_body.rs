@@ -417,10 +417,7 @@ where
 
     /// The mass of a particle, kg.
     pub(super) fn mass_at(&self, block: &Block<T, D>, at: Place) -> T {
-        match self.masses {
-            Masses::Equal(mass) => mass,
-            Masses::Each(row) => block.get(at, row),
-        }
+        self.masses.read(|row| block.get(at, row))
     }
 
     /// The numbers of a particle, and its law's state.

@@ -19,7 +19,7 @@ use crate::dim::{Array, BLOCK, Stencil};
 use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Pack};
+use crate::parallel::{Arch, Float, Pack, lane_numbers};
 use crate::particles::Columns;
 use crate::scheme::{Nodal, Pass, PassKind};
 use crate::shape::ShapeFunction;
@@ -168,10 +168,6 @@ where
 
     #[inline(always)]
     pub(super) fn new(law: &'a C, method: &'a M, common: &'a Common<T>) -> Self {
-        let mut lane_index = A::Batch::zero();
-        for i in 0..A::Batch::WIDTH {
-            lane_index = lane_index.with_lane(i, T::of(i as f64));
-        }
         let spacing = A::Batch::splat(common.spacing);
         Stages {
             law,
@@ -181,7 +177,7 @@ where
             spacing,
             per_spacing: spacing.recip(),
             per_density: A::Batch::splat(law.density()).recip(),
-            lane_index,
+            lane_index: lane_numbers::<T, A::Batch>(),
             pass: PhantomData,
         }
     }

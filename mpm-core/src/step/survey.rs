@@ -12,7 +12,7 @@ use super::rows::Rows;
 use super::sweep::{ExtentOf, ShapeOf, Slot};
 use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
 use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, Pack};
+use crate::parallel::{Arch, Float, Kernel, Pack, lane_numbers};
 use crate::particles::{Columns, Masses};
 use crate::shape::domain::{MOST_NUMBERS, Table, table};
 use crate::shape::{ShapeFunction, Weights, node_offset};
@@ -242,10 +242,7 @@ where
                 sizes[node] = square.sqrt();
             }
         }
-        let mut lane_index = zero;
-        for i in 0..A::Pack::WIDTH {
-            lane_index = lane_index.with_lane(i, T::of(i as f64));
-        }
+        let lane_index = lane_numbers::<T, A::Pack>();
         for_bins!(slots, contributors, nodes, ExtentOf<M, T, D>, D, masses, |slot, bin, at| {
             let mut next = slot.block.last_group(bin);
             while let Some((group, here)) = next {
