@@ -1,5 +1,7 @@
 //! A block of bins with their particles.
 
+use std::sync::Arc;
+
 use super::{Columns, Masses};
 use crate::dim::{BLOCK, block_nodes};
 use crate::parallel::{Float, Pack, Whereabouts, prefetch_from};
@@ -48,10 +50,12 @@ pub struct Place {
 pub struct Block<T: Float, const D: usize> {
     /// Block coordinates: it holds the bins `BLOCK * coordinates[d] .. BLOCK * (coordinates[d] + 1)`.
     pub coordinates: [i32; D],
-    /// Numbers of a particle: rows of a group.
+    /// Rows of a group.
     columns: usize,
     runs: Vec<Run>,
     rows: Vec<T::Row>,
+    /// The number of each lane's particle, where it is not the last row of its group.
+    numbers: Vec<u32>,
     /// The group before each in its list.
     before: Vec<u32>,
     /// The list of free groups.
@@ -61,8 +65,8 @@ pub struct Block<T: Float, const D: usize> {
     particles: usize,
     /// Bins with particles, a bit each.
     occupied: u64,
-    /// What a lane without a particle holds.
-    dummy: Vec<T>,
+    /// What a lane without a particle holds: one number for each of a particle.
+    dummy: Arc<[T]>,
 }
 
 /// Groups of a bin that go through a pass together.
@@ -88,6 +92,7 @@ impl Members {
 /// The groups of a block at work: where they lie, for a pass that looks at every one of them.
 pub struct Groups<'a, T: Float> {
     rows: &'a mut [T::Row],
+    numbers: &'a [u32],
     before: &'a [u32],
     runs: &'a [Run],
     columns: usize,
@@ -129,10 +134,27 @@ impl<T: Float> Groups<'_, T> {
             }
         }
     }
+    /// As [`Block::number`], of a lane of groups that go through a pass together.
+    #[inline(always)]
+    pub fn number(&self, members: Members, lane: usize) -> usize {
+        let group = members.both()[lane / T::GROUP % 2];
+        number_of::<T>(self.rows, self.numbers, self.columns, Place { group, lane: (lane % T::GROUP) as u32 })
+    }
     /// As [`Block::prefetch`].
     #[inline(always)]
     pub fn prefetch(&self, bin: usize, rows: usize, mass: Option<usize>) {
         ask_for_groups(self.rows, self.before, self.columns, self.runs[bin], rows, mass);
+    }
+}
+
+/// The number by which the particle at a place can be told: among the `numbers`, or in the last row of its group. A call, so
+/// that passes keep in registers what it asks for.
+#[inline(never)]
+fn number_of<T: Float>(rows: &[T::Row], numbers: &[u32], columns: usize, at: Place) -> usize {
+    let (group, lane) = (at.group as usize, at.lane as usize);
+    match numbers.get(group * T::GROUP + lane) {
+        Some(number) => *number as usize,
+        None => rows[(group + 1) * columns - 1].as_ref()[lane].to_double() as usize,
     }
 }
 
@@ -154,13 +176,15 @@ fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: 
 }
 
 impl<T: Float, const D: usize> Block<T, D> {
-    /// An empty block. `dummy` is what a lane without a particle holds: one number a column.
-    pub fn new(coordinates: [i32; D], dummy: Vec<T>) -> Self {
+    /// An empty block for particles with these columns. `dummy` is what a lane without a particle holds.
+    pub fn new(coordinates: [i32; D], columns: &Columns, dummy: Arc<[T]>) -> Self {
+        debug_assert_eq!(columns.count(), dummy.len());
         Block {
             coordinates,
-            columns: dummy.len(),
+            columns: columns.rows(),
             runs: vec![Run { last: NONE, particles: 0 }; block_nodes(D)],
             rows: Vec::new(),
+            numbers: Vec::new(),
             before: Vec::new(),
             free: NONE,
             in_use: 0,
@@ -187,9 +211,8 @@ impl<T: Float, const D: usize> Block<T, D> {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
         self.rows.capacity() * size_of::<T::Row>()
-            + self.before.capacity() * size_of::<u32>()
+            + (self.before.capacity() + self.numbers.capacity()) * size_of::<u32>()
             + self.runs.capacity() * size_of::<Run>()
-            + self.dummy.capacity() * size_of::<T>()
     }
     /// Where the two tables of its groups lie, and the groups.
     pub fn outline(&self) -> [Whereabouts; 3] {
@@ -235,11 +258,30 @@ impl<T: Float, const D: usize> Block<T, D> {
     pub fn groups(&mut self, least: usize) -> Groups<'_, T> {
         Groups {
             rows: &mut self.rows,
+            numbers: &self.numbers,
             before: &self.before,
             runs: &self.runs[..block_nodes(D)],
             // They are not fewer; said so that the compiler knows.
             columns: self.columns.max(least),
         }
+    }
+
+    /// Numbers of a particle.
+    #[inline(always)]
+    pub fn particle_numbers(&self) -> usize {
+        self.dummy.len()
+    }
+
+    /// Does the number of a particle lie apart?
+    #[inline(always)]
+    fn apart(&self) -> bool {
+        self.columns < self.dummy.len()
+    }
+
+    /// The number by which a particle can be told.
+    #[inline(always)]
+    pub fn number(&self, at: Place) -> usize {
+        number_of::<T>(&self.rows, &self.numbers, self.columns, at)
     }
 
     /// The number of column `column` of a particle.
@@ -258,6 +300,9 @@ impl<T: Float, const D: usize> Block<T, D> {
     #[inline(always)]
     pub fn read(&self, at: Place, numbers: &mut Vec<T>) {
         numbers.extend(self.group(at.group).iter().map(|row| row.as_ref()[at.lane as usize]));
+        if self.apart() {
+            numbers.push(T::of(self.number(at) as f64));
+        }
     }
 
     /// Momentum, kg m/s, and kinetic energy, J, of the particles, in the order of the groups.
@@ -303,12 +348,15 @@ impl<T: Float, const D: usize> Block<T, D> {
         for (row, &x) in self.group_mut(group).iter_mut().zip(numbers) {
             row.as_mut()[lane] = x;
         }
+        if self.apart() {
+            self.numbers[group as usize * T::GROUP + lane] = numbers[self.columns].to_double() as u32;
+        }
         self.runs[bin] = Run { last: group, particles: particles + 1 };
         self.particles += 1;
         self.occupied |= 1 << bin;
     }
 
-    /// Take a particle out of a bin, with its `numbers`, one a column; the bin's last one takes its place.
+    /// Take a particle out of a bin, with its `numbers`; the bin's last one takes its place.
     #[inline(always)]
     pub fn take(&mut self, bin: usize, at: Place, numbers: &mut [T]) {
         let Run { last, particles } = self.runs[bin];
@@ -317,7 +365,12 @@ impl<T: Float, const D: usize> Block<T, D> {
             let first = group as usize * self.columns;
             first..first + self.columns
         };
-        let numbers = numbers.iter_mut().zip(&self.dummy);
+        if self.apart() {
+            let taken = at.group as usize * T::GROUP + to;
+            numbers[self.columns] = T::of(f64::from(self.numbers[taken]));
+            self.numbers[taken] = self.numbers[last as usize * T::GROUP + lane];
+        }
+        let numbers = numbers.iter_mut().zip(&*self.dummy);
         if at.group == last {
             for (row, (number, dummy)) in self.rows[group(last)].iter_mut().zip(numbers) {
                 let row = row.as_mut();
@@ -353,12 +406,16 @@ impl<T: Float, const D: usize> Block<T, D> {
         let group = self.before.len();
         if self.rows.len() == self.rows.capacity() {
             // A little ahead: most of it never grows again.
-            let ahead = group / 16 + 1;
+            let ahead = group / 32 + 1;
             self.before.reserve_exact(ahead);
             self.rows.reserve_exact(ahead * self.columns);
+            self.numbers.reserve_exact(if self.apart() { ahead * T::GROUP } else { 0 });
         }
         self.before.push(before);
-        for &x in &self.dummy {
+        if self.apart() {
+            self.numbers.resize(self.before.len() * T::GROUP, 0);
+        }
+        for &x in &self.dummy[..self.columns] {
             let mut row = T::Row::default();
             row.as_mut().fill(x);
             self.rows.push(row);
@@ -377,11 +434,14 @@ impl<T: Float, const D: usize> Block<T, D> {
     pub fn pack(&mut self) {
         let mut rows = Vec::with_capacity(self.in_use * self.columns);
         let mut before = Vec::with_capacity(self.in_use);
+        let lanes = if self.apart() { T::GROUP } else { 0 };
+        let mut numbers = Vec::with_capacity(self.in_use * lanes);
         for bin in 0..self.runs.len() {
             let first = before.len();
             let mut group = self.runs[bin].last;
             while group != NONE {
                 rows.extend_from_slice(self.group(group));
+                numbers.extend_from_slice(&self.numbers[group as usize * lanes..][..lanes]);
                 before.push(before.len() as u32 + 1);
                 group = self.before[group as usize];
             }
@@ -391,7 +451,7 @@ impl<T: Float, const D: usize> Block<T, D> {
                 before[end] = NONE;
             }
         }
-        (self.rows, self.before, self.free) = (rows, before, NONE);
+        (self.rows, self.numbers, self.before, self.free) = (rows, numbers, before, NONE);
     }
 
     /// Coordinates of a bin.
@@ -419,7 +479,7 @@ impl<T: Float, const D: usize> Block<T, D> {
     /// Take the particles of all bins to a file, in the order they were pushed in; or push those of a file to this block, which
     /// is empty.
     pub(crate) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        let mut numbers = Vec::with_capacity(self.columns);
+        let mut numbers = Vec::with_capacity(self.particle_numbers());
         for bin in 0..self.runs.len() {
             let groups = std::iter::successors(self.last_group(bin), |&(group, _)| self.group_before(group));
             let mut groups: Vec<(u32, usize)> = groups.collect();
@@ -432,7 +492,7 @@ impl<T: Float, const D: usize> Block<T, D> {
                     Some(&(group, _)) => {
                         self.read(Place { group, lane: (n % T::GROUP) as u32 }, &mut numbers)
                     }
-                    None => numbers.resize(self.columns, T::default()),
+                    None => numbers.resize(self.particle_numbers(), T::default()),
                 }
                 file.numbers(&mut numbers)?;
                 if file.reads() {
@@ -441,11 +501,6 @@ impl<T: Float, const D: usize> Block<T, D> {
             }
         }
         Ok(())
-    }
-
-    /// The dummy of this block.
-    pub fn dummy(&self) -> &[T] {
-        &self.dummy
     }
 }
 

@@ -49,7 +49,7 @@ impl<T: Float> Outbox<T> {
         let start = self.numbers.len();
         if self.numbers.capacity() < start + self.length {
             // A little: where a lattice of particles moves as one, many leave at once and rarely.
-            self.numbers.reserve_exact((self.to.len() / 8 + 32) * self.length);
+            self.numbers.reserve_exact((self.to.len() / 16 + 32) * self.length);
         }
         self.to.push(to as u8);
         self.bin.push(bin as u8);

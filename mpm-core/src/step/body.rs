@@ -234,8 +234,8 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn cast(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]);
     /// Bytes of memory held, all scratch included.
     fn bytes(&self) -> usize;
-    /// Numbers stored a particle.
-    fn columns(&self) -> usize;
+    /// Bytes that a particle carries.
+    fn particle_bytes(&self) -> usize;
     /// How its particles were split since the start.
     fn splits(&self) -> SplitBook {
         SplitBook::default()

@@ -283,7 +283,7 @@ where
         if *book == before {
             return;
         }
-        let mut numbers = block.dummy().to_vec();
+        let mut numbers = vec![T::default(); block.particle_numbers()];
         while let Some((group, particles)) = block.last_group(bin) {
             block.take(bin, Place { group, lane: particles as u32 - 1 }, &mut numbers);
         }

@@ -130,7 +130,7 @@ pub(super) fn send_away<T: Float, N: AsRef<[T]>, const D: usize, M: Composition<
 ) {
     let Leaving { bin, groups, gone, cut: Cut { long, splitter, gradient } } = leaving;
     let maps = maps::<T, D, M, K>();
-    let columns = block.dummy().len();
+    let columns = block.particle_numbers();
     let luggage = Luggage::of::<T, D, M, K>();
     let mut leave = gone | long;
     // The last lane first: the particle that takes the place of one removed has been at work already.
@@ -150,7 +150,7 @@ pub(super) fn send_away<T: Float, N: AsRef<[T]>, const D: usize, M: Composition<
         }
         let address = Address::of::<D>(&xi, bin);
         if address.far {
-            let particle = block.get(place, columns - 1).to_double() as usize;
+            let particle = block.number(place);
             let trouble = Trouble { bin, particle, cause: Cause::TooFast };
             report.trouble = report.trouble.or(Some(trouble));
         }
@@ -323,7 +323,7 @@ pub(super) fn take_in<'a, T, A, const D: usize, M, K>(
     K: PassKind,
 {
     let maps = maps::<T, D, M, K>();
-    let columns = block.dummy().len();
+    let columns = block.particle_numbers();
     let luggage = Luggage::of::<T, D, M, K>();
     for (bin, numbers) in arrivals {
         block.push(bin, &numbers[..columns]);

@@ -1,7 +1,7 @@
 //! A body of particles of one law in one method.
 
 use std::marker::PhantomData;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use mpm_materials::{Breakdown, Constitutive, Lane};
 
@@ -49,7 +49,7 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Places that particles left for, or may soon, while blocks are made.
     pub(super) wanted: Vec<[i32; D]>,
     /// Node block, slot and direction of each link, while they are made.
-    pub(super) links: Vec<(u32, u32, usize)>,
+    pub(super) links: Vec<(u32, u32, u8)>,
     /// What each slot sent to others in the last pass.
     pub(super) sent: Vec<Sent>,
     /// The particles sent, by thread: here between passes.
@@ -78,7 +78,7 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     /// Where the particles started, by number, if a force field asks for it, m.
     pub(super) starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
-    pub(super) dummy: Vec<T>,
+    pub(super) dummy: Arc<[T]>,
     /// While it rests.
     pub(super) resting: Option<Resting<T, D>>,
 }
@@ -153,13 +153,12 @@ where
                 let mut next = slot.block.last_group(bin);
                 while let Some((group, here)) = next {
                     next = slot.block.group_before(group);
-                    let rows = slot.block.group_mut(group);
-                    for lane in 0..here {
-                        let number = rows[columns.number()].as_ref()[lane].to_double() as usize;
-                        let Some(start) = starts.get(number) else { continue };
+                    for lane in 0..here as u32 {
+                        let at = Place { group, lane };
+                        let Some(start) = starts.get(slot.block.number(at)) else { continue };
                         let a = load.acceleration(start, time);
                         for d in 0..D {
-                            rows[columns.load() + d].as_mut()[lane] = T::of(a[d]);
+                            slot.block.set(at, columns.load() + d, T::of(a[d]));
                         }
                     }
                 }
@@ -367,7 +366,7 @@ where
 
     pub(super) fn empty_slot(&self, coordinates: [i32; D]) -> Slot<T, D> {
         Slot {
-            block: Block::new(coordinates, self.dummy.clone()),
+            block: Block::new(coordinates, &self.columns, self.dummy.clone()),
             tile: AlignedRecords::zeros(self.tile_records()),
             rows: 0,
             slots_around: vec![NONE; neighbours(D)],
@@ -646,7 +645,7 @@ where
         self.slots.iter().chain(&self.spare).map(slot).sum::<usize>()
             + self.index.capacity() * size_of::<([i32; D], u32)>()
             + self.wanted.capacity() * size_of::<[i32; D]>()
-            + self.links.capacity() * size_of::<(u32, u32, usize)>()
+            + self.links.capacity() * size_of::<(u32, u32, u8)>()
             + self.sent.capacity() * size_of::<Sent>()
             + self.outboxes.iter().map(Outbox::bytes).sum::<usize>()
             + self.scratch.iter().map(own).sum::<usize>()
@@ -655,8 +654,8 @@ where
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
             + self.resting.as_ref().map_or(0, Resting::bytes)
     }
-    fn columns(&self) -> usize {
-        self.columns.count()
+    fn particle_bytes(&self) -> usize {
+        self.columns.bytes::<T>()
     }
     fn splits(&self) -> SplitBook {
         self.splits

@@ -107,7 +107,7 @@ where
                 let block = found.map_or(NONE, |b| b as u32);
                 self.nodes_around.push(block);
                 if block != NONE {
-                    links.push((block, s as u32, n));
+                    links.push((block, s as u32, n as u8));
                 }
             }
         }
@@ -120,7 +120,7 @@ where
             }
             // Seen from the node block, this slot lies in the opposite direction.
             let last = self.contributors.len() - 1;
-            self.contributors[last - n] = slot;
+            self.contributors[last - n as usize] = slot;
         }
         self.links = links;
     }

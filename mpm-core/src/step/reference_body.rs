@@ -105,7 +105,7 @@ where
 {
     /// [`Body::each_velocity`].
     pub(super) fn show_velocities(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
-        let (number, first) = (self.columns.number(), Columns::velocity(D));
+        let first = Columns::velocity(D);
         for slot in &mut self.slots {
             for bin in 0..block_nodes(D) {
                 let mut next = slot.block.last_group(bin);
@@ -116,7 +116,7 @@ where
                         let mut v = [T::default(); 3];
                         (0..D).for_each(|d| v[d] = slot.block.get(at, first + d));
                         let before = v;
-                        visit(slot.block.get(at, number).to_double() as usize, &mut v);
+                        visit(slot.block.number(at), &mut v);
                         for d in 0..if v == before { 0 } else { D } {
                             slot.block.set(at, first + d, v[d]);
                         }
@@ -167,7 +167,7 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Shadow<T, D, M> {
                     next = slot.block.group_before(group);
                     for lane in 0..here as u32 {
                         let at = Place { group, lane };
-                        let number = slot.block.get(at, columns.number()).to_double() as usize;
+                        let number = slot.block.number(at);
                         let Some(shape) = shapes.get(number) else { continue };
                         for d in 0..D {
                             let x =
@@ -190,7 +190,7 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Shadow<T, D, M> {
     /// Particles where those of `body` are, with as much mass; all else is to come.
     fn shade(&mut self, body: &dyn Body<T, D>) {
         let mut index = std::collections::BTreeMap::new();
-        let mut numbers = self.dummy.clone();
+        let mut numbers = self.dummy.to_vec();
         self.lightest = body.lightest();
         body.for_each(&mut |p| {
             for d in 0..D {
@@ -380,8 +380,8 @@ where
             + self.numbers.capacity() * size_of::<T>()
             + size_of::<Self>()
     }
-    fn columns(&self) -> usize {
-        self.own().columns() + self.shadow.columns()
+    fn particle_bytes(&self) -> usize {
+        self.own().particle_bytes() + self.shadow.particle_bytes()
     }
     fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.scene.exchange(file)?;

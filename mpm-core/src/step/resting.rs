@@ -130,7 +130,7 @@ where
     fn changed(&self, before: &[Slot<T, D>]) -> Option<SceneError> {
         for (old, new) in before.iter().zip(&self.slots) {
             for (bin, at) in old.block.places() {
-                let particle = old.block.get(at, self.columns.number()).to_double() as usize;
+                let particle = old.block.number(at);
                 let not_as_it_was = |field: String, is: f64, was: f64| {
                     let body = self.name.clone();
                     let allowed = format!("what it is before a step among nodes at rest ({was})");
@@ -140,7 +140,7 @@ where
                 if was != is {
                     return not_as_it_was("number of particles in the bin".into(), is as f64, was as f64);
                 }
-                for column in 0..self.columns.count() {
+                for column in 0..self.columns.rows() {
                     let [was, is] = [&old.block, &new.block].map(|b| b.get(at, column));
                     if was != is {
                         return not_as_it_was(self.named(column), is.to_double(), was.to_double());

@@ -175,8 +175,8 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T,
     fn bytes(&self) -> usize {
         self.particles.bytes() + size_of::<Self>()
     }
-    fn columns(&self) -> usize {
-        self.particles.columns()
+    fn particle_bytes(&self) -> usize {
+        self.particles.particle_bytes()
     }
     fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.particles.exchange_particles(file)?;

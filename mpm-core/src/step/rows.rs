@@ -46,11 +46,6 @@ impl<T: Float, S: Deref<Target = [T::Row]>> Rows<T, S> {
     pub(super) fn reader(&self, at: usize) -> Reader<'_, T, S> {
         Reader { rows: self, at }
     }
-    /// The number of the particle in a lane.
-    pub(super) fn particle(&self, lane: usize) -> usize {
-        let group = &self.groups[lane / T::GROUP % 2];
-        group[group.len() - 1].as_ref()[lane % T::GROUP].to_double() as usize
-    }
 }
 
 impl<'a, T: Float> RowsMut<'a, T> {

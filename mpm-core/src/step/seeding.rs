@@ -97,7 +97,7 @@ where
             splits: SplitBook::default(),
             merges: MergeBook::default(),
             starts: Vec::new(),
-            dummy,
+            dummy: dummy.into(),
             resting: None,
         }
     }
@@ -113,8 +113,9 @@ where
         if state.is_none() && self.load.splitting().is_none() {
             self.share_mass(seeds.volumes.iter().map(|&volume| density * T::of(volume)));
         }
+        self.shorten_numbers(seeds.positions.len());
         let mut index = BTreeMap::new();
-        let mut numbers = self.dummy.clone();
+        let mut numbers = self.dummy.to_vec();
         if L::FIELD {
             self.starts.extend_from_slice(&seeds.positions);
         }
@@ -154,9 +155,19 @@ where
     fn share_mass(&mut self, mut masses: impl Iterator<Item = T>) {
         let Some(first) = masses.next() else { return };
         if masses.all(|mass| mass == first) {
-            self.dummy.remove(self.columns.mass());
+            let mut dummy = self.dummy.to_vec();
+            dummy.remove(self.columns.mass());
+            self.dummy = dummy.into();
             self.columns = self.columns.clone().without_mass();
             self.masses = Masses::Equal(first);
+        }
+    }
+
+    /// Keep the numbers of particles yet to come, none above `bound`, in 32 bits if that is enough: splitting makes
+    /// larger ones.
+    fn shorten_numbers(&mut self, bound: usize) {
+        if self.load.splitting().is_none() && u32::try_from(bound).is_ok() {
+            self.columns = self.columns.clone().with_short_number();
         }
     }
 
@@ -219,13 +230,17 @@ where
     /// Take the particles of a body of this law over.
     fn adopt(&mut self, body: &dyn Body<T, D>) {
         let h = self.lattice.spacing();
-        let mut masses = Vec::with_capacity(body.len());
-        body.for_each(&mut |p| masses.push(T::of(p.mass)));
+        let (mut masses, mut last) = (Vec::with_capacity(body.len()), 0);
+        body.for_each(&mut |p| {
+            masses.push(T::of(p.mass));
+            last = last.max(p.number);
+        });
         if self.load.splitting().is_none() {
             self.share_mass(masses.into_iter());
         }
+        self.shorten_numbers(last);
         let mut index = BTreeMap::new();
-        let mut numbers = self.dummy.clone();
+        let mut numbers = self.dummy.to_vec();
         let (state, domain) = (Columns::state(D), self.columns.domain());
         body.for_each(&mut |p| {
             for d in 0..D {

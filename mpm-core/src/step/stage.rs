@@ -11,7 +11,7 @@ use super::gather::{Sampler, Wanted};
 use super::mean::Mean;
 use super::rows::RowsMut;
 use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, NumbersOf, Records, Room, along_axes, scatter};
-use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Trouble, maps};
+use super::sweep::{Cause, Common, ExtentOf, ShapeOf, maps};
 use super::tile::{Reads, Stencilled};
 use super::total;
 use crate::dilatation::Dilatation;
@@ -79,8 +79,6 @@ impl<P: Lane> Stage<P> {
 
 /// The bin that the groups belong to.
 pub(super) struct Bin<'a, T: Float, E: Stencil, P> {
-    /// Its number.
-    pub(super) number: usize,
     /// Its stencil.
     pub(super) stencil: &'a Stencilled<T, E>,
     /// The records of its nodes themselves, first and second, in tile order.
@@ -99,13 +97,15 @@ pub(super) struct Found<P> {
     pub(super) flux: [P; 3],
     pub(super) push: [P; 3],
     pub(super) power: P,
+    /// The first particle of the groups at work that cannot go on, by its lane.
+    pub(super) broken: Option<(usize, Cause)>,
 }
 
 impl<P: Lane> Found<P> {
     #[inline(always)]
     pub(super) fn none() -> Self {
         let zero = P::zero();
-        Found { rate: zero, flux: [zero; 3], push: [zero; 3], power: zero }
+        Found { rate: zero, flux: [zero; 3], push: [zero; 3], power: zero, broken: None }
     }
 }
 
@@ -158,10 +158,11 @@ where
         A::Batch::WIDTH == 8 && ExtentOf::<M, T, D>::NODES == 2 && !ShapeOf::<M, T, D>::DOMAIN.convects();
     const STATE: usize = <C::State<A::Batch> as State<A::Batch>>::LEN;
     const MOTION: usize = Columns::state(D);
-    /// First row after the law's state: of the domain, then of loads, displacement and deformation, the mass, and the number.
+    /// First row after the law's state: of the domain, then of loads, displacement and deformation, the mass, and the number, as
+    /// far as they are carried.
     const REST: usize = Self::MOTION + Self::STATE;
     /// Rows that every group has.
-    pub(super) const ROWS: usize = Self::REST + 1;
+    pub(super) const ROWS: usize = Self::REST;
     /// Rows at work.
     pub(super) const AT_WORK: usize =
         if K::DOES.strain.is_some() || K::DOES.force || K::DOES.moves { Self::REST } else { Self::MOTION };
@@ -296,7 +297,6 @@ where
         bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
         stage: &mut Stage<A::Batch>,
         found: &mut Found<A::Batch>,
-        report: &mut Report<T>,
     ) {
         let (does, law) = (Self::DOES, self.law);
         let Stage { xi, v, mass, gradient, hoop_velocity, stress, volume, inverse, .. } = stage;
@@ -333,7 +333,7 @@ where
             *stress = new.stress;
             *volume = law.volume_ratio(&new.state) * *mass * self.per_density;
             if new.fault.any() {
-                note_fault(report, bin.number, (rows, here), new.fault);
+                found.broken = found.broken.or(first_fault(here, new.fault));
             }
             if does.force {
                 signals = Some(new.state);
@@ -364,7 +364,6 @@ where
         stage: &mut Stage<A::Batch>,
         found: &mut Found<A::Batch>,
         (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
-        report: &mut Report<T>,
     ) -> [u32; 2] {
         let (does, maps) = (Self::DOES, maps::<T, D, M, K>());
         let Stage { xi, v, mass, nodal, gradient, affine, increment, stress, volume, inverse, .. } = stage;
@@ -497,7 +496,7 @@ where
         if maps.convected {
             let sound = A::Batch::bits(zero.lt(sound));
             if does.moves && !sound & ((1 << here) - 1) != 0 {
-                note_inside_out(report, bin.number, (rows, here), sound);
+                found.broken = found.broken.or(first_inside_out(here, sound));
             }
         }
         stage.force = force;
@@ -635,30 +634,14 @@ where
     if total { total::speed::<T, P, C>(law, now, inverse) } else { speed(law, now, v) }
 }
 
+/// The first of the particles whose domain is turned inside out.
 #[cold]
-fn note_inside_out<T: Float>(
-    report: &mut Report<T>,
-    bin: usize,
-    (rows, here): (&RowsMut<'_, T>, usize),
-    sound: u32,
-) {
-    if let (None, Some(lane)) = (report.trouble, (0..here).find(|lane| sound >> lane & 1 == 0)) {
-        let particle = rows.particle(lane);
-        report.trouble = Some(Trouble { bin, particle, cause: Cause::InsideOut });
-    }
+fn first_inside_out(here: usize, sound: u32) -> Option<(usize, Cause)> {
+    (0..here).find(|lane| sound >> lane & 1 == 0).map(|lane| (lane, Cause::InsideOut))
 }
 
+/// The first of the particles whose law broke down.
 #[cold]
-fn note_fault<T: Float, L: Lane<Real = T>>(
-    report: &mut Report<T>,
-    bin: usize,
-    (rows, here): (&RowsMut<'_, T>, usize),
-    fault: Fault<L>,
-) {
-    for lane in 0..here {
-        if let (None, Some(cause)) = (report.trouble, fault.cause(lane)) {
-            let particle = rows.particle(lane);
-            report.trouble = Some(Trouble { bin, particle, cause: Cause::Law(cause) });
-        }
-    }
+fn first_fault<T: Float, L: Lane<Real = T>>(here: usize, fault: Fault<L>) -> Option<(usize, Cause)> {
+    (0..here).find_map(|lane| Some((lane, Cause::Law(fault.cause(lane)?))))
 }

@@ -24,7 +24,7 @@ use crate::embedding::Embedding;
 use crate::frame::Frame;
 use crate::method::Composition;
 use crate::parallel::{AlignedRecords, Arch, Float, Kernel, LINE, Pack, Whereabouts, through_memory};
-use crate::particles::{Block, Masses, Members, Outbox, Sent};
+use crate::particles::{Block, Groups, Masses, Members, Outbox, Sent};
 use crate::scheme::PassKind;
 use crate::shape::{ShapeFunction, bin_centre};
 use crate::transfer::Transfer;
@@ -148,6 +148,24 @@ pub struct Report<T> {
     pub revealed: T,
     /// The first particle that cannot go on.
     pub trouble: Option<Trouble>,
+}
+
+impl<T: Float> Report<T> {
+    /// Note a particle that cannot go on, of groups of a bin.
+    #[inline(always)]
+    fn note(
+        &mut self,
+        broken: &mut Option<(usize, Cause)>,
+        bin: usize,
+        members: Members,
+        groups: &Groups<'_, T>,
+    ) {
+        if let Some((lane, cause)) = *broken {
+            let trouble = Trouble { bin, particle: groups.number(members, lane), cause };
+            self.trouble = self.trouble.or(Some(trouble));
+            *broken = None;
+        }
+    }
 }
 
 /// What the pass `K` of the method `M` maps.
@@ -283,7 +301,7 @@ where
         clear_rows::<T, D, ExtentOf<M, T, D>>(tile, *rows, maps);
         *sent = Sent::default();
         let sent_before = movers.out.posted();
-        movers.within.clear(block.dummy().len() + Luggage::of::<T, D, M, K>().count());
+        movers.within.clear(block.particle_numbers() + Luggage::of::<T, D, M, K>().count());
         *report = Report::default();
         if block.is_empty() {
             return;
@@ -356,7 +374,7 @@ where
                 // Numbers of the stencil from memory: the compiler would make vectors of all of them once a bin, where a
                 // bin's particles are one batch or two.
                 let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
-                let bin = Bin { number, stencil, nodes, x, mean };
+                let bin = Bin { stencil, nodes, x, mean };
                 let (mut taken, mut leave) = (0, [0; 2]);
                 while taken < together
                     && let Some((group, here)) = next
@@ -374,16 +392,18 @@ where
                     let stage = &mut stage[taken];
                     stages.gather((rows, here), &bin, stage, &mut found);
                     if together == 1 {
-                        stages.strain((rows, here), &bin, stage, &mut found, report);
+                        stages.strain((rows, here), &bin, stage, &mut found);
                         let scratch = (&mut records, &mut spread);
-                        leave = stages.advance((rows, here), &bin, stage, &mut found, scratch, report);
+                        leave = stages.advance((rows, here), &bin, stage, &mut found, scratch);
+                        report.note(&mut found.broken, number, members, &groups);
                     }
                     taken += 1;
                 }
                 if together > 1 {
                     for n in 0..taken {
                         let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(at[n].0, idle));
-                        stages.strain((rows, at[n].1), &bin, &mut stage[n], &mut found, report);
+                        stages.strain((rows, at[n].1), &bin, &mut stage[n], &mut found);
+                        report.note(&mut found.broken, number, at[n].0, &groups);
                     }
                 }
                 for n in 0..taken {
@@ -391,7 +411,8 @@ where
                     if together > 1 {
                         let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(members, idle));
                         let scratch = (&mut records, &mut spread);
-                        leave = stages.advance((rows, here), &bin, stage, &mut found, scratch, report);
+                        leave = stages.advance((rows, here), &bin, stage, &mut found, scratch);
+                        report.note(&mut found.broken, number, members, &groups);
                     }
                     let [gone, long] = leave;
                     if gone | long != 0 {

@@ -166,7 +166,7 @@ where
         for (n, body) in self.bodies.iter().enumerate() {
             file.same(&format!("name of body {n}"), body.name())?;
             file.same(&format!("law of body `{}`", body.name()), body.law())?;
-            let columns = format!("{} numbers, {}", body.columns(), body.state_names().join(", "));
+            let columns = format!("{} bytes, {}", body.particle_bytes(), body.state_names().join(", "));
             file.same(&format!("particle of body `{}`", body.name()), &columns)?;
             let kind =
                 body.rigid().map_or("deformable", |r| if r.is_prescribed() { "prescribed" } else { "free" });
