@@ -510,3 +510,56 @@ pub fn split(coordinate: i32) -> (i32, usize) {
     let b = BLOCK as i32;
     (coordinate.div_euclid(b), coordinate.rem_euclid(b) as usize)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers of 32 bits that lie apart go with their particles as those in rows do.
+    #[test]
+    fn numbers_go_with_their_particles() {
+        let long = Columns::new(2, vec!["stress".into()], 0, 0, 0);
+        let short = long.clone().with_short_number();
+        assert_eq!((long.count(), long.rows()), (short.count(), short.rows() + 1));
+        assert_eq!(long.bytes::<f64>(), short.bytes::<f64>() + 4);
+        let dummy: Arc<[f64]> = vec![0.0; long.count()].into();
+        let mut blocks = [long, short].map(|columns| Block::<f64, 2>::new([0; 2], &columns, dummy.clone()));
+        let mut random = 1_u64;
+        let mut draw = |below: usize| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 33) as usize % below
+        };
+        let mut taken = vec![0.0; dummy.len()];
+        for n in 0..2000 {
+            let (bin, which) = (draw(16), draw(40));
+            // Three come for one that goes; each carries its number a second time, in the row of its stress.
+            let here = blocks[0].bin_len(bin);
+            for block in &mut blocks {
+                let leaves =
+                    if n % 4 < 3 || here == 0 { None } else { block.bin_places(bin).nth(which % here) };
+                if let Some(at) = leaves {
+                    let number = block.number(at);
+                    block.take(bin, at, &mut taken);
+                    assert_eq!((taken[4], taken[6]), (number as f64, number as f64));
+                } else {
+                    block.push(bin, &[0.1, 0.2, 0.3, 0.4, n as f64, 1.0, n as f64]);
+                }
+                if n % 500 == 499 {
+                    block.pack();
+                }
+            }
+        }
+        for block in &blocks {
+            let mut numbers = Vec::new();
+            for (_, at) in block.places() {
+                numbers.clear();
+                block.read(at, &mut numbers);
+                assert_eq!((numbers[4], numbers[6]), (block.number(at) as f64, block.number(at) as f64));
+            }
+        }
+        let all =
+            |n: usize| blocks[n].places().map(|(bin, at)| (bin, blocks[n].number(at))).collect::<Vec<_>>();
+        assert!(all(0).len() > 900, "{}", all(0).len());
+        assert_eq!(all(0), all(1));
+    }
+}
