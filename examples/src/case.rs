@@ -10,7 +10,7 @@ use mpm_core::output::OutputError;
 use mpm_core::parallel::TeamError;
 use mpm_core::step::SceneError;
 use mpm_core::step::control::ControlError;
-use mpm_core::{Composition, Contact, Float, GridStorage, Mpm};
+use mpm_core::{Float, Mpm};
 use mpm_materials::ParameterError;
 use serde::Serialize;
 
@@ -272,17 +272,7 @@ pub struct Totals {
 impl Totals {
     /// Of one run, its errors the worst that a ledger saw.
     #[must_use]
-    pub fn of<T, const D: usize, M, G, K>(
-        mpm: &Mpm<T, D, M, G, K>,
-        run: &RunSummary,
-        ledger: &Ledger,
-    ) -> Totals
-    where
-        T: Float,
-        M: Composition<T, D>,
-        G: GridStorage<T, D>,
-        K: Contact<T, D>,
-    {
+    pub fn of<T: Float, const D: usize>(mpm: &Mpm<D, T>, run: &RunSummary, ledger: &Ledger) -> Totals {
         Totals {
             particles: mpm.particles(),
             steps: run.steps,

@@ -32,6 +32,7 @@ mod heap;
 mod law;
 pub mod machine;
 pub mod march;
+pub mod methods;
 mod ogive;
 pub mod peers;
 pub mod throughput;

@@ -5,7 +5,6 @@ use std::time::Instant;
 
 use mpm_contact::ContactDetector;
 use mpm_core::output::Progress;
-use mpm_materials::Constitutive;
 use pcmm::{Bodies, BodyError, Composition, Pcmm, StepError};
 
 use crate::{CaseError, Totals, worst};
@@ -46,7 +45,7 @@ macro_rules! steps {
         }
     };
 }
-steps!([const D: usize, C: Constitutive<f64>, M: Composition<D>], Pcmm<D, C, M>, StepError);
+steps!([const D: usize, M: Composition<D>], Pcmm<D, M>, StepError);
 steps!([const D: usize, S: ContactDetector<f64, D>], Bodies<D, S>, BodyError);
 
 /// A run from the start of a scene to its end.
@@ -107,8 +106,8 @@ impl March<'_> {
 
 /// Errors of a scene's energy, over the kinetic one at the start, and of its momentum along `axes`: what neither boundaries
 /// nor revisions explain.
-pub fn errors<const D: usize, C: Constitutive<f64>, M: Composition<D>>(
-    scene: &Pcmm<D, C, M>,
+pub fn errors<const D: usize, M: Composition<D>>(
+    scene: &Pcmm<D, M>,
     start: &pcmm::Totals,
     axes: Range<usize>,
 ) -> [f64; 2] {

@@ -9,11 +9,14 @@ use clap::ValueEnum;
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::grid::Node;
 use mpm_core::{
-    BlockGrid, Boundary, Composition, Contact, Flip, Float, FullSpace, GridStorage, Linear, Method, Mls, Mpm,
-    Musl, QuadraticBSpline, Side, Team, TimeControl, Usl,
+    BlockGrid, Boundary, Composition, Deformable, Flip, Float, FullSpace, IntoKernels, Linear, Method, Mls,
+    Mpm, Musl, OneField, QuadraticBSpline, Side, Team, TimeControl, Usl,
 };
-use mpm_materials::strength::{Adiabatic, Heat, Logarithmic};
-use mpm_materials::{Constitutive, JohnsonCook, LinearElastic, MieGruneisen, Moduli, NeoHookean, Solid};
+use mpm_materials::strength::{Adiabatic, AdiabaticJohnsonCook, Heat, Logarithmic};
+use mpm_materials::{
+    BulkViscosity, Constitutive, IntoMaterial, JohnsonCook, LinearElastic, MieGruneisen, Moduli, NeoHookean,
+    NoFailure, Solid,
+};
 use serde::Serialize;
 
 use crate::CaseError;
@@ -56,6 +59,37 @@ pub struct Job {
     pub threads: usize,
     /// Steps that are timed.
     pub steps: u64,
+    /// How passes reach the law.
+    pub way: Way,
+}
+
+/// How passes reach the law of their particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum Way {
+    /// By a call for many particles
+    #[default]
+    Called,
+    /// As part of them
+    Inlined,
+}
+
+impl Way {
+    /// A body of a law in a method.
+    pub fn body<'a, T, M, C>(
+        self,
+        name: &str,
+        method: M,
+        law: C,
+        seeds: &'a Seeds<3>,
+    ) -> Deformable<'a, 3, C, T>
+    where
+        T: Float,
+        M: Composition<T, 3> + IntoKernels<T, 3>,
+        C: Constitutive<T> + IntoMaterial<T, Law = C>,
+    {
+        let body = Deformable::new(name, law.clone(), seeds);
+        if self == Way::Inlined { body.inlined(method, law) } else { body }
+    }
 }
 
 /// What a run measured: the keys of the yardstick, and two more.
@@ -97,21 +131,31 @@ pub struct Measured {
     pub bits: usize,
 }
 
+/// The law of [`Kernel::LinearMuslJohnsonCook`].
+pub type HeatedCopper<T> = Solid<AdiabaticJohnsonCook<T>, MieGruneisen<T>, NoFailure, BulkViscosity<T>>;
+
 /// Run a job in the precision `T`.
 ///
 /// # Errors
 /// What a scene refuses, and a step that breaks.
-pub fn measure<T: Float>(job: &Job) -> Result<Measured, CaseError> {
-    let of = T::of;
+pub fn measure<T: Float>(job: &Job) -> Result<Measured, CaseError>
+where
+    Method<Linear, Flip, Musl, FullSpace>: IntoKernels<T, 3>,
+    Method<QuadraticBSpline, Mls, Usl, FullSpace>: IntoKernels<T, 3>,
+    LinearElastic<T>: IntoMaterial<T, Law = LinearElastic<T>>,
+    NeoHookean<T>: IntoMaterial<T, Law = NeoHookean<T>>,
+    HeatedCopper<T>: IntoMaterial<T, Law = HeatedCopper<T>>,
+{
+    let (of, way) = (T::of, job.way);
     let moduli = || Moduli::bulk_shear(of(1.0 + 1.6 / 3.0), of(0.8));
     match job.kernel {
         Kernel::LinearMuslElastic => {
             let law = LinearElastic::new(of(1.0), moduli()?)?;
-            timed(job, cube(job.particles, Method::new(Linear, Flip, Musl, FullSpace), law)?)
+            timed(job, cube(job.particles, Method::new(Linear, Flip, Musl, FullSpace), law, way)?)
         }
         Kernel::QuadraticApicUsl => {
             let law = NeoHookean::new(of(1.0), moduli()?)?;
-            timed(job, cube(job.particles, Method::new(QuadraticBSpline, Mls, Usl, FullSpace), law)?)
+            timed(job, cube(job.particles, Method::new(QuadraticBSpline, Mls, Usl, FullSpace), law, way)?)
         }
         Kernel::LinearMuslJohnsonCook => {
             let heat = Heat {
@@ -126,7 +170,7 @@ pub fn measure<T: Float>(job: &Job) -> Result<Measured, CaseError> {
                 .with_heat(Adiabatic::new(heat)?);
             let eos = MieGruneisen::new(of(8960.0), of(3940.0), of(1.489), of(1.99))?;
             let law = Solid::new(strength, eos).with_bulk_viscosity(of(0.06), of(1.5))?;
-            timed(job, cylinder(job.particles, Method::new(Linear, Flip, Musl, FullSpace), law)?)
+            timed(job, cylinder(job.particles, Method::new(Linear, Flip, Musl, FullSpace), law, way)?)
         }
     }
 }
@@ -148,26 +192,36 @@ pub fn lattice_points(low: [i64; 3], high: [i64; 3], h: f64, inside: impl Fn([f6
     Seeds::placed(positions, volumes, [0.25 * h; 3])
 }
 
-/// A solver on blocks of nodes.
-pub type Solver<T, M> = Mpm<T, 3, M, BlockGrid<T, 3>>;
-
 /// S1: a cube of about so many particles in a smooth field of velocity, h = 1, to be run with dt = 0.19.
 ///
 /// # Errors
 /// What a scene refuses.
-pub fn cube<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
+pub fn cube<T, M, C>(particles: usize, method: M, law: C, way: Way) -> Result<Mpm<3, T>, CaseError>
+where
+    T: Float,
+    M: Composition<T, 3> + IntoKernels<T, 3>,
+    C: Constitutive<T> + IntoMaterial<T, Law = C>,
+{
+    cube_of(particles, method, |seeds| way.body("cube", method, law, seeds))
+}
+
+/// The same with a body of any law at the cube's particles, whose velocity is set here.
+///
+/// # Errors
+/// What a scene refuses.
+pub fn cube_of<T: Float, L: IntoMaterial<T>>(
     particles: usize,
-    method: M,
-    law: C,
-) -> Result<Solver<T, M>, CaseError> {
+    method: impl IntoKernels<T, 3>,
+    body: impl FnOnce(&Seeds<3>) -> Deformable<'_, 3, L, T>,
+) -> Result<Mpm<3, T>, CaseError> {
     let cells = (particles as f64 / 8.0).cbrt().round().max(1.0);
     let seeds = lattice_points([8; 3], [8 + cells as i64; 3], 1.0, |_| true);
     let velocity = |x: [f64; 3]| {
         let wave = |d: usize| 0.1 * (0.4 + 0.6 * (x[(d + 1) % 3] * 6.0 / cells).sin());
         [wave(0), wave(1), wave(2)]
     };
-    let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 3], 1.0)?));
-    mpm.add("cube", law, &seeds, velocity)?;
+    let mut mpm = Mpm::<3, T>::of(method, BlockGrid::new(Lattice::new([0.0; 3], 1.0)?), OneField);
+    mpm.add_body(body(&seeds).moving(velocity))?;
     mpm.set_time_control(TimeControl::Fixed(0.19))?;
     Ok(mpm)
 }
@@ -176,11 +230,12 @@ pub fn cube<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
 ///
 /// # Errors
 /// What a scene refuses.
-pub fn cylinder<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
-    particles: usize,
-    method: M,
-    law: C,
-) -> Result<Solver<T, M>, CaseError> {
+pub fn cylinder<T, M, C>(particles: usize, method: M, law: C, way: Way) -> Result<Mpm<3, T>, CaseError>
+where
+    T: Float,
+    M: Composition<T, 3> + IntoKernels<T, 3>,
+    C: Constitutive<T> + IntoMaterial<T, Law = C>,
+{
     let radius = (particles as f64 / 8.0 / (4.0 * std::f64::consts::PI)).cbrt();
     let (around, length) = (radius.ceil() as i64, (4.0 * radius).round().max(1.0) as i64);
     let (wall, middle) = (4, 6 + around + around / 2);
@@ -189,8 +244,8 @@ pub fn cylinder<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
     let high = [middle + around, middle + around, wall + length];
     let axis = middle as f64;
     let seeds = lattice_points(low, high, h, |x| (x[0] - axis).hypot(x[1] - axis) < radius);
-    let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 3], h)?));
-    mpm.add("bar", law, &seeds, |_| [0.0, 0.0, -190.0])?;
+    let mut mpm = Mpm::<3, T>::of(method, BlockGrid::new(Lattice::new([0.0; 3], h)?), OneField);
+    mpm.add_body(way.body("bar", method, law, &seeds).moving(|_| [0.0, 0.0, -190.0]))?;
     mpm.bound(Boundary::Wall { axis: 2, at: wall as f64 * h, side: Side::Above, velocity: 0.0 })?;
     mpm.set_time_control(TimeControl::Fixed(0.25 * h / 5000.0))?;
     Ok(mpm)
@@ -200,10 +255,7 @@ pub fn cylinder<T: Float, M: Composition<T, 3>, C: Constitutive<T>>(
 ///
 /// # Errors
 /// A step that breaks.
-pub fn timed<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<T, 3>>(
-    job: &Job,
-    mut mpm: Mpm<T, 3, M, G, K>,
-) -> Result<Measured, CaseError> {
+pub fn timed<T: Float>(job: &Job, mut mpm: Mpm<3, T>) -> Result<Measured, CaseError> {
     mpm.set_team(Team::new(job.threads)?);
     let before = mpm.totals();
     mpm.step()?; // the first step maps the particles, which later ones find done
@@ -242,9 +294,7 @@ pub fn timed<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<T,
 }
 
 /// The number of cells with particles, and a hash of what the particles carry (FNV-1a).
-fn fingerprint<T: Float, M: Composition<T, 3>, G: GridStorage<T, 3>, K: Contact<T, 3>>(
-    mpm: &Mpm<T, 3, M, G, K>,
-) -> (usize, u64) {
+fn fingerprint<T: Float>(mpm: &Mpm<3, T>) -> (usize, u64) {
     let h = mpm.grid().lattice().spacing();
     let (mut cells, mut hash) = (Vec::with_capacity(mpm.particles()), 0xcbf2_9ce4_8422_2325_u64);
     for body in mpm.bodies() {

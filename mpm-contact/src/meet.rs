@@ -28,7 +28,7 @@ const KEEPS: f64 = 1.03e-3;
 /// let method = Method::new(Linear, Flip, Musl, PlaneStrain);
 /// let grid = BlockGrid::new(Lattice::new([0.0; 2], 0.01)?);
 /// let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.3)?));
-/// let mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, grid, contact);
+/// let mpm = Mpm::with_contact(method, grid, contact);
 /// # assert!(mpm.contacts().is_empty());
 /// # Ok(())
 /// # }

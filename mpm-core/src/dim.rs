@@ -21,6 +21,24 @@ pub const fn neighbours(d: usize) -> usize {
     if d == 3 { 27 } else { 9 }
 }
 
+/// The node with the smallest index of a stencil of so many nodes an axis, relative to the bin, along an axis.
+#[inline(always)]
+pub const fn first_node(nodes: usize) -> i32 {
+    -((nodes as i32 - 1) / 2)
+}
+
+/// Where the bins' centres of such stencils lie between the nodes, in units of h: 1/2 for even numbers, 0 for odd ones.
+#[inline(always)]
+pub const fn centre(nodes: usize) -> f64 {
+    if nodes.is_multiple_of(2) { 0.5 } else { 0.0 }
+}
+
+/// Node `a` of such a stencil relative to the bin's centre, in units of h.
+#[inline(always)]
+pub const fn offset_of(nodes: usize, a: usize) -> f64 {
+    a as f64 - 0.5 * (nodes as f64 - 1.0)
+}
+
 /// An array whose length a trait knows.
 pub trait Array<X>:
     Copy + Send + Index<usize, Output = X> + IndexMut<usize> + AsRef<[X]> + AsMut<[X]>
@@ -47,7 +65,7 @@ pub trait Stencil: Copy + Send + Sync + 'static {
     /// From the first node of a stencil in a tile to one behind its last, in tile order.
     const SPAN: usize = ((Self::LAYERS - 1) * Self::TILE + Self::NODES - 1) * Self::TILE + Self::NODES;
     /// Node of the stencil with the smallest index, relative to the bin, along an axis.
-    const BASE: i32 = -((Self::NODES as i32 - 1) / 2);
+    const BASE: i32 = first_node(Self::NODES);
     /// A value a node of the stencil along one axis.
     type Axis<X: Copy + Send>: Array<X>;
     /// A value a node of the stencil.

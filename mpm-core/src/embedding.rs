@@ -32,3 +32,10 @@ impl Embedding<2> for Axisymmetric {
     const NAME: &'static str = "axisymmetric";
     const HOOP: bool = true;
 }
+
+/// Any of them, for what no strain and no force is part of.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AnySpace;
+impl<const D: usize> Embedding<D> for AnySpace {
+    const NAME: &'static str = "any";
+}

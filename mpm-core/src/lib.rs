@@ -14,7 +14,7 @@
 //! let rubber = NeoHookean::new(1000.0, Moduli::young_poisson(1.0e6, 0.4)?)?;
 //! let seeds = fill(&Ball::new([0.5, 0.1], 0.1)?, &lattice, 2, &Filling::new())?;
 //! let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
-//! let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+//! let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
 //! mpm.add("disc", rubber, &seeds, |_| [0.0, -2.0])?;
 //! mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
 //! mpm.run_until(1.0e-3)?;
@@ -31,7 +31,7 @@
 //! | [`boundary`] | conditions and loads |
 //! | [`geometry`] | shapes, and particles seeded from them |
 //! | [`observe`], [`output`] | what looks at a run, and what it writes |
-//! | [`parallel`] | vectors and threads; the only `unsafe` |
+//! | [`parallel`] | vectors and threads: the crate `impactite-simd` |
 //!
 //! Units are SI. Stress is tension-positive, pressure compression-positive; symmetric tensors are listed xx, yy,
 //! zz, yz, xz, xy. Results are the same bits for any number of threads and any grid. `CONVENTIONS.md` and
@@ -50,15 +50,17 @@ pub mod embedding;
 pub mod frame;
 pub mod geometry;
 pub mod grid;
+mod library;
 pub mod method;
 pub mod observe;
 pub mod output;
-pub mod parallel;
 pub mod particles;
 pub mod scheme;
 pub mod shape;
 pub mod step;
 pub mod transfer;
+
+pub use impactite_simd as parallel;
 
 pub use boundary::{Boundary, Side};
 pub use dilatation::{Dilatation, MeanDilatation, OwnDilatation};
@@ -66,17 +68,18 @@ pub use dim::Dim;
 pub use embedding::{Axisymmetric, Embedding, FullSpace, PlaneStrain};
 pub use frame::{Frame, TotalLagrangian, UpdatedLagrangian};
 pub use grid::{BlockGrid, DenseGrid, GridStorage};
-pub use method::{Composition, Method};
+pub use method::{CompiledHere, Composition, IntoKernels, Kernels, Method};
 pub use parallel::{Float, Team};
 pub use scheme::{Musl, StressUpdate, Usf, Usl};
 pub use shape::{
     AffineShape, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, Domain, Gimp, Linear, QuadraticBSpline,
     ShapeFunction,
 };
+pub use step::Scalar;
 pub use step::{
-    Balance, Body, CheckpointError, Contact, FieldForce, Footprint, Frequency, MergeBook, Merging, Mpm,
-    NodeWeight, OneField, Particle, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, StepError,
-    Stopped, TimeControl, Totals, Traction, Twist,
+    Balance, Body, CheckpointError, Contact, Deformable, Facts, FieldForce, Footprint, Frequency, MergeBook,
+    Merging, Mpm, NodeWeight, OneField, Particle, Rest, Rested, Rigid, RigidState, SplitBook, Splitting,
+    StepError, Stopped, TimeControl, Totals, Traction, Twist,
 };
 pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
 

@@ -1,14 +1,18 @@
 //! A method: the shape function, transfer, stress update and embedding that make a solver together.
 
 use std::marker::PhantomData;
+use std::sync::Arc;
 
 use mpm_materials::Real;
 
 use crate::dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 use crate::embedding::Embedding;
 use crate::frame::{Frame, TotalLagrangian, UpdatedLagrangian};
+use crate::parallel::Float;
 use crate::scheme::StressUpdate;
 use crate::shape::ShapeFunction;
+use crate::step::kernels::{Facts, MethodKernels, kernels};
+use crate::step::{Scalar, Work};
 use crate::transfer::{Allows, Suits, Transfer};
 
 /// The ingredients of a material point method, chosen at compile time.
@@ -55,9 +59,10 @@ impl<S, X, U, E> Method<S, X, U, E> {
 }
 
 impl<S, X, U, E, F, V> Method<S, X, U, E, F, V> {
-    /// A method whose other ingredients its type names.
-    pub(crate) fn of(shape: S, transfer: X) -> Self {
-        Method { shape, transfer, ingredients: PhantomData }
+    /// The method with kernels that are compiled where this is written, for some seconds: what a scene takes of ingredients of one's
+    /// own, and of those of this crate that it has no kernels of together ([`IntoKernels`]).
+    pub fn compiled(self) -> CompiledHere<Self> {
+        CompiledHere(self)
     }
     /// The same, mapped in the reference configuration: [`TotalLagrangian`].
     pub fn total_lagrangian(self) -> Method<S, X, U, E, TotalLagrangian, V> {
@@ -104,6 +109,86 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
             Self::Transfer::NAME,
             Self::Shape::NAME
         )
+    }
+}
+
+/// A method that a scene can have: one whose kernels are compiled in this crate (a list is in the book: docs/methods.md), or
+/// what [`Method::compiled`] makes of any other one, or kernels that are there already.
+#[diagnostic::on_unimplemented(
+    message = "the kernels of `{Self}` are not compiled in `mpm-core`",
+    note = "compile them in your crate, once, for some seconds: `method.compiled()`"
+)]
+pub trait IntoKernels<T: Float, const D: usize> {
+    /// Its kernels.
+    fn into_kernels(self) -> Kernels<T, D>;
+}
+
+/// The kernels of a method, as an object: of one type for all methods, so that they can be chosen at run time.
+///
+/// ```
+/// use mpm_core::geometry::Lattice;
+/// use mpm_core::{Apic, BlockGrid, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Usl};
+///
+/// fn named(name: &str) -> Option<Kernels<f64, 2>> {
+///     match name {
+///         "flip" => Some(Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels()),
+///         "apic" => Some(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain).into_kernels()),
+///         _ => None,
+///     }
+/// }
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let method = named("apic").ok_or("no such method")?;
+/// let scene = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 2], 0.1)?));
+/// # assert!(scene.facts().affine);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct Kernels<T: Float, const D: usize> {
+    pub(crate) kernels: Arc<dyn MethodKernels<T, D>>,
+    pub(crate) work: &'static dyn Work<T, D>,
+}
+
+impl<T: Float, const D: usize> IntoKernels<T, D> for Kernels<T, D> {
+    fn into_kernels(self) -> Kernels<T, D> {
+        self
+    }
+}
+
+impl<T: Float, const D: usize> Kernels<T, D> {
+    pub(crate) fn new(kernels: Arc<dyn MethodKernels<T, D>>, work: &'static dyn Work<T, D>) -> Self {
+        Kernels { kernels, work }
+    }
+    /// What a step asks of the method beside them.
+    pub fn facts(&self) -> &Facts {
+        self.kernels.facts()
+    }
+}
+
+/// A method whose kernels are compiled where it is used: [`Method::compiled`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct CompiledHere<M>(M);
+
+impl<T: Scalar<D>, const D: usize, M: Composition<T, D>> IntoKernels<T, D> for CompiledHere<M> {
+    fn into_kernels(self) -> Kernels<T, D> {
+        Kernels::new(kernels(self.0), T::WORK)
+    }
+}
+
+impl<T: Real, const D: usize, M: Composition<T, D>> Composition<T, D> for CompiledHere<M> {
+    type Shape = M::Shape;
+    type Transfer = M::Transfer;
+    type Update = M::Update;
+    type Embedding = M::Embedding;
+    type Frame = M::Frame;
+    type Dilatation = M::Dilatation;
+    #[inline(always)]
+    fn shape(&self) -> &M::Shape {
+        self.0.shape()
+    }
+    #[inline(always)]
+    fn transfer(&self) -> &M::Transfer {
+        self.0.transfer()
     }
 }
 

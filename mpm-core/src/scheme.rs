@@ -9,6 +9,11 @@
 //! | MUSL | velocity; map momentum again | strain, stress, move; map mass, momentum, force |
 //! | USF | strain, stress; map force | velocity, move; map mass, momentum |
 
+use crate::embedding::{AnySpace, Embedding};
+use crate::frame::{Frame, UpdatedLagrangian};
+use crate::parallel::{Real, Vectors};
+use crate::transfer::{AnyTransfer, Transfer};
+
 /// What one pass over the particles does, in this order.
 #[derive(Clone, Copy, Debug)]
 pub struct Pass {
@@ -22,12 +27,6 @@ pub struct Pass {
     pub momentum: bool,
     /// Map the force of the stress to the grid.
     pub force: bool,
-    /// Add the surface load of particles that carry one to that force.
-    pub load: bool,
-    /// Add the body force of particles that carry one.
-    pub field: bool,
-    /// Cut particles in two that were stretched too far, when they have moved.
-    pub splits: bool,
     /// Instead of all this: gather the second nodal vector and map it back as momentum (FMPM).
     pub smooth: bool,
 }
@@ -42,75 +41,101 @@ pub enum Nodal {
 }
 
 impl Pass {
-    const NOTHING: Pass = Pass {
-        strain: None,
-        velocity: false,
-        moves: false,
-        momentum: false,
-        force: false,
-        load: false,
-        field: false,
-        splits: false,
-        smooth: false,
-    };
+    pub(crate) const NOTHING: Pass =
+        Pass { strain: None, velocity: false, moves: false, momentum: false, force: false, smooth: false };
+    /// Is a law asked in it?
+    pub const fn has_law(self) -> bool {
+        self.strain.is_some() || self.force
+    }
 }
 
-/// A pass as a type, so that what it does not do is not compiled.
+/// A pass as a type, so that what it does not do is not compiled. It sees of a method what it needs: passes of methods that
+/// differ elsewhere are one, compiled once.
 pub trait PassKind: Send + Sync + 'static {
     /// What it does.
     const DOES: Pass;
+    /// Which copies of its kernels are worth their compile time, in three dimensions; in two, where a cell has few particles, no more
+    /// than that for AVX2.
+    const VECTORS: Vectors;
+    /// May it map momentum and the impulse of the coming step together?
+    const PLANS: bool;
+    /// The transfer as it sees it: the method's, where it changes velocities.
+    type Transfer<T: Real, X: Transfer<T>>: Transfer<T>;
+    /// The embedding: the method's, where it strains or maps forces.
+    type Embedding<const D: usize, E: Embedding<D>>: Embedding<D>;
+    /// The frame: the method's, where it strains, maps forces or moves.
+    type Frame<F: Frame>: Frame;
+    /// The transfer as it sees it, of that of the method.
+    fn transfer<T: Real, X: Transfer<T>>(of: X) -> Self::Transfer<T, X>;
 }
 
 macro_rules! passes {
-    ($($(#[$doc:meta])* $name:ident { $($field:ident: $value:expr),* })*) => {$(
+    ($($(#[$doc:meta])* $name:ident [$vectors:ident $plans:literal $transfer:ident $space:ident] {
+        $($field:ident: $value:expr),*
+    })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Copy, Debug)]
         pub struct $name;
         impl PassKind for $name {
             const DOES: Pass = Pass { $($field: $value,)* ..Pass::NOTHING };
+            const VECTORS: Vectors = Vectors::$vectors;
+            const PLANS: bool = $plans;
+            passes!(transfer $transfer);
+            passes!(space $space);
         }
     )*};
+    (transfer its) => {
+        type Transfer<T: Real, X: Transfer<T>> = X;
+        fn transfer<T: Real, X: Transfer<T>>(of: X) -> X {
+            of
+        }
+    };
+    (transfer any) => {
+        type Transfer<T: Real, X: Transfer<T>> = AnyTransfer;
+        fn transfer<T: Real, X: Transfer<T>>(_: X) -> AnyTransfer {
+            AnyTransfer
+        }
+    };
+    (space its) => {
+        type Embedding<const D: usize, E: Embedding<D>> = E;
+        type Frame<F: Frame> = F;
+    };
+    (space frame) => {
+        type Embedding<const D: usize, E: Embedding<D>> = AnySpace;
+        type Frame<F: Frame> = F;
+    };
+    (space any) => {
+        type Embedding<const D: usize, E: Embedding<D>> = AnySpace;
+        type Frame<F: Frame> = UpdatedLagrangian;
+    };
 }
 passes! {
-    /// Map mass, momentum and force of particles as they stand.
-    MapAll { momentum: true, force: true }
+    /// Map mass, momentum and force of particles as they stand (USL).
+    UslMap [Plain true its its] { momentum: true, force: true }
+    /// The same (MUSL).
+    MuslMap [Plain false any its] { momentum: true, force: true }
     /// Map mass and momentum of particles as they stand.
-    MapMomentum { momentum: true }
+    MapMomentum [Plain false any any] { momentum: true }
+    /// The same in every step, beside forces that are none: of particles that hold the place of others.
+    MapPlace [Avx2 false any any] { momentum: true }
     /// Bring particles that were placed out of their bins to those they are in now.
-    Follow { moves: true }
+    Follow [Avx2 false any any] { moves: true }
     /// One smoothing of FMPM.
-    Smooth { smooth: true, momentum: true }
+    Smooth [Avx512 false any any] { smooth: true, momentum: true }
     /// The one pass of USL.
-    UslPass { strain: Some(Nodal::First), velocity: true, moves: true, momentum: true, force: true }
+    UslPass [Avx512 true its its] {
+        strain: Some(Nodal::First), velocity: true, moves: true, momentum: true, force: true
+    }
     /// First pass of MUSL.
-    MuslReturn { velocity: true, momentum: true }
+    MuslReturn [Avx512 false its any] { velocity: true, momentum: true }
     /// Second pass of MUSL.
-    MuslAdvance { strain: Some(Nodal::Second), moves: true, momentum: true, force: true }
+    MuslAdvance [Avx512 false any its] {
+        strain: Some(Nodal::Second), moves: true, momentum: true, force: true
+    }
     /// First pass of USF.
-    UsfStress { strain: Some(Nodal::First), force: true }
+    UsfStress [Avx512 false any its] { strain: Some(Nodal::First), force: true }
     /// Second pass of USF.
-    UsfAdvance { velocity: true, moves: true, momentum: true }
-}
-
-/// The pass `K` of a body with a surface load.
-#[derive(Clone, Copy, Debug)]
-pub struct Loaded<K>(std::marker::PhantomData<K>);
-impl<K: PassKind> PassKind for Loaded<K> {
-    const DOES: Pass = Pass { load: K::DOES.force || K::DOES.velocity, ..K::DOES };
-}
-
-/// The pass `K` of a body with a force field.
-#[derive(Clone, Copy, Debug)]
-pub struct Driven<K>(std::marker::PhantomData<K>);
-impl<K: PassKind> PassKind for Driven<K> {
-    const DOES: Pass = Pass { field: K::DOES.force || K::DOES.velocity, ..K::DOES };
-}
-
-/// The pass `K` of a body whose particles are split.
-#[derive(Clone, Copy, Debug)]
-pub struct Splits<K>(std::marker::PhantomData<K>);
-impl<K: PassKind> PassKind for Splits<K> {
-    const DOES: Pass = Pass { splits: K::DOES.moves, ..K::DOES };
+    UsfAdvance [Avx512 false its frame] { velocity: true, moves: true, momentum: true }
 }
 
 /// When the stress is updated.
@@ -135,7 +160,7 @@ pub trait StressUpdate: Copy + Send + Sync + 'static {
 pub struct Usl;
 impl StressUpdate for Usl {
     const NAME: &'static str = "USL";
-    type Map = MapAll;
+    type Map = UslMap;
     type First = UslPass;
     type Second = UslPass;
 }
@@ -147,7 +172,7 @@ pub struct Musl;
 impl StressUpdate for Musl {
     const NAME: &'static str = "MUSL";
     const REMAP: bool = true;
-    type Map = MapAll;
+    type Map = MuslMap;
     type First = MuslReturn;
     type Second = MuslAdvance;
 }

@@ -137,6 +137,19 @@ impl<T: Real, const K: usize> Transfer<T> for Fmpm<K> {
     }
 }
 
+/// Any of them, for passes that change no velocity.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct AnyTransfer;
+impl<T: Real> Transfer<T> for AnyTransfer {
+    const NAME: &'static str = "any";
+    const READS_VELOCITY: bool = false;
+    const READS_INCREMENT: bool = false;
+    #[inline(always)]
+    fn velocity<L: Lane<Real = T>>(&self, old: L, _nodal: L, _increment: L, _dt: L) -> L {
+        old
+    }
+}
+
 /// Which transfers a stress-update order can be used with.
 #[diagnostic::on_unimplemented(
     message = "the stress update `{Self}` cannot be combined with the transfer `{X}`",

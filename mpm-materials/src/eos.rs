@@ -29,7 +29,7 @@ pub use polynomial::Polynomial;
 pub use tait::Tait;
 
 use crate::lane::{Lane, Real};
-use crate::point::{Breakdown, Fault, State};
+use crate::point::{Breakdown, Fault, Nothing, State};
 
 /// The two terms of a pressure that is linear in the internal energy: p = cold + thermal e.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ pub struct Terms<L> {
 
 /// An equation of state p = a(J) + b(J) e, compression positive.
 pub trait Eos<T: Real>: Clone + Send + Sync + 'static {
-    /// The internal energy a fluid of this law must remember: the number itself, or `()` when the pressure
+    /// The internal energy a fluid of this law must remember: the number itself, or [`Nothing`] when the pressure
     /// depends on the volume alone.
     type Energy<L: Lane<Real = T>>: EnergyColumn<L>;
 
@@ -65,7 +65,7 @@ pub trait Eos<T: Real>: Clone + Send + Sync + 'static {
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L;
 
     /// Energy stored by volume change alone, W(J) = -int_1^J p dJ at e = 0, J per m^3 of reference volume.
-    /// Only asked of laws with `Energy = ()`; the others have no such potential and keep the default, zero.
+    /// Only asked of laws with `Energy = Nothing`; the others have no such potential and keep the default, zero.
     #[inline(always)]
     fn stored_energy<L: Lane<Real = T>>(&self, volume_ratio: L) -> L {
         let _ = volume_ratio;
@@ -145,10 +145,12 @@ impl<L: Lane> EnergyColumn<L> for L {
     }
 }
 
-impl<L: Lane> EnergyColumn<L> for () {
+impl<L: Lane> EnergyColumn<L> for Nothing {
     const KEPT: bool = false;
     #[inline(always)]
-    fn keep(_: L) -> Self {}
+    fn keep(_: L) -> Self {
+        Nothing
+    }
     #[inline(always)]
     fn recall(&self) -> L {
         L::zero()

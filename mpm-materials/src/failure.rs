@@ -28,7 +28,7 @@ pub use tensile::TensilePressure;
 pub use tuler_butcher::TulerButcher;
 
 use crate::lane::{Lane, Mask, Real};
-use crate::point::State;
+use crate::point::{Nothing, Pair, State};
 use crate::state;
 use crate::tensor::Sym3;
 
@@ -121,14 +121,18 @@ pub struct NoFailure;
 
 impl<T: Real> Failure<T> for NoFailure {
     const POSSIBLE: bool = false;
-    type History<L: Lane<Real = T>> = ();
-    fn intact(&self) {}
+    type History<L: Lane<Real = T>> = Nothing;
+    fn intact(&self) -> Nothing {
+        Nothing
+    }
     #[inline(always)]
-    fn failed<L: Lane<Real = T>>(&self, _: &(), _: L) -> L::Mask {
+    fn failed<L: Lane<Real = T>>(&self, _: &Nothing, _: L) -> L::Mask {
         L::Mask::splat(false)
     }
     #[inline(always)]
-    fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, _: &()) {}
+    fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, _: &Nothing) -> Nothing {
+        Nothing
+    }
 }
 
 /// Fails where either criterion does; what remains is what both leave.
@@ -139,9 +143,9 @@ impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B) {
         assert!(!(A::OPENS && B::OPENS), "one crack a point: only one of two criteria may open one");
         A::OPENS || B::OPENS
     };
-    type History<L: Lane<Real = T>> = (A::History<L>, B::History<L>);
+    type History<L: Lane<Real = T>> = Pair<A::History<L>, B::History<L>>;
     fn intact(&self) -> Self::History<T::Single> {
-        (self.0.intact(), self.1.intact())
+        Pair(self.0.intact(), self.1.intact())
     }
     #[inline(always)]
     fn failed<L: Lane<Real = T>>(&self, history: &Self::History<L>, plastic_strain: L) -> L::Mask {
@@ -149,7 +153,7 @@ impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B) {
     }
     #[inline(always)]
     fn judge<L: Lane<Real = T>>(&self, observed: &Observed<L>, old: &Self::History<L>) -> Self::History<L> {
-        (self.0.judge(observed, &old.0), self.1.judge(observed, &old.1))
+        Pair(self.0.judge(observed, &old.0), self.1.judge(observed, &old.1))
     }
     #[inline(always)]
     fn crack_volume<L: Lane<Real = T>>(&self, history: &Self::History<L>) -> L {
@@ -166,7 +170,7 @@ impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B) {
         now: &Self::History<L>,
         old: &Self::History<L>,
     ) -> Self::History<L> {
-        (self.0.opened(strain, &now.0, &old.0), self.1.opened(strain, &now.1, &old.1))
+        Pair(self.0.opened(strain, &now.0, &old.0), self.1.opened(strain, &now.1, &old.1))
     }
 }
 

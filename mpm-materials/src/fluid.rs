@@ -3,7 +3,9 @@
 use crate::eos::{EnergyColumn, Eos, balance};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
-use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, alike, finite_state, mean};
+use crate::point::{
+    Breakdown, Constitutive, Fault, Kinematics, Nothing, State, Update, alike, finite_state, mean,
+};
 use crate::solid::LIKE_VOLUME;
 use crate::state;
 use crate::tensor::Sym3;
@@ -39,11 +41,13 @@ pub trait ShearViscosity<T: Real>: Copy + Send + Sync + 'static {
 pub struct Inviscid;
 
 impl<T: Real> ShearViscosity<T> for Inviscid {
-    type Memory<L: Lane<Real = T>> = ();
+    type Memory<L: Lane<Real = T>> = Nothing;
     #[inline(always)]
-    fn deviator<L: Lane<Real = T>>(&self, _: &Kinematics<L>) {}
+    fn deviator<L: Lane<Real = T>>(&self, _: &Kinematics<L>) -> Nothing {
+        Nothing
+    }
     #[inline(always)]
-    fn stress<L: Lane<Real = T>>(&self, _: &()) -> Sym3<L> {
+    fn stress<L: Lane<Real = T>>(&self, _: &Nothing) -> Sym3<L> {
         Sym3::zero()
     }
 }

@@ -5,6 +5,7 @@
 //! stress ([`Constitutive::update`]). Units are SI; stress is tension-positive, pressure compression-positive.
 
 pub mod capability;
+mod compiled;
 #[cfg(feature = "conformance")]
 pub mod conformance;
 pub mod detonation;
@@ -15,8 +16,8 @@ pub mod explosive;
 pub mod failure;
 pub mod fluid;
 pub mod ground;
-pub mod lane;
 pub mod library;
+pub mod material;
 pub mod parameter;
 pub mod point;
 pub mod porous;
@@ -41,11 +42,12 @@ pub use failure::{
 };
 pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
 pub use ground::{Geomaterial, Ground, GroundState};
-pub use lane::{Lane, Mask, Real, Wide};
+pub use impactite_simd::lane::{self, Lane, Mask, Real, Wide};
+pub use material::{AnyLaw, Compiled, CompiledHere, IntoMaterial, Material, MaySplit};
 pub use parameter::{Check, ParameterError};
 pub use point::{
-    Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, Update, lane_of, named, pointwise,
-    spread,
+    Breakdown, Constitutive, Fault, Kinematics, Nothing, Pair, Sink, Source, State, Update, lane_of, named,
+    pointwise, spread,
 };
 pub use porous::{Porous, PorousState};
 pub use rate::{HughesWinget, Jaumann, ObjectiveRate};

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::lane::{Lane, Mask, Real};
+use crate::material::CompiledHere;
 use crate::tensor::{Mat3, Sym3};
 
 /// How a point moves during one step.
@@ -43,7 +44,7 @@ impl<L: Lane> Kinematics<L> {
 
 /// What a point remembers between steps: a fixed list of numbers with names.
 ///
-/// Implemented for a single number, [`Sym3`], [`Mat3`], pairs, and `()` which takes no memory at all; the
+/// Implemented for a single number, [`Sym3`], [`Mat3`], a [`Pair`], and [`Nothing`], which takes no memory at all; the
 /// [`state!`](crate::state) macro makes a named record of these.
 pub trait State<L: Lane>: Copy + fmt::Debug {
     /// How many numbers.
@@ -68,10 +69,16 @@ pub trait Sink<L> {
     fn put(&mut self, value: L);
 }
 
-impl<L: Lane> State<L> for () {
+/// What a part of a law remembers that remembers nothing: no number, no memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Nothing;
+
+impl<L: Lane> State<L> for Nothing {
     const LEN: usize = 0;
     #[inline(always)]
-    fn read(_: &mut impl Source<L>) {}
+    fn read(_: &mut impl Source<L>) -> Self {
+        Nothing
+    }
     #[inline(always)]
     fn write(&self, _: &mut impl Sink<L>) {}
     fn names(_: &str, _: &mut Vec<String>) {}
@@ -134,12 +141,21 @@ impl<L: Lane> State<L> for Mat3<L> {
     }
 }
 
-impl<L: Lane, A: State<L>, B: State<L>> State<L> for (A, B) {
+/// Two parts of a state, one behind the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Pair<A, B>(
+    /// The first.
+    pub A,
+    /// The second.
+    pub B,
+);
+
+impl<L: Lane, A: State<L>, B: State<L>> State<L> for Pair<A, B> {
     const LEN: usize = A::LEN + B::LEN;
     #[inline(always)]
     fn read(from: &mut impl Source<L>) -> Self {
         let a = A::read(from);
-        (a, B::read(from))
+        Pair(a, B::read(from))
     }
     #[inline(always)]
     fn write(&self, to: &mut impl Sink<L>) {
@@ -316,6 +332,17 @@ pub trait Constitutive<T: Real>: Clone + Send + Sync + 'static {
     fn merged(&self, points: &[(f64, Self::State<T::Single>)]) -> Option<Self::State<T::Single>> {
         let _ = points;
         None
+    }
+
+    /// Where a state keeps the accumulated stretch, if it does, as [`Stretches`](crate::Stretches) says.
+    fn stretch_place(&self) -> Option<usize> {
+        None
+    }
+
+    /// The law with kernels that are compiled where this is written, for some seconds: what scenes take of a law whose kernels
+    /// are not compiled in this crate ([`IntoMaterial`](crate::IntoMaterial)).
+    fn compiled(self) -> CompiledHere<Self> {
+        CompiledHere(self)
     }
 }
 

@@ -98,6 +98,9 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
         let splits = mean::<T, T::Single>(points.iter().map(|(mass, state)| (*mass, state.splits)));
         Some(StretchingState { cauchy_green, splits, law })
     }
+    fn stretch_place(&self) -> Option<usize> {
+        Some(<Self as Stretches<T>>::PLACE)
+    }
 }
 
 impl<T: Real, C: Constitutive<T>> Stretches<T> for Stretching<C> {

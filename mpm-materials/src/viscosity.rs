@@ -2,7 +2,7 @@
 
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
-use crate::point::{Kinematics, State};
+use crate::point::{Kinematics, Nothing, State};
 
 /// A viscous pressure in compression.
 pub trait ShockViscosity<T: Real>: Copy + Send + Sync + 'static {
@@ -21,11 +21,13 @@ pub trait ShockViscosity<T: Real>: Copy + Send + Sync + 'static {
 pub struct NoViscosity;
 
 impl<T: Real> ShockViscosity<T> for NoViscosity {
-    type Memory<L: Lane<Real = T>> = ();
+    type Memory<L: Lane<Real = T>> = Nothing;
     #[inline(always)]
-    fn memory<L: Lane<Real = T>>(&self, _: L) {}
+    fn memory<L: Lane<Real = T>>(&self, _: L) -> Nothing {
+        Nothing
+    }
     #[inline(always)]
-    fn remembered<L: Lane<Real = T>>(&self, _: &()) -> L {
+    fn remembered<L: Lane<Real = T>>(&self, _: &Nothing) -> L {
         L::zero()
     }
     #[inline(always)]

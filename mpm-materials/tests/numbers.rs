@@ -130,12 +130,15 @@ fn volume_factor_is_exact_for_the_increment() {
 fn states_are_lists_with_names() {
     let law = Solid::new(JohnsonCook::<f64>::copper(), MieGruneisen::copper());
     let one = law.virgin();
-    let pack = spread::<f64, Four, _, SolidState<Four, strength::Hardened<Four, Four>, ()>>(&one);
-    assert_eq!(lane_of::<f64, Four, SolidState<f64, strength::Hardened<f64, f64>, ()>, _>(&pack, 3), one);
+    let pack = spread::<f64, Four, _, SolidState<Four, strength::Hardened<Four, Four>, Nothing>>(&one);
+    assert_eq!(
+        lane_of::<f64, Four, SolidState<f64, strength::Hardened<f64, f64>, Nothing>, _>(&pack, 3),
+        one
+    );
     let list = point::flatten(&one);
     assert_eq!(point::unflatten(&list), Ok(one));
     assert_eq!(
-        point::unflatten::<f64, SolidState<f64, strength::Hardened<f64, f64>, ()>>(&list[1..]),
+        point::unflatten::<f64, SolidState<f64, strength::Hardened<f64, f64>, Nothing>>(&list[1..]),
         Err(9)
     );
 }

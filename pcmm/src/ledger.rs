@@ -1,8 +1,7 @@
 //! Sums, the audit of revisions, and pictures of an instant.
 
 use mpm_core::output::{OutputError, ParticleSize, Snapshot};
-use mpm_materials::point::unflatten;
-use mpm_materials::{Constitutive, State};
+use mpm_materials::material::Described;
 
 use crate::method::Composition;
 use crate::simplex::volume;
@@ -125,11 +124,7 @@ impl Totals {
     }
 }
 
-impl<const D: usize, C, M> Pcmm<D, C, M>
-where
-    C: Constitutive<f64>,
-    M: Composition<D>,
-{
+impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// Sums over all particles and elements.
     pub fn totals(&self) -> Totals {
         let mut sum = Totals::default();
@@ -151,7 +146,7 @@ where
         for (e, nodes) in self.elements.nodes.chunks_exact(D + 1).enumerate() {
             self.elements.read(e, &mut state);
             let reference = self.elements.reference[e];
-            sum.covered += self.law.density() * reference;
+            sum.covered += self.material.density() * reference;
             sum.volume += volume(&corners(&self.particles, nodes), M::Embedding::HOOP);
             sum.internal += reference * self.energy_of(&state);
         }
@@ -160,14 +155,19 @@ where
         sum
     }
 
-    /// The state of element `e`; `None` if there is none.
-    pub fn element_state(&self, e: usize) -> Option<C::State<f64>> {
+    /// The numbers of the state of element `e`, named by [`Pcmm::state_names`]; `None` if there is none.
+    pub fn element_state(&self, e: usize) -> Option<Vec<f64>> {
         if e >= self.elements.len() {
             return None;
         }
         let mut numbers = vec![0.0; self.virgin.len()];
         self.elements.read(e, &mut numbers);
-        unflatten(&numbers).ok()
+        Some(numbers)
+    }
+
+    /// What the law says of element `e`: stress, volume ratio, wave speed, energy; `None` if there is none.
+    pub fn describe_element(&self, e: usize) -> Option<Described<f64>> {
+        self.material.describe_point(&self.element_state(e)?)
     }
 
     /// The numbers that the states hold, at each particle: the mean over its elements, weighted by mass, or what it had
@@ -181,9 +181,7 @@ where
 
     /// Names of the numbers of a state.
     pub fn state_names(&self) -> Vec<String> {
-        let mut names = Vec::new();
-        <C::State<f64> as State<f64>>::names("", &mut names);
-        names
+        self.material.state_names()
     }
 
     /// This instant for pictures and files: positions, velocity, stress (tensor), pressure, and every other number of
@@ -203,12 +201,10 @@ where
         let mut snapshot = Snapshot::new(D, self.time, self.steps, positions, ParticleSize::Each(sizes))?
             .with_vector("velocity", velocities)?;
         let names = self.state_names();
-        let law = self.law.clone();
+        let law = self.material.clone();
         let states = self.particle_states();
-        let stress: Vec<[f64; 6]> = states
-            .iter()
-            .map(|s| unflatten::<f64, C::State<f64>>(s).map_or([f64::NAN; 6], |s| law.stress(&s).0))
-            .collect();
+        let stress: Vec<[f64; 6]> =
+            states.iter().map(|s| law.describe_point(s).map_or([f64::NAN; 6], |said| said.stress)).collect();
         let pressure = stress.iter().map(|s| -(s[0] + s[1] + s[2]) / 3.0).collect();
         for (k, name) in names.iter().enumerate() {
             if !name.starts_with("stress_") {

@@ -192,6 +192,14 @@ pub enum SceneError {
         /// Its density.
         density: f64,
     },
+    /// States of another law.
+    #[error("states of ({there}) are not those of the law {law}")]
+    OtherState {
+        /// The law.
+        law: &'static str,
+        /// The numbers of the states given.
+        there: String,
+    },
     /// A boundary.
     #[error("boundary {field} = {value} is not allowed; it must be {allowed}")]
     Boundary {

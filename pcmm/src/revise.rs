@@ -1,8 +1,6 @@
 //! Deletion, search, creation: the second half of the flow chart of \[Feng2014\].
 
 use mpm_core::Embedding;
-use mpm_materials::Constitutive;
-use mpm_materials::point::unflatten;
 
 use crate::elements::Elements;
 use crate::inheritance::{Inheritance, Newborn, Parent};
@@ -11,11 +9,7 @@ use crate::simplex::{overlap, volume};
 use crate::solver::Pcmm;
 use crate::tessellation::{Revision, Tessellation, View, corners};
 
-impl<const D: usize, C, M> Pcmm<D, C, M>
-where
-    C: Constitutive<f64>,
-    M: Composition<D>,
-{
+impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// Search, delete, create, inherit, and book what was added and removed. Steps do this by themselves every
     /// [`Pcmm::set_revision_interval`] steps.
     pub fn revise(&mut self) {
@@ -47,7 +41,7 @@ where
 
     /// Internal energy per reference volume of a state.
     pub(crate) fn energy_of(&self, state: &[f64]) -> f64 {
-        unflatten::<f64, C::State<f64>>(state).map_or(0.0, |s| self.law.energy(&s))
+        self.material.describe_point(state).map_or(0.0, |said| said.energy)
     }
 
     /// Average the states of elements to the particles of the dead and the newborn, weighted by mass.
@@ -97,7 +91,7 @@ where
                 is_dead[e] = true;
                 self.audit.removed.elements += 1;
                 self.audit.removed.volume += self.element_volume(self.nodes_of(e));
-                self.audit.removed.mass += self.law.density() * self.elements.reference[e];
+                self.audit.removed.mass += self.material.density() * self.elements.reference[e];
                 let estate =
                     Estate { reference: self.elements.reference[e], density: self.energy_of(&state) };
                 self.audit.removed.energy += estate.reference * estate.density;
@@ -124,7 +118,7 @@ where
             wants.push(want);
             self.audit.created.elements += 1;
             self.audit.created.volume += volume;
-            self.audit.created.mass += self.law.density() * own;
+            self.audit.created.mass += self.material.density() * own;
             self.audit.created.energy += energy;
             nodes.extend_from_slice(newborn);
             reference.push(own);
@@ -164,7 +158,7 @@ where
             }
         }
         let after = self.stored();
-        self.audit.stored_mass += self.law.density() * (after[0] - before[0]);
+        self.audit.stored_mass += self.material.density() * (after[0] - before[0]);
         self.audit.stored_energy += after[1] - before[1];
     }
 
@@ -205,7 +199,7 @@ where
         let particles: Vec<&[f64]> = newborn.iter().map(of_particle).collect();
         let taken =
             M::Inheritance::inherit(&Newborn { volume, parents: &parents, particles: &particles }, state);
-        let ratio = unflatten::<f64, C::State<f64>>(state).map_or(1.0, |s| self.law.volume_ratio(&s));
+        let ratio = self.material.describe_point(state).map_or(1.0, |said| said.volume_ratio);
         // Each parent gives in proportion to how much of it lay there.
         let lay = |k: usize| shares[k].0 / shares[k].1 * self.elements.reference[near[k]];
         let gave = |k: &usize| shares[*k].0 > 0.0 && shares[*k].1 > 0.0;

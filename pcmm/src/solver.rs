@@ -1,12 +1,12 @@
 //! The solver: what it holds, and how it is set up.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock};
 
 use mpm_core::boundary::BodyForce;
 use mpm_core::step::control::ControlError;
 use mpm_core::{Boundary, Embedding, Team, TimeControl};
-use mpm_materials::Constitutive;
 use mpm_materials::point::{flatten, unflatten};
+use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
 use crate::boundary::{Given, check};
 use crate::elements::{Elements, Incidence};
@@ -16,6 +16,7 @@ use crate::method::Composition;
 use crate::particles::{Packing, Particle, SceneError, number, parameter};
 use crate::search::Neighbours;
 use crate::simplex::{mean_radius, volume};
+use crate::sweep::Waiting;
 use crate::tessellation::{Tessellation, View, corners};
 
 /// Where the masses of particles come from.
@@ -31,13 +32,13 @@ pub enum Masses {
     FromVolumes,
 }
 
-/// Particle-contact meshfree method in `D` dimensions, with a law `C` and the parts of `M`.
+/// Particle-contact meshfree method in `D` dimensions, with the parts of `M`.
 ///
 /// A scene has one law; particles of it that touch make elements, whatever body they came from: what meets is welded.
 #[derive(Clone)]
-pub struct Pcmm<const D: usize, C, M> {
+pub struct Pcmm<const D: usize, M> {
     pub(crate) method: M,
-    pub(crate) law: C,
+    pub(crate) material: Arc<dyn Material<f64>>,
     pub(crate) particles: Vec<Particle<D>>,
     /// How far the surface lies beyond centres, in radii.
     pub(crate) surface: f64,
@@ -69,6 +70,8 @@ pub struct Pcmm<const D: usize, C, M> {
     pub(crate) rate: f64,
     pub(crate) given: Given,
     pub(crate) audit: Audit,
+    /// Memory of each thread for elements on their way through their law.
+    pub(crate) waiting: Arc<Vec<Mutex<Waiting>>>,
 }
 
 /// The default safety factor of the time step.
@@ -78,11 +81,7 @@ pub const SMALL: usize = 2000;
 /// The skin of the neighbour lists over the smallest radius.
 const SKIN: f64 = 0.6;
 
-impl<const D: usize, C, M> Pcmm<D, C, M>
-where
-    C: Constitutive<f64>,
-    M: Composition<D>,
-{
+impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// Particles of a law, with their velocity (m/s) at a position (m); elements are made at once. Tessellates anew
     /// after every step, takes half of altitude over wave speed for a step, on the caller's thread.
     ///
@@ -90,11 +89,12 @@ where
     /// No particle; a position, radius, volume or velocity that no particle can have; a particle without mass.
     pub fn new(
         method: M,
-        law: C,
+        law: impl IntoMaterial<f64>,
         packing: &Packing<D>,
         velocity: impl Fn([f64; D]) -> [f64; D],
         masses: Masses,
     ) -> Result<Self, SceneError> {
+        let law = law.into_material();
         packing.check()?;
         let density = law.density();
         if !(density > 0.0 && density.is_finite()) {
@@ -112,12 +112,12 @@ where
             particles.push(Particle { position, velocity, mass: 0.0, radius });
         }
         let smallest = particles.iter().fold(f64::INFINITY, |m, p| m.min(p.radius));
-        let virgin = flatten::<f64, C::State<f64>>(&law.virgin());
+        let virgin = law.virgin();
         let mut solver = Pcmm {
             neighbours: Neighbours::new(method.tessellation().reach(), SKIN * smallest),
             memory: virgin.repeat(particles.len()),
             method,
-            law,
+            material: law,
             particles,
             surface: packing.surface,
             elements: Elements::default(),
@@ -138,6 +138,7 @@ where
             rate: 0.0,
             given: Given::default(),
             audit: Audit::default(),
+            waiting: Arc::new(vec![Mutex::default()]),
         };
         solver.first_elements();
         solver.weigh(masses, &packing.volumes)?;
@@ -172,7 +173,7 @@ where
 
     /// Masses of particles, and reference volumes of elements that go with them.
     fn weigh(&mut self, masses: Masses, volumes: &[f64]) -> Result<(), SceneError> {
-        let density = self.law.density();
+        let density = self.material.density();
         let mut covered = vec![0.0; self.particles.len()];
         for (e, nodes) in self.elements.nodes.chunks_exact(D + 1).enumerate() {
             let x = corners(&self.particles, nodes);
@@ -227,6 +228,7 @@ where
     /// than waking more, and is used.
     pub fn set_team(&mut self, team: Team) {
         self.team = if self.particles.len() < SMALL { Team::one() } else { team };
+        self.waiting = Arc::new((0..self.team.threads()).map(|_| Mutex::default()).collect());
     }
 
     /// Choose the time step otherwise. The Courant rate is c over the smallest altitude of an element, or speed over
@@ -267,14 +269,20 @@ where
         self.body_force = Some(acceleration);
     }
 
-    /// Give an element's state to `change`, for initial stresses.
+    /// Give every element's state, with its centre (m), to `change`, for initial stresses: that of the law `C`, which must be the
+    /// body's.
     ///
     /// # Errors
-    /// An element that is not there.
-    pub fn set_states(
+    /// Another law; a number that is not finite.
+    pub fn set_states<C: Constitutive<f64>>(
         &mut self,
         mut change: impl FnMut([f64; D], C::State<f64>) -> C::State<f64>,
     ) -> Result<(), SceneError> {
+        let mut names = Vec::new();
+        C::State::<f64>::names("state", &mut names);
+        if names != self.material.state_names() {
+            return Err(SceneError::OtherState { law: self.material.name(), there: names.join(", ") });
+        }
         let mut states = vec![0.0; self.elements.len() * self.virgin.len()];
         for e in 0..self.elements.len() {
             let out = &mut states[e * self.virgin.len()..(e + 1) * self.virgin.len()];
@@ -314,8 +322,8 @@ where
         self.elements.len()
     }
     /// The law.
-    pub fn law(&self) -> &C {
-        &self.law
+    pub fn material(&self) -> &dyn Material<f64> {
+        &*self.material
     }
     /// A line that names the method.
     pub fn describe(&self) -> String {

@@ -1,11 +1,8 @@
 //! A step: the stages in the order of the flow chart of \[Feng2014\].
 
-use std::marker::PhantomData;
-
 use mpm_core::Boundary;
 use mpm_core::boundary::BodyForce;
-use mpm_core::parallel::Float;
-use mpm_materials::{Breakdown, Constitutive};
+use mpm_materials::Breakdown;
 
 use crate::boundary::{Given, constrain};
 use crate::elements::{BATCH, Batch, Elements, Incidence};
@@ -13,7 +10,7 @@ use crate::kinematics::Dilatation;
 use crate::method::Composition;
 use crate::particles::Particle;
 use crate::solver::Pcmm;
-use crate::sweep::{Output, Pass, Sweep};
+use crate::sweep::{Of, Output, Pass, sweep};
 use crate::tessellation::corners;
 
 /// Particles a task moves.
@@ -90,11 +87,7 @@ struct Moved {
     trouble: Option<usize>,
 }
 
-impl<const D: usize, C, M> Pcmm<D, C, M>
-where
-    C: Constitutive<f64>,
-    M: Composition<D>,
-{
+impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// One step of size `dt`. Forces are those of the elements as the last step left them, so the paper's cycle is
     /// entered at its step 11; its steps 1 to 10 follow on the new positions.
     fn step(&mut self, dt: f64) -> Result<(), StepError> {
@@ -224,7 +217,7 @@ where
                     element,
                     particles: nodes.to_vec(),
                     position: (0..D).map(centre).collect(),
-                    law: self.law.name(),
+                    law: self.material.name(),
                     cause,
                 });
             }
@@ -234,22 +227,15 @@ where
 
     /// One pass over all elements.
     fn sweep(&mut self, pass: Pass, dt: f64) {
-        let Elements { nodes, reference, batches, .. } = &mut self.elements;
-        let (law, particles, averages) = (&self.law, &self.particles, &self.averages);
+        let Elements { nodes, reference, batches, numbers, .. } = &mut self.elements;
+        let (material, particles, averages) = (&*self.material, &self.particles, &self.averages);
+        let (team, waiting, numbers) = (&self.team, &self.waiting[..], *numbers);
         let work = |b: usize, batch: &mut Batch, output: Output<'_, D>| {
             let (first, last) = (b * BATCH, ((b + 1) * BATCH).min(reference.len()));
-            <f64 as Float>::dispatch(Sweep::<'_, D, C, M> {
-                pass,
-                law,
-                particles,
-                nodes: &nodes[first * (D + 1)..last * (D + 1)],
-                reference: &reference[first..last],
-                averages,
-                dt,
-                batch,
-                output,
-                method: PhantomData,
-            });
+            let (nodes, reference) = (&nodes[first * (D + 1)..last * (D + 1)], &reference[first..last]);
+            let of = Of { particles, nodes, reference, averages, dt };
+            let waiting = &mut *team.own(waiting);
+            sweep::<D, M>(pass, &of, (material, numbers), batch, waiting, output);
         };
         let scalars = M::Dilatation::AVERAGED && pass != Pass::Force;
         if scalars {

@@ -3,39 +3,35 @@
 use std::marker::PhantomData;
 
 use mpm_core::Embedding;
-use mpm_core::parallel::{Arch, Kernel, Pack};
-use mpm_materials::{Breakdown, Constitutive, Fault, Kinematics, Lane, Mat3, Sink, Source, State, Sym3};
+use mpm_core::parallel::{Arch, Float, Kernel, Pack, Vectors};
+use mpm_materials::material::{Deformation, Length, Material, Motion, Response, States, StatesMut};
+use mpm_materials::{Breakdown, Lane, Mask, Mat3, Sym3};
 
-use crate::elements::{Batch, GROUP, Report, Row};
+use crate::elements::{BATCH, Batch, GROUP, Report, Row};
 use crate::kinematics::{Configuration, Dilatation, with_volume};
 use crate::method::Composition;
 use crate::particles::Particle;
 use crate::simplex::Slopes;
 
-/// Reads a state from the rows of a group.
-struct Rows<'a> {
-    rows: &'a [Row],
-    at: usize,
+/// Elements of a batch on their way through their law: memory of a thread.
+#[derive(Debug, Default)]
+pub(crate) struct Waiting {
+    deformations: Vec<Deformation<Row>>,
+    /// Sizes of the elements, m.
+    lengths: Vec<Row>,
+    response: Response<f64>,
 }
-impl<P: Pack<f64, Numbers = Row>> Source<P> for Rows<'_> {
-    #[inline(always)]
-    fn take(&mut self) -> P {
-        self.at += 1;
-        P::load(&self.rows[self.at - 1])
+
+/// The groups of a batch, by place: they lie behind each other.
+const GROUPS: [u32; BATCH / GROUP] = {
+    let mut groups = [0; BATCH / GROUP];
+    let mut n = 0;
+    while n < groups.len() {
+        groups[n] = n as u32;
+        n += 1;
     }
-}
-/// Writes a state to the rows of a group.
-struct RowsMut<'a> {
-    rows: &'a mut [Row],
-    at: usize,
-}
-impl<P: Pack<f64, Numbers = Row>> Sink<P> for RowsMut<'_> {
-    #[inline(always)]
-    fn put(&mut self, value: P) {
-        value.store(&mut self.rows[self.at]);
-        self.at += 1;
-    }
-}
+    groups
+};
 
 /// What a sweep does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,22 +46,84 @@ pub(crate) enum Pass {
     Force,
 }
 
-/// A sweep over a batch of elements.
-pub(crate) struct Sweep<'a, const D: usize, C, M> {
-    pub pass: Pass,
-    pub law: &'a C,
+/// The elements of a batch.
+#[derive(Clone, Copy)]
+pub(crate) struct Of<'a, const D: usize> {
     pub particles: &'a [Particle<D>],
-    /// Of this batch.
     pub nodes: &'a [u32],
-    /// Of this batch.
     pub reference: &'a [f64],
     /// Averages at the particles: of volume factors in [`Pass::Stress`], of Kirchhoff mean stresses in
     /// [`Pass::Force`].
     pub averages: &'a [f64],
     pub dt: f64,
-    pub batch: &'a mut Batch,
-    pub output: Output<'a, D>,
-    pub method: PhantomData<M>,
+}
+
+/// A sweep over a batch of elements of a law whose states have so many numbers.
+pub(crate) fn sweep<const D: usize, M: Composition<D>>(
+    pass: Pass,
+    of: &Of<'_, D>,
+    (material, numbers): (&dyn Material<f64>, usize),
+    batch: &mut Batch,
+    waiting: &mut Waiting,
+    output: Output<'_, D>,
+) {
+    let groups = &GROUPS[..of.reference.len().div_ceil(GROUP)];
+    let (method, mut report) = (PhantomData::<M>, Report::default());
+    match pass {
+        Pass::Stretch => {
+            batch.report = report;
+            return f64::dispatch(Stretch { of, output, method });
+        }
+        Pass::Stress => {
+            waiting.deformations.resize(groups.len().div_ceil(2), Deformation::default());
+            waiting.lengths.resize(groups.len(), Row::default());
+            let (deformations, lengths) = (&mut waiting.deformations[..], &mut waiting.lengths[..]);
+            let inverted = f64::dispatch(Strain { of, deformations, lengths, method });
+            // Steps 2 to 9: strain, split, deviator, pressure, yield, viscosity, total stress.
+            let length = Length::Each(&waiting.lengths);
+            let motion = Motion { deformation: &waiting.deformations, dt: of.dt, length };
+            let states = StatesMut { all: &mut batch.rows, stride: numbers, first: 0, groups };
+            material.advance(&motion, states, true, &mut waiting.response);
+            let here = |e: &usize| *e < of.reference.len();
+            let broken = waiting.response.faults().iter().map(|f| (f.group * GROUP + f.lane, f.cause));
+            let broken = broken.filter(|(e, _)| here(e)).min_by_key(|(e, _)| *e);
+            let inverted = inverted.map(|e| (e, Breakdown::InvertedVolume));
+            // Of an element the law's own cause first.
+            report.trouble = broken.into_iter().chain(inverted).min_by_key(|(e, _)| *e);
+        }
+        Pass::Pressure | Pass::Force => {
+            let states = States { all: &batch.rows, stride: numbers, first: 0, groups };
+            material.describe(states, &mut waiting.response);
+        }
+    }
+    let response = &waiting.response;
+    report.rate = f64::dispatch(Give { pass, of, response, output, method });
+    batch.report = report;
+}
+
+/// Changes of volume, to be averaged over particles.
+struct Stretch<'a, const D: usize, M> {
+    of: &'a Of<'a, D>,
+    output: Output<'a, D>,
+    method: PhantomData<M>,
+}
+
+/// Step 1: how elements deform, and their sizes. Returns the first one that is inside out.
+struct Strain<'a, const D: usize, M> {
+    of: &'a Of<'a, D>,
+    deformations: &'a mut [Deformation<Row>],
+    lengths: &'a mut [Row],
+    method: PhantomData<M>,
+}
+
+/// Step 10: nodal forces or, where pressures are averaged, Kirchhoff mean stresses. Returns the largest wave speed over smallest
+/// altitude, 1/s, but of [`Pass::Pressure`].
+struct Give<'a, const D: usize, M> {
+    pass: Pass,
+    of: &'a Of<'a, D>,
+    response: &'a Response<f64>,
+    output: Output<'a, D>,
+    method: PhantomData<M>,
 }
 
 /// Where the results of a sweep go.
@@ -83,16 +141,16 @@ struct Corner<P> {
     v: [P; 3],
 }
 
-impl<const D: usize, C, M> Sweep<'_, D, C, M> {
-    /// The corners of a group. Lanes without an element get a simplex at rest.
+impl<const D: usize> Of<'_, D> {
+    /// The corners of the elements in some lanes of a group. Lanes without an element get a simplex at rest.
     #[inline(always)]
-    fn corners<P: Pack<f64, Numbers = Row>>(&self, group: usize) -> [Corner<P>; 4] {
+    fn corners<P: Pack<f64>>(&self, group: usize, first: usize) -> [Corner<P>; 4] {
         let zero = P::zero();
         let mut corners = [Corner { x: [zero; 3], v: [zero; 3] }; 4];
         for a in 0..=D {
             let mut x = [Row::default(); D];
             let mut v = [Row::default(); D];
-            for lane in 0..GROUP {
+            for lane in first..first + P::WIDTH.min(GROUP) {
                 let e = group * GROUP + lane;
                 if e < self.reference.len() {
                     let p = &self.particles[self.nodes[e * (D + 1) + a] as usize];
@@ -105,18 +163,18 @@ impl<const D: usize, C, M> Sweep<'_, D, C, M> {
                 }
             }
             for d in 0..D {
-                corners[a].x[d] = P::load(&x[d]);
-                corners[a].v[d] = P::load(&v[d]);
+                corners[a].x[d] = of_row(&x[d], first);
+                corners[a].v[d] = of_row(&v[d], first);
             }
         }
         corners
     }
 
-    /// The mean over the corners of a group of a number at the particles; `idle` without an element.
+    /// The mean over the corners of elements of a number at the particles; `idle` without an element.
     #[inline(always)]
-    fn mean_at_corners<P: Pack<f64, Numbers = Row>>(&self, group: usize, idle: f64) -> P {
+    fn mean_at_corners<P: Pack<f64>>(&self, group: usize, first: usize, idle: f64) -> P {
         let mut sum = Row::default();
-        for lane in 0..GROUP {
+        for lane in first..first + P::WIDTH.min(GROUP) {
             let e = group * GROUP + lane;
             let mut mean = idle;
             if e < self.reference.len() {
@@ -125,17 +183,29 @@ impl<const D: usize, C, M> Sweep<'_, D, C, M> {
             }
             sum.as_mut()[lane] = mean;
         }
-        P::load(&sum)
+        of_row(&sum, first)
     }
 
     #[inline(always)]
-    fn reference<P: Pack<f64, Numbers = Row>>(&self, group: usize) -> P {
+    fn reference<P: Pack<f64>>(&self, group: usize, first: usize) -> P {
         let mut row = Row::default();
-        for lane in 0..GROUP {
+        for lane in first..first + P::WIDTH.min(GROUP) {
             row.as_mut()[lane] = self.reference.get(group * GROUP + lane).copied().unwrap_or(0.0);
         }
-        P::load(&row)
+        of_row(&row, first)
     }
+
+    /// Elements in the lanes of a pack that begins at a lane of a group.
+    #[inline(always)]
+    fn alive<P: Pack<f64>>(&self, group: usize, first: usize) -> usize {
+        self.reference.len().saturating_sub(group * GROUP + first).min(P::WIDTH)
+    }
+}
+
+/// The numbers of a row.
+#[inline(always)]
+fn of_row<P: Pack<f64>>(row: &Row, lane: usize) -> P {
+    P::from_rows([row, row], lane)
 }
 
 /// Corners a part of the step back.
@@ -240,103 +310,134 @@ fn nodal_forces<P: Lane>(
     force
 }
 
-impl<const D: usize, C, M> Kernel<f64> for Sweep<'_, D, C, M>
-where
-    C: Constitutive<f64>,
-    M: Composition<D>,
-{
+impl<const D: usize, M: Composition<D>> Kernel<f64> for Stretch<'_, D, M> {
+    const VECTORS: Vectors = Vectors::Avx2;
     type Output = ();
 
     #[inline(always)]
-    fn run<A: Arch<f64>>(mut self) {
-        let hoop = M::Embedding::HOOP;
-        let averaged = M::Dilatation::AVERAGED;
-        let numbers = <C::State<A::Pack> as State<A::Pack>>::LEN;
-        let elements = self.reference.len();
-        let dt = A::Pack::splat(self.dt);
-        let back = A::Pack::splat(self.dt * M::Configuration::BACK);
-        let mut report = Report::default();
-        for group in 0..elements.div_ceil(GROUP) {
-            let corners = self.corners::<A::Pack>(group);
-            let now = positions(&corners, D, A::Pack::zero());
-            let slopes = Slopes::of(&now, D);
-            let alive = (elements - group * GROUP).min(GROUP);
-            if self.pass == Pass::Stretch {
-                let ratio = volume_ratio(&corners, &now, slopes.measure, dt, D, hoop);
-                put::<A::Pack, D>(&mut self.output, group, alive, ratio);
-                continue;
+    fn run<A: Arch<f64>>(self) {
+        let Stretch { of, mut output, .. } = self;
+        let dt = A::Pack::splat(of.dt);
+        for group in 0..of.reference.len().div_ceil(GROUP) {
+            for lane in (0..GROUP).step_by(A::Pack::WIDTH) {
+                let corners = of.corners::<A::Pack>(group, lane);
+                let now = positions(&corners, D, A::Pack::zero());
+                let measure = Slopes::of(&now, D).measure;
+                let ratio = volume_ratio(&corners, &now, measure, dt, D, M::Embedding::HOOP);
+                let alive = of.alive::<A::Pack>(group, lane);
+                put::<A::Pack, D>(&mut output, group * GROUP + lane, alive, ratio);
             }
-            let rows = group * numbers..(group + 1) * numbers;
-            let mut source = Rows { rows: &self.batch.rows[rows.clone()], at: 0 };
-            let mut state = <C::State<A::Pack> as State<A::Pack>>::read(&mut source);
-            let mut stress = self.law.stress(&state);
+        }
+    }
+}
 
-            if self.pass == Pass::Stress {
+impl<const D: usize, M: Composition<D>> Kernel<f64> for Strain<'_, D, M> {
+    const VECTORS: Vectors = Vectors::Avx2;
+    type Output = Option<usize>;
+
+    #[inline(always)]
+    fn run<A: Arch<f64>>(self) -> Option<usize> {
+        let Strain { of, deformations, lengths, .. } = self;
+        let hoop = M::Embedding::HOOP;
+        let dt = A::Pack::splat(of.dt);
+        let back = A::Pack::splat(of.dt * M::Configuration::BACK);
+        let mut inverted = None;
+        for group in 0..of.reference.len().div_ceil(GROUP) {
+            for lane in (0..GROUP).step_by(A::Pack::WIDTH) {
+                let corners = of.corners::<A::Pack>(group, lane);
+                let now = positions(&corners, D, A::Pack::zero());
+                let slopes = Slopes::of(&now, D);
                 let at = positions(&corners, D, back);
                 let middle = Slopes::of(&at, D);
                 let mut increment = velocity_gradient(&corners, &at, &middle, D, hoop) * dt;
-                if averaged {
-                    increment = with_volume(&increment, self.mean_at_corners(group, 1.0));
+                if M::Dilatation::AVERAGED {
+                    increment = with_volume(&increment, of.mean_at_corners(group, lane, 1.0));
                 } else if M::Configuration::KEEPS_VOLUME {
                     let ratio = volume_ratio(&corners, &now, slopes.measure, dt, D, hoop);
                     increment = with_volume(&increment, ratio);
                 }
-                // Steps 2 to 9: strain, split, deviator, pressure, yield, viscosity, total stress.
-                let kinematics = Kinematics { increment, dt, length: length(slopes.measure, D) };
-                let update = self.law.update(&kinematics, &state);
-                state = update.state;
-                stress = update.stress;
-                let upright = slopes.measure.gt(A::Pack::zero());
-                let fault = update.fault.or(Fault::none().require(upright, Breakdown::InvertedVolume));
-                if fault.any() && report.trouble.is_none() {
-                    for lane in 0..alive {
-                        if let (None, Some(cause)) = (report.trouble, fault.cause(lane)) {
-                            report.trouble = Some((group * GROUP + lane, cause));
-                        }
+                // The increment itself, times one.
+                let to = &mut deformations[group / 2];
+                A::Pack::one().to_pair(&mut to.step, group % 2, lane);
+                for i in 0..3 {
+                    for j in 0..3 {
+                        increment.0[i][j].to_pair(&mut to.gradient[3 * i + j], group % 2, lane);
                     }
                 }
-                let mut sink = RowsMut { rows: &mut self.batch.rows[rows], at: 0 };
-                state.write(&mut sink);
-            }
-            if self.pass != Pass::Pressure {
-                let rate = self.law.wave_speed(&state) * slopes.steepest(D);
-                for lane in 0..alive {
-                    report.rate = report.rate.max(rate.lane(lane));
+                length(slopes.measure, D).to_row(0, &mut lengths[group], lane);
+                let upright = slopes.measure.gt(A::Pack::zero());
+                if !upright.all() && inverted.is_none() {
+                    let alive = of.alive::<A::Pack>(group, lane);
+                    inverted = (0..alive).find(|&k| !upright.lane(k)).map(|k| group * GROUP + lane + k);
                 }
             }
-            let j = self.law.volume_ratio(&state);
-            if averaged && self.pass != Pass::Force {
-                put::<A::Pack, D>(&mut self.output, group, alive, stress.mean() * j);
-                continue;
-            }
-            if averaged {
-                let mean = self.mean_at_corners::<A::Pack>(group, 0.0) / j;
-                stress = stress.plus_isotropic(mean - stress.mean());
-            }
-            let volume = self.reference::<A::Pack>(group) * j;
-            let at_radius = if hoop { Some(radius(&now, D)) } else { None };
-            let force = nodal_forces(&stress, &slopes, volume, at_radius, D);
-            if let Output::Forces(forces) = &mut self.output {
-                for lane in 0..alive {
-                    for a in 0..=D {
-                        let out = &mut forces[(group * GROUP + lane) * (D + 1) + a];
-                        for d in 0..D {
-                            out[d] = force[a][d].lane(lane);
+        }
+        inverted
+    }
+}
+
+impl<const D: usize, M: Composition<D>> Kernel<f64> for Give<'_, D, M> {
+    const VECTORS: Vectors = Vectors::Avx2;
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<A: Arch<f64>>(self) -> f64 {
+        let Give { pass, of, response, mut output, .. } = self;
+        let hoop = M::Embedding::HOOP;
+        let averaged = M::Dilatation::AVERAGED;
+        let mut fastest: f64 = 0.0;
+        for group in 0..of.reference.len().div_ceil(GROUP) {
+            let (said, half) = (&response.said()[group / 2], group % 2);
+            for lane in (0..GROUP).step_by(A::Pack::WIDTH) {
+                let alive = of.alive::<A::Pack>(group, lane);
+                let element = group * GROUP + lane;
+                let corners = of.corners::<A::Pack>(group, lane);
+                let now = positions(&corners, D, A::Pack::zero());
+                let slopes = Slopes::of(&now, D);
+                if pass != Pass::Pressure {
+                    let rate = A::Pack::from_pair(&said.wave_speed, half, lane) * slopes.steepest(D);
+                    for k in 0..alive {
+                        fastest = fastest.max(rate.lane(k));
+                    }
+                }
+                let mut stress = Sym3::<A::Pack>::zero();
+                for i in 0..6 {
+                    stress.0[i] = A::Pack::from_pair(&said.stress[i], half, lane);
+                }
+                let j = A::Pack::from_pair(&said.volume_ratio, half, lane);
+                if averaged && pass != Pass::Force {
+                    put::<A::Pack, D>(&mut output, element, alive, stress.mean() * j);
+                    continue;
+                }
+                if averaged {
+                    let mean = of.mean_at_corners::<A::Pack>(group, lane, 0.0) / j;
+                    stress = stress.plus_isotropic(mean - stress.mean());
+                }
+                let volume = of.reference::<A::Pack>(group, lane) * j;
+                let at_radius = if hoop { Some(radius(&now, D)) } else { None };
+                let force = nodal_forces(&stress, &slopes, volume, at_radius, D);
+                if let Output::Forces(forces) = &mut output {
+                    for k in 0..alive {
+                        for a in 0..=D {
+                            let out = &mut forces[(element + k) * (D + 1) + a];
+                            for d in 0..D {
+                                out[d] = force[a][d].lane(k);
+                            }
                         }
                     }
                 }
             }
         }
-        self.batch.report = report;
+        fastest
     }
 }
 
-/// One number an element.
+/// One number an element, from `element` on.
 #[inline(always)]
-fn put<P: Lane<Real = f64>, const D: usize>(output: &mut Output<'_, D>, group: usize, alive: usize, x: P) {
+fn put<P: Lane<Real = f64>, const D: usize>(output: &mut Output<'_, D>, element: usize, alive: usize, x: P) {
     if let Output::Scalars(list) = output {
         for lane in 0..alive {
-            list[group * GROUP + lane] = x.lane(lane);
+            list[element + lane] = x.lane(lane);
         }
     }
 }

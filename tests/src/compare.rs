@@ -2,19 +2,16 @@
 
 use mpm_core::parallel::Float;
 use mpm_core::{
-    BlockGrid, Composition, Dilatation, Frame, GridStorage, Mpm, Particle, ShapeFunction, TimeControl,
+    BlockGrid, Composition, Dilatation, Frame, GridStorage, IntoKernels, Mpm, OneField, Particle,
+    ShapeFunction, TimeControl,
 };
-use mpm_materials::Constitutive;
+use mpm_materials::{Constitutive, IntoMaterial};
 
 use crate::reference::{Order, Point, Reference, Rule};
 use crate::scene::{Scene, YOUNG};
 
 /// All particles of all bodies, by body and number.
-pub fn particles<T: Float, const D: usize, M, G>(mpm: &Mpm<T, D, M, G>) -> Vec<Vec<Particle>>
-where
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-{
+pub fn particles<T: Float, const D: usize>(mpm: &Mpm<D, T>) -> Vec<Vec<Particle>> {
     let mut bodies = Vec::new();
     for body in mpm.bodies() {
         let list = body.particles();
@@ -54,18 +51,13 @@ impl Difference {
 }
 
 /// A scene in the fast step, bodies of one law.
-pub fn fast<T: Float, const D: usize, M, G, C>(
-    method: M,
-    grid: G,
-    scene: &Scene<D>,
-    law: &C,
-) -> Mpm<T, D, M, G>
+pub fn fast<T: Float, const D: usize, M, G, C>(method: M, grid: G, scene: &Scene<D>, law: &C) -> Mpm<D, T>
 where
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    C: Constitutive<T>,
+    M: IntoKernels<T, D>,
+    G: GridStorage<T, D> + 'static,
+    C: IntoMaterial<T> + Clone,
 {
-    let mut mpm = Mpm::new(method, grid);
+    let mut mpm = Mpm::of(method, grid, OneField);
     for (n, (seeds, velocity)) in scene.bodies.iter().enumerate() {
         mpm.add(&format!("body {n}"), law.clone(), seeds, velocity).expect("body");
     }
@@ -74,11 +66,7 @@ where
 }
 
 /// The boundaries, loads and time step of a scene.
-pub fn surround<T: Float, const D: usize, M, G>(mpm: &mut Mpm<T, D, M, G>, scene: &Scene<D>)
-where
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-{
+pub fn surround<T: Float, const D: usize>(mpm: &mut Mpm<D, T>, scene: &Scene<D>) {
     for boundary in &scene.boundaries {
         mpm.bound(boundary.clone()).expect("boundary");
     }
@@ -150,9 +138,9 @@ pub fn compare<const D: usize, M, S, C>(
     law: &C,
 ) -> Difference
 where
-    M: Composition<f64, D>,
+    M: Composition<f64, D> + IntoKernels<f64, D>,
     S: ShapeFunction<f64, D>,
-    C: Constitutive<f64>,
+    C: Constitutive<f64> + IntoMaterial<f64>,
 {
     let mut mpm = fast(method, BlockGrid::new(scene.lattice), scene, law);
     let mut reference = plain(shape, rule, order, scene);
@@ -165,14 +153,12 @@ where
 }
 
 /// Run both for the scene's steps and return the difference at the end.
-pub fn run_both<const D: usize, M, G, S>(
-    mpm: &mut Mpm<f64, D, M, G>,
+pub fn run_both<const D: usize, S>(
+    mpm: &mut Mpm<D>,
     reference: &mut Reference<D, S>,
     scene: &Scene<D>,
 ) -> Difference
 where
-    M: Composition<f64, D>,
-    G: GridStorage<f64, D>,
     S: ShapeFunction<f64, D>,
 {
     for _ in 0..scene.steps {

@@ -3,7 +3,7 @@
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{
-    Apic, BlockGrid, Boundary, Composition, Flip, Fmpm, FullSpace, Linear, Method, Mpm, Musl,
+    Apic, BlockGrid, Boundary, Flip, Fmpm, FullSpace, IntoKernels, Linear, Method, Mpm, Musl,
     QuadraticBSpline, Side, Usf, Usl,
 };
 use mpm_materials::{LinearElastic, Moduli};
@@ -15,9 +15,9 @@ const H: f64 = 0.1;
 const STEPS: u64 = 60;
 
 /// Allocations of [`STEPS`] steps of a cube on a plane of symmetry that drifts, m/s, and vibrates, after 150 steps.
-fn allocations<M: Composition<f64, 3>>(method: M, drift: f64) -> u64 {
+fn allocations<M: IntoKernels<f64, 3>>(method: M, drift: f64) -> u64 {
     let lattice = Lattice::new([0.0; 3], H).expect("lattice");
-    let mut mpm = Mpm::<f64, 3, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let law = LinearElastic::new(1000.0, Moduli::young_poisson(1.0e6, 0.3).expect("moduli")).expect("law");
     let cube = Cuboid::new([0.0; 3], [4.0 * H; 3]).expect("cube");
     let seeds = fill(&cube, &lattice, 2, &Filling::new()).expect("seeds");
@@ -39,9 +39,9 @@ fn a_step_allocates_nothing() {
     let all = |drift| {
         [
             allocations(Method::new(Linear, Flip, Musl, FullSpace), drift),
-            allocations(Method::new(Linear, Flip, Usf, FullSpace), drift),
+            allocations(Method::new(Linear, Flip, Usf, FullSpace).compiled(), drift),
             allocations(Method::new(QuadraticBSpline, Apic, Usl, FullSpace), drift),
-            allocations(Method::new(QuadraticBSpline, Fmpm::<2>, Usl, FullSpace), drift),
+            allocations(Method::new(QuadraticBSpline, Fmpm::<2>, Usl, FullSpace).compiled(), drift),
         ]
     };
     assert_eq!(all(0.0), [0; 4]);

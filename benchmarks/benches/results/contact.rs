@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use examples::CaseError;
-use examples::throughput::{Job, Kernel, Spread, timed};
+use examples::throughput::{Job, Kernel, Spread, Way, timed};
 use mpm_core::OneField;
 
 use crate::kernels::by_hand;
@@ -15,7 +15,7 @@ use crate::scenes::{Penetration, balls, contact};
 const PAPER: usize = 200_864;
 
 fn job(particles: usize, threads: usize) -> Job {
-    Job { kernel: Kernel::LinearMuslElastic, particles, threads, steps: 100 }
+    Job { kernel: Kernel::LinearMuslElastic, particles, threads, steps: 100, way: Way::default() }
 }
 
 fn row(name: &str, threads: usize, off: &Sample, on: &Sample, asked: &str) -> [String; 7] {

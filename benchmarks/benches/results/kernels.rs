@@ -4,12 +4,12 @@ use std::path::Path;
 use std::process::Command;
 
 use examples::CaseError;
-use examples::throughput::{self, Job, Kernel, Measured, Spread, cube, measure, timed};
+use examples::throughput::{self, Job, Kernel, Measured, Spread, Way, cube_of, measure, timed};
 use mpm_core::{
-    Apic, Composition, CpGimp, CubicBSpline, Flip, Float, Fmpm, FullSpace, Linear, Method, Musl,
-    QuadraticBSpline, Team, Usl,
+    Apic, CpGimp, CubicBSpline, Deformable, Flip, Float, Fmpm, FullSpace, IntoKernels, Linear, Method, Mpm,
+    Musl, QuadraticBSpline, Team, Usl,
 };
-use mpm_materials::{LinearElastic, Moduli, NeoHookean, Solid};
+use mpm_materials::{Constitutive, IntoMaterial, LinearElastic, Moduli, NeoHookean, Solid};
 
 use crate::page::table;
 use crate::sample::{Sample, Subject, alternate, attempt};
@@ -22,7 +22,7 @@ fn rounds(quick: bool) -> usize {
 }
 fn job(kernel: Kernel, particles: usize, threads: usize) -> Job {
     let steps = (20_000_000 / particles as u64).clamp(20, 200);
-    Job { kernel, particles, threads, steps }
+    Job { kernel, particles, threads, steps, way: Way::default() }
 }
 
 /// The same job under two names.
@@ -230,10 +230,19 @@ fn elastic<T: Float>() -> Result<LinearElastic<T>, CaseError> {
     Ok(LinearElastic::new(of(1.0), Moduli::bulk_shear(of(1.0 + 1.6 / 3.0), of(0.8))?)?)
 }
 
-fn of_method<T: Float, M: Composition<T, 3> + Copy>(
+/// A cube of a law, of about so many particles.
+fn cube<T: Float, L: IntoMaterial<T>>(
     particles: usize,
-    method: M,
-) -> Result<Measured, CaseError> {
+    method: impl IntoKernels<T, 3>,
+    law: L,
+) -> Result<Mpm<3, T>, CaseError> {
+    cube_of(particles, method, |seeds| Deformable::new("cube", law, seeds))
+}
+
+fn of_method<T: Float>(particles: usize, method: impl IntoKernels<T, 3>) -> Result<Measured, CaseError>
+where
+    LinearElastic<T>: IntoMaterial<T>,
+{
     let job = job(Kernel::LinearMuslElastic, particles, 1);
     timed(&job, cube(particles, method, elastic::<T>()?)?)
 }
@@ -245,10 +254,10 @@ pub fn compositions(quick: bool) -> Result<Option<String>, CaseError> {
     macro_rules! of {
         ($($name:literal: $shape:expr, $transfer:expr, $scheme:expr;)*) => {$(
             subjects.push(Subject::new($name, move || {
-                of_method::<f64, _>(particles, Method::new($shape, $transfer, $scheme, FullSpace))
+                of_method::<f64>(particles, Method::new($shape, $transfer, $scheme, FullSpace).compiled())
             }));
             subjects.push(Subject::new($name, move || {
-                of_method::<f32, _>(particles, Method::new($shape, $transfer, $scheme, FullSpace))
+                of_method::<f32>(particles, Method::new($shape, $transfer, $scheme, FullSpace).compiled())
             }));
         )*};
     }
@@ -309,13 +318,13 @@ pub fn laws(quick: bool) -> Result<Option<String>, CaseError> {
         let strength =
             mpm_materials::J2::new(0.8, mpm_materials::strength::VoceHardening::new(0.05, 0.08, 10.0)?)?;
         let eos = mpm_materials::MieGruneisen::new(1.0, 1.24, 1.49, 2.0)?;
-        let law = Solid::new(strength, eos);
+        let law = Solid::new(strength, eos).compiled();
         timed(&job, cube(particles, Method::new(Linear, Flip, Musl, FullSpace), law)?)
     };
     let samples = alternate(
         &[
             Subject::new("linear elastic, hats, FLIP", move || {
-                of_method::<f64, _>(particles, Method::new(Linear, Flip, Musl, FullSpace))
+                of_method::<f64>(particles, Method::new(Linear, Flip, Musl, FullSpace))
             }),
             Subject::new("neo-Hookean, quadratic, APIC", neo),
             Subject::new("Voce + Mie-Grueneisen, hats, FLIP", plastic),
@@ -384,13 +393,13 @@ pub fn single(quick: bool) -> Result<Option<String>, CaseError> {
 }
 
 /// Largest difference of positions, cells, and of velocities over the largest one, after 100 steps.
-fn differences<M: Composition<f64, 3>, N: Composition<f32, 3>>(
+fn differences(
     particles: usize,
-    double: M,
-    single: N,
+    double: impl IntoKernels<f64, 3>,
+    single: impl IntoKernels<f32, 3>,
 ) -> Result<[f64; 2], CaseError> {
-    let a = states::<f64, M>(particles, double)?;
-    let b = states::<f32, N>(particles, single)?;
+    let a = states::<f64>(particles, double)?;
+    let b = states::<f32>(particles, single)?;
     let (mut x, mut v, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (p, q) in a.iter().zip(&b) {
         for d in 0..3 {
@@ -403,7 +412,10 @@ fn differences<M: Composition<f64, 3>, N: Composition<f32, 3>>(
 }
 
 /// Positions and velocities after 100 steps, by number.
-fn states<T: Float, M: Composition<T, 3>>(particles: usize, method: M) -> Result<Vec<[f64; 6]>, CaseError> {
+fn states<T: Float>(particles: usize, method: impl IntoKernels<T, 3>) -> Result<Vec<[f64; 6]>, CaseError>
+where
+    LinearElastic<T>: IntoMaterial<T>,
+{
     let mut mpm = cube(particles, method, elastic::<T>()?)?;
     mpm.set_team(Team::new(1).map_err(|e| CaseError::Other(e.to_string()))?);
     for _ in 0..100 {

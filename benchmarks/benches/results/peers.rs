@@ -5,7 +5,7 @@ use std::process::Command;
 
 use examples::CaseError;
 use examples::peers::{Asked, FOLDER, Peer};
-use examples::throughput::{Job, Kernel, Spread, timed};
+use examples::throughput::{Job, Kernel, Spread, Way, timed};
 use mpm_core::{FullSpace, Method, Mls, QuadraticBSpline, Usl};
 use mpm_materials::{LinearElastic, Moduli, NeoHookean};
 
@@ -41,7 +41,8 @@ pub fn compare(quick: bool, python: &Path) -> Result<Option<String>, CaseError> 
     let absent = Peer::ALL.into_iter().filter(|p| !present.contains(p));
     let mut missing: Vec<&str> = absent.map(Peer::name).collect();
     for threads in [1, 2] {
-        let job = Job { kernel: Kernel::LinearMuslElastic, particles: 200_000, threads, steps };
+        let way = Way::default();
+        let job = Job { kernel: Kernel::LinearMuslElastic, particles: 200_000, threads, steps, way };
         let samples = alternate(
             &[
                 Subject::new("MUSL, hats, FLIP, linear elastic", || {

@@ -2,15 +2,15 @@
 
 use std::f64::consts::PI;
 
-use examples::throughput::{Solver, lattice_points};
+use examples::throughput::lattice_points;
 use examples::{CaseError, Ogive};
 use mpm_contact::{Coulomb, Gradients, GridContact, Pairs, SurfaceDistance};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
-    BlockGrid, Boundary, Composition, Contact, DenseGrid, Flip, Float, FullSpace, GridStorage, Linear,
-    Method, Mpm, Musl, Side, TimeControl,
+    BlockGrid, Boundary, Contact, DenseGrid, Flip, FullSpace, GridStorage, IntoKernels, Linear, Method, Mpm,
+    Musl, Side, TimeControl,
 };
-use mpm_materials::{LinearElastic, Moduli, library};
+use mpm_materials::{IntoMaterial, LinearElastic, Moduli, library};
 
 /// Hats, FLIP and MUSL in space.
 pub type Hats = Method<Linear, Flip, Musl, FullSpace>;
@@ -28,10 +28,7 @@ pub fn contact(friction: f64) -> Result<impl Contact<f64, 3> + use<>, CaseError>
 
 /// W1: two elastic blocks of 25 x 25 x 20 cells with eight particles a cell meet head-on, h = 1, rho = 1, E = 100,
 /// nu = 0.3, v = 0.3, dt = 0.3 h / c.
-pub fn blocks<T: Float, M: Composition<T, 3>>(
-    method: M,
-    law: impl mpm_materials::Constitutive<T>,
-) -> Result<Solver<T, M>, CaseError> {
+pub fn blocks(method: impl IntoKernels<f64, 3>, law: impl IntoMaterial<f64>) -> Result<Mpm<3>, CaseError> {
     let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 3], 1.0)?));
     // The peers begin at 3.5 and 24.5: half a cell off the nodes along z.
     let mut seeds = lattice_points([3, 3, 3], [28, 28, 23], 1.0, |_| true);
@@ -50,11 +47,7 @@ pub fn blocks<T: Float, M: Composition<T, 3>>(
 
 /// S3: two balls of about so many particles in all, 0.1 cells apart, fly at each other off-centre; dt = 0.19. As two
 /// bodies, or as one.
-pub fn balls<K: Contact<f64, 3>>(
-    particles: usize,
-    two: bool,
-    contact: K,
-) -> Result<Mpm<f64, 3, Hats, BlockGrid<f64, 3>, K>, CaseError> {
+pub fn balls(particles: usize, two: bool, contact: impl Contact<f64, 3>) -> Result<Mpm<3>, CaseError> {
     let radius = (particles as f64 / 8.0 / (8.0 * PI / 3.0)).cbrt();
     let (around, off) = (radius.ceil(), 0.3 * radius);
     let far = ((2.0 * radius + 0.1).powi(2) - off * off).sqrt();
@@ -117,11 +110,11 @@ impl Penetration {
     }
 
     /// The solver on a grid with a contact.
-    pub fn solver<G: GridStorage<f64, 3>, K: Contact<f64, 3>>(
+    pub fn solver(
         &self,
-        grid: G,
-        contact: K,
-    ) -> Result<Mpm<f64, 3, Hats, G, K>, CaseError> {
+        grid: impl GridStorage<f64, 3> + 'static,
+        contact: impl Contact<f64, 3>,
+    ) -> Result<Mpm<3>, CaseError> {
         let mut mpm = Mpm::with_contact(hats(), grid, contact);
         let steel = LinearElastic::new(7830.0, Moduli::young_poisson(206e9, 0.3)?)?;
         let aluminium = library::aluminium_6061_t6().with_bulk_viscosity(0.06, 1.5)?;

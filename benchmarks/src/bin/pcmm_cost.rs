@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Parser;
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
 use mpm_core::{Axisymmetric, Boundary, PlaneStrain, Side, Team, TimeControl};
-use mpm_materials::{Constitutive, Elastic, LogarithmicBulk, Moduli, Solid, TensilePressure, library};
+use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid, TensilePressure, library};
 use pcmm::{Composition, LocalDelaunay, Masses, Method, Neighbours, Packing, Pcmm};
 
 /// Elements updated a second on one thread, and parts of the time, in three scenes: an elastic bar, where nothing
@@ -62,9 +62,9 @@ fn main() -> Result<(), Failure> {
 }
 
 /// Run to the end; times of revisions by the clock, those of searches by the same lists kept once more.
-fn measure<C: Constitutive<f64>, M: Composition<2>>(
+fn measure<M: Composition<2>>(
     name: &str,
-    mut body: Pcmm<2, C, M>,
+    mut body: Pcmm<2, M>,
     end: f64,
     every: u64,
     reach: f64,

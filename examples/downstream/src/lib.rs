@@ -1,7 +1,17 @@
 //! A law and a shape function that the framework does not have.
+//!
+//! Kernels of both are compiled here, and so not again with every change of a program that has them.
 
+pub mod choose;
 pub mod tent;
 pub mod viscoelastic;
 
 pub use tent::TentAveragedHat;
 pub use viscoelastic::StandardLinearSolid;
+
+use mpm_core::{Apic, IntoKernels, Kernels, Method, PlaneStrain, Usl};
+
+/// APIC on the tent-averaged hat, in plane strain.
+pub fn tent_apic() -> Kernels<f64, 2> {
+    Method::new(TentAveragedHat, Apic, Usl, PlaneStrain).compiled().into_kernels()
+}

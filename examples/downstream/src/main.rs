@@ -1,8 +1,8 @@
 //! A viscoelastic disk falls on a wall and bounces: how much of its energy comes back?
 
-use downstream::{StandardLinearSolid, TentAveragedHat};
+use downstream::{StandardLinearSolid, tent_apic};
 use mpm_core::geometry::{Ball, Filling, Lattice, fill};
-use mpm_core::{Apic, BlockGrid, Boundary, Method, Mpm, PlaneStrain, Side, Usl};
+use mpm_core::{BlockGrid, Boundary, Mpm, Side};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lattice = Lattice::new([0.0, 0.0], 0.005)?;
@@ -10,9 +10,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{:>12} {:>12} {:>10}", "tau, s", "rebound, m/s", "energy");
     for relaxation_time in [1.0e-5, 1.0e-3, 1.0e-1] {
         let rubber = StandardLinearSolid::new(1000.0, 2.0e7, 1.0e6, 2.0e6, relaxation_time)?;
-        let method = Method::new(TentAveragedHat, Apic, Usl, PlaneStrain);
-        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
-        mpm.add("disk", rubber, &disk, |_| [0.0, -5.0])?;
+        let mut mpm = Mpm::new(tent_apic(), BlockGrid::new(lattice));
+        mpm.add("disk", rubber.material(), &disk, |_| [0.0, -5.0])?;
         mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
         let before = mpm.totals();
         mpm.run_until(0.015)?;

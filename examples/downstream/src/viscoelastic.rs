@@ -6,9 +6,11 @@
 //! with rates that turn with the material. Over a step of constant d the overstress q has the exact solution
 //! q <- e^(-dt/tau) q + 2 G1 tau/dt (1 - e^(-dt/tau)) dev(d eps).
 
+use std::sync::Arc;
+
 use mpm_materials::{
-    Breakdown, Check, Constitutive, Fault, HughesWinget, Kinematics, Lane, ObjectiveRate, ParameterError,
-    Sym3, Update, point::finite_state, state,
+    Breakdown, Check, Constitutive, Fault, HughesWinget, IntoMaterial, Kinematics, Lane, Material,
+    ObjectiveRate, ParameterError, Sym3, Update, point::finite_state, state,
 };
 
 state! {
@@ -56,6 +58,10 @@ impl StandardLinearSolid {
             relaxing_shear: check.positive("relaxing shear modulus", relaxing_shear)?,
             relaxation_time: check.positive("relaxation time", relaxation_time)?,
         })
+    }
+    /// The law for a body.
+    pub fn material(self) -> Arc<dyn Material<f64>> {
+        self.compiled().into_material()
     }
 }
 

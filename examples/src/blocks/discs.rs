@@ -5,7 +5,7 @@ use std::path::Path;
 use mpm_contact::Gradients;
 use mpm_core::geometry::Lattice;
 use mpm_core::output::Snapshot;
-use mpm_core::{BlockGrid, Composition, Mpm};
+use mpm_core::{BlockGrid, IntoKernels, Mpm};
 
 use crate::blocks::circles::{Part, disc};
 use crate::blocks::scene::{Asked, Watch, rubber, run, velocity, wave};
@@ -43,7 +43,7 @@ pub fn touch() -> f64 {
 ///
 /// # Errors
 /// What a scene refuses, and a step that breaks.
-pub fn collide<M: Composition<f64, 2>>(
+pub fn collide<M: IntoKernels<f64, 2>>(
     method: M,
     h: f64,
     asked: Asked,

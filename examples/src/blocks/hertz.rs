@@ -5,10 +5,10 @@ use std::f64::consts::PI;
 use mpm_contact::Gradients;
 use mpm_core::geometry::Lattice;
 use mpm_core::observe::Moment;
-use mpm_core::{BlockGrid, Boundary, Composition, Mpm, Side};
+use mpm_core::{BlockGrid, Boundary, IntoKernels, Mpm, Side};
 
 use crate::blocks::circles::{Part, disc};
-use crate::blocks::scene::{Asked, Run, Watch, rubber, run, wave};
+use crate::blocks::scene::{Asked, Watch, rubber, run, wave};
 use crate::{CaseError, Detection, Law, Totals};
 
 /// Radius, m.
@@ -83,7 +83,7 @@ pub fn lasts(rows: &[Row]) -> f64 {
 ///
 /// # Errors
 /// What a scene refuses, and a step that breaks.
-pub fn collide<M: Composition<f64, 2>>(
+pub fn collide<M: IntoKernels<f64, 2>>(
     method: M,
     part: Part,
     h: f64,
@@ -95,7 +95,7 @@ pub fn collide<M: Composition<f64, 2>>(
     // Balls curve away from the nodes beside the contact: only what is on a node's own line counts.
     let best = (Detection::LocalRegression, Law::Coulomb);
     let contact = asked.touch(0.0, Gradients::default(), best, [wave(DENSITY, YOUNG, POISSON), h])?;
-    let mut mpm: Run<M> = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     let slow = (YOUNG / DENSITY).sqrt();
     for (name, side) in [("low", -1.0), ("high", 1.0)] {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use mpm_contact::{Choice, Gradients, GridContact, Weight};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
-use mpm_core::{BlockGrid, Composition, Mpm, Team};
+use mpm_core::{Mpm, Team};
 use mpm_materials::{BulkViscosity, Elastic, Jaumann, LinearDensity, NoFailure, Solid};
 
 use crate::{CaseError, Detection, Detector, Law, Totals};
@@ -13,8 +13,6 @@ use crate::{CaseError, Detection, Detector, Law, Totals};
 pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, Jaumann>;
 /// Any test of contact.
 pub type Touch = GridContact<Detector, f64>;
-/// A scene.
-pub type Run<M> = Mpm<f64, 2, M, BlockGrid<f64, 2>, Touch>;
 
 /// From density, kg/m^3, Young's modulus, Pa, Poisson's ratio, and the linear coefficient of bulk viscosity.
 pub fn rubber(density: f64, young: f64, poisson: f64, viscosity: f64) -> Result<Rubber, CaseError> {
@@ -77,8 +75,8 @@ impl Watch<'_> {
 }
 
 /// Run until `end` (s) and look now and then.
-pub fn run<M: Composition<f64, 2>>(
-    mpm: &mut Run<M>,
+pub fn run(
+    mpm: &mut Mpm<2>,
     end: f64,
     watch: Watch<'_>,
     look: impl FnMut(&Moment<'_, f64, 2>),

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use mpm_contact::Gradients;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::Moment;
-use mpm_core::{BlockGrid, Boundary, Composition, Mpm, Side, Traction};
+use mpm_core::{BlockGrid, Boundary, Deformable, IntoKernels, Mpm, Side, Traction};
 
-use crate::blocks::scene::{Asked, Run, Watch, mean, rubber, run, velocity};
+use crate::blocks::scene::{Asked, Watch, mean, rubber, run, velocity};
 use crate::{CaseError, Detection, Law, Totals};
 
 /// Density, kg/m^3.
@@ -22,11 +22,11 @@ pub const LENGTH: f64 = 1.0;
 ///
 /// # Errors
 /// What a scene refuses.
-pub fn strip<M: Composition<f64, 2>>(
+pub fn strip<M: IntoKernels<f64, 2>>(
     method: M,
     h: f64,
     asked: Asked,
-) -> Result<(Run<M>, Lattice<2>), CaseError> {
+) -> Result<(Mpm<2>, Lattice<2>), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     let contact = asked.touch(0.0, Gradients::default(), (Detection::Distance, Law::Coulomb), [WAVE, h])?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
@@ -72,7 +72,7 @@ pub struct Struck {
 ///
 /// # Errors
 /// What a scene refuses, and a step that breaks.
-pub fn strike<M: Composition<f64, 2>>(
+pub fn strike<M: IntoKernels<f64, 2>>(
     method: M,
     cells: u32,
     [ratio, second]: [f64; 2],
@@ -144,7 +144,7 @@ pub type Row = [f64; 5];
 ///
 /// # Errors
 /// What a scene refuses, and a step that breaks.
-pub fn pressed<M: Composition<f64, 2>>(
+pub fn pressed<M: IntoKernels<f64, 2>>(
     method: M,
     cells: u32,
     joined: bool,
@@ -170,9 +170,9 @@ pub fn pressed<M: Composition<f64, 2>>(
     };
     let middle = 0.5 * LENGTH;
     if joined {
-        mpm.add_loaded("bar", law()?, &piece(&lattice, 0.0, LENGTH)?, |_| [0.0; 2], load)?;
+        mpm.add_body(Deformable::new("bar", law()?, &piece(&lattice, 0.0, LENGTH)?).with_traction(load))?;
     } else {
-        mpm.add_loaded("left", law()?, &piece(&lattice, 0.0, middle)?, |_| [0.0; 2], load)?;
+        mpm.add_body(Deformable::new("left", law()?, &piece(&lattice, 0.0, middle)?).with_traction(load))?;
         mpm.add("right", law()?, &piece(&lattice, middle, LENGTH)?, |_| [0.0; 2])?;
     }
     let mut rows = Vec::new();

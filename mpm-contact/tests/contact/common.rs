@@ -2,7 +2,7 @@
 
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
-    BlockGrid, Composition, Contact, Flip, FullSpace, Linear, Method, Mpm, Musl, Particle, PlaneStrain,
+    BlockGrid, Contact, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, Musl, Particle, PlaneStrain,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
@@ -31,11 +31,11 @@ pub fn cuboid<const D: usize>(low: [f64; D], high: [f64; D]) -> Seeds<D> {
 
 pub type Scene<const D: usize> = Vec<(Seeds<D>, [f64; D])>;
 
-pub fn build<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(
-    method: M,
-    contact: K,
+pub fn build<const D: usize>(
+    method: impl IntoKernels<f64, D>,
+    contact: impl Contact<f64, D>,
     scene: &Scene<D>,
-) -> Mpm<f64, D, M, BlockGrid<f64, D>, K> {
+) -> Mpm<D> {
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
     for (n, (seeds, velocity)) in scene.iter().enumerate() {
         mpm.add(&format!("body {n}"), rubber(), seeds, |_| *velocity).expect("body");
@@ -73,10 +73,6 @@ pub fn three(speed: f64) -> Scene<2> {
 }
 
 /// The particles of every body, by number.
-pub fn particles<const D: usize, M, K>(mpm: &Mpm<f64, D, M, BlockGrid<f64, D>, K>) -> Vec<Vec<Particle>>
-where
-    M: Composition<f64, D>,
-    K: Contact<f64, D>,
-{
+pub fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<Vec<Particle>> {
     mpm.bodies().iter().map(|body| body.particles()).collect()
 }

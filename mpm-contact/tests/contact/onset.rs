@@ -5,7 +5,7 @@ use mpm_contact::{
     Approach, ContactDetector, Frictionless, Gradients, GridContact, Pairs, Regression, SurfaceDistance,
 };
 use mpm_core::geometry::Seeds;
-use mpm_core::{Composition, CpGimp, Flip, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, TimeControl};
+use mpm_core::{CpGimp, Flip, IntoKernels, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, TimeControl};
 
 /// Distance of the surfaces at the start, in cells.
 const APART: f64 = 3.0;
@@ -45,9 +45,9 @@ fn scenes() -> Vec<(String, [Seeds<2>; 2], [f64; 2])> {
     scenes
 }
 
-fn onset<M: Composition<f64, 2>, S: ContactDetector<f64, 2>>(
-    method: M,
-    detector: S,
+fn onset(
+    method: impl IntoKernels<f64, 2>,
+    detector: impl ContactDetector<f64, 2>,
     bodies: &[Seeds<2>; 2],
     to: [f64; 2],
 ) -> f64 {

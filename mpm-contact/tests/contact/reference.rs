@@ -5,52 +5,44 @@ use mpm_contact::{Coulomb, Frictionless, GridContact, Pairs, Penalty, Regression
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::step::{SceneError, Totals};
 use mpm_core::{
-    Blend, BlockGrid, Boundary, Composition, Contact, CpGimp, Embedding, Flip, FullSpace, Linear, Merging,
+    Blend, BlockGrid, Boundary, Contact, CpGimp, Deformable, Flip, FullSpace, IntoKernels, Linear, Merging,
     Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Rigid, Side, Splitting, Team, TimeControl, Twist, Usf,
     Usl,
 };
-use mpm_materials::{Elastic, LinearDensity, LinearElastic, Moduli, Solid, Stretching};
+use mpm_materials::{Constitutive, Elastic, LinearDensity, LinearElastic, Moduli, Solid, Stretching};
 
-type Total<const D: usize, R> = Mpm<f64, D, R, BlockGrid<f64, D>>;
-type Both<const D: usize, M, K> = Mpm<f64, D, M, BlockGrid<f64, D>, K>;
 type Hats<E> = Method<Linear, Flip, Musl, E, mpm_core::TotalLagrangian>;
 
 /// A scene of one body in its reference configuration.
-fn total<const D: usize, R: Composition<f64, D>>(
+fn total<const D: usize>(
     name: &str,
-    method: R,
+    method: impl IntoKernels<f64, D>,
     lattice: Lattice<D>,
     seeds: &Seeds<D>,
     velocity: impl Fn([f64; D]) -> [f64; D],
-) -> Total<D, R> {
+) -> Mpm<D> {
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.add(name, rubber(), seeds, velocity).expect("body");
     mpm
 }
 
-fn hats<E: Embedding<2>>(embedding: E) -> Hats<E> {
+fn hats<E>(embedding: E) -> Hats<E> {
     Method::new(Linear, Flip, Musl, embedding).total_lagrangian()
 }
 
 /// The bodies of a scene, those of odd number, or all, in their reference configuration.
-fn build<const D: usize, M, R, K>(
-    method: M,
-    reference: R,
-    contact: K,
+fn build<const D: usize>(
+    method: impl IntoKernels<f64, D>,
+    reference: impl IntoKernels<f64, D> + Clone,
+    contact: impl Contact<f64, D>,
     scene: &Scene<D>,
     all: bool,
-) -> Both<D, M, K>
-where
-    M: Composition<f64, D>,
-    R: Composition<f64, D, Transfer = Flip, Update = Musl>,
-    K: Contact<f64, D>,
-    Method<M::Shape, Flip, Musl, M::Embedding>: Composition<f64, D>,
-{
+) -> Mpm<D> {
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
     for (n, (seeds, velocity)) in scene.iter().enumerate() {
         let name = format!("body {n}");
         if n % 2 == 1 || all {
-            let own = total(&name, reference, lattice(), seeds, |_| *velocity);
+            let own = total(&name, reference.clone(), lattice(), seeds, |_| *velocity);
             mpm.add_total_lagrangian(own).expect("body");
         } else {
             mpm.add(&name, rubber(), seeds, |_| *velocity).expect("body");
@@ -59,10 +51,7 @@ where
     mpm
 }
 
-type Meeting =
-    Both<2, Method<Linear, Flip, Musl, PlaneStrain>, GridContact<SurfaceDistance<Regression>, f64>>;
-
-fn meeting() -> Meeting {
+fn meeting() -> Mpm<2> {
     Mpm::with_contact(plane(), BlockGrid::new(lattice()), springs())
 }
 
@@ -81,13 +70,14 @@ fn coulomb() -> Pairs<f64> {
 
 /// Momentum stays in every step of a collision, and bodies come apart with as much energy as those that move through
 /// cells, within `less` and `more` of that before.
-fn bounce<const D: usize, M, R>(name: &str, method: M, reference: R, scene: &Scene<D>, all: bool)
-where
-    M: Composition<f64, D>,
-    R: Composition<f64, D, Transfer = Flip, Update = Musl>,
-    Method<M::Shape, Flip, Musl, M::Embedding>: Composition<f64, D>,
-{
-    let mut mpm = build(method, reference, springs(), scene, all);
+fn bounce<const D: usize>(
+    name: &str,
+    method: impl IntoKernels<f64, D> + Clone,
+    reference: impl IntoKernels<f64, D> + Clone,
+    scene: &Scene<D>,
+    all: bool,
+) {
+    let mut mpm = build(method.clone(), reference, springs(), scene, all);
     let start = mpm.totals();
     let (mut met, mut last) = (0, start);
     for _ in 0..150 {
@@ -118,8 +108,14 @@ fn what_one_gives_the_other_gets() {
     bounce("both, hats", plane(), reference, &two(0.1 * WAVE), true);
     bounce("one of two", plane(), reference, &two(0.1 * WAVE), false);
     bounce("three discs", plane(), reference, &three(0.1 * WAVE), false);
-    bounce("USL", Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain), reference, &two(0.1 * WAVE), false);
-    bounce("USF", Method::new(CpGimp, Flip, Usf, PlaneStrain), reference, &two(0.1 * WAVE), false);
+    bounce(
+        "USL",
+        Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain).compiled(),
+        reference,
+        &two(0.1 * WAVE),
+        false,
+    );
+    bounce("USF", Method::new(CpGimp, Flip, Usf, PlaneStrain).compiled(), reference, &two(0.1 * WAVE), false);
     let solid = Method::new(Linear, Flip, Musl, FullSpace).total_lagrangian();
     bounce("space", space(), solid, &two(0.1 * WAVE), false);
 }
@@ -150,7 +146,7 @@ fn alone_it_is_as_before() {
 fn a_strip_swings_as_it_flies() {
     let strip = cuboid([0.0, 0.0], [0.6, 0.1]);
     let swing = |speed: f64| move |x: [f64; 2]| [speed + 0.01 * (5.0 * (x[0] - 0.3)).sin() * WAVE, 0.0];
-    let fly = |mut mpm: Meeting| {
+    let fly = |mut mpm: Mpm<2>| {
         mpm.set_time_control(TimeControl::Fixed(0.3 * H / WAVE)).expect("control");
         mpm.run_until(10.0 / (0.3 * WAVE)).expect("run");
         let totals = mpm.totals();
@@ -304,8 +300,7 @@ fn the_same_bits() {
         let contact = springs();
         build(plane(), hats(PlaneStrain), contact, &three(0.1 * WAVE), false)
     };
-    let told =
-        |mpm: &Both<2, _, _>| format!("{:?} {:?} {:?}", mpm.totals(), particles(mpm), mpm.contact_nodes());
+    let told = |mpm: &Mpm<2>| format!("{:?} {:?} {:?}", mpm.totals(), particles(mpm), mpm.contact_nodes());
     let file = std::env::temp_dir().join(format!("impactite-{}-reference", std::process::id()));
     let mut one = scene();
     for _ in 0..40 {
@@ -335,7 +330,7 @@ fn the_same_bits() {
 fn what_is_refused() {
     let one = || total("disc", hats(PlaneStrain), lattice(), &ball([0.3; 2], 0.2), |_| [1.0, 0.0]);
     let mut mpm = meeting();
-    let empty = Mpm::<f64, 2, _, _>::new(hats(PlaneStrain), BlockGrid::new(lattice()));
+    let empty = Mpm::new(hats(PlaneStrain), BlockGrid::new(lattice()));
     assert_eq!(mpm.add_total_lagrangian(empty), Err(SceneError::NotOneBody(0)));
     let mut late = one();
     late.step().expect("step");
@@ -374,8 +369,9 @@ fn no_merging_beside_them() {
     let splitting = Splitting::at(2.0).expect("stretch");
     let merging = splitting.with_merging(Merging::above(8).expect("count"));
     let disc = || total("disc", hats(PlaneStrain), lattice(), &ball([0.3; 2], 0.2), |_| [1.0, 0.0]);
-    let cloud = |mpm: &mut Meeting, splitting| {
-        mpm.add_splitting("cloud", Stretching::new(elastic), &ball([0.9; 2], 0.2), |_| [0.0; 2], splitting)
+    let cloud = |mpm: &mut Mpm<2>, splitting| {
+        let law = Stretching::new(elastic).compiled();
+        mpm.add_body(Deformable::new("cloud", law, &ball([0.9; 2], 0.2)).with_splitting(splitting))
     };
     let mut first = meeting();
     first.add_total_lagrangian(disc()).expect("body");

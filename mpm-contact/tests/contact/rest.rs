@@ -26,7 +26,7 @@ fn still() -> Rigid<2> {
 /// the overlap of block and layer at the end, cells, and the largest speed there, m/s.
 fn squeeze() -> [f64; 2] {
     let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Frictionless));
-    let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(smooth(), BlockGrid::new(lattice()), contact);
+    let mut mpm = Mpm::with_contact(smooth(), BlockGrid::new(lattice()), contact);
     let law =
         |density| NeoHookean::new(density, Moduli::young_poisson(1.0e6, 0.3).expect("moduli")).expect("law");
     let box_of = |low: f64, high: f64| {
@@ -74,7 +74,7 @@ fn a_light_layer_bears_a_heavy_block() {
 fn a_pile_rests() {
     let contact =
         GridContact::new(SurfaceDistance::default().locally(), Pairs::new(Coulomb::new(0.3).expect("law")));
-    let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(smooth(), BlockGrid::new(lattice()), contact);
+    let mut mpm = Mpm::with_contact(smooth(), BlockGrid::new(lattice()), contact);
     let (radius, width) = (3.0 * H, 18.0 * H);
     let inner = Cuboid::new([0.0, 0.0], [width, 1.5]).expect("box");
     let outer = Cuboid::new([-2.0 * H, -2.0 * H], [width + 2.0 * H, 1.2]).expect("box");
@@ -90,7 +90,7 @@ fn a_pile_rests() {
         add(n + 1, (0.25 + 0.5 * (n % 2) as f64) * width + 0.3 * H * row, (4.2 + 2.1 * row) * radius, radius);
     }
     mpm.set_body_force(|_| [0.0, -GRAVITY]);
-    let places = |mpm: &Mpm<f64, 2, _, _, _>| -> Vec<[f64; 2]> {
+    let places = |mpm: &Mpm<2>| -> Vec<[f64; 2]> {
         let centre = |body: usize| {
             let (mut mass, mut place) = (0.0, [0.0; 2]);
             mpm.bodies()[body].for_each(&mut |p| {

@@ -2,11 +2,11 @@
 
 use crate::common::{H, WAVE, ball, build, cuboid, particles, plane, three};
 use mpm_contact::{Coulomb, Frictionless, GridContact, Pairs, Regression, SurfaceDistance};
-use mpm_core::{Apic, Composition, Contact, Usl};
+use mpm_core::{Apic, Usl};
 use mpm_core::{BlockGrid, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid, Team, TimeControl, Twist};
 
 /// All that a run can tell, by its bits.
-fn told<M: Composition<f64, 2>, K: Contact<f64, 2>>(mpm: &Mpm<f64, 2, M, BlockGrid<f64, 2>, K>) -> String {
+fn told(mpm: &Mpm<2>) -> String {
     let rigid: Vec<_> = mpm.bodies().iter().filter_map(|b| b.rigid()).collect();
     let rigid: Vec<_> =
         rigid.iter().map(|r| (r.centre(), r.rotation(), r.angular_momentum(), r.force())).collect();
@@ -21,13 +21,9 @@ fn told<M: Composition<f64, 2>, K: Contact<f64, 2>>(mpm: &Mpm<f64, 2, M, BlockGr
     )
 }
 
-fn continues<M, K>(name: &str, scene: impl Fn() -> Mpm<f64, 2, M, BlockGrid<f64, 2>, K>, steps: [usize; 2])
-where
-    M: Composition<f64, 2>,
-    K: Contact<f64, 2>,
-{
+fn continues(name: &str, scene: impl Fn() -> Mpm<2>, steps: [usize; 2]) {
     let file = std::env::temp_dir().join(format!("impactite-{}-{name}", std::process::id()));
-    let advance = |mpm: &mut Mpm<f64, 2, M, BlockGrid<f64, 2>, K>, steps| {
+    let advance = |mpm: &mut Mpm<2>, steps| {
         for _ in 0..steps {
             mpm.step().expect("step");
         }
@@ -85,8 +81,7 @@ fn rigid_bodies() {
     let scene = || {
         let contact =
             GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.4).expect("law")));
-        let mut mpm =
-            Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(crate::common::lattice()), contact);
+        let mut mpm = Mpm::with_contact(method, BlockGrid::new(crate::common::lattice()), contact);
         let swing = |t: f64| Twist::along([0.3 * (90.0 * t).cos(), 0.0]);
         let floor = Rigid::prescribed(2000.0, swing).expect("floor");
         mpm.add_rigid("floor", &floor, &cuboid([-0.5, -2.0 * H], [1.5, 0.0])).expect("floor");

@@ -8,14 +8,14 @@ use mpm_contact::{
 use mpm_core::geometry::Seeds;
 use mpm_core::step::SceneError;
 use mpm_core::{
-    Apic, BlockGrid, Boundary, Composition, CpGimp, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid, Side,
+    Apic, BlockGrid, Boundary, CpGimp, IntoKernels, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid, Side,
     Team, Twist, Usf, Usl,
 };
 
 /// A ball flies past its own length to a plate on a plane of symmetry: with and without rest, the same bits.
-fn same<const D: usize, M: Composition<f64, D>, S: ContactDetector<f64, D> + Clone>(
-    method: M,
-    detector: &S,
+fn same<const D: usize>(
+    method: impl IntoKernels<f64, D> + Clone,
+    detector: &(impl ContactDetector<f64, D> + Clone),
     laws: &Pairs<f64>,
 ) {
     let (mut centre, mut low, mut high, mut velocity) = ([0.0; D], [0.0; D], [6.0 * H; D], [0.0; D]);
@@ -25,7 +25,7 @@ fn same<const D: usize, M: Composition<f64, D>, S: ContactDetector<f64, D> + Clo
     let bodies: Vec<(Seeds<D>, [f64; D])> =
         vec![(cuboid(low, high), [0.0; D]), (ball(centre, 2.0 * H), velocity)];
     let scene = || {
-        let mut mpm = build(method, GridContact::new(detector.clone(), laws.clone()), &bodies);
+        let mut mpm = build(method.clone(), GridContact::new(detector.clone(), laws.clone()), &bodies);
         mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).expect("plane");
         mpm
     };
@@ -44,7 +44,7 @@ fn same<const D: usize, M: Composition<f64, D>, S: ContactDetector<f64, D> + Clo
             assert_eq!(plain.contact_nodes(), resting.contact_nodes());
             assert_eq!(format!("{:?}", plain.ledger()), format!("{:?}", resting.ledger()));
         }
-        assert!(particles(&plain) == particles(&resting), "{}, {threads} threads", method.describe());
+        assert!(particles(&plain) == particles(&resting), "{}, {threads} threads", plain.facts().description);
         assert!(rested > 20, "it rested for {rested} steps");
     }
 }
@@ -53,21 +53,18 @@ fn same<const D: usize, M: Composition<f64, D>, S: ContactDetector<f64, D> + Clo
 fn no_bit_changes() {
     let coulomb = Pairs::new(Coulomb::new(0.3).expect("law"));
     let distance = SurfaceDistance::default();
-    same::<2, _, _>(plane(), &distance, &coulomb);
-    same::<3, _, _>(space(), &Regression, &coulomb);
-    same::<2, _, _>(Method::new(CpGimp, mpm_core::Flip, Usf, PlaneStrain), &distance, &coulomb);
+    same(plane(), &distance, &coulomb);
+    same(space(), &Regression, &coulomb);
+    same(Method::new(CpGimp, mpm_core::Flip, Usf, PlaneStrain).compiled(), &distance, &coulomb);
     let affine = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
-    same::<2, _, _>(affine, &Approach::<Gradients>::default(), &coulomb);
+    same(affine, &Approach::<Gradients>::default(), &coulomb);
     let sticky = Pairs::new(Adhesion::new(1e4, 1e4, 0.2).expect("law"));
-    same::<2, _, _>(plane(), &distance, &sticky);
+    same(plane(), &distance, &sticky);
     let penalty = Pairs::new(Penalty::new(300.0, 0.8, 0.3).expect("law"));
-    same::<2, _, _>(plane(), &distance, &penalty);
+    same(plane(), &distance, &penalty);
 }
 
-type Plane =
-    Mpm<f64, 2, crate::common::Hat<2, PlaneStrain>, BlockGrid<f64, 2>, GridContact<SurfaceDistance, f64>>;
-
-fn scene() -> Plane {
+fn scene() -> Mpm<2> {
     let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.3).expect("law")));
     Mpm::with_contact(plane(), BlockGrid::new(crate::common::lattice()), contact)
 }

@@ -6,14 +6,12 @@ use crate::common::{H, ball, cuboid, lattice, particles, plane, rubber, space};
 use mpm_contact::{Choice, Coulomb, Frictionless, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
 use mpm_core::geometry::{Seeds, rings};
 use mpm_core::{
-    Apic, BlockGrid, Composition, Flip, FullSpace, Linear, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid,
+    Apic, BlockGrid, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid,
     Stopped, Team, TimeControl, Twist, Usf, Usl,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
-type Scene<const D: usize, M> = Mpm<f64, D, M, BlockGrid<f64, D>, GridContact<SurfaceDistance, f64>>;
-
-fn scene<const D: usize, M: Composition<f64, D>>(method: M, friction: Option<f64>) -> Scene<D, M> {
+fn scene<const D: usize>(method: impl IntoKernels<f64, D>, friction: Option<f64>) -> Mpm<D> {
     let laws = match friction {
         Some(mu) => Pairs::new(Coulomb::new(mu).expect("law")),
         None => Pairs::new(Frictionless),
@@ -21,11 +19,11 @@ fn scene<const D: usize, M: Composition<f64, D>>(method: M, friction: Option<f64
     over(method, SurfaceDistance::default(), laws)
 }
 
-fn over<const D: usize, M: Composition<f64, D>>(
-    method: M,
+fn over<const D: usize>(
+    method: impl IntoKernels<f64, D>,
     detector: SurfaceDistance,
     laws: Pairs<f64>,
-) -> Scene<D, M> {
+) -> Mpm<D> {
     let contact = GridContact::new(detector, laws);
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
     mpm.set_time_control(TimeControl::Fixed(5e-4)).expect("control");
@@ -39,7 +37,7 @@ fn free<const D: usize>() -> Rigid<D> {
 /// Kinetic damping would leave a free body moving: it is refused, whichever comes first.
 #[test]
 fn free_bodies_and_kinetic_damping_exclude_each_other() {
-    let mut mpm = scene::<2, _>(plane(), None);
+    let mut mpm = scene(plane(), None);
     mpm.set_kinetic_damping(true).expect("nothing moves by itself yet");
     let stone = cuboid([0.0; 2], [2.0 * H; 2]);
     let refused = mpm.add_rigid("stone", &free(), &stone).expect_err("a free body").to_string();
@@ -51,7 +49,7 @@ fn free_bodies_and_kinetic_damping_exclude_each_other() {
 }
 
 /// A brick without symmetries of a cube, spinning freely about an axis near the middle one, which is unstable.
-fn tumbles<M: Composition<f64, 3>>(method: M) {
+fn tumbles(method: impl IntoKernels<f64, 3>) {
     let mut mpm = scene(method, None);
     let brick = cuboid([0.0; 3], [0.4, 0.2, 0.1]);
     let rigid = free().with_velocity([1.0, 2.0, -1.5]).with_spin([0.05, 6.0, 0.02]);
@@ -85,7 +83,7 @@ fn tumbles<M: Composition<f64, 3>>(method: M) {
 fn free_bodies_tumble_and_keep_their_shape() {
     tumbles(space());
     tumbles(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
-    tumbles(Method::new(Linear, Flip, Usf, FullSpace));
+    tumbles(Method::new(Linear, Flip, Usf, FullSpace).compiled());
 }
 
 #[test]
@@ -108,7 +106,7 @@ fn prescribed_bodies_go_where_they_are_told() {
 }
 
 /// Two spinning bodies hit each other off centre, with friction: momentum and angular momentum of both together.
-fn collide<M: Composition<f64, 2>>(method: M) {
+fn collide(method: impl IntoKernels<f64, 2>) {
     let mut mpm = scene(method, Some(0.4));
     let (a, b) = (ball([0.2, 0.3], 0.15), cuboid([0.45, 0.3], [0.7, 0.65]));
     mpm.add_rigid("disc", &free().with_velocity([2.0, 0.0]).with_spin([0.0, 0.0, 5.0]), &a).expect("disc");
@@ -134,7 +132,7 @@ fn collide<M: Composition<f64, 2>>(method: M) {
 #[test]
 fn free_bodies_exchange_momentum_and_angular_momentum() {
     collide(plane());
-    collide(Method::new(Linear, Flip, Usf, PlaneStrain));
+    collide(Method::new(Linear, Flip, Usf, PlaneStrain).compiled());
     collide(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain));
 }
 

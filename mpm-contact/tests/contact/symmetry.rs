@@ -4,11 +4,11 @@ use crate::common::{H, WAVE, ball, build, particles, plane};
 use mpm_contact::{Coulomb, GridContact, Pairs, SurfaceDistance};
 use mpm_core::geometry::Seeds;
 use mpm_core::{
-    Boundary, Composition, Flip, Method, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, TimeControl,
+    Boundary, Flip, IntoKernels, Method, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, TimeControl,
 };
 
 /// Two discs on the line y = 0.2, above it or whole; the second faster along x.
-fn run<M: Composition<f64, 2>>(method: M, half: bool) -> Vec<Vec<Particle>> {
+fn run(method: impl IntoKernels<f64, 2>, half: bool) -> Vec<Vec<Particle>> {
     let above = |seeds: Seeds<2>| {
         let keep: Vec<bool> = seeds.positions.iter().map(|x| !half || x[1] > 0.2).collect();
         let of = |n: &usize| keep[*n];
@@ -35,8 +35,8 @@ fn run<M: Composition<f64, 2>>(method: M, half: bool) -> Vec<Vec<Particle>> {
     particles(&mpm)
 }
 
-fn half_is_whole<M: Composition<f64, 2>>(method: M) {
-    let (half, whole) = (run(method, true), run(method, false));
+fn half_is_whole(method: impl IntoKernels<f64, 2> + Clone) {
+    let (half, whole) = (run(method.clone(), true), run(method, false));
     for (half, whole) in half.iter().zip(&whole) {
         // Seeds of the upper half keep their order.
         let whole: Vec<&Particle> = whole.iter().filter(|p| p.position[1] > 0.2).collect();

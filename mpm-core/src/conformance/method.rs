@@ -7,8 +7,8 @@ use super::{Broken, within};
 use crate::dim::Stencil;
 use crate::embedding::{Embedding, PlaneStrain};
 use crate::geometry::{Lattice, Seeds};
-use crate::grid::{DenseGrid, GridStorage};
-use crate::method::{Composition, Method};
+use crate::grid::DenseGrid;
+use crate::method::{Composition, IntoKernels, Method};
 use crate::scheme::Usl;
 use crate::shape::{QuadraticBSpline, ShapeFunction, bin_centre, node_offset};
 use crate::step::{Mpm, TimeControl};
@@ -126,17 +126,18 @@ where
         let new: f64 = transfer.velocity(v, v, 0.0, dt);
         within(X::NAME, "a uniform velocity is left alone", (new - v).abs(), 0.0, || format!("v = {v}"))?;
     }
-    method::<_, 2>(Method::new(QuadraticBSpline, transfer, Usl, PlaneStrain))
+    method::<_, 2>(Method::new(QuadraticBSpline, transfer, Usl, PlaneStrain).compiled())
 }
 
 /// The method keeps mass, momentum and, with an affine transfer and a shape function whose second moment is
 /// constant (B-splines), angular momentum of a body in free flight; a
 /// rigid flight makes no stress; a body at rest stays there; forces do the virtual work of the stresses
-/// (where a step leaves them on the grid: not with FMPM). Cartesian embeddings only.
+/// (where a step leaves them on the grid: not with FMPM). Cartesian embeddings only. A method of which this crate has no
+/// kernels: `method(yours.compiled())`.
 ///
 /// # Errors
 /// The first property that does not hold.
-pub fn method<M: Composition<f64, D>, const D: usize>(method: M) -> Result<(), Broken> {
+pub fn method<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(method: M) -> Result<(), Broken> {
     let name = method.describe();
     if M::Embedding::HOOP {
         let detail = "it is axisymmetric; this suite is for Cartesian embeddings".into();
@@ -154,15 +155,14 @@ fn failed(name: &str, e: &dyn std::fmt::Display) -> Broken {
     Broken { subject: name.into(), property: "a run without breakdown", detail: e.to_string() }
 }
 
-#[allow(clippy::type_complexity)]
-fn scene<M: Composition<f64, D>, const D: usize>(
+fn scene<M: IntoKernels<f64, D>, const D: usize>(
     method: M,
     name: &str,
     stresses: &[[f64; 6]],
     dt: f64,
     speed: f64,
     rate: f64,
-) -> Result<(Mpm<f64, D, M, DenseGrid<f64, D>>, Body<D>), Broken> {
+) -> Result<(Mpm<D>, Body<D>), Broken> {
     let lattice = Lattice::new([0.3; D], 0.5).map_err(|e| failed(name, &e))?;
     let body = Body::<D>::new(lattice, -2, 3);
     // A grid that keeps its nodes when particles come to new ones: the tests look at them after a step.
@@ -170,13 +170,16 @@ fn scene<M: Composition<f64, D>, const D: usize>(
     let mut mpm = Mpm::new(method, grid);
     mpm.set_time_control(TimeControl::Fixed(dt)).map_err(|e| failed(name, &e))?;
     for stress in stresses {
-        mpm.add("block", Probe::new(*stress), &body.seeds, |x| body.velocity(x, speed, rate))
+        mpm.add("block", Probe::new(*stress).compiled(), &body.seeds, |x| body.velocity(x, speed, rate))
             .map_err(|e| failed(name, &e))?;
     }
     Ok((mpm, body))
 }
 
-fn free_flight<M: Composition<f64, D>, const D: usize>(method: M, name: &str) -> Result<(), Broken> {
+fn free_flight<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(
+    method: M,
+    name: &str,
+) -> Result<(), Broken> {
     let (mut mpm, _) = scene(method, name, &[[0.0; 6]], 0.1, 0.9, 0.3)?;
     let before = mpm.totals();
     for _ in 0..30 {
@@ -206,13 +209,7 @@ fn even_inertia<M: Composition<f64, D>, const D: usize>(method: &M) -> bool {
 }
 
 /// Angular momentum on the grid is the same from step to step.
-fn affine_momentum<M, const D: usize>(
-    mpm: &mut Mpm<f64, D, M, DenseGrid<f64, D>>,
-    name: &str,
-) -> Result<(), Broken>
-where
-    M: Composition<f64, D>,
-{
+fn affine_momentum<const D: usize>(mpm: &mut Mpm<D>, name: &str) -> Result<(), Broken> {
     let mut first = None;
     for _ in 0..10 {
         mpm.step().map_err(|e| failed(name, &e))?;
@@ -229,7 +226,10 @@ where
     Ok(())
 }
 
-fn rigid<M: Composition<f64, D>, const D: usize>(method: M, name: &str) -> Result<(), Broken> {
+fn rigid<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(
+    method: M,
+    name: &str,
+) -> Result<(), Broken> {
     for speed in [0.0, 1.7] {
         let (mut mpm, body) = scene(method, name, &[[0.0; 6]], 0.2, speed, 0.0)?;
         for _ in 0..20 {
@@ -255,7 +255,10 @@ fn rigid<M: Composition<f64, D>, const D: usize>(method: M, name: &str) -> Resul
 }
 
 /// sum_i f_i . w_i = -sum_p V sigma : grad w(x_p) for any nodal field w; and so no net force and moment.
-fn virtual_work<M: Composition<f64, D>, const D: usize>(method: M, name: &str) -> Result<(), Broken> {
+fn virtual_work<M: Composition<f64, D> + IntoKernels<f64, D>, const D: usize>(
+    method: M,
+    name: &str,
+) -> Result<(), Broken> {
     let stresses = [[1.0, 0.3, -0.4, 0.2, 0.5, -0.7], [-0.6, 0.9, 0.1, -0.3, 0.2, 0.4]];
     // Everything rests: the velocity after one step is the impulse of the forces over the mass. With USF the
     // stress is updated first, from a velocity that is zero.
@@ -353,10 +356,7 @@ fn gradients<M: Composition<f64, D>, const D: usize>(
 }
 
 /// All nodes with mass, and their positions.
-fn each_node<M: Composition<f64, D>, const D: usize>(
-    mpm: &Mpm<f64, D, M, DenseGrid<f64, D>>,
-    mut visit: impl FnMut(&[f64; D], &crate::grid::Node<f64>),
-) {
+fn each_node<const D: usize>(mpm: &Mpm<D>, mut visit: impl FnMut(&[f64; D], &crate::grid::Node<f64>)) {
     let (grid, block) = (mpm.grid(), crate::dim::BLOCK);
     let lattice = grid.lattice();
     let size = crate::dim::block_nodes(D);

@@ -61,6 +61,37 @@ pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
     }
 }
 
+/// One that was chosen at run time.
+impl<T: Float, const D: usize> GridStorage<T, D> for Box<dyn GridStorage<T, D>> {
+    fn lattice(&self) -> &Lattice<D> {
+        (**self).lattice()
+    }
+    fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid> {
+        (**self).arrange(wanted)
+    }
+    fn arrange_nodes(&mut self, count: usize) {
+        (**self).arrange_nodes(count);
+    }
+    fn blocks(&self) -> &[[i32; D]] {
+        (**self).blocks()
+    }
+    fn find(&self, coordinates: &[i32; D]) -> Option<usize> {
+        (**self).find(coordinates)
+    }
+    fn nodes(&self) -> &[Node<T>] {
+        (**self).nodes()
+    }
+    fn nodes_mut(&mut self) -> &mut [Node<T>] {
+        (**self).nodes_mut()
+    }
+    fn give_back(&mut self) {
+        (**self).give_back();
+    }
+    fn bytes(&self) -> usize {
+        (**self).bytes()
+    }
+}
+
 /// A particle came to where the grid has no nodes.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("the grid has no block {coordinates:?}; {hint}")]

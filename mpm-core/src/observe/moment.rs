@@ -2,17 +2,15 @@
 
 use std::cell::OnceCell;
 
-use crate::embedding::Embedding;
 use crate::geometry::Lattice;
-use crate::grid::GridStorage;
-use crate::method::Composition;
 use crate::output::{FieldValues, OutputError, ParticleSize, Snapshot};
 use crate::parallel::Float;
 use crate::step::nodes::NodeLedger;
-use crate::step::{Body, Contact, ContactNode, Encounters, Mpm, PairContact, Particle, Totals};
+use crate::step::{Body, ContactNode, Encounters, Mpm, PairContact, Particle, Totals, Work};
 
 /// A run between two steps. Knows neither the method nor the grid, so that observers need not either.
 pub struct Moment<'a, T: Float, const D: usize> {
+    pub(super) work: &'a dyn Work<T, D>,
     pub(super) time: f64,
     pub(super) end: f64,
     pub(super) step: u64,
@@ -98,6 +96,10 @@ impl<T: Float, const D: usize> Moment<'_, T, D> {
     /// # Errors
     /// A scene without particles, or law state names that cannot be field names.
     pub fn snapshot(&self) -> Result<Snapshot, OutputError> {
+        self.work.snapshot(self)
+    }
+
+    pub(crate) fn gathered(&self) -> Result<Snapshot, OutputError> {
         let mut columns = Gathered::new(self.bodies);
         for (index, body) in self.bodies.iter().enumerate() {
             let places = columns.places(&body.state_names());
@@ -197,17 +199,12 @@ fn is_stress(name: &str) -> bool {
     name.strip_prefix("stress_").is_some_and(|c| ["xx", "yy", "zz", "yz", "xz", "xy"].contains(&c))
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// The scene as observers would see it now.
     #[must_use]
     pub fn moment(&self) -> Moment<'_, T, D> {
         Moment {
+            work: self.work(),
             time: self.time(),
             end: self.time(),
             step: self.steps(),
@@ -216,7 +213,7 @@ where
             encounters: self.encounters(),
             lattice: *self.grid().lattice(),
             ledger: self.ledger(),
-            axisymmetric: <M::Embedding as Embedding<D>>::HOOP,
+            axisymmetric: self.facts().hoop,
             updates: 0.0,
             wall_seconds: 0.0,
             totals: OnceCell::new(),

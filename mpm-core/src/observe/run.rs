@@ -3,10 +3,8 @@
 use std::time::Instant;
 
 use super::{Moment, ObserveError, Observer};
-use crate::grid::GridStorage;
-use crate::method::Composition;
 use crate::parallel::Float;
-use crate::step::{Contact, Mpm, StepError};
+use crate::step::{Mpm, StepError};
 
 /// Why a run stopped early.
 #[derive(Debug, thiserror::Error)]
@@ -61,13 +59,7 @@ impl std::ops::AddAssign for RunSummary {
     }
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// Step until `end` (s), which is met exactly, and show the scene to the observers when they are due.
     ///
     /// The steps are those of [`Mpm::run_until`], bit for bit: no step is shortened for an observer, which sees
@@ -78,6 +70,14 @@ where
     /// A step that cannot be made, an observer that cannot look, an end before the time reached. Observers are
     /// told that the run is over in any case.
     pub fn run_observed(
+        &mut self,
+        end: f64,
+        observers: &mut [&mut dyn Observer<T, D>],
+    ) -> Result<RunSummary, RunError> {
+        self.work().run_observed(self, end, observers)
+    }
+
+    pub(crate) fn run_observed_here(
         &mut self,
         end: f64,
         observers: &mut [&mut dyn Observer<T, D>],

@@ -9,12 +9,10 @@ use super::*;
 use crate::geometry::{Cuboid, Filling, Lattice, fill};
 use crate::{Axisymmetric, Blend, BlockGrid, Boundary, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Side};
 
-type Flat<E> = Mpm<f64, 2, Method<Linear, Flip, Musl, E>, BlockGrid<f64, 2>>;
-
 /// An elastic square of 8 x 8 cells of 1 mm, 2 mm off its left wall and falling on it.
-fn square<E>(embedding: E) -> Flat<E>
+fn square<E>(embedding: E) -> Mpm<2>
 where
-    Method<Linear, Flip, Musl, E>: crate::Composition<f64, 2>,
+    Method<Linear, Flip, Musl, E>: crate::IntoKernels<f64, 2>,
 {
     let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
     let shape = Cuboid::new([2e-3, 2e-3], [10e-3, 10e-3]).unwrap();
@@ -26,10 +24,7 @@ where
     mpm
 }
 
-fn states<E>(mpm: &Flat<E>) -> Vec<crate::Particle>
-where
-    Method<Linear, Flip, Musl, E>: crate::Composition<f64, 2>,
-{
+fn states(mpm: &Mpm<2>) -> Vec<crate::Particle> {
     mpm.bodies()[0].particles()
 }
 
@@ -106,7 +101,7 @@ fn the_ledger_closes_for_a_blend_on_a_plane() {
     let law = LinearElastic::new(1000.0, Moduli::young_poisson(1e7, 0.3).unwrap()).unwrap();
     let seeds = fill(&shape, &lattice, 2, &Filling::new()).unwrap();
     let method = Method::new(Linear, Blend::new(1e-4).unwrap(), Musl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.add("square", law, &seeds, |[_, y]| [0.0, -1e3 * y]).unwrap();
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
     let mut ledger = Ledger::new(Pace::every_step());

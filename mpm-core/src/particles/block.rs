@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::{Columns, Masses};
 use crate::dim::{BLOCK, block_nodes};
-use crate::parallel::{Float, Pack, Whereabouts, prefetch_from};
+use crate::parallel::{Float, Pack, Whereabouts, prefetch_fours_from, prefetch_from};
+use crate::step::RowsMut;
 use crate::step::checkpoint::{Archive, CheckpointError};
 use crate::step::rest::Stilled;
 
@@ -69,23 +70,21 @@ pub struct Block<T: Float, const D: usize> {
     dummy: Arc<[T]>,
 }
 
-/// Groups of a bin that go through a pass together.
-#[derive(Clone, Copy, Debug)]
-pub enum Members {
-    /// A group alone.
-    One(u32),
-    /// Two of them.
-    Two([u32; 2]),
+/// Groups of a bin that go through a pass together, or one particle of a group.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Members {
+    /// The groups, in the order of their lanes; twice the same one, if it is alone.
+    pub groups: [u32; 2],
+    /// The lane, of one particle.
+    pub lane: u32,
 }
 
 impl Members {
-    /// Them, or twice the same.
+    /// Group and lane of the particle in lane `lane` of all.
     #[inline(always)]
-    pub fn both(self) -> [u32; 2] {
-        match self {
-            Members::One(group) => [group; 2],
-            Members::Two(groups) => groups,
-        }
+    pub fn place<T: Float>(self, lane: usize) -> (u32, usize) {
+        let at = self.lane as usize + lane;
+        (self.groups[at / T::GROUP % 2], at % T::GROUP)
     }
 }
 
@@ -109,36 +108,51 @@ impl<T: Float> Groups<'_, T> {
     pub fn before(&self, group: u32) -> Option<(u32, usize)> {
         full_before::<T>(self.before, group)
     }
+    /// Number of groups of a bin.
+    #[inline(always)]
+    pub fn of_bin(&self, bin: usize) -> usize {
+        (self.runs[bin].particles as usize).div_ceil(T::GROUP)
+    }
     /// The rows of groups that go through a pass together. One alone has `idle` beside it.
     #[inline(always)]
-    pub fn members<'s, P: Pack<T>>(
+    pub(crate) fn rows_of<'s, P: Pack<T>>(
         &'s mut self,
         members: Members,
         idle: &'s mut [T::Row],
-    ) -> [&'s mut [T::Row]; 2] {
-        let columns = self.columns;
-        match members {
-            Members::One(group) => {
-                let idle = if P::GROUPS == 1 { idle } else { &mut idle[..columns] };
-                [&mut self.rows[group as usize * columns..][..columns], idle]
-            }
-            Members::Two([one, two]) => {
-                let (one, two) = (one as usize * columns, two as usize * columns);
-                if one < two {
-                    let (before, behind) = self.rows.split_at_mut(two);
-                    [&mut before[one..][..columns], &mut behind[..columns]]
-                } else {
-                    let (before, behind) = self.rows.split_at_mut(one);
-                    [&mut behind[..columns], &mut before[two..][..columns]]
-                }
-            }
+    ) -> RowsMut<'s, T> {
+        let (columns, [one, two]) = (self.columns, members.groups);
+        let lane = members.lane as usize;
+        if P::GROUPS == 1 {
+            return RowsMut::<T>::of([&mut self.rows[one as usize * columns..][..columns], idle], lane);
         }
+        let (first, second) = (one as usize * columns, two as usize * columns);
+        if one == two {
+            return RowsMut::<T>::of([&mut self.rows[first..][..columns], &mut idle[..columns]], lane);
+        }
+        let pair = if first < second {
+            let (before, behind) = self.rows.split_at_mut(second);
+            [&mut before[first..][..columns], &mut behind[..columns]]
+        } else {
+            let (before, behind) = self.rows.split_at_mut(first);
+            [&mut behind[..columns], &mut before[second..][..columns]]
+        };
+        RowsMut::<T>::of(pair, lane)
+    }
+    /// All rows, and how many a group has.
+    #[inline(always)]
+    pub fn all_rows(&mut self) -> (&mut [T::Row], usize) {
+        (self.rows, self.columns)
+    }
+    /// A row of a group.
+    #[inline(always)]
+    pub fn row(&self, group: u32, row: usize) -> &T::Row {
+        &self.rows[group as usize * self.columns + row]
     }
     /// As [`Block::number`], of a lane of groups that go through a pass together.
     #[inline(always)]
     pub fn number(&self, members: Members, lane: usize) -> usize {
-        let group = members.both()[lane / T::GROUP % 2];
-        number_of::<T>(self.rows, self.numbers, self.columns, Place { group, lane: (lane % T::GROUP) as u32 })
+        let (group, lane) = members.place::<T>(lane);
+        number_of::<T>(self.rows, self.numbers, self.columns, Place { group, lane: lane as u32 })
     }
     /// As [`Block::prefetch`].
     #[inline(always)]
@@ -166,7 +180,7 @@ fn ask_for_groups<R>(all: &[R], before: &[u32], columns: usize, run: Run, rows: 
     }
     // The last three, whatever their number: a loop's end would be guessed wrong as often as not.
     for _ in 0..3 {
-        prefetch_from(all, group as usize * columns, rows);
+        prefetch_fours_from(all, group as usize * columns, rows);
         if let Some(row) = mass {
             prefetch_from(all, group as usize * columns + row, 1);
         }
@@ -241,6 +255,11 @@ impl<T: Float, const D: usize> Block<T, D> {
     #[inline(always)]
     pub fn group(&self, group: u32) -> &[T::Row] {
         &self.rows[group as usize * self.columns..][..self.columns]
+    }
+    /// All rows, and how many a group has.
+    #[inline(always)]
+    pub fn all_rows(&self) -> (&[T::Row], usize) {
+        (&self.rows, self.columns)
     }
     /// The rows of a group.
     #[inline(always)]

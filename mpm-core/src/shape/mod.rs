@@ -14,7 +14,7 @@ mod linear;
 
 use mpm_materials::{Lane, Real};
 
-use crate::dim::{Array, Stencil};
+use crate::dim::{Array, Stencil, centre, offset_of};
 
 pub use bspline::{CubicBSpline, QuadraticBSpline};
 pub use cpdi::{Cpdi, Cpdi2};
@@ -144,11 +144,11 @@ pub trait AffineShape<T: Real, const D: usize>: ShapeFunction<T, D> {}
 /// Position of node `a` of the stencil relative to the bin's centre, in units of h.
 #[inline(always)]
 pub fn node_offset<E: Stencil>(a: usize) -> f64 {
-    a as f64 - 0.5 * (E::NODES as f64 - 1.0)
+    offset_of(E::NODES, a)
 }
 
 /// Where the bins' centres lie between the nodes, in units of h: 1/2 for even stencils, 0 for odd ones.
 #[inline(always)]
 pub fn bin_centre<E: Stencil>() -> f64 {
-    if E::NODES % 2 == 0 { 0.5 } else { 0.0 }
+    centre(E::NODES)
 }

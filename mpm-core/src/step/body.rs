@@ -28,6 +28,8 @@ pub enum Which {
     Second,
     /// A smoothing of FMPM.
     Smooth,
+    /// To where particles were placed.
+    Follow,
 }
 
 /// The time step, and the one after it, s.

@@ -3,6 +3,8 @@
 //! The step has the scene's [`Contact`] look at every shared block on its own, and keeps what it [`Found`] there from
 //! step to step; see `meet.rs`.
 
+use std::sync::Arc;
+
 use crate::parallel::Float;
 
 pub use super::encounters::{ContactNode, Found, Pair, PairContact, Touch};
@@ -15,7 +17,9 @@ pub use super::shared::SharedNodes;
 )]
 pub trait Contact<T: Float, const D: usize>: Send + Sync + 'static {
     /// Does every body have velocities of its own where it meets others?
-    const SEPARATES: bool = true;
+    fn separates(&self) -> bool {
+        true
+    }
     /// Is contact also made in the velocities that only the strain is taken from: those of the mapped momentum
     /// with USF, those mapped a second time with MUSL? (Costs energy its balance: docs/notes.md 7.)
     fn corrects_strain(&self) -> bool {
@@ -39,8 +43,29 @@ pub trait Contact<T: Float, const D: usize>: Send + Sync + 'static {
 pub struct OneField;
 
 impl<T: Float, const D: usize> Contact<T, D> for OneField {
-    const SEPARATES: bool = false;
+    fn separates(&self) -> bool {
+        false
+    }
     fn impulses(&self, _: &SharedNodes<'_, T, D>, _: &mut Found<T>, _: &mut Scratch<T>) {}
+}
+
+/// One that was chosen at run time.
+impl<T: Float, const D: usize> Contact<T, D> for Arc<dyn Contact<T, D>> {
+    fn separates(&self) -> bool {
+        (**self).separates()
+    }
+    fn corrects_strain(&self) -> bool {
+        (**self).corrects_strain()
+    }
+    fn keeps(&self, spacing: f64) -> f64 {
+        (**self).keeps(spacing)
+    }
+    fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut Found<T>, scratch: &mut Scratch<T>) {
+        (**self).impulses(at, found, scratch);
+    }
+    fn couple(&self, at: &[SharedNodes<'_, T, D>], found: &mut [Found<T>]) {
+        (**self).couple(at, found);
+    }
 }
 
 /// Which velocities meet.

@@ -1,10 +1,6 @@
 //! The time step.
 
-use mpm_materials::Real;
-
-use crate::method::Composition;
-use crate::scheme::StressUpdate;
-use crate::shape::ShapeFunction;
+use super::kernels::Facts;
 
 /// How the time step is chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,9 +45,8 @@ impl TimeControl {
     /// Chart C10 (docs/report/index.html) has the limits of 704 arrangements of particles, and left these factors as they
     /// are. A third or half of the step changes the errors of charts C1 and C2 by less than a quarter, up or down, but those of the
     /// cubic spline with FMPM(4), which has next to none from the grid.
-    pub fn default_for<T: Real, const D: usize, M: Composition<T, D>>() -> Self {
-        let symplectic = M::Update::REMAP || M::Update::BEFORE_FORCES;
-        let factor = if symplectic { 0.5 } else { 0.7 * M::Shape::USL_LIMIT };
+    pub fn default_for(method: &Facts) -> Self {
+        let factor = if method.symplectic() { 0.5 } else { 0.7 * method.usl_limit };
         TimeControl::Courant { factor, growth: 1.1 }
     }
 

@@ -106,9 +106,9 @@ impl<const D: usize> Fields<D> {
     /// Have the node blocks that the particles reach, kept apart by body if `separate`, and tell the bodies
     /// where theirs are; to look `ahead`, those that they reach from a cell beside as well. A body that rests has none, and
     /// wakes where another claims what it would.
-    pub(super) fn arrange<T: Float, G: GridStorage<T, D>>(
+    pub(super) fn arrange<T: Float>(
         &mut self,
-        grid: &mut G,
+        grid: &mut dyn GridStorage<T, D>,
         bodies: &mut [Box<dyn Body<T, D>>],
         separate: bool,
         ahead: bool,
@@ -143,9 +143,9 @@ impl<const D: usize> Fields<D> {
     }
 
     /// Have the node blocks that are claimed.
-    pub(super) fn settle<T: Float, G: GridStorage<T, D>>(
+    pub(super) fn settle<T: Float>(
         &mut self,
-        grid: &mut G,
+        grid: &mut dyn GridStorage<T, D>,
         bodies: &mut [Box<dyn Body<T, D>>],
         separate: bool,
     ) -> Result<(), OutsideGrid> {
@@ -163,7 +163,7 @@ impl<const D: usize> Fields<D> {
     }
 
     /// Give every claim a block.
-    fn assign<T: Float, G: GridStorage<T, D>>(&mut self, grid: &mut G, claims: &[Claim<D>], separate: bool) {
+    fn assign<T: Float>(&mut self, grid: &mut dyn GridStorage<T, D>, claims: &[Claim<D>], separate: bool) {
         self.coordinates.clear();
         self.coordinates.extend_from_slice(grid.blocks());
         self.owners.clear();
@@ -219,9 +219,9 @@ impl<const D: usize> Fields<D> {
         }
     }
 
-    fn link<T: Float, G: GridStorage<T, D>>(
+    fn link<T: Float>(
         &mut self,
-        grid: &G,
+        grid: &dyn GridStorage<T, D>,
         bodies: &mut [Box<dyn Body<T, D>>],
         separate: bool,
     ) {
@@ -293,9 +293,9 @@ impl<const D: usize> Fields<D> {
         self.field_of[block].map(|(s, f)| (s as usize, f as usize))
     }
     /// Where the body's nodes of a place are (of the one common field if bodies are not kept apart).
-    pub(super) fn find<T: Float, G: GridStorage<T, D>>(
+    pub(super) fn find<T: Float>(
         &self,
-        grid: &G,
+        grid: &dyn GridStorage<T, D>,
         at: &[i32; D],
         body: u32,
     ) -> Option<usize> {

@@ -1,31 +1,19 @@
 //! What nodes do not see of the particles' velocities, taken out cell by cell.
 
-use mpm_materials::Constitutive;
 use nalgebra::{DMatrix, DVector};
 
-use super::contact::Contact;
 use super::footprint::NodeWeight;
-use super::load::Load;
 use super::particle_body::ParticleBody;
 use super::scene::SceneError;
 use super::solver::Mpm;
 use crate::dim::block_nodes;
-use crate::grid::GridStorage;
-use crate::method::Composition;
 use crate::parallel::{Float, Team};
 use crate::particles::{Block, Columns, Place};
-use crate::transfer::Transfer;
 
 /// Steps of the singular value decomposition of a cell; more than it ever takes.
 const MOST_STEPS: usize = 1000;
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Take out of every cell what its nodes do not see; the kinetic energy of that, J.
     pub(super) fn filter_cells(&mut self, team: &Team) -> f64 {
         let mut slots = std::mem::take(&mut self.slots);
@@ -85,13 +73,7 @@ where
     }
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// Every so many steps take out of the particles' velocities what the nodes of their cell do not see (Gritton and
     /// Berzins 2017): with the weights N of the n particles of a cell and body on its nodes, velocities become their
     /// projection, by mass, on the range of N, found by singular values. The momentum of every node stays as it is to
@@ -111,8 +93,8 @@ where
         if every == 0 {
             return Err(SceneError::FilterSteps);
         }
-        if !M::Transfer::READS_INCREMENT {
-            return Err(SceneError::NothingToFilter(self.method.describe()));
+        if !self.facts().reads_increment {
+            return Err(SceneError::NothingToFilter(self.facts().description.clone()));
         }
         self.check_references("a null-space filter")?;
         self.filter = Some(every);

@@ -1,25 +1,16 @@
 //! Particles as their nodes see them between two steps: what diagnostics sum up, apart from the kernels of the step.
 
-use mpm_materials::{Constitutive, Lane};
+use mpm_materials::Sym3;
 
-use super::contact::Contact;
-use super::load::Load;
 use super::particle_body::ParticleBody;
 use super::solver::Mpm;
-use super::sweep::{ExtentOf, ShapeOf};
 use super::total;
 use crate::boundary::{Boundary, Plane};
-use crate::dim::Stencil;
-use crate::embedding::Embedding;
-use crate::frame::Frame;
+use crate::dim::offset_of;
 use crate::geometry::Lattice;
-use crate::grid::GridStorage;
-use crate::method::Composition;
 use crate::parallel::Float;
 use crate::particles::{Block, Columns, Place};
-use crate::shape::domain::table;
-use crate::shape::{ShapeFunction, bin_centre, node_offset};
-use crate::transfer::Transfer;
+use crate::shape::domain::MOST_NUMBERS;
 
 /// Weight of a particle on a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,13 +56,7 @@ pub struct Footprint<'a, const D: usize> {
     pub nodes: &'a [NodeWeight<D>],
 }
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Show every particle, loads as they are at `time`, s. The nodes are those of the whole lattice.
     pub(super) fn show_footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         let mut nodes = Vec::new();
@@ -85,6 +70,17 @@ where
         }
     }
 
+    /// The numbers of the domain of a particle of which `number` gives the number in a row.
+    fn domain_of(&self, number: impl Fn(usize) -> T) -> [T; MOST_NUMBERS] {
+        let (first, count) = self.columns.domains();
+        let mut domain = [T::of(0.5); MOST_NUMBERS];
+        domain[..D].copy_from_slice(&self.half[..D]);
+        for n in 0..count {
+            domain[n] = number(first + n);
+        }
+        domain
+    }
+
     /// The weights of a particle on its nodes: products of those along the axes, unless its domain convects.
     pub(super) fn node_weights(
         &self,
@@ -93,48 +89,38 @@ where
         at: Place,
         list: &mut Vec<NodeWeight<D>>,
     ) {
-        let shape = self.method.shape();
-        let coordinates = block.bin_coordinates(bin);
-        let centre = bin_centre::<ExtentOf<M, T, D>>();
+        let (shape, facts) = (self.kernels.shape(), self.facts());
+        let (n, coordinates, centre) = (facts.nodes, block.bin_coordinates(bin), self.bin_centre());
         let per_spacing = 1.0 / self.lattice.spacing();
         list.clear();
-        let domain = self.domain_at(|n| T::Single::from(block.get(at, self.columns.domain() + n)));
-        if ShapeOf::<M, T, D>::DOMAIN.convects() {
-            let mut xi = [T::Single::zero(); 3];
+        let domain = self.domain_of(|row| block.get(at, row));
+        if facts.domain.convects() {
+            let mut xi = [T::default(); 3];
             for d in 0..D {
-                xi[d] = block.get(at, Columns::position() + d).into();
+                xi[d] = block.get(at, Columns::position() + d);
             }
-            let weights = table::<T, T::Single, ShapeOf<M, T, D>, D>(&xi, &domain);
-            let n = <ExtentOf<M, T, D> as Stencil>::NODES;
-            for s in 0..n * n * <ExtentOf<M, T, D> as Stencil>::LAYERS {
+            shape.table(&xi, &domain, &mut |s, value, slope| {
                 let place = [s % n, s / n % n, s / (n * n)];
                 let node = std::array::from_fn(|d| {
-                    let offset = node_offset::<ExtentOf<M, T, D>>(place[d]);
+                    let offset = offset_of(n, place[d]);
                     (f64::from(coordinates[d]) + centre + offset).round() as i32
                 });
-                let double = |x: T::Single| -> f64 {
-                    let x: T = x.into();
-                    x.to_double()
-                };
-                let gradient = std::array::from_fn(|d| double(weights.slope[d][s]) * per_spacing);
-                list.push(NodeWeight { node, value: double(weights.value[s]), gradient, sign: [1.0; 3] });
-            }
+                let gradient = std::array::from_fn(|d| slope[d].to_double() * per_spacing);
+                list.push(NodeWeight { node, value: value.to_double(), gradient, sign: [1.0; 3] });
+            });
             return;
         }
         list.push(NodeWeight { node: [0; D], value: 1.0, gradient: [1.0; D], sign: [1.0; 3] });
         for d in 0..D {
             let xi = block.get(at, Columns::position() + d);
-            let (xi, half): (T::Single, T::Single) = (xi.into(), domain[d]);
-            let along = shape.weights(xi, half);
-            let inertia: T = shape.inertia(xi, half).into();
-            let xi: T = xi.into();
+            let [values, slopes] = shape.weights(xi, domain[d]);
+            let inertia = shape.inertia(xi, domain[d]);
             let before = std::mem::take(list);
             for w in &before {
-                for a in 0..<ExtentOf<M, T, D> as Stencil>::NODES {
-                    let offset = node_offset::<ExtentOf<M, T, D>>(a);
-                    let (value, slope): (T, T) = (along.value[a].into(), along.slope[a].into());
-                    let (value, mut slope) = (value.to_double(), slope.to_double());
-                    if M::Transfer::LEAST_SQUARES {
+                for a in 0..n {
+                    let offset = offset_of(n, a);
+                    let (value, mut slope) = (values[a].to_double(), slopes[a].to_double());
+                    if facts.least_squares {
                         slope = value * (offset - xi.to_double()) / inertia.to_double();
                     }
                     let mut next = *w;
@@ -157,20 +143,19 @@ where
         time: f64,
         nodes: &'a [NodeWeight<D>],
     ) -> Option<Footprint<'a, D>> {
-        let (numbers, state) = self.point(block, at);
-        let state = state.ok()?;
+        let (numbers, facts) = (self.numbers(block, at), self.facts());
+        let said = self.material.describe_point(self.state_of(&numbers))?;
         let mass = self.masses.of(&numbers).to_double();
-        let ratio: T = self.law.volume_ratio(&state).into();
-        let volume = mass / self.law.density().to_double() * ratio.to_double();
-        let mut carried = self.law.stress(&state).to_mat();
-        let speed: T = if M::Frame::TOTAL {
-            let f = total::gradient::<T, D, M>(&numbers[self.columns.frame()..]);
+        let volume = mass / self.material.density().to_double() * said.volume_ratio.to_double();
+        let cauchy = Sym3(said.stress.map(T::Single::from));
+        let (mut carried, mut speed) = (cauchy.to_mat(), said.wave_speed);
+        if facts.total {
+            let f = total::gradient::<T, D>(&numbers[self.columns.frame()..], facts.hoop);
             let inverse = total::inverse::<T::Single, D>(&f);
-            carried = total::nominal::<T::Single, D>(&self.law.stress(&state), &inverse);
-            total::speed(&self.law, &state, &inverse).into()
-        } else {
-            self.law.wave_speed(&state).into()
-        };
+            carried = total::nominal::<T::Single, D>(&cauchy, &inverse);
+            let stretch: T = total::stretch(&inverse).into();
+            speed *= stretch;
+        }
         let mut stress = [[0.0; 3]; 3];
         for i in 0..3 {
             for j in 0..3 {
@@ -179,25 +164,23 @@ where
             }
         }
         let mut hoop = [0.0; 3];
-        if M::Embedding::HOOP {
+        if facts.hoop {
             let xi = numbers[Columns::position()].to_double();
-            let cells = f64::from(block.bin_coordinates(bin)[0]) + bin_centre::<ExtentOf<M, T, D>>() + xi;
+            let cells = f64::from(block.bin_coordinates(bin)[0]) + self.bin_centre() + xi;
             hoop[0] = -stress[2][2] / (self.lattice.origin()[0] + self.lattice.spacing() * cells);
         }
         let (mut velocity, mut load) = ([0.0; 3], [0.0; 3]);
-        let traction = self.traction(time);
+        let (traction, rows) = (self.loads.traction(time), self.loads.rows(self.columns.load()));
         let number = numbers[self.columns.number()].to_double() as usize;
         for d in 0..D {
             velocity[d] = numbers[Columns::velocity(D) + d].to_double();
-            if L::ACTS {
-                load[d] = numbers[self.columns.load()].to_double() * traction[d];
+            if let Some(row) = rows.area {
+                load[d] = numbers[row].to_double() * traction[d];
             }
         }
-        if L::FIELD
-            && let Some(start) = self.starts.get(number)
-        {
-            let acceleration = self.load.acceleration(start, time);
-            (0..D).for_each(|d| load[d] = mass * acceleration[d]);
+        if let Some(field) = &self.loads.field {
+            let acceleration = (field.acceleration)(&self.starts[number % self.starts.len()], time);
+            (0..D).for_each(|d| load[d] += mass * acceleration[d]);
         }
         let wave_speed = speed.to_double();
         Some(Footprint { number, mass, velocity, wave_speed, stress, hoop, load, rigid: false, nodes })
@@ -254,17 +237,15 @@ impl Folds {
     }
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// Show every particle as its nodes see it, with what nodes behind planes of symmetry and edges stand for. Loads are
     /// those of now. Made from the particles one by one, for diagnostics: some ten times the work of a step.
     pub fn for_each_footprint(&self, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
-        let modified = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::BOUNDARY_MODIFIED;
+        self.work.for_each_footprint(self, visit)
+    }
+
+    pub(super) fn for_each_footprint_here(&self, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        let modified = self.facts().boundary_modified;
         let folds = Folds::of(&self.conditions.boundaries, self.grid.lattice(), modified);
         let mut folded = Vec::new();
         for body in &self.bodies {

@@ -1,14 +1,9 @@
 //! A sharp bound of the highest frequency, for the time step.
 
-use super::contact::Contact;
 use super::nodes::{free_directions, mass_cutoff};
 use super::rest::Sums;
 use super::solver::Mpm;
-use crate::frame::Frame;
-use crate::grid::GridStorage;
-use crate::method::Composition;
 use crate::parallel::Float;
-use crate::scheme::StressUpdate;
 
 /// What a node has of the bound.
 #[derive(Clone, Copy, Debug, Default)]
@@ -26,13 +21,7 @@ pub struct Frequency {
     pub speed: f64,
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// A bound of the highest frequency by the circles of Gershgorin,
     ///
     /// ```text
@@ -43,6 +32,10 @@ where
     /// hold in every direction are left out. It knows where in their cells particles are, which h / c does not.
     /// Made from the particles one by one, some ten times the work of a step.
     pub fn frequency_bound(&self) -> Frequency {
+        self.work.frequency_bound(self)
+    }
+
+    pub(super) fn frequency_bound_here(&self) -> Frequency {
         let mut rows = Sums::<D, Row>::default();
         let (mut speed, mut lightest) = (0.0f64, f64::MAX);
         self.for_each_footprint(&mut |p| {
@@ -72,9 +65,8 @@ where
     /// in the updated frame no particle further than half a cell.
     pub(super) fn sharp_rate(&self) -> f64 {
         let Frequency { bound, speed } = self.frequency_bound();
-        let symplectic = M::Update::REMAP || M::Update::BEFORE_FORCES;
-        let rate = bound / if symplectic { 2.0 } else { 2.0f64.sqrt() };
-        let crossing = if M::Frame::TOTAL { 0.0 } else { 2.0 * speed / self.grid.lattice().spacing() };
+        let rate = bound / if self.facts().symplectic() { 2.0 } else { 2.0f64.sqrt() };
+        let crossing = if self.facts().total { 0.0 } else { 2.0 * speed / self.grid.lattice().spacing() };
         larger(rate, crossing)
     }
 }

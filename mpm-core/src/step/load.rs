@@ -1,46 +1,8 @@
-//! What a body's passes do beside its law's work: tractions on surface particles, forces on all particles, splitting.
+//! Loads of a body beside the work of its law: tractions on surface particles, forces on all particles.
 
 use std::sync::Arc;
 
-use super::splitting::Splitting;
 use crate::geometry::Shape;
-use crate::scheme::{Driven, Loaded, PassKind};
-
-/// A load as a type, so that a body without one carries nothing for it.
-pub trait Load<const D: usize>: Send + Sync + 'static {
-    /// Is there one on surfaces?
-    const ACTS: bool;
-    /// Is there one on all particles?
-    const FIELD: bool = false;
-    /// The pass `K` of a body with this load.
-    type Pass<K: PassKind>: PassKind;
-    /// Traction at a time (s), Pa.
-    fn traction(&self, time: f64) -> [f64; D];
-    /// Loaded area of a particle that takes the half sizes `half` (m) around `x` (m), m^2.
-    fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64;
-    /// Acceleration, m/s^2, at a time (s) of the particle that started at `start`, m.
-    fn acceleration(&self, _start: &[f64; D], _time: f64) -> [f64; D] {
-        [0.0; D]
-    }
-    /// When particles are split, if they are.
-    fn splitting(&self) -> Option<Splitting> {
-        None
-    }
-}
-
-/// No surface load.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Unloaded;
-impl<const D: usize> Load<D> for Unloaded {
-    const ACTS: bool = false;
-    type Pass<K: PassKind> = K;
-    fn traction(&self, _time: f64) -> [f64; D] {
-        [0.0; D]
-    }
-    fn area(&self, _x: &[f64; D], _half: &[f64; D]) -> f64 {
-        0.0
-    }
-}
 
 /// A dead load: the particles that start inside a region carry the force of a traction over time on their
 /// face normal to an axis, sized as at the start. Choose the region to hold one layer of particles.
@@ -55,13 +17,10 @@ pub struct Traction<const D: usize> {
     /// Are areas per radian about x = 0 (axisymmetric) instead of in full or per metre of depth?
     pub revolved: bool,
 }
-impl<const D: usize> Load<D> for Traction<D> {
-    const ACTS: bool = true;
-    type Pass<K: PassKind> = Loaded<K>;
-    fn traction(&self, time: f64) -> [f64; D] {
-        (self.history)(time)
-    }
-    fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
+
+impl<const D: usize> Traction<D> {
+    /// Loaded area of a particle that takes the half sizes `half` (m) around `x` (m), m^2.
+    pub(super) fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
         if !self.region.contains(*x) {
             return 0.0;
         }
@@ -80,19 +39,46 @@ pub struct FieldForce<const D: usize> {
     /// The acceleration.
     pub acceleration: Field<D>,
 }
-impl<const D: usize> Load<D> for FieldForce<D> {
-    const ACTS: bool = false;
-    const FIELD: bool = true;
-    type Pass<K: PassKind> = Driven<K>;
-    fn traction(&self, _time: f64) -> [f64; D] {
-        [0.0; D]
+
+/// What acts on the particles of a body beside their stress. A body without a load carries and does nothing for it.
+#[derive(Clone, Default)]
+pub(super) struct Loads<const D: usize> {
+    pub(super) traction: Option<Traction<D>>,
+    pub(super) field: Option<FieldForce<D>>,
+}
+
+impl<const D: usize> Loads<D> {
+    /// Is there any?
+    pub(super) fn act(&self) -> bool {
+        self.traction.is_some() || self.field.is_some()
     }
-    fn area(&self, _x: &[f64; D], _half: &[f64; D]) -> f64 {
-        0.0
+    /// Numbers a particle carries for them.
+    pub(super) fn numbers(&self) -> usize {
+        usize::from(self.traction.is_some()) + if self.field.is_some() { D } else { 0 }
     }
-    fn acceleration(&self, start: &[f64; D], time: f64) -> [f64; D] {
-        (self.acceleration)(start, time)
+    /// Where it carries them, from the row `first` on.
+    pub(super) fn rows(&self, first: usize) -> LoadRows {
+        let area = self.traction.as_ref().map(|_| first);
+        let acceleration = self.field.as_ref().map(|_| first + usize::from(area.is_some()));
+        LoadRows { area, acceleration }
     }
+    /// Traction at a time (s), Pa.
+    pub(super) fn traction(&self, time: f64) -> [f64; 3] {
+        let mut traction = [0.0; 3];
+        if let Some(load) = &self.traction {
+            traction[..D].copy_from_slice(&(load.history)(time));
+        }
+        traction
+    }
+}
+
+/// Rows of a particle's loads.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LoadRows {
+    /// Loaded area, m^2.
+    pub(super) area: Option<usize>,
+    /// First of D of the acceleration by a field, m/s^2.
+    pub(super) acceleration: Option<usize>,
 }
 
 /// What a load gives to a body.

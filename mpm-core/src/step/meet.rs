@@ -10,14 +10,13 @@ use super::encounters::Encounters;
 use super::nodes::{BlockPlace, Stage};
 use super::rigid_body;
 use super::shared::SharedNodes;
-use crate::grid::GridStorage;
 use crate::parallel::Float;
 
-impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
+impl<T: Float, const D: usize> Stage<'_, T, D> {
     /// Let the bodies meet at the nodes they share: contact impulses on the velocities of `meeting`, then
     /// boundaries again where any acted.
-    pub fn meet<K: Contact<T, D>>(&mut self, contact: &K, meeting: Meeting, encounters: &mut Encounters<T>) {
-        if !K::SEPARATES {
+    pub fn meet(&mut self, contact: &dyn Contact<T, D>, meeting: Meeting, encounters: &mut Encounters<T>) {
+        if !contact.separates() {
             return;
         }
         let alone = self.fields.shared().is_empty();
@@ -65,9 +64,9 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
         }
     }
 
-    fn find_impulses<K: Contact<T, D>>(
+    fn find_impulses(
         &mut self,
-        contact: &K,
+        contact: &dyn Contact<T, D>,
         meeting: Meeting,
         encounters: &mut Encounters<T>,
     ) {
@@ -170,9 +169,9 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
 
     /// Take back what contact gave to the mapped momentum for the stress update (USF): the trial velocities
     /// start from the uncorrected ones, so that the friction limit of the step holds the whole impulse.
-    pub fn part<K: Contact<T, D>>(&mut self, encounters: &Encounters<T>) {
+    pub fn part(&mut self, encounters: &Encounters<T>) {
         let (fields, mirrors, lattice) = (self.fields, self.planes.copied(), *self.grid.lattice());
-        if !K::SEPARATES || fields.shared().is_empty() {
+        if fields.shared().is_empty() {
             return;
         }
         let (layout, team) = (fields.layout(), self.team);

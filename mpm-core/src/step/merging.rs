@@ -9,22 +9,17 @@
 //! Then M d x w = L and M w^2 / 2 = K. The second moment of the cluster along d is d^2, or L^2 / (2 K M) if that is more:
 //! less has no alpha.
 
-use mpm_materials::{Check, Constitutive, ParameterError};
+use mpm_materials::{Check, Material, ParameterError};
 use nalgebra::{Matrix3, Vector3};
 
-use super::contact::Contact;
-use super::load::Load;
 use super::particle_body::ParticleBody;
 use super::scene::SceneError;
 use super::solver::Mpm;
 use super::splitting::{Splitting, longest, symmetric};
 use crate::dim::block_nodes;
-use crate::grid::GridStorage;
-use crate::method::Composition;
 use crate::parallel::{Float, Team};
 use crate::particles::{Block, Columns, Place};
-use crate::shape::{Domain, ShapeFunction};
-use crate::transfer::Transfer;
+use crate::shape::Domain;
 
 /// When particles of a body that splits are merged: [`Splitting::with_merging`].
 ///
@@ -34,7 +29,7 @@ use crate::transfer::Transfer;
 /// - mass, centre of mass, momentum, angular momentum and kinetic energy stay what they were. Motion that particles of a
 ///   cluster have against each other becomes that of the two, towards each other or apart as the cluster was;
 /// - volume and internal energy stay, too: what state the two have is the law's to say
-///   ([`Constitutive::merged`]), which refuses points that are too unlike;
+///   ([`Constitutive::merged`](mpm_materials::Constitutive::merged)), which refuses points that are too unlike;
 /// - the remembered stretch and a carried box (cpGIMP) grow by what the cluster extends across the line that joins the two,
 ///   and along that line until the volume is half of the sum.
 ///
@@ -234,19 +229,13 @@ struct Grain<T> {
 }
 
 /// What merging wants to know of a body.
-struct Merger<'a, T: Float, const D: usize, C, M, L> {
-    body: &'a ParticleBody<T, D, C, M, L>,
+struct Merger<'a, T: Float, const D: usize> {
+    body: &'a ParticleBody<T, D>,
     splitting: Splitting,
     seeds: u64,
 }
 
-impl<T, const D: usize, C, M, L> Merger<'_, T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> Merger<'_, T, D> {
     /// Merge the particles of a bin down to `above`.
     fn bin(&self, block: &mut Block<T, D>, bin: usize, above: usize, book: &mut MergeBook) {
         let places: Vec<Place> = block.bin_places(bin).collect();
@@ -296,7 +285,6 @@ where
     /// that no number is lost.
     fn merge(&self, cluster: &[Grain<T>], relatives: bool) -> Option<[Grain<T>; 2]> {
         let double = |grain: &Grain<T>, column: usize| grain.numbers[column].to_double();
-        let mass = |grain: &Grain<T>| self.body.masses.of(&grain.numbers).to_double();
         let mut family: Vec<Descent> = cluster.iter().map(|grain| grain.who).collect();
         family.sort_by_key(|who| who.order());
         let found = ancestors(family.into_iter());
@@ -312,7 +300,7 @@ where
         };
         let point = |g: &Grain<T>| {
             let (x, v) = (vector(g, Columns::position()), vector(g, Columns::velocity(D)));
-            Point { mass: mass(g), x, v }
+            Point { mass: self.mass(g), x, v }
         };
         let points: Vec<Point> = cluster.iter().map(point).collect();
         let pair = Pair::of(&points)?;
@@ -344,27 +332,29 @@ where
         Some(two)
     }
 
-    /// State, stretch and domain of the two, written into `numbers`.
+    fn mass(&self, grain: &Grain<T>) -> f64 {
+        self.body.masses.of(&grain.numbers).to_double()
+    }
+
+    /// State, stretch, loaded area and domain of the two, written into `numbers`.
     fn average(&self, cluster: &[Grain<T>], pair: &Pair, numbers: &mut [T]) -> Option<()> {
         let columns = &self.body.columns;
-        let mut states = Vec::with_capacity(cluster.len());
-        for grain in cluster {
-            let state = grain.numbers[Columns::state(D)..columns.domain()].iter();
-            let state: Vec<T::Single> = state.map(|&x| T::Single::from(x)).collect();
-            let mass = self.body.masses.of(&grain.numbers).to_double();
-            states.push((mass, mpm_materials::point::unflatten(&state).ok()?));
-        }
-        let state = self.body.law.merged(&states)?;
-        let state: Vec<T::Single> = mpm_materials::point::flatten(&state);
-        for (number, x) in numbers[Columns::state(D)..].iter_mut().zip(state) {
-            *number = x.into();
+        let state = |grain| -> (f64, &[T]) { (self.mass(grain), self.body.state_of(&grain.numbers)) };
+        let states: Vec<(f64, &[T])> = cluster.iter().map(state).collect();
+        let state = self.body.material.merged(&states)?;
+        numbers[Columns::state(D)..][..state.len()].copy_from_slice(&state);
+        // Half of the loaded area each; a field is that of the seed whose number they bear.
+        let loads = self.body.loads.rows(columns.load());
+        if let Some(area) = loads.area {
+            let sum: f64 = cluster.iter().map(|grain| grain.numbers[area].to_double()).sum();
+            numbers[area] = T::of(0.5 * sum);
         }
 
         // What the cluster extends across the pair; its own line is as long as the volume wants it.
         let n = pair.apart.normalize();
         let across = Matrix3::identity() - n * n.transpose();
         let extent = across * pair.moment * across * 3.0;
-        let share = |grain: &Grain<T>| self.body.masses.of(&grain.numbers).to_double() / pair.mass;
+        let share = |grain: &Grain<T>| self.mass(grain) / pair.mass;
         let place = Columns::state(D) + self.body.splitter.place;
         let half = self.body.half[0].to_double();
         let (mut b, mut volume) = (extent / (half * half), 0.0);
@@ -403,10 +393,8 @@ where
         }
         let product: f64 = box_[..D].iter().product::<f64>().sqrt();
         for d in 0..D {
-            let half = T::Single::from(T::of(box_[d].sqrt() * (volume / product).powf(n[d] * n[d])));
-            let kept: T = self.body.method.shape().stretch(half, T::Single::from(T::default())).into();
-            let half: T = half.into();
-            if kept != half {
+            let half = T::of(box_[d].sqrt() * (volume / product).powf(n[d] * n[d]));
+            if self.body.kernels.shape().stretch(half, T::default()) != half {
                 return None; // larger than the shape function bears
             }
             numbers[from + d] = half;
@@ -415,16 +403,10 @@ where
     }
 }
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Merge what there is to merge after so many steps. Was there anything?
     pub(super) fn merge_cells(&mut self, steps: u64, team: &Team) -> bool {
-        let Some(splitting) = self.load.splitting() else { return false };
+        let Some(splitting) = self.splitting else { return false };
         let Some(Merging { above, every }) = splitting.merging() else { return false };
         if !steps.is_multiple_of(every) || self.resting.is_some() {
             return false;
@@ -451,23 +433,19 @@ where
     }
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// Can particles of this law be merged here?
-    pub(super) fn check_merging<C: Constitutive<T>>(&self, body: &str, law: &C) -> Result<(), SceneError> {
+    pub(super) fn check_merging(&self, body: &str, law: &dyn Material<T>) -> Result<(), SceneError> {
         let refuse = |what: String| Err(SceneError::NoMerging { body: body.into(), what });
-        if <M::Transfer as Transfer<T>>::AFFINE {
-            return refuse(format!("`{}`, whose particles vary within", self.method.describe()));
+        let facts = self.facts();
+        if facts.affine {
+            return refuse(format!("`{}`, whose particles vary within", facts.description));
         }
-        if !matches!(<M::Shape as ShapeFunction<T, D>>::DOMAIN, Domain::Fixed | Domain::Axes) {
-            return refuse(format!("`{}`, whose domains are no boxes", self.method.describe()));
+        if !matches!(facts.domain, Domain::Fixed | Domain::Axes) {
+            return refuse(format!("`{}`, whose domains are no boxes", facts.description));
         }
-        if law.merged(&[(1.0, law.virgin()), (1.0, law.virgin())]).is_none() {
+        let virgin = law.virgin();
+        if law.merged(&[(1.0, &virgin), (1.0, &virgin)]).is_none() {
             return refuse(format!("the law `{}`, whose states have no mean", law.name()));
         }
         self.check_references("merging")

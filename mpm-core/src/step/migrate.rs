@@ -1,39 +1,37 @@
 //! Particles that leave their bins: out of a bin during its work, into another when all bins of a block are
 //! done (if they stay in the block) or between passes.
 
-use std::marker::PhantomData;
-
 use mpm_materials::Lane;
 
 use super::cell::{Moments, add_particle, on_cell};
-use super::scatter::{AFFINE, FORCE, MOMENTUM, Maps, RECORDS, Records, Room, SpreadOf, along_axes, scatter};
+use super::scatter::{
+    AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, along_axes, times_offset,
+};
 use super::splitting::Splitter;
-use super::sweep::{Cause, Common, ExtentOf, Report, ShapeOf, Slot, Trouble, maps};
+use super::sweep::{Cause, Common, Report, Trouble};
 use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
 use crate::dim::{BLOCK, Stencil, neighbours};
-use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel};
-use crate::particles::{Block, Columns, Outbox, Place, Sent};
-use crate::scheme::PassKind;
-use crate::shape::ShapeFunction;
-use crate::shape::domain::MOST_NUMBERS;
+use crate::parallel::{Arch, Float, Kernel, Quad, Vectors};
+use crate::particles::{Block, Columns, Members, Outbox, Place, Sent};
+use crate::shape::domain::{MOST_NUMBERS, table};
+use crate::shape::{ShapeFunction, node_offset};
 
 /// Who leaves groups of a bin that go through a pass together, by bits of lanes.
-pub(super) struct Leaving<'a, T: Float, N> {
+pub(super) struct Leaving<'a, T: Float> {
     pub(super) bin: usize,
-    /// The groups, in the order of their lanes. The last one is the last of them in the bin.
-    pub(super) groups: [u32; 2],
+    /// The groups. The last one is the last of them in the bin.
+    pub(super) members: Members,
     /// Particles that left the bin.
     pub(super) gone: u32,
-    pub(super) cut: Cut<'a, T, N>,
+    pub(super) cut: Cut<'a, T>,
 }
 
 /// Which particles are cut in two, wherever they are.
-pub(super) struct Cut<'a, T: Float, N> {
+pub(super) struct Cut<'a, T: Float> {
     pub(super) long: u32,
     pub(super) splitter: &'a Splitter<T>,
-    /// The velocity gradient in units of 1/s, D x D rows.
-    pub(super) gradient: &'a [N],
+    /// The velocity gradient in units of 1/s, D x D numbers of each lane.
+    pub(super) gradient: &'a [[T; MAX_LANES]; 9],
 }
 
 /// The particles that change their bins, as a thread finds them.
@@ -56,7 +54,7 @@ impl<T: Float> Movers<T> {
 
 /// The numbers of a particle's records that go with it when it leaves its bin: not those that are zero, nor G_dc beside G_cd,
 /// nor mass and momentum, where they are those of the particle itself.
-pub(super) struct Luggage {
+pub(crate) struct Luggage {
     /// By kind of record and place in it.
     numbers: [(u8, u8); MOST_LUGGAGE],
     count: usize,
@@ -65,12 +63,11 @@ pub(super) struct Luggage {
 const MOST_LUGGAGE: usize = 3 + 3 + 9 + 6;
 
 impl Luggage {
-    /// Of the particles in a pass.
+    /// Of the particles in a pass that maps this; may they be cut in two?
     #[inline(always)]
-    pub(super) fn of<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Self {
-        let maps = maps::<T, D, M, K>();
+    pub(super) fn of<const D: usize>(maps: Maps, splits: bool) -> Self {
         // What is cut in two gives each half of what the whole would map.
-        let plain = !maps.has_affine() && !K::DOES.splits;
+        let plain = !maps.has_affine() && !splits;
         let mut luggage = Luggage { numbers: [(0, 0); MOST_LUGGAGE], count: 0 };
         for kind in 0..RECORDS {
             let from = kind.saturating_sub(FORCE);
@@ -121,23 +118,22 @@ impl Luggage {
 /// block, with their records, of which zeros are left; what is cut in two goes there as two.
 #[cold]
 #[inline(never)]
-pub(super) fn send_away<T: Float, N: AsRef<[T]>, const D: usize, M: Composition<T, D>, K: PassKind>(
+pub(super) fn send_away<T: Float, const D: usize>(
     block: &mut Block<T, D>,
     Movers { out, within, moving }: &mut Movers<T>,
     report: &mut Report<T>,
-    leaving: Leaving<'_, T, N>,
-    records: &mut Records<T>,
+    leaving: Leaving<'_, T>,
+    (records, maps, luggage): (&mut Records<T>, Maps, &Luggage),
 ) {
-    let Leaving { bin, groups, gone, cut: Cut { long, splitter, gradient } } = leaving;
-    let maps = maps::<T, D, M, K>();
+    let Leaving { bin, members, gone, cut: Cut { long, splitter, gradient } } = leaving;
     let columns = block.particle_numbers();
-    let luggage = Luggage::of::<T, D, M, K>();
     let mut leave = gone | long;
     // The last lane first: the particle that takes the place of one removed has been at work already.
     while leave != 0 {
         let lane = leave.ilog2();
         leave &= !(1 << lane);
-        let place = Place { group: groups[lane as usize / T::GROUP % 2], lane: lane % T::GROUP as u32 };
+        let (group, at) = members.place::<T>(lane as usize);
+        let place = Place { group, lane: at as u32 };
         let mut own = [[T::default(); 4]; RECORDS];
         for kind in 0..RECORDS {
             if maps.uses::<D>(kind) {
@@ -293,112 +289,138 @@ impl<T: Float> Domains<T> {
     }
 }
 
-/// The offset and the domain of a particle with these numbers, in every lane.
+/// The offset and the domain of a particle of which `number` gives the number in a row.
 #[inline(always)]
-fn place_of<T: Float, P: Lane<Real = T>, const D: usize, M: Composition<T, D>>(
-    numbers: &[T],
+pub(super) fn place_of<T: Float, const D: usize, S: ShapeFunction<T, D>>(
+    number: impl Fn(usize) -> T,
     domains: &Domains<T>,
-) -> ([P; 3], [P; MOST_NUMBERS]) {
-    let mut xi = [P::zero(); 3];
+) -> ([T::Single; 3], [T::Single; MOST_NUMBERS]) {
+    let mut xi = [T::Single::zero(); 3];
     for d in 0..D {
-        xi[d] = P::splat(numbers[Columns::position() + d]);
+        xi[d] = number(Columns::position() + d).into();
     }
-    let carried = |n: usize| P::splat(numbers[domains.column + n]);
-    (xi, domains.of::<P, ShapeOf<M, T, D>, D>(carried))
+    let carried = |n: usize| T::Single::from(number(domains.column + n));
+    (xi, domains.of::<T::Single, S, D>(carried))
 }
 
-/// Append particles that come to a block to their bins there, and scatter them.
-#[inline(always)]
-pub(super) fn take_in<'a, T, A, const D: usize, M, K>(
-    method: &M,
-    block: &mut Block<T, D>,
-    (tile, rows): (&mut [[T; 4]], &mut u64),
-    arrivals: impl Iterator<Item = (usize, &'a [T])>,
-    common: &Common<T>,
-    (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
-) where
-    T: Float,
-    A: Arch<T>,
-    M: Composition<T, D>,
-    K: PassKind,
-{
-    let maps = maps::<T, D, M, K>();
-    let columns = block.particle_numbers();
-    let luggage = Luggage::of::<T, D, M, K>();
-    for (bin, numbers) in arrivals {
-        block.push(bin, &numbers[..columns]);
-        let more = rows_of::<ExtentOf<M, T, D>, D>(1 << bin) & !*rows;
-        clear_rows::<T, D, ExtentOf<M, T, D>>(tile, more, maps);
-        *rows |= more;
-        let own = luggage.unpack::<T, D>(numbers, common.masses.of(numbers), maps);
-        let corner = tile_corner::<ExtentOf<M, T, D>, D>(bin);
-        let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
-        if maps.moments::<ExtentOf<M, T, D>>() {
-            let mut at = [T::default(); 3];
-            at[..D].copy_from_slice(&numbers[Columns::position()..][..D]);
-            let mut moments = Moments::<A::Quad, ExtentOf<M, T, D>>::zero();
-            moments.add_one(&at, &own);
-            moments.give(if maps.together { &mut *first } else { &mut *second }, corner);
-        }
-        if ExtentOf::<M, T, D>::NODES == 2 && !maps.convected {
-            let (xi, domain) = place_of::<T, T::Single, D, M>(numbers, &common.domains);
-            let along = along_axes(method.shape(), &xi, &domain);
-            let weights = on_cell::<T::Single, ExtentOf<M, T, D>>(&along);
-            add_particle::<T, A, ExtentOf<M, T, D>>([first, second], corner, &weights, &own, maps);
-            continue;
-        }
-        for kind in 0..RECORDS {
-            records[kind][0] = own[kind];
-        }
-        let (xi, domain) = place_of::<T, A::Batch, D, M>(numbers, &common.domains);
-        spread.place::<T, A::Batch, _, D>(method.shape(), &xi, &domain, maps.slopes());
-        scatter::<T, A, ExtentOf<M, T, D>, 1>([first, second], corner, spread, records, maps);
-    }
+/// Append particles that come to a block to their bins there, and scatter them, one by one: for a shape function, whatever pass
+/// sent them.
+pub(super) struct Arrivals<'a, T: Float, const D: usize, S> {
+    pub(super) shape: &'a S,
+    pub(super) block: &'a mut Block<T, D>,
+    /// The block's tile, and its rows that hold sums.
+    pub(super) sums: (&'a mut [[T; 4]], &'a mut u64),
+    /// Where they are, which of them they are, and which block they go to as seen from there.
+    pub(super) from: (&'a Outbox<T>, Sent, usize),
+    pub(super) common: &'a Common<T>,
+    /// What the pass maps, and what went with them of it.
+    pub(super) mapped: (Maps, &'a Luggage),
 }
 
-/// Take in the particles that the blocks around sent here.
-pub struct TakeIn<'a, T: Float, const D: usize, M, K> {
-    /// The method.
-    pub method: &'a M,
-    /// The block that takes in.
-    pub slot: &'a mut Slot<T, D>,
-    /// What all slots sent, and the outboxes where it is.
-    pub sent: &'a [Sent],
-    /// The outboxes.
-    pub outboxes: &'a [Outbox<T>],
-    /// Shared numbers.
-    pub common: Common<T>,
-    /// The pass that sent them.
-    pub pass: PhantomData<K>,
-}
-
-impl<T, const D: usize, M, K> Kernel<T> for TakeIn<'_, T, D, M, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    K: PassKind,
-{
+impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for Arrivals<'_, T, D, S> {
+    const VECTORS: Vectors = Vectors::Avx2;
     type Output = ();
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let TakeIn { method, slot, sent, outboxes, common, .. } = self;
-        let Slot { block, tile, rows, slots_around, .. } = slot;
-        let tile = tile.all_mut();
-        let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<M, T, D>>::zero());
-        for from in 0..neighbours(D) {
-            // What lies in direction `from` of here sent towards the opposite direction.
-            let to = neighbours(D) - 1 - from;
-            if from == to {
-                continue; // its own pass took them in
+        let Arrivals { shape, block, sums: (tile, rows), from: (outbox, sent, to), common, mapped } = self;
+        let (maps, luggage) = mapped;
+        let columns = block.particle_numbers();
+        for (bin, numbers) in outbox.going(sent, to) {
+            block.push(bin, &numbers[..columns]);
+            let more = rows_of::<S::Extent, D>(1 << bin) & !*rows;
+            clear_rows::<T, D, S::Extent>(tile, more, maps);
+            *rows |= more;
+            let own = luggage.unpack::<T, D>(numbers, common.masses.of(numbers), maps);
+            let corner = tile_corner::<S::Extent, D>(bin);
+            let (first, second) = tile.split_at_mut(tile_nodes::<S::Extent>(D));
+            if maps.moments::<S::Extent>() {
+                let mut at = [T::default(); 3];
+                at[..D].copy_from_slice(&numbers[Columns::position()..][..D]);
+                let mut moments = Moments::<A::Quad, S::Extent>::zero();
+                moments.add_one(&at, &own);
+                moments.give(if maps.together { &mut *first } else { &mut *second }, corner);
             }
-            let Some(sent) = sent.get(slots_around[from] as usize).filter(|sent| sent.goes(to)) else {
+            let (xi, domain) = place_of::<T, D, S>(|row| numbers[row], &common.domains);
+            if S::Extent::NODES == 2 && !S::DOMAIN.convects() {
+                let along = along_axes(shape, &xi, &domain);
+                let weights = on_cell::<T::Single, S::Extent>(&along);
+                add_particle::<T, A, S::Extent>([first, second], corner, &weights, &own, maps);
                 continue;
-            };
-            let arrivals = outboxes[sent.outbox as usize].going(*sent, to);
-            let sums = (&mut tile[..], &mut *rows);
-            let scratch = (&mut records, &mut spread);
-            take_in::<T, A, D, M, K>(method, block, sums, arrivals, &common, scratch);
+            }
+            give_one::<T, A, S, D>(shape, (&xi, &domain), ([first, second], corner), &own, maps);
+        }
+    }
+}
+
+/// Add one particle to the nodes of its stencil, of which the first lies at `corner` of the tile.
+#[inline(always)]
+fn give_one<T: Float, A: Arch<T>, S: ShapeFunction<T, D>, const D: usize>(
+    shape: &S,
+    (xi, domain): (&[T::Single; 3], &[T::Single; MOST_NUMBERS]),
+    ([first, second], corner): ([&mut [[T; 4]]; 2], usize),
+    records: &[[T; 4]; RECORDS],
+    maps: Maps,
+) {
+    let (count, layers) = (S::Extent::NODES, S::Extent::LAYERS);
+    let kind = |kind: usize| A::Quad::load(&records[kind]);
+    let (momentum, direct) = (kind(MOMENTUM), kind(DIRECT));
+    let affine = [kind(AFFINE), kind(AFFINE + 1), kind(AFFINE + 2)];
+    let force = [kind(FORCE), kind(FORCE + 1), kind(FORCE + 2)];
+    let convects = S::DOMAIN.convects();
+    let (along, weights) = if convects {
+        ([crate::shape::Weights::zero(); 3], table::<T, T::Single, S, D>(xi, domain))
+    } else {
+        (along_axes(shape, xi, domain), crate::shape::domain::Table::zero())
+    };
+    let number = |x: T::Single| A::Quad::splat(x.into());
+    for k in 0..layers {
+        for j in 0..count {
+            for i in 0..count {
+                let (n, at) =
+                    ((k * count + j) * count + i, corner + (k * S::Extent::TILE + j) * S::Extent::TILE + i);
+                let (x, y, z) = (&along[0], &along[1], &along[2]);
+                let (value, slope) = if convects {
+                    (weights.value[n], [weights.slope[0][n], weights.slope[1][n], weights.slope[2][n]])
+                } else if D == 2 {
+                    let slope = [x.slope[i] * y.value[j], x.value[i] * y.slope[j], T::Single::zero()];
+                    (x.value[i] * y.value[j], slope)
+                } else {
+                    let yz = y.value[j] * z.value[k];
+                    let slope = [
+                        x.slope[i] * yz,
+                        x.value[i] * (y.slope[j] * z.value[k]),
+                        x.value[i] * (y.value[j] * z.slope[k]),
+                    ];
+                    (x.value[i] * yz, slope)
+                };
+                let value = number(value);
+                let mut here = momentum;
+                if maps.has_affine() {
+                    for (d, a) in [i, j, k].into_iter().enumerate().take(D) {
+                        here = times_offset(affine[d], node_offset::<S::Extent>(a), here);
+                    }
+                }
+                let mut push = A::Quad::zero();
+                if maps.slopes() {
+                    for d in 0..D {
+                        push = number(slope[d]).mul_add(force[d], push);
+                    }
+                    if maps.direct {
+                        push = value.mul_add(direct, push);
+                    }
+                }
+                if maps.momentum {
+                    let mut sum = value.mul_add(here, A::Quad::load(&first[at]));
+                    if maps.together {
+                        sum = sum + push;
+                    }
+                    sum.store(&mut first[at]);
+                }
+                if maps.second() {
+                    (A::Quad::load(&second[at]) + push).store(&mut second[at]);
+                }
+            }
         }
     }
 }

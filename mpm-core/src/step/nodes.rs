@@ -82,9 +82,9 @@ pub fn mass_cutoff<T: Float>() -> T {
 }
 
 /// One step's view of the grid for its stages.
-pub struct Stage<'a, T: Float, const D: usize, G> {
+pub struct Stage<'a, T: Float, const D: usize> {
     /// The grid.
-    pub grid: &'a mut G,
+    pub grid: &'a mut dyn GridStorage<T, D>,
     /// Its bodies.
     pub bodies: &'a [Box<dyn Body<T, D>>],
     /// Its node blocks, by body where they are kept apart.
@@ -130,7 +130,7 @@ macro_rules! constraints {
     };
 }
 
-impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
+impl<T: Float, const D: usize> Stage<'_, T, D> {
     /// Sum the bodies' tiles (eqs. 2, 3, 9 of \[Ma2010\]): for each node block, bodies in order, the blocks
     /// around in order, so that the sums are the same for any number of threads and any grid. Then change every
     /// node as `update` says: at once, where no plane folds nodes in between.

@@ -1,44 +1,39 @@
 //! A body of particles of one law in one method.
 
-use std::marker::PhantomData;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use mpm_materials::{Breakdown, Constitutive, Lane};
+use mpm_materials::{Breakdown, Material};
 
 use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
 use super::fields::Claim;
 use super::footprint::Footprint;
+use super::kernels::{Facts, MethodKernels};
 use super::layout::{Layout, Nodes};
-use super::load::{Load, Loading, Unloaded};
+use super::load::{Loading, Loads};
+use super::loads::LoadTask;
 use super::merging::MergeBook;
-use super::migrate::{Domains, Luggage, TakeIn};
+use super::migrate::{Domains, Luggage};
 use super::reference_body::Shade;
 use super::rest::Stilled;
 use super::resting::Resting;
 use super::scene::SceneError;
-use super::splitting::{SplitBook, Splitter};
+use super::splitting::{SplitBook, Splitter, Splitting};
 use super::survey::{Near, Survey};
-use super::sweep::{Cause, Common, Outline, Report, Scratch, Slot, Sweep, Trouble};
-use super::tile::{AddTiles, Sums, tile_nodes};
+use super::sweep::{Cause, Common, Outline, Report, Scratch, Slot, Task, Trouble};
+use super::tile::Sums;
 use super::total;
-use crate::dim::{block_nodes, neighbours};
-use crate::embedding::Embedding;
-use crate::frame::Frame;
+use crate::dim::{block_nodes, centre, neighbours};
 use crate::geometry::Lattice;
 use crate::grid::Node;
-use crate::method::Composition;
 use crate::parallel::{AlignedRecords, Float, Team, prefetch_from};
 use crate::particles::{Block, Columns, Masses, Outbox, Place, Sent};
-use crate::scheme::{PassKind, Smooth, StressUpdate};
-use crate::shape::{ShapeFunction, bin_centre};
-use crate::transfer::Transfer;
 
-/// A body of the law `C` in a method `M`.
-pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
+/// A body of particles.
+pub struct ParticleBody<T: Float, const D: usize> {
     pub(super) name: String,
-    pub(super) law: C,
-    pub(super) method: M,
+    pub(super) material: Arc<dyn Material<T>>,
+    pub(super) kernels: Arc<dyn MethodKernels<T, D>>,
     pub(super) lattice: Lattice<D>,
     pub(super) columns: Columns,
     pub(super) slots: Vec<Slot<T, D>>,
@@ -67,11 +62,19 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
     pub(super) half: [T; 3],
     pub(super) lightest: T,
     pub(super) masses: Masses<T>,
-    pub(super) load: L,
+    pub(super) loads: Loads<D>,
     /// Sum of the loaded areas, m^2.
     pub(super) loaded_area: f64,
     pub(super) loading: Loading,
+    /// The steps of a pass whose loads are to be mapped when its particles are where they belong.
+    pub(super) unloaded: Option<(Which, Steps<T>)>,
+    /// Time at which the loads act that were mapped last, s.
+    pub(super) mapped_at: f64,
+    /// Of each slot, the power of its loads, W, and the force of a field, N, while they are summed up.
+    pub(super) powers: Vec<T>,
+    pub(super) forces: Vec<[f64; 3]>,
     /// When particles are split, and how often they were.
+    pub(super) splitting: Option<Splitting>,
     pub(super) splitter: Splitter<T>,
     pub(super) splits: SplitBook,
     pub(super) merges: MergeBook,
@@ -84,8 +87,6 @@ pub struct ParticleBody<T: Float, const D: usize, C, M, L = Unloaded> {
 }
 
 pub(super) const NONE: u32 = u32::MAX;
-pub(super) type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
-pub(super) type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
 
 /// Offset -1, 0 or 1 along each axis of neighbour `index`.
 pub(super) fn offset<const D: usize>(index: usize) -> [i32; D] {
@@ -106,15 +107,20 @@ pub(super) fn shifted<const D: usize>(c: &[i32; D], by: &[i32; D]) -> [i32; D] {
     r
 }
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
-    /// Records a node that the method maps.
-    const RECORDS: usize = if M::MAPS_TOGETHER { 1 } else { 2 };
+impl<T: Float, const D: usize> ParticleBody<T, D> {
+    /// What its method is beside kernels.
+    pub(super) fn facts(&self) -> &Facts {
+        self.kernels.facts()
+    }
+    /// Where bins' centres lie between the nodes, in units of h.
+    pub(super) fn bin_centre(&self) -> f64 {
+        centre(self.facts().nodes)
+    }
+    /// Where its particles' domains come from.
+    pub(super) fn domains(&self) -> Domains<T> {
+        Domains { column: self.columns.domain(), half: self.half }
+    }
+
     /// Note which slots lie around each.
     pub(super) fn link_slots(&mut self) {
         let index = &mut self.index;
@@ -137,54 +143,88 @@ where
         self.index.iter().map(|&(_, slot)| &self.slots[slot as usize])
     }
 
-    pub(super) fn traction(&self, time: f64) -> [f64; 3] {
-        let mut traction = [0.0; 3];
-        if L::ACTS {
-            traction[..D].copy_from_slice(&self.load.traction(time));
-        }
-        traction
-    }
-
-    /// Give every particle the acceleration of a force field at a time, s.
+    /// Give every particle the acceleration of a force field at a time, s, and note the force of all loads then.
     fn accelerate(&mut self, time: f64, team: &Team) {
-        let (load, starts, columns) = (&self.load, &self.starts, &self.columns);
-        team.each(&mut self.slots, |_, slot| {
+        let traction = self.loads.traction(time);
+        self.loading.force = traction.map(|traction| traction * self.loaded_area);
+        let Some(field) = &self.loads.field else { return };
+        let (starts, columns, masses) = (&self.starts, &self.columns, self.masses);
+        let Some(first) = self.loads.rows(columns.load()).acceleration else { return };
+        let mut forces = std::mem::take(&mut self.forces);
+        forces.clear();
+        forces.resize(self.slots.len(), [0.0; 3]);
+        team.each_piece(&mut self.slots, 1, &mut forces, |_, slot, force| {
+            let block = &mut slot[0].block;
             for bin in 0..block_nodes(D) {
-                let mut next = slot.block.last_group(bin);
+                let mut next = block.last_group(bin);
                 while let Some((group, here)) = next {
-                    next = slot.block.group_before(group);
+                    next = block.group_before(group);
                     for lane in 0..here as u32 {
                         let at = Place { group, lane };
-                        let Some(start) = starts.get(slot.block.number(at)) else { continue };
-                        let a = load.acceleration(start, time);
+                        // Children of a particle that was split are told by their seed.
+                        let a = (field.acceleration)(&starts[block.number(at) % starts.len()], time);
+                        let mass = masses.read(|row| block.get(at, row)).to_double();
                         for d in 0..D {
-                            slot.block.set(at, columns.load() + d, T::of(a[d]));
+                            block.set(at, first + d, T::of(a[d]));
+                            force[d] += mass * a[d];
                         }
                     }
                 }
             }
         });
-    }
-
-    /// Note the power of the load that acted in a step, with the pass in which velocities change; and the force of the one
-    /// that the pass mapped, at `time`, s.
-    fn book_load<K: PassKind>(&mut self, time: f64) {
-        let sum = |of: &dyn Fn(&Report<T>) -> T| -> f64 {
-            self.in_place().map(|s| of(&s.report).to_double()).sum()
-        };
-        let mut loading = self.loading;
-        if K::DOES.velocity {
-            loading.power = sum(&|r| r.power);
-            // The traction that acted: that of the last force.
-            for d in (0..D).filter(|_| self.loaded_area > 0.0) {
-                loading.power += self.loading.force[d] / self.loaded_area * sum(&|r| r.flux[d]);
+        for &(_, slot) in &self.index {
+            for d in 0..3 {
+                self.loading.force[d] += forces[slot as usize][d];
             }
         }
-        if K::DOES.force {
-            let traction = self.traction(time);
-            loading.force = std::array::from_fn(|d| traction[d] * self.loaded_area + sum(&|r| r.push[d]));
-        }
-        self.loading = loading;
+        self.forces = forces;
+    }
+
+    /// `task` on the loads of every slot, with the sum of what it returns.
+    fn each_load(
+        &mut self,
+        nodes: Nodes<'_, T>,
+        which: Which,
+        (time, dt): (f64, Steps<T>),
+        team: &Team,
+        task: impl Fn(&dyn super::kernels::ShapeKernels<T, D>, LoadTask<'_, T, D>) -> T + Send + Sync,
+    ) -> f64 {
+        self.have_scratch(team);
+        let common = &self.common(dt);
+        let (kernels, scratch, around) = (&*self.kernels, &self.scratch, &self.nodes_around);
+        let (rows, maps) = (self.loads.rows(self.columns.load()), kernels.maps(which));
+        let traction = self.loads.traction(time).map(T::of);
+        let reads_increment = kernels.facts().reads_increment;
+        self.powers.clear();
+        self.powers.resize(self.slots.len(), T::default());
+        team.each_piece(&mut self.slots, 1, &mut self.powers, |s, slot, power| {
+            let slot = &mut slot[0];
+            let mut own = team.own(scratch);
+            let tile_in = own.tile_in();
+            let around = around.get(s * neighbours(D)..).unwrap_or_default();
+            let around = &around[..neighbours(D).min(around.len())];
+            let nodes = (nodes, around);
+            let loads = LoadTask { slot, common, rows, traction, maps, nodes, reads_increment, tile_in };
+            *power = task(kernels.shape(), loads);
+        });
+        self.index.iter().map(|&(_, slot)| self.powers[slot as usize].to_double()).sum()
+    }
+
+    /// Note the power of the loads that act in a step, with the pass in which velocities change.
+    fn book_loads(&mut self, nodes: Nodes<'_, T>, which: Which, dt: Steps<T>, team: &Team) {
+        // The traction that acts: that of the last force.
+        let time = self.mapped_at;
+        self.loading.power =
+            self.each_load(nodes, which, (time, dt), team, |shape, loads| shape.book_loads(loads));
+    }
+
+    /// Add the loads to the tiles, as they are at the time at which the forces of a pass act.
+    fn map_loads(&mut self, which: Which, dt: Steps<T>, team: &Team) {
+        let nodes = Nodes { all: &[], layout: &Layout::default() };
+        self.each_load(nodes, which, (dt.force_time, dt), team, |shape, loads| {
+            shape.map_loads(loads);
+            T::default()
+        });
     }
 
     fn common(&self, steps: Steps<T>) -> Common<T> {
@@ -192,34 +232,49 @@ where
             dt: steps.this,
             next_dt: steps.next,
             speeds: steps.adapt,
-            traction: self.traction(steps.force_time).map(T::of),
             spacing: T::of(self.lattice.spacing()),
             origin: T::of(self.lattice.origin()[0]),
-            domains: Domains { column: self.columns.domain(), half: self.half },
+            density: self.material.density(),
+            mean: self.facts().mean,
+            domains: self.domains(),
             masses: self.masses,
             frame: self.columns.frame(),
             splitter: self.splitter,
         }
     }
 
-    pub(super) fn sweep<K: PassKind>(
-        &mut self,
-        nodes: Nodes<'_, T>,
-        dt: Steps<T>,
-        team: &Team,
-    ) -> Result<T, BodyTrouble> {
-        if L::FIELD && K::DOES.field && K::DOES.force {
-            self.accelerate(dt.force_time, team);
-        }
+    /// Have memory for each thread.
+    fn have_scratch(&mut self, team: &Team) {
         for number in self.scratch.len()..team.threads() {
             self.scratch.push(Mutex::new(Scratch::new(number)));
             self.outboxes.push(Outbox::default());
         }
-        let luggage = Luggage::of::<T, D, M, K>().count();
+    }
+
+    /// One pass over the particles.
+    pub(super) fn sweep(
+        &mut self,
+        which: Which,
+        nodes: Nodes<'_, T>,
+        dt: Steps<T>,
+        team: &Team,
+    ) -> Result<T, BodyTrouble> {
+        let does = self.kernels.does(which);
+        if self.loads.act() {
+            if does.velocity {
+                self.book_loads(nodes, which, dt, team);
+            }
+            if does.force {
+                self.accelerate(dt.force_time, team);
+                self.mapped_at = dt.force_time;
+            }
+        }
+        self.have_scratch(team);
+        let luggage = Luggage::of::<D>(self.kernels.maps(which), self.splitter.is_on()).count();
         self.outboxes.iter_mut().for_each(|outbox| outbox.clear(self.columns.count() + luggage));
         self.hand_outboxes();
-        let common = self.common(dt);
-        let (law, method, dummy) = (&self.law, &self.method, &self.dummy[..]);
+        let common = &self.common(dt);
+        let (material, kernels, dummy) = (&*self.material, &*self.kernels, &self.dummy[..]);
         self.outlines.clear();
         self.outlines.extend(self.slots.iter().map(Outline::of));
         let (nodes_around, scratch, outlines) = (&self.nodes_around, &self.scratch, &self.outlines);
@@ -228,25 +283,25 @@ where
             let scratch = &mut *team.own(scratch);
             let (here, ahead) = nodes_around[s * neighbours(D)..].split_at(neighbours(D));
             let around = [here, &ahead[..neighbours(D).min(ahead.len())]];
-            let (next, pass) = (outlines.get(s + 1), PhantomData);
-            let sweep: Sweep<'_, T, D, C, M, K> =
-                Sweep { law, method, nodes, around, slot, next, sent, dummy, scratch, common, pass };
-            T::dispatch(sweep);
+            let next = outlines.get(s + 1);
+            kernels.sweep(which, Task { material, nodes, around, slot, next, sent, dummy, scratch, common });
         });
         self.hand_outboxes();
-        if (L::ACTS && K::DOES.load) || (L::FIELD && K::DOES.field) {
-            self.book_load::<K>(dt.force_time);
-        }
         let mut rate = T::default();
         for &(_, slot) in &self.index {
             let slot = &self.slots[slot as usize];
-            if K::DOES.splits {
-                self.splits.cuts += u64::from(slot.report.splits);
-                self.splits.kinetic += slot.report.revealed.to_double();
-            }
+            self.splits.cuts += u64::from(slot.report.splits);
+            self.splits.kinetic += slot.report.revealed.to_double();
             rate = rate.max(slot.report.rate);
             if let Some(trouble) = slot.report.trouble {
                 return Err(self.describe(slot, &trouble));
+            }
+        }
+        if self.loads.act() && does.force {
+            if does.moves {
+                self.unloaded = Some((which, dt));
+            } else {
+                self.map_loads(which, dt, team);
             }
         }
         Ok(rate)
@@ -277,7 +332,7 @@ where
                 let mut x = [0.0; 3];
                 let coordinates = slot.block.bin_coordinates(bin);
                 for d in 0..D {
-                    let cells = f64::from(coordinates[d]) + bin_centre::<ExtentOf<M, T, D>>();
+                    let cells = f64::from(coordinates[d]) + self.bin_centre();
                     x[d] = self.lattice.origin()[d] + cells * self.lattice.spacing();
                 }
                 x
@@ -287,35 +342,42 @@ where
         BodyTrouble { particle, position, cause }
     }
 
-    fn take_in<K: PassKind>(&mut self, team: &Team) {
-        if !K::DOES.moves || M::Frame::TOTAL {
+    fn take_in(&mut self, which: Which, team: &Team) {
+        if !self.kernels.does(which).moves || self.facts().total {
             return;
         }
         let common =
-            self.common(Steps { this: T::default(), next: T::default(), adapt: false, force_time: 0.0 });
-        let (method, sent, outboxes) = (&self.method, &self.sent, &self.outboxes);
+            &self.common(Steps { this: T::default(), next: T::default(), adapt: false, force_time: 0.0 });
+        let (kernels, sent, outboxes) = (&*self.kernels, &self.sent, &self.outboxes);
+        let maps = kernels.maps(which);
+        let luggage = &Luggage::of::<D>(maps, self.splitter.is_on());
         team.each(&mut self.slots, |_, slot| {
-            // What lies in direction `from` of here sends towards the opposite direction.
-            let comes = |(from, &s): (usize, &u32)| {
+            let Slot { block, tile, rows, slots_around, .. } = slot;
+            for (from, &s) in slots_around.iter().enumerate() {
+                // What lies in direction `from` of here sent towards the opposite direction. What stayed its own pass took in.
                 let to = neighbours(D) - 1 - from;
-                from != to && sent.get(s as usize).is_some_and(|sent| sent.goes(to))
-            };
-            if slot.slots_around.iter().enumerate().any(comes) {
-                let take: TakeIn<'_, T, D, M, K> =
-                    TakeIn { method, slot, sent, outboxes, common, pass: PhantomData };
-                T::dispatch(take);
+                if from != to
+                    && let Some(sent) = sent.get(s as usize).filter(|sent| sent.goes(to))
+                {
+                    let outbox = &outboxes[sent.outbox as usize];
+                    let sums = (tile.all_mut(), &mut *rows);
+                    kernels.shape().take_in(block, sums, (outbox, *sent, to), common, (maps, luggage));
+                }
             }
-            slot.block.tidy();
+            block.tidy();
         });
     }
 
-    /// [`Body::locate`], after the pass `K`.
-    pub(super) fn locate_after<K: PassKind>(&mut self, prune: bool, team: &Team) -> bool {
+    /// [`Body::locate`].
+    pub(super) fn locate_after(&mut self, which: Which, prune: bool, team: &Team) -> bool {
         let mut changed = self.make_blocks();
         if changed {
             self.link_slots();
         }
-        self.take_in::<K>(team);
+        self.take_in(which, team);
+        if let Some((which, dt)) = self.unloaded.take() {
+            self.map_loads(which, dt, team);
+        }
         if prune && self.slots.iter().any(|s| s.block.is_empty()) {
             // A block that particles left still holds what they mapped before: none, since they map where
             // they arrive.
@@ -377,12 +439,12 @@ where
 
     /// Records of a slot's tile: one or two a node.
     pub(super) fn tile_records(&self) -> usize {
-        tile_nodes::<ExtentOf<M, T, D>>(D) * Self::RECORDS
+        self.facts().tile_nodes(D) * self.facts().records()
     }
 
     pub(super) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
-        let (numbers, state) = self.point(block, at);
-        let centre = bin_centre::<ExtentOf<M, T, D>>();
+        let numbers = self.numbers(block, at);
+        let centre = self.bin_centre();
         let coordinates = block.bin_coordinates(bin);
         let mut p = Particle {
             number: numbers[self.columns.number()].to_double() as usize,
@@ -396,22 +458,24 @@ where
         };
         for d in 0..D {
             let mut cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
-            if M::Frame::TOTAL {
+            if self.facts().total {
                 cells += numbers[self.columns.frame() + d].to_double();
             }
             p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells;
             p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
         }
-        p.state = numbers[Columns::state(D)..self.columns.domain()].iter().map(|x| x.to_double()).collect();
-        if let Ok(state) = state {
-            let stress = self.law.stress(&state);
-            for i in 0..6 {
-                p.stress[i] = stress.0[i].lane(0).to_double();
-            }
-            let j: T = self.law.volume_ratio(&state).into();
-            p.volume = p.mass / self.law.density().to_double() * j.to_double();
+        let state = self.state_of(&numbers);
+        p.state = state.iter().map(|x| x.to_double()).collect();
+        if let Some(said) = self.material.describe_point(state) {
+            p.stress = said.stress.map(|x| x.to_double());
+            p.volume = p.mass / self.material.density().to_double() * said.volume_ratio.to_double();
         }
         p
+    }
+
+    /// The law's state among the numbers of a particle.
+    pub(super) fn state_of<'a>(&self, numbers: &'a [T]) -> &'a [T] {
+        &numbers[Columns::state(D)..self.columns.domain()]
     }
 
     /// The mass of a particle, kg.
@@ -419,38 +483,23 @@ where
         self.masses.read(|row| block.get(at, row))
     }
 
-    /// The numbers of a particle, and its law's state.
-    #[allow(clippy::type_complexity)]
-    pub(super) fn point(
-        &self,
-        block: &Block<T, D>,
-        at: Place,
-    ) -> (Vec<T>, Result<C::State<T::Single>, usize>) {
+    /// The numbers of a particle.
+    pub(super) fn numbers(&self, block: &Block<T, D>, at: Place) -> Vec<T> {
         let mut numbers = Vec::with_capacity(self.columns.count());
         block.read(at, &mut numbers);
-        let state: Vec<T::Single> =
-            numbers[Columns::state(D)..self.columns.domain()].iter().map(|&x| T::Single::from(x)).collect();
-        let state = mpm_materials::point::unflatten(&state);
-        (numbers, state)
+        numbers
     }
 
     fn energy(&self, block: &Block<T, D>, at: Place) -> f64 {
-        let (numbers, state) = self.point(block, at);
-        state.map_or(0.0, |state| {
-            let per_volume: T = self.law.energy(&state).into();
-            let volume = self.masses.of(&numbers) / self.law.density();
-            (per_volume * volume).to_double()
+        let numbers = self.numbers(block, at);
+        self.material.describe_point(self.state_of(&numbers)).map_or(0.0, |said| {
+            let volume = self.masses.of(&numbers) / self.material.density();
+            (said.energy * volume).to_double()
         })
     }
 }
 
-impl<T, const D: usize, C, M, L> Presence<T, D> for ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
     fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
         if !self.rests() {
             self.expect(ahead);
@@ -473,18 +522,16 @@ where
     fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
         let (around, next) = self.contributors[block * neighbours(D)..].split_at(neighbours(D));
         let around = [around, next];
-        let tile = |n: usize, block: usize| {
-            let slot = *around[block].get(n).unwrap_or(&NONE);
-            self.slots.get(slot as usize).map(|slot| (slot.tile.all(), slot.rows))
-        };
         // Whose tiles the block after the next one sums up.
         for &slot in around[1].iter().skip(neighbours(D)).take(neighbours(D)) {
             prefetch_from(&self.slots, slot as usize, 0);
         }
-        let two = !M::MAPS_TOGETHER && !M::Update::BEFORE_FORCES;
-        let add: AddTiles<'_, T, D, ExtentOf<M, T, D>, _> =
-            AddTiles { nodes, tile, sums, two, extent: PhantomData };
-        T::dispatch(add);
+        let facts = self.facts();
+        if sums == Sums::Force && !facts.maps_force {
+            return;
+        }
+        let two = facts.records() == 2 && !facts.before_forces;
+        self.kernels.shape().add_tiles(nodes, &self.slots, around, sums, two);
     }
     fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
         self.survey_nodes(block, what, nodes, normals, out);
@@ -494,18 +541,12 @@ where
     }
 }
 
-impl<T, const D: usize, C, M, L> Body<T, D> for ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
     fn name(&self) -> &str {
         &self.name
     }
     fn law(&self) -> &'static str {
-        self.law.name()
+        self.material.name()
     }
     fn len(&self) -> usize {
         self.slots.iter().map(|s| s.block.len()).sum()
@@ -514,7 +555,7 @@ where
         self.columns.state_names().to_vec()
     }
     fn embedding(&self) -> &'static str {
-        <M::Embedding as Embedding<D>>::NAME
+        self.facts().embedding
     }
     fn half_size(&self) -> [f64; D] {
         std::array::from_fn(|d| self.half[d].to_double() * self.lattice.spacing())
@@ -543,19 +584,18 @@ where
         let mut fastest = T::default();
         for slot in &self.slots {
             for (_, at) in slot.block.places() {
-                let (numbers, state) = self.point(&slot.block, at);
+                let numbers = self.numbers(&slot.block, at);
                 let mut square = T::default();
                 for d in 0..D {
                     square += numbers[Columns::velocity(D) + d] * numbers[Columns::velocity(D) + d];
                 }
-                let Ok(state) = state else { continue };
-                if M::Frame::TOTAL {
-                    let f = total::gradient::<T, D, M>(&numbers[self.columns.frame()..]);
-                    let c: T = total::speed(&self.law, &state, &total::inverse::<T::Single, D>(&f)).into();
-                    fastest = fastest.max(c);
+                let Some(said) = self.material.describe_point(self.state_of(&numbers)) else { continue };
+                if self.facts().total {
+                    let f = total::gradient::<T, D>(&numbers[self.columns.frame()..], self.facts().hoop);
+                    let stretch: T = total::stretch(&total::inverse::<T::Single, D>(&f)).into();
+                    fastest = fastest.max(said.wave_speed * stretch);
                 } else {
-                    let c: T = self.law.wave_speed(&state).into();
-                    fastest = fastest.max(c + square.sqrt());
+                    fastest = fastest.max(said.wave_speed + square.sqrt());
                 }
             }
         }
@@ -569,17 +609,14 @@ where
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble> {
+        // A transfer that smooths nothing has no such pass.
+        if which == Which::Smooth && self.facts().order < 2 {
+            return Ok(T::default());
+        }
         if let Some(resting) = &self.resting {
             return Ok(resting.rate(which, dt.adapt));
         }
-        match which {
-            Which::Map => self.sweep::<L::Pass<<M::Update as StressUpdate>::Map>>(nodes, dt, team),
-            Which::First => self.sweep::<L::Pass<<M::Update as StressUpdate>::First>>(nodes, dt, team),
-            Which::Second => self.sweep::<L::Pass<<M::Update as StressUpdate>::Second>>(nodes, dt, team),
-            // Known when compiling: a transfer that smooths nothing has no kernel for it.
-            Which::Smooth if <M::Transfer as Transfer<T>>::ORDER < 2 => Ok(T::default()),
-            Which::Smooth => self.sweep::<Smooth>(nodes, dt, team),
-        }
+        self.sweep(which, nodes, dt, team)
     }
 
     fn loading(&self) -> Loading {
@@ -587,13 +624,7 @@ where
     }
 
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
-        if self.rests() {
-            return false;
-        }
-        match which {
-            Which::First => self.locate_after::<L::Pass<<M::Update as StressUpdate>::First>>(prune, team),
-            _ => self.locate_after::<L::Pass<<M::Update as StressUpdate>::Second>>(prune, team),
-        }
+        !self.rests() && self.locate_after(which, prune, team)
     }
 
     fn totals(&self) -> Totals {
@@ -651,6 +682,8 @@ where
             + self.scratch.iter().map(own).sum::<usize>()
             + self.outlines.capacity() * size_of::<Outline>()
             + self.starts.capacity() * size_of::<[f64; D]>()
+            + self.powers.capacity() * size_of::<T>()
+            + self.forces.capacity() * size_of::<[f64; 3]>()
             + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
             + self.resting.as_ref().map_or(0, Resting::bytes)
     }
@@ -661,7 +694,7 @@ where
         self.splits
     }
     fn merges(&self) -> Option<MergeBook> {
-        self.load.splitting()?.merging().map(|_| self.merges)
+        self.splitting?.merging().map(|_| self.merges)
     }
 
     fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {

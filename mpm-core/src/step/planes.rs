@@ -63,9 +63,9 @@ impl<T> Default for Planes<T> {
 impl<T: Float> Planes<T> {
     /// Find the nodes. `wide`: do stencils reach behind a plane that particles touch? `modified`: is what lies
     /// behind walls and fixed planes extrapolated?
-    pub fn arrange<const D: usize, G: GridStorage<T, D>>(
+    pub fn arrange<const D: usize>(
         &mut self,
-        grid: &G,
+        grid: &dyn GridStorage<T, D>,
         fields: &Fields<D>,
         boundaries: &[Boundary<D>],
         [wide, modified]: [bool; 2],
@@ -253,8 +253,8 @@ impl<T: Float> OwnMasses<'_, T> {
 }
 
 /// The columns of nodes through a plane, of each body's field its own.
-fn columns<T: Float, const D: usize, G: GridStorage<T, D>>(
-    grid: &G,
+fn columns<T: Float, const D: usize>(
+    grid: &dyn GridStorage<T, D>,
     fields: &Fields<D>,
     plane: Plane,
 ) -> Vec<Column> {

@@ -1,33 +1,23 @@
 //! Which node blocks a body's particles reach, and where it finds them.
 
-use mpm_materials::Constitutive;
-
 use super::fields::Claim;
 use super::layout::Layout;
-use super::load::Load;
 use super::particle_body::{NONE, ParticleBody, offset, shifted};
 use super::survey::{beside, nodes_of};
-use super::sweep::ExtentOf;
-use crate::dim::{Stencil, neighbours};
-use crate::method::Composition;
+use crate::dim::neighbours;
 use crate::parallel::Float;
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Does a particle reach a node that its body does not have?
     pub(super) fn reaches_beyond_links(&mut self, layout: &Layout) -> bool {
+        let count = self.facts().nodes;
         let around = self.nodes_around.chunks(neighbours(D));
         self.slots.iter_mut().zip(around).any(|(slot, around)| {
             let new = slot.block.occupied() & !slot.linked;
             let beyond = new != 0
                 && around.iter().enumerate().any(|(n, &block)| {
                     let kept = if block == NONE { 0 } else { layout.kept(block as usize) };
-                    nodes_of::<ExtentOf<M, T, D>, D>(&offset(n), new) & !kept != 0
+                    nodes_of::<D>(count, &offset(n), new) & !kept != 0
                 });
             slot.linked |= if beyond { 0 } else { new };
             beyond
@@ -36,12 +26,13 @@ where
 
     /// Does a particle reach a block of the body's own list?
     pub(super) fn reaches_block(&self, block: usize) -> bool {
+        let count = self.facts().nodes;
         let around = &self.contributors[block * neighbours(D)..][..neighbours(D)];
         around.iter().enumerate().any(|(n, &slot)| {
             // Seen from the slot, the node block lies in the opposite direction.
             let o = offset::<D>(neighbours(D) - 1 - n);
             let slot = self.slots.get(slot as usize);
-            slot.is_some_and(|s| nodes_of::<ExtentOf<M, T, D>, D>(&o, s.block.occupied()) != 0)
+            slot.is_some_and(|s| nodes_of::<D>(count, &o, s.block.occupied()) != 0)
         })
     }
 
@@ -84,14 +75,15 @@ where
     }
 
     pub(super) fn claim_blocks(&self, number: u32, list: &mut Vec<Claim<D>>) {
+        let count = self.facts().nodes;
         for slot in &self.slots {
             for n in 0..neighbours(D) {
                 let o = offset::<D>(n);
-                if ExtentOf::<M, T, D>::BASE == 0 && o.iter().any(|&x| x < 0) {
+                if count == 2 && o.iter().any(|&x| x < 0) {
                     continue;
                 }
                 let coordinates = shifted(&slot.block.coordinates, &o);
-                let reached = nodes_of::<ExtentOf<M, T, D>, D>(&o, slot.linked);
+                let reached = nodes_of::<D>(count, &o, slot.linked);
                 list.push(Claim { coordinates, body: number, reached });
             }
         }

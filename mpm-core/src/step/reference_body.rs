@@ -22,34 +22,28 @@
 //!
 //! [`Penalty`]: https://docs.rs/mpm-contact
 
-use mpm_materials::Constitutive;
+use std::sync::Arc;
 
 use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
-use super::contact::Contact;
 use super::control::TimeControl;
 use super::footprint::Footprint;
+use super::kernels::MethodKernels;
 use super::layout::Nodes;
-use super::load::{Load, Loading, Unloaded};
+use super::load::{Loading, Loads};
 use super::node_update::Leave;
 use super::nodes::{BlockPlace, NodeLedger, Stage, free_directions};
-use super::particle_body::{ExtentOf, ParticleBody};
+use super::particle_body::ParticleBody;
 use super::rest::Stilled;
 use super::rigid_body::Undeformed;
 use super::scene::SceneError;
 use super::solver::{Mpm, StepError, Stopped};
 use super::tile::Sums;
 use crate::dim::block_nodes;
-use crate::embedding::Embedding;
-use crate::frame::Frame;
 use crate::geometry::Lattice;
-use crate::grid::{GridStorage, Node};
-use crate::method::{Composition, Method};
+use crate::grid::Node;
 use crate::parallel::{Float, Team};
 use crate::particles::{Columns, Place};
-use crate::scheme::{Follow, Musl, StressUpdate};
-use crate::shape::{ShapeFunction, bin_centre};
-use crate::transfer::{Flip, Transfer};
 
 /// A body whose own forces act on another grid than that of the scene.
 pub trait InReference<T: Float, const D: usize>: Send + Sync {
@@ -67,13 +61,11 @@ pub trait InReference<T: Float, const D: usize>: Send + Sync {
     fn given(&self) -> NodeLedger;
 }
 
-/// The shadow of a body, in a method for shadows.
-type Shadow<T, const D: usize, M> = ParticleBody<T, D, Undeformed<T>, M>;
-
-/// The body of the scene `Mpm<T, D, R, G>`, in a scene where shadows have the method `M`.
-struct ReferenceBody<T: Float, const D: usize, M, R, G> {
-    scene: Mpm<T, D, R, G>,
-    shadow: Shadow<T, D, M>,
+/// The body of a scene of its own, in another one.
+struct ReferenceBody<T: Float, const D: usize> {
+    scene: Mpm<D, T>,
+    /// Its shadow there.
+    shadow: ParticleBody<T, D>,
     /// By number: velocity that a particle moves with, then what the scene's nodes add to it, m/s.
     velocities: Vec<[T; 3]>,
     /// Of the nodes, m/s^2.
@@ -96,13 +88,7 @@ pub struct Shade {
     half_edges: [[f64; 3]; 3],
 }
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// [`Body::each_velocity`].
     pub(super) fn show_velocities(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
         let first = Columns::velocity(D);
@@ -128,8 +114,7 @@ where
 
     /// [`Body::cast`].
     pub(super) fn cast_shadow(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
-        let (centre, h, origin) =
-            (bin_centre::<ExtentOf<M, T, D>>(), self.lattice.spacing(), self.lattice.origin());
+        let (centre, h, origin) = (self.bin_centre(), self.lattice.spacing(), self.lattice.origin());
         for slot in &self.slots {
             for bin in 0..block_nodes(D) {
                 let cells = slot.block.bin_coordinates(bin).map(|c| f64::from(c) + centre);
@@ -141,7 +126,7 @@ where
                     let mut position = [0.0; 3];
                     for d in 0..D {
                         let mut x = cells[d] + numbers[Columns::position() + d].to_double();
-                        if M::Frame::TOTAL {
+                        if self.facts().total {
                             x += numbers[self.columns.frame() + d].to_double();
                         }
                         position[d] = origin[d] + h * x;
@@ -153,12 +138,12 @@ where
     }
 }
 
-impl<T: Float, const D: usize, M: Composition<T, D>> Shadow<T, D, M> {
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Place the particles, by number, where a pass [`Follow`] finds them, and give them their domains.
     fn aim(&mut self, shapes: &[Shade], team: &Team) {
+        let (centre, domain) = (self.bin_centre(), self.facts().domain);
         let (columns, lattice) = (&self.columns, &self.lattice);
-        let (centre, h) = (bin_centre::<ExtentOf<M, T, D>>(), lattice.spacing());
-        let domain = <M::Shape as ShapeFunction<T, D>>::DOMAIN;
+        let h = lattice.spacing();
         team.each(&mut self.slots, |_, slot| {
             for bin in 0..block_nodes(D) {
                 let cells = slot.block.bin_coordinates(bin);
@@ -204,22 +189,22 @@ impl<T: Float, const D: usize, M: Composition<T, D>> Shadow<T, D, M> {
     }
 }
 
-impl<T, const D: usize, M, R, G> ReferenceBody<T, D, M, R, G>
-where
-    T: Float,
-    M: Composition<T, D>,
-    R: Composition<T, D>,
-    G: GridStorage<T, D>,
-{
-    fn new(scene: Mpm<T, D, R, G>, method: M, lattice: Lattice<D>, returns: Which) -> Self {
+impl<T: Float, const D: usize> ReferenceBody<T, D> {
+    fn new(
+        scene: Mpm<D, T>,
+        kernels: Arc<dyn MethodKernels<T, D>>,
+        lattice: Lattice<D>,
+        returns: Which,
+    ) -> Self {
         let own = &scene.bodies[0];
         let (mut mass, mut volume) = (0.0, 0.0);
         own.for_each(&mut |p| {
             mass += p.mass;
             volume += p.volume;
         });
-        let law = Undeformed { density: T::of(mass / volume) };
-        let mut shadow = ParticleBody::empty(own.name(), law, method, lattice, &own.half_size(), Unloaded);
+        let law = Arc::new(Undeformed { density: T::of(mass / volume) });
+        let none = (Loads::default(), None);
+        let mut shadow = ParticleBody::empty(own.name(), law, kernels, lattice, &own.half_size(), none);
         shadow.shade(&**own);
         let (velocities, shapes) = (vec![[T::default(); 3]; own.len()], vec![Shade::default(); own.len()]);
         let (numbers, rate) = (Vec::new(), T::default());
@@ -249,13 +234,7 @@ where
     }
 }
 
-impl<T, const D: usize, M, R, G> InReference<T, D> for ReferenceBody<T, D, M, R, G>
-where
-    T: Float,
-    M: Composition<T, D>,
-    R: Composition<T, D>,
-    G: GridStorage<T, D>,
-{
+impl<T: Float, const D: usize> InReference<T, D> for ReferenceBody<T, D> {
     fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped> {
         self.scene.set_team(team.clone());
         self.scene.accelerate(dt, &mut self.velocities, &mut self.accelerations).map_err(|e| e.what)?;
@@ -280,7 +259,7 @@ where
         self.scene.bodies[0].cast(&mut self.numbers, &mut self.shapes);
         self.shadow.aim(&self.shapes, team);
         let steps = Steps { this: T::default(), next: T::default(), adapt: true, force_time: 0.0 };
-        let followed = self.shadow.sweep::<Follow>(nodes, steps, team).map_err(|t| self.trouble(t))?;
+        let followed = self.shadow.sweep(Which::Follow, nodes, steps, team).map_err(|t| self.trouble(t))?;
         self.rate = followed.max(self.scene.rate);
         Ok(self.rate)
     }
@@ -290,13 +269,7 @@ where
     }
 }
 
-impl<T, const D: usize, M, R, G> Body<T, D> for ReferenceBody<T, D, M, R, G>
-where
-    T: Float,
-    M: Composition<T, D>,
-    R: Composition<T, D>,
-    G: GridStorage<T, D>,
-{
+impl<T: Float, const D: usize> Body<T, D> for ReferenceBody<T, D> {
     fn name(&self) -> &str {
         self.own().name()
     }
@@ -357,7 +330,7 @@ where
         Loading::default()
     }
     fn locate(&mut self, _: Which, prune: bool, team: &Team) -> bool {
-        self.shadow.locate_after::<Follow>(prune, team)
+        self.shadow.locate_after(Which::Follow, prune, team)
     }
     fn totals(&self) -> Totals {
         self.own().totals()
@@ -400,7 +373,7 @@ where
     }
 }
 
-impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
+impl<T: Float, const D: usize> Stage<'_, T, D> {
     /// Sum pushes mapped as momentum: the second record becomes a change of velocity, none where a boundary holds it.
     fn collect_pushes(&mut self) {
         self.collect_and(Sums::Pushes, &Leave);
@@ -431,13 +404,7 @@ impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
     }
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// The first part of a step that another scene completes: velocities of the nodes by the body's own forces. Notes, by number,
     /// those that particles move with, m/s, and the accelerations of the nodes.
     fn accelerate(
@@ -539,7 +506,7 @@ where
     /// and lose energy, discs up to two thirds of it (docs/notes.md 7.12); a rigid plate is a better wall.
     ///
     /// ```
-    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, geometry::*};
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
     /// # use mpm_core::step::contact::{Contact, Found, Scratch, SharedNodes};
     /// # use mpm_materials::{LinearElastic, Moduli};
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -549,8 +516,8 @@ where
     /// # }
     /// let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
     /// let (fine, coarse) = (Lattice::new([0.0; 2], 0.1)?, Lattice::new([0.0; 2], 0.125)?);
-    /// let reference = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).total_lagrangian();
-    /// let mut strip = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(fine));
+    /// let reference = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
+    /// let mut strip = Mpm::new(reference, BlockGrid::new(fine));
     /// let seeds = fill(&Cuboid::new([0.0; 2], [1.0, 0.2])?, &fine, 2, &Filling::new())?;
     /// strip.add("strip", law, &seeds, |_| [0.1, 0.0])?;
     ///
@@ -562,48 +529,33 @@ where
     /// # }
     /// ```
     ///
-    /// The other scene has FLIP and MUSL, and nodes of this one must know accelerations:
-    /// ```compile_fail
-    /// # use mpm_core::{Apic, BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Usl, geometry::*};
-    /// # use mpm_core::step::contact::{Contact, Found, Scratch, SharedNodes};
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # struct AnyContact;
-    /// # impl Contact<f64, 2> for AnyContact {
-    /// #     fn impulses(&self, _: &SharedNodes<'_, f64, 2>, _: &mut Found<f64>, _: &mut Scratch<f64>) {}
-    /// # }
-    /// # let lattice = Lattice::new([0.0; 2], 0.1)?;
-    /// let reference = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
-    /// let strip = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
-    /// let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain); // maps momentum and impulse together
-    /// Mpm::with_contact(method, BlockGrid::new(lattice), AnyContact).add_total_lagrangian(strip)?;
-    /// # Ok(())
-    /// # }
-    /// ```
-    ///
     /// # Errors
-    /// A scene of no or several bodies, of other coordinates, that made steps, or damps or filters; particles larger than a
-    /// cell of this grid or outside of it; a body force, kinetic damping, a null-space filter, a body whose particles merge or
-    /// [`TimeControl::Gershgorin`] in this scene.
-    pub fn add_total_lagrangian<R, H>(&mut self, scene: Mpm<T, D, R, H>) -> Result<(), SceneError>
-    where
-        R: Composition<T, D, Transfer = Flip, Update = Musl>,
-        H: GridStorage<T, D> + 'static,
-        Method<M::Shape, Flip, Musl, M::Embedding>: Composition<T, D>,
-    {
-        const {
-            assert!(
-                K::SEPARATES,
-                "a body in its reference configuration needs a contact algorithm: `Mpm::with_contact`"
-            );
-            assert!(!M::Frame::TOTAL, "the scene that bodies meet in is one of the current configuration");
-            assert!(
-                M::Transfer::READS_INCREMENT && M::Transfer::ORDER == 1,
-                "bodies in their reference configuration meet others where nodes know accelerations: FLIP or a blend"
-            );
-            assert!(R::Frame::TOTAL, "`add_total_lagrangian` is for a scene in the reference configuration");
+    /// A scene without contact, or in the reference configuration, or whose nodes know no accelerations (PIC, APIC, FMPM); another
+    /// scene that is not in the reference configuration with FLIP and MUSL; one of no or several bodies, of other coordinates, that made
+    /// steps, or damps or filters; particles larger than a cell of this grid or outside of it; a body force, kinetic damping, a
+    /// null-space filter, a body whose particles merge or [`TimeControl::Gershgorin`] in this scene.
+    pub fn add_total_lagrangian(&mut self, scene: Mpm<D, T>) -> Result<(), SceneError> {
+        self.work.add_total_lagrangian(self, scene)
+    }
+
+    pub(super) fn add_total_lagrangian_here(&mut self, scene: Mpm<D, T>) -> Result<(), SceneError> {
+        let what = || "a body in its reference configuration".to_string();
+        if !self.contact.separates() {
+            return Err(SceneError::NoContact("a body in its reference configuration"));
         }
+        self.check_frame(&what(), "the scene that bodies meet in is one of the current configuration")?;
+        let (here, there) = (self.facts(), scene.facts());
+        let Some(for_place) = self.kernels.for_place() else {
+            let why = "such bodies meet others where nodes know accelerations: take FLIP or a blend";
+            return Err(SceneError::NotWith { what: what(), method: here.description.clone(), why });
+        };
+        if !there.total || !there.reads_increment || there.order > 1 || !there.remap {
+            let why = "its own scene is total Lagrangian, with FLIP and MUSL";
+            return Err(SceneError::NotWith { what: what(), method: there.description.clone(), why });
+        }
+        let (before_forces, embedding) = (here.before_forces, here.embedding);
         let [own] = &scene.bodies[..] else { return Err(SceneError::NotOneBody(scene.bodies.len())) };
-        let (name, here) = (own.name().to_string(), <M::Embedding as Embedding<D>>::NAME);
+        let (name, here) = (own.name().to_string(), embedding);
         if own.embedding() != here {
             return Err(SceneError::OtherSpace { body: name, there: own.embedding(), here });
         }
@@ -627,9 +579,8 @@ where
             return refuse("`TimeControl::Gershgorin`");
         }
         self.check_half_sizes(&name, &own.half_size())?;
-        let method: Method<M::Shape, Flip, Musl, M::Embedding> = Method::of(*self.method.shape(), Flip);
-        let returns = if M::Update::BEFORE_FORCES { Which::Second } else { Which::First };
-        let body = ReferenceBody::new(scene, method, *self.grid.lattice(), returns);
+        let returns = if before_forces { Which::Second } else { Which::First };
+        let body = ReferenceBody::new(scene, for_place, *self.grid.lattice(), returns);
         self.enter(&name, Box::new(body))?;
         self.references.push(self.bodies.len() - 1);
         Ok(())

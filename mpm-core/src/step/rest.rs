@@ -2,11 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::contact::Contact;
 use super::scene::SceneError;
 use super::solver::{Mpm, StepError};
-use crate::grid::GridStorage;
-use crate::method::Composition;
 use crate::parallel::Float;
 
 /// Sums at nodes, kept in the order in which nodes were met.
@@ -157,13 +154,7 @@ pub struct Stilled {
     pub kinetic: f64,
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// Stop all particles whenever the kinetic energy of the nodes has passed a peak, or do so no longer: kinetic damping
     /// (Cundall 1976; Barnes 1999), the way to states at rest that has no parameter. A scene let go under its loads has
     /// the most kinetic energy where it passes the state at rest; stopped there, it starts again much nearer to it.
@@ -179,10 +170,10 @@ where
     ///
     /// # Errors
     /// A free rigid body, which would go on; a method that maps momentum and impulse together
-    /// ([`Composition::MAPS_TOGETHER`]: APIC and its kin), whose states at rest were found wrong (docs/notes.md 9.7).
+    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER): APIC and its kin), whose states at rest were found wrong (docs/notes.md 9.7).
     pub fn set_kinetic_damping(&mut self, on: bool) -> Result<(), SceneError> {
-        if on && M::MAPS_TOGETHER {
-            return Err(SceneError::RestOfTogether(self.method.describe()));
+        if on && self.facts().maps_together {
+            return Err(SceneError::RestOfTogether(self.facts().description.clone()));
         }
         if on && let Some(body) = self.free_rigid_body() {
             return Err(SceneError::RestOfFree(body));
@@ -249,6 +240,10 @@ where
     /// pushed against it. Forces between deformable bodies cancel in the sum at a node: of a contact the balance of
     /// both together is seen. Made from the particles one by one, some twenty times the work of a step.
     pub fn balance(&self) -> Balance {
+        self.work.balance(self)
+    }
+
+    pub(super) fn balance_here(&self) -> Balance {
         let nodes = self.forces();
         let (mut unbalanced, mut external) = (0.0, 0.0);
         self.for_each_footprint(&mut |p| {
@@ -322,7 +317,7 @@ where
     /// # let lattice = Lattice::new([0.0; 2], 0.25)?;
     /// # let seeds = fill(&Cuboid::new([0.0; 2], [1.0, 1.0])?, &lattice, 2, &Filling::new())?;
     /// # let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
-    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    /// # let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
     /// # mpm.add("block", law, &seeds, |_| [0.0; 2])?;
     /// # mpm.bound(Boundary::Fixed { axis: 1, at: 0.0, side: Side::Above })?;
     /// mpm.set_body_force(|_| [0.0, -1e-3]);
@@ -336,6 +331,10 @@ where
     /// # Errors
     /// As [`Mpm::step`].
     pub fn run_to_rest(&mut self, rest: &Rest, end: f64) -> Result<Rested, StepError> {
+        self.work.run_to_rest(self, rest, end)
+    }
+
+    pub(super) fn run_to_rest_here(&mut self, rest: &Rest, end: f64) -> Result<Rested, StepError> {
         let mut since = None;
         loop {
             let balance = self.balance();

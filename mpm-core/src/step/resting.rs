@@ -5,14 +5,10 @@
 //! remembered for the time step. It wakes when other bodies claim a block that it would claim, which is before the first
 //! node that both reach. The map that its last pass would have left is made then, by that pass.
 
-use mpm_materials::Constitutive;
-
 use super::body::{Body, BodyTrouble, Steps, Which};
 use super::checkpoint::{Archive, CheckpointError};
-use super::contact::Contact;
 use super::fields::Claim;
 use super::layout::{Layout, Nodes};
-use super::load::Load;
 use super::nodes::BlockPlace;
 use super::particle_body::{NONE, ParticleBody};
 use super::scene::SceneError;
@@ -20,12 +16,9 @@ use super::solver::Mpm;
 use super::sweep::Slot;
 use crate::boundary::Boundary;
 use crate::dim::neighbours;
-use crate::frame::Frame;
-use crate::grid::{GridStorage, OutsideGrid};
-use crate::method::Composition;
+use crate::grid::OutsideGrid;
 use crate::parallel::{AlignedRecords, Float, Team};
 use crate::particles::{Columns, Sent};
-use crate::scheme::StressUpdate;
 
 /// What is known of a body while it rests.
 #[derive(Clone, Debug, Default)]
@@ -46,7 +39,7 @@ impl<T: Float, const D: usize> Resting<T, D> {
             Which::Map => self.rates[0],
             Which::First => self.rates[1],
             Which::Second => self.rates[2],
-            Which::Smooth => T::default(),
+            Which::Smooth | Which::Follow => T::default(),
         }
     }
     /// The node blocks that the body would claim, sorted.
@@ -59,17 +52,11 @@ impl<T: Float, const D: usize> Resting<T, D> {
     }
 }
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// See that no particle moves, is stressed or changes in a step among nodes that stand still, and rest from now on.
     pub(super) fn lie_down(&mut self, longest: T, team: &Team) -> Result<(), SceneError> {
         let body = self.name.clone();
-        if L::ACTS || L::FIELD {
+        if self.loads.act() {
             return Err(SceneError::Disturbed { body, what: "a load of its own".into() });
         }
         for slot in &self.slots {
@@ -182,8 +169,7 @@ where
         self.slots.iter_mut().for_each(|slot| slot.tile = AlignedRecords::zeros(nodes));
         self.nodes_around.clear();
         self.nodes_around.resize(self.slots.len() * neighbours(D), NONE);
-        let two = M::Update::BEFORE_FORCES || M::Update::REMAP;
-        let last = if two { Which::Second } else { Which::First };
+        let last = self.facts().last_pass();
         // It went well when it was tried, with the same numbers.
         let _ = self.pass_at_rest(last, resting.dt, team);
     }
@@ -204,13 +190,7 @@ where
     }
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// Leave bodies out of the steps until another one comes to them: a target that a projectile flies to. While a body rests
     /// it has no nodes and its particles are not visited; totals, observers and checkpoints see them as they are.
     ///
@@ -220,7 +200,7 @@ where
     /// step. A body force, a moving wall or prescribed velocities where it lies, given later, wake it in the next step. It
     /// does not come to rest again by itself.
     ///
-    /// Bodies that touch are told together, and wake together. Where bodies are kept apart ([`Contact::SEPARATES`]) they stay
+    /// Bodies that touch are told together, and wake together. Where bodies are kept apart ([`Contact::separates`](super::Contact::separates)) they stay
     /// awake: contact may act between bodies that stand still.
     ///
     /// ```
@@ -231,7 +211,7 @@ where
     /// # let plate = fill(&Cuboid::new([0.0; 2], [1.0, 4.0])?, &lattice, 2, &Filling::new())?;
     /// # let ball = fill(&Ball::new([-6.0, 2.0], 0.5)?, &lattice, 2, &Filling::new())?;
     /// # let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
-    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    /// # let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
     /// mpm.add("ball", law, &ball, |_| [1.0, 0.0])?;
     /// mpm.add("plate", law, &plate, |_| [0.0; 2])?;
     /// mpm.let_rest(&["plate"])?;
@@ -243,28 +223,17 @@ where
     /// # }
     /// ```
     ///
-    /// Bodies mapped in the reference configuration never meet others, and so would never wake:
-    ///
-    /// ```compile_fail
-    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
-    /// # let lattice = Lattice::new([0.0; 2], 0.25).unwrap();
-    /// let reference = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
-    /// let mut mpm = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
-    /// mpm.let_rest(&["plate"]).unwrap();
-    /// ```
-    ///
     /// # Errors
-    /// No body of a name; a rigid one; a load of its own; a body force, a moving wall, or prescribed velocities where it
+    /// A method in the reference configuration, where bodies never meet others, and so would never wake; no body of a name; a rigid one; a load of its own; a body force, a moving wall, or prescribed velocities where it
     /// lies; a particle that moves, is stressed, or that one step among nodes at rest changes: by a law with a clock (an
     /// explosive that will be lit), for instance. The step tried is as long as the body's own waves allow. Where one is
     /// refused, all stay awake.
     pub fn let_rest(&mut self, bodies: &[&str]) -> Result<(), SceneError> {
-        const {
-            assert!(
-                !<M::Frame as Frame>::TOTAL,
-                "bodies mapped in the reference configuration never meet others"
-            );
-        }
+        self.work.let_rest(self, bodies)
+    }
+
+    pub(super) fn let_rest_here(&mut self, bodies: &[&str]) -> Result<(), SceneError> {
+        self.check_frame("bodies at rest", "bodies mapped in the reference configuration never meet others")?;
         let outside = |outside| SceneError::Outside(bodies.join(", "), outside);
         let mut told = Vec::new();
         for name in bodies {
@@ -275,7 +244,7 @@ where
                 return Err(error);
             }
         }
-        if K::SEPARATES {
+        if self.contact.separates() {
             told.iter().for_each(|&number| self.wake_beside(number));
         }
         self.arrange().map_err(outside)?;

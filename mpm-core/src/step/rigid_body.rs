@@ -1,13 +1,17 @@
 //! Rigid bodies on the grid: particles that hold a place there, and what their nodes get.
 
-use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Real, Sym3, Update};
+use std::sync::Arc;
+
+use mpm_materials::Material;
+use mpm_materials::material::{Described, Motion, Response, Said, States, StatesMut};
 
 use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
 use super::fields::Fields;
 use super::footprint::Footprint;
+use super::kernels::MethodKernels;
 use super::layout::{Nodes, Piece, numbers};
-use super::load::Loading;
+use super::load::{Loading, Loads};
 use super::nodes::{BlockPlace, NodeLedger, Stage};
 use super::particle_body::ParticleBody;
 use super::reference_body::Shade;
@@ -15,10 +19,8 @@ use super::rest::Stilled;
 use super::rigid::{Rigid, RigidState};
 use super::scene::SceneError;
 use super::tile::Sums;
-use crate::embedding::Embedding;
 use crate::geometry::{Lattice, Seeds};
-use crate::grid::{GridStorage, Node};
-use crate::method::Composition;
+use crate::grid::Node;
 use crate::parallel::{Float, Team};
 
 /// Matter that never deforms: no stress, no waves.
@@ -27,63 +29,80 @@ pub(super) struct Undeformed<T> {
     pub(super) density: T,
 }
 
-impl<T: Real> Constitutive<T> for Undeformed<T> {
-    type State<L: Lane<Real = T>> = ();
-
+impl<T: Float> Material<T> for Undeformed<T> {
     fn name(&self) -> &'static str {
         "rigid"
     }
     fn density(&self) -> T {
         self.density
     }
-    fn virgin(&self) {}
-    #[inline(always)]
-    fn update<L: Lane<Real = T>>(&self, _: &Kinematics<L>, _: &()) -> Update<L, ()> {
-        Update { state: (), stress: Sym3::zero(), fault: Fault::none() }
+    fn numbers(&self) -> usize {
+        0
     }
-    #[inline(always)]
-    fn stress<L: Lane<Real = T>>(&self, _: &()) -> Sym3<L> {
-        Sym3::zero()
+    fn state_names(&self) -> Vec<String> {
+        Vec::new()
     }
-    #[inline(always)]
-    fn volume_ratio<L: Lane<Real = T>>(&self, _: &()) -> L {
-        L::one()
+    fn virgin(&self) -> Vec<T> {
+        Vec::new()
     }
-    #[inline(always)]
-    fn wave_speed<L: Lane<Real = T>>(&self, _: &()) -> L {
-        L::zero()
+    fn advance(&self, _: &Motion<'_, T>, states: StatesMut<'_, T>, _: bool, response: &mut Response<T>) {
+        response.fill(states.groups.len(), undeformed::<T>());
     }
-    #[inline(always)]
-    fn energy<L: Lane<Real = T>>(&self, _: &()) -> L {
-        L::zero()
+    fn describe(&self, states: States<'_, T>, response: &mut Response<T>) {
+        response.fill(states.groups.len(), undeformed::<T>());
+    }
+    fn volume_ratios(&self, _: States<'_, T>, ratios: &mut [T::Row]) {
+        ratios.fill(undeformed::<T>().volume_ratio.0[0]);
+    }
+    fn describe_point(&self, state: &[T]) -> Option<Described<T>> {
+        let (zero, volume_ratio) = (T::default(), T::of(1.0));
+        state.is_empty().then_some(Described {
+            stress: [zero; 6],
+            volume_ratio,
+            wave_speed: zero,
+            energy: zero,
+        })
+    }
+    fn merged(&self, _: &[(f64, &[T])]) -> Option<Vec<T>> {
+        None
+    }
+    fn stretch_place(&self) -> Option<usize> {
+        None
     }
 }
 
-/// A rigid body in a method `M`.
-pub(super) struct RigidBody<T: Float, const D: usize, M> {
-    particles: ParticleBody<T, D, Undeformed<T>, M>,
+/// What is said of a group without strain.
+fn undeformed<T: Float>() -> Said<T::Row> {
+    let mut said = Said::<T::Row>::default();
+    said.volume_ratio.0.iter_mut().for_each(|row| row.as_mut().fill(T::of(1.0)));
+    said
+}
+
+/// A rigid body.
+pub(super) struct RigidBody<T: Float, const D: usize> {
+    particles: ParticleBody<T, D>,
     state: RigidState<D>,
 }
 
-impl<T: Float, const D: usize, M: Composition<T, D>> RigidBody<T, D, M> {
+impl<T: Float, const D: usize> RigidBody<T, D> {
     /// A body of these seeds.
     pub(super) fn new(
         name: &str,
         rigid: &Rigid<D>,
-        method: M,
+        kernels: Arc<dyn MethodKernels<T, D>>,
         lattice: Lattice<D>,
         seeds: &Seeds<D>,
     ) -> Result<Self, SceneError> {
-        let state = RigidState::new(name, rigid, seeds, M::Embedding::HOOP)?;
-        let law = Undeformed { density: T::of(rigid.density()) };
-        let mut particles =
-            ParticleBody::empty(name, law, method, lattice, &seeds.half_size, super::Unloaded);
-        particles.seed(seeds, |x| std::array::from_fn(|d| state.velocity_at(&x)[d]), None);
+        let state = RigidState::new(name, rigid, seeds, kernels.facts().hoop)?;
+        let law = Arc::new(Undeformed { density: T::of(rigid.density()) });
+        let none = (Loads::default(), None);
+        let mut particles = ParticleBody::empty(name, law, kernels, lattice, &seeds.half_size, none);
+        particles.seed(seeds, &|x| std::array::from_fn(|d| state.velocity_at(&x)[d]), None);
         Ok(RigidBody { particles, state })
     }
 }
 
-impl<T: Float, const D: usize, M: Composition<T, D>> Body<T, D> for RigidBody<T, D, M> {
+impl<T: Float, const D: usize> Body<T, D> for RigidBody<T, D> {
     fn name(&self) -> &str {
         self.particles.name()
     }
@@ -241,7 +260,7 @@ struct Push {
     moment: [f64; 3],
 }
 
-impl<T: Float, const D: usize, G: GridStorage<T, D>> Stage<'_, T, D, G> {
+impl<T: Float, const D: usize> Stage<'_, T, D> {
     /// What the nodes of the free body `number` got in this step: impulse and moment about its centre.
     pub fn push_on(&self, number: usize, state: &RigidState<D>) -> ([f64; 3], [f64; 3]) {
         let lattice = *self.grid.lattice();

@@ -1,4 +1,5 @@
-//! Rows of groups, as a pass reads and writes them: of one group, or of two whose lanes one vector takes together.
+//! Rows of groups, as a pass reads and writes them: of one group, of two whose lanes one vector takes together, or of one lane of a
+//! group.
 
 use std::marker::PhantomData;
 use std::ops::Deref;
@@ -8,38 +9,27 @@ use mpm_materials::{Sink, Source};
 use crate::parallel::{Float, Pack};
 
 /// The rows of the groups that a vector takes its lanes from. Of vectors of one group, the second one is never looked at.
-pub(super) struct Rows<T, S> {
+pub(crate) struct Rows<T, S> {
     groups: [S; 2],
+    /// The lane, of vectors of one.
+    lane: usize,
     number: PhantomData<T>,
 }
 
 /// Rows that can be written.
-pub(super) type RowsMut<'a, T> = Rows<T, &'a mut [<T as Float>::Row]>;
-
-impl<'a, T: Float> Rows<T, &'a [T::Row]> {
-    /// Of one group.
-    #[inline(always)]
-    pub(super) fn of(group: &'a [T::Row]) -> Self {
-        Rows { groups: [group, &[]], number: PhantomData }
-    }
-}
+pub(crate) type RowsMut<'a, T> = Rows<T, &'a mut [<T as Float>::Row]>;
 
 impl<T: Float, S: Deref<Target = [T::Row]>> Rows<T, S> {
-    /// Of two groups, or of one and anything else.
+    /// Of two groups, or of one and anything else; of one of its lanes, if vectors have one.
     #[inline(always)]
-    pub(super) fn pair(groups: [S; 2]) -> Self {
-        Rows { groups, number: PhantomData }
-    }
-    /// The rows of one of the groups.
-    #[inline(always)]
-    pub(super) fn group(&self, n: usize) -> &[T::Row] {
-        &self.groups[n]
+    pub(crate) fn of(groups: [S; 2], lane: usize) -> Self {
+        Rows { groups, lane, number: PhantomData }
     }
     /// The numbers of a row.
     #[inline(always)]
     pub(super) fn load<P: Pack<T>>(&self, row: usize) -> P {
         let second = &self.groups[if P::GROUPS == 1 { 0 } else { 1 }];
-        P::join([P::Group::load(&self.groups[0][row]), P::Group::load(&second[row])])
+        P::from_rows([&self.groups[0][row], &second[row]], self.lane)
     }
     /// Reads a law's state from row `at` on.
     #[inline(always)]
@@ -52,10 +42,9 @@ impl<'a, T: Float> RowsMut<'a, T> {
     /// Write the numbers of a row.
     #[inline(always)]
     pub(super) fn store<P: Pack<T>>(&mut self, row: usize, numbers: P) {
-        let [one, two] = numbers.part();
-        one.store(&mut self.groups[0][row]);
+        numbers.to_row(0, &mut self.groups[0][row], self.lane);
         if P::GROUPS > 1 {
-            two.store(&mut self.groups[1][row]);
+            numbers.to_row(1, &mut self.groups[1][row], self.lane);
         }
     }
     /// Writes a law's state from row `at` on.

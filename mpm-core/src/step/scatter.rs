@@ -4,7 +4,7 @@
 //!
 //! ```text
 //! first:   N_i (R + sum_d A_d i_d)                R = [m, m v] - sum_d A_d xi_d,  A_d = m h C e_d  (APIC)
-//! second:  sum_d G_d dN_i/dxi_d + N_i H           G_d = -V sigma e_d / h,  H hoop force and load
+//! second:  sum_d G_d dN_i/dxi_d + N_i H           G_d = -V sigma e_d / h,  H hoop force
 //! ```
 //!
 //! Where a step needs only their sum, momentum plus the impulse of the force, both go to the first record with
@@ -19,7 +19,7 @@ use mpm_materials::Lane;
 use super::cell::{on_cell, scatter_cell};
 
 use crate::dim::{Array, Stencil};
-use crate::parallel::{Arch, Band, Float, Pack, Quad};
+use crate::parallel::{Arch, Band, Float, Pack, Quad, apart};
 use crate::shape::domain::{Corners, MOST_NUMBERS, Table};
 use crate::shape::{ShapeFunction, Weights, node_offset};
 
@@ -83,7 +83,7 @@ pub struct Maps {
     pub affine: bool,
     /// Forces.
     pub force: bool,
-    /// Forces that act as such, without gradients of weights: of the hoop stress and of surface loads.
+    /// Forces that act as such, without gradients of weights: of the hoop stress.
     pub direct: bool,
     /// Forces go to the first record, as impulses.
     pub together: bool,
@@ -94,9 +94,19 @@ pub struct Maps {
 }
 
 impl Maps {
+    /// Nothing.
+    pub(super) const NOTHING: Maps = Maps {
+        momentum: false,
+        affine: false,
+        force: false,
+        direct: false,
+        together: false,
+        least_squares: false,
+        convected: false,
+    };
     /// Are slopes of the weights needed?
     #[inline(always)]
-    pub fn slopes(self) -> bool {
+    pub const fn slopes(self) -> bool {
         self.force && !self.least_squares
     }
     /// Does anything go to the second record?
@@ -111,7 +121,7 @@ impl Maps {
     }
     /// Do forces go by way of the moments of a cell?
     #[inline(always)]
-    pub(super) fn moments<E: Stencil>(self) -> bool {
+    pub(super) const fn moments<E: Stencil>(self) -> bool {
         E::NODES == 2 && self.slopes() && !self.convected
     }
     /// Are records of this kind mapped in `D` dimensions?
@@ -305,6 +315,20 @@ where
 /// A lane without a particle has records of zero. Forces that go by way of [`super::cell::Moments`] are left to those.
 #[inline(always)]
 pub fn scatter<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
+    tiles: [&mut [[T; 4]]; 2],
+    corner: usize,
+    spread: &SpreadOf<T, A, E>,
+    records: &Records<T>,
+    maps: Maps,
+) {
+    if A::APART {
+        return apart(|| scatter_here::<T, A, E, LANES>(tiles, corner, spread, records, maps));
+    }
+    scatter_here::<T, A, E, LANES>(tiles, corner, spread, records, maps);
+}
+
+#[inline(always)]
+fn scatter_here<T: Float, A: Arch<T>, E: Stencil, const LANES: usize>(
     [first, second]: [&mut [[T; 4]]; 2],
     corner: usize,
     spread: &SpreadOf<T, A, E>,

@@ -45,6 +45,37 @@ pub enum SceneError {
     /// Kinetic damping beside a free rigid body.
     #[error("kinetic damping is not allowed with the free rigid body `{0}`; its motion must be prescribed")]
     RestOfFree(String),
+    /// What the method of the scene cannot do.
+    #[error("{what} is not allowed with `{method}`: {why}")]
+    NotWith {
+        /// What was asked for.
+        what: String,
+        /// The method.
+        method: String,
+        /// Why not, and what to do.
+        why: &'static str,
+    },
+    /// What only bodies that are kept apart can do.
+    #[error("{0} needs a contact algorithm, and the scene has none: make it by `Mpm::with_contact`")]
+    NoContact(&'static str),
+    /// A body whose kernels are those of another method.
+    #[error("body `{body}` has the kernels of `{there}`, and the scene is one of `{here}`")]
+    OtherMethod {
+        /// The body.
+        body: String,
+        /// Its method.
+        there: String,
+        /// That of the scene.
+        here: String,
+    },
+    /// A law that does not keep what splitting asks for.
+    #[error("body `{body}`: splitting is not allowed with the law {law}; wrap it: `Stretching::new(law)`")]
+    NoStretch {
+        /// The body.
+        body: String,
+        /// Its law.
+        law: &'static str,
+    },
     /// No body of this name.
     #[error("body `{body}` is not in the scene; it must be one of {bodies}")]
     NoBody {

@@ -1,12 +1,14 @@
 //! How a body gets its particles: from seeds, or from a body of another scene.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use mpm_materials::{Constitutive, State};
+use mpm_materials::point::flatten;
+use mpm_materials::{Constitutive, IntoMaterial, Material, MaySplit};
 
 use super::body::Body;
-use super::contact::Contact;
-use super::load::{Load, Loading, Unloaded};
+use super::kernels::MethodKernels;
+use super::load::{FieldForce, Loading, Loads, Traction};
 use super::merging::MergeBook;
 use super::particle_body::ParticleBody;
 use super::rigid::Rigid;
@@ -14,66 +16,174 @@ use super::rigid_body::RigidBody;
 use super::scene::SceneError;
 use super::solver::Mpm;
 use super::splitting::{SplitBook, Splitter, Splitting};
-use super::sweep::ExtentOf;
 use super::total;
 use crate::dim::BLOCK;
-use crate::embedding::Embedding;
-use crate::frame::Frame;
 use crate::geometry::{Lattice, Seeds};
-use crate::grid::GridStorage;
-use crate::method::Composition;
+use crate::method::{Composition, IntoKernels};
 use crate::parallel::Float;
 use crate::particles::{Columns, Masses, split};
+use crate::shape::Domain;
 use crate::shape::domain::MOST_NUMBERS;
-use crate::shape::{Domain, ShapeFunction, bin_centre};
 
-/// A law's state by position, m.
-pub(super) type InitialState<'a, T, const D: usize, C> =
-    dyn Fn([f64; D]) -> <C as Constitutive<T>>::State<<T as mpm_materials::Real>::Single> + 'a;
+/// A velocity by position, m and m/s.
+type Velocity<'a, const D: usize> = dyn Fn([f64; D]) -> [f64; D] + 'a;
+/// The numbers of a law's state by position, m.
+type InitialState<'a, T, const D: usize> = dyn Fn([f64; D]) -> Vec<T> + 'a;
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
-    /// What of its domain a particle carries.
-    const DOMAIN: Domain = <M::Shape as ShapeFunction<T, D>>::DOMAIN;
-    /// Numbers a particle carries for a load.
-    const LOADS: usize = if L::FIELD {
-        D
-    } else if L::ACTS {
-        1
-    } else {
-        0
-    };
+/// A deformable body for a scene: a law, particles, how they move, and what else is to be said of them. All of that combines.
+///
+/// ```
+/// # use mpm_core::{BlockGrid, Deformable, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, Traction, geometry::*};
+/// # use mpm_materials::{Constitutive, Stretching, library};
+/// # use std::sync::Arc;
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// # let lattice = Lattice::new([0.0; 2], 1e-3)?;
+/// # let seeds = fill(&Cuboid::new([0.0; 2], [4e-3, 2e-3])?, &lattice, 2, &Filling::new())?;
+/// # let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+/// let pull = Traction {
+///     region: Arc::new(Cuboid::new([3.5e-3, 0.0], [4e-3, 2e-3])?),
+///     axis: 0,
+///     history: Arc::new(|_| [1e6, 0.0]),
+///     revolved: false,
+/// };
+/// let strip = Deformable::new("strip", Stretching::new(library::lead()).compiled(), &seeds)
+///     .moving(|x| [10.0 * x[0], 0.0])
+///     .with_traction(pull)
+///     .with_splitting(Splitting::at(2.0)?);
+/// mpm.add_body(strip)?;
+/// # mpm.run_until(1e-7)?;
+/// # Ok(())
+/// # }
+/// ```
+pub struct Deformable<'a, const D: usize, L, T: Float = f64> {
+    name: String,
+    law: L,
+    seeds: &'a Seeds<D>,
+    velocity: Box<Velocity<'a, D>>,
+    state: Option<Box<InitialState<'a, T, D>>>,
+    loads: Loads<D>,
+    splitting: Option<Splitting>,
+    kernels: Option<Arc<dyn MethodKernels<T, D>>>,
+}
 
+impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
+    /// A body of this law with particles at `seeds`, at rest.
+    pub fn new(name: &str, law: L, seeds: &'a Seeds<D>) -> Self {
+        let velocity = Box::new(|_| [0.0; D]);
+        let (name, loads) = (name.to_string(), Loads::default());
+        Deformable { name, law, seeds, velocity, state: None, loads, splitting: None, kernels: None }
+    }
+    /// With a velocity by position, m/s by m.
+    #[must_use]
+    pub fn moving(mut self, velocity: impl Fn([f64; D]) -> [f64; D] + 'a) -> Self {
+        self.velocity = Box::new(velocity);
+        self
+    }
+    /// With a surface load.
+    #[must_use]
+    pub fn with_traction(mut self, traction: Traction<D>) -> Self {
+        self.loads.traction = Some(traction);
+        self
+    }
+    /// With a force on all particles.
+    #[must_use]
+    pub fn with_field_force(mut self, field: FieldForce<D>) -> Self {
+        self.loads.field = Some(field);
+        self
+    }
+    /// With points in the law's `state` by position (m) instead of virgin: stressed by their own weight, or to be lit when a
+    /// detonation wave arrives. A seed's volume is that of the state.
+    #[must_use]
+    pub fn in_state<C>(mut self, state: impl Fn([f64; D]) -> C::State<T::Single> + 'a) -> Self
+    where
+        L: IntoMaterial<T, Law = C>,
+        C: Constitutive<T>,
+    {
+        let numbers = move |x| flatten(&state(x)).into_iter().map(|x: T::Single| x.into()).collect();
+        self.state = Some(Box::new(numbers));
+        self
+    }
+    /// With particles that are split where they are stretched too far.
+    ///
+    /// ```compile_fail
+    /// # use mpm_core::{Deformable, Splitting, geometry::Seeds};
+    /// # use mpm_materials::library;
+    /// # fn split(seeds: &Seeds<2>) {
+    /// let lead = library::lead::<f64>(); // remembers no stretch
+    /// Deformable::<2, _>::new("ball", lead, seeds).with_splitting(Splitting::at(2.0).unwrap());
+    /// # }
+    /// ```
+    #[must_use]
+    pub fn with_splitting(mut self, splitting: Splitting) -> Self
+    where
+        L::Law: MaySplit<T>,
+    {
+        self.splitting = Some(splitting);
+        self
+    }
+    /// With passes that have the law as part of them, compiled where this is written: the last per cent of speed for one
+    /// composition, for ten times the compile time. `method` must be that of the scene, and `law` the body's.
+    #[must_use]
+    pub fn inlined<M, C>(mut self, method: M, law: C) -> Self
+    where
+        L: IntoMaterial<T, Law = C>,
+        M: Composition<T, D> + IntoKernels<T, D>,
+        C: Constitutive<T>,
+    {
+        self.kernels = Some(super::kernels::inlined(method, law));
+        self
+    }
+
+    /// The same, whatever the type of its law.
+    pub(crate) fn prepared(self) -> Prepared<'a, T, D> {
+        let Deformable { name, law, seeds, velocity, state, loads, splitting, kernels } = self;
+        let material = law.into_material();
+        Prepared { name, material, seeds, velocity, state, loads, splitting, kernels }
+    }
+}
+
+/// A [`Deformable`] of a law that is an object.
+pub struct Prepared<'a, T: Float, const D: usize> {
+    name: String,
+    material: Arc<dyn Material<T>>,
+    seeds: &'a Seeds<D>,
+    velocity: Box<Velocity<'a, D>>,
+    state: Option<Box<InitialState<'a, T, D>>>,
+    loads: Loads<D>,
+    splitting: Option<Splitting>,
+    kernels: Option<Arc<dyn MethodKernels<T, D>>>,
+}
+
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// A body of particles of these half sizes, m, without them.
-    pub fn empty(name: &str, law: C, method: M, lattice: Lattice<D>, half_size: &[f64; D], load: L) -> Self {
-        let mut names = Vec::new();
-        C::State::<T::Single>::names("state", &mut names);
-        let (loads, frame) = (Self::LOADS, total::rows::<T, D, M>());
-        let columns = Columns::new(D, names, Self::DOMAIN.numbers(D), loads, frame);
-        let virgin: Vec<T> =
-            mpm_materials::point::flatten(&law.virgin()).into_iter().map(|x: T::Single| x.into()).collect();
+    pub(super) fn empty(
+        name: &str,
+        material: Arc<dyn Material<T>>,
+        kernels: Arc<dyn MethodKernels<T, D>>,
+        lattice: Lattice<D>,
+        half_size: &[f64; D],
+        (loads, splitting): (Loads<D>, Option<Splitting>),
+    ) -> Self {
+        let facts = kernels.facts();
+        let (carried, frame) = (facts.domain.numbers(D), total::rows(facts.total, facts.hoop, D));
+        let columns = Columns::new(D, material.state_names(), carried, loads.numbers(), frame);
         let mut half = [T::of(0.5); 3];
         for d in 0..D {
             half[d] = T::of(half_size[d] / lattice.spacing());
         }
         // What a lane without a particle holds.
         let mut dummy = vec![T::default(); Columns::state(D)];
-        dummy.extend_from_slice(&virgin);
-        let domain = Self::DOMAIN.of_box::<T::Single, D>(half.map(T::Single::from));
-        dummy.extend(domain[..Self::DOMAIN.numbers(D)].iter().map(|&x| -> T { x.into() }));
-        dummy.resize(dummy.len() + loads, T::default());
-        dummy.extend(total::undeformed::<T, D, M>());
+        dummy.extend_from_slice(&material.virgin());
+        let domain = facts.domain.of_box::<T::Single, D>(half.map(T::Single::from));
+        dummy.extend(domain[..carried].iter().map(|&x| -> T { x.into() }));
+        dummy.resize(dummy.len() + loads.numbers(), T::default());
+        dummy.extend(total::undeformed::<T>(facts.total, facts.hoop, D));
         dummy.resize(columns.count(), T::default());
         let masses = Masses::Each(columns.mass());
         ParticleBody {
             name: name.into(),
-            law,
-            method,
+            material,
+            kernels,
             lattice,
             columns,
             slots: Vec::new(),
@@ -90,9 +200,14 @@ where
             half,
             lightest: T::of(f64::MAX),
             masses,
-            load,
+            loads,
             loaded_area: 0.0,
             loading: Loading::default(),
+            unloaded: None,
+            mapped_at: 0.0,
+            powers: Vec::new(),
+            forces: Vec::new(),
+            splitting,
             splitter: Splitter::default(),
             splits: SplitBook::default(),
             merges: MergeBook::default(),
@@ -103,20 +218,20 @@ where
     }
 
     /// Make particles at `seeds`, with a velocity (m/s) and, if not virgin, a state by position (m).
-    pub fn seed(
+    pub(super) fn seed(
         &mut self,
         seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        state: Option<&InitialState<'_, T, D, C>>,
+        velocity: &Velocity<'_, D>,
+        state: Option<&InitialState<'_, T, D>>,
     ) {
-        let density = self.law.density();
-        if state.is_none() && self.load.splitting().is_none() {
+        let density = self.material.density();
+        if state.is_none() && self.splitting.is_none() {
             self.share_mass(seeds.volumes.iter().map(|&volume| density * T::of(volume)));
         }
         self.shorten_numbers(seeds.positions.len());
         let mut index = BTreeMap::new();
         let mut numbers = self.dummy.to_vec();
-        if L::FIELD {
+        if self.loads.field.is_some() {
             self.starts.extend_from_slice(&seeds.positions);
         }
         for (n, (&x, &volume)) in seeds.positions.iter().zip(&seeds.volumes).enumerate() {
@@ -127,21 +242,17 @@ where
             let mut mass = density * T::of(volume);
             if let Some(state) = state {
                 let state = state(x);
-                let first = Columns::state(D);
-                for (number, x) in numbers[first..].iter_mut().zip(mpm_materials::point::flatten(&state)) {
-                    let x: T::Single = x;
-                    *number = x.into();
-                }
-                let ratio: T = self.law.volume_ratio(&state).into();
-                mass /= ratio;
+                let said = self.material.describe_point(&state);
+                numbers[Columns::state(D)..self.columns.domain()].copy_from_slice(&state);
+                mass /= said.map_or(T::of(1.0), |said| said.volume_ratio);
             }
-            let parts = self.load.splitting().map_or(1.0, Splitting::lightest);
+            let parts = self.splitting.map_or(1.0, Splitting::lightest);
             self.lightest = self.lightest.min(mass * T::of(parts));
             if let Masses::Each(row) = self.masses {
                 numbers[row] = mass;
             }
-            if L::ACTS {
-                let area = self.load.area(&x, &seeds.half_size);
+            if let Some(traction) = &self.loads.traction {
+                let area = traction.area(&x, &seeds.half_size);
                 self.loaded_area += area;
                 numbers[self.columns.load()] = T::of(area);
             }
@@ -166,14 +277,14 @@ where
     /// Keep the numbers of particles yet to come, none above `bound`, in 32 bits if that is enough: splitting makes
     /// larger ones.
     fn shorten_numbers(&mut self, bound: usize) {
-        if self.load.splitting().is_none() && u32::try_from(bound).is_ok() {
+        if self.splitting.is_none() && u32::try_from(bound).is_ok() {
             self.columns = self.columns.clone().with_short_number();
         }
     }
 
     /// Put a particle with these numbers at `x`, m.
     pub(super) fn put(&mut self, index: &mut BTreeMap<[i32; D], usize>, x: &[f64; D], numbers: &mut [T]) {
-        let centre = bin_centre::<ExtentOf<M, T, D>>();
+        let centre = self.bin_centre();
         let (mut block, mut bin, mut stride) = ([0; D], 0, 1);
         for d in 0..D {
             let u = (x[d] - self.lattice.origin()[d]) / self.lattice.spacing() - centre;
@@ -207,8 +318,9 @@ where
         for d in 0..D {
             edges[d][d] = self.half[d].to_double() * h;
         }
-        if M::Frame::TOTAL {
-            let f = total::gradient::<T, D, M>(&numbers[self.columns.frame()..]);
+        let facts = self.facts();
+        if facts.total {
+            let f = total::gradient::<T, D>(&numbers[self.columns.frame()..], facts.hoop);
             for (k, edge) in edges.iter_mut().enumerate().take(D) {
                 let half = edge[k];
                 for d in 0..D {
@@ -216,13 +328,13 @@ where
                     edge[d] = x.to_double() * half;
                 }
             }
-        } else if Self::DOMAIN.carried() {
+        } else if facts.domain.carried() {
             let (first, count) = self.columns.domains();
             let mut carried = [0.0; MOST_NUMBERS];
             for (x, number) in carried.iter_mut().zip(&numbers[first..first + count]) {
                 *x = number.to_double() * h;
             }
-            edges = Self::DOMAIN.half_edges::<f64, D>(&carried);
+            edges = facts.domain.half_edges::<f64, D>(&carried);
         }
         edges
     }
@@ -235,7 +347,7 @@ where
             masses.push(T::of(p.mass));
             last = last.max(p.number);
         });
-        if self.load.splitting().is_none() {
+        if self.splitting.is_none() {
             self.share_mass(masses.into_iter());
         }
         self.shorten_numbers(last);
@@ -253,19 +365,15 @@ where
             for (number, x) in numbers[state..domain].iter_mut().zip(&p.state) {
                 *number = T::of(*x);
             }
-            let mut carried = Self::DOMAIN.of_edges::<f64, D>(&p.half_edges.map(|e| e.map(|x| x / h)));
-            if Self::DOMAIN == Domain::Axes {
+            let kind = self.facts().domain;
+            let mut carried = kind.of_edges::<f64, D>(&p.half_edges.map(|e| e.map(|x| x / h)));
+            if kind == Domain::Axes {
                 // Within what the shape function bears.
                 for x in &mut carried[..D] {
-                    let kept: T = self
-                        .method
-                        .shape()
-                        .stretch(T::Single::from(T::of(*x)), T::Single::from(T::default()))
-                        .into();
-                    *x = kept.to_double();
+                    *x = self.kernels.shape().stretch(T::of(*x), T::default()).to_double();
                 }
             }
-            for (number, x) in numbers[domain..].iter_mut().zip(&carried[..Self::DOMAIN.numbers(D)]) {
+            for (number, x) in numbers[domain..].iter_mut().zip(&carried[..kind.numbers(D)]) {
                 *number = T::of(*x);
             }
             numbers[self.columns.number()] = T::of(p.number as f64);
@@ -276,83 +384,67 @@ where
     }
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// Add a body of one law, its particles at `seeds` with an initial velocity (m/s) by position (m).
     ///
     /// # Errors
     /// No particles, particles larger than a cell, or outside the grid.
-    pub fn add<C: Constitutive<T>>(
+    pub fn add(
         &mut self,
         name: &str,
-        law: C,
+        law: impl IntoMaterial<T>,
         seeds: &Seeds<D>,
         velocity: impl Fn([f64; D]) -> [f64; D],
     ) -> Result<(), SceneError> {
-        self.add_loaded(name, law, seeds, velocity, Unloaded)
+        self.add_body(Deformable::new(name, law, seeds).moving(velocity))
     }
 
-    /// Add a body as [`Mpm::add`] does, with a surface load such as a [`super::Traction`].
+    /// Add a body of which more is to be said.
     ///
     /// # Errors
-    /// As [`Mpm::add`].
-    pub fn add_loaded<C: Constitutive<T>, L: Load<D>>(
-        &mut self,
-        name: &str,
-        law: C,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        load: L,
-    ) -> Result<(), SceneError> {
-        self.insert(name, law, seeds, velocity, load, None)
-    }
-
-    /// Add a body as [`Mpm::add`] does, its points in the law's `state` by position (m) instead of virgin: stressed
-    /// by their own weight, or to be lit when a detonation wave arrives. A seed's volume is that of the state.
-    ///
-    /// # Errors
-    /// As [`Mpm::add`]; a state with a number that is not finite, or whose volume ratio is not positive.
-    pub fn add_in_state<C: Constitutive<T>>(
-        &mut self,
-        name: &str,
-        law: C,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        state: impl Fn([f64; D]) -> C::State<T::Single>,
-    ) -> Result<(), SceneError> {
-        self.check_states(name, &law, seeds, &state)?;
-        self.insert(name, law, seeds, velocity, Unloaded, Some(&state))
+    /// As [`Mpm::add`]. With an initial state also one with a number that is not finite, or whose volume ratio is not positive. With
+    /// splitting also particles that are not as long as they are wide, more of them than can be numbered, a law that does not keep the
+    /// stretch, and a method in the reference configuration; with [`Merging`](super::Merging) also an affine transfer (APIC), domains
+    /// that are not boxes (CPDI), a law whose states have no mean ([`Constitutive::merged`]), bodies in their reference configuration.
+    pub fn add_body<L: IntoMaterial<T>>(&mut self, body: Deformable<'_, D, L, T>) -> Result<(), SceneError> {
+        self.insert(body.prepared())
     }
 
     /// Add a rigid body, its particles at `seeds`. It meets others through the contact algorithm, which must keep
     /// bodies apart.
     ///
     /// # Errors
-    /// As [`Mpm::add`]; a motion that is not finite or that the coordinates do not have.
+    /// As [`Mpm::add`]; a scene without contact; a motion that is not finite or that the coordinates do not have.
     pub fn add_rigid(&mut self, name: &str, rigid: &Rigid<D>, seeds: &Seeds<D>) -> Result<(), SceneError> {
-        const { assert!(K::SEPARATES, "a rigid body needs a contact algorithm: `Mpm::with_contact`") };
+        self.work.add_rigid(self, name, rigid, seeds)
+    }
+
+    pub(super) fn add_rigid_here(
+        &mut self,
+        name: &str,
+        rigid: &Rigid<D>,
+        seeds: &Seeds<D>,
+    ) -> Result<(), SceneError> {
+        if !self.contact.separates() {
+            return Err(SceneError::NoContact("a rigid body"));
+        }
         self.check_seeds(name, seeds)?;
-        self.check_numbers(name, seeds, |_| [0.0; D])?;
+        self.check_numbers(name, seeds, &|_| [0.0; D])?;
         if self.calm.is_some() && !rigid.is_prescribed() {
             return Err(SceneError::RestOfFree(name.into()));
         }
-        let body = RigidBody::<T, D, M>::new(name, rigid, self.method, *self.grid.lattice(), seeds)?;
+        let body = RigidBody::<T, D>::new(name, rigid, self.kernels.clone(), *self.grid.lattice(), seeds)?;
         self.enter(name, Box::new(body))?;
         self.rigid.push(self.bodies.len() - 1);
         Ok(())
     }
 
-    pub(super) fn check_states<C: Constitutive<T>>(
+    fn check_states(
         &self,
         name: &str,
-        law: &C,
+        law: &dyn Material<T>,
         seeds: &Seeds<D>,
-        state: impl Fn([f64; D]) -> C::State<T::Single>,
+        state: &InitialState<'_, T, D>,
     ) -> Result<(), SceneError> {
         for (particle, &x) in seeds.positions.iter().enumerate() {
             let refuse = |field, value: T, allowed| {
@@ -360,13 +452,12 @@ where
                 Err(SceneError::Seed { body: name.into(), particle, field, value, allowed })
             };
             let state = state(x);
-            for number in mpm_materials::point::flatten::<T::Single, _>(&state) {
-                let number: T = number.into();
+            for &number in &state {
                 if !number.to_double().is_finite() {
                     return refuse("number of the initial state", number, "finite");
                 }
             }
-            let ratio: T = law.volume_ratio(&state).into();
+            let ratio = law.describe_point(&state).map_or(T::default(), |said| said.volume_ratio);
             if ratio <= T::default() {
                 return refuse("volume ratio of the initial state", ratio, "positive");
             }
@@ -374,22 +465,92 @@ where
         Ok(())
     }
 
-    fn insert<C: Constitutive<T>, L: Load<D>>(
-        &mut self,
+    /// What splitting asks of a body.
+    fn check_splitting(
+        &self,
         name: &str,
-        law: C,
+        law: &dyn Material<T>,
         seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        load: L,
-        state: Option<&InitialState<'_, T, D, C>>,
-    ) -> Result<(), SceneError> {
-        self.check_seeds(name, seeds)?;
-        self.check_numbers(name, seeds, &velocity)?;
-        let lattice = *self.grid.lattice();
-        let mut body =
-            ParticleBody::<T, D, C, M, L>::empty(name, law, self.method, lattice, &seeds.half_size, load);
-        body.seed(seeds, velocity, state);
-        self.enter(name, Box::new(body))
+        splitting: Splitting,
+    ) -> Result<Splitter<T>, SceneError> {
+        self.check_frame("splitting", "particles mapped in the reference configuration never part")?;
+        let body = || name.to_string();
+        let Some(place) = law.stretch_place() else {
+            return Err(SceneError::NoStretch { body: body(), law: law.name() });
+        };
+        let spacing = self.grid.lattice().spacing();
+        for (axis, &half) in seeds.half_size.iter().enumerate() {
+            if (half / seeds.half_size[0] - 1.0).abs() > 1e-9 {
+                let [half, first] = [half, seeds.half_size[0]].map(|x| x / spacing);
+                return Err(SceneError::Oblong { body: body(), axis, half, first });
+            }
+        }
+        if splitting.merging().is_some() {
+            self.check_merging(name, law)?;
+        }
+        let most = if size_of::<T>() == 4 { 1 << 24 } else { 1usize << 53 };
+        let count = seeds.positions.len() << splitting.generations();
+        if count > most {
+            return Err(SceneError::TooMany { body: body(), count, most });
+        }
+        // Where particles merge, numbers are given as long as there are any.
+        let generations = match splitting.merging() {
+            Some(_) => (most / seeds.positions.len()).ilog2().min(Splitting::DEEPEST),
+            None => splitting.generations(),
+        };
+        Ok(Splitter {
+            on: true,
+            place,
+            square: T::of(splitting.stretch() * splitting.stretch()),
+            generations: T::of(f64::from(generations)),
+            finest: splitting.merging().map(|_| 2.0f64.powf(f64::from(splitting.generations()) - 0.5)),
+            seeds: T::of(seeds.positions.len() as f64),
+            half: T::of(seeds.half_size[0] / spacing),
+            spacing: T::of(spacing),
+            hoop: self.facts().hoop,
+            ..Splitter::default()
+        })
+    }
+
+    /// Refuse what a method in the reference configuration cannot do.
+    pub(super) fn check_frame(&self, what: &str, why: &'static str) -> Result<(), SceneError> {
+        if self.facts().total {
+            let (what, method) = (what.into(), self.facts().description.clone());
+            return Err(SceneError::NotWith { what, method, why });
+        }
+        Ok(())
+    }
+
+    pub(crate) fn insert(&mut self, body: Prepared<'_, T, D>) -> Result<(), SceneError> {
+        self.work.insert(self, body)
+    }
+
+    pub(super) fn insert_here(&mut self, body: Prepared<'_, T, D>) -> Result<(), SceneError> {
+        let Prepared { name, material, seeds, velocity, state, loads, splitting, kernels } = body;
+        self.check_seeds(&name, seeds)?;
+        self.check_numbers(&name, seeds, &*velocity)?;
+        if let Some(state) = &state {
+            self.check_states(&name, &*material, seeds, &**state)?;
+        }
+        let splitter = splitting
+            .map(|splitting| self.check_splitting(&name, &*material, seeds, splitting))
+            .transpose()?;
+        let kernels = kernels.unwrap_or_else(|| self.kernels.clone());
+        let (here, there) = (self.facts(), kernels.facts());
+        let one = T::of(1.0);
+        if here != there || kernels.taken(one) != self.kernels.taken(one) {
+            let (there, here) = (there.description.clone(), here.description.clone());
+            return Err(SceneError::OtherMethod { body: name, there, here });
+        }
+        let (lattice, more) = (*self.grid.lattice(), (loads, splitting));
+        let mut body = ParticleBody::<T, D>::empty(&name, material, kernels, lattice, &seeds.half_size, more);
+        if let Some(splitter) = splitter {
+            let (domain, mass) = (body.columns.domains(), body.columns.mass());
+            let area = body.loads.rows(body.columns.load()).area;
+            body.splitter = Splitter { domain, mass, area, ..splitter };
+        }
+        body.seed(seeds, &*velocity, state.as_deref());
+        self.enter(&name, Box::new(body))
     }
 
     pub(super) fn enter(&mut self, name: &str, body: Box<dyn Body<T, D>>) -> Result<(), SceneError> {
@@ -405,6 +566,7 @@ where
 
     pub(super) fn check_seeds(&self, name: &str, seeds: &Seeds<D>) -> Result<(), SceneError> {
         let body = name.to_string();
+        self.check_method()?;
         let count = seeds.positions.len();
         let most = if size_of::<T>() == 4 { 1 << 24 } else { 1 << 53 };
         if count == 0 {
@@ -414,7 +576,7 @@ where
             return Err(SceneError::TooMany { body, count, most });
         }
         self.check_half_sizes(name, &seeds.half_size)?;
-        if <M::Embedding as crate::Embedding<D>>::HOOP
+        if self.facts().hoop
             && let Some(x) = seeds.positions.iter().find(|x| x[0] <= 0.0)
         {
             return Err(SceneError::BehindAxis { body, r: x[0] });
@@ -437,7 +599,7 @@ where
         &self,
         name: &str,
         seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
+        velocity: &Velocity<'_, D>,
     ) -> Result<(), SceneError> {
         let (positions, volumes) = (seeds.positions.len(), seeds.volumes.len());
         if positions != volumes {
@@ -482,10 +644,10 @@ where
     /// # let seeds = fill(&Cuboid::new([0.0; 2], [1.0, 1.0])?, &lattice, 2, &Filling::new())?;
     /// # let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
     /// let reference = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
-    /// let mut early = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
+    /// let mut early = Mpm::new(reference, BlockGrid::new(lattice));
     /// early.add("strip", law, &seeds, |x| [0.2 * x[0], 0.0])?;
     /// // Until a particle is half as long again as at the start.
-    /// let longest = |mpm: &Mpm<f64, 2, _, _>| {
+    /// let longest = |mpm: &Mpm<2>| {
     ///     let mut half = 0.0f64;
     ///     mpm.bodies()[0].for_each(&mut |p| half = half.max(p.half_edges[0][0]));
     ///     half / seeds.half_size[0]
@@ -493,7 +655,7 @@ where
     /// while longest(&early) < 1.5 && !early.reached(2.0) {
     ///     early.step_towards(2.0)?;
     /// }
-    /// let mut late = Mpm::<f64, 2, _, _>::new(Method::new(CpGimp, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    /// let mut late = Mpm::new(Method::new(CpGimp, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
     /// late.take_over(law, &*early.bodies()[0])?;
     /// late.set_time(early.time())?;
     /// late.run_until(3.0)?;
@@ -504,35 +666,28 @@ where
     ///
     /// Domains along the axes (cpGIMP) begin as long as the edges of the one taken over, taken together; parallelograms (CPDI) are that;
     /// corners (CPDI-2) those of the parallelogram, which those of neighbours meet only where both deformed alike. Splitting stays behind
-    /// as loads do, and velocities that vary within particles (APIC) begin anew. A method in the reference configuration takes nothing
-    /// over, since that would be another one:
-    ///
-    /// ```compile_fail
-    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
-    /// # use mpm_materials::{LinearElastic, Moduli};
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// # let lattice = Lattice::new([0.0; 2], 0.25)?;
-    /// # let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
-    /// let reference = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
-    /// let mut mpm = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
-    /// # let other = Mpm::<f64, 2, _, _>::new(reference, BlockGrid::new(lattice));
-    /// mpm.take_over(law, &*other.bodies()[0])?;
-    /// # Ok(())
-    /// # }
-    /// ```
+    /// as loads do, and velocities that vary within particles (APIC) begin anew.
     ///
     /// # Errors
-    /// Another law; other coordinates (plane, of revolution); particles that were larger at the start than a cell of this grid, that are
-    /// outside it or behind the axis.
-    pub fn take_over<C: Constitutive<T>>(&mut self, law: C, body: &dyn Body<T, D>) -> Result<(), SceneError> {
-        const { assert!(!M::Frame::TOTAL, "a method in the reference configuration takes nothing over") };
+    /// A method in the reference configuration, since that would be another one; another law; other coordinates (plane, of
+    /// revolution); particles that were larger at the start than a cell of this grid, that are outside it or behind the axis.
+    pub fn take_over(&mut self, law: impl IntoMaterial<T>, body: &dyn Body<T, D>) -> Result<(), SceneError> {
+        self.work.adopt(self, law.into_material(), body)
+    }
+
+    pub(super) fn adopt_here(
+        &mut self,
+        law: Arc<dyn Material<T>>,
+        body: &dyn Body<T, D>,
+    ) -> Result<(), SceneError> {
+        self.check_method()?;
+        self.check_frame("taking a body over", "its reference configuration would be another one")?;
         let name = body.name();
-        let here = <M::Embedding as Embedding<D>>::NAME;
+        let here = self.facts().embedding;
         if body.embedding() != here {
             return Err(SceneError::OtherSpace { body: name.into(), there: body.embedding(), here });
         }
-        let mut states = Vec::new();
-        C::State::<T::Single>::names("state", &mut states);
+        let states = law.state_names();
         if body.law() != law.name() || body.state_names() != states {
             return Err(SceneError::OtherLaw {
                 body: name.into(),
@@ -542,8 +697,8 @@ where
         }
         self.check_half_sizes(name, &body.half_size())?;
         let lattice = *self.grid.lattice();
-        let mut taken =
-            ParticleBody::<T, D, C, M>::empty(name, law, self.method, lattice, &body.half_size(), Unloaded);
+        let (kernels, none) = (self.kernels.clone(), (Loads::default(), None));
+        let mut taken = ParticleBody::<T, D>::empty(name, law, kernels, lattice, &body.half_size(), none);
         taken.adopt(body);
         self.enter(name, Box::new(taken))
     }

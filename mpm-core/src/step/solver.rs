@@ -1,5 +1,6 @@
 //! The solver: bodies on a grid, and the step.
 
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::body::{Body, BodyTrouble, Steps, Totals, Which};
@@ -7,6 +8,7 @@ use super::contact::{Contact, ContactNode, Meeting, OneField, PairContact};
 use super::control::TimeControl;
 use super::encounters::Encounters;
 use super::fields::Fields;
+use super::kernels::{Facts, MethodKernels};
 use super::layout::Nodes;
 use super::load::Loading;
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
@@ -14,15 +16,13 @@ use super::planes::Planes;
 use super::rest::Calm;
 use super::scene::SceneError;
 use super::sweep::Cause;
+use super::work::Work;
 
 use crate::boundary::Boundary;
-use crate::dim::{BLOCK, Stencil};
+use crate::dim::BLOCK;
 use crate::grid::{GridStorage, OutsideGrid};
-use crate::method::Composition;
+use crate::method::{IntoKernels, Kernels};
 use crate::parallel::{Float, Team};
-use crate::scheme::StressUpdate;
-use crate::shape::ShapeFunction;
-use crate::transfer::{Transfer, taken};
 
 /// A step that could not be made. The run stands where the step broke off.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -77,12 +77,13 @@ pub enum Stopped {
 
 /// Material point method: bodies of particles on a background grid.
 ///
-/// `M` names the ingredients ([`crate::Method`]), `G` the grid, `K` how bodies meet. Bodies may have different
+/// A scene is of one type, whatever method ([`crate::Method`]), grid, contact and laws it is made of. Bodies may have different
 /// laws; with [`OneField`] they move in one velocity field, that is, they stick where they meet.
-pub struct Mpm<T: Float, const D: usize, M, G, K = OneField> {
-    pub(super) method: M,
-    pub(super) grid: G,
-    contact: K,
+pub struct Mpm<const D: usize, T: Float = f64> {
+    pub(super) work: &'static dyn Work<T, D>,
+    pub(super) kernels: Arc<dyn MethodKernels<T, D>>,
+    pub(super) grid: Box<dyn GridStorage<T, D>>,
+    pub(super) contact: Arc<dyn Contact<T, D>>,
     /// Where on the grid each body's nodes are.
     pub(super) fields: Fields<D>,
     pub(super) encounters: Encounters<T>,
@@ -136,7 +137,7 @@ macro_rules! stage {
     ($mpm:expr, $dt:expr) => {{
         let lightest = $mpm.bodies.iter().map(|b| b.lightest()).fold(T::of(f64::MAX), |a, b| a.min(b));
         Stage {
-            grid: &mut $mpm.grid,
+            grid: &mut *$mpm.grid,
             bodies: &$mpm.bodies,
             fields: &$mpm.fields,
             team: &$mpm.team,
@@ -146,8 +147,8 @@ macro_rules! stage {
             time: $mpm.time,
             cutoff: lightest * mass_cutoff::<T>(),
             lightest,
-            wide: <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
-            takes: taken($mpm.method.transfer(), $dt),
+            wide: $mpm.kernels.facts().wide(),
+            takes: $mpm.kernels.taken($dt),
             dt: $dt,
             planes: &mut $mpm.planes,
             rigid: !$mpm.rigid.is_empty(),
@@ -164,47 +165,67 @@ const PRUNE_AHEAD: u64 = 128;
 const OFTEN: u64 = 16;
 const FEW: usize = 32;
 
-impl<T, const D: usize, M, G> Mpm<T, D, M, G>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-{
-    /// An empty scene, whose bodies will share one velocity field.
-    pub fn new(method: M, grid: G) -> Self {
+impl<const D: usize> Mpm<D> {
+    /// An empty scene in double precision, whose bodies will share one velocity field.
+    ///
+    /// ```
+    /// use mpm_core::geometry::Lattice;
+    /// use mpm_core::{BlockGrid, Flip, FullSpace, Linear, Method, Mpm, Musl};
+    ///
+    /// // One type, whatever the scene is made of: it can be a field of a struct, and be chosen at run time.
+    /// fn scene(spacing: f64) -> Result<Mpm<3>, Box<dyn std::error::Error>> {
+    ///     let grid = BlockGrid::new(Lattice::new([0.0; 3], spacing)?);
+    ///     Ok(Mpm::new(Method::new(Linear, Flip, Musl, FullSpace), grid))
+    /// }
+    /// # assert_eq!(scene(0.1).unwrap().particles(), 0);
+    /// ```
+    pub fn new<M>(method: M, grid: impl GridStorage<f64, D> + 'static) -> Self
+    where
+        M: IntoKernels<f64, D>,
+    {
         Mpm::with_contact(method, grid, OneField)
+    }
+
+    /// An empty scene in double precision whose bodies will meet by this contact algorithm.
+    pub fn with_contact<M>(
+        method: M,
+        grid: impl GridStorage<f64, D> + 'static,
+        contact: impl Contact<f64, D>,
+    ) -> Self
+    where
+        M: IntoKernels<f64, D>,
+    {
+        Mpm::of(method, grid, contact)
     }
 }
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
-    /// An empty scene whose bodies will meet by this contact algorithm.
-    pub fn with_contact(method: M, grid: G, contact: K) -> Self {
-        const {
-            let total = <M::Frame as crate::Frame>::TOTAL;
-            assert!(
-                !(total && K::SEPARATES),
-                "bodies mapped in the reference configuration never meet: no contact"
-            );
-            assert!(
-                !(total && <M::Shape as ShapeFunction<T, D>>::DOMAIN.carried()),
-                "domains tile for ever in the reference configuration: use `Gimp` for `CpGimp`"
-            );
-        }
+impl<const D: usize, T: Float> Mpm<D, T> {
+    /// An empty scene in any precision: `Mpm::<3, f32>::of(method, grid, OneField)`. All three may be objects, chosen at run time:
+    /// [`Kernels`], `Box<dyn GridStorage<T, D>>`, `Arc<dyn Contact<T, D>>`.
+    pub fn of<M>(method: M, grid: impl GridStorage<T, D> + 'static, contact: impl Contact<T, D>) -> Self
+    where
+        M: IntoKernels<T, D>,
+    {
+        Self::of_parts(method.into_kernels(), Box::new(grid), Arc::new(contact))
+    }
+
+    fn of_parts(
+        method: Kernels<T, D>,
+        grid: Box<dyn GridStorage<T, D>>,
+        contact: Arc<dyn Contact<T, D>>,
+    ) -> Self {
+        let Kernels { kernels, work } = method;
+        let control = TimeControl::default_for(kernels.facts());
         Mpm {
-            method,
+            work,
+            kernels,
             grid,
             contact,
             fields: Fields::default(),
             encounters: Encounters::default(),
             bodies: Vec::new(),
             conditions: Conditions { boundaries: Vec::new(), gravity: None, damping: 0.0 },
-            control: TimeControl::default_for::<T, D, M>(),
+            control,
             sharp: None,
             calm: None,
             filter: None,
@@ -232,13 +253,32 @@ where
         }
     }
 
+    /// Refuse a method that no body can have here.
+    pub(super) fn check_method(&self) -> Result<(), SceneError> {
+        if self.contact.separates() {
+            self.check_frame(
+                "contact",
+                "bodies mapped in the reference configuration never meet: leave it out",
+            )?;
+        }
+        if self.facts().domain.carried() {
+            let why = "domains tile for ever in the reference configuration: take `Gimp` for `CpGimp`";
+            self.check_frame("a shape function whose domains follow the strain", why)?;
+        }
+        Ok(())
+    }
+
     /// Add a boundary condition; conditions act in the order they were added.
     ///
     /// # Errors
     /// An axis that does not exist, a symmetry plane between nodes, numbers that are not finite.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
+        self.work.bound(self, boundary)
+    }
+
+    pub(super) fn bound_here(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         boundary.check(self.grid.lattice())?;
-        if <M::Frame as crate::Frame>::TOTAL && matches!(boundary, Boundary::Wall { .. }) {
+        if self.facts().total && matches!(boundary, Boundary::Wall { .. }) {
             return Err(crate::boundary::BoundaryError::WallInReference.into());
         }
         self.conditions.boundaries.push(boundary);
@@ -259,13 +299,13 @@ where
     ///
     /// # Errors
     /// A coefficient outside \[0, 1), or a method that maps momentum and impulse together
-    /// ([`Composition::MAPS_TOGETHER`]), where nodes know no forces.
+    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER)), where nodes know no forces.
     pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
         if !(0.0..1.0).contains(&coefficient) {
             return Err(SceneError::Damping(coefficient));
         }
-        if M::MAPS_TOGETHER && coefficient > 0.0 {
-            return Err(SceneError::NoForces(self.method.describe()));
+        if self.facts().maps_together && coefficient > 0.0 {
+            return Err(SceneError::NoForces(self.facts().description.clone()));
         }
         self.conditions.damping = coefficient;
         Ok(())
@@ -302,7 +342,7 @@ where
 
     /// Make one step, of at most `left` seconds if it can still be shortened.
     ///
-    /// A step that maps momentum and impulse together ([`Composition::MAPS_TOGETHER`]) was planned by the step
+    /// A step that maps momentum and impulse together ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER)) was planned by the step
     /// before it, whose `left` it respects; only its successor follows the `left` given here.
     ///
     /// The stages are those of \[Ma2010\] 1.4 (i - xii). The map of mass, momentum and force that opens a
@@ -310,9 +350,13 @@ where
     ///
     /// # Errors
     /// As [`Mpm::step`].
+    pub fn step_at_most(&mut self, left: f64) -> Result<T, StepError> {
+        self.work.step_at_most(self, left)
+    }
+
     // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
     #[inline(never)]
-    pub fn step_at_most(&mut self, left: f64) -> Result<T, StepError> {
+    pub(super) fn step_at_most_here(&mut self, left: f64) -> Result<T, StepError> {
         if let Some(error) = &self.stopped_by {
             return Err(error.clone());
         }
@@ -327,7 +371,8 @@ where
         let dt = self.time_step(left)?;
         self.plan_rigid(dt)?;
         self.open_references(dt)?;
-        if M::Update::BEFORE_FORCES {
+        let (before_forces, remap) = (self.facts().before_forces, self.facts().remap);
+        if before_forces {
             self.stage(dt).velocities(); // iii: eqs. 2, 3; boundaries
             self.meet(Meeting::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
@@ -345,7 +390,7 @@ where
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
-            if M::Update::REMAP {
+            if remap {
                 self.stage(dt).remap_velocities(dt); // x: eq. 3 again
                 self.meet(Meeting::Remapped, dt); // x, if the contact algorithm wants it
                 self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
@@ -363,7 +408,7 @@ where
         for part in self.ledgers.iter().chain([&self.together]) {
             self.ledger.add(part);
         }
-        if M::Update::BEFORE_FORCES {
+        if self.facts().before_forces {
             self.acting = self.loading();
         }
         for d in 0..3 {
@@ -372,7 +417,7 @@ where
         self.acting = self.loading();
         self.ledger.work += self.acting.power * dt.to_double();
         self.ledger.split = self.bodies.iter().map(|b| b.splits().kinetic).sum();
-        let last = if M::Update::BEFORE_FORCES || M::Update::REMAP { Which::Second } else { Which::First };
+        let last = self.facts().last_pass();
         let age = self.steps - self.arranged;
         let prune = if self.ahead { age >= PRUNE_AHEAD } else { self.steps % PRUNE_EVERY == PRUNE_EVERY - 1 };
         let team = &self.team;
@@ -384,7 +429,7 @@ where
         self.at_particles += clock.elapsed();
         let changed = self.changed.contains(&true);
         if changed || self.fields_changed(prune) {
-            self.ahead = K::SEPARATES && age < OFTEN && self.particles() < FEW * self.blocks();
+            self.ahead = self.contact.separates() && age < OFTEN && self.particles() < FEW * self.blocks();
             self.arrange().map_err(|outside| self.stopped(self.who_left(outside)))?;
         }
         self.time += dt.to_double();
@@ -395,11 +440,11 @@ where
 
     /// Let the bodies meet at the nodes they share.
     fn meet(&mut self, meeting: Meeting, dt: T) {
-        if !K::SEPARATES || (meeting != Meeting::Trial && !self.contact.corrects_strain()) {
+        if !self.contact.separates() || (meeting != Meeting::Trial && !self.contact.corrects_strain()) {
             return;
         }
         let mut encounters = std::mem::take(&mut self.encounters);
-        let contact = &self.contact;
+        let contact = &*self.contact;
         stage!(self, dt).meet(contact, meeting, &mut encounters);
         self.encounters = encounters;
     }
@@ -407,7 +452,7 @@ where
     /// Plan how bodies of prescribed motion move.
     fn plan_rigid(&mut self, dt: T) -> Result<(), StepError> {
         for n in 0..self.rigid.len() {
-            let (body, hoop) = (self.rigid[n], <M::Embedding as crate::Embedding<D>>::HOOP);
+            let (body, hoop) = (self.rigid[n], self.facts().hoop);
             let name = self.bodies[body].name().to_string();
             let planned = self.bodies[body]
                 .rigid_mut()
@@ -446,18 +491,18 @@ where
 
     /// Take contact back from the momentum that the stress update of USF saw.
     fn part(&mut self, dt: T) {
-        if !self.contact.corrects_strain() {
+        if !self.contact.separates() || !self.contact.corrects_strain() {
             return;
         }
         let encounters = &self.encounters;
-        stage!(self, dt).part::<K>(encounters);
+        stage!(self, dt).part(encounters);
     }
 
     /// Do particles reach node blocks where their body has no field, or (asked with `prune`) none any more where
     /// it has one?
     fn fields_changed(&mut self, prune: bool) -> bool {
         let layout = self.fields.layout();
-        K::SEPARATES
+        self.contact.separates()
             && (prune && self.ahead
                 || self.bodies.iter_mut().any(|b| b.presence_mut().reaches_further(layout))
                 || prune && self.fields.outdated(&self.bodies))
@@ -492,12 +537,13 @@ where
 
     /// FMPM: add the terms of the series for the inverse of the full mass matrix to the velocity.
     fn invert_full_mass(&mut self, dt: T) -> Result<(), StepError> {
-        if M::Transfer::ORDER < 2 {
+        let order = self.facts().order;
+        if order < 2 {
             return Ok(());
         }
         let mut terms = std::mem::take(&mut self.terms);
         self.stage(dt).first_terms(&mut terms);
-        for _ in 1..M::Transfer::ORDER {
+        for _ in 1..order {
             self.particle_pass(Which::Smooth, dt)?;
             self.stage(dt).refine_velocities(&mut terms);
         }
@@ -508,7 +554,7 @@ where
     pub(super) fn particle_pass(&mut self, which: Which, dt: T) -> Result<(), StepError> {
         let adapt = matches!(self.control, TimeControl::Courant { .. });
         // Forces act in the step that follows the map; those of USF in this one.
-        let usf = M::Update::BEFORE_FORCES && which == Which::First;
+        let usf = self.facts().before_forces && which == Which::First;
         let force_time = self.time + if usf { 0.0 } else { dt.to_double() };
         let dt = Steps { this: dt, next: self.planned, adapt, force_time };
         let nodes = Nodes { all: self.grid.nodes(), layout: self.fields.layout() };
@@ -541,7 +587,7 @@ where
 
     /// The step to make now; where momentum and impulse are mapped together, plan the next one, too.
     fn time_step(&mut self, left: f64) -> Result<T, StepError> {
-        if !M::MAPS_TOGETHER {
+        if !self.facts().maps_together {
             return self.plan(left);
         }
         let dt = self.planned;
@@ -565,13 +611,14 @@ where
         Ok(T::of(dt.min(left)))
     }
 
-    pub(super) fn stage(&mut self, dt: T) -> Stage<'_, T, D, G> {
+    pub(super) fn stage(&mut self, dt: T) -> Stage<'_, T, D> {
         stage!(self, dt)
     }
 
     /// Have the node blocks that the particles reach, and tell the bodies where they are.
     pub(super) fn arrange(&mut self) -> Result<(), OutsideGrid> {
-        self.fields.arrange(&mut self.grid, &mut self.bodies, K::SEPARATES, self.ahead, &self.team)?;
+        let separate = self.contact.separates();
+        self.fields.arrange(&mut *self.grid, &mut self.bodies, separate, self.ahead, &self.team)?;
         self.encounters.arrange(&self.fields, self.bodies.len());
         self.arranged = self.steps;
         self.arrange_planes();
@@ -579,11 +626,8 @@ where
     }
 
     pub(super) fn arrange_planes(&mut self) {
-        let reach = [
-            <M::Shape as ShapeFunction<T, D>>::Extent::BASE < 0,
-            <M::Shape as ShapeFunction<T, D>>::BOUNDARY_MODIFIED,
-        ];
-        self.planes.arrange(&self.grid, &self.fields, &self.conditions.boundaries, reach);
+        let reach = [self.facts().wide(), self.facts().boundary_modified];
+        self.planes.arrange(&*self.grid, &self.fields, &self.conditions.boundaries, reach);
     }
 
     /// The particle nearest to a block of nodes that the grid has not: the one that asks for it.
@@ -662,12 +706,12 @@ where
         &self.bodies
     }
     /// The grid.
-    pub fn grid(&self) -> &G {
-        &self.grid
+    pub fn grid(&self) -> &dyn GridStorage<T, D> {
+        &*self.grid
     }
-    /// The method.
-    pub fn method(&self) -> &M {
-        &self.method
+    /// What its method is.
+    pub fn facts(&self) -> &Facts {
+        self.kernels.facts()
     }
     /// Number of particles.
     pub fn particles(&self) -> usize {
@@ -685,8 +729,8 @@ where
         sum
     }
     /// The contact algorithm.
-    pub fn contact(&self) -> &K {
-        &self.contact
+    pub fn contact(&self) -> &dyn Contact<T, D> {
+        &*self.contact
     }
     /// The pairs of bodies that were ever in contact: force, nodes and gap in the last step, energy since the
     /// start.
@@ -696,6 +740,10 @@ where
     /// The nodes in contact in the last step, with gap, normal and impulse.
     pub fn contact_nodes(&self) -> Vec<ContactNode> {
         self.encounters.nodes(self.grid.lattice())
+    }
+    /// What its work is handed to.
+    pub(crate) fn work(&self) -> &'static dyn Work<T, D> {
+        self.work
     }
     /// What contact keeps.
     pub(crate) fn encounters(&self) -> &Encounters<T> {

@@ -4,24 +4,16 @@
 //! jets and debris clouds particles part until that happens. The remedy (Ma et al. 2009, in \[Zhang2017\]): when the
 //! accumulated stretch of a particle reaches a limit, two particles half as long take its place.
 
-use mpm_materials::{Check, ParameterError, Stretches};
+use mpm_materials::{Check, Material, ParameterError};
 use nalgebra::{Matrix3, Vector3};
 
-use super::contact::Contact;
-use super::load::{Load, Unloaded};
 use super::merging::Merging;
-use super::particle_body::ParticleBody;
-use super::scene::SceneError;
-use super::solver::Mpm;
-use crate::frame::Frame;
-use crate::geometry::Seeds;
-use crate::grid::GridStorage;
-use crate::method::Composition;
+use super::scatter::MAX_LANES;
 use crate::parallel::Float;
 use crate::particles::Columns;
-use crate::scheme::{PassKind, Splits};
 
-/// When the particles of a body are split: [`Mpm::add_splitting`].
+/// When the particles of a body are split: [`Deformable::with_splitting`](super::Deformable::with_splitting). Its law must keep the
+/// stretch: [`mpm_materials::Stretching`]. A body without pays nothing for this.
 ///
 /// A particle whose largest stretch lambda has reached a limit is cut at the end of the stage that moves it. Its length
 /// along the stretched direction n is then L = 2 l lambda, l its half size at the start. Two children take its place,
@@ -53,7 +45,7 @@ impl Splitting {
     /// Most generations: numbers stay exact.
     const MOST: u32 = 16;
     /// Most cuts that numbers keep count of, where merging takes some back.
-    const DEEPEST: u32 = 40;
+    pub(super) const DEEPEST: u32 = 40;
 
     /// Split at this stretch, which is a length over that at the start or after the last cut.
     ///
@@ -82,15 +74,15 @@ impl Splitting {
     /// Merge particles, too, where cells hold more than they need.
     ///
     /// ```
-    /// # use mpm_core::{BlockGrid, Flip, Linear, Merging, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
-    /// # use mpm_materials::{Stretching, library};
+    /// # use mpm_core::{BlockGrid, Deformable, Flip, Linear, Merging, Method, Mpm, Musl, PlaneStrain, Splitting};
+    /// # use mpm_core::geometry::*;
+    /// # use mpm_materials::{Constitutive, Stretching, library};
     /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
     /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
-    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
-    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    /// # let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
     /// let splitting = Splitting::at(2.0).unwrap().with_merging(Merging::above(8).unwrap());
-    /// let lead = Stretching::new(library::lead::<f64>());
-    /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], splitting).unwrap();
+    /// let lead = Stretching::new(library::lead::<f64>()).compiled();
+    /// mpm.add_body(Deformable::new("ball", lead, &seeds).with_splitting(splitting)).unwrap();
     /// ```
     #[must_use]
     pub fn with_merging(self, merging: Merging) -> Self {
@@ -104,6 +96,10 @@ impl Splitting {
     /// The stretch to split at.
     pub(super) fn stretch(self) -> f64 {
         self.stretch
+    }
+    /// Most cuts of a seed.
+    pub(super) fn generations(self) -> u32 {
+        self.generations
     }
     /// Mass of the lightest particle over that of its seed.
     pub(super) fn lightest(self) -> f64 {
@@ -120,42 +116,33 @@ pub struct SplitBook {
     pub kinetic: f64,
 }
 
-/// Where a body's load is told, since it is one more thing that its passes do.
-impl<const D: usize> Load<D> for Splitting {
-    const ACTS: bool = false;
-    type Pass<K: PassKind> = Splits<K>;
-    fn traction(&self, time: f64) -> [f64; D] {
-        Load::<D>::traction(&Unloaded, time)
-    }
-    fn area(&self, x: &[f64; D], half: &[f64; D]) -> f64 {
-        Load::<D>::area(&Unloaded, x, half)
-    }
-    fn splitting(&self) -> Option<Splitting> {
-        Some(*self)
-    }
-}
-
 /// The numbers of a [`Splitting`] that a pass needs; all zero, and never read, without one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Splitter<T> {
+    /// Are particles split?
+    pub(super) on: bool,
     /// Place of b = F F^T in the law's state.
     pub place: usize,
     /// The square of the stretch to split at.
     pub square: T,
     /// Most cuts.
-    generations: T,
+    pub(super) generations: T,
     /// Parts of a seed that are not cut any more, where particles merge: generations say nothing there. Else none.
-    finest: Option<f64>,
+    pub(super) finest: Option<f64>,
     /// Number of seeds.
-    seeds: T,
+    pub(super) seeds: T,
     /// Half size of a seed, in units of h.
-    half: T,
+    pub(super) half: T,
     /// Node spacing h, m.
-    spacing: T,
+    pub(super) spacing: T,
     /// Rows of the domain: where they begin, and how many they are.
-    domain: (usize, usize),
+    pub(super) domain: (usize, usize),
     /// Row of the mass.
-    mass: usize,
+    pub(super) mass: usize,
+    /// Row of the loaded area, if there is one.
+    pub(super) area: Option<usize>,
+    /// Is the body one of revolution?
+    pub(super) hoop: bool,
 }
 
 /// A symmetric tensor of these components xx, yy, zz, yz, xz, xy.
@@ -173,6 +160,11 @@ pub(super) fn longest<T: Float, const D: usize>(b: [T; 6]) -> (f64, Vector3<f64>
 }
 
 impl<T: Float> Splitter<T> {
+    /// Are particles split?
+    #[inline(always)]
+    pub(super) fn is_on(&self) -> bool {
+        self.on
+    }
     /// Number of seeds.
     pub(super) fn seeds(&self) -> u64 {
         self.seeds.to_double() as u64
@@ -184,40 +176,42 @@ impl<T: Float> Splitter<T> {
         direction * quarter.min(0.5)
     }
 
-    /// The lanes of a group, of those in `may`, that are to be cut. `ratio` is the law's volume ratio, `axis` the radius of the
-    /// bin's centre in units of h, in a body of revolution.
-    #[cold]
-    pub(super) fn long<const D: usize>(
+    /// Is the particle to be cut of which `number` gives the number in a row? `axis` is the radius of the bin's centre in units of h, in
+    /// a body of revolution.
+    pub(super) fn is_long<const D: usize>(
         &self,
-        group: &[T::Row],
-        ratio: &T::Row,
-        mut may: u32,
-        axis: Option<T>,
-    ) -> u32 {
-        let mut long = 0;
-        while may != 0 {
-            let lane = may.trailing_zeros() as usize;
-            may &= may - 1;
-            let number = |row: usize| group[Columns::state(D) + self.place + row].as_ref()[lane];
-            if number(6) >= self.generations {
-                continue;
-            }
-            let b = [0, 1, 2, 3, 4, 5].map(number);
-            // A particle of k cuts is of 2^-k of the volume that its seed has at this volume ratio.
-            let fine = self.finest.is_some_and(|finest| {
-                let part = symmetric(b.map(|x| x.to_double())).determinant().sqrt();
-                ratio.as_ref()[lane].to_double() >= finest * part
-            });
-            let (square, direction) = longest::<T, D>(b);
-            let across = axis.is_some_and(|centre| {
-                let radius = (centre + group[Columns::position()].as_ref()[lane]).to_double();
-                self.offset(square, &direction)[0].abs() >= radius
-            });
-            if square >= self.square.to_double() && !across && !fine {
-                long |= 1 << lane;
-            }
+        number: impl Fn(usize) -> T,
+        material: &dyn Material<T>,
+        axis: T,
+    ) -> bool {
+        let state = |row: usize| number(Columns::state(D) + self.place + row);
+        // The largest principal value is at most the sum of all.
+        let mut trace = state(0);
+        for d in 1..D {
+            trace += state(d);
         }
-        long
+        // False for a value that is not a number.
+        let may = self.square <= trace;
+        if !may || state(6) >= self.generations {
+            return false;
+        }
+        let b = [0, 1, 2, 3, 4, 5].map(state);
+        let (square, direction) = longest::<T, D>(b);
+        let across = self.hoop && {
+            let radius = (axis + number(Columns::position())).to_double();
+            self.offset(square, &direction)[0].abs() >= radius
+        };
+        if square < self.square.to_double() || across {
+            return false;
+        }
+        // A particle of k cuts is of 2^-k of the volume that its seed has at this volume ratio.
+        let fine = |finest: f64| {
+            let numbers: Vec<T> = (0..material.numbers()).map(|n| number(Columns::state(D) + n)).collect();
+            let part = symmetric(b.map(|x| x.to_double())).determinant().sqrt();
+            let ratio = material.describe_point(&numbers).map_or(0.0, |p| p.volume_ratio.to_double());
+            ratio >= finest * part
+        };
+        !self.finest.is_some_and(fine)
     }
 
     /// Make two of the particle whose numbers begin at `first` and end the list: the second one follows it. Lane
@@ -226,7 +220,7 @@ impl<T: Float> Splitter<T> {
         &self,
         list: &mut Vec<T>,
         first: usize,
-        gradient: &[impl AsRef<[T]>],
+        gradient: &[[T; MAX_LANES]; 9],
         lane: usize,
     ) -> T {
         let parent = &mut list[first..];
@@ -236,6 +230,9 @@ impl<T: Float> Splitter<T> {
         let offset = self.offset(square, &direction);
 
         parent[self.mass] *= T::of(0.5);
+        if let Some(area) = self.area {
+            parent[area] *= T::of(0.5);
+        }
         // b loses three quarters of its largest principal value: half of the stretch is left.
         let n = direction;
         let outer = [n[0] * n[0], n[1] * n[1], n[2] * n[2], n[1] * n[2], n[0] * n[2], n[0] * n[1]];
@@ -273,7 +270,7 @@ impl<T: Float> Splitter<T> {
         // Each half of the parent moves as its middle does.
         let mut rate = 0.0;
         for i in 0..D * D {
-            rate += direction[i / D] * gradient[i].as_ref()[lane].to_double() * direction[i % D];
+            rate += direction[i / D] * gradient[i][lane].to_double() * direction[i % D];
         }
         let mut square = T::default();
         for d in 0..D {
@@ -283,102 +280,5 @@ impl<T: Float> Splitter<T> {
             square += w * w;
         }
         list[first + self.mass] * square
-    }
-}
-
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
-    /// Add a body as [`Mpm::add`] does, whose particles are split where they are stretched too far. Its law must keep
-    /// the stretch: [`mpm_materials::Stretching`]. A body added otherwise pays nothing for this.
-    ///
-    /// ```
-    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
-    /// # use mpm_materials::{Stretching, library};
-    /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
-    /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
-    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
-    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
-    /// let lead = Stretching::new(library::lead::<f64>());
-    /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], Splitting::at(2.0).unwrap()).unwrap();
-    /// ```
-    /// ```compile_fail
-    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Splitting, geometry::*};
-    /// # use mpm_materials::{Stretching, library};
-    /// # let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
-    /// # let seeds = fill(&Ball::new([0.0; 2], 5e-3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
-    /// # let method = Method::new(Linear, Flip, Musl, PlaneStrain);
-    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
-    /// let lead = library::lead::<f64>(); // remembers no stretch
-    /// mpm.add_splitting("ball", lead, &seeds, |_| [0.0; 2], Splitting::at(2.0).unwrap()).unwrap();
-    /// ```
-    ///
-    /// # Errors
-    /// As [`Mpm::add`]; particles that are not as long as they are wide; more particles than can be numbered. With
-    /// [`Merging`] also an affine transfer (APIC), domains that are not boxes (CPDI), a law whose states have no mean
-    /// ([`Constitutive::merged`](mpm_materials::Constitutive::merged)), bodies in their reference configuration.
-    pub fn add_splitting<C: Stretches<T>>(
-        &mut self,
-        name: &str,
-        law: C,
-        seeds: &Seeds<D>,
-        velocity: impl Fn([f64; D]) -> [f64; D],
-        splitting: Splitting,
-    ) -> Result<(), SceneError> {
-        const {
-            assert!(
-                !<M::Frame as Frame>::TOTAL,
-                "particles mapped in the reference configuration never part: nothing to split"
-            );
-        }
-        self.check_seeds(name, seeds)?;
-        self.check_numbers(name, seeds, &velocity)?;
-        let body = || name.to_string();
-        let spacing = self.grid.lattice().spacing();
-        for (axis, &half) in seeds.half_size.iter().enumerate() {
-            if (half / seeds.half_size[0] - 1.0).abs() > 1e-9 {
-                let [half, first] = [half, seeds.half_size[0]].map(|x| x / spacing);
-                return Err(SceneError::Oblong { body: body(), axis, half, first });
-            }
-        }
-        if splitting.merging.is_some() {
-            self.check_merging(name, &law)?;
-        }
-        let most = if size_of::<T>() == 4 { 1 << 24 } else { 1usize << 53 };
-        let count = seeds.positions.len() << splitting.generations;
-        if count > most {
-            return Err(SceneError::TooMany { body: body(), count, most });
-        }
-        // Where particles merge, numbers are given as long as there are any.
-        let generations = match splitting.merging {
-            Some(_) => (most / seeds.positions.len()).ilog2().min(Splitting::DEEPEST),
-            None => splitting.generations,
-        };
-        let lattice = *self.grid.lattice();
-        let mut particles = ParticleBody::<T, D, C, M, Splitting>::empty(
-            name,
-            law,
-            self.method,
-            lattice,
-            &seeds.half_size,
-            splitting,
-        );
-        particles.splitter = Splitter {
-            place: C::PLACE,
-            square: T::of(splitting.stretch * splitting.stretch),
-            generations: T::of(f64::from(generations)),
-            finest: splitting.merging.map(|_| 2.0f64.powf(f64::from(splitting.generations) - 0.5)),
-            seeds: T::of(seeds.positions.len() as f64),
-            half: particles.half[0],
-            spacing: T::of(spacing),
-            domain: particles.columns.domains(),
-            mass: particles.columns.mass(),
-        };
-        particles.seed(seeds, velocity, None);
-        self.enter(name, Box::new(particles))
     }
 }

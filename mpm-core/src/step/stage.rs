@@ -1,27 +1,25 @@
-//! The stages that a group of lanes goes through in a pass: from the grid to its particles; strain and law; motion, and
-//! from the particles to the grid.
+//! The stages that a group of lanes goes through in a pass: from the grid to its particles; strain; motion, and from the
+//! particles to the grid. Between strain and motion comes the law ([`super::sweep`]).
 
 use std::marker::PhantomData;
 
-use mpm_materials::{Constitutive, Fault, Kinematics, Lane, Mask, Mat3, State, Sym3};
+use mpm_materials::{Lane, Mask, Mat3, Sym3};
 
 use super::cell::{Moments, from_cell, on_cell};
 use super::convect::Moved;
-use super::gather::{Sampler, Wanted};
-use super::mean::Mean;
+use super::gather::{Gathered, Sampler, Wanted};
 use super::rows::RowsMut;
-use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, NumbersOf, Records, Room, along_axes, scatter};
-use super::sweep::{Cause, Common, ExtentOf, ShapeOf, maps};
+use super::scatter::{
+    AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, Records, Room, SpreadOf, along_axes, scatter,
+};
+use super::spec::{ExtentOf, Spec};
+use super::sweep::{Cause, Common};
 use super::tile::{Reads, Stencilled};
 use super::total;
-use crate::dilatation::Dilatation;
 use crate::dim::{Array, BLOCK, Stencil};
-use crate::embedding::Embedding;
-use crate::frame::Frame;
-use crate::method::Composition;
-use crate::parallel::{Arch, Float, Pack, lane_numbers};
+use crate::parallel::{Arch, Float, Pack, apart, lane_numbers};
 use crate::particles::Columns;
-use crate::scheme::{Nodal, Pass, PassKind};
+use crate::scheme::{Nodal, Pass};
 use crate::shape::ShapeFunction;
 use crate::shape::domain::MOST_NUMBERS;
 use crate::transfer::Transfer;
@@ -30,18 +28,18 @@ use crate::transfer::Transfer;
 #[derive(Clone, Copy)]
 pub(super) struct Stage<P: Lane> {
     /// Position.
-    xi: [P; 3],
+    pub(super) xi: [P; 3],
     /// Velocity.
-    v: [P; 3],
-    mass: P,
+    pub(super) v: [P; 3],
+    pub(super) mass: P,
     /// First nodal vector.
-    nodal: [P; 3],
+    pub(super) nodal: [P; 3],
     /// Second nodal vector.
     increment: [P; 3],
     /// Gradient that strains.
     gradient: Mat3<P>,
     /// Affine fit of the first nodal vector.
-    affine: [[P; 3]; 3],
+    pub(super) affine: [[P; 3]; 3],
     /// Radial velocity that strains around the axis of revolution.
     hoop_velocity: P,
     stress: Sym3<P>,
@@ -51,8 +49,10 @@ pub(super) struct Stage<P: Lane> {
     inverse: Mat3<P>,
     /// G_d of [`super::scatter`], column by column.
     force: Mat3<P>,
+    /// Lanes with a particle.
+    alive: P::Mask,
     /// Particles that stay in their bin.
-    pub(super) staying: P::Mask,
+    staying: P::Mask,
 }
 
 impl<P: Lane> Stage<P> {
@@ -72,6 +72,7 @@ impl<P: Lane> Stage<P> {
             volume: zero,
             inverse: Mat3::identity(),
             force: none,
+            alive: P::Mask::splat(true),
             staying: P::Mask::splat(true),
         }
     }
@@ -85,8 +86,6 @@ pub(super) struct Bin<'a, T: Float, E: Stencil, P> {
     pub(super) nodes: [&'a [[T; 4]]; 2],
     /// x of its centre, m, for the distance to the axis of revolution.
     pub(super) x: P,
-    /// What laws see of a change of volume, if it is not their own.
-    pub(super) mean: Option<Mean<P>>,
 }
 
 /// What the groups of a block sum up beside their nodes.
@@ -94,9 +93,6 @@ pub(super) struct Bin<'a, T: Float, E: Stencil, P> {
 pub(super) struct Found<P> {
     /// Largest speed of signals, m/s.
     pub(super) rate: P,
-    pub(super) flux: [P; 3],
-    pub(super) push: [P; 3],
-    pub(super) power: P,
     /// The first particle of the groups at work that cannot go on, by its lane.
     pub(super) broken: Option<(usize, Cause)>,
 }
@@ -104,15 +100,14 @@ pub(super) struct Found<P> {
 impl<P: Lane> Found<P> {
     #[inline(always)]
     pub(super) fn none() -> Self {
-        let zero = P::zero();
-        Found { rate: zero, flux: [zero; 3], push: [zero; 3], power: zero, broken: None }
+        Found { rate: P::zero(), broken: None }
     }
 }
 
-/// The stages of the pass `K`, with what all groups of a block share.
-pub(super) struct Stages<'a, T: Float, const D: usize, C, M, K, A: Arch<T>> {
-    law: &'a C,
-    method: &'a M,
+/// The stages of the pass `P`, with what all groups of a block share.
+pub(super) struct Stages<'a, T: Float, const D: usize, P: Spec<T, D>, A: Arch<T>> {
+    shape: &'a P::Shape,
+    transfer: &'a P::Transfer,
     common: &'a Common<T>,
     dt: A::Batch,
     spacing: A::Batch,
@@ -120,67 +115,59 @@ pub(super) struct Stages<'a, T: Float, const D: usize, C, M, K, A: Arch<T>> {
     per_density: A::Batch,
     /// 0, 1, 2 ...
     lane_index: A::Batch,
-    pass: PhantomData<K>,
+    pass: PhantomData<P>,
 }
 
-impl<'a, T, const D: usize, C, M, K, A> Stages<'a, T, D, C, M, K, A>
+impl<'a, T, const D: usize, P, A> Stages<'a, T, D, P, A>
 where
     T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    K: PassKind,
+    P: Spec<T, D>,
     A: Arch<T>,
 {
-    const DOES: Pass = K::DOES;
-    const TOTAL: bool = M::Frame::TOTAL;
-    const STRAIN_FIRST: bool = matches!(K::DOES.strain, Some(Nodal::First));
-    const STRAIN_SECOND: bool = matches!(K::DOES.strain, Some(Nodal::Second));
+    const DOES: Pass = P::DOES;
+    const MAPS: Maps = P::MAPS;
+    const STRAIN_FIRST: bool = matches!(P::DOES.strain, Some(Nodal::First));
+    const STRAIN_SECOND: bool = matches!(P::DOES.strain, Some(Nodal::Second));
     /// Do domains follow the motion?
-    const STRETCHES: bool = ShapeOf::<M, T, D>::DOMAIN.carried() && K::DOES.moves;
-    /// Are particles split that are stretched too far?
-    const SPLITS: bool = K::DOES.splits && !M::Frame::TOTAL;
+    const STRETCHES: bool = P::Shape::DOMAIN.carried() && P::DOES.moves;
+    /// May particles be split that are stretched too far, where nothing else asks for the gradient of the velocity?
+    const MAY_SPLIT: bool = P::DOES.moves && P::DOES.velocity && P::DOES.strain.is_none() && !P::TOTAL;
     const SLOPES_FIRST: bool =
-        Self::STRAIN_FIRST || ((Self::STRETCHES || Self::SPLITS) && K::DOES.strain.is_none());
+        Self::STRAIN_FIRST || Self::MAY_SPLIT || (Self::STRETCHES && P::DOES.strain.is_none());
     /// What it reads of a node.
     pub(super) const READS: Reads = Reads {
-        first: (K::DOES.velocity && (M::Transfer::READS_VELOCITY || K::DOES.load || K::DOES.field))
-            || K::DOES.moves
-            || Self::STRAIN_FIRST,
-        second: (K::DOES.velocity && M::Transfer::READS_INCREMENT) || Self::STRAIN_SECOND || K::DOES.smooth,
+        first: (P::DOES.velocity && P::Transfer::READS_VELOCITY) || P::DOES.moves || Self::STRAIN_FIRST,
+        second: (P::DOES.velocity && P::Transfer::READS_INCREMENT) || Self::STRAIN_SECOND || P::DOES.smooth,
     };
     /// Of these it makes coefficients for its particles. Where a bin's particles are a vector or two, nodal sums take fewer
     /// operations, if nothing but values is wanted.
     pub(super) const BY_COEFFICIENTS: Reads = Reads {
-        first: Self::READS.first && !(Self::SUMS_NODES && !Self::SLOPES_FIRST && !M::Transfer::AFFINE),
+        first: Self::READS.first && !(Self::SUMS_NODES && !Self::SLOPES_FIRST && !P::Transfer::AFFINE),
         second: Self::READS.second && !(Self::SUMS_NODES && !Self::STRAIN_SECOND),
     };
     const SUMS_NODES: bool =
-        A::Batch::WIDTH == 8 && ExtentOf::<M, T, D>::NODES == 2 && !ShapeOf::<M, T, D>::DOMAIN.convects();
-    const STATE: usize = <C::State<A::Batch> as State<A::Batch>>::LEN;
-    const MOTION: usize = Columns::state(D);
-    /// First row after the law's state: of the domain, then of loads, displacement and deformation, the mass, and the number, as
-    /// far as they are carried.
-    const REST: usize = Self::MOTION + Self::STATE;
-    /// Rows that every group has.
-    pub(super) const ROWS: usize = Self::REST;
-    /// Rows at work.
-    pub(super) const AT_WORK: usize =
-        if K::DOES.strain.is_some() || K::DOES.force || K::DOES.moves { Self::REST } else { Self::MOTION };
+        A::Batch::WIDTH == 8 && ExtentOf::<P, T, D>::NODES == 2 && !P::Shape::DOMAIN.convects();
 
     #[inline(always)]
-    pub(super) fn new(law: &'a C, method: &'a M, common: &'a Common<T>) -> Self {
+    pub(super) fn new(shape: &'a P::Shape, transfer: &'a P::Transfer, common: &'a Common<T>) -> Self {
         let spacing = A::Batch::splat(common.spacing);
         Stages {
-            law,
-            method,
+            shape,
+            transfer,
             common,
             dt: A::Batch::splat(common.dt),
             spacing,
             per_spacing: spacing.recip(),
-            per_density: A::Batch::splat(law.density()).recip(),
+            per_density: A::Batch::splat(common.density).recip(),
             lane_index: lane_numbers::<T, A::Batch>(),
             pass: PhantomData,
         }
+    }
+
+    /// The time step and the cells' size, for laws.
+    #[inline(always)]
+    pub(super) fn step(&self) -> [A::Batch; 2] {
+        [self.dt, self.spacing]
     }
 
     /// Are these the lanes with a particle?
@@ -192,13 +179,23 @@ where
     /// The domains of the particles of a group.
     #[inline(always)]
     fn domain(&self, rows: &RowsMut<'_, T>) -> [A::Batch; MOST_NUMBERS] {
-        self.common.domains.of::<A::Batch, ShapeOf<M, T, D>, D>(|n: usize| rows.load(Self::REST + n))
+        let domains = &self.common.domains;
+        domains.of::<A::Batch, P::Shape, D>(|n: usize| rows.load(domains.column + n))
     }
 
-    /// The law's state.
+    /// Do laws see the affine fit of the velocity, over the time step, as it is?
+    pub(super) const SHARES: bool =
+        P::DOES.strain.is_some() && P::MAPS.affine && P::Transfer::LEAST_SQUARES && !P::HOOP && !P::TOTAL;
+
+    /// Rows that stages of a pass have in common.
     #[inline(always)]
-    fn state(rows: &RowsMut<'_, T>) -> C::State<A::Batch> {
-        C::State::<A::Batch>::read(&mut rows.reader(Self::MOTION))
+    pub(super) fn load(&self, (rows, here): (&RowsMut<'_, T>, usize), stage: &mut Stage<A::Batch>) {
+        for d in 0..D {
+            stage.xi[d] = rows.load(Columns::position() + d);
+            stage.v[d] = rows.load(Columns::velocity(D) + d);
+        }
+        stage.alive = self.alive(here);
+        stage.mass = self.common.masses.of_group(stage.alive, |row| rows.load(row));
     }
 
     /// Grid to particles.
@@ -206,39 +203,34 @@ where
     pub(super) fn gather(
         &self,
         (rows, here): (&mut RowsMut<'_, T>, usize),
-        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
+        bin: &Bin<'_, T, ExtentOf<P, T, D>, A::Batch>,
         stage: &mut Stage<A::Batch>,
-        found: &mut Found<A::Batch>,
     ) {
-        let (does, reads, maps) = (Self::DOES, Self::READS, maps::<T, D, M, K>());
-        let Stage { xi, v, mass, nodal, gradient, affine, increment, hoop_velocity, .. } = stage;
-        for d in 0..D {
-            xi[d] = rows.load(Columns::position() + d);
-            v[d] = rows.load(Columns::velocity(D) + d);
-        }
-        *mass = self.common.masses.of_group(self.alive(here), |row| rows.load(row));
-        let mut sampler = Sampler::<A::Batch, ExtentOf<M, T, D>>::zero();
+        let (does, reads, maps) = (Self::DOES, Self::READS, Self::MAPS);
+        self.load((rows, here), stage);
+        let Stage { xi, v, nodal, gradient, affine, increment, hoop_velocity, .. } = stage;
+        let mut sampler = Sampler::<A::Batch, ExtentOf<P, T, D>>::zero();
         let by_coefficients = Self::BY_COEFFICIENTS;
-        let mut weights = <ExtentOf<M, T, D> as Stencil>::Nodes::<A::Batch>::filled(A::Batch::zero());
+        let mut weights = <ExtentOf<P, T, D> as Stencil>::Nodes::<A::Batch>::filled(A::Batch::zero());
         if Self::SUMS_NODES {
-            let along = along_axes(self.method.shape(), xi, &self.domain(rows));
-            weights = on_cell::<A::Batch, ExtentOf<M, T, D>>(&along);
+            let along = along_axes(self.shape, xi, &self.domain(rows));
+            weights = on_cell::<A::Batch, ExtentOf<P, T, D>>(&along);
         }
         if by_coefficients.first || by_coefficients.second {
-            sampler = Sampler::of(self.method.shape(), xi, &self.domain(rows), maps.affine);
+            sampler = sampler_of::<T, D, A, P::Shape>(self.shape, xi, &self.domain(rows), maps.affine);
         }
         // First nodal vector (velocity) with what is wanted of it. In the moving-least-squares form the gradient is the
         // affine fit.
         if reads.first && !by_coefficients.first {
             for c in 0..D {
-                nodal[c] = from_cell::<T, A::Batch, ExtentOf<M, T, D>>(&weights, bin.nodes[0], c);
+                nodal[c] = from_cell::<T, A::Batch, ExtentOf<P, T, D>>(&weights, bin.nodes[0], c);
             }
             *hoop_velocity = nodal[0];
         } else if reads.first {
-            let slope = Self::SLOPES_FIRST && !M::Transfer::LEAST_SQUARES;
+            let slope = Self::SLOPES_FIRST && !P::Transfer::LEAST_SQUARES;
             let wanted = Wanted { slope, fit: maps.affine };
             for c in 0..D {
-                let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&bin.stencil.first, c, wanted);
+                let found = gather::<T, D, A, P::Shape>(&sampler, &bin.stencil.first, c, wanted);
                 nodal[c] = found.value;
                 affine[c] = found.fit;
                 if Self::SLOPES_FIRST {
@@ -250,12 +242,12 @@ where
         // Second nodal vector: acceleration (FLIP) or re-mapped velocity (MUSL).
         if reads.second && !by_coefficients.second {
             for c in 0..D {
-                increment[c] = from_cell::<T, A::Batch, ExtentOf<M, T, D>>(&weights, bin.nodes[1], c);
+                increment[c] = from_cell::<T, A::Batch, ExtentOf<P, T, D>>(&weights, bin.nodes[1], c);
             }
         } else if reads.second {
             let wanted = Wanted { slope: Self::STRAIN_SECOND, fit: false };
             for c in 0..D {
-                let found = sampler.gather::<T, ShapeOf<M, T, D>, D>(&bin.stencil.second, c, wanted);
+                let found = gather::<T, D, A, P::Shape>(&sampler, &bin.stencil.second, c, wanted);
                 increment[c] = found.value;
                 if Self::STRAIN_SECOND {
                     gradient.0[c] = found.slope;
@@ -265,163 +257,136 @@ where
                 *hoop_velocity = increment[0];
             }
         }
-        // The forces on the nodes did their work with the velocities in the middle of the step, here mapped to the
-        // particle; where accelerations are not mapped, by what was mapped before.
-        if does.velocity && (does.load || does.field) {
-            let frame = self.common.frame;
-            let area = Self::REST + ShapeOf::<M, T, D>::DOMAIN.numbers(D);
-            for d in 0..D {
-                let change = if reads.second { self.dt * increment[d] } else { nodal[d] - v[d] };
-                let middle = nodal[d] - A::Batch::of(0.5) * change;
-                if does.load {
-                    found.flux[d] = rows.load::<A::Batch>(area).mul_add(middle, found.flux[d]);
-                } else {
-                    let push = *mass * rows.load(frame - D + d);
-                    found.power = push.mul_add(middle, found.power);
-                }
-            }
-        }
         if does.velocity {
             for d in 0..D {
-                v[d] = self.method.transfer().velocity(v[d], nodal[d], self.dt * increment[d], self.dt);
+                v[d] = self.transfer.velocity(v[d], nodal[d], self.dt * increment[d], self.dt);
                 rows.store(Columns::velocity(D) + d, v[d]);
             }
         }
     }
 
-    /// Strain and stress, at the old position. Lanes without a particle do not deform.
+    /// How particles deform at their old positions: a gradient and what makes the increment dt grad v of it that the law sees. Lanes
+    /// without a particle do not deform.
     #[inline(always)]
     pub(super) fn strain(
         &self,
-        (rows, here): (&mut RowsMut<'_, T>, usize),
-        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
-        stage: &mut Stage<A::Batch>,
-        found: &mut Found<A::Batch>,
+        rows: &mut RowsMut<'_, T>,
+        bin: &Bin<'_, T, ExtentOf<P, T, D>, A::Batch>,
+        stage: &Stage<A::Batch>,
+    ) -> (Mat3<A::Batch>, A::Batch) {
+        let step = self.cells(stage);
+        let mut gradient = stage.gradient;
+        if P::HOOP {
+            gradient.0[2][2] = stage.hoop_velocity * self.spacing / stage.xi[0].mul_add(self.spacing, bin.x);
+        }
+        if P::TOTAL {
+            let frame = self.common.frame;
+            let f = total::load::<T, A::Batch, D, _>(rows, frame, P::HOOP);
+            let inverse = total::inverse::<A::Batch, D>(&f);
+            total::store::<T, A::Batch, D>(&(f + gradient * step), rows, frame, P::HOOP);
+            gradient = total::product::<A::Batch, D>(&gradient, &inverse);
+        }
+        (gradient, step)
+    }
+
+    /// Time step over the cells' size, s/m; zero in lanes without a particle.
+    #[inline(always)]
+    fn cells(&self, stage: &Stage<A::Batch>) -> A::Batch {
+        A::Batch::select(stage.alive, self.dt * self.per_spacing, A::Batch::zero())
+    }
+
+    /// Domains follow the motion. They keep their sizes until the particles move, so that all passes of a step use the same
+    /// weights.
+    #[inline(always)]
+    pub(super) fn stretch(
+        &self,
+        rows: &mut RowsMut<'_, T>,
+        bin: &Bin<'_, T, ExtentOf<P, T, D>, A::Batch>,
+        stage: &Stage<A::Batch>,
     ) {
-        let (does, law) = (Self::DOES, self.law);
-        let Stage { xi, v, mass, gradient, hoop_velocity, stress, volume, inverse, .. } = stage;
-        let alive = self.alive(here);
-        let step = A::Batch::select(alive, self.dt, A::Batch::zero());
-        let frame = self.common.frame;
-        // Deformation gradient, if mapped in the reference configuration, and its inverse.
-        let mut f = Mat3::identity();
-        if Self::TOTAL && (does.strain.is_some() || does.force || does.moves) {
-            f = total::load::<T, A::Batch, D, M, _>(rows, frame);
-            *inverse = total::inverse::<A::Batch, D>(&f);
+        if !Self::STRETCHES {
+            return;
         }
-        let mut signals = None;
-        if does.strain.is_some() {
-            let mut deformation = *gradient * (step * self.per_spacing);
-            if M::Embedding::HOOP {
-                deformation.0[2][2] = step * *hoop_velocity / xi[0].mul_add(self.spacing, bin.x);
-            }
-            if Self::TOTAL {
-                f = f + deformation;
-                total::store::<T, A::Batch, D, M>(&f, rows, frame);
-                deformation = total::product::<A::Batch, D>(&deformation, inverse);
-                *inverse = total::inverse::<A::Batch, D>(&f);
-            }
-            let old = Self::state(rows);
-            if M::Dilatation::MEAN
-                && let Some(mean) = &bin.mean
-            {
-                deformation = mean.give::<T, D, M>(deformation, law.volume_ratio(&old));
-            }
-            let kinematics = Kinematics { increment: deformation, dt: self.dt, length: self.spacing };
-            let new = law.update(&kinematics, &old);
-            new.state.write(&mut rows.writer(Self::MOTION));
-            *stress = new.stress;
-            *volume = law.volume_ratio(&new.state) * *mass * self.per_density;
-            if new.fault.any() {
-                found.broken = found.broken.or(first_fault(here, new.fault));
-            }
-            if does.force {
-                signals = Some(new.state);
-            }
-        } else if does.force {
-            let now = Self::state(rows);
-            *stress = law.stress(&now);
-            *volume = law.volume_ratio(&now) * *mass * self.per_density;
-            signals = Some(now);
-        } else if does.moves && self.common.speeds {
-            signals = Some(Self::state(rows));
-        }
-        if let Some(now) = signals
-            && self.common.speeds
-        {
-            let speed = signal::<T, A::Batch, C>(law, &now, v, inverse, Self::TOTAL);
-            found.rate = found.rate.max(A::Batch::select(alive, speed, A::Batch::zero()));
+        let Stage { xi, nodal, gradient, .. } = stage;
+        let cells = self.cells(stage);
+        let mut domain = self.domain(rows);
+        let moved = Moved { xi, nodal, gradient, cells };
+        moved.domain::<T, P::Shape, D>(self.shape, &bin.stencil.first, &mut domain);
+        for n in 0..P::Shape::DOMAIN.numbers(D) {
+            rows.store(self.common.domains.column + n, domain[n]);
         }
     }
 
-    /// Motion, and what the particles give to the nodes from where they are now. Lanes without a particle do not move.
-    /// Which lanes leave the bin, and which are cut in two?
+    /// Take what the law says: stress, volume ratio and, if asked for, wave speed.
+    #[inline(always)]
+    pub(super) fn respond(
+        &self,
+        rows: &RowsMut<'_, T>,
+        stage: &mut Stage<A::Batch>,
+        (stress, ratio, speed): (Sym3<A::Batch>, A::Batch, A::Batch),
+        found: &mut Found<A::Batch>,
+    ) {
+        stage.stress = stress;
+        stage.volume = ratio * stage.mass * self.per_density;
+        if P::TOTAL {
+            let f = total::load::<T, A::Batch, D, _>(rows, self.common.frame, P::HOOP);
+            stage.inverse = total::inverse::<A::Batch, D>(&f);
+        }
+        if self.common.speeds {
+            // Speed of signals over the cells: past a particle, or through the reference configuration.
+            let signal =
+                if P::TOTAL { speed * total::stretch(&stage.inverse) } else { speed + length(&stage.v) };
+            found.rate = found.rate.max(A::Batch::select(stage.alive, signal, A::Batch::zero()));
+        }
+    }
+
+    /// Motion. Lanes without a particle do not move.
+    #[inline(always)]
+    pub(super) fn drift(&self, rows: &mut RowsMut<'_, T>, stage: &mut Stage<A::Batch>) {
+        if !Self::DOES.moves {
+            return;
+        }
+        let cells = self.cells(stage);
+        let frame = self.common.frame;
+        for d in 0..D {
+            if P::TOTAL {
+                let moved = cells.mul_add(stage.nodal[d], rows.load(frame + d));
+                rows.store(frame + d, moved);
+            } else {
+                stage.xi[d] = cells.mul_add(stage.nodal[d], stage.xi[d]);
+                rows.store(Columns::position() + d, stage.xi[d]);
+            }
+        }
+    }
+
+    /// What the particles give to the nodes from where they are now. Which lanes have left the bin?
     #[inline(always)]
     pub(super) fn advance(
         &self,
-        (rows, here): (&mut RowsMut<'_, T>, usize),
-        bin: &Bin<'_, T, ExtentOf<M, T, D>, A::Batch>,
+        (rows, here): (&RowsMut<'_, T>, usize),
+        bin_x: A::Batch,
         stage: &mut Stage<A::Batch>,
         found: &mut Found<A::Batch>,
-        (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
-    ) -> [u32; 2] {
-        let (does, maps) = (Self::DOES, maps::<T, D, M, K>());
-        let Stage { xi, v, mass, nodal, gradient, affine, increment, stress, volume, inverse, .. } = stage;
+        (records, spread): Room<'_, T, A, ExtentOf<P, T, D>>,
+    ) -> u32 {
+        let (does, maps) = (Self::DOES, Self::MAPS);
+        let alive = stage.alive;
+        let Stage { xi, v, mass, affine, increment, stress, volume, inverse, .. } = stage;
         let zero = A::Batch::zero();
-        let alive = self.alive(here);
-        let mut domain = self.domain(rows);
-        let cells = A::Batch::select(alive, self.dt, zero) * self.per_spacing;
-        let frame = self.common.frame;
-        // Domains keep their sizes until the particles move, so that all passes of a step use the same weights.
-        if Self::STRETCHES {
-            let moved = Moved { xi, nodal, gradient, cells };
-            moved.domain::<T, ShapeOf<M, T, D>, D>(self.method.shape(), &bin.stencil.first, &mut domain);
-            for n in 0..ShapeOf::<M, T, D>::DOMAIN.numbers(D) {
-                rows.store(Self::REST + n, domain[n]);
-            }
-        }
-
-        // Position.
+        let domain = self.domain(rows);
         let mut stays = !0;
         stage.staying = alive;
-        if does.moves && Self::TOTAL {
-            for d in 0..D {
-                let moved = cells.mul_add(nodal[d], rows.load(frame + d));
-                rows.store(frame + d, moved);
-            }
-        } else if does.moves {
+        if does.moves && !P::TOTAL {
             let half = A::Batch::of(0.5);
             let mut inside = <A::Batch as Lane>::Mask::splat(true);
             for d in 0..D {
-                xi[d] = cells.mul_add(nodal[d], xi[d]);
-                rows.store(Columns::position() + d, xi[d]);
                 inside = inside & (-half).le(xi[d]) & xi[d].lt(half);
             }
             stays = A::Batch::bits(inside);
             stage.staying = alive & inside;
         }
-
-        // Particles stretched so far that they are cut in two.
-        let mut long = 0;
-        if Self::SPLITS {
-            let splitter = &self.common.splitter;
-            let first = Self::MOTION + splitter.place;
-            let mut trace = rows.load::<A::Batch>(first);
-            for d in 1..D {
-                trace = trace + rows.load(first + d);
-            }
-            // The largest principal value is at most the sum of all.
-            let may = A::Batch::bits(alive & A::Batch::splat(splitter.square).le(trace));
-            if may != 0 {
-                let axis = M::Embedding::HOOP.then(|| bin.x.lane(0) / self.common.spacing);
-                let ratio = self.law.volume_ratio(&Self::state(rows));
-                for (n, group) in ratio.part().iter().enumerate().take(A::Batch::GROUPS) {
-                    let mut ratio = T::Row::default();
-                    group.store(&mut ratio);
-                    let may = may >> (n * T::GROUP) & ((1 << T::GROUP) - 1);
-                    long |= splitter.long::<D>(rows.group(n), &ratio, may, axis) << (n * T::GROUP);
-                }
-            }
+        if does.moves && !does.velocity && !does.has_law() && self.common.speeds {
+            found.rate = found.rate.max(A::Batch::select(alive, length(v), zero));
         }
 
         // Particles to grid, at the new position.
@@ -431,10 +396,9 @@ where
             force_scale = force_scale * A::Batch::splat(self.common.next_dt);
         }
         // In the reference configuration not symmetric.
-        let carried =
-            if Self::TOTAL { total::nominal::<A::Batch, D>(stress, inverse) } else { stress.to_mat() };
+        let carried = if P::TOTAL { total::nominal::<A::Batch, D>(stress, inverse) } else { stress.to_mat() };
         let mut force = carried * -force_scale;
-        if !maps.moments::<ExtentOf<M, T, D>>() {
+        if !maps.moments::<ExtentOf<P, T, D>>() {
             // Lanes without a particle have no volume; but zero times their stress need not be zero.
             for c in 0..D {
                 for d in 0..D {
@@ -449,7 +413,7 @@ where
                     momenta[c][d] = *mass * affine[c][d];
                 }
                 if maps.least_squares {
-                    let per_inertia = self.method.shape().inertia(xi[d], domain[d]).recip();
+                    let per_inertia = self.shape.inertia(xi[d], domain[d]).recip();
                     momenta[c][d] = force.0[c][d].mul_add(per_inertia, momenta[c][d]);
                 }
             }
@@ -459,40 +423,22 @@ where
         }
         let mut impulse = [*mass * momentum[0], *mass * momentum[1], *mass * momentum[2]];
         if maps.direct {
-            let mut direct = [zero; 3];
-            if M::Embedding::HOOP {
-                // The radius of the new position, like the weights.
-                let hoop = -(*volume * carried.0[2][2]) / xi[0].mul_add(self.spacing, bin.x);
-                direct[0] = A::Batch::select(alive, hoop, zero);
+            // Hoop stress, at the radius of the new position, like the weights.
+            let hoop = -(*volume * carried.0[2][2]) / xi[0].mul_add(self.spacing, bin_x);
+            let mut direct = A::Batch::select(alive, hoop, zero);
+            if maps.together {
+                direct = direct * A::Batch::splat(self.common.next_dt);
             }
-            if does.load {
-                let area = rows.load::<A::Batch>(Self::REST + ShapeOf::<M, T, D>::DOMAIN.numbers(D));
-                for d in 0..D {
-                    direct[d] = area.mul_add(A::Batch::splat(self.common.traction[d]), direct[d]);
-                }
+            if maps.least_squares {
+                impulse[0] = impulse[0] + direct;
             }
-            if does.field {
-                for d in 0..D {
-                    let push = *mass * rows.load(frame - D + d);
-                    direct[d] = direct[d] + push;
-                    found.push[d] = found.push[d] + push;
-                }
-            }
-            for d in 0..D {
-                if maps.together {
-                    direct[d] = direct[d] * A::Batch::splat(self.common.next_dt);
-                }
-                if maps.least_squares {
-                    impulse[d] = impulse[d] + direct[d];
-                }
-            }
-            A::Batch::records(zero, direct[0], direct[1], direct[2], &mut records[DIRECT]);
+            A::Batch::records(zero, direct, zero, zero, &mut records[DIRECT]);
         }
         fill_records::<T, A, D>(records, *mass, impulse, &momenta, xi, maps);
-        if maps.slopes() && !maps.moments::<ExtentOf<M, T, D>>() {
+        if maps.slopes() && !maps.moments::<ExtentOf<P, T, D>>() {
             force_records::<T, A, D>(records, &force);
         }
-        let sound = spread.place(self.method.shape(), xi, &domain, maps.slopes());
+        let sound = place::<T, D, A, P::Shape>(spread, self.shape, xi, &domain, maps.slopes());
         if maps.convected {
             let sound = A::Batch::bits(zero.lt(sound));
             if does.moves && !sound & ((1 << here) - 1) != 0 {
@@ -500,26 +446,25 @@ where
             }
         }
         stage.force = force;
-        [if does.moves && !Self::TOTAL { !stays & ((1 << here) - 1) } else { 0 }, long]
+        if does.moves && !P::TOTAL { !stays & ((1 << here) - 1) } else { 0 }
     }
 
-    /// The velocity gradient of the particles of a group, 1/s, D x D rows, for those that are cut in two.
+    /// The velocity gradient of the particles of a group, 1/s, D x D numbers each, for those that are cut in two.
     #[inline(always)]
-    pub(super) fn spread_of(&self, stage: &Stage<A::Batch>) -> [NumbersOf<T, A>; 9] {
-        let mut spread = [Default::default(); 9];
-        if Self::SPLITS {
-            for i in 0..D * D {
-                (stage.gradient.0[i / D][i % D] * self.per_spacing).store(&mut spread[i]);
+    pub(super) fn spread_of(&self, stage: &Stage<A::Batch>, spread: &mut [[T; MAX_LANES]; 9]) {
+        for i in 0..D * D {
+            let rate = stage.gradient.0[i / D][i % D] * self.per_spacing;
+            for lane in 0..A::Batch::WIDTH {
+                spread[i][lane] = rate.lane(lane);
             }
         }
-        spread
     }
 
     /// Put the records of forces, which go by way of moments, beside the others, for particles that leave; of those, `long`
     /// are cut in two.
     #[inline(always)]
     pub(super) fn part(stage: &mut Stage<A::Batch>, long: u32, records: &mut Records<T>) {
-        if maps::<T, D, M, K>().moments::<ExtentOf<M, T, D>>() {
+        if Self::MAPS.moments::<ExtentOf<P, T, D>>() {
             force_records::<T, A, D>(records, &stage.force);
             stage.staying = stage.staying & !lanes_of::<T, A>(long);
         }
@@ -531,31 +476,31 @@ where
         here: usize,
         corner: usize,
         stage: &mut Stage<A::Batch>,
-        (records, spread): Room<'_, T, A, ExtentOf<M, T, D>>,
-        moments: &mut Moments<A::Quad, ExtentOf<M, T, D>>,
+        (records, spread): Room<'_, T, A, ExtentOf<P, T, D>>,
+        moments: &mut Moments<A::Quad, ExtentOf<P, T, D>>,
         tiles: [&mut [[T; 4]]; 2],
     ) {
-        let maps = maps::<T, D, M, K>();
-        let by_moments = maps.moments::<ExtentOf<M, T, D>>();
-        if by_moments {
+        let maps = Self::MAPS;
+        if maps.moments::<ExtentOf<P, T, D>>() {
             for c in 0..D {
                 for d in 0..D {
                     let force = &mut stage.force.0[c][d];
                     *force = A::Batch::select(stage.staying, *force, A::Batch::zero());
                 }
             }
-            moments.add_group::<T, A>(&stage.xi, &stage.force);
+            add_group::<T, A, ExtentOf<P, T, D>>(moments, &stage.xi, &stage.force);
         }
-        let wide = ExtentOf::<M, T, D>::NODES > 2;
+        let wide = ExtentOf::<P, T, D>::NODES > 2;
         match A::Batch::WIDTH {
+            1 => scatter::<T, A, ExtentOf<P, T, D>, 1>(tiles, corner, spread, records, maps),
             4 if here <= 2 && wide => {
-                scatter::<T, A, ExtentOf<M, T, D>, 2>(tiles, corner, spread, records, maps)
+                scatter::<T, A, ExtentOf<P, T, D>, 2>(tiles, corner, spread, records, maps)
             }
-            4 => scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, corner, spread, records, maps),
+            4 => scatter::<T, A, ExtentOf<P, T, D>, 4>(tiles, corner, spread, records, maps),
             _ if here <= 4 && (wide || A::Batch::GROUPS > 1) => {
-                scatter::<T, A, ExtentOf<M, T, D>, 4>(tiles, corner, spread, records, maps)
+                scatter::<T, A, ExtentOf<P, T, D>, 4>(tiles, corner, spread, records, maps)
             }
-            _ => scatter::<T, A, ExtentOf<M, T, D>, 8>(tiles, corner, spread, records, maps),
+            _ => scatter::<T, A, ExtentOf<P, T, D>, 8>(tiles, corner, spread, records, maps),
         }
     }
 }
@@ -567,15 +512,76 @@ pub(super) fn centre_x<T: Float>(common: &Common<T>, block: i32, bin: usize, cen
     common.origin + common.spacing * T::of(cells)
 }
 
-/// Speed of signals past a particle, c + |v|, m/s.
+/// [`Sampler::of`].
 #[inline(always)]
-fn speed<T, P, C>(law: &C, now: &C::State<P>, v: &[P; 3]) -> P
-where
-    T: Float,
-    P: Pack<T>,
-    C: Constitutive<T>,
-{
-    law.wave_speed(now) + v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2])).sqrt()
+fn sampler_of<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
+    shape: &S,
+    xi: &[A::Batch; 3],
+    domain: &[A::Batch; MOST_NUMBERS],
+    fit: bool,
+) -> Sampler<A::Batch, S::Extent> {
+    if A::APART { apart(|| Sampler::of(shape, xi, domain, fit)) } else { Sampler::of(shape, xi, domain, fit) }
+}
+
+/// [`Sampler::gather`].
+#[inline(always)]
+fn gather<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
+    sampler: &Sampler<A::Batch, S::Extent>,
+    nodes: &<S::Extent as Stencil>::Nodes<[T; 4]>,
+    c: usize,
+    wanted: Wanted,
+) -> Gathered<A::Batch> {
+    if A::APART {
+        return apart(|| sampler.gather::<T, S, D>(nodes, c, wanted));
+    }
+    sampler.gather::<T, S, D>(nodes, c, wanted)
+}
+
+/// [`super::scatter::Spread::place`].
+#[inline(always)]
+fn place<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
+    spread: &mut SpreadOf<T, A, S::Extent>,
+    shape: &S,
+    xi: &[A::Batch; 3],
+    domain: &[A::Batch; MOST_NUMBERS],
+    force: bool,
+) -> A::Batch {
+    if A::APART {
+        return apart(|| spread.place(shape, xi, domain, force));
+    }
+    spread.place(shape, xi, domain, force)
+}
+
+/// [`Moments::add_group`].
+#[inline(always)]
+fn add_group<T: Float, A: Arch<T>, E: Stencil>(
+    moments: &mut Moments<A::Quad, E>,
+    xi: &[A::Batch; 3],
+    force: &Mat3<A::Batch>,
+) {
+    if A::APART {
+        return apart(|| moments.add_group::<T, A>(xi, force));
+    }
+    moments.add_group::<T, A>(xi, force);
+}
+
+/// [`Moments::give`].
+#[inline(always)]
+pub(super) fn give_moments<T: Float, A: Arch<T>, E: Stencil>(
+    moments: &Moments<A::Quad, E>,
+    nodes: &mut [[T; 4]],
+    corner: usize,
+) {
+    if A::APART {
+        return apart(|| moments.give::<T>(nodes, corner));
+    }
+    moments.give::<T>(nodes, corner);
+}
+
+/// Length of a vector.
+#[inline(always)]
+fn length<P: Lane>(v: &[P; 3]) -> P {
+    v[0].mul_add(v[0], v[1].mul_add(v[1], v[2] * v[2])).sqrt()
 }
 
 /// The records of a group but those of forces; see [`super::scatter`].
@@ -623,25 +629,8 @@ fn lanes_of<T: Float, A: Arch<T>>(bits: u32) -> <A::Batch as Lane>::Mask {
     A::Batch::zero().lt(set)
 }
 
-/// Speed of signals over the cells, m/s: past a particle, or through the reference configuration.
-#[inline(always)]
-fn signal<T, P, C>(law: &C, now: &C::State<P>, v: &[P; 3], inverse: &Mat3<P>, total: bool) -> P
-where
-    T: Float,
-    P: Pack<T>,
-    C: Constitutive<T>,
-{
-    if total { total::speed::<T, P, C>(law, now, inverse) } else { speed(law, now, v) }
-}
-
 /// The first of the particles whose domain is turned inside out.
 #[cold]
 fn first_inside_out(here: usize, sound: u32) -> Option<(usize, Cause)> {
     (0..here).find(|lane| sound >> lane & 1 == 0).map(|lane| (lane, Cause::InsideOut))
-}
-
-/// The first of the particles whose law broke down.
-#[cold]
-fn first_fault<T: Float, L: Lane<Real = T>>(here: usize, fault: Fault<L>) -> Option<(usize, Cause)> {
-    (0..here).find_map(|lane| Some((lane, Cause::Law(fault.cause(lane)?))))
 }

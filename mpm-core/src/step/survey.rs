@@ -3,18 +3,16 @@
 //! Nodes of a block are given by a bit each, x fastest. Only bins whose stencil has one of them are visited:
 //! slots around the block, bins and particles in order of place, so that the sums do not depend on threads.
 
-use mpm_materials::{Constitutive, Lane, State, Sym3};
+use mpm_materials::material::{Material, Response, States};
+use mpm_materials::{Lane, Sym3};
 
-use super::load::Load;
 use super::migrate::Domains;
 use super::particle_body::{ParticleBody, offset};
-use super::rows::Rows;
-use super::sweep::{ExtentOf, ShapeOf, Slot};
-use crate::dim::{Array, BLOCK, Stencil, block_nodes, neighbours};
-use crate::method::Composition;
-use crate::parallel::{Arch, Float, Kernel, Pack, lane_numbers};
+use super::sweep::Slot;
+use crate::dim::{BLOCK, Stencil, block_nodes, first_node, neighbours};
+use crate::parallel::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 use crate::particles::{Columns, Masses};
-use crate::shape::domain::{MOST_NUMBERS, Table, table};
+use crate::shape::domain::{Table, table};
 use crate::shape::{ShapeFunction, Weights, node_offset};
 
 /// A quantity of a body at a node.
@@ -52,33 +50,33 @@ pub struct Near<T> {
 }
 
 /// For each of the nodes of a stencil: its place in the block, if the survey is about it.
-struct Reached<E: Stencil> {
-    node: E::Nodes<u8>,
+struct Reached {
+    node: [u8; block_nodes(3)],
 }
 
 const OUTSIDE: u8 = u8::MAX;
 
-/// Places in a node block of the stencil of the bin at `first` (coordinates of its first stencil node, relative
-/// to the block's first node), as far as they are in `nodes`.
+/// Places in a node block of the stencil, of `count` nodes an axis, of the bin at `first` (coordinates of its first stencil node,
+/// relative to the block's first node), as far as they are in `nodes`.
 #[inline(always)]
-fn reached<E: Stencil, const D: usize>(first: [i32; 3], nodes: u64) -> Reached<E> {
-    let mut found: Reached<E> = Reached { node: Array::filled(OUTSIDE) };
+fn reached<const D: usize>(count: usize, first: [i32; 3], nodes: u64) -> Reached {
+    let mut found = Reached { node: [OUTSIDE; block_nodes(3)] };
     let inside = 0..BLOCK as i32;
-    for c in 0..E::LAYERS {
+    for c in 0..if D == 3 { count } else { 1 } {
         let z = if D == 3 { first[2] + c as i32 } else { 0 };
-        for b in 0..E::NODES {
+        for b in 0..count {
             let y = first[1] + b as i32;
             if !inside.contains(&z) || !inside.contains(&y) {
                 continue;
             }
-            for a in 0..E::NODES {
+            for a in 0..count {
                 let x = first[0] + a as i32;
                 if !inside.contains(&x) {
                     continue;
                 }
                 let node = (z * BLOCK as i32 + y) * BLOCK as i32 + x;
                 if nodes & (1 << node) != 0 {
-                    found.node[(c * E::NODES + b) * E::NODES + a] = node as u8;
+                    found.node[(c * count + b) * count + a] = node as u8;
                 }
             }
         }
@@ -105,14 +103,14 @@ fn moved(set: u64, by: i32, axis: usize) -> u64 {
     if by < 0 { set.wrapping_shr(shift) } else { set.wrapping_shl(shift) }
 }
 
-/// The nodes of a block at offset `o` from a slot that stencils of the slot's `bins` have.
+/// The nodes of a block at offset `o` from a slot that stencils, of `count` nodes an axis, of the slot's `bins` have.
 #[inline(always)]
-pub(super) fn nodes_of<E: Stencil, const D: usize>(o: &[i32; D], bins: u64) -> u64 {
+pub(super) fn nodes_of<const D: usize>(count: usize, o: &[i32; D], bins: u64) -> u64 {
     let mut set = bins;
     for d in 0..D {
         let mut nodes = 0;
-        for a in 0..E::NODES as i32 {
-            nodes |= moved(set, E::BASE + a - o[d] * BLOCK as i32, d);
+        for a in 0..count as i32 {
+            nodes |= moved(set, first_node(count) + a - o[d] * BLOCK as i32, d);
         }
         set = nodes;
     }
@@ -128,14 +126,14 @@ pub(super) fn beside<const D: usize>(o: &[i32; D], bins: u64) -> u64 {
     set
 }
 
-/// The bins of a slot at offset `o` from the block whose stencils have one of `nodes`.
+/// The bins of a slot at offset `o` from the block whose stencils, of `count` nodes an axis, have one of `nodes`.
 #[inline(always)]
-fn bins_at<E: Stencil, const D: usize>(o: &[i32; D], nodes: u64) -> u64 {
+fn bins_at<const D: usize>(count: usize, o: &[i32; D], nodes: u64) -> u64 {
     let mut set = nodes;
     for d in 0..D {
         let mut bins = 0;
-        for a in 0..E::NODES as i32 {
-            bins |= moved(set, -(o[d] * BLOCK as i32 + E::BASE + a), d);
+        for a in 0..count as i32 {
+            bins |= moved(set, -(o[d] * BLOCK as i32 + first_node(count) + a), d);
         }
         set = bins;
     }
@@ -144,11 +142,11 @@ fn bins_at<E: Stencil, const D: usize>(o: &[i32; D], nodes: u64) -> u64 {
 
 /// The bins of the slots around a block that have one of `nodes` in their stencil, with particles in them.
 macro_rules! for_bins {
-    ($slots:expr, $contributors:expr, $nodes:expr, $extent:ty, $d:ident, $masses:expr, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
+    ($slots:expr, $contributors:expr, $nodes:expr, $count:expr, $d:ident, $masses:expr, |$slot:ident, $bin:ident, $at:ident| $do:block) => {
         for around in 0..neighbours($d) {
             let Some($slot) = $slots.get($contributors[around] as usize) else { continue };
             let o = offset::<$d>(around);
-            let mut set = bins_at::<$extent, $d>(&o, $nodes);
+            let mut set = bins_at::<$d>($count, &o, $nodes);
             while set != 0 {
                 let $bin = set.trailing_zeros() as usize;
                 set &= set - 1;
@@ -161,182 +159,212 @@ macro_rules! for_bins {
                 let mut first = [0; 3];
                 for d in 0..$d {
                     let place = $bin / BLOCK.pow(d as u32) % BLOCK;
-                    first[d] = o[d] * BLOCK as i32 + place as i32 + <$extent>::BASE;
+                    first[d] = o[d] * BLOCK as i32 + place as i32 + first_node($count);
                 }
-                let $at = reached::<$extent, $d>(first, $nodes);
+                let $at = reached::<$d>($count, first, $nodes);
                 $do
             }
         }
     };
 }
 
-/// The survey `WHAT` of the particles around a block.
-struct SurveyBlock<'a, T: Float, const D: usize, C, M: Composition<T, D>, const WHAT: u8> {
-    law: &'a C,
-    method: &'a M,
-    slots: &'a [Slot<T, D>],
-    contributors: &'a [u32],
-    nodes: u64,
-    normals: &'a [[T; 3]],
-    out: &'a mut [[T; 3]],
-    half: [T; 3],
-    spacing: T,
-    domain: usize,
-    masses: Masses<T>,
+/// What a survey is about.
+pub struct Surveyed<'a, T: Float, const D: usize> {
+    pub(super) what: Survey,
+    pub(super) material: &'a dyn Material<T>,
+    pub(super) slots: &'a [Slot<T, D>],
+    /// The slots around the block.
+    pub(super) contributors: &'a [u32],
+    pub(super) nodes: u64,
+    pub(super) normals: &'a [[T; 3]],
+    pub(super) out: &'a mut [[T; 3]],
+    pub(super) domains: Domains<T>,
+    pub(super) spacing: T,
+    pub(super) masses: Masses<T>,
 }
 
-const MASS_GRADIENT: u8 = 0;
-const VOLUME_GRADIENT: u8 = 1;
-const REACH: u8 = 2;
-const TRACTION: u8 = 3;
-const CENTRES: u8 = 4;
-const LOCAL_REACH: u8 = 5;
+/// A survey of the particles around a block by their weights ([`GRADIENT`], [`TRACTION`]) or places ([`REACH`]).
+pub(super) struct SurveyBlock<'a, T: Float, const D: usize, S, const KIND: u8> {
+    pub(super) shape: &'a S,
+    pub(super) about: Surveyed<'a, T, D>,
+    /// What the law says of the groups that are visited, in turn, where that is asked.
+    pub(super) said: &'a [Response<T>],
+}
+
+/// Sums of gradients of weights, times masses or volumes.
+pub(super) const GRADIENT: u8 = 0;
+/// How far particles reach.
+pub(super) const REACH: u8 = 1;
+/// Sums of normal stresses.
+pub(super) const TRACTION: u8 = 2;
 
 /// How far from the line through a node a particle may be to count for [`Survey::LocalReach`], squared, in cells;
 /// those half a cell away to either side count alike, whatever the rounding.
 const BESIDE: f64 = 0.25 + 1e-6;
 
-impl<T, const D: usize, C, M, const WHAT: u8> Kernel<T> for SurveyBlock<'_, T, D, C, M, WHAT>
+/// What the law says of the groups that a survey visits, bin by bin.
+pub(super) fn asked<T: Float, const D: usize>(about: &Surveyed<'_, T, D>, count: usize) -> Vec<Response<T>> {
+    let mut said = Vec::new();
+    if !matches!(about.what, Survey::VolumeGradient | Survey::Traction) {
+        return said;
+    }
+    let Surveyed { slots, contributors, nodes, masses, material, .. } = about;
+    for_bins!(slots, contributors, *nodes, count, D, masses, |slot, bin, _at| {
+        let mut groups = Vec::new();
+        let mut next = slot.block.last_group(bin);
+        while let Some((group, _)) = next {
+            next = slot.block.group_before(group);
+            groups.push(group);
+        }
+        let (all, stride) = slot.block.all_rows();
+        let mut response = Response::default();
+        material.describe(States { all, stride, first: Columns::state(D), groups: &groups }, &mut response);
+        said.push(response);
+    });
+    said
+}
+
+impl<T, const D: usize, S, const KIND: u8> Kernel<T> for SurveyBlock<'_, T, D, S, KIND>
 where
     T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
+    S: ShapeFunction<T, D>,
 {
+    const VECTORS: Vectors = if KIND == TRACTION { Vectors::Plain } else { Vectors::Avx2 };
     type Output = ();
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let SurveyBlock {
-            law,
-            method,
-            slots,
-            contributors,
-            nodes,
-            normals,
-            out,
-            half,
-            spacing,
-            domain,
-            masses,
-        } = self;
-        let count = <ExtentOf<M, T, D> as Stencil>::NODES;
-        let layers = <ExtentOf<M, T, D> as Stencil>::LAYERS;
+        let SurveyBlock { shape, about, said } = self;
+        let Surveyed { what, material, slots, contributors, nodes, normals, out, domains, spacing, masses } =
+            about;
+        let count = S::Extent::NODES;
+        let layers = S::Extent::LAYERS;
         let (zero, one) = (A::Pack::zero(), A::Pack::one());
         let lowest = A::Pack::of(-1e30);
-        let carries = ShapeOf::<M, T, D>::DOMAIN.carried();
-        let convects = ShapeOf::<M, T, D>::DOMAIN.convects();
-        let reaches = WHAT == REACH || WHAT == CENTRES || WHAT == LOCAL_REACH;
+        let carries = S::DOMAIN.carried();
+        let convects = S::DOMAIN.convects();
+        let reaches = KIND == REACH;
+        let (centres, local) = (what == Survey::CentreReach, what == Survey::LocalReach);
+        let per_density = A::Pack::splat(material.density()).recip();
         // A sum a node and lane; lanes are added up at the end.
         let mut sums = [[if reaches { lowest } else { zero }; 3]; block_nodes(3)];
         // Half sizes along the normals, where they are the same for all particles.
         let mut sizes = [T::default(); block_nodes(3)];
-        if reaches && WHAT != CENTRES && !carries {
+        if reaches && !centres && !carries {
             let mut left = nodes;
             while left != 0 {
                 let node = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let mut square = T::default();
                 for d in 0..D {
-                    square += half[d] * normals[node][d] * (half[d] * normals[node][d]);
+                    square += domains.half[d] * normals[node][d] * (domains.half[d] * normals[node][d]);
                 }
                 sizes[node] = square.sqrt();
             }
         }
         let lane_index = lane_numbers::<T, A::Pack>();
-        for_bins!(slots, contributors, nodes, ExtentOf<M, T, D>, D, masses, |slot, bin, at| {
+        let mut visited = 0;
+        for_bins!(slots, contributors, nodes, count, D, masses, |slot, bin, at| {
+            let of_bin = said.get(visited);
+            visited += 1;
+            let mut number = 0;
             let mut next = slot.block.last_group(bin);
-            while let Some((group, here)) = next {
+            while let Some((group, in_group)) = next {
                 next = slot.block.group_before(group);
                 let group = slot.block.group(group);
-                let alive = lane_index.lt(A::Pack::of(here as f64));
-                let mut xi = [zero; 3];
-                let size = Domains { column: domain, half }
-                    .of::<A::Pack, ShapeOf<M, T, D>, D>(|n| A::Pack::load(&group[domain + n]));
-                let mut w = [Weights::<A::Pack, ExtentOf<M, T, D>>::zero(); 3];
-                let mut weights = Table::<A::Pack, ExtentOf<M, T, D>>::zero();
-                for d in 0..D {
-                    xi[d] = A::Pack::load(&group[Columns::position() + d]);
-                    if !reaches && !convects {
-                        w[d] = method.shape().weights(xi[d], size[d]);
+                let of_group = of_bin.map(|of| (&of.said()[number / 2], number % 2));
+                number += 1;
+                for lane in (0..in_group).step_by(A::Pack::WIDTH) {
+                    let here = in_group - lane;
+                    let alive = lane_index.lt(A::Pack::of(here as f64));
+                    let mut xi = [zero; 3];
+                    let size = domains
+                        .of::<A::Pack, S, D>(|n| of_row::<T, A::Pack>(&group[domains.column + n], lane));
+                    let mut w = [Weights::<A::Pack, S::Extent>::zero(); 3];
+                    let mut weights = Table::<A::Pack, S::Extent>::zero();
+                    for d in 0..D {
+                        xi[d] = of_row::<T, A::Pack>(&group[Columns::position() + d], lane);
+                        if !reaches && !convects {
+                            w[d] = shape.weights(xi[d], size[d]);
+                        }
                     }
-                }
-                if !reaches && convects {
-                    weights = table::<T, A::Pack, ShapeOf<M, T, D>, D>(&xi, &size);
-                }
-                if D == 2 {
-                    w[2].value[0] = one;
-                }
-                let mass = masses.of_group(alive, |row| A::Pack::load(&group[row]));
-                let mut amount = mass;
-                let mut stress = Sym3::<A::Pack>::zero();
-                if WHAT == VOLUME_GRADIENT || WHAT == TRACTION {
-                    let now = C::State::<A::Pack>::read(&mut Rows::of(group).reader(Columns::state(D)));
-                    if WHAT == VOLUME_GRADIENT {
-                        amount = law.volume_ratio(&now) * mass * A::Pack::splat(law.density()).recip();
-                    } else {
-                        stress = law.stress(&now);
+                    if !reaches && convects {
+                        weights = table::<T, A::Pack, S, D>(&xi, &size);
                     }
-                }
-                for c in 0..layers {
-                    for b in 0..count {
-                        // What the nodes of a row have in common, of a gradient and of a weight.
-                        let (y, z) = (w[1].value[b], w[2].value[c] * amount);
-                        let (yz, dyz) = (y * z, w[1].slope[b] * z);
-                        let ydz = if D == 3 { y * (w[2].slope[c] * amount) } else { zero };
-                        for a in 0..count {
-                            let node = at.node[(c * count + b) * count + a] as usize;
-                            if node >= block_nodes(3) {
-                                continue;
+                    if D == 2 {
+                        w[2].value[0] = one;
+                    }
+                    let mass = masses.of_group(alive, |row| of_row::<T, A::Pack>(&group[row], lane));
+                    let mut amount = mass;
+                    let mut stress = Sym3::<A::Pack>::zero();
+                    if let Some((said, half)) = of_group {
+                        if KIND == GRADIENT {
+                            amount = A::Pack::from_pair(&said.volume_ratio, half, lane) * mass * per_density;
+                        } else if KIND == TRACTION {
+                            for i in 0..6 {
+                                stress.0[i] = A::Pack::from_pair(&said.stress[i], half, lane);
                             }
-                            let sum = &mut sums[node];
-                            let of_table = (c * count + b) * count + a;
-                            if (WHAT == MASS_GRADIENT || WHAT == VOLUME_GRADIENT) && convects {
+                        }
+                    }
+                    for c in 0..layers {
+                        for b in 0..count {
+                            // What the nodes of a row have in common, of a gradient and of a weight.
+                            let (y, z) = (w[1].value[b], w[2].value[c] * amount);
+                            let (yz, dyz) = (y * z, w[1].slope[b] * z);
+                            let ydz = if D == 3 { y * (w[2].slope[c] * amount) } else { zero };
+                            for a in 0..count {
+                                let node = at.node[(c * count + b) * count + a] as usize;
+                                if node >= block_nodes(3) {
+                                    continue;
+                                }
+                                let sum = &mut sums[node];
+                                let of_table = (c * count + b) * count + a;
+                                if KIND == GRADIENT && convects {
+                                    for d in 0..D {
+                                        sum[d] = weights.slope[d][of_table].mul_add(amount, sum[d]);
+                                    }
+                                    continue;
+                                }
+                                if KIND == GRADIENT {
+                                    sum[0] = w[0].slope[a].mul_add(yz, sum[0]);
+                                    sum[1] = w[0].value[a].mul_add(dyz, sum[1]);
+                                    if D == 3 {
+                                        sum[2] = w[0].value[a].mul_add(ydz, sum[2]);
+                                    }
+                                    continue;
+                                }
+                                let n = normals[node];
+                                let n = [A::Pack::splat(n[0]), A::Pack::splat(n[1]), A::Pack::splat(n[2])];
+                                if KIND == TRACTION {
+                                    let t = normal_stress(&stress, &n);
+                                    let weighted = match convects {
+                                        true => weights.value[of_table] * amount,
+                                        false => w[0].value[a] * yz,
+                                    };
+                                    sum[0] = weighted.mul_add(t, sum[0]);
+                                    continue;
+                                }
+                                let place = [a, b, c];
+                                let (mut along, mut away) = (zero, zero);
                                 for d in 0..D {
-                                    sum[d] = weights.slope[d][of_table].mul_add(amount, sum[d]);
-                                }
-                                continue;
-                            }
-                            if WHAT == MASS_GRADIENT || WHAT == VOLUME_GRADIENT {
-                                sum[0] = w[0].slope[a].mul_add(yz, sum[0]);
-                                sum[1] = w[0].value[a].mul_add(dyz, sum[1]);
-                                if D == 3 {
-                                    sum[2] = w[0].value[a].mul_add(ydz, sum[2]);
-                                }
-                                continue;
-                            }
-                            let n = normals[node];
-                            let n = [A::Pack::splat(n[0]), A::Pack::splat(n[1]), A::Pack::splat(n[2])];
-                            if WHAT == TRACTION {
-                                let t = normal_stress(&stress, &n);
-                                let weighted = match convects {
-                                    true => weights.value[of_table] * amount,
-                                    false => w[0].value[a] * yz,
-                                };
-                                sum[0] = weighted.mul_add(t, sum[0]);
-                                continue;
-                            }
-                            let place = [a, b, c];
-                            let (mut along, mut away) = (zero, zero);
-                            for d in 0..D {
-                                let x = xi[d] - A::Pack::of(node_offset::<ExtentOf<M, T, D>>(place[d]));
-                                along = x.mul_add(n[d], along);
-                                if WHAT == LOCAL_REACH {
+                                    let x = xi[d] - A::Pack::of(node_offset::<S::Extent>(place[d]));
+                                    along = x.mul_add(n[d], along);
                                     away = x.mul_add(x, away);
                                 }
+                                let half = if centres {
+                                    zero
+                                } else if carries {
+                                    S::DOMAIN.half_along::<A::Pack, D>(&size, &n)
+                                } else {
+                                    A::Pack::splat(sizes[node])
+                                };
+                                let mut reach = along + half;
+                                if local {
+                                    let near = (away - along * along).lt(A::Pack::of(BESIDE));
+                                    reach = A::Pack::select(near, reach, lowest);
+                                }
+                                sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
                             }
-                            let half = if WHAT == CENTRES {
-                                zero
-                            } else if carries {
-                                ShapeOf::<M, T, D>::DOMAIN.half_along::<A::Pack, D>(&size, &n)
-                            } else {
-                                A::Pack::splat(sizes[node])
-                            };
-                            let mut reach = along + half;
-                            if WHAT == LOCAL_REACH {
-                                let near = (away - along * along).lt(A::Pack::of(BESIDE));
-                                reach = A::Pack::select(near, reach, lowest);
-                            }
-                            sum[0] = sum[0].max(A::Pack::select(alive, reach, lowest));
                         }
                     }
                 }
@@ -355,7 +383,7 @@ where
                 }
                 to[0] = to[0].max(far * spacing);
             } else {
-                let factor = if WHAT == TRACTION { T::of(1.0) } else { per_spacing };
+                let factor = if KIND == TRACTION { T::of(1.0) } else { per_spacing };
                 for d in 0..D {
                     let mut sum = sums[node][d].lane(0);
                     for i in 1..A::Pack::WIDTH {
@@ -368,6 +396,12 @@ where
     }
 }
 
+/// Numbers of a row.
+#[inline(always)]
+fn of_row<T: Float, P: Pack<T>>(row: &T::Row, lane: usize) -> P {
+    P::from_rows([row, row], lane)
+}
+
 /// n . sigma . n.
 #[inline(always)]
 fn normal_stress<L: Lane>(s: &Sym3<L>, n: &[L; 3]) -> L {
@@ -376,84 +410,53 @@ fn normal_stress<L: Lane>(s: &Sym3<L>, n: &[L; 3]) -> L {
     direct + two * (s.0[3] * n[1] * n[2] + s.0[4] * n[0] * n[2] + s.0[5] * n[0] * n[1])
 }
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
-    pub(super) fn survey_nodes(
-        &self,
-        block: usize,
-        what: Survey,
-        nodes: u64,
-        normals: &[[T; 3]],
-        out: &mut [[T; 3]],
-    ) {
-        match what {
-            Survey::MassGradient => self.survey_as::<MASS_GRADIENT>(block, nodes, normals, out),
-            Survey::VolumeGradient => self.survey_as::<VOLUME_GRADIENT>(block, nodes, normals, out),
-            Survey::Reach => self.survey_as::<REACH>(block, nodes, normals, out),
-            Survey::LocalReach => self.survey_as::<LOCAL_REACH>(block, nodes, normals, out),
-            Survey::CentreReach => self.survey_as::<CENTRES>(block, nodes, normals, out),
-            Survey::Traction => self.survey_as::<TRACTION>(block, nodes, normals, out),
-        }
-    }
+/// Where particles near some nodes of a block are asked for one by one.
+pub(super) struct Nearby<'a, T: Float, const D: usize, S> {
+    pub(super) shape: &'a S,
+    pub(super) about: NearbyOf<'a, T, D>,
+}
 
-    fn survey_as<const WHAT: u8>(&self, block: usize, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
-        T::dispatch(SurveyBlock::<T, D, C, M, WHAT> {
-            law: &self.law,
-            method: &self.method,
-            slots: &self.slots,
-            contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
-            nodes,
-            normals,
-            out,
-            half: self.half,
-            spacing: T::of(self.lattice.spacing()),
-            domain: self.columns.domain(),
-            masses: self.masses,
-        });
-    }
+/// Whose particles.
+pub struct NearbyOf<'a, T: Float, const D: usize> {
+    pub(super) slots: &'a [Slot<T, D>],
+    /// The slots around the block.
+    pub(super) contributors: &'a [u32],
+    pub(super) nodes: u64,
+    pub(super) domains: Domains<T>,
+    pub(super) spacing: T,
+    pub(super) masses: Masses<T>,
+}
 
-    /// The domain of a particle, of which `carried` gives the numbers of its own.
-    pub(super) fn domain_at(&self, carried: impl Fn(usize) -> T::Single) -> [T::Single; MOST_NUMBERS] {
-        let domains = Domains { column: self.columns.domain(), half: self.half };
-        domains.of::<T::Single, ShapeOf<M, T, D>, D>(carried)
-    }
-
-    pub(super) fn visit_near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
-        let h = T::of(self.lattice.spacing());
-        let (count, layers) = (<ExtentOf<M, T, D> as Stencil>::NODES, <ExtentOf<M, T, D> as Stencil>::LAYERS);
+impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Nearby<'_, T, D, S> {
+    pub(super) fn visit(&self, visit: &mut dyn FnMut(usize, &Near<T>)) {
+        let NearbyOf { slots, contributors, nodes, domains, spacing: h, masses } = &self.about;
+        let (count, layers) = (S::Extent::NODES, S::Extent::LAYERS);
         let one: T = T::of(1.0);
-        let contributors = &self.contributors[block * neighbours(D)..][..neighbours(D)];
-        let masses = self.masses;
-        for_bins!(self.slots, contributors, nodes, ExtentOf<M, T, D>, D, masses, |slot, bin, at| {
+        for_bins!(slots, contributors, *nodes, count, D, masses, |slot, bin, at| {
             for place in slot.block.bin_places(bin) {
                 let number = |column: usize| slot.block.get(place, column);
                 let mut near = Near {
                     offset: [T::default(); 3],
                     half: [T::default(); 3],
-                    mass: self.mass_at(&slot.block, place),
+                    mass: masses.read(number),
                     weight: one,
                 };
-                let kind = ShapeOf::<M, T, D>::DOMAIN;
-                let domain = self.domain_at(|n| T::Single::from(number(self.columns.domain() + n)));
+                let carried = |n: usize| T::Single::from(number(domains.column + n));
+                let domain = domains.of::<T::Single, S, D>(carried);
                 let mut xi = [T::default(); 3];
-                let mut w = [Weights::<T::Single, ExtentOf<M, T, D>>::zero(); 3];
+                let mut w = [Weights::<T::Single, S::Extent>::zero(); 3];
                 w[2].value[0] = T::Single::one();
                 for d in 0..D {
                     xi[d] = number(Columns::position() + d);
                     let mut axis = [T::Single::zero(); 3];
                     axis[d] = T::Single::one();
-                    let half: T = kind.half_along::<T::Single, D>(&domain, &axis).into();
-                    near.half[d] = half * h;
-                    w[d] = self.method.shape().weights(T::Single::from(xi[d]), domain[d]);
+                    let half: T = S::DOMAIN.half_along::<T::Single, D>(&domain, &axis).into();
+                    near.half[d] = half * *h;
+                    w[d] = self.shape.weights(T::Single::from(xi[d]), domain[d]);
                 }
-                let mut weights = Table::<T::Single, ExtentOf<M, T, D>>::zero();
-                if kind.convects() {
-                    weights = table::<T, T::Single, ShapeOf<M, T, D>, D>(&xi.map(T::Single::from), &domain);
+                let mut weights = Table::<T::Single, S::Extent>::zero();
+                if S::DOMAIN.convects() {
+                    weights = table::<T, T::Single, S, D>(&xi.map(T::Single::from), &domain);
                 }
                 for s in 0..layers * count * count {
                     let node = at.node[s];
@@ -463,14 +466,51 @@ where
                     let place = [s % count, s / count % count, s / (count * count)];
                     let mut weight = one;
                     for d in 0..D {
-                        near.offset[d] = (xi[d] - T::of(node_offset::<ExtentOf<M, T, D>>(place[d]))) * h;
+                        near.offset[d] = (xi[d] - T::of(node_offset::<S::Extent>(place[d]))) * *h;
                         weight *= w[d].value[place[d]].into();
                     }
-                    near.weight = if kind.convects() { weights.value[s].into() } else { weight };
+                    near.weight = if S::DOMAIN.convects() { weights.value[s].into() } else { weight };
                     visit(node as usize, &near);
                 }
             }
         });
+    }
+}
+
+impl<T: Float, const D: usize> ParticleBody<T, D> {
+    pub(super) fn survey_nodes(
+        &self,
+        block: usize,
+        what: Survey,
+        nodes: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        let about = Surveyed {
+            what,
+            material: &*self.material,
+            slots: &self.slots,
+            contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
+            nodes,
+            normals,
+            out,
+            domains: self.domains(),
+            spacing: T::of(self.lattice.spacing()),
+            masses: self.masses,
+        };
+        self.kernels.shape().survey(about);
+    }
+
+    pub(super) fn visit_near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+        let about = NearbyOf {
+            slots: &self.slots,
+            contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
+            nodes,
+            domains: self.domains(),
+            spacing: T::of(self.lattice.spacing()),
+            masses: self.masses,
+        };
+        self.kernels.shape().near(about, visit);
     }
 }
 

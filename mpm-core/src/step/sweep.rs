@@ -7,27 +7,27 @@
 
 use std::marker::PhantomData;
 
-use mpm_materials::{Constitutive, Lane};
+use mpm_materials::material::{Length, Material, Motion, States, StatesMut};
+use mpm_materials::{Constitutive, Fault, Kinematics, Lane, State, Sym3};
 
 use super::cell::Moments;
+use super::kernels::ShapeKernels;
 use super::layout::Nodes;
-use super::mean::Strained;
-use super::migrate::{Cut, Domains, Leaving, Luggage, Movers, send_away, take_in};
+use super::mean;
+use super::migrate::{Cut, Domains, Leaving, Luggage, Movers, send_away};
 use super::rows::RowsMut;
-use super::scatter::{Maps, NumbersOf, Records, SpreadOf};
+use super::scatter::{MAX_LANES, Maps, Records, SpreadOf};
+use super::spec::{ExtentOf, Spec};
 use super::splitting::Splitter;
-use super::stage::{Bin, Found, Stage, Stages, centre_x};
-use super::tile::{Stencilled, TileIn, clear_rows, rows_of, tile_corner, tile_nodes};
-use crate::dilatation::Dilatation;
+use super::stage::{Bin, Found, Stage, Stages, centre_x, give_moments};
+use super::tile::{Reads, Stencilled, TileIn, clear_rows, rows_of, tile_corner, tile_nodes};
+use super::waiting::{ForLaw, Waiting};
 use crate::dim::{Stencil, block_nodes, neighbours};
-use crate::embedding::Embedding;
-use crate::frame::Frame;
-use crate::method::Composition;
-use crate::parallel::{AlignedRecords, Arch, Float, Kernel, LINE, Pack, Whereabouts, through_memory};
-use crate::particles::{Block, Groups, Masses, Members, Outbox, Sent};
-use crate::scheme::PassKind;
-use crate::shape::{ShapeFunction, bin_centre};
-use crate::transfer::Transfer;
+use crate::parallel::{
+    AlignedRecords, Arch, Float, Kernel, LINE, Pack, Vectors, Whereabouts, through_memory,
+};
+use crate::particles::{Block, Columns, Groups, Masses, Members, Outbox, Sent};
+use crate::shape::bin_centre;
 
 /// A block of particles with what its passes need and leave behind.
 ///
@@ -54,8 +54,8 @@ pub struct Slot<T: Float, const D: usize> {
 /// other; those of two groups, one behind the other, run side by side. With two nodes an axis the gather is so
 /// short that what the stages hand on costs more than that gains (docs/notes.md 6.2); so it does where one vector holds
 /// two groups.
-const fn together<E: Stencil>(groups: usize) -> usize {
-    if E::NODES > 2 && groups == 1 { TOGETHER } else { 1 }
+const fn together<E: Stencil>(lanes: usize, groups: usize) -> usize {
+    if E::NODES > 2 && groups == 1 && lanes > 1 { TOGETHER } else { 1 }
 }
 const TOGETHER: usize = 2;
 
@@ -68,6 +68,8 @@ pub struct Scratch<T: Float> {
     tile_in: TileIn<T>,
     /// What goes through a pass beside a group that has no other.
     idle: Vec<T::Row>,
+    /// Groups on their way through their law.
+    waiting: Waiting<T>,
 }
 
 impl<T: Float> Scratch<T> {
@@ -79,9 +81,16 @@ impl<T: Float> Scratch<T> {
     pub(super) fn out(&mut self) -> &mut Outbox<T> {
         &mut self.movers.out
     }
+    /// Room for nodal records.
+    pub(super) fn tile_in(&mut self) -> &mut TileIn<T> {
+        &mut self.tile_in
+    }
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {
-        self.movers.bytes() + self.tile_in.bytes() + self.idle.capacity() * size_of::<T::Row>()
+        self.movers.bytes()
+            + self.tile_in.bytes()
+            + self.idle.capacity() * size_of::<T::Row>()
+            + self.waiting.bytes()
     }
 }
 
@@ -136,12 +145,6 @@ const FIRST_LINES: usize = 8;
 pub struct Report<T> {
     /// Largest (c + |v|) / h, 1/s.
     pub rate: T,
-    /// Sum of loaded area times velocity in the middle of the step, m^3/s.
-    pub flux: [T; 3],
-    /// Force of a force field, N.
-    pub push: [T; 3],
-    /// Power of a force field with the velocities in the middle of the step, W.
-    pub power: T,
     /// Particles that were split.
     pub splits: u32,
     /// Kinetic energy of the motion within them, J.
@@ -165,21 +168,6 @@ impl<T: Float> Report<T> {
             self.trouble = self.trouble.or(Some(trouble));
             *broken = None;
         }
-    }
-}
-
-/// What the pass `K` of the method `M` maps.
-#[inline(always)]
-pub(super) fn maps<T: Float, const D: usize, M: Composition<T, D>, K: PassKind>() -> Maps {
-    let does = K::DOES;
-    Maps {
-        momentum: does.momentum,
-        affine: does.velocity && does.momentum && M::Transfer::AFFINE,
-        force: does.force,
-        direct: does.force && (M::Embedding::HOOP || does.load || does.field),
-        together: does.force && does.momentum && M::MAPS_TOGETHER,
-        least_squares: does.force && M::Transfer::LEAST_SQUARES,
-        convected: ShapeOf::<M, T, D>::DOMAIN.convects(),
     }
 }
 
@@ -219,10 +207,12 @@ pub struct Common<T> {
     pub spacing: T,
     /// x of node zero, m (the axis of revolution is x = 0).
     pub origin: T,
-    /// Traction on the loaded areas, Pa.
-    pub traction: [T; 3],
+    /// Reference density of the law, kg/m^3.
+    pub density: T,
     /// Are wave speeds wanted, for the next time step?
     pub speeds: bool,
+    /// Does the law see the mean dilatation of a bin?
+    pub mean: bool,
     /// Domain half sizes of the particles, in units of h.
     pub domains: Domains<T>,
     /// What particles weigh.
@@ -233,12 +223,10 @@ pub struct Common<T> {
     pub splitter: Splitter<T>,
 }
 
-/// The pass `K` over one block.
-pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
+/// A block for a pass over it.
+pub struct Task<'a, T: Float, const D: usize> {
     /// The body's law.
-    pub law: &'a C,
-    /// The method.
-    pub method: &'a M,
+    pub material: &'a dyn Material<T>,
     /// All nodes of the grid.
     pub nodes: Nodes<'a, T>,
     /// Blocks of nodes around the block, 3^D, x fastest (`u32::MAX` where there is none), and those around the
@@ -255,206 +243,449 @@ pub struct Sweep<'a, T: Float, const D: usize, C, M, K> {
     /// Memory of the thread.
     pub scratch: &'a mut Scratch<T>,
     /// Shared numbers.
-    pub common: Common<T>,
-    /// The pass.
-    pub pass: PhantomData<K>,
+    pub common: &'a Common<T>,
 }
 
-pub(super) type ShapeOf<M, T, const D: usize> = <M as Composition<T, D>>::Shape;
-pub(super) type ExtentOf<M, T, const D: usize> = <ShapeOf<M, T, D> as ShapeFunction<T, D>>::Extent;
+/// What of a pass its preparation depends on.
+struct Setting<'a> {
+    /// Rows at work.
+    at_work: usize,
+    /// That of the masses, if it lies apart of them.
+    mass_row: Option<usize>,
+    reads: Reads,
+    maps: Maps,
+    luggage: &'a Luggage,
+}
 
-impl<T, const D: usize, C, M, K> Kernel<T> for Sweep<'_, T, D, C, M, K>
+impl<T: Float, const D: usize> Task<'_, T, D> {
+    /// Have all that a pass over the block needs, and nothing of the last one: the same for all passes of a stencil, and so no part of
+    /// their kernels. Is there a particle?
+    #[inline(never)]
+    fn prepare<E: Stencil>(&mut self, setting: &Setting<'_>, groups_together: usize) -> bool {
+        let Slot { block, tile, rows, report, .. } = &mut *self.slot;
+        let Scratch { movers, tile_in, idle, waiting, .. } = &mut *self.scratch;
+        for bin in 0..AHEAD {
+            block.prefetch(bin, setting.at_work, setting.mass_row);
+        }
+        *rows = rows_of::<E, D>(block.occupied());
+        clear_rows::<T, D, E>(tile.all_mut(), *rows, setting.maps);
+        *self.sent = Sent::default();
+        movers.within.clear(block.particle_numbers() + setting.luggage.count());
+        *report = Report::default();
+        if block.is_empty() {
+            return false;
+        }
+        idle.clear();
+        for &number in self.dummy.iter().filter(|_| groups_together > 1) {
+            let mut row = T::Row::default();
+            row.as_mut().fill(number);
+            idle.push(row);
+        }
+        tile_in.load::<E, D>(self.nodes, self.around[0], setting.reads, *rows);
+        waiting.clear();
+        if let Some(next) = self.next {
+            next.ask_first();
+        }
+        true
+    }
+}
+
+/// How a pass reaches the law of its particles.
+pub(super) trait Law<T: Float> {
+    /// Is it part of the kernel? Else it is called for groups of particles together.
+    const INLINED: bool;
+    /// Rows of a state, where that is known when compiling.
+    const ROWS: usize;
+    /// A step of a pack whose state begins at row `at`, or what is said of it as it stands.
+    fn step<P: Pack<T>>(
+        &self,
+        rows: &mut RowsMut<'_, T>,
+        at: usize,
+        motion: Option<Kinematics<P>>,
+        speeds: bool,
+    ) -> (Sym3<P>, P, P, Fault<P>);
+}
+
+/// The law behind a call: [`Material`].
+pub(super) struct Called;
+
+impl<T: Float> Law<T> for Called {
+    const INLINED: bool = false;
+    const ROWS: usize = 0;
+    #[inline(always)]
+    fn step<P: Pack<T>>(
+        &self,
+        _: &mut RowsMut<'_, T>,
+        _: usize,
+        _: Option<Kinematics<P>>,
+        _: bool,
+    ) -> (Sym3<P>, P, P, Fault<P>) {
+        (Sym3::zero(), P::zero(), P::zero(), Fault::none())
+    }
+}
+
+/// The law as part of the kernel: a copy, so that laws of plain numbers, which no write to memory can change, can stay in vectors.
+pub(super) struct Inlined<C>(pub(super) C);
+
+impl<T: Float, C: Constitutive<T>> Law<T> for Inlined<C> {
+    const INLINED: bool = true;
+    const ROWS: usize = <C::State<T::Single> as State<T::Single>>::LEN;
+    #[inline(always)]
+    fn step<P: Pack<T>>(
+        &self,
+        rows: &mut RowsMut<'_, T>,
+        at: usize,
+        motion: Option<Kinematics<P>>,
+        speeds: bool,
+    ) -> (Sym3<P>, P, P, Fault<P>) {
+        let law = &self.0;
+        let old = C::State::<P>::read(&mut rows.reader(at));
+        let (now, stress, fault) = match motion {
+            Some(motion) => {
+                let new = law.update(&motion, &old);
+                new.state.write(&mut rows.writer(at));
+                (new.state, new.stress, new.fault)
+            }
+            None => (old, law.stress(&old), Fault::none()),
+        };
+        let speed = if speeds { law.wave_speed(&now) } else { P::zero() };
+        (stress, law.volume_ratio(&now), speed, fault)
+    }
+}
+
+/// The pass `P` over one block.
+pub(super) struct Sweep<'a, T: Float, const D: usize, P: Spec<T, D>, L> {
+    pub(super) shape: &'a P::Shape,
+    pub(super) transfer: &'a P::Transfer,
+    pub(super) law: L,
+    pub(super) shapes: &'a dyn ShapeKernels<T, D>,
+    pub(super) task: Task<'a, T, D>,
+    pub(super) pass: PhantomData<P>,
+}
+
+/// Groups of which the law is asked at once, at least, if a block has as many: so few that what is handed on stays in the first
+/// cache, and so many that the call does not count.
+const ENOUGH: usize = 4;
+
+impl<T, const D: usize, P, L> Kernel<T> for Sweep<'_, T, D, P, L>
 where
     T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    K: PassKind,
+    P: Spec<T, D>,
+    L: Law<T>,
 {
-    const BATCHES: bool = true;
+    const VECTORS: Vectors = P::VECTORS;
     type Output = ();
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Sweep { law, method, nodes, around, slot, next: soon, sent, dummy, scratch, common, .. } = self;
-        // A copy of a law of plain numbers, which no write to memory can change, can stay in vectors.
-        let own;
-        let law = if std::mem::needs_drop::<C>() {
-            law
-        } else {
-            own = law.clone();
-            &own
-        };
-        let Scratch { number: thread, movers, tile_in, idle } = scratch;
-        let Slot { block, tile, rows, report, .. } = slot;
-        let (tile, maps) = (tile.all_mut(), maps::<T, D, M, K>());
-        let stages = Stages::<T, D, C, M, K, A>::new(law, method, &common);
-        let (at_work, least) = (Stages::<T, D, C, M, K, A>::AT_WORK, Stages::<T, D, C, M, K, A>::ROWS);
-        let reads = Stages::<T, D, C, M, K, A>::READS;
-        let by_coefficients = Stages::<T, D, C, M, K, A>::BY_COEFFICIENTS;
-        // What lies apart of what is at work.
-        let mass_row = common.masses.row().filter(|row| *row >= at_work);
-        let mut groups = block.groups(least);
-        for bin in 0..AHEAD {
-            groups.prefetch(bin, at_work, mass_row);
-        }
-        *rows = rows_of::<ExtentOf<M, T, D>, D>(block.occupied());
-        clear_rows::<T, D, ExtentOf<M, T, D>>(tile, *rows, maps);
-        *sent = Sent::default();
-        let sent_before = movers.out.posted();
-        movers.within.clear(block.particle_numbers() + Luggage::of::<T, D, M, K>().count());
-        *report = Report::default();
-        if block.is_empty() {
+        let Sweep { shape, transfer, law, shapes, task, .. } = self;
+        let (maps, does) = (P::MAPS, P::DOES);
+        let called = const { P::DOES.has_law() && !L::INLINED };
+        let stages = Stages::<T, D, P, A>::new(shape, transfer, task.common);
+        let by_coefficients = Stages::<T, D, P, A>::BY_COEFFICIENTS;
+        let states = Columns::state(D);
+        let least = states + L::ROWS;
+        // Rows at work, and what lies apart of them.
+        let at_work = if does.has_law() || does.moves { task.common.domains.column } else { states };
+        let mass_row = task.common.masses.row().filter(|row| *row >= at_work);
+        let luggage = Luggage::of::<D>(maps, task.common.splitter.is_on());
+        let setting =
+            Setting { at_work, mass_row, reads: Stages::<T, D, P, A>::READS, maps, luggage: &luggage };
+        let mut task = task;
+        if !task.prepare::<ExtentOf<P, T, D>>(&setting, A::Batch::GROUPS) {
             return;
         }
-        if A::Batch::GROUPS > 1 {
-            idle.clear();
-            for &number in dummy {
-                let mut row = T::Row::default();
-                row.as_mut().fill(number);
-                idle.push(row);
-            }
-        }
-        tile_in.load::<ExtentOf<M, T, D>, D>(nodes, around[0], reads, *rows);
-        let tile_in = tile_in.records();
-        let mut stencil = Stencilled::<T, ExtentOf<M, T, D>>::zero();
-        let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<M, T, D>>(D));
-        let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<M, T, D>>::zero());
+        let Task { material, nodes, around, slot, next: soon, sent, scratch, common, .. } = task;
+        let Scratch { number: thread, movers, tile_in, idle, waiting } = scratch;
+        let Slot { block, tile, rows, report, .. } = slot;
+        let (tile, tile_in, sent_before) = (tile.all_mut(), tile_in.records(), movers.out.posted());
+        let mut stencil = Stencilled::<T, ExtentOf<P, T, D>>::zero();
+        let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<P, T, D>>(D));
+        let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<P, T, D>>::zero());
         let mut found = Found::<A::Batch>::none();
-        let (mut stage, mut at) = ([Stage::<A::Batch>::zero(); TOGETHER], [(Members::One(0), 0); TOGETHER]);
-        let together = together::<ExtentOf<M, T, D>>(A::Batch::GROUPS);
-        let by_moments = maps.moments::<ExtentOf<M, T, D>>();
-        let side = <ExtentOf<M, T, D> as Stencil>::TILE;
+        let (mut stage, mut at) = ([Stage::<A::Batch>::zero(); TOGETHER], [Part::default(); TOGETHER]);
+        let shares = Stages::<T, D, P, A>::SHARES && !common.mean;
+        let together =
+            if called { 1 } else { together::<ExtentOf<P, T, D>>(A::Batch::WIDTH, A::Batch::GROUPS) };
+        let by_moments = maps.moments::<ExtentOf<P, T, D>>();
+        let side = <ExtentOf<P, T, D> as Stencil>::TILE;
         let rows_in = if D == 3 { side * side } else { side };
         let block_x = block.coordinates[0];
-        let summed = tile_nodes::<ExtentOf<M, T, D>>(D) * (1 + usize::from(maps.second()));
-        if let Some(soon) = soon {
-            soon.ask_first();
-        }
-        groups = block.groups(least);
+        let centre = bin_centre::<ExtentOf<P, T, D>>();
+        let summed = tile_nodes::<ExtentOf<P, T, D>>(D) * (1 + usize::from(maps.second()));
+        let mut groups = block.groups(least);
         for number in 0..block_nodes(D) {
             if number < rows_in && !around[1].is_empty() {
-                TileIn::prefetch::<ExtentOf<M, T, D>, D>(nodes, around[1], number);
+                TileIn::prefetch::<ExtentOf<P, T, D>, D>(nodes, around[1], number);
             }
             if let Some(soon) = soon {
                 soon.ask::<T, D>(number, summed);
             }
-            let mut next = groups.last(number);
-            if next.is_none() {
+            let mut parts = Parts::of(groups.last(number));
+            if !parts.is_empty() {
+                if number + AHEAD < block_nodes(D) {
+                    groups.prefetch(number + AHEAD, at_work, mass_row);
+                }
+                let corner = tile_corner::<ExtentOf<P, T, D>, D>(number);
+                stencil.load::<D, A, P::Shape>(tile_in, corner, by_coefficients);
+                let nodes = tile_in.map(|records| &records[corner..][..<ExtentOf<P, T, D> as Stencil>::SPAN]);
+                let x = A::Batch::splat(centre_x(common, block_x, number, centre));
+                let mut moments = Moments::<A::Quad, ExtentOf<P, T, D>>::zero();
+                if called {
+                    let hands = if shares { 0 } else { hands::<T, D, P>() };
+                    let mut door = waiting.open(groups.of_bin(number), hands);
+                    let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
+                    let bin = Bin { stencil, nodes, x };
+                    while !parts.is_empty() {
+                        let part = parts.take::<T, A::Batch>(&groups);
+                        let entry = door.enter::<A::Batch>(part.members, part.here);
+                        let rows = &mut groups.rows_of::<A::Batch>(part.members, idle);
+                        let stage = &mut stage[0];
+                        stages.gather((rows, part.here), &bin, stage);
+                        if does.strain.is_some() {
+                            let (mut gradient, step) = stages.strain(rows, &bin, stage);
+                            if shares {
+                                gradient.0 = stage.affine;
+                            } else {
+                                door.hand(&entry, hands, |i| stage.affine[i / D][i % D]);
+                            }
+                            door.put_gradient(&entry, &gradient, step);
+                            stages.stretch(rows, &bin, stage);
+                        }
+                        stages.drift(rows, stage);
+                    }
+                    let counted = door.counted();
+                    waiting.close(number, counted);
+                }
+                while !parts.is_empty() {
+                    // Numbers of the stencil from memory: the compiler would make vectors of all of them once a bin, where a
+                    // bin's particles are one batch or two.
+                    let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
+                    let bin = Bin { stencil, nodes, x };
+                    let mut taken = 0;
+                    while taken < together && !parts.is_empty() {
+                        let part = parts.take::<T, A::Batch>(&groups);
+                        at[taken] = part;
+                        let rows = &mut groups.rows_of::<A::Batch>(part.members, idle);
+                        let stage = &mut stage[taken];
+                        stages.gather((rows, part.here), &bin, stage);
+                        taken += 1;
+                    }
+                    for n in 0..taken {
+                        let (part, stage) = (at[n], &mut stage[n]);
+                        let rows = &mut groups.rows_of::<A::Batch>(part.members, idle);
+                        if does.has_law() {
+                            let mut motion = None;
+                            if does.strain.is_some() {
+                                let (gradient, step) = stages.strain(rows, &bin, stage);
+                                let [dt, length] = stages.step();
+                                motion = Some(Kinematics { increment: gradient * step, dt, length });
+                            }
+                            let (stress, ratio, speed, fault) =
+                                law.step::<A::Batch>(rows, states, motion, common.speeds);
+                            if fault.any() {
+                                found.broken = found.broken.or(first_fault(part.here, fault));
+                            }
+                            stages.respond(rows, stage, (stress, ratio, speed), &mut found);
+                            report.note(&mut found.broken, number, part.members, &groups);
+                        }
+                    }
+                    for n in 0..taken {
+                        let (part, stage) = (at[n], &mut stage[n]);
+                        let rows = &mut groups.rows_of::<A::Batch>(part.members, idle);
+                        stages.stretch(rows, &bin, stage);
+                        stages.drift(rows, stage);
+                        let room = (&mut records, &mut spread);
+                        let gone = stages.advance((rows, part.here), x, stage, &mut found, room);
+                        report.note(&mut found.broken, number, part.members, &groups);
+                        let mut long = 0;
+                        if const { P::DOES.moves && !P::TOTAL } && common.splitter.is_on() {
+                            long = too_long::<T, D>(&groups, material, common, part, x.lane(0));
+                        }
+                        if gone | long != 0 {
+                            let mut gradient = [[T::default(); MAX_LANES]; 9];
+                            if long != 0 {
+                                stages.spread_of(stage, &mut gradient);
+                            }
+                            Stages::<T, D, P, A>::part(stage, long, &mut records);
+                            let cut = Cut { long, splitter: &common.splitter, gradient: &gradient };
+                            let leaving = Leaving { bin: number, members: part.members, gone, cut };
+                            send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &luggage));
+                            groups = block.groups(least);
+                        }
+                        let (tiles, room) = ([&mut *first, &mut *second], (&mut records, &mut spread));
+                        Stages::<T, D, P, A>::give(part.here, corner, stage, room, &mut moments, tiles);
+                    }
+                }
+                if by_moments && !called {
+                    let tile = if maps.together { &mut *first } else { &mut *second };
+                    give_moments::<T, A, ExtentOf<P, T, D>>(&moments, tile, corner);
+                }
+            }
+            if !called || waiting.groups() == 0 || (waiting.groups() < ENOUGH && number + 1 < block_nodes(D))
+            {
                 continue;
             }
-            if number + AHEAD < block_nodes(D) {
-                groups.prefetch(number + AHEAD, at_work, mass_row);
+
+            // All groups gathered so far through their law, and on.
+            let (all, stride) = groups.all_rows();
+            if does.strain.is_some() {
+                if common.mean {
+                    mean::dilate::<T, D>(waiting, material, (&*all, stride, states), common.masses, P::HOOP);
+                }
+                let ForLaw { groups: list, deformation, response } = waiting.for_law();
+                let motion = Motion { deformation, dt: common.dt, length: Length::Same(common.spacing) };
+                let moved = StatesMut { all, stride, first: states, groups: list };
+                material.advance(&motion, moved, common.speeds, response);
+                if let Some((bin, entry, lane, cause)) = waiting.first_fault::<A::Batch>() {
+                    found.broken = Some((lane, Cause::Law(cause)));
+                    report.note(&mut found.broken, bin, entry.members, &groups);
+                }
+            } else {
+                let ForLaw { groups: list, response, .. } = waiting.for_law();
+                material.describe(States { all: &*all, stride, first: states, groups: list }, response);
             }
-            let corner = tile_corner::<ExtentOf<M, T, D>, D>(number);
-            stencil.load::<D, A, ShapeOf<M, T, D>>(tile_in, corner, by_coefficients);
-            let nodes = tile_in.map(|records| &records[corner..][..<ExtentOf<M, T, D> as Stencil>::SPAN]);
-            let x = centre_x(&common, block_x, number, bin_centre::<ExtentOf<M, T, D>>());
-            let mean = match K::DOES.strain {
-                Some(nodal) if M::Dilatation::MEAN => {
-                    let stencil = &stencil;
-                    let bin = Strained {
-                        law,
-                        method,
-                        block,
-                        bin: number,
-                        stencil,
-                        nodal,
-                        common: &common,
-                        bin_x: x,
-                    };
-                    let mean = bin.mean::<A>();
-                    groups = block.groups(least);
-                    Some(mean)
-                }
-                _ => None,
-            };
-            let x = A::Batch::splat(x);
-            let mut moments = Moments::<A::Quad, ExtentOf<M, T, D>>::zero();
-            while next.is_some() {
-                // Numbers of the stencil from memory: the compiler would make vectors of all of them once a bin, where a
-                // bin's particles are one batch or two.
-                let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
-                let bin = Bin { stencil, nodes, x, mean };
-                let (mut taken, mut leave) = (0, [0; 2]);
-                while taken < together
-                    && let Some((group, here)) = next
-                {
-                    next = groups.before(group);
-                    at[taken] = (Members::One(group), here);
-                    if A::Batch::GROUPS > 1
-                        && let Some((before, full)) = next
-                    {
-                        next = groups.before(before);
-                        at[taken] = (Members::Two([before, group]), full + here);
+            let back = waiting.back();
+            for bin in back.bins {
+                let number = bin.number as usize;
+                let corner = tile_corner::<ExtentOf<P, T, D>, D>(number);
+                let x = A::Batch::splat(centre_x(common, block_x, number, centre));
+                let mut moments = Moments::<A::Quad, ExtentOf<P, T, D>>::zero();
+                for entry in back.entries(bin) {
+                    let (stage, here) = (&mut stage[0], entry.here as usize);
+                    let rows = &mut groups.rows_of::<A::Batch>(entry.members, idle);
+                    stages.load((rows, here), stage);
+                    if shares {
+                        back.gradient::<D, A::Batch>(entry, &mut stage.affine);
+                    } else {
+                        back.handed(entry, hands::<T, D, P>(), |i, number| {
+                            stage.affine[i / D][i % D] = number
+                        });
                     }
-                    let (members, here) = at[taken];
-                    let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(members, idle));
-                    let stage = &mut stage[taken];
-                    stages.gather((rows, here), &bin, stage, &mut found);
-                    if together == 1 {
-                        stages.strain((rows, here), &bin, stage, &mut found);
-                        let scratch = (&mut records, &mut spread);
-                        leave = stages.advance((rows, here), &bin, stage, &mut found, scratch);
-                        report.note(&mut found.broken, number, members, &groups);
+                    stages.respond(rows, stage, back.said::<A::Batch>(entry, common.speeds), &mut found);
+                    let room = (&mut records, &mut spread);
+                    let gone = stages.advance((rows, here), x, stage, &mut found, room);
+                    report.note(&mut found.broken, number, entry.members, &groups);
+                    let mut long = 0;
+                    if const { P::DOES.moves && !P::TOTAL } && common.splitter.is_on() {
+                        let part = Part { members: entry.members, here };
+                        long = too_long::<T, D>(&groups, material, common, part, x.lane(0));
                     }
-                    taken += 1;
-                }
-                if together > 1 {
-                    for n in 0..taken {
-                        let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(at[n].0, idle));
-                        stages.strain((rows, at[n].1), &bin, &mut stage[n], &mut found);
-                        report.note(&mut found.broken, number, at[n].0, &groups);
-                    }
-                }
-                for n in 0..taken {
-                    let ((members, here), stage) = (at[n], &mut stage[n]);
-                    if together > 1 {
-                        let rows = &mut RowsMut::<T>::pair(groups.members::<A::Batch>(members, idle));
-                        let scratch = (&mut records, &mut spread);
-                        leave = stages.advance((rows, here), &bin, stage, &mut found, scratch);
-                        report.note(&mut found.broken, number, members, &groups);
-                    }
-                    let [gone, long] = leave;
                     if gone | long != 0 {
-                        let gradient = &stages.spread_of(stage);
-                        let cut = Cut { long, splitter: &common.splitter, gradient };
-                        Stages::<T, D, C, M, K, A>::part(stage, long, &mut records);
-                        let leaving = Leaving { bin: number, groups: members.both(), gone, cut };
-                        let records = &mut records;
-                        send_away::<T, NumbersOf<T, A>, D, M, K>(block, movers, report, leaving, records);
+                        let mut gradient = [[T::default(); MAX_LANES]; 9];
+                        if long != 0 {
+                            let unit = T::of(1.0) / common.spacing;
+                            back.gradients::<D, A::Batch>(entry, unit, &mut gradient);
+                        }
+                        Stages::<T, D, P, A>::part(stage, long, &mut records);
+                        let cut = Cut { long, splitter: &common.splitter, gradient: &gradient };
+                        let leaving = Leaving { bin: number, members: entry.members, gone, cut };
+                        send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &luggage));
                         groups = block.groups(least);
                     }
-                    let tiles = [&mut *first, &mut *second];
-                    Stages::<T, D, C, M, K, A>::give(
-                        here,
-                        corner,
-                        stage,
-                        (&mut records, &mut spread),
-                        &mut moments,
-                        tiles,
-                    );
+                    let (tiles, room) = ([&mut *first, &mut *second], (&mut records, &mut spread));
+                    Stages::<T, D, P, A>::give(here, corner, stage, room, &mut moments, tiles);
+                }
+                if by_moments {
+                    let tile = if maps.together { &mut *first } else { &mut *second };
+                    give_moments::<T, A, ExtentOf<P, T, D>>(&moments, tile, corner);
                 }
             }
-            if by_moments {
-                moments.give::<T>(if maps.together { &mut *first } else { &mut *second }, corner);
-            }
+            waiting.clear();
         }
-        if K::DOES.moves && !M::Frame::TOTAL {
+        if does.moves && !P::TOTAL {
             let here = neighbours(D) / 2;
             let stayed = movers.within.since(0, 0);
-            let arrivals = movers.within.going(stayed, here);
-            let scratch = (&mut records, &mut spread);
-            take_in::<T, A, D, M, K>(method, block, (&mut tile[..], rows), arrivals, &common, scratch);
+            if stayed.goes(here) {
+                shapes.take_in(
+                    block,
+                    (&mut tile[..], rows),
+                    (&movers.within, stayed, here),
+                    common,
+                    (maps, &luggage),
+                );
+            }
             *sent = movers.out.since(sent_before, *thread);
         }
         for i in 0..A::Batch::WIDTH {
             report.rate = report.rate.max(found.rate.lane(i));
-            for d in 0..D {
-                report.flux[d] += found.flux[d].lane(i);
-                report.push[d] += found.push[d].lane(i);
-            }
-            report.power += found.power.lane(i);
         }
         report.rate /= common.spacing;
     }
+}
+
+/// Numbers of a particle that are handed on beside its increment: the affine part of its velocity.
+const fn hands<T: Float, const D: usize, P: Spec<T, D>>() -> usize {
+    if P::MAPS.affine { D * D } else { 0 }
+}
+
+/// Particles of a bin that go through the stages of a pass at once.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Part {
+    /// Their groups.
+    members: Members,
+    /// How many they are.
+    here: usize,
+}
+
+/// The parts of a bin that are left: groups from the last to the first one; lanes likewise, where they go one by one.
+#[derive(Clone, Copy)]
+struct Parts {
+    next: Option<(u32, usize)>,
+}
+
+impl Parts {
+    #[inline(always)]
+    fn of(last: Option<(u32, usize)>) -> Self {
+        Parts { next: last }
+    }
+    #[inline(always)]
+    fn is_empty(&self) -> bool {
+        self.next.is_none()
+    }
+    /// The next one.
+    #[inline(always)]
+    fn take<T: Float, P: Pack<T>>(&mut self, groups: &Groups<'_, T>) -> Part {
+        let Some((group, here)) = self.next else { return Part::default() };
+        if P::WIDTH == 1 {
+            let lane = here as u32 - 1;
+            self.next = if lane > 0 { Some((group, here - 1)) } else { groups.before(group) };
+            return Part { members: Members { groups: [group; 2], lane }, here: 1 };
+        }
+        self.next = groups.before(group);
+        if P::GROUPS > 1
+            && let Some((before, full)) = self.next
+        {
+            self.next = groups.before(before);
+            return Part { members: Members { groups: [before, group], lane: 0 }, here: full + here };
+        }
+        Part { members: Members { groups: [group; 2], lane: 0 }, here }
+    }
+}
+
+/// The lanes of a part whose particles are to be cut in two.
+#[cold]
+#[inline(never)]
+fn too_long<T: Float, const D: usize>(
+    groups: &Groups<'_, T>,
+    material: &dyn Material<T>,
+    common: &Common<T>,
+    part: Part,
+    bin_x: T,
+) -> u32 {
+    let mut long = 0;
+    for lane in 0..part.here {
+        let (group, at) = part.members.place::<T>(lane);
+        let number = |row: usize| groups.row(group, row).as_ref()[at];
+        if common.splitter.is_long::<D>(number, material, bin_x / common.spacing) {
+            long |= 1 << lane;
+        }
+    }
+    long
+}
+
+/// The first of the particles whose law broke down.
+#[cold]
+fn first_fault<T: Float, L: Lane<Real = T>>(here: usize, fault: Fault<L>) -> Option<(usize, Cause)> {
+    (0..here).find_map(|lane| Some((lane, Cause::Law(fault.cause(lane)?))))
 }

@@ -9,9 +9,12 @@ use mpm_materials::Lane;
 use super::gather::to_coefficients;
 use super::layout::{Nodes, numbers, rank};
 use super::scatter::Maps;
+use super::sweep::Slot;
 use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::grid::Node;
-use crate::parallel::{AlignedRecords, Arch, Float, Kernel, Quad, prefetch_early_from, prefetch_from};
+use crate::parallel::{
+    AlignedRecords, Arch, Float, Kernel, Quad, Vectors, apart, prefetch_early_from, prefetch_from,
+};
 use crate::shape::ShapeFunction;
 
 /// Which records of the bodies' tiles to sum, and where to.
@@ -296,6 +299,18 @@ fn load_stencil<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
     tile: &[[T; 4]],
     corner: usize,
 ) {
+    if A::APART {
+        return apart(|| load_stencil_here::<T, D, A, S>(to, tile, corner));
+    }
+    load_stencil_here::<T, D, A, S>(to, tile, corner);
+}
+
+#[inline(always)]
+fn load_stencil_here<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
+    to: &mut <S::Extent as Stencil>::Nodes<[T; 4]>,
+    tile: &[[T; 4]],
+    corner: usize,
+) {
     let (side, layers) = (<S::Extent as Stencil>::TILE, <S::Extent as Stencil>::LAYERS);
     let n = <S::Extent as Stencil>::NODES;
     let from = &tile[corner..][..<S::Extent as Stencil>::SPAN];
@@ -341,12 +356,13 @@ pub(super) fn thirds<E: Stencil>(which: usize) -> Range<usize> {
 }
 
 /// Add the tiles of the blocks of particles around a block of nodes to its nodes, in the order of the blocks.
-pub(super) struct AddTiles<'a, T: Float, const D: usize, E, F> {
+pub(super) struct AddTiles<'a, T: Float, const D: usize, E> {
     /// The block of nodes.
     pub(super) nodes: &'a mut [Node<T>],
-    /// Tile of the n-th neighbour, if there is one, of this (0) and the next block of nodes (1), and its rows that hold
-    /// sums.
-    pub(super) tile: F,
+    /// The blocks of particles.
+    pub(super) slots: &'a [Slot<T, D>],
+    /// Which of them lie around it, and around the next one.
+    pub(super) around: [&'a [u32]; 2],
     /// What to add where.
     pub(super) sums: Sums,
     /// Does the method map two records?
@@ -354,34 +370,43 @@ pub(super) struct AddTiles<'a, T: Float, const D: usize, E, F> {
     pub(super) extent: PhantomData<E>,
 }
 
-impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'a [[T; 4]], u64)>> Kernel<T>
-    for AddTiles<'_, T, D, E, F>
-{
+impl<T: Float, const D: usize, E: Stencil> Kernel<T> for AddTiles<'_, T, D, E> {
+    const VECTORS: Vectors = Vectors::Avx2;
     type Output = ();
 
     #[inline(always)]
     fn run<A: Arch<T>>(mut self) {
-        match self.sums {
-            Sums::All if self.two => self.add_all::<A, FIRST_AND_SECOND>(),
-            Sums::All => self.add_all::<A, FIRST>(),
-            Sums::Force => self.add_all::<A, SECOND>(),
-            Sums::Again | Sums::Smoothed | Sums::Pushes => self.add_all::<A, FIRST_TO_SECOND>(),
-        }
+        let what = match self.sums {
+            Sums::All => Adds { first: true, again: false, second: self.two },
+            Sums::Force => Adds { first: false, again: false, second: true },
+            Sums::Again | Sums::Smoothed | Sums::Pushes => Adds { first: false, again: true, second: false },
+        };
+        self.add_all::<A>(what);
     }
 }
 
-// Which records of a tile go where.
-const FIRST: u8 = 0;
-const FIRST_AND_SECOND: u8 = 1;
-const SECOND: u8 = 2;
-const FIRST_TO_SECOND: u8 = 3;
+/// Which records of a tile go where.
+#[derive(Clone, Copy)]
+struct Adds {
+    /// First ones to first ones.
+    first: bool,
+    /// First ones to second ones.
+    again: bool,
+    /// Second ones to second ones.
+    second: bool,
+}
 
-impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'a [[T; 4]], u64)>>
-    AddTiles<'_, T, D, E, F>
-{
+impl<T: Float, const D: usize, E: Stencil> AddTiles<'_, T, D, E> {
+    /// Tile of the n-th neighbour, if there is one, of this (0) or the next block of nodes (1), and its rows that hold sums.
+    #[inline(always)]
+    fn tile(&self, n: usize, block: usize) -> Option<(&[[T; 4]], u64)> {
+        let slot = *self.around[block].get(n)?;
+        self.slots.get(slot as usize).map(|slot| (slot.tile.all(), slot.rows))
+    }
+
     /// Add the tiles. The blocks of particles lie around the nodes; nodes are a third of the tile, seen from there.
     #[inline(always)]
-    fn add_all<A: Arch<T>, const WHAT: u8>(&mut self) {
+    fn add_all<A: Arch<T>>(&mut self, what: Adds) {
         for z in 0..if D == 3 { 3 } else { 1 } {
             let layers = if D == 3 { thirds::<E>(2 - z) } else { 0..1 };
             for y in 0..3 {
@@ -390,9 +415,9 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
                     continue;
                 }
                 let first = (z * 3 + y) * 3;
-                self.add::<A, WHAT, 2>(first, &layers, &lines);
-                self.add::<A, WHAT, 1>(first + 1, &layers, &lines);
-                self.add::<A, WHAT, 0>(first + 2, &layers, &lines);
+                self.add::<A, 2>(what, first, &layers, &lines);
+                self.add::<A, 1>(what, first + 1, &layers, &lines);
+                self.add::<A, 0>(what, first + 2, &layers, &lines);
             }
         }
     }
@@ -400,8 +425,9 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
     /// Add these rows of neighbour `n`, of whose tile the nodes are the third `X` along x; those of the next block of nodes
     /// are asked for.
     #[inline(always)]
-    fn add<A: Arch<T>, const WHAT: u8, const X: usize>(
+    fn add<A: Arch<T>, const X: usize>(
         &mut self,
+        what: Adds,
         n: usize,
         layers: &Range<usize>,
         lines: &Range<usize>,
@@ -410,10 +436,25 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
         if x.is_empty() {
             return;
         }
-        let (own, next) = ((self.tile)(n, 0), (self.tile)(n, 1));
+        let nodes = std::mem::take(&mut self.nodes);
+        self.add_to::<A, X>(what, nodes, n, layers, lines);
+        self.nodes = nodes;
+    }
+
+    #[inline(always)]
+    fn add_to<A: Arch<T>, const X: usize>(
+        &self,
+        what: Adds,
+        nodes: &mut [Node<T>],
+        n: usize,
+        layers: &Range<usize>,
+        lines: &Range<usize>,
+    ) {
+        let x = thirds::<E>(X);
+        let (own, next) = (self.tile(n, 0), self.tile(n, 1));
         let Some((soon, _)) = next.or(own) else { return };
         let (tile, rows) = own.unwrap_or((soon, 0));
-        let nodes = self.nodes[..block_nodes(D)].as_chunks_mut::<BLOCK>().0;
+        let nodes = nodes[..block_nodes(D)].as_chunks_mut::<BLOCK>().0;
         let (first, second) = tile.split_at(tile_nodes::<E>(D));
         let at = place::<E>(x.start).1;
         for k in layers.clone() {
@@ -421,23 +462,23 @@ impl<'a, T: Float, const D: usize, E: Stencil, F: Fn(usize, usize) -> Option<(&'
             for j in lines.clone() {
                 let row = k * E::TILE + j;
                 let from = row * E::TILE + x.start;
-                if WHAT != SECOND {
+                if what.first || what.again {
                     prefetch_from(soon, from, x.len());
                 }
-                if WHAT == SECOND || WHAT == FIRST_AND_SECOND {
+                if what.second {
                     prefetch_from(soon, tile_nodes::<E>(D) + from, x.len());
                 }
                 if rows >> row & 1 == 0 {
                     continue;
                 }
                 let to = &mut nodes[nz * BLOCK + place::<E>(j).1][at..at + x.len()];
-                if WHAT == FIRST || WHAT == FIRST_AND_SECOND {
+                if what.first {
                     add_row::<T, A, 0>(to, &first[from..][..x.len()]);
                 }
-                if WHAT == FIRST_TO_SECOND {
+                if what.again {
                     add_row::<T, A, 1>(to, &first[from..][..x.len()]);
                 }
-                if WHAT == SECOND || WHAT == FIRST_AND_SECOND {
+                if what.second {
                     add_row::<T, A, 1>(to, &second[from..][..x.len()]);
                 }
             }

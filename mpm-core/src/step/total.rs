@@ -2,47 +2,39 @@
 
 use std::ops::Deref;
 
-use mpm_materials::{Constitutive, Lane, Mat3, Sym3};
+use mpm_materials::{Lane, Mat3, Sym3};
 
 use super::rows::{Rows, RowsMut};
-use crate::embedding::Embedding;
-use crate::frame::Frame;
-use crate::method::Composition;
 use crate::parallel::{Float, Pack};
 
-/// Rows that a particle of the method `M` has for it: displacement, in units of h, then deformation gradient (its D x
-/// D part, and the hoop stretch about an axis).
-pub(super) const fn rows<T: Float, const D: usize, M: Composition<T, D>>() -> usize {
-    match (M::Frame::TOTAL, M::Embedding::HOOP) {
+/// Rows that a particle has for it in `d` dimensions: displacement, in units of h, then deformation gradient (its D x D part, and the
+/// hoop stretch about an axis).
+pub(super) const fn rows(total: bool, hoop: bool, d: usize) -> usize {
+    match (total, hoop) {
         (false, _) => 0,
-        (true, false) => D + D * D,
-        (true, true) => D + D * D + 1,
+        (true, false) => d + d * d,
+        (true, true) => d + d * d + 1,
     }
 }
 
 /// Displacement zero, deformation gradient I: what a particle starts with.
-pub(super) fn undeformed<T: Float, const D: usize, M: Composition<T, D>>() -> Vec<T> {
-    let mut numbers = vec![T::default(); rows::<T, D, M>()];
-    for d in 0..if M::Frame::TOTAL { D } else { 0 } {
-        numbers[D + d * (D + 1)] = T::of(1.0);
+pub(super) fn undeformed<T: Float>(total: bool, hoop: bool, d: usize) -> Vec<T> {
+    let mut numbers = vec![T::default(); rows(total, hoop, d)];
+    for i in 0..if total { d } else { 0 } {
+        numbers[d + i * (d + 1)] = T::of(1.0);
     }
-    if M::Frame::TOTAL && M::Embedding::HOOP {
-        numbers[D + D * D] = T::of(1.0);
+    if total && hoop {
+        numbers[d + d * d] = T::of(1.0);
     }
     numbers
 }
 
 /// The deformation gradient in rows from `first` on.
 #[inline(always)]
-pub(super) fn load<
-    T: Float,
-    P: Pack<T>,
-    const D: usize,
-    M: Composition<T, D>,
-    S: Deref<Target = [T::Row]>,
->(
+pub(super) fn load<T: Float, P: Pack<T>, const D: usize, S: Deref<Target = [T::Row]>>(
     rows: &Rows<T, S>,
     first: usize,
+    hoop: bool,
 ) -> Mat3<P> {
     let mut f = Mat3::identity();
     for i in 0..D {
@@ -50,21 +42,21 @@ pub(super) fn load<
             f.0[i][j] = rows.load(first + D + i * D + j);
         }
     }
-    if M::Embedding::HOOP {
+    if hoop {
         f.0[2][2] = rows.load(first + D + D * D);
     }
     f
 }
 
 /// The deformation gradient among the numbers of a particle.
-pub(super) fn gradient<T: Float, const D: usize, M: Composition<T, D>>(numbers: &[T]) -> Mat3<T::Single> {
+pub(super) fn gradient<T: Float, const D: usize>(numbers: &[T], hoop: bool) -> Mat3<T::Single> {
     let mut f = Mat3::identity();
     for i in 0..D {
         for j in 0..D {
             f.0[i][j] = numbers[D + i * D + j].into();
         }
     }
-    if M::Embedding::HOOP {
+    if hoop {
         f.0[2][2] = numbers[D + D * D].into();
     }
     f
@@ -72,17 +64,18 @@ pub(super) fn gradient<T: Float, const D: usize, M: Composition<T, D>>(numbers: 
 
 /// Write it back.
 #[inline(always)]
-pub(super) fn store<T: Float, P: Pack<T>, const D: usize, M: Composition<T, D>>(
+pub(super) fn store<T: Float, P: Pack<T>, const D: usize>(
     f: &Mat3<P>,
     rows: &mut RowsMut<'_, T>,
     first: usize,
+    hoop: bool,
 ) {
     for i in 0..D {
         for j in 0..D {
             rows.store(first + D + i * D + j, f.0[i][j]);
         }
     }
-    if M::Embedding::HOOP {
+    if hoop {
         rows.store(first + D + D * D, f.0[2][2]);
     }
 }
@@ -132,17 +125,11 @@ pub(super) fn nominal<P: Lane, const D: usize>(stress: &Sym3<P>, inverse: &Mat3<
     product::<P, D>(&stress.to_mat(), &inverse.transpose())
 }
 
-/// Speed of signals over the cells of the reference configuration, c |F^-1|, m/s, with a bound for the largest
-/// stretch of F^-1: its square is at most the mean of the eigenvalues of F^-1 F^-T and sqrt(2/3) of the norm of
+/// What a wave speed is multiplied with for the speed of signals over the cells of the reference configuration, |F^-1|, with a bound
+/// for the largest stretch of F^-1: its square is at most the mean of the eigenvalues of F^-1 F^-T and sqrt(2/3) of the norm of
 /// their deviator. Exact where the two smaller stretches are equal.
 #[inline(always)]
-pub(super) fn speed<T, P, C>(law: &C, now: &C::State<P>, inverse: &Mat3<P>) -> P
-where
-    T: Float,
-    P: Lane<Real = T>,
-    C: Constitutive<T>,
-{
+pub(super) fn stretch<P: Lane>(inverse: &Mat3<P>) -> P {
     let square = inverse.times_transpose();
-    let largest = square.mean() + square.deviator().equivalent() * P::of(2.0 / 3.0);
-    law.wave_speed(now) * largest.sqrt()
+    (square.mean() + square.deviator().equivalent() * P::of(2.0 / 3.0)).sqrt()
 }

@@ -3,6 +3,7 @@
 use crate::eos::{Eos, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
+use crate::point::Nothing;
 
 /// p = -K ln J with constant bulk modulus K: the volumetric part of Hooke's law in logarithmic strain, as most
 /// finite-element programs integrate it. c^2 = K J / rho0.
@@ -34,7 +35,7 @@ impl<T: Real> LogarithmicBulk<T> {
 }
 
 impl<T: Real> Eos<T> for LogarithmicBulk<T> {
-    type Energy<L: Lane<Real = T>> = ();
+    type Energy<L: Lane<Real = T>> = Nothing;
 
     fn name(&self) -> &'static str {
         "logarithmic bulk modulus"

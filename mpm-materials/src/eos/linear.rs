@@ -3,6 +3,7 @@
 use crate::eos::{Eos, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
+use crate::point::Nothing;
 
 /// p = c0^2 (rho - rho0) = rho0 c0^2 (1/J - 1) with constant sound speed c0 (docs/notes.md 3.8). For weakly
 /// compressible flow take c0 at least ten times the largest speed.
@@ -30,7 +31,7 @@ impl<T: Real> LinearDensity<T> {
 }
 
 impl<T: Real> Eos<T> for LinearDensity<T> {
-    type Energy<L: Lane<Real = T>> = ();
+    type Energy<L: Lane<Real = T>> = Nothing;
 
     fn name(&self) -> &'static str {
         "linear equation of state"

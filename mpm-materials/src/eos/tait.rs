@@ -3,6 +3,7 @@
 use crate::eos::{Eos, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
+use crate::point::Nothing;
 
 /// p = (rho0 c0^2 / 7) \[(rho/rho0)^7 - 1\] (docs/notes.md 3.8), with c^2 = c0^2 (rho/rho0)^6. The exponent
 /// is fixed at 7, so that no transcendental function is needed.
@@ -43,7 +44,7 @@ fn sixth_power_of_density<L: Lane>(volume_ratio: L) -> L {
 }
 
 impl<T: Real> Eos<T> for Tait<T> {
-    type Energy<L: Lane<Real = T>> = ();
+    type Energy<L: Lane<Real = T>> = Nothing;
 
     fn name(&self) -> &'static str {
         "Tait"

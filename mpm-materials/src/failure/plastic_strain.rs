@@ -3,6 +3,7 @@
 use crate::failure::{Failure, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
+use crate::point::Nothing;
 
 /// Fails at eps_p >= eps_f (docs/notes.md 3.6; 1.5 to 3 in the public decks). Plastic strain never falls, so
 /// no memory is needed.
@@ -22,12 +23,16 @@ impl<T: Real> PlasticStrainLimit<T> {
 }
 
 impl<T: Real> Failure<T> for PlasticStrainLimit<T> {
-    type History<L: Lane<Real = T>> = ();
-    fn intact(&self) {}
+    type History<L: Lane<Real = T>> = Nothing;
+    fn intact(&self) -> Nothing {
+        Nothing
+    }
     #[inline(always)]
-    fn failed<L: Lane<Real = T>>(&self, _: &(), plastic_strain: L) -> L::Mask {
+    fn failed<L: Lane<Real = T>>(&self, _: &Nothing, plastic_strain: L) -> L::Mask {
         plastic_strain.ge(L::splat(self.limit))
     }
     #[inline(always)]
-    fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, _: &()) {}
+    fn judge<L: Lane<Real = T>>(&self, _: &Observed<L>, _: &Nothing) -> Nothing {
+        Nothing
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
-use crate::point::Fault;
+use crate::point::{Fault, Nothing};
 use crate::strength::{Loading, Return, Strength};
 use crate::tensor::Sym3;
 
@@ -23,7 +23,7 @@ impl<T: Real> Elastic<T> {
 }
 
 impl<T: Real> Strength<T> for Elastic<T> {
-    type History<L: Lane<Real = T>> = ();
+    type History<L: Lane<Real = T>> = Nothing;
 
     fn name(&self) -> &'static str {
         "elastic solid"
@@ -31,13 +31,20 @@ impl<T: Real> Strength<T> for Elastic<T> {
     fn shear_modulus(&self) -> T {
         self.shear
     }
-    fn virgin(&self) {}
-    #[inline(always)]
-    fn return_map<L: Lane<Real = T>>(&self, trial: &Sym3<L>, _: &Loading<L>, _: &()) -> Return<L, ()> {
-        Return { deviator: *trial, history: (), plastic_work: L::zero(), fault: Fault::none() }
+    fn virgin(&self) -> Nothing {
+        Nothing
     }
     #[inline(always)]
-    fn plastic_strain<L: Lane<Real = T>>(&self, _: &()) -> L {
+    fn return_map<L: Lane<Real = T>>(
+        &self,
+        trial: &Sym3<L>,
+        _: &Loading<L>,
+        _: &Nothing,
+    ) -> Return<L, Nothing> {
+        Return { deviator: *trial, history: Nothing, plastic_work: L::zero(), fault: Fault::none() }
+    }
+    #[inline(always)]
+    fn plastic_strain<L: Lane<Real = T>>(&self, _: &Nothing) -> L {
         L::zero()
     }
 }

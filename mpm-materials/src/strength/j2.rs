@@ -2,7 +2,7 @@
 
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
-use crate::point::Fault;
+use crate::point::{Fault, Nothing};
 use crate::strength::{
     FlowStress, Hardened, Hardening, LinearHardening, Loading, PowerHardening, Return, Strength,
     VoceHardening,
@@ -62,7 +62,7 @@ impl<T: Real, H: Hardening<T>> J2<T, H> {
 }
 
 impl<T: Real, H: Hardening<T>> Strength<T> for J2<T, H> {
-    type History<L: Lane<Real = T>> = Hardened<L, ()>;
+    type History<L: Lane<Real = T>> = Hardened<L, Nothing>;
 
     fn name(&self) -> &'static str {
         "J2 plasticity"
@@ -70,16 +70,16 @@ impl<T: Real, H: Hardening<T>> Strength<T> for J2<T, H> {
     fn shear_modulus(&self) -> T {
         self.shear
     }
-    fn virgin(&self) -> Hardened<T::Single, ()> {
-        Hardened { plastic_strain: T::Single::zero(), temperature: () }
+    fn virgin(&self) -> Hardened<T::Single, Nothing> {
+        Hardened { plastic_strain: T::Single::zero(), temperature: Nothing }
     }
     #[inline(always)]
     fn return_map<L: Lane<Real = T>>(
         &self,
         trial: &Sym3<L>,
         _: &Loading<L>,
-        old: &Hardened<L, ()>,
-    ) -> Return<L, Hardened<L, ()>> {
+        old: &Hardened<L, Nothing>,
+    ) -> Return<L, Hardened<L, Nothing>> {
         let squared = trial.dot(trial) * L::of(1.5);
         let bound = self.hardening.lower_bound(old.plastic_strain);
         if !(bound * bound).lt(squared).any() {
@@ -90,11 +90,11 @@ impl<T: Real, H: Hardening<T>> Strength<T> for J2<T, H> {
         let strain = old.plastic_strain;
         let increment = self.hardening.increment(equivalent, three_g, L::one(), strain);
         let (deviator, plastic_work) = radial_return(trial, equivalent, three_g, increment.value);
-        let history = Hardened { plastic_strain: strain + increment.value, temperature: () };
+        let history = Hardened { plastic_strain: strain + increment.value, temperature: Nothing };
         Return { deviator, history, plastic_work, fault: increment.fault }
     }
     #[inline(always)]
-    fn plastic_strain<L: Lane<Real = T>>(&self, history: &Hardened<L, ()>) -> L {
+    fn plastic_strain<L: Lane<Real = T>>(&self, history: &Hardened<L, Nothing>) -> L {
         history.plastic_strain
     }
 }
@@ -104,8 +104,8 @@ impl<T: Real, H: Hardening<T>> FlowStress<T> for J2<T, H> {
     fn flow_stress<L: Lane<Real = T>>(
         &self,
         _: &Loading<L>,
-        _: &Hardened<L, ()>,
-        new: &Hardened<L, ()>,
+        _: &Hardened<L, Nothing>,
+        new: &Hardened<L, Nothing>,
     ) -> L {
         self.hardening.stress(new.plastic_strain)
     }

@@ -2,7 +2,7 @@
 
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
-use crate::point::{Fault, State};
+use crate::point::{Fault, Nothing, State};
 use crate::strength::j2::radial_return;
 use crate::strength::{FlowStress, Hardened, Hardening, Loading, PowerHardening, Return, Strength};
 use crate::tensor::Sym3;
@@ -277,7 +277,7 @@ fn rate_constants<T: Real>(c: T, reference: T) -> Result<(T, T), ParameterError>
 
 /// The temperature of a point and how it softens.
 pub trait Thermal<T: Real>: Copy + Send + Sync + 'static {
-    /// The temperature column, or `()`.
+    /// The temperature column, or [`Nothing`].
     type Temperature<L: Lane<Real = T>>: State<L>;
     /// The temperature of a virgin point.
     fn virgin(&self) -> Self::Temperature<T::Single>;
@@ -300,18 +300,22 @@ pub trait Thermal<T: Real>: Copy + Send + Sync + 'static {
 pub struct Isothermal;
 
 impl<T: Real> Thermal<T> for Isothermal {
-    type Temperature<L: Lane<Real = T>> = ();
-    fn virgin(&self) {}
+    type Temperature<L: Lane<Real = T>> = Nothing;
+    fn virgin(&self) -> Nothing {
+        Nothing
+    }
     #[inline(always)]
-    fn softening<L: Lane<Real = T>>(&self, _: &()) -> L {
+    fn softening<L: Lane<Real = T>>(&self, _: &Nothing) -> L {
         L::one()
     }
     #[inline(always)]
-    fn softening_bound<L: Lane<Real = T>>(&self, _: &()) -> L {
+    fn softening_bound<L: Lane<Real = T>>(&self, _: &Nothing) -> L {
         L::one()
     }
     #[inline(always)]
-    fn heated<L: Lane<Real = T>>(&self, _: &(), _: L) {}
+    fn heated<L: Lane<Real = T>>(&self, _: &Nothing, _: L) -> Nothing {
+        Nothing
+    }
 }
 
 /// The constants of heating and thermal softening.

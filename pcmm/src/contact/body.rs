@@ -2,8 +2,7 @@
 
 use mpm_core::output::{OutputError, Snapshot};
 use mpm_core::{Boundary, Embedding, Side, Team};
-use mpm_materials::Constitutive;
-use mpm_materials::point::unflatten;
+use mpm_materials::Sym3;
 
 use crate::boundary::Given;
 use crate::ledger::{Audit, Totals};
@@ -63,11 +62,7 @@ pub(crate) trait Part<const D: usize>: Send + Sync {
     fn snapshot(&mut self) -> Result<Snapshot, OutputError>;
 }
 
-impl<const D: usize, C, M> Part<D> for Pcmm<D, C, M>
-where
-    C: Constitutive<f64>,
-    M: Composition<D>,
-{
+impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
     fn particles(&self) -> &[Particle<D>] {
         &self.particles
     }
@@ -97,7 +92,7 @@ where
 
     fn facing(&self, n: usize) -> Facing {
         let (mut area, mut mass, mut size) = ([0.0; 3], [0.0; 3], 0.0);
-        let density = self.law.density();
+        let density = self.material.density();
         let at = self.elements.incidence.of(n);
         for &c in at {
             let (e, corner) = (c as usize / (D + 1), c as usize % (D + 1));
@@ -138,8 +133,8 @@ where
         for &c in self.elements.incidence.of(n) {
             let e = c as usize / (D + 1);
             self.elements.read(e, &mut state);
-            if let Ok(state) = unflatten::<f64, C::State<f64>>(&state) {
-                let stress = self.law.stress(&state);
+            if let Some(said) = self.material.describe_point(&state) {
+                let stress = Sym3(said.stress);
                 let mut along = 0.0;
                 for i in 0..3 {
                     for j in 0..3 {

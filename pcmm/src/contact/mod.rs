@@ -11,7 +11,6 @@ use mpm_contact::{ContactDetector, Pairs};
 use mpm_core::output::{FieldValues, OutputError, ParticleSize, Snapshot};
 use mpm_core::step::control::ControlError;
 use mpm_core::{Team, TimeControl};
-use mpm_materials::Constitutive;
 
 use crate::boundary::Given;
 use crate::ledger::{Audit, Totals};
@@ -125,11 +124,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
 
     /// Add a body, with the boundaries, body force and interval of revision that it has. Its threads and time control are
     /// those of the scene from now on. Returns its number.
-    pub fn add<C: Constitutive<f64>, M: Composition<D>>(
-        &mut self,
-        name: impl Into<String>,
-        body: Pcmm<D, C, M>,
-    ) -> usize {
+    pub fn add<M: Composition<D>>(&mut self, name: impl Into<String>, body: Pcmm<D, M>) -> usize {
         let mut part: Box<dyn Part<D>> = Box::new(body);
         part.set_team(self.team.clone());
         self.join(Member::Body { name: name.into(), part, start: Vec::new() })

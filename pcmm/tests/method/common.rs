@@ -97,16 +97,16 @@ pub struct Plain<const D: usize, C: Constitutive<f64>> {
 
 impl<const D: usize, C: Constitutive<f64>> Plain<D, C> {
     /// The same scene, virgin.
-    pub fn of<M: Composition<D>>(solver: &Pcmm<D, C, M>) -> Self {
+    pub fn of<M: Composition<D>>(solver: &Pcmm<D, M>, law: C) -> Self {
         let particles = solver.particles().to_vec();
         let nodes = solver.element_nodes().to_vec();
         let hoop = M::Embedding::HOOP;
         let mut plain = Plain {
-            law: solver.law().clone(),
             particles,
             nodes,
             reference: Vec::new(),
-            states: vec![solver.law().virgin(); solver.elements()],
+            states: vec![law.virgin(); solver.elements()],
+            law,
             hoop,
             back: M::Configuration::BACK,
             keeps_volume: M::Configuration::KEEPS_VOLUME,

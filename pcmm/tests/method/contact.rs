@@ -8,14 +8,11 @@ use mpm_contact::{
 };
 use mpm_core::geometry::{Ball, Filling, Lattice, fill};
 use mpm_core::{Boundary, PlaneStrain, Side, Team, TimeControl};
-use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
+use mpm_materials::{Constitutive, Elastic, LogarithmicBulk, Moduli, Solid};
 use pcmm::{Bodies, LocalDelaunay, Masses, Method, Packing, Pcmm, RigidWall};
 
-type Body = Pcmm<
-    2,
-    Solid<Elastic<f64>, LogarithmicBulk<f64>>,
-    Method<PlaneStrain, LocalDelaunay, pcmm::OverlapWeighted, pcmm::MidStep, pcmm::OfParticles>,
->;
+type Body =
+    Pcmm<2, Method<PlaneStrain, LocalDelaunay, pcmm::OverlapWeighted, pcmm::MidStep, pcmm::OfParticles>>;
 
 /// An elastic body of this density and Young's modulus.
 fn elastic(packing: &Packing<2>, h: f64, density: f64, young: f64, velocity: [f64; 2]) -> Body {
@@ -261,7 +258,7 @@ fn bodies_have_laws_and_methods_of_their_own() {
     let radii = vec![0.5 * h; positions.len()];
     let other = Pcmm::new(
         printed,
-        steel(),
+        steel().compiled(),
         &Packing::of_spheres(positions, radii),
         |_| [0.0; 2],
         Masses::FromElements,

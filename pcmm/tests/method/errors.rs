@@ -2,7 +2,10 @@
 
 use crate::common::{block, copper, steel};
 use mpm_core::{Axisymmetric, Boundary, PlaneStrain, Side, TimeControl};
-use pcmm::{AzimuthFan, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm, SceneError, StepError};
+use mpm_materials::Constitutive;
+use pcmm::{
+    AzimuthFan, Composition, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm, SceneError, StepError,
+};
 
 const H: f64 = 1.0e-3;
 
@@ -12,7 +15,7 @@ fn delaunay() -> LocalDelaunay {
 
 fn refused(packing: &Packing<2>, speed: f64, masses: Masses) -> String {
     let method = Method::consistent(PlaneStrain, delaunay());
-    match Pcmm::new(method, steel(), packing, |_| [speed, 0.0], masses) {
+    match Pcmm::new(method, steel().compiled(), packing, |_| [speed, 0.0], masses) {
         Ok(_) => "accepted".into(),
         Err(e) => e.to_string(),
     }
@@ -44,7 +47,8 @@ fn packings_are_refused_by_name() {
     let volumes = refused(&good, 0.0, Masses::FromVolumes);
     assert!(volumes.contains("number of volumes = 0") && volumes.contains("one a particle"), "{volumes}");
     let method = Method::consistent(Axisymmetric, delaunay());
-    let left = Pcmm::new(method, steel(), &block([-H, 0.0], 3, 3, H), |_| [0.0; 2], Masses::FromElements);
+    let left =
+        Pcmm::new(method, steel().compiled(), &block([-H, 0.0], 3, 3, H), |_| [0.0; 2], Masses::FromElements);
     let left = left.err().map_or("accepted".into(), |e| e.to_string());
     assert!(left.contains("distance from the axis = -0.001"), "{left}");
 }
@@ -62,7 +66,7 @@ fn parameters_are_refused_by_name() {
     assert!(flip.contains("angle of exchange = 90"), "{flip}");
     let mut bar = Pcmm::new(
         Method::consistent(PlaneStrain, delaunay()),
-        steel(),
+        steel().compiled(),
         &block([0.0; 2], 3, 3, H),
         |_| [0.0; 2],
         Masses::FromElements,
@@ -76,6 +80,20 @@ fn parameters_are_refused_by_name() {
     assert!(bar.set_time_control(TimeControl::Fixed(0.0)).is_err());
     assert!(matches!(bar.run_until(-1.0), Err(StepError::End { .. })));
     assert!(matches!(bar.run_until(f64::NAN), Err(StepError::End { .. })));
+}
+
+#[test]
+fn states_of_another_law_are_refused() {
+    fn of<C: Constitutive<f64>>(_: C, bar: &mut Pcmm<2, impl Composition<2>>) -> Result<(), SceneError> {
+        bar.set_states::<C>(|_, state| state)
+    }
+    let method = Method::consistent(PlaneStrain, delaunay());
+    let packing = block([0.0; 2], 3, 3, H);
+    let mut bar =
+        Pcmm::new(method, steel().compiled(), &packing, |_| [0.0; 2], Masses::FromElements).unwrap();
+    assert!(of(steel(), &mut bar).is_ok());
+    let refused = of(copper(), &mut bar).unwrap_err().to_string();
+    assert!(refused.contains("plastic_strain") && refused.contains("not those of the law"), "{refused}");
 }
 
 #[test]
@@ -103,7 +121,8 @@ fn particles_without_elements_fly_on_and_walls_stop_them() {
         surface: 0.0,
     };
     let method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.1, 2.0).unwrap());
-    let mut two = Pcmm::new(method, steel(), &packing, |_| [1.0, -2.0], Masses::FromVolumes).unwrap();
+    let mut two =
+        Pcmm::new(method, steel().compiled(), &packing, |_| [1.0, -2.0], Masses::FromVolumes).unwrap();
     two.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.5 }).unwrap();
     two.run_until(2.0).unwrap();
     assert_eq!(two.elements(), 0);

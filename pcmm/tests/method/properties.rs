@@ -3,7 +3,9 @@
 use crate::common::{block, copper, random, steel, thrown, turning_steel};
 use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::{Axisymmetric, FullSpace, PlaneStrain};
-use mpm_materials::Sym3;
+use mpm_materials::{
+    Constitutive, Elastic, MieGruneisen, NoFailure, NoViscosity, ObjectiveRate, Solid, Sym3,
+};
 use pcmm::simplex::{overlap, volume};
 use pcmm::{
     AzimuthFan, Composition, EndOfStep, LocalDelaunay, Masses, Method, MidStep, NoRotation, OfElement,
@@ -12,11 +14,7 @@ use pcmm::{
 use proptest::prelude::*;
 
 /// Area (volume) of the elements, and how much of it lies under another element.
-fn cover<const D: usize, C, M>(solver: &Pcmm<D, C, M>) -> (f64, f64)
-where
-    C: mpm_materials::Constitutive<f64>,
-    M: Composition<D>,
-{
+fn cover<const D: usize>(solver: &Pcmm<D, impl Composition<D>>) -> (f64, f64) {
     let corners: Vec<[[f64; D]; 4]> = solver
         .element_nodes()
         .chunks_exact(D + 1)
@@ -36,12 +34,9 @@ where
     (whole, double)
 }
 
-fn ours(
-    packing: &Packing<2>,
-    tolerance: f64,
-) -> Pcmm<2, impl mpm_materials::Constitutive<f64>, impl Composition<2>> {
+fn ours(packing: &Packing<2>, tolerance: f64) -> Pcmm<2, impl Composition<2>> {
     let method = Method::consistent(PlaneStrain, LocalDelaunay::new(tolerance, 2.0).unwrap());
-    Pcmm::new(method, steel(), packing, |_| [0.0; 2], Masses::FromElements).unwrap()
+    Pcmm::new(method, steel().compiled(), packing, |_| [0.0; 2], Masses::FromElements).unwrap()
 }
 
 #[test]
@@ -55,7 +50,8 @@ fn a_square_lattice_is_covered_once_by_ours_and_twice_as_printed() {
             let (whole, double) = cover(&ours(&packing, tolerance));
             assert!((whole / area - 1.0).abs() < 1e-12 && double < 1e-12 * area, "{whole} {double} {area}");
             let method = Method::printed(PlaneStrain, AzimuthFan::new(tolerance).unwrap());
-            let printed = Pcmm::new(method, steel(), &packing, |_| [0.0; 2], Masses::FromElements).unwrap();
+            let printed =
+                Pcmm::new(method, steel().compiled(), &packing, |_| [0.0; 2], Masses::FromElements).unwrap();
             let (whole, double) = cover(&printed);
             assert!((whole / area - 2.0).abs() < 1e-12, "{whole} {area}");
             assert!((double / area - 1.0).abs() < 1e-9, "{double} {area}");
@@ -73,7 +69,7 @@ fn volumes_given_make_up_for_a_double_cover() {
     packing.volumes =
         packing.positions.iter().map(|x| h * h * inside(x[0], 6.0) * inside(x[1], 9.0)).collect();
     let method = Method::printed(PlaneStrain, AzimuthFan::new(0.45 * h).unwrap());
-    let solver = Pcmm::new(method, steel(), &packing, |_| [0.0; 2], Masses::FromVolumes).unwrap();
+    let solver = Pcmm::new(method, steel().compiled(), &packing, |_| [0.0; 2], Masses::FromVolumes).unwrap();
     let totals = solver.totals();
     let mass = 7850.0 * 54.0 * h * h;
     assert!((totals.mass / mass - 1.0).abs() < 1e-12);
@@ -87,7 +83,7 @@ fn a_cubic_lattice_is_filled_once() {
     let shape = Cuboid::new([0.0; 3], [3.0 * h, 2.0 * h, 4.0 * h]).unwrap();
     let packing = Packing::on_nodes(&shape, &Lattice::new([0.0; 3], h).unwrap()).unwrap();
     let method = Method::consistent(FullSpace, LocalDelaunay::new(0.75 * h, 2.0).unwrap());
-    let solver = Pcmm::new(method, steel(), &packing, |_| [0.0; 3], Masses::FromElements).unwrap();
+    let solver = Pcmm::new(method, steel().compiled(), &packing, |_| [0.0; 3], Masses::FromElements).unwrap();
     let (whole, double) = cover(&solver);
     assert_eq!(solver.elements(), 6 * 24);
     assert!((whole / (24.0 * h * h * h) - 1.0).abs() < 1e-12 && double < 1e-12, "{whole} {double}");
@@ -106,7 +102,8 @@ fn a_triangular_lattice_is_covered_once_by_both() {
     let packing = Packing::of_spheres(positions, radii);
     let (whole, double) = cover(&ours(&packing, 0.1 * h));
     let method = Method::printed(PlaneStrain, AzimuthFan::new(0.1 * h).unwrap());
-    let printed = Pcmm::new(method, steel(), &packing, |_| [0.0; 2], Masses::FromElements).unwrap();
+    let printed =
+        Pcmm::new(method, steel().compiled(), &packing, |_| [0.0; 2], Masses::FromElements).unwrap();
     let (as_printed, under) = cover(&printed);
     // Seven rows of sixteen triangles and, at alternating ends, half ones that are not there.
     let area = 7.0 * 16.0 * 0.75f64.sqrt() / 2.0 * h * h;
@@ -139,12 +136,12 @@ fn a_random_packing_has_no_holes_inside() {
 }
 
 /// A spinning square: as a rigid body with the stresses that turn it.
-fn spin<C: mpm_materials::Constitutive<f64>, M: Composition<2>>(method: M, law: C, turns: f64) -> (f64, f64) {
+fn spin(method: impl Composition<2>, law: impl Constitutive<f64>, turns: f64) -> (f64, f64) {
     let h = 1.0e-3;
     let packing = block([-5.0 * h, -5.0 * h], 10, 10, h);
     let omega = 4.0e3;
     let mut body =
-        Pcmm::new(method, law.clone(), &packing, |[x, y]| [-omega * y, omega * x], Masses::FromElements)
+        Pcmm::new(method, law.compiled(), &packing, |[x, y]| [-omega * y, omega * x], Masses::FromElements)
             .unwrap();
     body.set_revision_interval(20).unwrap();
     let start = body.totals();
@@ -153,8 +150,8 @@ fn spin<C: mpm_materials::Constitutive<f64>, M: Composition<2>>(method: M, law: 
     let error = (end.angular_momentum[2] / start.angular_momentum[2] - 1.0).abs();
     assert!(error < 1e-11, "angular momentum is off by {error:e}");
     let strongest = (0..body.elements())
-        .filter_map(|e| body.element_state(e))
-        .map(|s| law.stress(&s).equivalent())
+        .filter_map(|e| body.describe_element(e))
+        .map(|said| Sym3(said.stress).equivalent())
         .fold(0.0, f64::max);
     (strongest, (end.kinetic + end.internal) / (start.kinetic + start.internal) - 1.0)
 }
@@ -174,17 +171,11 @@ fn without_rotation_of_stress_a_spinning_body_is_wrong() {
     assert!(turned < 0.02 && stuck > 0.1, "{turned} {stuck}");
 }
 
+type Steel<R> = Solid<Elastic<f64>, MieGruneisen<f64>, NoFailure, NoViscosity, R>;
+
 /// A ring that spins by a quarter turn with residual stress in balance, sigma_r = S 4 (r - a)(b - r) / (b - a)^2 and
 /// sigma_t = d(r sigma_r)/dr: how far the stress of the elements is from that, turned, over its size.
-fn locked_in<R: mpm_materials::ObjectiveRate>(
-    law: mpm_materials::Solid<
-        mpm_materials::Elastic<f64>,
-        mpm_materials::MieGruneisen<f64>,
-        mpm_materials::NoFailure,
-        mpm_materials::NoViscosity,
-        R,
-    >,
-) -> f64 {
+fn locked_in<R: ObjectiveRate>(law: Steel<R>) -> f64 {
     let h = 1.0e-3;
     let (inner, outer) = (8.0 * h, 16.0 * h);
     let mut positions = Vec::new();
@@ -209,9 +200,9 @@ fn locked_in<R: mpm_materials::ObjectiveRate>(
     let omega = 2.0e3;
     let method = Method::consistent(PlaneStrain, LocalDelaunay::new(h, 2.0).unwrap());
     let spin = |[x, y]: [f64; 2]| [-omega * y, omega * x];
-    let mut body = Pcmm::new(method, law, &packing, spin, Masses::FromElements).unwrap();
+    let mut body = Pcmm::new(method, law.compiled(), &packing, spin, Masses::FromElements).unwrap();
     body.set_revision_interval(100).unwrap();
-    body.set_states(|x, mut state| {
+    body.set_states::<Steel<R>>(|x, mut state| {
         state.stress = residual(x);
         // The volume at which the equation of state gives this pressure: K = rho0 c0^2, to first order.
         state.volume_ratio = 1.0 + residual(x).mean() / (7850.0 * 4500.0 * 4500.0);
@@ -228,7 +219,7 @@ fn locked_in<R: mpm_materials::ObjectiveRate>(
             }
         }
         let wanted = residual(centre).deviator();
-        let now = body.element_state(e).unwrap().stress.deviator();
+        let now = Sym3(body.describe_element(e).unwrap().stress).deviator();
         off += (now + wanted * -1.0).equivalent();
         size += wanted.equivalent();
     }
@@ -297,10 +288,10 @@ proptest! {
                 ($g:expr) => {{
                     let method = Method::new(PlaneStrain, delaunay, OverlapWeighted, $g, OfElement);
                     let mut body =
-                        Pcmm::new(method, turning_steel(), &packing, chord, Masses::FromElements).unwrap();
+                        Pcmm::new(method, turning_steel().compiled(), &packing, chord, Masses::FromElements).unwrap();
                     body.set_time_control(mpm_core::TimeControl::Fixed(dt)).unwrap();
                     body.step_towards(1.0).unwrap();
-                    let of = |e: usize| body.element_state(e).unwrap().stress;
+                    let of = |e: usize| Sym3(body.describe_element(e).unwrap().stress);
                     (0..body.elements()).map(|e| of(e).equivalent() + of(e).mean().abs()).fold(0.0, f64::max)
                 }};
             }
@@ -345,7 +336,7 @@ proptest! {
 
 /// Many steps without a revision, then one alone, in a step too short for anything else: what internal energy and mass
 /// change by is what the audit says.
-fn the_audit_closes<M: Composition<2>>(method: M) {
+fn the_audit_closes(method: impl Composition<2>) {
     let packing = block([0.0; 2], 8, 8, 1.0e-3);
     let speed = |[x, y]: [f64; 2]| [60.0 * (3.0e3 * y).sin() + 4.0e4 * x, -150.0 * (2.5e3 * x).cos()];
     let mut body = Pcmm::new(method, copper(), &packing, speed, Masses::FromElements).unwrap();

@@ -10,7 +10,7 @@ use pcmm::{
 };
 
 /// Steps of both methods from a rough velocity field; positions, velocities and energies are compared.
-fn compare<const D: usize, C: Constitutive<f64>, M: Composition<D>>(method: M, law: C, packing: &Packing<D>) {
+fn compare<const D: usize>(method: impl Composition<D>, law: impl Constitutive<f64>, packing: &Packing<D>) {
     let name = method.describe();
     let speed = |x: [f64; D]| {
         let mut v = [0.0; D];
@@ -19,8 +19,8 @@ fn compare<const D: usize, C: Constitutive<f64>, M: Composition<D>>(method: M, l
         }
         v
     };
-    let mut fast = Pcmm::new(method, law, packing, speed, Masses::FromElements).unwrap();
-    let mut plain = Plain::of(&fast);
+    let mut fast = Pcmm::new(method, law.clone().compiled(), packing, speed, Masses::FromElements).unwrap();
+    let mut plain = Plain::of(&fast, law);
     let dt = 0.5 * fast.next_time_step();
     fast.set_time_control(TimeControl::Fixed(dt)).unwrap();
     fast.set_revision_interval(1000).unwrap();

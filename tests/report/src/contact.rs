@@ -9,7 +9,7 @@ use examples::blocks::scene::Asked;
 use examples::blocks::{discs, hertz, waves};
 use examples::{CaseError, Detection, Law, Totals};
 use mpm_core::{
-    Axisymmetric, Composition, Flip, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, TimeControl,
+    Axisymmetric, Flip, IntoKernels, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, TimeControl,
 };
 use verification::work::{Stopwatch, Work};
 use verification::{Kernel, Outcome, Scheme, Velocity};
@@ -85,7 +85,8 @@ impl Touch {
     /// Its name.
     pub fn key(self) -> Key {
         let scheme = Scheme::moving(self.kernel(), Velocity::FlipMusl).name();
-        let control = TimeControl::default_for::<f64, 2, Method<Linear, Flip, Musl, PlaneStrain>>();
+        let control =
+            TimeControl::default_for(Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels().facts());
         let courant = match control {
             TimeControl::Courant { factor, .. } => factor,
             _ => f64::NAN,
@@ -142,7 +143,7 @@ impl Touch {
         made.map(|m| m.1).unwrap_or_default()
     }
 
-    fn plane<M: Composition<f64, 2>>(self, method: impl Fn() -> M) -> Result<Outcome, CaseError> {
+    fn plane<M: IntoKernels<f64, 2>>(self, method: impl Fn() -> M) -> Result<Outcome, CaseError> {
         match self.meeting {
             Meeting::Discs => return self.discs(method()),
             Meeting::Bars => return self.bars(method(), VISCOSITY),
@@ -167,7 +168,7 @@ impl Touch {
         0.5 * waves::PRELOAD
     }
 
-    fn pulse<M: Composition<f64, 2>>(
+    fn pulse<M: IntoKernels<f64, 2>>(
         self,
         method: M,
         joined: bool,
@@ -176,7 +177,7 @@ impl Touch {
         self.timed(|| waves::pressed(method, self.cells as u32, joined, Self::push(), asked))
     }
 
-    fn bars<M: Composition<f64, 2>>(self, method: M, viscosity: f64) -> Result<Outcome, CaseError> {
+    fn bars<M: IntoKernels<f64, 2>>(self, method: M, viscosity: f64) -> Result<Outcome, CaseError> {
         let asked = self.asked();
         let (made, work) = self.timed(|| {
             let made = waves::strike(method, self.cells as u32, [1.0; 2], viscosity, asked)?;
@@ -188,7 +189,7 @@ impl Touch {
         Ok(Outcome { measures, work, failure: None })
     }
 
-    fn discs<M: Composition<f64, 2>>(self, method: M) -> Result<Outcome, CaseError> {
+    fn discs<M: IntoKernels<f64, 2>>(self, method: M) -> Result<Outcome, CaseError> {
         let h = 1.0 / self.cells as f64;
         let (made, work) = self.timed(|| {
             let made = discs::collide(method, h, self.asked(), None)?;
@@ -208,7 +209,7 @@ impl Touch {
         Ok(Outcome { measures, work, failure: None })
     }
 
-    fn balls<M: Composition<f64, 2>>(self, method: M) -> Result<Outcome, CaseError> {
+    fn balls<M: IntoKernels<f64, 2>>(self, method: M) -> Result<Outcome, CaseError> {
         let h = hertz::RADIUS / self.cells as f64;
         let asked = self.asked();
         let (rows, work) = self.timed(|| hertz::collide(method, Part::Ball, h, BALL_SPEED, asked, 1))?;

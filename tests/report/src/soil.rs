@@ -51,9 +51,9 @@ impl Footing {
         let cells = self.cells as u32;
         let hats = || Method::new(Linear, Flip, Musl, PlaneStrain);
         let made = match (self.total, self.mean) {
-            (true, true) => press(hats().total_lagrangian().mean_dilatation(), cells, 4),
+            (true, true) => press(hats().total_lagrangian().mean_dilatation().compiled(), cells, 4),
             (true, false) => press(hats().total_lagrangian(), cells, 4),
-            (false, true) => press(hats().mean_dilatation(), cells, 4),
+            (false, true) => press(hats().mean_dilatation().compiled(), cells, 4),
             (false, false) => press(hats(), cells, 4),
         };
         let made = match made {

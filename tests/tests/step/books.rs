@@ -6,27 +6,27 @@ use impactite_tests::scene::{YOUNG, block, rubber, wave_speed};
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::observe::{Ledger, Observer, Pace};
 use mpm_core::{
-    Apic, Blend, BlockGrid, Boundary, Composition, CpGimp, CubicBSpline, Flip, Fmpm, FullSpace, Linear,
-    Method, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Side, TimeControl, Usf, Usl,
+    Apic, Blend, BlockGrid, Boundary, Composition, CpGimp, CubicBSpline, Flip, Fmpm, FullSpace, IntoKernels,
+    Linear, Method, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Side, TimeControl, Usf, Usl,
 };
-use mpm_materials::Constitutive;
+use mpm_materials::{Constitutive, IntoMaterial};
 
 const H: f64 = 0.1;
 
 /// Error of momentum of a body between planes of symmetry, `thick` cells apart (or only one), along every axis,
 /// and a wall that moves towards the first if that is alone; or, `held`, with the first axis' planes holding it.
-fn error<const D: usize, M: Composition<f64, D>, C>(
+fn error<const D: usize, M: IntoKernels<f64, D>, C>(
     method: M,
     law: C,
     thick: [Option<usize>; D],
     held: bool,
 ) -> f64
 where
-    C: Constitutive<f64>,
+    C: IntoMaterial<f64>,
 {
     let lattice = Lattice::new([0.0; D], H).expect("lattice");
     let seeds: Seeds<D> = block(&lattice, [0; D], thick.map(|t| t.unwrap_or(3)), 2, 0.0);
-    let mut mpm = Mpm::<f64, D, M, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     // Towards the planes, and turning, so that they have something to hold.
     let speed = 0.02 * wave_speed();
     let velocity = |x: [f64; D]| std::array::from_fn(|d| speed * (8.0 * x[(d + 1) % D] * x[d] - 1.0));
@@ -54,7 +54,11 @@ where
     ledger.worst_momentum_error()
 }
 
-fn closes<M2: Composition<f64, 2>, M3: Composition<f64, 3>>(flat: impl Fn() -> M2, solid: impl Fn() -> M3) {
+fn closes<M2, M3>(flat: impl Fn() -> M2, solid: impl Fn() -> M3)
+where
+    M2: Composition<f64, 2> + IntoKernels<f64, 2>,
+    M3: Composition<f64, 3> + IntoKernels<f64, 3>,
+{
     for thick in [None, Some(1), Some(2), Some(3)] {
         for other in [None, Some(1)] {
             let e = error(flat(), rubber(), [other, thick], false);
@@ -62,7 +66,7 @@ fn closes<M2: Composition<f64, 2>, M3: Composition<f64, 3>>(flat: impl Fn() -> M
         }
         let e = error(
             flat(),
-            Prestressed::new([-1e-3, -2e-3, 5e-4, 3e-4, 0.0, 0.0].map(|s| s * YOUNG)),
+            Prestressed::new([-1e-3, -2e-3, 5e-4, 3e-4, 0.0, 0.0].map(|s| s * YOUNG)).compiled(),
             [None, thick],
             false,
         );
@@ -81,25 +85,25 @@ fn method<S, X, U, E>(shape: S, transfer: X, stress: U, space: E) -> Method<S, X
 }
 
 macro_rules! methods {
-    ($($name:ident: $shape:expr, $transfer:expr, $update:expr;)*) => {$(
+    ($($name:ident: $shape:expr, $transfer:expr, $update:expr $(, .$compiled:ident())?;)*) => {$(
         #[test]
         fn $name() {
             closes(
-                || method($shape, $transfer, $update, PlaneStrain),
-                || method($shape, $transfer, $update, FullSpace),
+                || method($shape, $transfer, $update, PlaneStrain)$(.$compiled())?,
+                || method($shape, $transfer, $update, FullSpace)$(.$compiled())?,
             );
         }
     )*};
 }
 methods! {
     linear_flip_musl: Linear, Flip, Musl;
-    linear_flip_usf: Linear, Flip, Usf;
-    linear_fmpm_usl: Linear, Fmpm::<3>, Usl;
+    linear_flip_usf: Linear, Flip, Usf, .compiled();
+    linear_fmpm_usl: Linear, Fmpm::<3>, Usl, .compiled();
     linear_blend_musl: Linear, Blend::new(1e-3).expect("blend"), Musl;
     contiguous_gimp_flip_musl: CpGimp, Flip, Musl;
-    contiguous_gimp_pic_usf: CpGimp, Pic, Usf;
+    contiguous_gimp_pic_usf: CpGimp, Pic, Usf, .compiled();
     quadratic_apic_usl: QuadraticBSpline, Apic, Usl;
-    quadratic_blend_usf: QuadraticBSpline, Blend::new(1e-3).expect("blend"), Usf;
-    cubic_fmpm_usl: CubicBSpline, Fmpm::<2>, Usl;
-    cubic_fmpm_usf: CubicBSpline, Fmpm::<2>, Usf;
+    quadratic_blend_usf: QuadraticBSpline, Blend::new(1e-3).expect("blend"), Usf, .compiled();
+    cubic_fmpm_usl: CubicBSpline, Fmpm::<2>, Usl, .compiled();
+    cubic_fmpm_usf: CubicBSpline, Fmpm::<2>, Usf, .compiled();
 }

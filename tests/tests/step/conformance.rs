@@ -35,11 +35,11 @@ conforms! {
     transfer_fmpm: transfer(Fmpm::<3>);
 
     method_linear_musl: method::<_, 3>(Method::new(Linear, Flip, Musl, FullSpace));
-    method_gimp_usl: method::<_, 3>(Method::new(Gimp, Flip, Usl, FullSpace));
-    method_cpgimp_usf: method::<_, 2>(Method::new(CpGimp, Flip, Usf, PlaneStrain));
-    method_cpgimp_apic: method::<_, 2>(Method::new(CpGimp, Apic, Usl, PlaneStrain));
-    method_cpdi_usl: method::<_, 3>(Method::new(Cpdi, Flip, Usl, FullSpace));
-    method_cpdi2_musl: method::<_, 2>(Method::new(Cpdi2, Flip, Musl, PlaneStrain));
+    method_gimp_usl: method::<_, 3>(Method::new(Gimp, Flip, Usl, FullSpace).compiled());
+    method_cpgimp_usf: method::<_, 2>(Method::new(CpGimp, Flip, Usf, PlaneStrain).compiled());
+    method_cpgimp_apic: method::<_, 2>(Method::new(CpGimp, Apic, Usl, PlaneStrain).compiled());
+    method_cpdi_usl: method::<_, 3>(Method::new(Cpdi, Flip, Usl, FullSpace).compiled());
+    method_cpdi2_musl: method::<_, 2>(Method::new(Cpdi2, Flip, Musl, PlaneStrain).compiled());
     method_quadratic_apic: method::<_, 3>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
-    method_cubic_apic: method::<_, 2>(Method::new(CubicBSpline, Apic, Usl, PlaneStrain));
+    method_cubic_apic: method::<_, 2>(Method::new(CubicBSpline, Apic, Usl, PlaneStrain).compiled());
 }

@@ -11,15 +11,16 @@ use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, DenseGrid, Flip, Gimp, Linear, Method, Mpm, Musl,
     PlaneStrain, QuadraticBSpline, Side, Stopped, TimeControl, Usl,
 };
-use mpm_materials::Breakdown;
+use mpm_materials::{Breakdown, Constitutive};
 
 /// Columns of a particle stay together when it changes its bin and its block.
 #[test]
 fn every_column_is_carried() {
     let scene = scene::flow::<2>();
     let (seeds, velocity) = &scene.bodies[0];
-    let mut mpm = Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain), BlockGrid::new(scene.lattice));
-    mpm.add("block", Watched::new(1e9), seeds, velocity).expect("body");
+    let mut mpm =
+        Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(scene.lattice));
+    mpm.add("block", Watched::new(1e9).compiled(), seeds, velocity).expect("body");
     mpm.set_time_control(TimeControl::Fixed(scene.dt)).expect("time control");
     let start = particles(&mpm);
     let bin = |x: [f64; 3]| [0, 1].map(|d| ((x[d] - scene.lattice.origin()[d]) / 0.1).round() as i64);
@@ -75,7 +76,7 @@ fn the_broken_particle_is_named() {
             Mpm::new(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain), BlockGrid::new(scene.lattice));
         mpm.add("first", metal(), &block(&scene.lattice, [40, 40], [1, 1], 2, 0.0), |_| [0.0; 2])
             .expect("body");
-        mpm.add("second", Watched::new(limit), seeds, velocity).expect("body");
+        mpm.add("second", Watched::new(limit).compiled(), seeds, velocity).expect("body");
         mpm.set_time_control(TimeControl::Fixed(scene.dt)).expect("time control");
         let stopped = (0..30).find_map(|_| mpm.step().err()).expect("it must break");
         assert_eq!(stopped.step, wanted, "{stopped}");
@@ -170,7 +171,7 @@ fn not_a_number_stops_in_the_same_step() {
     }
 }
 
-fn mpm2() -> Mpm<f64, 2, Method<Linear, Flip, Musl, PlaneStrain>, BlockGrid<f64, 2>> {
+fn mpm2() -> Mpm<2> {
     Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice()))
 }
 
@@ -210,13 +211,12 @@ fn bad_bodies_are_refused() {
     refused(mpm2().add("b", metal(), &good(), fast), &["`b`", "velocity", "particle 1", "NaN"]);
 
     let at_zero = Lattice::new([0.0; 2], 0.1).expect("lattice");
-    let mut mpm =
-        Mpm::<f64, 2, _, _>::new(Method::new(Gimp, Flip, Usl, Axisymmetric), BlockGrid::new(at_zero));
+    let mut mpm = Mpm::new(Method::new(Gimp, Flip, Usl, Axisymmetric).compiled(), BlockGrid::new(at_zero));
     let behind = seeds(vec![[-0.02, 0.1]], 1.0, 0.01);
     refused(mpm.add("ring", metal(), &behind, still), &["ring", "r = -0.02", "positive"]);
 
     let grid = DenseGrid::new(at_zero, [0, 0], [7, 7]).expect("box");
-    let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Gimp, Flip, Usl, PlaneStrain), grid);
+    let mut mpm = Mpm::new(Method::new(Gimp, Flip, Usl, PlaneStrain).compiled(), grid);
     let outside = seeds(vec![[3.0, 0.35]], 1.0, 0.01);
     refused(mpm.add("far", metal(), &outside, still), &["far", "dense grid"]);
     assert_eq!(mpm.particles(), 0, "a refused body is not there");
@@ -250,7 +250,7 @@ fn bad_surroundings_are_refused() {
 fn leaving_the_grid_is_reported() {
     let at_zero = Lattice::new([0.0; 2], 0.1).expect("lattice");
     let grid = DenseGrid::new(at_zero, [0, 0], [15, 15]).expect("box");
-    let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Gimp, Flip, Usl, PlaneStrain), grid);
+    let mut mpm = Mpm::new(Method::new(Gimp, Flip, Usl, PlaneStrain).compiled(), grid);
     mpm.add("rock", metal(), &block(&at_zero, [4, 4], [2, 2], 2, 0.0), |_| [0.0; 2]).expect("body");
     mpm.add("stone", metal(), &block(&at_zero, [8, 8], [2, 2], 2, 0.0), |_| [1.0, 0.0]).expect("body");
     mpm.set_time_control(TimeControl::Fixed(0.02)).expect("time control");

@@ -11,7 +11,7 @@ const THICKNESS: f64 = 3.0;
 const SPEED: f64 = 10.0;
 
 /// A ball this many thicknesses before a plate.
-fn scene(before: f64) -> Mpm<f64, 3, Method<Linear, Flip, Musl, FullSpace>, BlockGrid<f64, 3>> {
+fn scene(before: f64) -> Mpm<3> {
     let lattice = Lattice::new([0.0; 3], H).expect("lattice");
     let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, FullSpace), BlockGrid::new(lattice));
     let law = LinearElastic::new(1000.0, Moduli::young_poisson(1e5, 0.3).expect("moduli")).expect("law");

@@ -8,34 +8,34 @@ use impactite_tests::compare::{fast, particles};
 use impactite_tests::scene::{Numbers, block, rubber};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{
-    Apic, Blend, BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Linear, Method, Mls, Mpm, Musl,
-    PlaneStrain, QuadraticBSpline, Rest, Side, Team, TimeControl, Traction, Usf, Usl,
+    Apic, Blend, BlockGrid, Boundary, CpGimp, Deformable, Flip, FullSpace, IntoKernels, Linear, Method, Mls,
+    Mpm, Musl, PlaneStrain, QuadraticBSpline, Rest, Side, Splitting, Team, TimeControl, Traction, Usf, Usl,
 };
-use mpm_materials::{LinearElastic, Moduli};
+use mpm_materials::{Constitutive, LinearElastic, Moduli, Stretching};
 
 /// A free block pulled at its top face by a traction that is ramped up, then by one that is there at once.
-fn pull<M: Composition<f64, 3>>(method: M, allowed: f64) {
+fn pull<M: IntoKernels<f64, 3> + Copy>(method: M, allowed: f64) {
     // The impulse of 4 m^2 times the traction over time; one step off at the ends of the ramp.
     pull_by(method, |t| [0.02 * t, 0.0, 0.1 * t.min(1.0)], [4.0 * 0.02 * 2.0, 0.0, 4.0 * 0.1 * 1.5], allowed);
     pull_by(method, |_| [0.0, 0.0, 0.1], [0.0, 0.0, 4.0 * 0.1 * 2.0], allowed);
 }
 
 /// Momentum and energy against the ledger.
-fn pull_by<M: Composition<f64, 3>>(
+fn pull_by<M: IntoKernels<f64, 3>>(
     method: M,
     history: impl Fn(f64) -> [f64; 3] + Send + Sync + 'static,
     exact: [f64; 3],
     allowed: f64,
 ) {
-    let name = method.describe();
     let lattice = Lattice::new([0.0; 3], 0.5).unwrap();
     let block = Cuboid::new([0.0; 3], [2.0, 2.0, 4.0]).unwrap();
     let seeds = fill(&block, &lattice, 2, &Filling::new()).unwrap();
     let law = LinearElastic::new(1.0, Moduli::young_poisson(100.0, 0.3).unwrap()).unwrap();
     let top = Cuboid::new([0.0, 0.0, 3.75], [2.0, 2.0, 4.0]).unwrap();
     let load = Traction { region: Arc::new(top), axis: 2, history: Arc::new(history), revolved: false };
-    let mut mpm = Mpm::<f64, 3, _, _>::new(method, BlockGrid::new(lattice));
-    mpm.add_loaded("block", law, &seeds, |_| [0.0; 3], load).unwrap();
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    let name = mpm.facts().description.clone();
+    mpm.add_body(Deformable::new("block", law, &seeds).with_traction(load)).unwrap();
     mpm.set_time_control(TimeControl::Fixed(0.02)).unwrap();
     mpm.run_until(2.0).unwrap();
     let (totals, ledger) = (mpm.totals(), mpm.ledger());
@@ -58,18 +58,115 @@ fn a_pulled_block_with_musl() {
 
 #[test]
 fn a_pulled_block_with_usl() {
-    pull(Method::new(CpGimp, Flip, Usl, FullSpace), 5e-3);
+    pull(Method::new(CpGimp, Flip, Usl, FullSpace).compiled(), 5e-3);
 }
 
 #[test]
 fn a_pulled_block_with_usf() {
-    pull(Method::new(QuadraticBSpline, Flip, Usf, FullSpace), 5e-3);
+    pull(Method::new(QuadraticBSpline, Flip, Usf, FullSpace).compiled(), 5e-3);
 }
 
 #[test]
 fn a_pulled_block_with_momentum_and_impulse_together() {
     // What the transfer smooths away is not work.
     pull(Method::new(QuadraticBSpline, Mls, Usl, FullSpace), 1e-2);
+}
+
+/// What remembers its stretch.
+type Soft = mpm_materials::CompiledHere<Stretching<LinearElastic<f64>>>;
+
+/// A block that gets longer and is pulled at its top face at once, with what else is to be said of it.
+fn drawn<M: IntoKernels<f64, 3>>(
+    method: M,
+    more: impl Fn(Deformable<'_, 3, Soft>) -> Deformable<'_, 3, Soft>,
+) -> Mpm<3> {
+    let lattice = Lattice::new([0.0; 3], 0.5).unwrap();
+    let block = Cuboid::new([0.0; 3], [2.0, 2.0, 4.0]).unwrap();
+    let seeds = fill(&block, &lattice, 2, &Filling::new()).unwrap();
+    let top = Cuboid::new([0.0, 0.0, 3.75], [2.0, 2.0, 4.0]).unwrap();
+    let history = Arc::new(|_: f64| [0.02, 0.0, 0.1]);
+    let load = Traction { region: Arc::new(top), axis: 2, history, revolved: false };
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    let block = Deformable::new("block", soft().compiled(), &seeds).moving(|x| [0.0, 0.0, 0.05 * x[2]]);
+    mpm.add_body(more(block.with_traction(load))).unwrap();
+    mpm.set_time_control(TimeControl::Fixed(0.02)).unwrap();
+    mpm
+}
+
+fn soft() -> Stretching<LinearElastic<f64>> {
+    Stretching::new(LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3).unwrap()).unwrap())
+}
+
+/// The impulse of a traction is booked whoever carries it: particles that are split, that start stressed, or both.
+#[test]
+fn what_is_pulled_may_be_split_and_start_stressed() {
+    fn check<M: IntoKernels<f64, 3> + Copy>(method: M) {
+        let splitting = Splitting::at(1.05).unwrap();
+        let stressed = |x: [f64; 3]| {
+            let mut state = soft().virgin();
+            state.law.stress.0 = [1e-3, -2e-3, 3e-3 * x[2], 0.0, 5e-4 * x[0], 0.0];
+            state.law.volume_ratio = 0.99;
+            state
+        };
+        let scenes = [
+            ("split", drawn(method, |block| block.with_splitting(splitting))),
+            ("stressed", drawn(method, |block| block.in_state(stressed))),
+            ("both", drawn(method, |block| block.in_state(stressed).with_splitting(splitting))),
+        ];
+        for (what, mut mpm) in scenes {
+            let what = format!("{what}, {}", mpm.facts().description);
+            let (before, seeds) = (mpm.totals(), mpm.particles());
+            let start = particles(&mpm).remove(0);
+            // The remainder by the number of seeds is the seed that a particle comes from.
+            let loaded = |mpm: &Mpm<3>| {
+                mpm.bodies()[0]
+                    .particles()
+                    .iter()
+                    .filter(|p| start[p.number % seeds].position[2] > 3.75)
+                    .count()
+            };
+            assert_eq!(loaded(&mpm), 64);
+            mpm.run_until(2.0).unwrap();
+            let (after, ledger, cuts) = (mpm.totals(), mpm.ledger(), mpm.bodies()[0].splits().cuts);
+            for d in 0..3 {
+                let error = after.momentum[d] - before.momentum[d] - ledger.load[d];
+                assert!(error.abs() < 1e-12 * after.momentum_scale, "{what}, component {d}: {error:e}");
+            }
+            // 4 m^2 for 2 s, however many particles share the area.
+            for (d, exact) in [4.0 * 0.02 * 2.0, 0.0, 4.0 * 0.1 * 2.0].into_iter().enumerate() {
+                assert!((ledger.load[d] - exact).abs() < 1e-12, "{what}, component {d}: {:?}", ledger.load);
+            }
+            println!("{what}: {cuts} cuts, {} particles carry the load", loaded(&mpm));
+            assert_eq!(mpm.particles(), seeds + cuts as usize);
+            assert_eq!(loaded(&mpm) > 64, !what.starts_with("stressed"), "{what}: {cuts} cuts");
+        }
+    }
+    check(Method::new(Linear, Flip, Musl, FullSpace));
+    check(Method::new(CpGimp, Flip, Usl, FullSpace).compiled());
+    check(Method::new(QuadraticBSpline, Flip, Usf, FullSpace).compiled());
+    check(Method::new(QuadraticBSpline, Mls, Usl, FullSpace));
+}
+
+/// A stretch that no particle reaches changes no bit of what is pulled.
+#[test]
+fn splitting_that_is_not_reached_changes_nothing() {
+    fn check<M: IntoKernels<f64, 3> + Copy>(method: M) {
+        let mut whole = drawn(method, |block| block);
+        let mut split = drawn(method, |block| block.with_splitting(Splitting::at(4.0).unwrap()));
+        for _ in 0..100 {
+            whole.step().unwrap();
+            split.step().unwrap();
+        }
+        let name = &whole.facts().description;
+        assert_eq!(split.bodies()[0].splits().cuts, 0, "{name}");
+        assert!(whole.ledger().load[2] > 0.7, "{name}: no load");
+        assert_eq!(format!("{:?}", whole.ledger()), format!("{:?}", split.ledger()), "{name}");
+        assert!(particles(&whole) == particles(&split), "{name}");
+    }
+    check(Method::new(Linear, Flip, Musl, FullSpace));
+    check(Method::new(CpGimp, Flip, Usl, FullSpace).compiled());
+    check(Method::new(QuadraticBSpline, Flip, Usf, FullSpace).compiled());
+    check(Method::new(QuadraticBSpline, Mls, Usl, FullSpace));
 }
 
 #[test]
@@ -79,7 +176,7 @@ fn a_dragged_block_takes_the_prescribed_velocity() {
     let seeds = fill(&block, &lattice, 2, &Filling::new()).unwrap();
     let law = LinearElastic::new(1.0, Moduli::young_poisson(100.0, 0.3).unwrap()).unwrap();
     let method = Method::new(Linear, Flip, Musl, FullSpace);
-    let mut mpm = Mpm::<f64, 3, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.add("block", law, &seeds, |_| [0.0, 0.02, 0.0]).unwrap();
     // The lower half is dragged along x; y is left free there.
     let region = Arc::new(Cuboid::new([-1.0, -1.0, -1.0], [9.0, 3.0, 2.0]).unwrap());
@@ -106,13 +203,13 @@ fn a_dragged_block_takes_the_prescribed_velocity() {
 /// Local damping: what it takes is booked, and a column under its weight comes to rest under the static stress.
 #[test]
 fn a_damped_column_comes_to_rest() {
-    fn column<M: Composition<f64, 2>>(method: M, filters: bool) {
+    fn column<M: IntoKernels<f64, 2>>(method: M, filters: bool) {
         let (h, cells, gravity) = (0.1, 10, 0.01);
         let lattice = Lattice::new([0.0; 2], h).unwrap();
         let length = f64::from(cells) * h;
         let seeds = fill(&Cuboid::new([0.0; 2], [h, length]).unwrap(), &lattice, 2, &Filling::new()).unwrap();
         let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.0).unwrap()).unwrap();
-        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+        let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
         mpm.add("column", law, &seeds, |_| [0.0; 2]).unwrap();
         mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
         mpm.bound(Boundary::Symmetry { axis: 0, at: h, side: Side::Below }).unwrap();
@@ -128,7 +225,7 @@ fn a_damped_column_comes_to_rest() {
         let (totals, ledger) = (mpm.totals(), mpm.ledger());
         for d in 0..2 {
             let error = totals.momentum[d] - ledger.load[d] - ledger.impulse[d];
-            assert!(error.abs() < 1e-12 * gravity * 45.0, "{}: {error:e}", mpm.method().describe());
+            assert!(error.abs() < 1e-12 * gravity * 45.0, "{}: {error:e}", mpm.facts().description);
         }
         let energy = totals.kinetic + totals.internal;
         let gained = (energy - ledger.work) / energy;
@@ -152,21 +249,20 @@ fn a_damped_column_comes_to_rest() {
     column(Method::new(Linear, Flip, Musl, PlaneStrain), false);
     // The blend takes some energy of its own. With FLIP alone particles would go on trembling, unseen by the nodes.
     let blend = Blend::new(1.0).unwrap();
-    column(Method::new(QuadraticBSpline, blend, Usf, PlaneStrain), true);
-    column(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian(), false);
+    column(Method::new(QuadraticBSpline, blend, Usf, PlaneStrain).compiled(), true);
+    column(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian().compiled(), false);
 }
 
 #[test]
 fn damping_that_cannot_be_is_refused() {
     let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
-    let mut mpm =
-        Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
     for bad in [-0.1, 1.0, f64::NAN] {
         let error = mpm.set_local_damping(bad).unwrap_err().to_string();
         assert!(error.contains("[0, 1)"), "{error}");
     }
     let method = Method::new(QuadraticBSpline, Mls, Usl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let error = mpm.set_local_damping(0.5).unwrap_err().to_string();
     assert!(error.contains("forces of the nodes"), "{error}");
 }
@@ -175,12 +271,12 @@ fn damping_that_cannot_be_is_refused() {
 /// took is booked.
 #[test]
 fn a_column_comes_to_rest_by_kinetic_damping() {
-    fn column<M: Composition<f64, 2>>(method: M) {
+    fn column<M: IntoKernels<f64, 2>>(method: M) {
         let (h, cells, gravity) = (0.1, 10, 0.01);
         let length = f64::from(cells) * h;
-        let name = method.describe();
-        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(Lattice::new([0.0; 2], h).unwrap()));
-        let seeds = block(mpm_core::GridStorage::lattice(mpm.grid()), [0; 2], [1, 10], 2, 0.0);
+        let mut mpm = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 2], h).unwrap()));
+        let name = mpm.facts().description.clone();
+        let seeds = block(mpm.grid().lattice(), [0; 2], [1, 10], 2, 0.0);
         let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.0).unwrap()).unwrap();
         mpm.add("column", law, &seeds, |_| [0.0; 2]).unwrap();
         mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
@@ -210,8 +306,8 @@ fn a_column_comes_to_rest_by_kinetic_damping() {
         });
     }
     column(Method::new(Linear, Flip, Musl, PlaneStrain));
-    column(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian());
-    column(Method::new(Linear, Flip, Usf, PlaneStrain));
+    column(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian().compiled());
+    column(Method::new(Linear, Flip, Usf, PlaneStrain).compiled());
 }
 
 /// A traction stretches a block as statics has it, and the momentum that the stops took is booked.
@@ -231,8 +327,8 @@ fn pulled_to_rest(dt: f64) -> f64 {
     let (region, history) = (Arc::new(top), Arc::new(|_: f64| [0.0, 0.1]));
     let load = Traction { region, axis: 1, history, revolved: false };
     let method = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
-    mpm.add_loaded("block", law, &seeds, |_| [0.0; 2], load).unwrap();
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    mpm.add_body(Deformable::new("block", law, &seeds).with_traction(load)).unwrap();
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
     mpm.set_time_control(TimeControl::Fixed(dt)).unwrap();
@@ -278,10 +374,10 @@ fn ways_to_rest_do_not_depend_on_threads() {
 }
 
 /// A block with noise in its velocities, `per_axis` particles a cell and axis.
-fn noisy<M: Composition<f64, 2>>(method: M, per_axis: usize) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+fn noisy<M: IntoKernels<f64, 2>>(method: M, per_axis: usize) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
     let seeds = block(&lattice, [0; 2], [5, 3], per_axis, 0.3);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let velocity = |x: [f64; 2]| {
         let mut random = Numbers::new((1e6 * (x[0] + 10.0 * x[1])) as u64);
         [1e-3 * random.draw(), 1e-3 * random.draw()]
@@ -378,7 +474,7 @@ fn diagnostics_know_planes_of_symmetry() {
         let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
         let seeds = block(&lattice, [low, 0], [cells, 3], 2, 0.0);
         let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
-        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+        let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
         mpm.add("block", rubber(), &seeds, |x| [0.01 * x[0], 0.02 * x[0] * x[0]]).unwrap();
         if low == 0 {
             mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).unwrap();
@@ -398,27 +494,27 @@ fn diagnostics_know_planes_of_symmetry() {
 /// The step by the circles of Gershgorin is what it says, and shrinks where USL meets an almost empty cell.
 #[test]
 fn the_sharp_step_follows_the_bound() {
-    fn first<M: Composition<f64, 2>>(method: M, behind: f64) -> (f64, f64) {
+    fn first<M: IntoKernels<f64, 2>>(method: M, behind: f64) -> (f64, f64) {
         let lattice = Lattice::new([0.0; 2], 1.0).unwrap();
         let mut seeds = block(&lattice, [0; 2], [4, 1], 2, 0.0);
         seeds.positions.iter_mut().for_each(|x| x[0] += 0.25 + behind);
-        let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+        let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
         mpm.add("bar", rubber(), &seeds, |_| [0.0; 2]).unwrap();
         mpm.set_time_control(TimeControl::Gershgorin { factor: 0.9, growth: 1.1, every: 5 }).unwrap();
         let bound = mpm.frequency_bound().bound;
         (mpm.step().unwrap(), bound)
     }
     for behind in [0.25, 0.01] {
-        let (dt, bound) = first(Method::new(Linear, Flip, Usl, PlaneStrain), behind);
+        let (dt, bound) = first(Method::new(Linear, Flip, Usl, PlaneStrain).compiled(), behind);
         assert!((dt * bound / (0.9 * 2f64.sqrt()) - 1.0).abs() < 1e-12, "{dt} for {bound}");
         let (dt, bound) = first(Method::new(Linear, Flip, Musl, PlaneStrain), behind);
         assert!((dt * bound / (0.9 * 2.0) - 1.0).abs() < 1e-12, "{dt} for {bound}");
     }
-    let usl = || Method::new(Linear, Flip, Usl, PlaneStrain);
+    let usl = || Method::new(Linear, Flip, Usl, PlaneStrain).compiled();
     let shrinks = first(usl(), 1e-4).0 / first(usl(), 1e-2).0;
     // As the root of what is left of a cell.
     assert!((shrinks / 0.1 - 1.0).abs() < 0.05, "{shrinks}");
-    let splines = || Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain);
+    let splines = || Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain).compiled();
     let keeps = first(splines(), 1e-4).0 / first(splines(), 1e-2).0;
     assert!(keeps > 0.9, "{keeps}");
 }

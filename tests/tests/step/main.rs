@@ -8,6 +8,7 @@ mod convergence;
 mod dilatation;
 mod failures;
 mod flight;
+mod kernels;
 mod loads;
 mod merging;
 mod restart;

@@ -6,9 +6,9 @@ use impactite_tests::scene::{Numbers, block};
 use mpm_core::geometry::{Cuboid, Lattice, Seeds};
 use mpm_core::step::SceneError;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Cpdi, Flip, FullSpace, Linear, Merging,
-    Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Splitting, Team, TimeControl, Totals, Usf,
-    Usl,
+    Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Cpdi, Deformable, Flip, FullSpace, IntoKernels, Linear,
+    Merging, Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Splitting, Team, TimeControl,
+    Totals, Usf, Usl,
 };
 use mpm_materials::eos::KeepEnergy;
 use mpm_materials::{
@@ -28,9 +28,7 @@ fn soft(speed: f64) -> Solid<Elastic<f64>, LinearDensity<f64>> {
     )
 }
 
-fn particles<const D: usize, M: Composition<f64, D>>(
-    mpm: &Mpm<f64, D, M, BlockGrid<f64, D>>,
-) -> Vec<Particle> {
+fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<Particle> {
     mpm.bodies()[0].particles()
 }
 
@@ -46,14 +44,14 @@ fn scattered<const D: usize>(lattice: &Lattice<D>, start: u64) -> Seeds<D> {
 }
 
 /// One step of scattered particles in the velocity field `mean + gradient x` and in motion against each other.
-fn one_step<const D: usize, M: Composition<f64, D>>(
+fn one_step<const D: usize, M: IntoKernels<f64, D>>(
     method: M,
     (mean, gradient, start): ([f64; 3], [[f64; 3]; 3], u64),
     merging: bool,
-) -> Mpm<f64, D, M, BlockGrid<f64, D>> {
+) -> Mpm<D> {
     let lattice = Lattice::new([0.0; D], H).expect("lattice");
     let seeds: Seeds<D> = scattered(&lattice, start);
-    let mut mpm = Mpm::<f64, D, M, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let velocity = |x: [f64; D]| {
         let mut v = [0.0; D];
         for d in 0..D {
@@ -64,13 +62,14 @@ fn one_step<const D: usize, M: Composition<f64, D>>(
         }
         v
     };
-    let law = Stretching::new(soft(0.02 * H));
+    let law = Stretching::new(soft(0.02 * H)).compiled();
     // What is never cut, so that only merging changes it.
     let mut splitting = Splitting::at(4.0).expect("stretch");
     if merging {
         splitting = splitting.with_merging(Merging::above(4).expect("count").every(1).expect("steps"));
     }
-    mpm.add_splitting("block", law, &seeds, velocity, splitting).expect("body");
+    let block = Deformable::new("block", law, &seeds).moving(velocity);
+    mpm.add_body(block.with_splitting(splitting)).expect("body");
     mpm.set_time_control(TimeControl::Fixed(1.0)).expect("time control");
     mpm.step().expect("step");
     mpm
@@ -100,7 +99,7 @@ fn sums<const D: usize>(particles: &[Particle]) -> (f64, f64, [f64; D]) {
     (volume, domains, centre)
 }
 
-fn keeps_the_books<const D: usize, M: Composition<f64, D>>(
+fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     method: M,
     motion: ([f64; 3], [[f64; 3]; 3], u64),
     carried: bool,
@@ -143,7 +142,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
     #[test]
     fn books_plane(motion in motion()) {
-        keeps_the_books::<2, _>(Method::new(Linear, Flip, Usl, PlaneStrain), motion, false)?;
+        keeps_the_books::<2, _>(Method::new(Linear, Flip, Usl, PlaneStrain).compiled(), motion, false)?;
     }
     #[test]
     fn books_plane_domains(motion in motion()) {
@@ -155,11 +154,11 @@ proptest! {
     }
     #[test]
     fn books_solid_domains(motion in motion()) {
-        keeps_the_books::<3, _>(Method::new(CpGimp, Flip, Usl, FullSpace), motion, true)?;
+        keeps_the_books::<3, _>(Method::new(CpGimp, Flip, Usl, FullSpace).compiled(), motion, true)?;
     }
     #[test]
     fn books_revolution(motion in motion()) {
-        keeps_the_books::<2, _>(Method::new(Linear, Flip, Usf, Axisymmetric), motion, false)?;
+        keeps_the_books::<2, _>(Method::new(Linear, Flip, Usf, Axisymmetric).compiled(), motion, false)?;
     }
 }
 
@@ -171,21 +170,18 @@ const DRAWN: f64 = 8.0;
 
 /// A strip that nodes of prescribed velocity draw out in each odd second, and push together in each even one. The law is
 /// soft, so that stress is a record of the strain.
-fn strip<M: Composition<f64, 2>>(
-    method: M,
-    merging: Option<Merging>,
-    threads: usize,
-) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+fn strip<M: IntoKernels<f64, 2>>(method: M, merging: Option<Merging>, threads: usize) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let seeds: Seeds<2> = block(&lattice, [0, 0], [CELLS, 2], 2, 0.0);
-    let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let mut splitting = Splitting::at(2.0).expect("stretch");
     if let Some(merging) = merging {
         splitting = splitting.with_merging(merging);
     }
     let velocity = |x: [f64; 2]| [RATE * x[0], 0.0];
-    let law = Stretching::new(soft(0.01 * LENGTH));
-    mpm.add_splitting("strip", law, &seeds, velocity, splitting).expect("body");
+    let law = Stretching::new(soft(0.01 * LENGTH)).compiled();
+    let strip = Deformable::new("strip", law, &seeds).moving(velocity);
+    mpm.add_body(strip.with_splitting(splitting)).expect("body");
     for node in -3..=(DRAWN as i32 * CELLS as i32 + 4) {
         let x = f64::from(node) * H;
         let region = Cuboid::new([x - 0.1 * H, -10.0 * H], [x + 0.1 * H, 10.0 * H]).expect("box");
@@ -215,7 +211,7 @@ fn cells(all: &[Particle]) -> (usize, usize) {
 
 /// Drawn out to eight times its length and pushed together three times: the strip is always whole, and every time it closes
 /// the particles are few again, where without merging there are four times as many as at the start.
-fn closes_again<M: Composition<f64, 2>>(method: M, above: usize) {
+fn closes_again<M: IntoKernels<f64, 2> + Copy>(method: M, above: usize) {
     let mut apart = strip(method, None, 1);
     apart.run_until(2.0).expect("run");
     let (apart, (_, crowd)) = (apart.particles(), cells(&particles(&apart)));
@@ -226,7 +222,7 @@ fn closes_again<M: Composition<f64, 2>>(method: M, above: usize) {
         let all = particles(&mpm);
         let (empty, most) = cells(&all);
         let book = mpm.bodies()[0].merges();
-        println!("{} {second}: {} particles, {empty} {most}, {book:?}", method.describe(), all.len());
+        println!("{} {second}: {} particles, {empty} {most}, {book:?}", mpm.facts().description, all.len());
         assert_eq!(empty, 0, "after {second} s");
         let mut numbers: Vec<usize> = all.iter().map(|p| p.number).collect();
         numbers.dedup();
@@ -247,25 +243,22 @@ fn strips_drawn_out_and_pushed_together_stay_whole() {
     closes_again(Method::new(Linear, Flip, Musl, PlaneStrain), 8);
     // Stencils of three nodes: their cells lie around nodes, and hold half as many at the edges.
     closes_again(Method::new(CpGimp, Flip, Musl, PlaneStrain), 4);
-    closes_again(Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain), 4);
+    closes_again(Method::new(QuadraticBSpline, Flip, Usl, PlaneStrain).compiled(), 4);
 }
 
 /// A block that flies, gets longer at unit rate and thinner: a piece of a jet.
-fn jet<M: Composition<f64, 2>>(
-    method: M,
-    merging: Option<Merging>,
-    threads: usize,
-) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+fn jet<M: IntoKernels<f64, 2>>(method: M, merging: Option<Merging>, threads: usize) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let seeds: Seeds<2> = block(&lattice, [-3, -3], [6, 6], 2, 0.0);
-    let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let mut splitting = Splitting::at(2.0).expect("stretch");
     if let Some(merging) = merging {
         splitting = splitting.with_merging(merging);
     }
     let velocity = |x: [f64; 2]| [0.5 + x[0], 0.3 - 0.12 * x[1]];
-    let law = Stretching::new(soft(0.01 * LENGTH));
-    mpm.add_splitting("jet", law, &seeds, velocity, splitting).expect("body");
+    let law = Stretching::new(soft(0.01 * LENGTH)).compiled();
+    let jet = Deformable::new("jet", law, &seeds).moving(velocity);
+    mpm.add_body(jet.with_splitting(splitting)).expect("body");
     mpm.set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 }).expect("time control");
     mpm.set_team(Team::new(threads).expect("threads"));
     mpm
@@ -386,12 +379,12 @@ fn laws_keep_volume_and_energy() {
     assert!(merged(&NeoHookean::new(1000.0, moduli).expect("law"), &[0.0, 0.0]).is_none());
 }
 
-fn refused<M: Composition<f64, 2>, C: Constitutive<f64>>(method: M, law: C) -> Result<(), SceneError> {
+fn refused<M: IntoKernels<f64, 2>, C: Constitutive<f64>>(method: M, law: C) -> Result<(), SceneError> {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let seeds: Seeds<2> = block(&lattice, [0; 2], [2; 2], 2, 0.0);
-    let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let splitting = Splitting::at(2.0).expect("stretch").with_merging(Merging::above(8).expect("count"));
-    mpm.add_splitting("body", Stretching::new(law), &seeds, |_| [0.0; 2], splitting)
+    mpm.add_body(Deformable::new("body", Stretching::new(law).compiled(), &seeds).with_splitting(splitting))
 }
 
 #[test]
@@ -404,9 +397,9 @@ fn bad_merging_is_refused() {
     };
     let law = soft(1.0);
     names(refused(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain), law), "APIC");
-    names(refused(Method::new(Cpdi, Flip, Usl, PlaneStrain), law), "CPDI");
+    names(refused(Method::new(Cpdi, Flip, Usl, PlaneStrain).compiled(), law), "CPDI");
     let moduli = Moduli::young_poisson(1e6, 0.3).expect("moduli");
     let rubber = NeoHookean::new(1000.0, moduli).expect("law");
-    names(refused(Method::new(Linear, Flip, Usl, PlaneStrain), rubber), "Hookean");
-    refused(Method::new(Linear, Flip, Usl, PlaneStrain), law).expect("body");
+    names(refused(Method::new(Linear, Flip, Usl, PlaneStrain).compiled(), rubber), "Hookean");
+    refused(Method::new(Linear, Flip, Usl, PlaneStrain).compiled(), law).expect("body");
 }

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use impactite_tests::compare::fast;
 use impactite_tests::scene::{self, lattice, metal, rubber, wave_speed};
 use mpm_core::{
-    Apic, BlockGrid, CheckpointError, Composition, Cpdi2, DenseGrid, Flip, FullSpace, GridStorage, Linear,
+    Apic, BlockGrid, CheckpointError, Cpdi2, Deformable, DenseGrid, Flip, FullSpace, IntoKernels, Linear,
     Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Splitting, Team, TimeControl, Usf, Usl,
 };
-use mpm_materials::Stretching;
+use mpm_materials::{Constitutive, Stretching};
 
 const STEPS: usize = 25;
 
@@ -30,29 +30,25 @@ impl Drop for Scratch {
 }
 
 /// Every particle, by its bits.
-fn seen<const D: usize, M: Composition<f64, D>, G: GridStorage<f64, D>>(mpm: &Mpm<f64, D, M, G>) -> String {
+fn seen<const D: usize>(mpm: &Mpm<D>) -> String {
     let all: Vec<_> = mpm.bodies().iter().map(|b| b.particles()).collect();
     format!("{} {:?} {all:?}", mpm.steps(), mpm.time())
 }
 
 /// All that a run can tell.
-fn told<const D: usize, M: Composition<f64, D>, G: GridStorage<f64, D>>(mpm: &Mpm<f64, D, M, G>) -> String {
+fn told<const D: usize>(mpm: &Mpm<D>) -> String {
     let splits: Vec<_> = mpm.bodies().iter().map(|b| b.splits()).collect();
     format!("{} {:?} {:?} {splits:?} {}", seen(mpm), mpm.totals(), mpm.ledger(), mpm.stops())
 }
 
-fn advance<const D: usize, M: Composition<f64, D>, G: GridStorage<f64, D>>(mpm: &mut Mpm<f64, D, M, G>) {
+fn advance<const D: usize>(mpm: &mut Mpm<D>) {
     for _ in 0..STEPS {
         mpm.step().expect("step");
     }
 }
 
 /// The scene run on, run on after it was saved, and resumed by another one, with two threads.
-fn continues<const D: usize, M, G>(name: &str, scene: impl Fn() -> Mpm<f64, D, M, G>)
-where
-    M: Composition<f64, D>,
-    G: GridStorage<f64, D>,
-{
+fn continues<const D: usize>(name: &str, scene: impl Fn() -> Mpm<D>) {
     let file = Scratch::new(name);
     let mut whole = scene();
     advance(&mut whole);
@@ -71,20 +67,20 @@ where
 
 #[test]
 fn methods() {
-    fn check<const D: usize, M: Composition<f64, D>>(name: &str, method: M) {
+    fn check<const D: usize, M: IntoKernels<f64, D> + Copy>(name: &str, method: M) {
         let scene = scene::flow::<D>();
         continues(name, || fast(method, BlockGrid::new(scene.lattice), &scene, &rubber()));
     }
-    check("usf", Method::new(Linear, Flip, Usf, PlaneStrain));
+    check("usf", Method::new(Linear, Flip, Usf, PlaneStrain).compiled());
     check("space", Method::new(Linear, Flip, Musl, FullSpace));
-    check("cpdi", Method::new(Cpdi2, Flip, Usl, PlaneStrain));
-    check("total", Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian());
+    check("cpdi", Method::new(Cpdi2, Flip, Usl, PlaneStrain).compiled());
+    check("total", Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian().compiled());
 }
 
 /// Walls, weight, steps that follow the waves, kinetic damping.
 #[test]
 fn surroundings() {
-    fn check<M: Composition<f64, 2>>(name: &str, method: M, damped: bool) {
+    fn check<M: IntoKernels<f64, 2> + Copy>(name: &str, method: M, damped: bool) {
         let scene = scene::bar::<2>();
         continues(name, || {
             let mut mpm = fast(method, BlockGrid::new(scene.lattice), &scene, &rubber());
@@ -120,12 +116,13 @@ fn on_another_grid() {
 #[test]
 fn splitting() {
     let scene = || {
-        let mut mpm = Mpm::<f64, 2, _, _>::new(Spline::default(), BlockGrid::new(lattice()));
+        let mut mpm = Mpm::new(Spline::default(), BlockGrid::new(lattice()));
         let seeds = scene::block(&lattice(), [2; 2], [4; 2], 2, 0.0);
         let splitting = Splitting::at(1.05).expect("stretch");
         let speed = wave_speed();
         let apart = |x: [f64; 2]| [0.5 * speed * x[0], 0.0];
-        mpm.add_splitting("strip", Stretching::new(rubber()), &seeds, apart, splitting).expect("body");
+        let strip = Deformable::new("strip", Stretching::new(rubber()).compiled(), &seeds).moving(apart);
+        mpm.add_body(strip.with_splitting(splitting)).expect("body");
         mpm
     };
     let mut started = scene();
@@ -134,14 +131,14 @@ fn splitting() {
     continues("splitting", scene);
 }
 
-fn refusal(scene: Mpm<f64, 2, Spline, BlockGrid<f64, 2>>, file: &Scratch) -> CheckpointError {
+fn refusal(scene: Mpm<2>, file: &Scratch) -> CheckpointError {
     match scene.resumed(&file.0) {
         Ok(_) => panic!("resumed"),
         Err(error) => error,
     }
 }
 
-fn block(law_of_metal: bool, name: &str) -> Mpm<f64, 2, Spline, BlockGrid<f64, 2>> {
+fn block(law_of_metal: bool, name: &str) -> Mpm<2> {
     let mut mpm = Mpm::new(Spline::default(), BlockGrid::new(lattice()));
     let seeds = scene::block(&lattice(), [0; 2], [3; 2], 2, 0.2);
     let still = |_| [0.1, 0.0];
@@ -175,12 +172,10 @@ fn another_scene_is_refused() {
     let message = refusal(two, &file).to_string();
     assert!(message.contains("number of bodies is `1` there and `2` here"), "{message}");
 
-    let hats =
-        Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice()));
+    let hats = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice()));
     let message = hats.resumed(&file.0).err().expect("refused").to_string();
     assert!(message.contains("method is"), "{message}");
-    let mut small =
-        Mpm::<f64, 2, _, _>::new(Spline::default(), DenseGrid::new(lattice(), [-1; 2], [5; 2]).expect("box"));
+    let mut small = Mpm::new(Spline::default(), DenseGrid::new(lattice(), [-1; 2], [5; 2]).expect("box"));
     let seeds = scene::block(&lattice(), [0; 2], [3; 2], 2, 0.2);
     small.add("block", rubber(), &seeds, |_| [0.0; 2]).expect("body");
     let mut far = block(false, "block");
@@ -227,8 +222,7 @@ fn a_damaged_file_is_refused() {
 #[test]
 fn a_stopped_run_is_not_saved() {
     let file = Scratch::new("stopped");
-    let mut mpm =
-        Mpm::<f64, 2, _, _>::new(Spline::default(), DenseGrid::new(lattice(), [-1; 2], [5; 2]).expect("box"));
+    let mut mpm = Mpm::new(Spline::default(), DenseGrid::new(lattice(), [-1; 2], [5; 2]).expect("box"));
     let seeds = scene::block(&lattice(), [0; 2], [3; 2], 2, 0.2);
     mpm.add("block", rubber(), &seeds, |_| [1.0, 0.0]).expect("body");
     mpm.run_until(10.0).expect_err("it leaves the grid");

@@ -6,11 +6,11 @@ use impactite_tests::scene::{block, lattice, metal, rubber, wave_speed};
 use mpm_core::geometry::Cuboid;
 use mpm_core::step::SceneError;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Cpdi2, CubicBSpline, DenseGrid, Embedding,
-    FieldForce, Flip, Float, Fmpm, FullSpace, GridStorage, Linear, Method, Mls, Mpm, Musl, Pic, PlaneStrain,
-    QuadraticBSpline, Side, Splitting, Team, TimeControl, Usf, Usl,
+    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Cpdi2, CubicBSpline, Deformable, DenseGrid,
+    Embedding, FieldForce, Flip, Float, Fmpm, FullSpace, GridStorage, IntoKernels, Linear, Method, Mls, Mpm,
+    Musl, OneField, Pic, PlaneStrain, QuadraticBSpline, Side, Splitting, Team, TimeControl, Usf, Usl,
 };
-use mpm_materials::{Constitutive, Explosive, Moduli, NeoHookean, Stretching, library};
+use mpm_materials::{Constitutive, Explosive, IntoMaterial, Moduli, NeoHookean, Stretching, library};
 
 /// Cells between the projectile and the plate at the start: more than five blocks.
 const BEFORE: i64 = 22;
@@ -37,14 +37,14 @@ impl Flight {
     }
 
     /// Two bodies, the second one at rest.
-    fn scene<T: Float, const D: usize, M, G, C>(&self, method: M, grid: G, law: C) -> Mpm<T, D, M, G>
+    fn scene<T: Float, const D: usize, M, G, C>(&self, method: M, grid: G, law: C) -> Mpm<D, T>
     where
-        M: Composition<T, D>,
-        G: GridStorage<T, D>,
-        C: Constitutive<T>,
+        M: IntoKernels<T, D>,
+        G: GridStorage<T, D> + 'static,
+        C: IntoMaterial<T> + Clone,
     {
         let lattice = *grid.lattice();
-        let mut mpm = Mpm::new(method, grid);
+        let mut mpm = Mpm::of(method, grid, OneField);
         let mut velocity = [0.0; D];
         velocity[self.along] = self.speed * self.sound;
         let (cells, mut low) = (if D == 2 { [3, 4, 0] } else { [2, 3, 3] }, [LOW; D]);
@@ -74,29 +74,17 @@ fn space<const D: usize>() -> BlockGrid<f64, D> {
 
 /// Steps in which the plate rests are the same bits as if it did not, and so are those after it is hit. Returns the part of the
 /// particle updates that were saved.
-fn compare<T: Float, const D: usize, M, G>(
-    what: &str,
-    steps: usize,
-    scene: impl Fn() -> Mpm<T, D, M, G>,
-) -> f64
-where
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-{
+fn compare<T: Float, const D: usize>(what: &str, steps: usize, scene: impl Fn() -> Mpm<D, T>) -> f64 {
     compare_with(what, &["plate"], steps, scene)
 }
 
 /// The same with these bodies at rest.
-fn compare_with<T: Float, const D: usize, M, G>(
+fn compare_with<T: Float, const D: usize>(
     what: &str,
     bodies: &[&str],
     steps: usize,
-    scene: impl Fn() -> Mpm<T, D, M, G>,
-) -> f64
-where
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-{
+    scene: impl Fn() -> Mpm<D, T>,
+) -> f64 {
     let mut saved = Vec::new();
     for threads in [1, 2] {
         let (mut plain, mut resting) = (scene(), scene());
@@ -137,7 +125,7 @@ where
 }
 
 /// With a speed of half that of sound.
-fn check<const D: usize, M: Composition<f64, D>>(method: M) {
+fn check<const D: usize, M: Composition<f64, D> + IntoKernels<f64, D>>(method: M) {
     // About an axis the rod flies along it.
     let along = usize::from(<M::Embedding as Embedding<D>>::HOOP);
     let scene = || Flight { along, ..Flight::at(0.5) }.scene(method, space::<D>(), rubber());
@@ -150,8 +138,8 @@ fn check<const D: usize, M: Composition<f64, D>>(method: M) {
 fn hats() {
     check::<2, _>(Method::new(Linear, Flip, Musl, PlaneStrain));
     check::<3, _>(Method::new(Linear, Flip, Musl, FullSpace));
-    check::<2, _>(Method::new(Linear, Flip, Usf, Axisymmetric));
-    check::<2, _>(Method::new(Linear, Flip, Musl, PlaneStrain).mean_dilatation());
+    check::<2, _>(Method::new(Linear, Flip, Usf, Axisymmetric).compiled());
+    check::<2, _>(Method::new(Linear, Flip, Musl, PlaneStrain).mean_dilatation().compiled());
 }
 
 #[test]
@@ -159,15 +147,15 @@ fn splines() {
     check::<2, _>(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain));
     check::<3, _>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
     check::<2, _>(Method::new(QuadraticBSpline, Mls, Usl, PlaneStrain));
-    check::<2, _>(Method::new(CubicBSpline, Fmpm::<2>, Usl, PlaneStrain));
-    check::<2, _>(Method::new(QuadraticBSpline, Flip, Usf, PlaneStrain));
-    check::<2, _>(Method::new(QuadraticBSpline, Pic, Usl, PlaneStrain));
+    check::<2, _>(Method::new(CubicBSpline, Fmpm::<2>, Usl, PlaneStrain).compiled());
+    check::<2, _>(Method::new(QuadraticBSpline, Flip, Usf, PlaneStrain).compiled());
+    check::<2, _>(Method::new(QuadraticBSpline, Pic, Usl, PlaneStrain).compiled());
 }
 
 #[test]
 fn domains() {
     check::<2, _>(Method::new(CpGimp, Flip, Musl, PlaneStrain));
-    check::<2, _>(Method::new(Cpdi2, Flip, Usl, PlaneStrain));
+    check::<2, _>(Method::new(Cpdi2, Flip, Usl, PlaneStrain).compiled());
 }
 
 #[test]
@@ -200,7 +188,7 @@ fn grids_speeds_and_steps() {
 /// Single precision, and a metal with plasticity, an equation of state, heat and viscosity.
 #[test]
 fn precisions_and_laws() {
-    let single = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
+    let single = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain).compiled();
     let law = NeoHookean::new(2.0f32, Moduli::young_poisson(3.0, 0.3).expect("moduli"));
     let law = law.expect("law");
     compare("single precision", 40, || {
@@ -217,13 +205,13 @@ fn precisions_and_laws() {
 fn splitting() {
     let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
     let scene = || {
-        let mut mpm = Mpm::<f64, 2, _, _>::new(method, space());
-        let law = Stretching::new(rubber());
+        let mut mpm = Mpm::new(method, space());
+        let law = Stretching::new(rubber()).compiled();
         let fast = |_| [2.0 * wave_speed(), 0.0];
         mpm.add("projectile", metal(), &block(&lattice(), [LOW; 2], [2; 2], 2, 0.0), fast).expect("body");
         let plate = block(&lattice(), [LOW + 2 + BEFORE, LOW], [3, 4], 2, 0.0);
         let splitting = Splitting::at(1.05).expect("stretch");
-        mpm.add_splitting("plate", law, &plate, |_| [0.0; 2], splitting).expect("plate");
+        mpm.add_body(Deformable::new("plate", law, &plate).with_splitting(splitting)).expect("plate");
         mpm
     };
     compare("splitting", 60, scene);
@@ -259,7 +247,7 @@ fn no_nodes_at_rest() {
     let mut mpm = Flight::at(0.5).scene::<f64, 3, _, _, _>(method, space(), rubber());
     let all = mpm.grid().nodes().len();
     mpm.let_rest(&["plate"]).expect("rest");
-    let mut alone = Mpm::<f64, 3, _, _>::new(method, space());
+    let mut alone = Mpm::new(method, space());
     let projectile = block(&lattice(), [LOW; 3], [2; 3], 2, 0.6);
     alone.add("projectile", rubber(), &projectile, |_| [0.0; 3]).expect("projectile");
     assert_eq!(mpm.grid().nodes().len(), alone.grid().nodes().len());
@@ -267,7 +255,7 @@ fn no_nodes_at_rest() {
     assert_eq!(mpm.moving_particles(), projectile.positions.len());
     // With nothing else in the scene, there is nothing to do but to let time pass.
     let still = || {
-        let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), space());
+        let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), space());
         mpm.add("plate", rubber(), &block(&lattice(), [2; 2], [4; 2], 2, 0.6), |_| [0.0; 2]).expect("plate");
         mpm
     };
@@ -292,7 +280,7 @@ fn checkpoints() {
         mpm.let_rest(&["plate"]).expect("rest");
         mpm
     };
-    let told = |mpm: &Mpm<f64, 2, _, _>| {
+    let told = |mpm: &Mpm<2>| {
         let all: Vec<_> = mpm.bodies().iter().map(|b| b.particles()).collect();
         format!("{} {:?} {:?} {:?}", mpm.steps(), mpm.time(), mpm.ledger(), all)
     };
@@ -329,8 +317,7 @@ fn woken_by_the_scene() {
         let region = Arc::new(Cuboid::new([low; 2], [low + 0.5; 2]).expect("region"));
         Boundary::Prescribed { region, velocity: Arc::new(|_| [Some(0.1), None, None]) }
     };
-    type Scene = Mpm<f64, 2, Method<QuadraticBSpline, Apic, Usl, PlaneStrain>, BlockGrid<f64, 2>>;
-    type Change<'a> = (bool, &'a dyn Fn(&mut Scene));
+    type Change<'a> = (bool, &'a dyn Fn(&mut Mpm<2>));
     let changes: [Change<'_>; 4] = [
         (true, &|mpm| mpm.set_body_force(|_| [0.0, -0.3])),
         (true, &|mpm| mpm.bound(wall(Side::Above)).expect("wall")),
@@ -366,7 +353,7 @@ fn woken_by_the_scene() {
 fn what_does_not_rest_is_refused() {
     let method = Method::new(Linear, Flip, Musl, PlaneStrain);
     let plate = || block::<2>(&lattice(), [2; 2], [4; 2], 2, 0.0);
-    let scene = || Mpm::<f64, 2, _, _>::new(method, space());
+    let scene = || Mpm::new(method, space());
     let message = |refused: Result<(), SceneError>| refused.expect_err("refused").to_string();
 
     let mut mpm = scene();
@@ -391,7 +378,7 @@ fn what_does_not_rest_is_refused() {
         state.stress.0[1] = 3.0e-4;
         state
     };
-    mpm.add_in_state("plate", metal(), &plate(), |_| [0.0; 2], stressed).expect("body");
+    mpm.add_body(Deformable::new("plate", metal(), &plate()).in_state(stressed)).expect("body");
     let message_of = message(mpm.let_rest(&["plate"]));
     assert!(
         message_of.contains("stress of particle 0 = 0.0003 is not allowed; it must be zero"),
@@ -400,7 +387,7 @@ fn what_does_not_rest_is_refused() {
 
     let mut mpm = scene();
     let field = FieldForce { acceleration: Arc::new(|_, _| [0.0; 2]) };
-    mpm.add_loaded("plate", rubber(), &plate(), |_| [0.0; 2], field).expect("body");
+    mpm.add_body(Deformable::new("plate", rubber(), &plate()).with_field_force(field)).expect("body");
     assert!(matches!(mpm.let_rest(&["plate"]), Err(SceneError::Disturbed { .. })));
     mpm.step().expect("it goes on");
 

@@ -1,21 +1,21 @@
 //! Split particles keep the books, and what is stretched does not break for want of particles.
 
+use std::sync::Arc;
+
 use impactite_tests::scene::block;
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::step::SceneError;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Cpdi, Cpdi2, Flip, FullSpace, Linear,
-    Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, Splitting, Team, TimeControl, Totals,
-    Usf, Usl,
+    Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Cpdi, Cpdi2, Deformable, Flip, FullSpace, IntoKernels,
+    Linear, Method, Mpm, Musl, OneField, Particle, PlaneStrain, QuadraticBSpline, Side, Splitting, Team,
+    TimeControl, Totals, Usf, Usl,
 };
-use mpm_materials::{Moduli, NeoHookean, Stretching};
+use mpm_materials::{Constitutive, IntoMaterial, Material, Moduli, NeoHookean, Stretching};
 use proptest::prelude::*;
 
 const H: f64 = 0.1;
 
-fn particles<const D: usize, M: Composition<f64, D>>(
-    mpm: &Mpm<f64, D, M, BlockGrid<f64, D>>,
-) -> Vec<Particle> {
+fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<Particle> {
     mpm.bodies()[0].particles()
 }
 
@@ -26,14 +26,14 @@ fn soft(speed: f64) -> NeoHookean<f64> {
 }
 
 /// One step of a block in the velocity field `mean + gradient x`; its particles are split if `splitting`.
-fn one_step<const D: usize, M: Composition<f64, D>>(
+fn one_step<const D: usize, M: IntoKernels<f64, D>>(
     method: M,
     (mean, gradient): ([f64; 3], [[f64; 3]; 3]),
     splitting: Option<Splitting>,
-) -> Mpm<f64, D, M, BlockGrid<f64, D>> {
+) -> Mpm<D> {
     let lattice = Lattice::new([0.0; D], H).expect("lattice");
     let seeds: Seeds<D> = block(&lattice, [2; D], [3; D], 2, 0.0);
-    let mut mpm = Mpm::<f64, D, M, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let velocity = |x: [f64; D]| {
         let mut v = [0.0; D];
         for d in 0..D {
@@ -45,11 +45,12 @@ fn one_step<const D: usize, M: Composition<f64, D>>(
         v
     };
     // Its waves go a fiftieth of a cell in the step of 1 s, which is as long as the gradients need.
-    let law = Stretching::new(soft(0.02 * H));
-    match splitting {
-        Some(splitting) => mpm.add_splitting("block", law, &seeds, velocity, splitting).expect("body"),
-        None => mpm.add("block", law, &seeds, velocity).expect("body"),
+    let law = Stretching::new(soft(0.02 * H)).compiled();
+    let mut block = Deformable::new("block", law, &seeds).moving(velocity);
+    if let Some(splitting) = splitting {
+        block = block.with_splitting(splitting);
     }
+    mpm.add_body(block).expect("body");
     mpm.set_time_control(TimeControl::Fixed(1.0)).expect("time control");
     mpm.step().expect("step");
     mpm
@@ -67,7 +68,7 @@ fn difference(a: &Totals, b: &Totals, reach: f64) -> f64 {
     worst.max((a.internal - b.internal).abs() / b.internal.abs().max(1e-30))
 }
 
-fn keeps_the_books<const D: usize, M: Composition<f64, D>>(
+fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     method: M,
     motion: ([f64; 3], [[f64; 3]; 3]),
 ) -> Result<(), TestCaseError> {
@@ -138,15 +139,15 @@ proptest! {
     }
     #[test]
     fn books_plane_corners(motion in motion()) {
-        keeps_the_books::<2, _>(Method::new(Cpdi2, Flip, Usl, PlaneStrain), motion)?;
+        keeps_the_books::<2, _>(Method::new(Cpdi2, Flip, Usl, PlaneStrain).compiled(), motion)?;
     }
     #[test]
     fn books_solid_edges(motion in motion()) {
-        keeps_the_books::<3, _>(Method::new(Cpdi, Flip, Musl, FullSpace), motion)?;
+        keeps_the_books::<3, _>(Method::new(Cpdi, Flip, Musl, FullSpace).compiled(), motion)?;
     }
     #[test]
     fn books_revolution(motion in motion()) {
-        keeps_the_books::<2, _>(Method::new(Linear, Flip, Usf, Axisymmetric), motion)?;
+        keeps_the_books::<2, _>(Method::new(Linear, Flip, Usf, Axisymmetric).compiled(), motion)?;
     }
 }
 
@@ -157,20 +158,21 @@ const RATE: f64 = 1.0;
 
 /// A strip between planes of symmetry that flies apart, v = rate x: in free flight its stretch is 1 + rate t. The law is
 /// soft enough (waves take 100/rate along it) not to matter for the motion, so that stress is a record of the strain.
-fn stretched<M: Composition<f64, 2>>(
+fn stretched<M: IntoKernels<f64, 2>>(
     method: M,
     splitting: Option<Splitting>,
     threads: usize,
     stretch: f64,
-) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], H).expect("lattice");
     let seeds: Seeds<2> = block(&lattice, [0, 0], [CELLS, 2], 2, 0.0);
-    let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let law = soft(0.01 * RATE * LENGTH);
     let velocity = |x: [f64; 2]| [RATE * x[0], 0.0];
     match splitting {
         Some(splitting) => {
-            mpm.add_splitting("strip", Stretching::new(law), &seeds, velocity, splitting).expect("body")
+            let strip = Deformable::new("strip", Stretching::new(law).compiled(), &seeds).moving(velocity);
+            mpm.add_body(strip.with_splitting(splitting)).expect("body")
         }
         None => mpm.add("strip", law, &seeds, velocity).expect("body"),
     }
@@ -185,7 +187,7 @@ fn stretched<M: Composition<f64, 2>>(
 
 /// Cells along the strip without a particle; the mean stretch of the particles, its last tenth left out, where it ends
 /// within a cell; its coefficient of variation.
-fn strip<M: Composition<f64, 2>>(mpm: &Mpm<f64, 2, M, BlockGrid<f64, 2>>) -> (usize, f64, f64) {
+fn strip(mpm: &Mpm<2>) -> (usize, f64, f64) {
     let all = particles(mpm);
     let mut cells: Vec<i64> = all.iter().map(|p| (p.position[0] / H).floor() as i64).collect();
     cells.sort_unstable();
@@ -207,9 +209,10 @@ fn at_two() -> Option<Splitting> {
 }
 
 /// Drawn out to ten times its length the strip stays whole if its particles are split, and comes apart if not.
-fn stays_whole<M: Composition<f64, 2>>(method: M) {
-    let (empty, stretch, variation) = strip(&stretched(method, None, 1, 10.0));
-    println!("{}: {empty} empty cells, stretch {stretch:.3}, {variation:.3}", method.describe());
+fn stays_whole<M: IntoKernels<f64, 2> + Copy>(method: M) {
+    let mpm = stretched(method, None, 1, 10.0);
+    let (empty, stretch, variation) = strip(&mpm);
+    println!("{}: {empty} empty cells, stretch {stretch:.3}, {variation:.3}", mpm.facts().description);
     assert!(empty > 20 && stretch < 5.0, "no particle is split: {empty} empty cells, stretch {stretch}");
     let mpm = stretched(method, at_two(), 1, 10.0);
     let (empty, stretch, variation) = strip(&mpm);
@@ -247,14 +250,25 @@ fn bad_splitting_is_refused() {
     let mut seeds: Seeds<2> = block(&lattice, [0; 2], [2; 2], 2, 0.0);
     seeds.half_size[1] *= 0.5;
     let method = Method::new(Linear, Flip, Musl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
-    let refused = mpm.add_splitting("oblong", Stretching::new(soft(1.0)), &seeds, |_| [0.0; 2], splitting);
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    let oblong = Deformable::new("oblong", Stretching::new(soft(1.0)).compiled(), &seeds);
+    let refused = mpm.add_body(oblong.with_splitting(splitting));
     assert!(matches!(refused, Err(SceneError::Oblong { axis: 1, .. })), "{refused:?}");
+    seeds.half_size[1] *= 2.0;
+    // A law of which only the scene knows that it keeps no stretch.
+    let law: Arc<dyn Material<f64>> = soft(1.0).into_material();
+    let refused = mpm.add_body(Deformable::new("body", law, &seeds).with_splitting(splitting));
+    assert!(matches!(refused, Err(SceneError::NoStretch { .. })), "{refused:?}");
+    let mut total = Mpm::new(method.total_lagrangian(), BlockGrid::new(lattice));
+    let body = Deformable::new("body", Stretching::new(soft(1.0)).compiled(), &seeds);
+    let refused = total.add_body(body.with_splitting(splitting));
+    assert!(matches!(refused, Err(SceneError::NotWith { .. })), "{refused:?}");
     // Numbers of single precision count to 2^24: 16 seeds of 16 generations are 2^20, 64 x 16 are too many.
-    let mut single = Mpm::<f32, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut single = Mpm::<2, f32>::of(method.compiled(), BlockGrid::new(lattice), OneField);
     let many: Seeds<2> = block(&lattice, [0; 2], [10; 2], 2, 0.0);
     let law = NeoHookean::new(1000.0f32, Moduli::young_poisson(1e6, 0.3).expect("moduli")).expect("law");
     let finest = splitting.at_most(16).expect("generations");
-    let refused = single.add_splitting("many", Stretching::new(law), &many, |_| [0.0; 2], finest);
+    let many = Deformable::new("many", Stretching::new(law).compiled(), &many);
+    let refused = single.add_body(many.with_splitting(finest));
     assert!(matches!(refused, Err(SceneError::TooMany { .. })), "{refused:?}");
 }

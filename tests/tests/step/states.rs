@@ -4,7 +4,9 @@ use impactite_tests::compare::particles;
 use impactite_tests::scene::{DENSITY, block, rubber, wave_speed};
 use mpm_core::geometry::Lattice;
 use mpm_core::step::SceneError;
-use mpm_core::{BlockGrid, Boundary, Flip, Gimp, Method, Mpm, Musl, PlaneStrain, Side, TimeControl};
+use mpm_core::{
+    BlockGrid, Boundary, Deformable, Flip, Gimp, Method, Mpm, Musl, PlaneStrain, Side, TimeControl,
+};
 use mpm_materials::elastic::HyperelasticState;
 use mpm_materials::{Constitutive, Mat3, NeoHookean};
 
@@ -13,10 +15,8 @@ const HEIGHT: f64 = 1.2;
 /// Compression at the foot of a column under its own weight.
 const COMPRESSION: f64 = 1e-3;
 
-type Column = Mpm<f64, 2, Method<Gimp, Flip, Musl, PlaneStrain>, BlockGrid<f64, 2>>;
-
-fn column(lattice: Lattice<2>, gravity: f64) -> Column {
-    let mut mpm = Mpm::new(Method::new(Gimp, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+fn column(lattice: Lattice<2>, gravity: f64) -> Mpm<2> {
+    let mut mpm = Mpm::new(Method::new(Gimp, Flip, Musl, PlaneStrain).compiled(), BlockGrid::new(lattice));
     let plane = |axis, at, side| Boundary::Symmetry { axis, at, side };
     mpm.bound(plane(1, 0.0, Side::Above)).expect("floor");
     mpm.bound(plane(0, 0.0, Side::Above)).expect("side");
@@ -41,7 +41,7 @@ fn a_body_may_start_in_equilibrium() {
     // rho g (height - y) = rho c^2 strain, up to the square of the strain.
     let gravity = COMPRESSION * wave_speed().powi(2) / HEIGHT;
     let strain = |y: f64| COMPRESSION * (HEIGHT - y) / HEIGHT;
-    let fastest = |mut mpm: Column| {
+    let fastest = |mut mpm: Mpm<2>| {
         let mut fastest = 0.0f64;
         // Half of the slowest period.
         while mpm.time() < 2.0 * HEIGHT / wave_speed() {
@@ -53,7 +53,7 @@ fn a_body_may_start_in_equilibrium() {
     let (mut virgin, mut settled) = (column(lattice, gravity), column(lattice, gravity));
     virgin.add("column", rubber(), &seeds, |_| [0.0; 2]).expect("body");
     settled
-        .add_in_state("column", rubber(), &seeds, |_| [0.0; 2], |[_, y]| pressed(strain(y)))
+        .add_body(Deformable::new("column", rubber(), &seeds).in_state(|[_, y]| pressed(strain(y))))
         .expect("body");
     for (p, x) in particles(&settled)[0].iter().zip(&seeds.positions) {
         let mass = DENSITY * seeds.volumes[p.number] / (1.0 - strain(x[1]));
@@ -73,7 +73,8 @@ fn equal_masses_are_not_carried() {
     let (mut equal, mut own) = (column(lattice, 0.0), column(lattice, 0.0));
     equal.add("column", rubber(), &seeds, rising).expect("body");
     // Bodies that start in a state carry masses, since each point may have another density; here none has.
-    own.add_in_state("column", rubber(), &seeds, rising, |_| pressed(0.0)).expect("body");
+    own.add_body(Deformable::new("column", rubber(), &seeds).moving(rising).in_state(|_| pressed(0.0)))
+        .expect("body");
     assert_eq!(equal.bodies()[0].particle_bytes() + 8, own.bodies()[0].particle_bytes());
     for _ in 0..60 {
         equal.step().expect("step");
@@ -93,7 +94,8 @@ fn a_state_that_cannot_be_is_refused() {
     let seeds = block(&lattice, [0, 0], [3, 12], 2, 0.0);
     let refusal = |state: &dyn Fn([f64; 2]) -> HyperelasticState<f64>| {
         let law: NeoHookean<f64> = rubber();
-        column(lattice, 1.0).add_in_state("column", law, &seeds, |_| [0.0; 2], state).expect_err("refusal")
+        let body = Deformable::new("column", law, &seeds).in_state(state);
+        column(lattice, 1.0).add_body(body).expect_err("refusal")
     };
     let high = seeds.positions.iter().position(|x| x[1] > 1.0).expect("a high one");
     for (strain, what) in

@@ -7,19 +7,19 @@ use impactite_tests::scene::{self, Flow, Scene, YOUNG, block, metal, rubber, wav
 use mpm_core::dim::{BLOCK, block_nodes};
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, Composition, DenseGrid, Flip, FullSpace, Gimp, GridStorage,
+    Apic, Axisymmetric, BlockGrid, Boundary, CompiledHere, DenseGrid, Flip, FullSpace, Gimp, IntoKernels,
     Linear, Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, Team, TimeControl, Usl,
 };
-use mpm_materials::{Moduli, NeoHookean};
+use mpm_materials::{Constitutive, Moduli, NeoHookean};
 
 /// Round-off of 40 steps; see the tests against the reference.
 const TOLERANCE: f64 = 1e-11;
 
 type Hat<E> = Method<Linear, Flip, Musl, E>;
 type Spline<E> = Method<QuadraticBSpline, Apic, Usl, E>;
-type Box2 = Method<Gimp, Flip, Usl, PlaneStrain>;
+type Box2 = CompiledHere<Method<Gimp, Flip, Usl, PlaneStrain>>;
 
-fn run<const D: usize, M: Composition<f64, D>>(method: M, scene: &Scene<D>) -> Vec<Particle> {
+fn run<const D: usize, M: IntoKernels<f64, D>>(method: M, scene: &Scene<D>) -> Vec<Particle> {
     let mut mpm = fast(method, BlockGrid::new(scene.lattice), scene, &rubber());
     for _ in 0..scene.steps {
         mpm.step().unwrap_or_else(|e| panic!("{}: {e}", scene.name));
@@ -91,7 +91,7 @@ fn mapped_flow<const D: usize>(
     (one, other)
 }
 
-fn assert_turned<const D: usize, M: Composition<f64, D>>(
+fn assert_turned<const D: usize, M: IntoKernels<f64, D> + Copy>(
     method: M,
     turn: impl Fn([f64; 3]) -> [f64; 3] + Clone + 'static,
 ) {
@@ -128,7 +128,7 @@ fn mirrored() {
 
 #[test]
 fn shifted_by_whole_cells() {
-    fn check<M: Composition<f64, 2>>(method: M) {
+    fn check<M: IntoKernels<f64, 2> + Copy>(method: M) {
         let by = |x: [f64; 2]| [x[0] + 0.7, x[1] - 1.3];
         let (one, other) = mapped_flow(by, |v| v);
         for (p, q) in run(method, &one).iter().zip(&run(method, &other)) {
@@ -140,7 +140,7 @@ fn shifted_by_whole_cells() {
 }
 
 /// Half a body at a plane of symmetry does what half of the whole body does.
-fn half_is_whole<const D: usize, M: Composition<f64, D>>(method: M, planes: usize) {
+fn half_is_whole<const D: usize, M: IntoKernels<f64, D> + Copy>(method: M, planes: usize) {
     let lattice = scene::lattice::<D>();
     let mut cells = [3; D];
     cells[0] = 2;
@@ -210,7 +210,7 @@ fn half_a_body_is_the_whole_one() {
 /// The momentum that a symmetry plane gives is booked.
 #[test]
 fn impulse_of_a_symmetry_plane_is_booked() {
-    fn check<M: Composition<f64, 2>>(method: M) {
+    fn check<M: IntoKernels<f64, 2>>(method: M) {
         let scene = scene::bar::<2>();
         let mut mpm = fast(method, BlockGrid::new(scene.lattice), &scene, &rubber());
         let before = mpm.totals();
@@ -221,7 +221,7 @@ fn impulse_of_a_symmetry_plane_is_booked() {
         for d in 0..2 {
             let given = ledger.impulse[d] + ledger.load[d] + ledger.dropped[d];
             let error = (after.momentum[d] - before.momentum[d] - given).abs() / before.momentum_scale;
-            assert!(error < 1e-12, "{} axis {d}: {error}; given {given}", mpm.method().describe());
+            assert!(error < 1e-12, "{} axis {d}: {error}; given {given}", mpm.facts().description);
         }
     }
     check(Hat::<PlaneStrain>::default());
@@ -230,7 +230,7 @@ fn impulse_of_a_symmetry_plane_is_booked() {
 }
 
 /// Plane strain is a slice of one cell between symmetry planes.
-fn slice<M2: Composition<f64, 2>, M3: Composition<f64, 3>>(flat: M2, solid: M3) {
+fn slice<M2: IntoKernels<f64, 2>, M3: IntoKernels<f64, 3>>(flat: M2, solid: M3) {
     let scene2 = scene::bar::<2>();
     let origin = scene2.lattice.origin();
     let lattice3 = Lattice::new([origin[0], origin[1], 0.3], 0.1).expect("lattice");
@@ -278,9 +278,7 @@ fn plane_strain_is_a_slice_of_space() {
     slice(Spline::<PlaneStrain>::default(), Spline::<FullSpace>::default());
 }
 
-fn bits<const D: usize, M: Composition<f64, D>, G: GridStorage<f64, D>>(
-    mut mpm: Mpm<f64, D, M, G>,
-) -> Vec<u64> {
+fn bits<const D: usize>(mut mpm: Mpm<D>) -> Vec<u64> {
     for _ in 0..40 {
         mpm.step().expect("step");
     }
@@ -306,7 +304,7 @@ fn wide<const D: usize>() -> Scene<D> {
 
 #[test]
 fn threads_do_not_change_a_bit() {
-    fn check<const D: usize, M: Composition<f64, D>>(method: M) {
+    fn check<const D: usize, M: IntoKernels<f64, D> + Copy>(method: M) {
         let scene = wide::<D>();
         let run = |threads| {
             let mut mpm = fast(method, BlockGrid::new(scene.lattice), &scene, &rubber());
@@ -336,8 +334,8 @@ fn single_precision_is_near_double() {
     let double = run(Spline::<PlaneStrain>::default(), &scene);
     let moduli = Moduli::young_poisson(YOUNG as f32, 0.3).expect("moduli");
     let law = NeoHookean::<f32>::new(scene::DENSITY as f32, moduli).expect("law");
-    let mut mpm =
-        fast(Spline::<PlaneStrain>::default(), BlockGrid::<f32, 2>::new(scene.lattice), &scene, &law);
+    let method = Spline::<PlaneStrain>::default().compiled();
+    let mut mpm = fast(method, BlockGrid::<f32, 2>::new(scene.lattice), &scene, &law);
     for _ in 0..scene.steps {
         mpm.step().expect("step");
     }
@@ -358,7 +356,7 @@ fn single_precision_is_near_double() {
 /// does (the spline's first node), the kink of |r| leaves 1/32 of p h^2.
 #[test]
 fn uniform_stress_of_revolution_is_in_equilibrium() {
-    fn check<M: Composition<f64, 2>>(method: M, at_axis: f64) {
+    fn check<M: IntoKernels<f64, 2>>(method: M, at_axis: f64) {
         let h = 0.1;
         let lattice = Lattice::new([0.0; 2], h).expect("lattice");
         let mut seeds = block(&lattice, [0, 0], [6, 6], 2, 0.0);
@@ -367,7 +365,8 @@ fn uniform_stress_of_revolution_is_in_equilibrium() {
         }
         let (p, q) = (1.7, -0.6);
         let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
-        mpm.add("disc", Prestressed::new([p, q, p, 0.0, 0.0, 0.0]), &seeds, |_| [0.0; 2]).expect("body");
+        mpm.add("disc", Prestressed::new([p, q, p, 0.0, 0.0, 0.0]).compiled(), &seeds, |_| [0.0; 2])
+            .expect("body");
         mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).expect("boundary");
         mpm.set_time_control(TimeControl::Fixed(1e-4)).expect("time control");
         mpm.step().expect("step");
@@ -387,7 +386,7 @@ fn uniform_stress_of_revolution_is_in_equilibrium() {
                 edge = edge.max(force);
             }
         }
-        let name = mpm.method().describe();
+        let name = &mpm.facts().description;
         assert!(inner <= 1e-12, "{name}: {inner:e}");
         assert!((first - at_axis).abs() <= 1e-12, "{name}: next to the axis {first:e}");
         assert!(edge > 0.01 * p * h, "{name}: no stress was there");
@@ -495,7 +494,7 @@ fn a_particle_on_a_cell_face_feels_nothing() {
 /// A rigid flight makes no stress wherever particles come to lie, also where weights are tiny.
 #[test]
 fn rigid_flight_makes_no_stress() {
-    fn check<const D: usize, M: Composition<f64, D>>(method: M, steps: usize) {
+    fn check<const D: usize, M: IntoKernels<f64, D>>(method: M, steps: usize) {
         let lattice = scene::lattice::<D>();
         let seeds = block(&lattice, [0; D], [3; D], 2, 0.8);
         let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -509,7 +508,7 @@ fn rigid_flight_makes_no_stress() {
             mpm.step().expect("step");
         }
         let worst = particles(&mpm)[0].iter().flat_map(|p| p.stress).fold(0.0f64, |a, s| a.max(s.abs()));
-        assert!(worst < 1e-13 * YOUNG, "{}: {worst:e}", mpm.method().describe());
+        assert!(worst < 1e-13 * YOUNG, "{}: {worst:e}", mpm.facts().description);
     }
     check::<3, Spline<FullSpace>>(Default::default(), 300);
     check::<3, Hat<FullSpace>>(Default::default(), 300);

@@ -4,13 +4,13 @@ use impactite_tests::scene::{block, lattice, metal, rubber, wave_speed};
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::step::SceneError;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Composition, CpGimp, Cpdi2, DenseGrid, Flip, Linear, Method, Mpm, Musl,
+    Apic, Axisymmetric, BlockGrid, CpGimp, Cpdi2, DenseGrid, Flip, IntoKernels, Linear, Method, Mpm, Musl,
     Particle, PlaneStrain, QuadraticBSpline, TimeControl, Usl,
 };
 
 const H: f64 = 0.1;
 
-fn particles<M: Composition<f64, 2>>(mpm: &Mpm<f64, 2, M, BlockGrid<f64, 2>>) -> Vec<Particle> {
+fn particles(mpm: &Mpm<2>) -> Vec<Particle> {
     mpm.bodies()[0].particles()
 }
 
@@ -19,30 +19,30 @@ fn seeds() -> Seeds<2> {
 }
 
 /// Shears, turns and stretches by some tenths over a few dozen steps.
-fn sheared<M: Composition<f64, 2>>(method: M) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
-    let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice()));
+fn sheared<M: IntoKernels<f64, 2>>(method: M) -> Mpm<2> {
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice()));
     let flow = |x: [f64; 2]| [0.2 * x[1] + 0.1 * x[0], -0.1 * x[0]].map(|v| v * wave_speed());
     mpm.add("block", rubber(), &seeds(), flow).expect("body");
     mpm.set_time_control(TimeControl::Fixed(0.1 * H / wave_speed())).expect("control");
     mpm
 }
 
-fn advance<M: Composition<f64, 2>>(mpm: &mut Mpm<f64, 2, M, BlockGrid<f64, 2>>, steps: usize) {
+fn advance(mpm: &mut Mpm<2>, steps: usize) {
     for _ in 0..steps {
         mpm.step().expect("step");
     }
 }
 
-fn total() -> Mpm<f64, 2, impl Composition<f64, 2>, BlockGrid<f64, 2>> {
-    sheared(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian())
+fn total() -> Mpm<2> {
+    sheared(Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian().compiled())
 }
 
 #[test]
 fn all_of_it_is_kept() {
-    fn check<M: Composition<f64, 2>>(method: M) {
+    fn check<M: IntoKernels<f64, 2>>(method: M) {
         let mut from = total();
         advance(&mut from, 100);
-        let mut to = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice()));
+        let mut to = Mpm::new(method, BlockGrid::new(lattice()));
         to.take_over(rubber(), &*from.bodies()[0]).expect("body");
         to.set_time(from.time()).expect("time");
         assert_eq!((to.time(), to.steps()), (from.time(), 0));
@@ -70,10 +70,10 @@ fn domains_go_on() {
     let mut from = total();
     advance(&mut from, 100);
     let mut convected =
-        Mpm::<f64, 2, _, _>::new(Method::new(Cpdi2, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
+        Mpm::new(Method::new(Cpdi2, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice()));
     convected.take_over(rubber(), &*from.bodies()[0]).expect("body");
     let mut boxed =
-        Mpm::<f64, 2, _, _>::new(Method::new(CpGimp, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
+        Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice()));
     boxed.take_over(rubber(), &*from.bodies()[0]).expect("body");
     let mut sheared = 0.0f64;
     for ((p, q), r) in particles(&from).iter().zip(&particles(&convected)).zip(&particles(&boxed)) {
@@ -98,7 +98,7 @@ fn the_run_goes_on() {
     let mut whole = total();
     advance(&mut whole, 100);
     let mut moved =
-        Mpm::<f64, 2, _, _>::new(Method::new(Cpdi2, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
+        Mpm::new(Method::new(Cpdi2, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice()));
     moved.take_over(rubber(), &*whole.bodies()[0]).expect("body");
     moved.set_time_control(TimeControl::Fixed(0.1 * H / wave_speed())).expect("control");
     let before = particles(&whole);
@@ -121,8 +121,8 @@ fn the_run_goes_on() {
 /// A square keeps its size however it is turned.
 #[test]
 fn boxes_of_what_turned() {
-    let mut from = Mpm::<f64, 2, _, _>::new(
-        Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian(),
+    let mut from = Mpm::new(
+        Method::new(Linear, Flip, Usl, PlaneStrain).total_lagrangian().compiled(),
         BlockGrid::new(lattice()),
     );
     let seeds = block(&lattice(), [0; 2], [2; 2], 2, 0.0);
@@ -135,8 +135,7 @@ fn boxes_of_what_turned() {
         from.step().expect("step");
         assert!(from.steps() < 2000, "it does not turn");
     }
-    let mut to =
-        Mpm::<f64, 2, _, _>::new(Method::new(CpGimp, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
+    let mut to = Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice()));
     to.take_over(rubber(), &*from.bodies()[0]).expect("body");
     for p in particles(&to) {
         for d in 0..2 {
@@ -150,18 +149,18 @@ fn what_cannot_be_taken_over_is_refused() {
     let from = total();
     let body = &*from.bodies()[0];
     let method = Method::new(Linear, Flip, Musl, PlaneStrain);
-    let mut to = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice()));
+    let mut to = Mpm::new(method, BlockGrid::new(lattice()));
     let error = to.take_over(metal(), body).expect_err("another law");
     assert!(error.to_string().contains("neo-Hookean"), "{error}");
     assert!(to.bodies().is_empty());
     let fine = Lattice::new([0.0; 2], 0.2 * H).expect("lattice");
-    let error = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(fine)).take_over(rubber(), body);
+    let error = Mpm::new(method, BlockGrid::new(fine)).take_over(rubber(), body);
     assert!(matches!(error, Err(SceneError::HalfSize { .. })), "{error:?}");
     let small = DenseGrid::new(lattice(), [0; 2], [4; 2]).expect("box");
-    let error = Mpm::<f64, 2, _, _>::new(method, small).take_over(rubber(), body);
+    let error = Mpm::new(method, small).take_over(rubber(), body);
     assert!(matches!(error, Err(SceneError::Outside(..))), "{error:?}");
-    let round = Method::new(CpGimp, Flip, Usl, Axisymmetric);
-    let error = Mpm::<f64, 2, _, _>::new(round, BlockGrid::new(lattice())).take_over(rubber(), body);
+    let round = Method::new(CpGimp, Flip, Usl, Axisymmetric).compiled();
+    let error = Mpm::new(round, BlockGrid::new(lattice())).take_over(rubber(), body);
     assert!(matches!(error, Err(SceneError::OtherSpace { .. })), "{error:?}");
     assert!(matches!(to.set_time(f64::NAN), Err(SceneError::Clock { .. })));
     to.take_over(rubber(), body).expect("body");

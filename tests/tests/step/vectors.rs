@@ -2,7 +2,7 @@
 //! lane, bit for bit where it is exact.
 
 use impactite_tests::scene::Numbers;
-use mpm_core::parallel::{Arch, Float, Kernel, Pack};
+use mpm_core::parallel::{Arch, Float, Kernel, Pack, Vectors};
 use mpm_materials::{Lane, Mask};
 
 /// All operations on three rows of eight numbers, with `functions` too; a row of results each.
@@ -11,23 +11,34 @@ struct Operations<'a, T: Float> {
     functions: bool,
 }
 
-/// Rows of results, one group after the other, masks and records.
-type Results<T> = (Vec<<T as Float>::Row>, Vec<u32>, Vec<[T; 4]>);
+/// Rows of results, one group after the other; masks by their bits, by their lanes, and whether any lane is set; and records.
+type Results<T> = (Vec<<T as Float>::Row>, Vec<[u32; 3]>, Vec<[T; 4]>);
+
+fn same<T: Float>(x: T, y: T) -> bool {
+    x == y || (x.to_double().is_nan() && y.to_double().is_nan())
+}
 
 impl<T: Float> Kernel<T> for Operations<'_, T> {
+    const VECTORS: Vectors = Vectors::Avx512;
     type Output = [Results<T>; 2];
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) -> Self::Output {
         let mut results = [(vec![], vec![], vec![]), (vec![], vec![], vec![])];
-        for first in (0..2).step_by(A::Batch::GROUPS) {
-            let [a, b, c] = self.of.map(|rows| {
-                let groups = [rows[first], rows[1]].map(|row| <A::Batch as Pack<T>>::Group::load(&row));
-                A::Batch::join(groups)
-            });
+        // Lanes of a group that a vector has: all of them, or one after the other.
+        let width = A::Batch::WIDTH.min(T::GROUP);
+        let places = (0..2).step_by(A::Batch::GROUPS);
+        for (first, lane) in
+            places.flat_map(|first| (0..T::GROUP).step_by(width).map(move |lane| (first, lane)))
+        {
+            let [a, b, c] = self.of.map(|rows| A::Batch::from_rows([&rows[first], &rows[1]], lane));
             let mut replaced = a;
-            for lane in (1..A::Batch::WIDTH).step_by(T::GROUP) {
-                replaced = replaced.with_lane(lane, b.lane(lane + 1));
+            if (lane..lane + width).contains(&1) {
+                for group in 0..A::Batch::GROUPS {
+                    let at = group * width + 1 - lane;
+                    let next = if width > 1 { b.lane(at + 1) } else { self.of[1][first].as_ref()[lane + 1] };
+                    replaced = replaced.with_lane(at, next);
+                }
             }
             let mut values = vec![
                 a + b,
@@ -56,23 +67,35 @@ impl<T: Float> Kernel<T> for Operations<'_, T> {
             A::Batch::records(a, b, c, a, &mut records);
             for group in 0..A::Batch::GROUPS {
                 let (rows, bits, own) = &mut results[first + group];
-                for value in &values {
-                    let mut row = T::Row::default();
-                    value.part()[group].store(&mut row);
-                    rows.push(row);
+                rows.resize(values.len(), T::Row::default());
+                bits.resize(masks.len(), [0; 3]);
+                let start = group * width;
+                for (value, row) in values.iter().zip(rows) {
+                    value.to_row(group, row, lane);
+                    let mut numbers = <A::Batch as Pack<T>>::Numbers::default();
+                    value.store(&mut numbers);
+                    let again = A::Batch::load(&numbers);
+                    for n in 0..width {
+                        let (x, stored) = (row.as_ref()[lane + n], numbers.as_ref()[start + n]);
+                        assert!(
+                            same(x, stored) && same(x, again.lane(start + n)),
+                            "lane {n} of group {group}"
+                        );
+                    }
                 }
-                let lanes = group * T::GROUP..(group + 1) * T::GROUP;
-                for mask in masks {
-                    bits.push(A::Batch::bits(mask) >> lanes.start & ((1 << T::GROUP) - 1));
-                    bits.extend(lanes.clone().map(|lane| u32::from(mask.lane(lane))));
+                for (mask, found) in masks.into_iter().zip(bits) {
+                    found[0] |= (A::Batch::bits(mask) >> start & ((1 << width) - 1)) << lane;
+                    for n in 0..width {
+                        found[1] |= u32::from(mask.lane(start + n)) << (lane + n);
+                    }
                     if A::Batch::GROUPS == 1 {
-                        bits.push(u32::from(mask.any()));
+                        found[2] |= u32::from(mask.any());
                     } else {
-                        bits.push(u32::from(lanes.clone().any(|lane| mask.lane(lane))));
+                        found[2] |= u32::from((start..start + width).any(|lane| mask.lane(lane)));
                         assert_eq!(mask.any(), A::Batch::bits(mask) != 0);
                     }
                 }
-                own.extend_from_slice(&records[lanes]);
+                own.extend_from_slice(&records[start..start + width]);
             }
         }
         results
@@ -89,7 +112,6 @@ fn check<T: Float>(inputs: &[[f64; 3]; 16], functions: bool, tolerance: f64) {
         }
     }
     let found = T::each(|| Operations { of: &of, functions });
-    let same = |x: T, y: T| x == y || (x.to_double().is_nan() && y.to_double().is_nan());
     for (fast, plain) in found[1..].iter().flat_map(|fast| fast.iter().zip(&found[0])) {
         assert_eq!(fast.1, plain.1, "masks for {inputs:?}");
         for (a, b) in fast.2.iter().flatten().zip(plain.2.iter().flatten()) {

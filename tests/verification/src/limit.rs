@@ -10,7 +10,7 @@ use mpm_core::{Boundary, PlaneStrain};
 
 use crate::problems::{box_of_planes, lattice, rubber};
 use crate::scene::{Moment, Run, Scene, block};
-use crate::scheme::{Kernel, Scheme, Velocity, visit};
+use crate::scheme::{Kernel, Scheme, Velocity, kernels};
 
 /// Cells of the bar.
 const CELLS: usize = 8;
@@ -239,8 +239,8 @@ fn run(
         steps,
         every: steps,
     };
-    let ended = visit::<_, PlaneStrain, 2>(scheme, Run { scene: &scene, look });
-    Ok(ended.ok_or("no such composition")?.1)
+    let method = kernels::<PlaneStrain, 2>(scheme).ok_or("no such composition")?;
+    Ok(Run { scene: &scene, look }.with(method).1)
 }
 
 /// Does noise grow a thousand times in 500 steps?

@@ -1,31 +1,28 @@
 //! Solvers in the plane behind one interface: schemes chosen at run time, compiled once, here.
 
-use std::sync::Arc;
-
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::step::SceneError;
 use mpm_core::{
-    Apic, BlockGrid, Body, Boundary, Composition, CpGimp, CubicBSpline, FieldForce, Flip, Fmpm, Linear,
-    Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, StepError, Team, TimeControl, Totals, Usl,
+    BlockGrid, Body, Boundary, Deformable, FieldForce, Mpm, PlaneStrain, StepError, Team, TimeControl, Totals,
 };
 use mpm_materials::fluid::FluidState;
-use mpm_materials::{BulkViscosity, Fluid, IdealGas, Inviscid, NeoHookean};
+use mpm_materials::{BulkViscosity, Fluid, IdealGas, Inviscid, NeoHookean, Nothing};
 
 use crate::scene::Drive;
-use crate::scheme::{Kernel, Scheme, Velocity, Visit, visit};
+use crate::scheme::{Kernel, Scheme, Velocity, kernels};
 
 /// Ideal gas with bulk viscosity.
 pub type Gas = Fluid<IdealGas<f64>, Inviscid, BulkViscosity<f64>>;
 
 /// State of the gas: volume over reference volume, energy per reference volume (J/m^3).
-pub type GasState = FluidState<f64, f64, (), f64>;
+pub type GasState = FluidState<f64, f64, Nothing, f64>;
 
 /// A solver in plane strain, bodies of rubber.
 pub trait Machine {
     /// Add a body with an initial velocity (m/s) and, if any, an acceleration (m/s^2) by where a particle started.
     ///
     /// # Errors
-    /// As [`Mpm::add_loaded`].
+    /// As [`Mpm::add_body`].
     fn add(
         &mut self,
         name: &str,
@@ -61,7 +58,7 @@ pub trait Machine {
     fn bytes(&self) -> usize;
 }
 
-impl<M: Composition<f64, 2>> Machine for Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+impl Machine for Mpm<2> {
     fn add(
         &mut self,
         name: &str,
@@ -70,9 +67,11 @@ impl<M: Composition<f64, 2>> Machine for Mpm<f64, 2, M, BlockGrid<f64, 2>> {
         velocity: &dyn Fn([f64; 2]) -> [f64; 2],
         drive: Option<Drive<2>>,
     ) -> Result<(), SceneError> {
-        // With a field of zeros where there is none, so that a composition is compiled once.
-        let nothing: Drive<2> = Arc::new(|_, _| [0.0; 2]);
-        self.add_loaded(name, law, seeds, velocity, FieldForce { acceleration: drive.unwrap_or(nothing) })
+        let mut body = Deformable::new(name, law, seeds).moving(velocity);
+        if let Some(acceleration) = drive {
+            body = body.with_field_force(FieldForce { acceleration });
+        }
+        self.add_body(body)
     }
     fn bound(&mut self, boundary: Boundary<2>) -> Result<(), SceneError> {
         Mpm::bound(self, boundary)
@@ -105,7 +104,7 @@ pub trait GasMachine: Machine {
     /// Add a body of gas with an initial velocity (m/s) and state by position (m).
     ///
     /// # Errors
-    /// As [`Mpm::add_in_state`].
+    /// As [`Mpm::add_body`].
     fn add_gas(
         &mut self,
         name: &str,
@@ -116,7 +115,7 @@ pub trait GasMachine: Machine {
     ) -> Result<(), SceneError>;
 }
 
-impl<M: Composition<f64, 2>> GasMachine for Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+impl GasMachine for Mpm<2> {
     fn add_gas(
         &mut self,
         name: &str,
@@ -125,23 +124,20 @@ impl<M: Composition<f64, 2>> GasMachine for Mpm<f64, 2, M, BlockGrid<f64, 2>> {
         velocity: &dyn Fn([f64; 2]) -> [f64; 2],
         state: &dyn Fn([f64; 2]) -> GasState,
     ) -> Result<(), SceneError> {
-        self.add_in_state(name, law, seeds, velocity, state)
+        self.add_body(Deformable::new(name, law, seeds).moving(velocity).in_state(state))
     }
 }
 
 /// A solver of a scheme on an empty lattice; `None` if there is no such scheme.
 pub fn machine(scheme: Scheme, lattice: Lattice<2>) -> Option<Box<dyn Machine>> {
-    struct Make(Lattice<2>);
-    impl Visit<2> for Make {
-        type Output = Box<dyn Machine>;
-        fn with<M: Composition<f64, 2>>(self, method: M) -> Box<dyn Machine> {
-            Box::new(Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(self.0)))
-        }
-    }
-    visit::<_, PlaneStrain, 2>(scheme, Make(lattice))
+    Some(Box::new(empty(scheme, lattice)?))
 }
 
-/// The schemes that gas is compiled for.
+fn empty(scheme: Scheme, lattice: Lattice<2>) -> Option<Mpm<2>> {
+    Some(Mpm::new(kernels::<PlaneStrain, 2>(scheme)?, BlockGrid::new(lattice)))
+}
+
+/// The schemes that gas is run by.
 pub fn gas_schemes() -> Vec<Scheme> {
     vec![
         Scheme::moving(Kernel::Linear, Velocity::FlipMusl),
@@ -155,25 +151,8 @@ pub fn gas_schemes() -> Vec<Scheme> {
 
 /// A solver of a scheme for gas; `None` if it is none of [`gas_schemes`].
 pub fn gas_machine(scheme: Scheme, lattice: Lattice<2>) -> Option<Box<dyn GasMachine>> {
-    fn make<M: Composition<f64, 2>>(lattice: Lattice<2>, method: M) -> Option<Box<dyn GasMachine>> {
-        Some(Box::new(Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice))))
+    if !gas_schemes().contains(&scheme) {
+        return None;
     }
-    let space = PlaneStrain;
-    match (scheme.kernel, scheme.velocity, scheme.total) {
-        (Kernel::Linear, Velocity::FlipMusl, false) => make(lattice, Method::new(Linear, Flip, Musl, space)),
-        (Kernel::CpGimp, Velocity::FlipUsl, false) => make(lattice, Method::new(CpGimp, Flip, Usl, space)),
-        (Kernel::Quadratic, Velocity::FlipUsl, false) => {
-            make(lattice, Method::new(QuadraticBSpline, Flip, Usl, space))
-        }
-        (Kernel::Quadratic, Velocity::ApicUsl, false) => {
-            make(lattice, Method::new(QuadraticBSpline, Apic, Usl, space))
-        }
-        (Kernel::Quadratic, Velocity::Fmpm4Usl, false) => {
-            make(lattice, Method::new(QuadraticBSpline, Fmpm::<4>, Usl, space))
-        }
-        (Kernel::Cubic, Velocity::ApicUsl, false) => {
-            make(lattice, Method::new(CubicBSpline, Apic, Usl, space))
-        }
-        _ => None,
-    }
+    Some(Box::new(empty(scheme, lattice)?))
 }

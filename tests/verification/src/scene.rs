@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::{
-    BlockGrid, Body, Boundary, Composition, FieldForce, Footprint, Frequency, Mpm, Particle, TimeControl,
-    Totals,
+    BlockGrid, Body, Boundary, Deformable, FieldForce, Footprint, Frequency, IntoKernels, Mpm, Particle,
+    TimeControl, Totals,
 };
-use mpm_materials::Constitutive;
+use mpm_materials::IntoMaterial;
 
-use crate::scheme::Visit;
 use crate::work::{Stopwatch, Work};
 
 /// Velocity by position, m/s.
@@ -86,19 +85,18 @@ pub struct Run<'a, C, const D: usize> {
 /// Work done, and what stopped the run, if something did.
 pub type Ended = (Work, Option<String>);
 
-impl<C: Constitutive<f64>, const D: usize> Visit<D> for Run<'_, C, D> {
-    type Output = Ended;
-
-    fn with<M: Composition<f64, D>>(self, method: M) -> Ended {
+impl<C: IntoMaterial<f64> + Clone, const D: usize> Run<'_, C, D> {
+    /// Run it by this method.
+    pub fn with(self, method: impl IntoKernels<f64, D>) -> Ended {
         let Run { scene, look } = self;
         let mut work = Work { particles: scene.seeds.positions.len() as u64, ..Work::default() };
-        let mut mpm = Mpm::<f64, D, M, _>::new(method, BlockGrid::new(scene.lattice));
-        let law = scene.law.clone();
-        // With a field of zeros where there is none, so that a composition is compiled once.
-        let nothing: Drive<D> = Arc::new(|_, _| [0.0; D]);
-        let load = FieldForce { acceleration: scene.field.clone().unwrap_or(nothing) };
+        let mut mpm = Mpm::new(method, BlockGrid::new(scene.lattice));
+        let mut body = Deformable::new("body", scene.law.clone(), &scene.seeds).moving(&scene.velocity);
+        if let Some(acceleration) = scene.field.clone() {
+            body = body.with_field_force(FieldForce { acceleration });
+        }
         let bounded = mpm
-            .add_loaded("body", law, &scene.seeds, &scene.velocity, load)
+            .add_body(body)
             .and_then(|()| scene.boundaries.iter().try_for_each(|b| mpm.bound(b.clone())))
             .and_then(|()| mpm.set_time_control(TimeControl::Fixed(scene.dt)));
         if let Err(error) = bounded {

@@ -1,8 +1,8 @@
 //! Schemes: which method, named at run time.
 
 use mpm_core::{
-    AffineShape, Apic, Composition, CpGimp, Cpdi, Cpdi2, CubicBSpline, Embedding, Flip, Fmpm, Gimp, Linear,
-    Method, Musl, QuadraticBSpline, ShapeFunction, Usl,
+    AffineShape, Apic, CpGimp, Cpdi, Cpdi2, CubicBSpline, Embedding, Flip, Fmpm, Gimp, IntoKernels, Kernels,
+    Linear, Method, Musl, QuadraticBSpline, Scalar, ShapeFunction, Usl,
 };
 
 /// Shape functions.
@@ -141,20 +141,10 @@ impl Scheme {
     }
 }
 
-/// What is done with a method.
-pub trait Visit<const D: usize> {
-    /// What comes of it.
-    type Output;
-    /// Do it.
-    fn with<M: Composition<f64, D>>(self, method: M) -> Self::Output;
-}
-
-/// Hand the composition of a scheme to a visitor; `None` if there is no such one.
-pub fn visit<V: Visit<D>, E: Embedding<D> + Default, const D: usize>(
-    scheme: Scheme,
-    visitor: V,
-) -> Option<V::Output>
+/// The kernels of a scheme; `None` if there is no such one.
+pub fn kernels<E: Embedding<D> + Default, const D: usize>(scheme: Scheme) -> Option<Kernels<f64, D>>
 where
+    f64: Scalar<D>,
     Linear: ShapeFunction<f64, D>,
     Gimp: AffineShape<f64, D>,
     CpGimp: AffineShape<f64, D>,
@@ -164,71 +154,85 @@ where
     CubicBSpline: AffineShape<f64, D>,
 {
     match (scheme.kernel, scheme.total) {
-        (Kernel::Linear, _) => any::<V, E, Linear, D>(Linear, scheme, visitor).ok(),
-        (Kernel::CpGimp, false) => moving::<V, E, CpGimp, D>(CpGimp, scheme, visitor),
-        (Kernel::Cpdi, false) => plain::<V, E, Cpdi, D>(Cpdi, scheme, visitor),
-        (Kernel::Cpdi2, false) => plain::<V, E, Cpdi2, D>(Cpdi2, scheme, visitor),
+        (Kernel::Linear, _) => any::<E, Linear, D>(Linear, scheme),
+        (Kernel::CpGimp, false) => moving::<E, CpGimp, D>(CpGimp, scheme),
+        (Kernel::Cpdi, false) => plain::<E, Cpdi, D>(Cpdi, scheme),
+        (Kernel::Cpdi2, false) => plain::<E, Cpdi2, D>(Cpdi2, scheme),
         (Kernel::Gimp | Kernel::CpGimp | Kernel::Cpdi | Kernel::Cpdi2, true) => None,
-        (Kernel::Gimp, false) => moving::<V, E, Gimp, D>(Gimp, scheme, visitor),
-        (Kernel::Quadratic, _) => affine::<V, E, QuadraticBSpline, D>(QuadraticBSpline, scheme, visitor),
-        (Kernel::Cubic, _) => affine::<V, E, CubicBSpline, D>(CubicBSpline, scheme, visitor),
+        (Kernel::Gimp, false) => moving::<E, Gimp, D>(Gimp, scheme),
+        (Kernel::Quadratic, _) => affine::<E, QuadraticBSpline, D>(QuadraticBSpline, scheme),
+        (Kernel::Cubic, _) => affine::<E, CubicBSpline, D>(CubicBSpline, scheme),
     }
 }
 
 /// Any shape function but one that carries its domain, transfers without an affine matrix.
-fn any<V: Visit<D>, E: Embedding<D> + Default, S: ShapeFunction<f64, D>, const D: usize>(
+fn any<E: Embedding<D> + Default, S: ShapeFunction<f64, D>, const D: usize>(
     shape: S,
     scheme: Scheme,
-    visitor: V,
-) -> Result<V::Output, V> {
+) -> Option<Kernels<f64, D>>
+where
+    f64: Scalar<D>,
+{
     let space = E::default();
-    Ok(match (scheme.velocity, scheme.total) {
-        (Velocity::FlipUsl, false) => visitor.with(Method::new(shape, Flip, Usl, space)),
-        (Velocity::FlipMusl, false) => visitor.with(Method::new(shape, Flip, Musl, space)),
-        (Velocity::Fmpm4Usl, false) => visitor.with(Method::new(shape, Fmpm::<4>, Usl, space)),
-        (Velocity::FlipUsl, true) => visitor.with(Method::new(shape, Flip, Usl, space).total_lagrangian()),
-        (Velocity::FlipMusl, true) => visitor.with(Method::new(shape, Flip, Musl, space).total_lagrangian()),
-        (Velocity::Fmpm4Usl, true) => {
-            visitor.with(Method::new(shape, Fmpm::<4>, Usl, space).total_lagrangian())
+    Some(match (scheme.velocity, scheme.total) {
+        (Velocity::FlipUsl, false) => Method::new(shape, Flip, Usl, space).compiled().into_kernels(),
+        (Velocity::FlipMusl, false) => Method::new(shape, Flip, Musl, space).compiled().into_kernels(),
+        (Velocity::Fmpm4Usl, false) => Method::new(shape, Fmpm::<4>, Usl, space).compiled().into_kernels(),
+        (Velocity::FlipUsl, true) => {
+            Method::new(shape, Flip, Usl, space).total_lagrangian().compiled().into_kernels()
         }
-        (Velocity::ApicUsl, _) => return Err(visitor),
+        (Velocity::FlipMusl, true) => {
+            Method::new(shape, Flip, Musl, space).total_lagrangian().compiled().into_kernels()
+        }
+        (Velocity::Fmpm4Usl, true) => {
+            Method::new(shape, Fmpm::<4>, Usl, space).total_lagrangian().compiled().into_kernels()
+        }
+        (Velocity::ApicUsl, _) => return None,
     })
 }
 
-fn affine<V: Visit<D>, E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(
+fn affine<E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(
     shape: S,
     scheme: Scheme,
-    visitor: V,
-) -> Option<V::Output> {
-    Some(match any::<V, E, S, D>(shape, scheme, visitor) {
-        Ok(output) => output,
-        Err(visitor) if scheme.total => {
-            visitor.with(Method::new(shape, Apic, Usl, E::default()).total_lagrangian())
-        }
-        Err(visitor) => visitor.with(Method::new(shape, Apic, Usl, E::default())),
+) -> Option<Kernels<f64, D>>
+where
+    f64: Scalar<D>,
+{
+    if scheme.velocity != Velocity::ApicUsl {
+        return any::<E, S, D>(shape, scheme);
+    }
+    let method = Method::new(shape, Apic, Usl, E::default());
+    Some(if scheme.total {
+        method.total_lagrangian().compiled().into_kernels()
+    } else {
+        method.compiled().into_kernels()
     })
 }
 
 /// FLIP and USL alone.
-fn plain<V: Visit<D>, E: Embedding<D> + Default, S: ShapeFunction<f64, D>, const D: usize>(
+fn plain<E: Embedding<D> + Default, S: ShapeFunction<f64, D>, const D: usize>(
     shape: S,
     scheme: Scheme,
-    visitor: V,
-) -> Option<V::Output> {
+) -> Option<Kernels<f64, D>>
+where
+    f64: Scalar<D>,
+{
     let flip = scheme.velocity == Velocity::FlipUsl;
-    flip.then(|| visitor.with(Method::new(shape, Flip, Usl, E::default())))
+    flip.then(|| Method::new(shape, Flip, Usl, E::default()).compiled().into_kernels())
 }
 
-fn moving<V: Visit<D>, E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(
+fn moving<E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(
     shape: S,
     scheme: Scheme,
-    visitor: V,
-) -> Option<V::Output> {
+) -> Option<Kernels<f64, D>>
+where
+    f64: Scalar<D>,
+{
     let space = E::default();
     Some(match scheme.velocity {
-        Velocity::FlipUsl => visitor.with(Method::new(shape, Flip, Usl, space)),
-        Velocity::FlipMusl => visitor.with(Method::new(shape, Flip, Musl, space)),
-        Velocity::Fmpm4Usl => visitor.with(Method::new(shape, Fmpm::<4>, Usl, space)),
-        Velocity::ApicUsl => visitor.with(Method::new(shape, Apic, Usl, space)),
+        Velocity::FlipUsl => Method::new(shape, Flip, Usl, space).compiled().into_kernels(),
+        Velocity::FlipMusl => Method::new(shape, Flip, Musl, space).compiled().into_kernels(),
+        Velocity::Fmpm4Usl => Method::new(shape, Fmpm::<4>, Usl, space).compiled().into_kernels(),
+        Velocity::ApicUsl => Method::new(shape, Apic, Usl, space).compiled().into_kernels(),
     })
 }

@@ -1,8 +1,8 @@
 //! The copper bar: 10 mm x 70 mm, 165 m/s on a rigid wall, axisymmetric.
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
-use mpm_core::{Axisymmetric, BlockGrid, Boundary, Flip, Gimp, Linear, Method, Mpm, Musl, Side};
-use mpm_materials::{Constitutive, library};
+use mpm_core::{Axisymmetric, BlockGrid, Boundary, Flip, Gimp, IntoKernels, Linear, Method, Mpm, Musl, Side};
+use mpm_materials::{IntoMaterial, library};
 use pcmm::{LocalDelaunay, Masses, Packing, Pcmm};
 
 use crate::{Failure, Way};
@@ -13,7 +13,7 @@ const END: f64 = 260.0e-6;
 /// Length and radius of the face by independent finite elements, m \[C\]; good to 0.5 and 2 %.
 const REFERENCE: [f64; 2] = [50.37e-3, 8.64e-3];
 
-fn copper() -> Result<impl Constitutive<f64>, Failure> {
+fn copper() -> Result<impl IntoMaterial<f64>, Failure> {
     Ok(library::copper_feng_2014().with_bulk_viscosity(0.06, 1.5)?)
 }
 
@@ -22,8 +22,8 @@ pub fn error(way: Way, cells: u32) -> Result<f64, Failure> {
     let lattice = Lattice::new([0.0; 2], SIZE[0] / f64::from(cells))?;
     let [length, radius] = match way {
         Way::Contacts => contacts(lattice)?,
-        Way::Hats => points(Linear, lattice)?,
-        Way::Gimp => points(Gimp, lattice)?,
+        Way::Hats => points(Method::new(Linear, Flip, Musl, Axisymmetric), lattice)?,
+        Way::Gimp => points(Method::new(Gimp, Flip, Musl, Axisymmetric).compiled(), lattice)?,
     };
     Ok((length / REFERENCE[0] - 1.0).abs().max((radius / REFERENCE[1] - 1.0).abs()))
 }
@@ -53,13 +53,9 @@ fn contacts(lattice: Lattice<2>) -> Result<[f64; 2], Failure> {
     Ok([mean(&top) - mean(&foot), foot.iter().map(|n| place(n, 0)).fold(0.0, f64::max)])
 }
 
-fn points<S>(shape_function: S, lattice: Lattice<2>) -> Result<[f64; 2], Failure>
-where
-    Method<S, Flip, Musl, Axisymmetric>: mpm_core::Composition<f64, 2>,
-{
+fn points(method: impl IntoKernels<f64, 2>, lattice: Lattice<2>) -> Result<[f64; 2], Failure> {
     let seeds = fill(&Cuboid::new([0.0; 2], SIZE)?, &lattice, 2, &Filling::new().axisymmetric())?;
-    let method = Method::new(shape_function, Flip, Musl, Axisymmetric);
-    let mut bar = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut bar = Mpm::new(method, BlockGrid::new(lattice));
     bar.add("bar", copper()?, &seeds, |_| [0.0, -SPEED])?;
     for boundary in boundaries() {
         bar.bound(boundary)?;

@@ -4,19 +4,13 @@ use std::path::Path;
 
 use examples::blocks::scene::Asked;
 use examples::blocks::waves::{LENGTH, PRELOAD, SPEED, Struck, WAVE, most, pressed, reflected, strike};
-use examples::{CaseError, Check, Totals};
-use mpm_core::{Flip, Fmpm, Linear, Method, Musl, PlaneStrain, Usf};
+use examples::{CaseError, Check, Totals, methods};
+use mpm_core::{Flip, Linear, Method, Musl, PlaneStrain};
 
 use crate::{Outcome, figures};
 
 /// Linear coefficient of bulk viscosity.
 const VISCOSITY: f64 = 0.03;
-
-/// For an impact. FLIP takes the strain from velocities that were mapped to particles and back, and smears fronts; FMPM undoes
-/// that (docs/notes.md 7.6).
-fn sharp() -> Method<Linear, Fmpm<4>, Usf, PlaneStrain> {
-    Method::new(Linear, Fmpm, Usf, PlaneStrain)
-}
 
 /// For a smooth pulse.
 fn plain() -> Method<Linear, Flip, Musl, PlaneStrain> {
@@ -30,7 +24,9 @@ pub fn impact(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseEr
         [("equal bars", 1.0, 1.0), ("second twice as heavy", 2.0, 1.0), ("second twice as long", 1.0, 2.0)]
     {
         let h = LENGTH / f64::from(cells);
-        let struck = strike(sharp(), cells, [ratio, second], VISCOSITY, asked)?;
+        // FLIP takes the strain from velocities that were mapped to particles and back, and smears fronts; FMPM undoes that
+        // (docs/notes.md 7.6).
+        let struck = strike(methods::linear_fmpm_usf(), cells, [ratio, second], VISCOSITY, asked)?;
         totals = totals.plus(&struck.totals);
         let Struck { joint, stress, plateau, last, rows, .. } = struck;
         let end = rows.last().copied().unwrap_or([f64::NAN; 4]);

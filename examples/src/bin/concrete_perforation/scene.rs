@@ -12,8 +12,8 @@ use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Axisymmetric, Blend, BlockGrid, Boundary, Composition, CpGimp, FullSpace, Linear, Method, Mpm, Musl,
-    Rigid, Side, Team, TimeControl,
+    Axisymmetric, Blend, BlockGrid, Boundary, CpGimp, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm,
+    Musl, Rigid, Side, Team, TimeControl,
 };
 use mpm_materials::{LinearElastic, Moduli, library};
 
@@ -60,11 +60,17 @@ pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcom
     let blend = Blend::new(memory)?;
     let task = Task { setup: *setup, ways, files };
     match (setup.model, setup.kernel) {
-        (Model::Quarter, Kernel::Hat) => quarter(task, Method::new(Linear, blend, Musl, FullSpace)),
-        (Model::Quarter, Kernel::Cpgimp) => quarter(task, Method::new(CpGimp, blend, Musl, FullSpace)),
-        (Model::Axisymmetric, Kernel::Hat) => revolved(task, Method::new(Linear, blend, Musl, Axisymmetric)),
+        (Model::Quarter, Kernel::Hat) => {
+            quarter(task, Method::new(Linear, blend, Musl, FullSpace).into_kernels())
+        }
+        (Model::Quarter, Kernel::Cpgimp) => {
+            quarter(task, Method::new(CpGimp, blend, Musl, FullSpace).into_kernels())
+        }
+        (Model::Axisymmetric, Kernel::Hat) => {
+            revolved(task, Method::new(Linear, blend, Musl, Axisymmetric).into_kernels())
+        }
         (Model::Axisymmetric, Kernel::Cpgimp) => {
-            revolved(task, Method::new(CpGimp, blend, Musl, Axisymmetric))
+            revolved(task, Method::new(CpGimp, blend, Musl, Axisymmetric).into_kernels())
         }
     }
 }
@@ -84,7 +90,7 @@ struct Bodies<const D: usize> {
     planes: Vec<usize>,
 }
 
-fn quarter<M: Composition<f64, 3>>(task: Task, method: M) -> Result<Outcome, CaseError> {
+fn quarter(task: Task, method: Kernels<f64, 3>) -> Result<Outcome, CaseError> {
     let setup = task.setup;
     let lattice = Lattice::new([0.0; 3], setup.spacing())?;
     let (rod, _) = ROD.rings([0.0, 0.0, 0.25 * setup.spacing()], 0.0, FRAC_PI_2, setup.edge())?;
@@ -94,7 +100,7 @@ fn quarter<M: Composition<f64, 3>>(task: Task, method: M) -> Result<Outcome, Cas
     run(task, method, Bodies { lattice, rod, slab, planes: vec![0, 1] }, held)
 }
 
-fn revolved<M: Composition<f64, 2>>(task: Task, method: M) -> Result<Outcome, CaseError> {
+fn revolved(task: Task, method: Kernels<f64, 2>) -> Result<Outcome, CaseError> {
     let setup = task.setup;
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let rod = ROD.profile(0.25 * setup.spacing(), setup.edge())?;
@@ -103,9 +109,9 @@ fn revolved<M: Composition<f64, 2>>(task: Task, method: M) -> Result<Outcome, Ca
     run(task, method, Bodies { lattice, rod, slab, planes: vec![0] }, |rigid| rigid)
 }
 
-fn run<const D: usize, M: Composition<f64, D>>(
+fn run<const D: usize>(
     task: Task,
-    method: M,
+    method: Kernels<f64, D>,
     bodies: Bodies<D>,
     held: impl Fn(Rigid<D>) -> Rigid<D>,
 ) -> Result<Outcome, CaseError> {
@@ -117,7 +123,7 @@ fn run<const D: usize, M: Composition<f64, D>>(
         Detection::Rod => Normals::Gradients(Gradients::new(Weight::Volume, Choice::OneBody(vec![0]))),
     };
     let contact = GridContact::new(SurfaceDistance::new(normals, 0.0)?.locally(), laws);
-    let mut mpm = Mpm::<f64, D, _, _, _>::with_contact(method, BlockGrid::new(bodies.lattice), contact);
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(bodies.lattice), contact);
     let density = MASS / ROD.volume()?;
     let mut velocity = [0.0; D];
     velocity[D - 1] = -setup.speed;

@@ -6,7 +6,7 @@ use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::observe::{Ledger, Pace};
 use mpm_core::{BlockGrid, Boundary, Mpm, PlaneStrain, Side, TimeControl};
 use mpm_materials::eos::Terms;
-use mpm_materials::{Eos, Wide};
+use mpm_materials::{Constitutive, Eos, Wide};
 
 use crate::setup::{SHOCK, SPEED, Setup, equation_of_state, lead};
 
@@ -78,12 +78,15 @@ pub fn row(setup: &Setup) -> Result<Row, CaseError> {
     let theory = shocked();
     let h = setup.spacing();
     let lattice = Lattice::new([0.0; 2], h)?;
-    let mut mpm = Mpm::<f64, 2, _, _>::new(setup.method(PlaneStrain)?, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(setup.method(PlaneStrain)?, BlockGrid::new(lattice));
     for (name, cells, speed) in [("target", [0.0, CELLS], 0.0), ("flyer", [-CELLS, 0.0], SPEED)] {
         let plate = Cuboid::new([cells[0] * h, 0.0], [cells[1] * h, h])?;
-        mpm.add(name, lead(setup.viscosity)?, &fill(&plate, &lattice, 2, &Filling::new())?, |_| {
-            [speed, 0.0]
-        })?;
+        mpm.add(
+            name,
+            lead(setup.viscosity)?.compiled(),
+            &fill(&plate, &lattice, 2, &Filling::new())?,
+            |_| [speed, 0.0],
+        )?;
     }
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: h, side: Side::Below })?;

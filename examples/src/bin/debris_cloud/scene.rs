@@ -9,8 +9,10 @@ use examples::{CaseError, Totals};
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, Shape, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
-use mpm_core::{BlockGrid, Boundary, FullSpace, Mpm, Side, SplitBook, Splitting, Team, TimeControl};
-use mpm_materials::Stretching;
+use mpm_core::{
+    BlockGrid, Boundary, Deformable, FullSpace, Mpm, Side, SplitBook, Splitting, Team, TimeControl,
+};
+use mpm_materials::{Constitutive, Stretching};
 
 use crate::parts::{Parts, parts};
 use crate::setup::{END, HALF_WIDTH, RADIUS, SHOCK, SPEED, Setup, THICKNESS, lead};
@@ -49,7 +51,7 @@ impl Outcome {
 /// Shoot, with ParaView frames at the looks in a folder.
 pub fn shoot(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 3], setup.spacing())?;
-    let mut mpm = Mpm::<f64, 3, _, _>::new(setup.method(FullSpace)?, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(setup.method(FullSpace)?, BlockGrid::new(lattice));
     let quarter = Cuboid::new([-2.0 * RADIUS, 0.0, 0.0], [0.0, HALF_WIDTH, HALF_WIDTH])?;
     let ball = Ball::new([-RADIUS, 0.0, 0.0], RADIUS)?.and(quarter);
     let plate = Cuboid::new([0.0; 3], [THICKNESS, setup.half_width, setup.half_width])?;
@@ -61,9 +63,10 @@ pub fn shoot(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
         match setup.cutting {
             Some(cutting) => {
                 let splitting = Splitting::at(cutting.stretch)?.at_most(cutting.generations)?;
-                mpm.add_splitting(name, Stretching::new(lead(setup.viscosity)?), seeds, velocity, splitting)?;
+                let law = Stretching::new(lead(setup.viscosity)?).compiled();
+                mpm.add_body(Deformable::new(name, law, seeds).moving(velocity).with_splitting(splitting))?;
             }
-            None => mpm.add(name, lead(setup.viscosity)?, seeds, velocity)?,
+            None => mpm.add(name, lead(setup.viscosity)?.compiled(), seeds, velocity)?,
         }
         Ok(())
     };

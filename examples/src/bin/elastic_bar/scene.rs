@@ -8,7 +8,7 @@ use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::output::{History, VtkSeries};
 use mpm_core::{Boundary, PlaneStrain, Side, Team};
-use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
+use mpm_materials::{Constitutive, Elastic, IntoMaterial, LogarithmicBulk, Moduli, Solid};
 use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm};
 use serde::Serialize;
 
@@ -109,7 +109,7 @@ pub fn impact(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, Case
     match setup.which {
         Which::Printed => {
             let method = Method::printed(PlaneStrain, AzimuthFan::new(tolerance)?);
-            run(setup, method, steel.with_rate(NoRotation), folder, frames)
+            run(setup, method, steel.with_rate(NoRotation).compiled(), folder, frames)
         }
         Which::Consistent | Which::Narrow => {
             let method = Method::consistent(PlaneStrain, LocalDelaunay::new(tolerance, 2.0)?);
@@ -118,10 +118,10 @@ pub fn impact(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, Case
     }
 }
 
-fn run<C: mpm_materials::Constitutive<f64>, M: Composition<2>>(
+fn run<M: Composition<2>>(
     setup: &Setup,
     method: M,
-    law: C,
+    law: impl IntoMaterial<f64>,
     folder: &Path,
     frames: u32,
 ) -> Result<Outcome, CaseError> {

@@ -103,7 +103,7 @@ fn heap(setup: &Setup, snapshot: &Snapshot) -> Heap {
 pub fn collapse(setup: &Setup, times: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let column = Cuboid::new([0.0; 2], [setup.width(), setup.height])?;
     let seeds = fill(&column, &lattice, 2, &Filling::new())?;
     let elastic = Moduli::young_poisson(YOUNG, POISSON)?;

@@ -3,8 +3,8 @@
 use std::hash::{DefaultHasher, Hasher};
 
 use examples::{CaseError, Check};
+use mpm_core::Mpm;
 use mpm_core::observe::{Observer, RunSummary};
-use mpm_core::{Composition, Contact, GridStorage, Mpm};
 use serde::Serialize;
 
 use crate::setup::Setup;
@@ -35,16 +35,11 @@ pub struct Flight {
 }
 
 /// Let the rod fly until it is a quarter of a cell before the plate.
-pub fn fly<M, G, K>(
+pub fn fly(
     setup: &Setup,
-    mpm: &mut Mpm<f64, 3, M, G, K>,
+    mpm: &mut Mpm<3>,
     observers: &mut [&mut dyn Observer<f64, 3>],
-) -> Result<(Flight, RunSummary), CaseError>
-where
-    M: Composition<f64, 3>,
-    G: GridStorage<f64, 3>,
-    K: Contact<f64, 3>,
-{
+) -> Result<(Flight, RunSummary), CaseError> {
     let (mut summary, mut nodes, mut bytes) = (RunSummary::default(), [0; 2], [0; 2]);
     for look in 1..=LOOKS {
         let end = setup.flight() / setup.speed * f64::from(look) / f64::from(LOOKS);
@@ -69,12 +64,7 @@ where
 }
 
 /// Of all particles.
-pub fn fingerprint<M, G, K>(mpm: &Mpm<f64, 3, M, G, K>) -> String
-where
-    M: Composition<f64, 3>,
-    G: GridStorage<f64, 3>,
-    K: Contact<f64, 3>,
-{
+pub fn fingerprint(mpm: &Mpm<3>) -> String {
     let mut hash = DefaultHasher::new();
     for body in mpm.bodies() {
         for p in body.particles() {

@@ -1,7 +1,7 @@
 //! The plate's failure, chosen at run time so that its law is compiled once.
 
 use mpm_materials::failure::{Failure, Observed, johnson_cook::Damaged};
-use mpm_materials::{JohnsonCookDamage, Lane, ParameterError, PlasticStrainLimit};
+use mpm_materials::{JohnsonCookDamage, Lane, Nothing, ParameterError, PlasticStrainLimit};
 
 /// When a point of the plate stops carrying anything.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,7 +34,7 @@ impl Failure<f64> for Ductility {
     fn failed<L: Lane<Real = f64>>(&self, history: &Damaged<L>, plastic_strain: L) -> L::Mask {
         match self {
             Ductility::Whole => <L::Mask as mpm_materials::Mask>::splat(false),
-            Ductility::Strain(limit) => limit.failed(&(), plastic_strain),
+            Ductility::Strain(limit) => limit.failed(&Nothing, plastic_strain),
             Ductility::Damage(damage) => damage.failed(history, plastic_strain),
         }
     }

@@ -12,10 +12,10 @@ use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Blend, BlockGrid, Boundary, Composition, Contact, CpGimp, Flip, FullSpace, GridStorage, Linear, Method,
-    Mpm, Musl, OneField, Side, Team, TimeControl,
+    Blend, BlockGrid, Boundary, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm, Musl,
+    Side, Team, TimeControl,
 };
-use mpm_materials::{LinearElastic, Moduli, Removed, library};
+use mpm_materials::{Constitutive, LinearElastic, Moduli, Removed, library};
 
 use crate::cells::Cells;
 use crate::flight::{self, Flight};
@@ -68,20 +68,24 @@ impl Outcome {
 pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
     let blend = Blend::new(setup.memory * setup.spacing() / SOUND)?;
     match setup.kernel {
-        Kernel::Hat => meet(setup, ways, files, Method::new(Linear, blend, Musl, FullSpace)),
-        Kernel::Cpgimp => meet(setup, ways, files, Method::new(CpGimp, blend, Musl, FullSpace)),
+        Kernel::Hat => meet(setup, ways, files, Method::new(Linear, blend, Musl, FullSpace).into_kernels()),
+        Kernel::Cpgimp => {
+            meet(setup, ways, files, Method::new(CpGimp, blend, Musl, FullSpace).into_kernels())
+        }
     }
 }
 
-fn meet<M>(setup: &Setup, ways: &[f64], files: Option<&Path>, method: M) -> Result<Outcome, CaseError>
-where
-    M: Composition<f64, 3>,
-    Method<M::Shape, Flip, Musl, M::Embedding>: Composition<f64, 3>,
-{
+fn meet(
+    setup: &Setup,
+    ways: &[f64],
+    files: Option<&Path>,
+    method: Kernels<f64, 3>,
+) -> Result<Outcome, CaseError> {
     let laws = setup.law.pairs(setup.friction, SOUND, setup.spacing())?;
     let gradients = SurfaceDistance::new(Normals::Gradients(Gradients::default()), 0.0)?;
+    let grid = BlockGrid::new(Lattice::new([0.0; 3], setup.spacing())?);
     let detector = match setup.detection {
-        Detection::Off => return run(setup, ways, files, method, OneField, add_rod),
+        Detection::Off => return run(setup, ways, files, Mpm::new(method, grid), add_rod),
         Detection::Distance => gradients,
         Detection::Local => gradients.locally(),
         Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?.locally(),
@@ -90,12 +94,11 @@ where
         RodFrame::Current => add_rod,
         RodFrame::Reference => add_rod_in_reference,
     };
-    run(setup, ways, files, method, GridContact::new(detector, laws), add)
+    run(setup, ways, files, Mpm::with_contact(method, grid, GridContact::new(detector, laws)), add)
 }
 
 /// How a rod of these seeds and this velocity is added.
-type AddRod<M, K> = fn(&mut Scene<M, K>, &Seeds<3>, [f64; 3]) -> Result<(), CaseError>;
-type Scene<M, K> = Mpm<f64, 3, M, BlockGrid<f64, 3>, K>;
+type AddRod = fn(&mut Mpm<3>, &Seeds<3>, [f64; 3]) -> Result<(), CaseError>;
 
 fn steel() -> Result<LinearElastic<f64>, CaseError> {
     Ok(LinearElastic::new(STEEL, Moduli::young_poisson(206e9, 0.3)?)?)
@@ -105,24 +108,11 @@ fn symmetry() -> Boundary<3> {
     Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }
 }
 
-fn add_rod<M: Composition<f64, 3>, K: Contact<f64, 3>>(
-    mpm: &mut Scene<M, K>,
-    seeds: &Seeds<3>,
-    velocity: [f64; 3],
-) -> Result<(), CaseError> {
+fn add_rod(mpm: &mut Mpm<3>, seeds: &Seeds<3>, velocity: [f64; 3]) -> Result<(), CaseError> {
     Ok(mpm.add("rod", steel()?, seeds, |_| velocity)?)
 }
 
-fn add_rod_in_reference<M, K>(
-    mpm: &mut Scene<M, K>,
-    seeds: &Seeds<3>,
-    velocity: [f64; 3],
-) -> Result<(), CaseError>
-where
-    M: Composition<f64, 3>,
-    K: Contact<f64, 3>,
-    Method<M::Shape, Flip, Musl, M::Embedding>: Composition<f64, 3>,
-{
+fn add_rod_in_reference(mpm: &mut Mpm<3>, seeds: &Seeds<3>, velocity: [f64; 3]) -> Result<(), CaseError> {
     let method = Method::new(Linear, Flip, Musl, FullSpace).total_lagrangian();
     let mut own = Mpm::new(method, BlockGrid::new(*mpm.grid().lattice()));
     own.add("rod", steel()?, seeds, |_| velocity)?;
@@ -130,17 +120,15 @@ where
     Ok(mpm.add_total_lagrangian(own)?)
 }
 
-fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
+fn run(
     setup: &Setup,
     ways: &[f64],
     files: Option<&Path>,
-    method: M,
-    contact: K,
-    add_rod: AddRod<M, K>,
+    mut mpm: Mpm<3>,
+    add_rod: AddRod,
 ) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
-    let lattice = Lattice::new([0.0; 3], h)?;
-    let mut mpm = Mpm::<f64, 3, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
+    let lattice = *mpm.grid().lattice();
     let (sine, cosine) = setup.angle.sin_cos();
     // A quarter of a cell before the plate, when it has flown there.
     let before = 0.25 * h + setup.flight();
@@ -155,7 +143,7 @@ fn run<M: Composition<f64, 3>, K: Contact<f64, 3>>(
     let half = setup.half_width;
     let plate = Cuboid::new([middle - half, 0.0, -THICKNESS], [middle + half, half, 0.0])?;
     let plate = fill(&plate, &lattice, setup.parts as usize, &Filling::new())?;
-    mpm.add("plate", aluminium, &plate, |_| [0.0; 3])?;
+    mpm.add("plate", aluminium.compiled(), &plate, |_| [0.0; 3])?;
     mpm.bound(symmetry())?;
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     mpm.set_team(Team::new(setup.threads)?);

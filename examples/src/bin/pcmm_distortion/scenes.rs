@@ -5,7 +5,8 @@ use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::output::Snapshot;
 use mpm_core::{Boundary, PlaneStrain, Side};
 use mpm_materials::{
-    Constitutive, Elastic, JohnsonCook, LogarithmicBulk, MieGruneisen, Moduli, ObjectiveRate, Solid, Sym3,
+    Constitutive, Elastic, IntoMaterial, JohnsonCook, LogarithmicBulk, MieGruneisen, Moduli, ObjectiveRate,
+    Solid, Sym3,
 };
 use pcmm::simplex::overlap;
 use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm, pieces};
@@ -54,10 +55,7 @@ fn copper() -> Solid<JohnsonCook<f64>, MieGruneisen<f64>> {
 }
 
 /// Step a body to its end, and look after it on the way.
-fn watch<C: Constitutive<f64>, M: Composition<2>>(
-    body: &mut Pcmm<2, C, M>,
-    end: f64,
-) -> Result<Outcome, CaseError> {
+fn watch<M: Composition<2>>(body: &mut Pcmm<2, M>, end: f64) -> Result<Outcome, CaseError> {
     let start = body.totals();
     let scale = start.kinetic;
     let (mut energy, mut momentum) = (0.0f64, 0.0f64);
@@ -94,7 +92,7 @@ macro_rules! with_parts {
         match $parts {
             Parts::Printed => {
                 let $method = Method::printed(PlaneStrain, AzimuthFan::new(0.45 * $h)?);
-                let $by = $law.with_rate(NoRotation);
+                let $by = $law.with_rate(NoRotation).compiled();
                 $body
             }
             Parts::Consistent => {
@@ -177,7 +175,7 @@ pub fn spinning_disc(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseErr
 
 fn disc<R: ObjectiveRate, M: Composition<2>>(
     method: M,
-    law: Steel<R>,
+    law: impl IntoMaterial<f64, Law = Steel<R>>,
     packing: &Packing<2>,
     spin: impl Fn([f64; 2]) -> [f64; 2],
     omega: f64,
@@ -195,7 +193,7 @@ fn disc<R: ObjectiveRate, M: Composition<2>>(
     let bulk = 206e9 / (3.0 * 0.4);
     let mut body = Pcmm::new(method, law, packing, spin, Masses::FromElements)?;
     body.set_revision_interval(10)?;
-    body.set_states(|x, mut state| {
+    body.set_states::<Steel<R>>(|x, mut state| {
         state.stress = residual(x);
         state.volume_ratio = (residual(x).mean() / bulk).exp();
         state
@@ -211,8 +209,8 @@ fn disc<R: ObjectiveRate, M: Composition<2>>(
             }
         }
         let wanted = residual(centre).deviator();
-        if let Some(state) = body.element_state(e) {
-            off += (state.stress.deviator() + wanted * -1.0).equivalent();
+        if let Some(said) = body.describe_element(e) {
+            off += (Sym3(said.stress).deviator() + wanted * -1.0).equivalent();
             size += wanted.equivalent();
         }
     }
@@ -246,7 +244,7 @@ pub fn stretch(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseError> {
 }
 
 /// Does it hang together, but for pieces of at most a twentieth of the elements?
-fn has_parted<C: Constitutive<f64>, M: Composition<2>>(body: &Pcmm<2, C, M>) -> bool {
+fn has_parted<M: Composition<2>>(body: &Pcmm<2, M>) -> bool {
     let least = body.elements() / 20;
     pieces::<2>(body.element_nodes(), body.particles().len()).iter().filter(|p| p.len() > least).count() > 1
 }
@@ -268,7 +266,7 @@ pub fn random_packing(parts: Parts, seed: u64) -> Result<(Outcome, Cover), CaseE
     match parts {
         Parts::Printed => {
             let method = Method::printed(PlaneStrain, AzimuthFan::new(delta)?);
-            packed(method, copper().with_rate(NoRotation), &packing)
+            packed(method, copper().with_rate(NoRotation).compiled(), &packing)
         }
         Parts::Consistent => {
             packed(Method::consistent(PlaneStrain, LocalDelaunay::new(delta, 2.0)?), copper(), &packing)
@@ -276,9 +274,9 @@ pub fn random_packing(parts: Parts, seed: u64) -> Result<(Outcome, Cover), CaseE
     }
 }
 
-fn packed<C: Constitutive<f64>, M: Composition<2>>(
+fn packed<M: Composition<2>>(
     method: M,
-    law: C,
+    law: impl IntoMaterial<f64>,
     packing: &Packing<2>,
 ) -> Result<(Outcome, Cover), CaseError> {
     let mut body = Pcmm::new(method, law, packing, |_| [0.0, -200.0], Masses::FromElements)?;

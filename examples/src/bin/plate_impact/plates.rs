@@ -5,12 +5,13 @@
 //! 1 km/s carries the particles through the grid, as in `tnt_slab`: fixed boxes and splines make noise of that.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Probe, ProbeRow, Probes, Quantity, VtkSeries};
 use mpm_core::{Blend, BlockGrid, Boundary, CpGimp, Method, Mpm, Musl, PlaneStrain, Side, TimeControl};
-use mpm_materials::Constitutive;
+use mpm_materials::Material;
 
 /// Time constant of FLIP's noise, in transits of a cell by sound.
 const FADING: f64 = 100.0;
@@ -92,11 +93,7 @@ pub struct Files<'a> {
 }
 
 /// Let the flyer, x < 0, run into the target, both of one metal.
-pub fn collide<C: Constitutive<f64> + Clone>(
-    law: C,
-    plates: &Plates,
-    files: Files,
-) -> Result<Outcome, CaseError> {
+pub fn collide(law: Arc<dyn Material<f64>>, plates: &Plates, files: Files) -> Result<Outcome, CaseError> {
     let (h, end, density) = (plates.spacing, plates.end, law.density());
     let lattice = Lattice::new([0.0; 2], h)?;
     let row = |from: f64, to: f64| -> Result<Seeds<2>, CaseError> {
@@ -104,7 +101,7 @@ pub fn collide<C: Constitutive<f64> + Clone>(
     };
     let target = row(0.0, f64::from(plates.target))?;
     let method = Method::new(CpGimp, Blend::new(FADING * h / plates.sound_speed)?, Musl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.add("target", law.clone(), &target, |_| [0.0; 2])?;
     mpm.add("flyer", law, &row(-f64::from(plates.flyer), 0.0)?, |_| [plates.speed, 0.0])?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;

@@ -4,7 +4,7 @@
 //! elastic precursor runs ahead of slow shocks, and the line is no longer that of the source.
 
 use examples::{CaseError, Totals};
-use mpm_materials::Fluid;
+use mpm_materials::{Fluid, IntoMaterial};
 
 use crate::metals::{Metal, Shocked};
 use crate::plates::{self, Files, Look, Plates, Point};
@@ -97,7 +97,7 @@ pub fn impact(metal: Metal, particle_speed: f64, setup: &Setup, files: Files) ->
         end: REACH * THICKNESS / theory.front,
     };
     let law = Fluid::new(metal.law).with_bulk_viscosity(linear, quadratic)?;
-    let run = plates::collide(law, &plates, files)?;
+    let run = plates::collide(law.into_material(), &plates, files)?;
 
     let arrivals: Vec<f64> = run.gauges.iter().map(|g| arrival(g, 0.5 * particle_speed)).collect();
     let way = f64::from(gauges[1] - gauges[0]) * h;

@@ -9,7 +9,7 @@
 //! same by another method.
 
 use examples::{CaseError, Totals};
-use mpm_materials::{CohesiveSpall, J2, Solid};
+use mpm_materials::{CohesiveSpall, Constitutive, IntoMaterial, J2, Solid};
 
 use crate::metals::Metal;
 use crate::plates::{self, Files, Look, Plates, Point};
@@ -95,7 +95,7 @@ pub fn spall(metal: &Metal, setup: &Setup, files: Files) -> Result<Spall, CaseEr
     let law = Solid::new(J2::linear(SHEAR_MODULUS, YIELD_STRENGTH, 0.0)?, metal.law)
         .with_failure(CohesiveSpall::new(STRENGTH, opening)?)
         .with_bulk_viscosity(linear, quadratic)?;
-    let run = plates::collide(law, &plates, files)?;
+    let run = plates::collide(law.compiled().into_material(), &plates, files)?;
     let surface = run.gauges.into_iter().next().unwrap_or_default();
     let within = |[from, to]: [f64; 2]| {
         surface.iter().filter(move |l| l.time > from * transit && l.time < to * transit).map(|l| l.speed)

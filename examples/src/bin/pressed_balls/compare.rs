@@ -3,9 +3,9 @@
 use std::time::Instant;
 
 use examples::{CaseError, Check, Totals, case};
-use mpm_core::{Contact, OneField};
+use mpm_core::{Mpm, OneField};
 
-use crate::scene::{self, Pack, Setup};
+use crate::scene::{self, Setup};
 
 /// Transits of the wave before timing starts: by then all balls are in motion, and contacts open and close.
 const WARM_UP: f64 = 3.0;
@@ -60,13 +60,13 @@ pub fn compare(setup: &Setup, rounds: u32) -> Result<(Vec<Check>, Totals), CaseE
     Ok((checks, totals))
 }
 
-fn row<K: Contact<f64, 3>>(name: &str, seconds: f64, mpm: &Pack<K>) -> [String; 4] {
+fn row(name: &str, seconds: f64, mpm: &Mpm<3>) -> [String; 4] {
     let each = mpm.bytes() as f64 / mpm.particles() as f64;
     [name.into(), format!("{seconds:.5}"), mpm.bytes().to_string(), format!("{each:.0}")]
 }
 
 /// Seconds of some steps.
-fn turn<K: Contact<f64, 3>>(mpm: &mut Pack<K>, steps: usize) -> Result<f64, CaseError> {
+fn turn(mpm: &mut Mpm<3>, steps: usize) -> Result<f64, CaseError> {
     let start = Instant::now();
     for _ in 0..steps {
         mpm.step()?;

@@ -9,7 +9,8 @@ use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, fill};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Blend, BlockGrid, Boundary, Contact, FullSpace, Linear, Method, Mpm, Musl, OneField, Side, Team, Traction,
+    Blend, BlockGrid, Boundary, Contact, Deformable, FullSpace, Linear, Method, Mpm, Musl, OneField, Side,
+    Team, Traction,
 };
 use mpm_materials::{Moduli, NeoHookean};
 use serde::Serialize;
@@ -80,10 +81,6 @@ pub struct Outcome {
     pub totals: Totals,
 }
 
-type Hat = Method<Linear, Blend<f64>, Musl, FullSpace>;
-/// A pack that is ready to run.
-pub type Pack<K> = Mpm<f64, 3, Hat, BlockGrid<f64, 3>, K>;
-
 /// The contact algorithm.
 pub fn contact(setup: &Setup) -> Result<impl Contact<f64, 3> + use<>, CaseError> {
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
@@ -92,7 +89,7 @@ pub fn contact(setup: &Setup) -> Result<impl Contact<f64, 3> + use<>, CaseError>
 
 /// The pack in its container, five planes that nothing crosses, under the plate. (Walls that only push would let
 /// the outer balls part from them, but gain as much energy as the load brings within 200 microseconds.)
-pub fn pack<K: Contact<f64, 3>>(setup: &Setup, contact: K) -> Result<Pack<K>, CaseError> {
+pub fn pack(setup: &Setup, contact: impl Contact<f64, 3>) -> Result<Mpm<3>, CaseError> {
     let (edge, d) = (setup.edge(), ALUMINIUM.diameter);
     let lattice = Lattice::new([0.0; 3], SPACING)?;
     let memory = MEMORY * SPACING / ALUMINIUM.wave_speed();
@@ -116,7 +113,7 @@ pub fn pack<K: Contact<f64, 3>>(setup: &Setup, contact: K) -> Result<Pack<K>, Ca
         history: Arc::new(move |_| [0.0, 0.0, -pressure]),
         revolved: false,
     };
-    mpm.add_loaded("plate", law, &plate, |_| [0.0; 3], load)?;
+    mpm.add_body(Deformable::new("plate", law, &plate).with_traction(load))?;
     for axis in 0..3 {
         mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;
         if axis < 2 {
@@ -140,11 +137,7 @@ pub fn press(setup: &Setup, files: Option<VtkSeries>) -> Result<Outcome, CaseErr
     }
 }
 
-fn run<K: Contact<f64, 3>>(
-    setup: &Setup,
-    mut files: Option<VtkSeries>,
-    mut mpm: Pack<K>,
-) -> Result<Outcome, CaseError> {
+fn run(setup: &Setup, mut files: Option<VtkSeries>, mut mpm: Mpm<3>) -> Result<Outcome, CaseError> {
     let mut ground =
         Ground { pace: Pace::every_step(), load: setup.load(), last: [0.0; 2], rows: vec![], faces: 0 };
     let mut ledger = Ledger::new(Pace::interval(setup.end() / 20.0)?);

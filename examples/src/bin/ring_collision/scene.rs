@@ -3,13 +3,13 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use examples::{CaseError, Totals, largest, worst};
+use examples::{CaseError, Totals, largest, methods, worst};
 use mpm_contact::{Gradients, GridContact};
 use mpm_core::geometry::{Filling, Lattice, Ring, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, RunError, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    BlockGrid, Composition, CpGimp, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Team, TimeControl, Usf,
+    BlockGrid, CpGimp, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl, PlaneStrain, Team, TimeControl,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
@@ -135,33 +135,22 @@ pub fn collide_all(
 
 /// Let the rings collide.
 fn collide(setup: &Setup, look: Look, folder: &Path) -> Result<Outcome, CaseError> {
-    match (setup.kernel, setup.scheme) {
-        (Kernel::Linear, Scheme::Usf) => {
-            run(setup, (look, folder), Method::new(Linear, Flip, Usf, PlaneStrain))
-        }
-        (Kernel::Linear, Scheme::Musl) => {
-            run(setup, (look, folder), Method::new(Linear, Flip, Musl, PlaneStrain))
-        }
-        (Kernel::Cpgimp, Scheme::Usf) => {
-            run(setup, (look, folder), Method::new(CpGimp, Flip, Usf, PlaneStrain))
-        }
-        (Kernel::Cpgimp, Scheme::Musl) => {
-            run(setup, (look, folder), Method::new(CpGimp, Flip, Musl, PlaneStrain))
-        }
-    }
+    let method = match (setup.kernel, setup.scheme) {
+        (Kernel::Linear, Scheme::Usf) => methods::linear_usf(),
+        (Kernel::Linear, Scheme::Musl) => Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels(),
+        (Kernel::Cpgimp, Scheme::Usf) => methods::cpgimp_usf(),
+        (Kernel::Cpgimp, Scheme::Musl) => Method::new(CpGimp, Flip, Musl, PlaneStrain).into_kernels(),
+    };
+    run(setup, (look, folder), method)
 }
 
-fn run<M: Composition<f64, 2>>(
-    setup: &Setup,
-    (look, folder): (Look, &Path),
-    method: M,
-) -> Result<Outcome, CaseError> {
+fn run(setup: &Setup, (look, folder): (Look, &Path), method: Kernels<f64, 2>) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.cell)?;
     let law = NeoHookean::new(DENSITY, Moduli::bulk_shear(MODULI[0], MODULI[1])?)?;
     let fast = ((MODULI[0] + MODULI[1] * 4.0 / 3.0) / DENSITY).sqrt();
     let laws = setup.law.pairs(setup.friction, fast, setup.cell)?;
     let contact = GridContact::new(setup.detection.detector(Gradients::default())?, laws);
-    let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.set_team(Team::new(1)?);
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     let apart = OUTER + 0.5 * GAP;

@@ -15,8 +15,7 @@ use mpm_core::geometry::{Cuboid, Filling, GeometryError, Lattice, Seeds, fill, r
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    BlockGrid, Boundary, Composition, Contact, Flip, FullSpace, Linear, Method, Mpm, Musl, PlaneStrain, Side,
-    Team,
+    BlockGrid, Boundary, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, Side, Team,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
@@ -119,20 +118,10 @@ impl Outcome {
 /// Let the cylinder go; with a folder, write ParaView files there.
 pub fn roll(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> {
     if setup.dimensions == 3 {
-        meet::<3, _>(setup, files, Method::new(Linear, Flip, Musl, FullSpace))
+        run::<3>(setup, files, Method::new(Linear, Flip, Musl, FullSpace))
     } else {
-        meet::<2, _>(setup, files, Method::new(Linear, Flip, Musl, PlaneStrain))
+        run::<2>(setup, files, Method::new(Linear, Flip, Musl, PlaneStrain))
     }
-}
-
-fn meet<const D: usize, M: Composition<f64, D>>(
-    setup: &Setup,
-    files: Option<&Path>,
-    method: M,
-) -> Result<Outcome, CaseError> {
-    let friction = setup.law.pairs(setup.incline.friction, WAVE * setup.stiffness.sqrt(), setup.spacing())?;
-    let detector = setup.detection.detector(Gradients::default())?;
-    run(setup, files, method, GridContact::new(detector, friction))
 }
 
 /// The first coordinates of a point.
@@ -162,15 +151,16 @@ fn layered<const D: usize>(setup: &Setup) -> Result<Seeds<D>, GeometryError> {
     Ok(Seeds::placed(positions, volumes, cut([edge, edge, 0.5 * depth])))
 }
 
-fn run<const D: usize, M: Composition<f64, D>, K: Contact<f64, D>>(
+fn run<const D: usize>(
     setup: &Setup,
     files: Option<&Path>,
-    method: M,
-    contact: K,
+    method: impl IntoKernels<f64, D>,
 ) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
+    let friction = setup.law.pairs(setup.incline.friction, WAVE * setup.stiffness.sqrt(), h)?;
+    let contact = GridContact::new(setup.detection.detector(Gradients::default())?, friction);
     let lattice = Lattice::new([0.0; D], h)?;
-    let mut mpm = Mpm::<f64, D, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     let [hard, soft] = [HARD, SOFT].map(|[density, young]| -> Result<NeoHookean<f64>, CaseError> {
         Ok(NeoHookean::new(density, Moduli::young_poisson(young * setup.stiffness, POISSON)?)?)
     });

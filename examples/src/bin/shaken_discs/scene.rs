@@ -86,7 +86,7 @@ pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
     let normals = Gradients::new(Weight::Mass, Choice::Collinear);
     let detector = setup.detection.detector(normals)?;
     let contact = GridContact::new(detector, Pairs::new(Coulomb::new(setup.friction)?)).keeping(KEEPS)?;
-    let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     let (young, [density, poisson]) = (setup.young, MATERIAL);
     let [width, height] = layout.inside;
     let wall = 2.0 * h;

@@ -58,7 +58,7 @@ pub fn slide(
     let h = setup.spacing;
     let lattice = Lattice::new([0.0, BASE], h)?;
     let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let slope = Polygon::new(vec![
         [CREST, BASE],
         [FAR, BASE],

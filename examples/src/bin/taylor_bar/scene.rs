@@ -1,17 +1,18 @@
 //! The bar, the wall and the run.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use clap::ValueEnum;
-use examples::{CaseError, Totals};
+use examples::{CaseError, Totals, methods};
 use mpm_core::geometry::{Cuboid, Cylinder, Filling, Lattice, Seeds, Shape, fill};
 use mpm_core::observe::{HistoryCsv, Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Flip, FullSpace, Gimp, Linear, Method, Mpm,
+    Apic, Axisymmetric, BlockGrid, Boundary, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm,
     Musl, QuadraticBSpline, Side, Team, Usl,
 };
-use mpm_materials::{Constitutive, JohnsonCook, MieGruneisen, Solid};
+use mpm_materials::{IntoMaterial, JohnsonCook, Material, MieGruneisen, Solid};
 use serde::Serialize;
 
 use crate::shape::{Outline, Sizes};
@@ -143,57 +144,52 @@ enum Task<'a> {
 }
 
 fn with_scheme(setup: &Setup, task: Task) -> Result<Outcome, CaseError> {
-    match setup.scheme {
-        Scheme::LinearMusl => with_method(setup, task, Linear, Flip, Musl),
-        Scheme::GimpUsl => with_method(setup, task, Gimp, Flip, Usl),
-        Scheme::CpgimpUsl => with_method(setup, task, CpGimp, Flip, Usl),
-        Scheme::QuadraticApic => with_method(setup, task, QuadraticBSpline, Apic, Usl),
+    let [linear, quadratic] = BULK_VISCOSITY;
+    let eos = MieGruneisen::copper();
+    let law = match setup.constants {
+        Constants::Taylor => {
+            let law = Solid::new(JohnsonCook::copper_taylor(), eos).with_bulk_viscosity(linear, quadratic)?;
+            law.into_material()
+        }
+        Constants::Standard => {
+            let law = Solid::new(JohnsonCook::copper(), eos).with_bulk_viscosity(linear, quadratic)?;
+            law.into_material()
+        }
+    };
+    match setup.model {
+        Model::Quarter => in_space(setup, task, scheme_in_space(setup.scheme), law),
+        Model::Axisymmetric => axisymmetric(setup, task, scheme_revolved(setup.scheme), law),
     }
 }
 
-fn with_method<S, X, U>(
-    setup: &Setup,
-    task: Task,
-    shape: S,
-    transfer: X,
-    update: U,
-) -> Result<Outcome, CaseError>
-where
-    Method<S, X, U, FullSpace>: Composition<f64, 3>,
-    Method<S, X, U, Axisymmetric>: Composition<f64, 2>,
-{
-    let [linear, quadratic] = BULK_VISCOSITY;
-    let eos = MieGruneisen::copper();
-    match (setup.model, setup.constants) {
-        (Model::Quarter, Constants::Taylor) => {
-            let law = Solid::new(JohnsonCook::copper_taylor(), eos).with_bulk_viscosity(linear, quadratic)?;
-            in_space(setup, task, Method::new(shape, transfer, update, FullSpace), law)
-        }
-        (Model::Quarter, Constants::Standard) => {
-            let law = Solid::new(JohnsonCook::copper(), eos).with_bulk_viscosity(linear, quadratic)?;
-            in_space(setup, task, Method::new(shape, transfer, update, FullSpace), law)
-        }
-        (Model::Axisymmetric, Constants::Taylor) => {
-            let law = Solid::new(JohnsonCook::copper_taylor(), eos).with_bulk_viscosity(linear, quadratic)?;
-            axisymmetric(setup, task, Method::new(shape, transfer, update, Axisymmetric), law)
-        }
-        (Model::Axisymmetric, Constants::Standard) => {
-            let law = Solid::new(JohnsonCook::copper(), eos).with_bulk_viscosity(linear, quadratic)?;
-            axisymmetric(setup, task, Method::new(shape, transfer, update, Axisymmetric), law)
-        }
+fn scheme_in_space(scheme: Scheme) -> Kernels<f64, 3> {
+    match scheme {
+        Scheme::LinearMusl => Method::new(Linear, Flip, Musl, FullSpace).into_kernels(),
+        Scheme::GimpUsl => methods::gimp_usl_in_space(),
+        Scheme::CpgimpUsl => methods::cpgimp_usl_in_space(),
+        Scheme::QuadraticApic => Method::new(QuadraticBSpline, Apic, Usl, FullSpace).into_kernels(),
+    }
+}
+
+fn scheme_revolved(scheme: Scheme) -> Kernels<f64, 2> {
+    match scheme {
+        Scheme::LinearMusl => Method::new(Linear, Flip, Musl, Axisymmetric).into_kernels(),
+        Scheme::GimpUsl => methods::gimp_usl_revolved(),
+        Scheme::CpgimpUsl => methods::cpgimp_usl_revolved(),
+        Scheme::QuadraticApic => Method::new(QuadraticBSpline, Apic, Usl, Axisymmetric).into_kernels(),
     }
 }
 
 /// Three dimensions: a quarter of the bar on the wall z = 0, or the whole bar in flight.
-fn in_space<M: Composition<f64, 3>, C: Constitutive<f64>>(
+fn in_space(
     setup: &Setup,
     task: Task,
-    method: M,
-    law: C,
+    method: Kernels<f64, 3>,
+    law: Arc<dyn Material<f64>>,
 ) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 3], setup.spacing())?;
     let bar = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], LENGTH, RADIUS)?;
-    let mut mpm = Mpm::<f64, 3, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let seeds;
     match task {
         Task::Impact(_) => {
@@ -216,16 +212,16 @@ fn in_space<M: Composition<f64, 3>, C: Constitutive<f64>>(
 }
 
 /// Radius and height, with the axis r = 0 and the wall z = 0.
-fn axisymmetric<M: Composition<f64, 2>, C: Constitutive<f64>>(
+fn axisymmetric(
     setup: &Setup,
     task: Task,
-    method: M,
-    law: C,
+    method: Kernels<f64, 2>,
+    law: Arc<dyn Material<f64>>,
 ) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let bar = Cuboid::new([0.0; 2], [RADIUS, LENGTH])?;
     let seeds = fill(&bar, &lattice, 2, &Filling::new().axisymmetric())?;
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     match task {
         Task::Impact(_) => {
@@ -240,10 +236,10 @@ fn axisymmetric<M: Composition<f64, 2>, C: Constitutive<f64>>(
 }
 
 /// Run with observers, and measure the bar.
-fn run<const D: usize, M: Composition<f64, D>>(
+fn run<const D: usize>(
     setup: &Setup,
     task: Task,
-    mut mpm: Mpm<f64, D, M, BlockGrid<f64, D>>,
+    mut mpm: Mpm<D>,
     seeds: &Seeds<D>,
 ) -> Result<Outcome, CaseError> {
     mpm.set_team(Team::new(setup.threads)?);

@@ -5,7 +5,8 @@ use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, Embedding, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Side, Team,
+    Axisymmetric, BlockGrid, Boundary, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl, PlaneStrain,
+    Side, Team,
 };
 use mpm_materials::Solid;
 
@@ -24,16 +25,20 @@ pub struct Outcome {
 /// Run the bar into the wall with `cells` cells on the radius: hats, MUSL, FLIP, two particles a cell and axis.
 pub fn impact(space: Space, hardening: f64, cells: u32, threads: usize) -> Result<Outcome, CaseError> {
     match space {
-        Space::PlaneStrain => run(space, PlaneStrain, Filling::new(), hardening, cells, threads),
+        Space::PlaneStrain => {
+            let method = Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels();
+            run(space, method, Filling::new(), hardening, cells, threads)
+        }
         Space::Axisymmetric | Space::Quarter => {
-            run(space, Axisymmetric, Filling::new().axisymmetric(), hardening, cells, threads)
+            let method = Method::new(Linear, Flip, Musl, Axisymmetric).into_kernels();
+            run(space, method, Filling::new().axisymmetric(), hardening, cells, threads)
         }
     }
 }
 
-fn run<E: Embedding<2>>(
+fn run(
     space: Space,
-    embedding: E,
+    method: Kernels<f64, 2>,
     filling: Filling,
     hardening: f64,
     cells: u32,
@@ -43,8 +48,7 @@ fn run<E: Embedding<2>>(
     let seeds = fill(&Cuboid::new([0.0; 2], [RADIUS, LENGTH])?, &lattice, 2, &filling)?;
     let [linear, quadratic] = BULK_VISCOSITY;
     let law = Solid::new(strength(hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
-    let method = Method::new(Linear, Flip, Musl, embedding);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.add("bar", law, &seeds, |_| [0.0, -SPEED])?;
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;

@@ -8,7 +8,8 @@ use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::output::{History, Snapshot, VtkSeries};
 use mpm_core::{Axisymmetric, Boundary, Embedding, FullSpace, PlaneStrain, Side, Team};
 use mpm_materials::{
-    Adiabatic, Constitutive, Heat, JohnsonCook, Logarithmic, MieGruneisen, SmoothLogarithmic, Solid,
+    Adiabatic, Constitutive, Heat, IntoMaterial, JohnsonCook, Logarithmic, MieGruneisen, SmoothLogarithmic,
+    Solid,
 };
 use pcmm::{
     Audit, AzimuthFan, Composition, LocalDelaunay, Masses, Method, MidStep, NoRotation, OfElement,
@@ -169,7 +170,8 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) ->
                 .with_heat(Adiabatic::new(heat())?);
             let law = Solid::new(strength, eos()?.with_correction(1.5)?)
                 .with_bulk_viscosity(linear, quadratic)?
-                .with_rate(NoRotation);
+                .with_rate(NoRotation)
+                .compiled();
             run(
                 setup,
                 Method::printed(embedding, AzimuthFan::new(setup.reach * h)?),
@@ -194,10 +196,10 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) ->
 }
 
 /// Run the bar, whose axis is the last one, with planes of symmetry across the first axes.
-fn run<const D: usize, C: Constitutive<f64>, M: Composition<D>>(
+fn run<const D: usize, M: Composition<D>>(
     setup: &Setup,
     method: M,
-    law: C,
+    law: impl IntoMaterial<f64>,
     packing: &Packing<D>,
     planes: usize,
     Files { folder, frames }: Files,
@@ -219,7 +221,7 @@ fn run<const D: usize, C: Constitutive<f64>, M: Composition<D>>(
         (0..packing.positions.len()).filter(near).collect()
     };
     let (foot, top) = (row(0.0), row(LENGTH));
-    let sizes = |bar: &Pcmm<D, C, M>| {
+    let sizes = |bar: &Pcmm<D, M>| {
         let height = |n: &usize| bar.particles()[*n].position[axis];
         let mean = |list: &[usize]| list.iter().map(height).sum::<f64>() / list.len() as f64;
         let radius = |n: &usize| {

@@ -11,7 +11,9 @@ use mpm_core::observe::{
     Ledger, LedgerEntry, Moment, ObserveError, Observer, Pace, Progress, RunSummary, VtkSeries,
 };
 use mpm_core::output::Snapshot;
-use mpm_core::{Blend, BlockGrid, Boundary, CpGimp, FullSpace, Method, Mpm, Musl, Side, Team, TimeControl};
+use mpm_core::{
+    Blend, BlockGrid, Boundary, CpGimp, Deformable, FullSpace, Method, Mpm, Musl, Side, Team, TimeControl,
+};
 use mpm_materials::{Constitutive, Detonation, Explosive, library};
 
 use crate::setup::{CASE, CHARGE, DENSITY, Form, Setup};
@@ -145,8 +147,8 @@ pub fn burst(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
     let [gas, metal] = seeds(setup, &lattice)?;
     let memory = Blend::new(setup.memory * h / charge.detonation_speed())?;
     let method = Method::new(CpGimp, memory, Musl, FullSpace);
-    let mut mpm = Mpm::<f64, 3, _, _>::new(method, BlockGrid::new(lattice));
-    mpm.add_in_state("TNT", charge, &gas, |_| [0.0; 3], lit)?;
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    mpm.add_body(Deformable::new("TNT", charge, &gas).in_state(lit))?;
     mpm.add("case", case, &metal, |_| [0.0; 3])?;
     for axis in 0..3 {
         mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;

@@ -9,7 +9,9 @@ use std::path::Path;
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Probe, ProbeRow, Probes, Progress, Quantity, VtkSeries};
-use mpm_core::{Blend, BlockGrid, Boundary, CpGimp, Method, Mpm, Musl, PlaneStrain, Side, Team, TimeControl};
+use mpm_core::{
+    Blend, BlockGrid, Boundary, CpGimp, Deformable, Method, Mpm, Musl, PlaneStrain, Side, Team, TimeControl,
+};
 use mpm_materials::{Constitutive, Detonation, Explosive, Jwl};
 
 use crate::taylor_wave::{CHAPMAN_JOUGUET, TaylorWave};
@@ -122,8 +124,8 @@ pub fn burn(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseEr
 
     let fading = Blend::new(FADING * h / charge.detonation_speed())?;
     let method = Method::new(CpGimp, fading, Musl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
-    mpm.add_in_state("TNT", charge, &seeds, |_| [0.0; 2], lit)?;
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    mpm.add_body(Deformable::new("TNT", charge, &seeds).in_state(lit))?;
     mpm.bound(Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: ROWS * h, side: Side::Below })?;

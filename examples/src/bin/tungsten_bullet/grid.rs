@@ -4,7 +4,7 @@ use examples::{CaseError, Totals};
 use mpm_contact::{Coulomb, GridContact, Pairs, SurfaceDistance};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary};
 use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Flip, Method, Mpm, Musl, PlaneStrain, Side, Team,
+    Axisymmetric, BlockGrid, Boundary, CpGimp, Flip, IntoKernels, Method, Mpm, Musl, PlaneStrain, Side, Team,
 };
 
 use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, celled};
@@ -17,11 +17,11 @@ pub fn shoot(setup: &Setup) -> Result<Outcome, CaseError> {
     }
 }
 
-fn with_method<M: Composition<f64, 2>>(setup: &Setup, method: M) -> Result<Outcome, CaseError> {
+fn with_method(setup: &Setup, method: impl IntoKernels<f64, 2>) -> Result<Outcome, CaseError> {
     let (space, threads) = (setup.space, setup.threads);
     let (lattice, seeds) = celled(space, setup.spacing)?;
     let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(setup.friction)?));
-    let mut mpm = Mpm::<f64, 2, _, _, _>::with_contact(method, BlockGrid::new(lattice), contact);
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     let names = ["bullet", "target"];
     for (b, (law, seeds)) in setup.metals.into_iter().zip(&seeds).enumerate() {
         let velocity = space.along(if b == 0 { SPEED } else { 0.0 });

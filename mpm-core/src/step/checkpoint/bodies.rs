@@ -1,24 +1,15 @@
 //! Bodies in a checkpoint.
 
-use mpm_materials::Constitutive;
-
 use super::{Archive, CheckpointError};
-use crate::method::Composition;
 use crate::parallel::Float;
-use crate::step::load::{Load, Loading};
+use crate::step::load::Loading;
 use crate::step::merging::MergeBook;
 use crate::step::nodes::NodeLedger;
 use crate::step::particle_body::ParticleBody;
 use crate::step::rigid::{RigidState, Step};
 use crate::step::splitting::SplitBook;
 
-impl<T, const D: usize, C, M, L> ParticleBody<T, D, C, M, L>
-where
-    T: Float,
-    C: Constitutive<T>,
-    M: Composition<T, D>,
-    L: Load<D>,
-{
+impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Particles, and what they mapped.
     pub(in crate::step) fn exchange_particles(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.exchange_rest(file)?;

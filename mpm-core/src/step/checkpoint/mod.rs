@@ -13,11 +13,9 @@ use std::path::{Path, PathBuf};
 
 pub use archive::Archive;
 
-use super::contact::Contact;
 use super::rest::Calm;
 use super::solver::{Mpm, StepError};
-use crate::grid::{GridStorage, OutsideGrid};
-use crate::method::Composition;
+use crate::grid::OutsideGrid;
 use crate::output::OutputError;
 use crate::parallel::Float;
 
@@ -57,22 +55,19 @@ pub enum CheckpointError {
 /// How files begin.
 const TITLE: &str = "impactite checkpoint 4";
 
-impl<T, const D: usize, M, G, K> Mpm<T, D, M, G, K>
-where
-    T: Float,
-    M: Composition<T, D>,
-    G: GridStorage<T, D>,
-    K: Contact<T, D>,
-{
+impl<const D: usize, T: Float> Mpm<D, T> {
     /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half.
     ///
     /// # Errors
     /// A file that cannot be written; a run that was stopped.
     pub fn save(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
+        self.work.save(self, path.as_ref())
+    }
+
+    pub(super) fn save_here(&mut self, path: &Path) -> Result<(), CheckpointError> {
         if let Some(error) = &self.stopped_by {
             return Err(CheckpointError::Stopped(error.clone()));
         }
-        let path = path.as_ref();
         let mut file = Archive::create(path)?;
         let saved = self.exchange(&mut file).and_then(|()| file.close());
         if saved.is_err() {
@@ -94,7 +89,7 @@ where
     /// # let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
     /// # let file = std::env::temp_dir().join("impactite-doc-checkpoint");
     /// # let scene = || -> Result<_, Box<dyn std::error::Error>> {
-    /// # let mut mpm = Mpm::<f64, 2, _, _>::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    /// # let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
     /// # mpm.add("block", law, &seeds, |x| [0.1 * x[0], 0.0])?;
     /// # Ok(mpm) };
     /// let mut mpm = scene()?;
@@ -114,10 +109,14 @@ where
     /// A file that cannot be read or is damaged; another scene, by method, lattice, precision, bodies, their laws or sizes of their
     /// particles (constants of laws, loads and boundaries are not compared); a grid with too little room.
     pub fn resumed(mut self, path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
-        let mut file = Archive::open(path.as_ref())?;
-        self.exchange(&mut file)?;
-        file.close()?;
+        self.work.resume(&mut self, path.as_ref())?;
         Ok(self)
+    }
+
+    pub(super) fn resume_here(&mut self, path: &Path) -> Result<(), CheckpointError> {
+        let mut file = Archive::open(path)?;
+        self.exchange(&mut file)?;
+        file.close()
     }
 
     pub(super) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
@@ -145,7 +144,7 @@ where
         file.flag(&mut self.ahead)?;
         self.fields.exchange(file, self.bodies.len())?;
         if file.reads() {
-            self.fields.settle(&mut self.grid, &mut self.bodies, K::SEPARATES)?;
+            self.fields.settle(&mut *self.grid, &mut self.bodies, self.contact.separates())?;
             self.encounters.arrange(&self.fields, self.bodies.len());
             self.arrange_planes();
         }
@@ -155,11 +154,11 @@ where
     /// See that the file is of a scene like this one.
     fn recognise(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("kind of file", TITLE)?;
-        file.same("method", &self.method.describe())?;
+        file.same("method", &self.kernels.facts().description)?;
         file.same("dimension", &D.to_string())?;
         file.same("bytes of a number", &size_of::<T>().to_string())?;
         file.same("lattice", &format!("{:?}", self.grid.lattice()))?;
-        file.same("contact", if K::SEPARATES { "between bodies" } else { "none" })?;
+        file.same("contact", if self.contact.separates() { "between bodies" } else { "none" })?;
         file.same("kinetic damping", if self.calm.is_some() { "on" } else { "off" })?;
         file.same("null-space filter", &format!("{:?}", self.filter))?;
         file.same("number of bodies", &self.bodies.len().to_string())?;

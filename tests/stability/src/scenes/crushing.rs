@@ -2,7 +2,7 @@
 
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::{Boundary, Side, TimeControl};
-use mpm_materials::{Fluid, IdealGas};
+use mpm_materials::{Fluid, IdealGas, Nothing};
 use verification::Scheme;
 use verification::machine::{GasState, Machine, gas_machine, machine};
 use verification::problems::{box_of_planes, rubber};
@@ -97,7 +97,7 @@ pub fn gas_crush() -> Scene {
             let state = |_: [f64; 2]| GasState {
                 volume_ratio: 1.0,
                 energy,
-                viscous_stress: (),
+                viscous_stress: Nothing,
                 viscous_pressure: 0.0,
             };
             mpm.add_gas("gas", law, &seeds, &|x| [-RATE * x[0], 0.0], &state).map_err(text)?;

@@ -1,7 +1,7 @@
 //! Strong shocks.
 
 use mpm_core::{Boundary, Side, TimeControl};
-use mpm_materials::{Fluid, IdealGas};
+use mpm_materials::{Fluid, IdealGas, Nothing};
 use verification::Scheme;
 use verification::machine::{GasState, gas_machine};
 use verification::problems::{box_of_planes, lattice};
@@ -62,7 +62,7 @@ fn run(asked: Asked, shock: Shock, scheme: Scheme, q: (f64, f64)) -> Result<Meas
     let mut mpm = gas_machine(scheme, lattice).ok_or("no such composition")?;
     let energy = shock.pressure / (shock.gamma - 1.0);
     let state =
-        |_: [f64; 2]| GasState { volume_ratio: 1.0, energy, viscous_stress: (), viscous_pressure: 0.0 };
+        |_: [f64; 2]| GasState { volume_ratio: 1.0, energy, viscous_stress: Nothing, viscous_pressure: 0.0 };
     mpm.add_gas("gas", law, &seeds, &|_| [-1.0, 0.0], &state).map_err(text)?;
     bound(&mut *mpm, vec![Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }])?;
     bound(&mut *mpm, box_of_planes(1..2, 0.0, h))?;

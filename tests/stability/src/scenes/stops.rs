@@ -98,9 +98,9 @@ pub fn not_a_number() -> Scene {
 }
 
 /// A stone that flies along x, another that rests.
-fn throw<G: GridStorage<f64, 2>>(grid: G) -> Result<Measured, String> {
+fn throw(grid: impl GridStorage<f64, 2> + 'static) -> Result<Measured, String> {
     let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, G>::new(method, grid);
+    let mut mpm = Mpm::new(method, grid);
     let lattice = cells()?;
     mpm.add("rock", rubber(1.0, 1.0, 0.3)?, &block(&lattice, [1; 2], [2; 2], 2), |_| [0.0; 2])
         .map_err(text)?;
@@ -140,7 +140,7 @@ pub fn leaving() -> Scene {
 fn walled() -> Result<Measured, String> {
     let grid = DenseGrid::new(cells()?, [-16; 2], [15; 2]).map_err(text)?;
     let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, grid);
+    let mut mpm = Mpm::new(method, grid);
     mpm.set_time_control(TimeControl::Courant { factor: 0.4, growth: 1.1 }).map_err(text)?;
     let seeds = block(&cells()?, [-2; 2], [4; 2], 2);
     let law = rubber(1.0, 1e-8, 0.3)?;

@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use mpm_core::{
-    Apic, BlockGrid, Composition, Flip, Linear as Hat, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline,
-    TimeControl, Usl,
+    Apic, BlockGrid, Deformable, Flip, IntoKernels, Linear as Hat, Method, Mpm, Musl, PlaneStrain,
+    QuadraticBSpline, TimeControl, Usl,
 };
 use mpm_materials::Mat3;
 use mpm_materials::elastic::HyperelasticState;
@@ -144,7 +144,7 @@ pub fn drop_out() -> Scene {
 }
 
 /// A bar that starts with 10 % of tension, its particles 1e-6 of a cell off their places.
-fn tense<M: Composition<f64, 2>>(method: M, per_axis: usize, count: u64) -> Result<Measured, String> {
+fn tense(method: impl IntoKernels<f64, 2>, per_axis: usize, count: u64) -> Result<Measured, String> {
     let mut seeds = block(&cells()?, [0; 2], [16, 1], per_axis);
     let mut random = Random::new(3);
     // The same for the layers of particles of a place, so that all is along x.
@@ -152,11 +152,11 @@ fn tense<M: Composition<f64, 2>>(method: M, per_axis: usize, count: u64) -> Resu
     for x in &mut seeds.positions {
         x[0] += shifts[(x[0] * per_axis as f64) as usize];
     }
-    let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(cells()?));
+    let mut mpm = Mpm::new(method, BlockGrid::new(cells()?));
     let mut deformation = Mat3::identity();
     deformation.0[0][0] = 1.1;
     let state = HyperelasticState { deformation };
-    mpm.add_in_state("bar", rubber(1.0, 1.0, 0.3)?, &seeds, |_| [0.0; 2], |_| state).map_err(text)?;
+    mpm.add_body(Deformable::new("bar", rubber(1.0, 1.0, 0.3)?, &seeds).in_state(|_| state)).map_err(text)?;
     let mut planes = box_of_planes(0..1, 0.0, 16.0);
     planes.extend(box_of_planes(1..2, 0.0, 1.0));
     planes.into_iter().try_for_each(|b| mpm.bound(b)).map_err(text)?;
@@ -183,7 +183,7 @@ const CLUMPS: &str = "grows by e in 44 h/c at steps of 0.3 h/c, in 150 at 0.1; n
 
 /// T12.
 pub fn tension() -> Scene {
-    fn trial<M: Composition<f64, 2>>(
+    fn trial<M: IntoKernels<f64, 2> + Copy>(
         method: M,
         per_axis: usize,
     ) -> impl Fn(Size) -> Result<Measured, String> {
@@ -207,6 +207,6 @@ pub fn tension() -> Scene {
     .holds(
         "TL quadratic FLIP-MUSL, 2",
         "list T12",
-        trial(Method::new(QuadraticBSpline, Flip, Musl, space).total_lagrangian(), 2),
+        trial(Method::new(QuadraticBSpline, Flip, Musl, space).total_lagrangian().compiled(), 2),
     )
 }

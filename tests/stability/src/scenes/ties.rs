@@ -2,7 +2,7 @@
 
 use mpm_core::geometry::Seeds;
 use mpm_core::{
-    Apic, BlockGrid, Composition, Flip, Linear as Hat, Method, Mpm, Musl, Particle, PlaneStrain,
+    Apic, BlockGrid, Deformable, Flip, IntoKernels, Linear as Hat, Method, Mpm, Musl, Particle, PlaneStrain,
     QuadraticBSpline, Team, TimeControl, Usl,
 };
 use mpm_materials::Mat3;
@@ -26,7 +26,7 @@ enum Ends {
 
 /// Largest difference of places and velocities when all is shifted by 1e-12 cells, to either side: unshifted, a
 /// particle on a node is taken for the one side or the other as sums are rounded, which differs between processors.
-fn shifted<M: Composition<f64, 2>>(method: M, ends: Ends) -> Result<Measured, String> {
+fn shifted<M: IntoKernels<f64, 2> + Copy>(method: M, ends: Ends) -> Result<Measured, String> {
     let begin = match ends {
         Ends::OnNodes => 0.75,
         Ends::BetweenNodes => 0.25,
@@ -41,11 +41,12 @@ fn shifted<M: Composition<f64, 2>>(method: M, ends: Ends) -> Result<Measured, St
         let positions: Vec<_> = seeds.positions.into_iter().filter(|x| x[0] > begin).collect();
         let volumes = vec![volume; positions.len()];
         let seeds = Seeds::placed(positions, volumes, seeds.half_size);
-        let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(cells()?));
+        let mut mpm = Mpm::new(method, BlockGrid::new(cells()?));
         box_of_planes(1..2, 0.0, 1.0).into_iter().try_for_each(|b| mpm.bound(b)).map_err(text)?;
         mpm.set_time_control(TimeControl::Fixed(0.25)).map_err(text)?;
         let state = HyperelasticState { deformation };
-        mpm.add_in_state("bar", rubber(1.0, 1.0, 0.0)?, &seeds, |_| [1.0, 0.0], |_| state).map_err(text)?;
+        let bar = Deformable::new("bar", rubber(1.0, 1.0, 0.0)?, &seeds).moving(|_| [1.0, 0.0]);
+        mpm.add_body(bar.in_state(|_| state)).map_err(text)?;
         for step in 0..STEPS {
             if let Err(e) = mpm.step() {
                 let stop = Stop { step: e.step, what: e.to_string() };
@@ -69,7 +70,10 @@ const STEPS: u64 = 20;
 
 /// T29.
 pub fn lattice() -> Scene {
-    fn trial<M: Composition<f64, 2>>(method: M, ends: Ends) -> impl Fn(Size) -> Result<Measured, String> {
+    fn trial<M: IntoKernels<f64, 2> + Copy>(
+        method: M,
+        ends: Ends,
+    ) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| shifted(method, ends)
     }
     let space = PlaneStrain;
@@ -91,7 +95,7 @@ pub fn lattice() -> Scene {
     .holds(
         "TL quadratic FLIP-MUSL",
         "list T29",
-        trial(Method::new(QuadraticBSpline, Flip, Musl, space).total_lagrangian(), Ends::OnNodes),
+        trial(Method::new(QuadraticBSpline, Flip, Musl, space).total_lagrangian().compiled(), Ends::OnNodes),
     )
     .fails(
         "quadratic FLIP-MUSL, end on a knot",

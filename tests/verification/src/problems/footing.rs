@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
-use mpm_core::{BlockGrid, Boundary, Composition, Mpm, Side, TimeControl};
+use mpm_core::{BlockGrid, Boundary, IntoKernels, Mpm, Side, TimeControl};
 use mpm_materials::strength::LinearHardening;
 use mpm_materials::{J2, LogarithmicBulk, Moduli, Solid};
 
@@ -42,7 +42,7 @@ pub struct Pressed {
 ///
 /// # Errors
 /// What a scene refuses.
-pub fn press<M: Composition<f64, 2>>(method: M, cells: u32, looks: u32) -> Result<Pressed, String> {
+pub fn press(method: impl IntoKernels<f64, 2>, cells: u32, looks: u32) -> Result<Pressed, String> {
     let h = 1.0 / f64::from(cells);
     let lattice = Lattice::new([0.0; 2], h).map_err(text)?;
     let soil = Cuboid::new([0.0, -4.0], [5.0, 0.0]).map_err(text)?;
@@ -53,7 +53,7 @@ pub fn press<M: Composition<f64, 2>>(method: M, cells: u32, looks: u32) -> Resul
     let law = Solid::new(strength, LogarithmicBulk::new(1.0, moduli.bulk).map_err(text)?);
     let speed = ((moduli.bulk + moduli.shear * 4.0 / 3.0) / 1.0).sqrt();
 
-    let mut mpm = Mpm::<f64, 2, _, _>::new(method, BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.add("soil", law, &seeds, |_| [0.0; 2]).map_err(text)?;
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).map_err(text)?;
     mpm.bound(Boundary::Symmetry { axis: 0, at: 5.0, side: Side::Below }).map_err(text)?;

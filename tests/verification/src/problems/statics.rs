@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use mpm_core::geometry::{Cuboid, Lattice, Seeds};
 use mpm_core::{
-    BlockGrid, Boundary, Composition, Flip, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Rest,
-    Rested, Side, TimeControl, Traction,
+    BlockGrid, Boundary, Deformable, Flip, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain,
+    QuadraticBSpline, Rest, Rested, Side, TimeControl, Traction,
 };
-use mpm_materials::{Constitutive, LinearElastic, Moduli};
+use mpm_materials::{IntoMaterial, LinearElastic, Moduli};
 
 use crate::problems::rubber;
 
@@ -45,18 +45,18 @@ fn said(error: impl std::fmt::Display) -> String {
     error.to_string()
 }
 
-impl<C: Constitutive<f64>> Statics<C> {
+impl<C: IntoMaterial<f64>> Statics<C> {
     /// Let go under the load, wait for rest; displacement by particle.
-    fn rest<M: Composition<f64, 2>>(self, method: M) -> Result<(State, Vec<[f64; 2]>), String> {
+    fn rest(self, method: impl IntoKernels<f64, 2>) -> Result<(State, Vec<[f64; 2]>), String> {
         let Statics { lattice, seeds, law, loaded, traction, held, dt, rest, end } = self;
-        let mut mpm = Mpm::<f64, 2, M, _>::new(method, BlockGrid::new(lattice));
+        let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
         let load = Traction {
             region: Arc::new(loaded),
             axis: 0,
             history: Arc::new(move |_| traction),
             revolved: false,
         };
-        mpm.add_loaded("body", law, &seeds, |_| [0.0; 2], load).map_err(said)?;
+        mpm.add_body(Deformable::new("body", law, &seeds).with_traction(load)).map_err(said)?;
         for boundary in held {
             mpm.bound(boundary).map_err(said)?;
         }
@@ -177,7 +177,7 @@ pub fn cantilever(cells: usize, load: f64) -> Result<State, String> {
         rest: Rest::new(1e-3, 1e-6, 0.1 * period).map_err(said)?.every(200).map_err(said)?,
         end: 10.0 * period,
     };
-    let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).total_lagrangian();
+    let method = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).total_lagrangian().compiled();
     let (mut state, moved) = statics.rest(method)?;
     // Middle line at root and end, each from the two columns next to it.
     let column = |i: usize| {

@@ -5,10 +5,11 @@ use std::sync::Arc;
 use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::observe::{Ledger, Pace};
 use mpm_core::{
-    BlockGrid, Body, Boundary, Composition, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Side, TimeControl,
+    BlockGrid, Body, Boundary, Deformable, Flip, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, Side,
+    TimeControl,
 };
 use mpm_materials::strength::{Adiabatic, Heat};
-use mpm_materials::{Constitutive, Elastic, JohnsonCook, MieGruneisen, Solid};
+use mpm_materials::{Constitutive, Elastic, IntoMaterial, JohnsonCook, MieGruneisen, Solid};
 use verification::scene::block;
 
 const DENSITY: f64 = 8960.0;
@@ -28,17 +29,18 @@ fn wave() -> f64 {
 }
 
 /// A bar of 1 m, one cell high between planes of symmetry, its end at x = 0 held.
-fn bar<M: Composition<f64, 2>, C: Constitutive<f64>>(
-    method: M,
-    law: C,
+fn bar<C: Constitutive<f64>>(
+    method: impl IntoKernels<f64, 2>,
+    law: impl IntoMaterial<f64, Law = C>,
     state: C::State<f64>,
     velocity: impl Fn(f64) -> f64,
-) -> Mpm<f64, 2, M, BlockGrid<f64, 2>> {
+) -> Mpm<2> {
     let h = 1.0 / CELLS as f64;
     let lattice = Lattice::new([0.0; 2], h).expect("lattice");
     let seeds = block(&lattice, [0; 2], [CELLS, 1], 2);
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
-    mpm.add_in_state("bar", law, &seeds, |x| [velocity(x[0]), 0.0], |_| state).expect("body");
+    let body = Deformable::new("bar", law, &seeds).moving(|x| [velocity(x[0]), 0.0]).in_state(|_| state);
+    mpm.add_body(body).expect("body");
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).expect("end");
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).expect("below");
     mpm.bound(Boundary::Symmetry { axis: 1, at: h, side: Side::Below }).expect("above");
@@ -69,7 +71,7 @@ fn v24_plastic_work_heats() {
     let speed = 10.0;
     // In the reference configuration, where no cell of the end is left half empty.
     let method = Method::new(Linear, Flip, Musl, PlaneStrain).total_lagrangian();
-    let mut mpm = bar(method, law, law.virgin(), |x| -speed * x);
+    let mut mpm = bar(method, law.compiled(), law.virgin(), |x| -speed * x);
     let end = Cuboid::new([0.999, -1.0], [1.001, 1.0]).expect("end");
     let velocity = Arc::new(move |_: f64| [Some(-speed), None, None]);
     mpm.bound(Boundary::Prescribed { region: Arc::new(end), velocity }).expect("end");
@@ -102,7 +104,7 @@ fn v24_heat_expands_a_bar() {
     let period = 4.0 / wave();
 
     let method = || Method::new(Linear, Flip, Musl, PlaneStrain);
-    let mut held = bar(method(), law, state, |_| 0.0);
+    let mut held = bar(method(), law.compiled(), state, |_| 0.0);
     held.bound(Boundary::Symmetry { axis: 0, at: 1.0, side: Side::Below }).expect("end");
     held.run_until(period).expect("run");
     held.bodies()[0].for_each(&mut |p| {
@@ -110,7 +112,7 @@ fn v24_heat_expands_a_bar() {
         assert!((p.stress[0] / -pressure - 1.0).abs() < 1e-12, "{} Pa for {pressure}", -p.stress[0]);
     });
 
-    let mut free = bar(method(), law, state, |_| 0.0);
+    let mut free = bar(method(), law.compiled(), state, |_| 0.0);
     let (h, periods, steps) = (1.0 / CELLS as f64, 4, 400);
     let dt = period / f64::from(steps);
     assert!(dt * wave() < 0.5 * h);

@@ -7,10 +7,10 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use mpm_materials::{Lane, Mask};
+use crate::lane::{Lane, Mask};
 
 use super::functions::{exp_of_rest, ln_of_parts};
-use super::{Arch, Band, Float, Kernel, Pack, Quad, Row};
+use super::{Arch, Band, Float, Kernel, Pack, Quad, Row, RowPair};
 
 /// Does this processor have what [`Avx2`] needs?
 #[inline]
@@ -246,14 +246,21 @@ vector!(
 macro_rules! pack {
     ($name:ident, $t:ty, $n:literal, $load:ident, $store:ident) => {
         type Numbers = Row<$t, $n>;
-        type Group = Self;
         #[inline(always)]
-        fn join([group, _]: [Self; 2]) -> Self {
-            group
+        fn from_rows([row, _]: [&Row<$t, $n>; 2], _: usize) -> Self {
+            Pack::load(row)
         }
         #[inline(always)]
-        fn part(self) -> [Self; 2] {
-            [self; 2]
+        fn to_row(self, _: usize, row: &mut Row<$t, $n>, _: usize) {
+            Pack::store(self, row);
+        }
+        #[inline(always)]
+        fn from_pair(pair: &RowPair<Row<$t, $n>>, half: usize, _: usize) -> Self {
+            Pack::load(&pair.0[half])
+        }
+        #[inline(always)]
+        fn to_pair(self, pair: &mut RowPair<Row<$t, $n>>, half: usize, _: usize) {
+            Pack::store(self, &mut pair.0[half]);
         }
         #[inline(always)]
         fn load(row: &Row<$t, $n>) -> Self {

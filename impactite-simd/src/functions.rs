@@ -2,7 +2,7 @@
 
 #![cfg(target_arch = "x86_64")]
 
-use mpm_materials::Lane;
+use crate::lane::Lane;
 
 /// ln 2 in two parts: the first has so few digits that its product with an exponent is exact.
 const LN2_HIGH: f64 = 0.693_147_180_369_123_8;

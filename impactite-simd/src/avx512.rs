@@ -6,11 +6,11 @@
 use std::arch::x86_64::*;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};
 
-use mpm_materials::{Lane, Mask};
+use crate::lane::{Lane, Mask};
 
 use super::avx2::F64x4;
 use super::functions::{exp_of_rest, ln_of_parts};
-use super::{Arch, Band, Kernel, Pack};
+use super::{Arch, Band, Kernel, Pack, Row, RowPair};
 
 /// Does this processor have what [`Avx512`] needs?
 #[inline]
@@ -131,6 +131,14 @@ impl Mask for M64x8 {
 }
 impl F64x8 {
     #[inline(always)]
+    fn join([low, high]: [F64x4; 2]) -> Self {
+        unsafe { F64x8(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low.0), high.0)) }
+    }
+    #[inline(always)]
+    fn part(self) -> [F64x4; 2] {
+        unsafe { [F64x4(_mm512_castpd512_pd256(self.0)), F64x4(_mm512_extractf64x4_pd::<1>(self.0))] }
+    }
+    #[inline(always)]
     fn to_array(self) -> [f64; 8] {
         let mut a = [0.0; 8];
         unsafe { _mm512_storeu_pd(a.as_mut_ptr(), self.0) };
@@ -203,7 +211,24 @@ impl Lane for F64x8 {
 }
 impl Pack<f64> for F64x8 {
     type Numbers = Numbers;
-    type Group = F64x4;
+    #[inline(always)]
+    fn from_rows([low, high]: [&Row<f64, 4>; 2], _: usize) -> Self {
+        F64x8::join([Pack::load(low), Pack::load(high)])
+    }
+    #[inline(always)]
+    fn to_row(self, group: usize, row: &mut Row<f64, 4>, _: usize) {
+        Pack::store(self.part()[group], row);
+    }
+    #[inline(always)]
+    fn from_pair(pair: &RowPair<Row<f64, 4>>, _: usize, _: usize) -> Self {
+        // SAFETY (beyond the module's invariant): a pair of rows is 64 bytes at a multiple of 64.
+        unsafe { F64x8(_mm512_load_pd(std::ptr::from_ref(pair).cast())) }
+    }
+    #[inline(always)]
+    fn to_pair(self, pair: &mut RowPair<Row<f64, 4>>, _: usize, _: usize) {
+        // SAFETY: as above.
+        unsafe { _mm512_store_pd(std::ptr::from_mut(pair).cast(), self.0) }
+    }
     #[inline(always)]
     fn load(numbers: &Numbers) -> Self {
         // SAFETY (beyond the module's invariant): 64 bytes at a multiple of 64.
@@ -213,14 +238,6 @@ impl Pack<f64> for F64x8 {
     fn store(self, numbers: &mut Numbers) {
         // SAFETY: as above.
         unsafe { _mm512_store_pd(numbers.0.as_mut_ptr(), self.0) }
-    }
-    #[inline(always)]
-    fn join([low, high]: [F64x4; 2]) -> Self {
-        unsafe { F64x8(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low.0), high.0)) }
-    }
-    #[inline(always)]
-    fn part(self) -> [F64x4; 2] {
-        unsafe { [F64x4(_mm512_castpd512_pd256(self.0)), F64x4(_mm512_extractf64x4_pd::<1>(self.0))] }
     }
     #[inline(always)]
     fn bits(mask: Self::Mask) -> u32 {

@@ -2,7 +2,7 @@
 //!
 //! A law is written once, generic over `L: Lane`. The same text then runs on one point (`L = f64`) and on
 //! the four or eight points of a vector register. What would be an `if` on a point is a [`Lane::select`]
-//! under a [`Mask`]; a law that cannot be written so uses [`crate::pointwise`].
+//! under a [`Mask`]; a law that cannot be written so uses `pointwise` (in `mpm-materials`).
 
 use std::fmt::Debug;
 use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Not, Sub};

@@ -1,6 +1,6 @@
 //! All kinds of vectors that the processor has do the same.
 
-use mpm_materials::{Lane, Mask};
+use crate::lane::{Lane, Mask};
 
 use super::{Arch, Band, Float, Kernel, Pack, Quad};
 

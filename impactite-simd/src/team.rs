@@ -1,0 +1,209 @@
+//! A chosen number of threads.
+
+use std::marker::PhantomData;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use rayon::prelude::*;
+
+/// The threads that the stages of a step run on. One thread runs in the caller, without a pool.
+#[derive(Clone, Debug, Default)]
+pub struct Team(Option<Arc<rayon::ThreadPool>>);
+
+/// Bytes of stack of a thread: kernels compiled without optimisation take much of it.
+const STACK: usize = 8 << 20;
+
+/// Why a team could not be made.
+#[derive(Debug, thiserror::Error)]
+#[error("could not start {threads} threads: {cause}")]
+pub struct TeamError {
+    threads: usize,
+    cause: String,
+}
+
+/// A slice whose elements tasks take, each by one task alone.
+///
+/// **Invariant:** `take` and `part` are called from [`Team::run`] only, with places that no two tasks share.
+struct Shared<'a, X> {
+    first: *mut X,
+    length: usize,
+    slice: PhantomData<&'a mut [X]>,
+}
+
+// SAFETY: it stands for a `&mut [X]` of which every task has a part of its own.
+unsafe impl<X: Send> Sync for Shared<'_, X> {}
+
+impl<'a, X> Shared<'a, X> {
+    fn of(slice: &'a mut [X]) -> Self {
+        Shared { first: slice.as_mut_ptr(), length: slice.len(), slice: PhantomData }
+    }
+    /// # Safety
+    /// No other task takes any of these.
+    #[allow(clippy::mut_from_ref)]
+    unsafe fn part(&self, start: usize, end: usize) -> &mut [X] {
+        assert!(start <= end && end <= self.length, "a part of a slice lies in it");
+        // SAFETY: within the slice, and nobody else's.
+        unsafe { std::slice::from_raw_parts_mut(self.first.add(start), end - start) }
+    }
+    /// # Safety
+    /// No other task takes it.
+    #[allow(clippy::mut_from_ref)]
+    unsafe fn take(&self, place: usize) -> &mut X {
+        assert!(place < self.length, "an element of a slice lies in it");
+        // SAFETY: within the slice, and nobody else's.
+        unsafe { &mut *self.first.add(place) }
+    }
+}
+
+impl Team {
+    /// The caller's thread alone.
+    pub fn one() -> Self {
+        Team(None)
+    }
+
+    /// `threads` threads, at least one.
+    ///
+    /// # Errors
+    /// Zero threads, or the operating system refuses.
+    pub fn new(threads: usize) -> Result<Self, TeamError> {
+        match threads {
+            0 => Err(TeamError { threads, cause: "at least one is needed".into() }),
+            1 => Ok(Team(None)),
+            _ => rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .stack_size(STACK)
+                .build()
+                .map(|pool| Team(Some(Arc::new(pool))))
+                .map_err(|e| TeamError { threads, cause: e.to_string() }),
+        }
+    }
+
+    /// Number of threads.
+    pub fn threads(&self) -> usize {
+        self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
+    }
+
+    /// Run `work`, which makes many loops, on one of the threads: no loop then waits for the caller to fall
+    /// asleep and wake up.
+    pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        if self.0.is_none() {
+            return work();
+        }
+        let (mut work, mut result) = (Some(work), None);
+        self.install(&mut || result = work.take().map(|work| work()));
+        match result {
+            Some(result) => result,
+            None => unreachable!("a pool runs what it is given, or passes on its panic"),
+        }
+    }
+
+    #[inline(never)]
+    fn install(&self, work: &mut (dyn FnMut() + Send)) {
+        match &self.0 {
+            None => work(),
+            Some(pool) => pool.install(work),
+        }
+    }
+
+    /// `task` for every number below `count`, each once, in any order. No generic code, so that loops over threads are compiled
+    /// here and not once for each of their tasks.
+    #[inline(never)]
+    fn each_number(&self, count: usize, task: &(dyn Fn(usize) + Send + Sync)) {
+        match &self.0 {
+            None => (0..count).for_each(task),
+            Some(pool) => pool.install(|| (0..count).into_par_iter().for_each(task)),
+        }
+    }
+
+    /// `task` on every element, in any order: a task must touch only what it is given.
+    pub fn each<X: Send>(&self, items: &mut [X], task: impl Fn(usize, &mut X) + Send + Sync) {
+        let count = items.len();
+        let items = Shared::of(items);
+        // SAFETY: every number comes once.
+        self.each_number(count, &|i| task(i, unsafe { items.take(i) }));
+    }
+
+    /// `task` on every part `starts[i]..starts[i + 1]` of `items`, with the matching element of `with`.
+    ///
+    /// # Panics
+    /// Starts that do not rise, or are fewer than one more than the elements of `with`.
+    pub fn each_part<X: Send, Y: Send>(
+        &self,
+        items: &mut [X],
+        starts: &[u32],
+        with: &mut [Y],
+        task: impl Fn(usize, &mut [X], &mut Y) + Send + Sync,
+    ) {
+        let count = with.len();
+        assert!(starts[..=count].is_sorted(), "parts do not overlap");
+        let (items, with) = (Shared::of(items), Shared::of(with));
+        self.each_number(count, &|i| {
+            // SAFETY: every number comes once, and parts do not overlap.
+            let (part, with) =
+                unsafe { (items.part(starts[i] as usize, starts[i + 1] as usize), with.take(i)) };
+            task(i, part, with);
+        });
+    }
+
+    /// `task` on every element with memory of the thread it runs on, of which there must be one for each thread; what
+    /// the task makes must not depend on what it finds there.
+    pub fn each_with<X: Send, S: Send>(
+        &self,
+        items: &mut [X],
+        memory: &[Mutex<S>],
+        task: impl Fn(usize, &mut X, &mut S) + Send + Sync,
+    ) {
+        self.each(items, |i, x| task(i, x, &mut self.own(memory)));
+    }
+
+    /// In a task: the memory of the thread it runs on, of which there must be one for each thread. To be let go before
+    /// the task ends.
+    pub fn own<'a, S>(&self, memory: &'a [Mutex<S>]) -> MutexGuard<'a, S> {
+        let thread = rayon::current_thread_index().filter(|_| self.0.is_some()).unwrap_or(0);
+        // No other thread waits for it. A task that panicked leaves nothing that the next would trust.
+        memory[thread % memory.len()].lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// `task` on every piece of `length` elements of `items`, with the matching element of `with`.
+    pub fn each_piece<X: Send, Y: Send>(
+        &self,
+        items: &mut [X],
+        length: usize,
+        with: &mut [Y],
+        task: impl Fn(usize, &mut [X], &mut Y) + Send + Sync,
+    ) {
+        let (end, count) = (items.len(), items.len().div_ceil(length).min(with.len()));
+        let (items, with) = (Shared::of(items), Shared::of(with));
+        self.each_number(count, &|i| {
+            let start = i * length;
+            // SAFETY: every number comes once, and pieces do not overlap.
+            let (piece, with) = unsafe { (items.part(start, (start + length).min(end)), with.take(i)) };
+            task(i, piece, with);
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_element_is_taken_once() {
+        for threads in [1, 3] {
+            let team = Team::new(threads).expect("threads");
+            let (mut items, mut with) = (vec![0; 103], vec![0; 11]);
+            team.each(&mut items, |i, x| *x += i);
+            assert!(items.iter().enumerate().all(|(i, x)| i == *x));
+            team.each_piece(&mut items, 10, &mut with, |i, piece, sum| {
+                *sum += piece.iter().sum::<usize>();
+                piece.iter_mut().for_each(|x| *x = i);
+            });
+            assert_eq!((with[0], with[10]), (45, 100 + 101 + 102));
+            assert!(items.iter().enumerate().all(|(i, x)| i / 10 == *x));
+            let starts = [0, 0, 5, 100, 103];
+            let mut lengths = [0; 4];
+            team.each_part(&mut items, &starts, &mut lengths, |_, part, length| *length = part.len());
+            assert_eq!(lengths, [0, 5, 95, 3]);
+            assert_eq!(team.run(|| 7), 7);
+        }
+    }
+}

@@ -1,0 +1,175 @@
+//! Loads of particles on the grid: their force, and the power of it.
+//!
+//! Apart from the passes, so that those of bodies without a load know nothing of them: a loaded body's forces are added to its tiles when
+//! the pass that maps them is done and its particles are where they belong, and booked before the pass that changes their velocities.
+
+use mpm_materials::Lane;
+
+use super::cell::on_cell;
+use super::layout::Nodes;
+use super::load::LoadRows;
+use super::migrate::place_of;
+use super::scatter::{Maps, along_axes};
+use super::sweep::{Common, Slot};
+use super::tile::{Reads, TileIn, rows_of, tile_corner, tile_nodes};
+use crate::dim::{Array, Stencil, block_nodes};
+use crate::parallel::{Arch, Float, Kernel, Quad, Vectors};
+use crate::particles::{Block, Columns};
+use crate::shape::ShapeFunction;
+use crate::shape::domain::table;
+
+/// Loads of the particles of a block.
+pub struct LoadTask<'a, T: Float, const D: usize> {
+    pub(super) slot: &'a mut Slot<T, D>,
+    pub(super) common: &'a Common<T>,
+    /// Where particles carry them.
+    pub(super) rows: LoadRows,
+    /// Traction on the loaded areas, Pa.
+    pub(super) traction: [T; 3],
+    /// What the pass maps.
+    pub(super) maps: Maps,
+    /// All nodes of the grid, and the blocks of them around.
+    pub(super) nodes: (Nodes<'a, T>, &'a [u32]),
+    /// Do nodes know their accelerations?
+    pub(super) reads_increment: bool,
+    /// Memory of the thread.
+    pub(super) tile_in: &'a mut TileIn<T>,
+}
+
+impl<T: Float, const D: usize> LoadTask<'_, T, D> {
+    /// Force on a particle, N; none if it carries no load.
+    #[inline(always)]
+    fn force(&self, block: &Block<T, D>, at: crate::particles::Place) -> Option<[T; 3]> {
+        let mut force = [T::default(); 3];
+        if let Some(row) = self.rows.area {
+            let area = block.get(at, row);
+            for d in 0..D {
+                force[d] = area * self.traction[d];
+            }
+        }
+        if let Some(row) = self.rows.acceleration {
+            let mass = self.common.masses.read(|row| block.get(at, row));
+            for d in 0..D {
+                force[d] += mass * block.get(at, row + d);
+            }
+        }
+        (force != [T::default(); 3]).then_some(force)
+    }
+}
+
+/// Weights of a particle on all nodes of its stencil.
+#[inline(always)]
+fn weights_of<T: Float, S: ShapeFunction<T, D>, const D: usize>(
+    shape: &S,
+    number: impl Fn(usize) -> T,
+    common: &Common<T>,
+) -> <S::Extent as Stencil>::Nodes<T::Single> {
+    let (xi, domain) = place_of::<T, D, S>(number, &common.domains);
+    if S::DOMAIN.convects() {
+        return table::<T, T::Single, S, D>(&xi, &domain).value;
+    }
+    let [x, y, z] = along_axes(shape, &xi, &domain);
+    if S::Extent::NODES == 2 {
+        return on_cell::<T::Single, S::Extent>(&[x, y, z]);
+    }
+    let count = S::Extent::NODES;
+    let mut weights = <S::Extent as Stencil>::Nodes::<T::Single>::filled(T::Single::zero());
+    for n in 0..count * count * S::Extent::LAYERS {
+        let xy = x.value[n % count] * y.value[n / count % count];
+        weights[n] = if D == 3 { xy * z.value[n / (count * count)] } else { xy };
+    }
+    weights
+}
+
+/// Place in a tile of node `n` of the stencil that begins at `corner`.
+#[inline(always)]
+fn node_at<E: Stencil>(corner: usize, n: usize) -> usize {
+    let (i, j, k) = (n % E::NODES, n / E::NODES % E::NODES, n / (E::NODES * E::NODES));
+    corner + (k * E::TILE + j) * E::TILE + i
+}
+
+/// Add the loads of a block's particles to its tile.
+pub(super) struct MapLoads<'a, T: Float, const D: usize, S> {
+    pub(super) shape: &'a S,
+    pub(super) task: LoadTask<'a, T, D>,
+}
+
+impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for MapLoads<'_, T, D, S> {
+    const VECTORS: Vectors = Vectors::Avx2;
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let MapLoads { shape, task } = self;
+        let scale = if task.maps.together { task.common.next_dt } else { T::of(1.0) };
+        let mut tile = std::mem::take(&mut task.slot.tile);
+        let block = &task.slot.block;
+        let (first, second) = tile.all_mut().split_at_mut(tile_nodes::<S::Extent>(D));
+        let to = if task.maps.second() { second } else { first };
+        for bin in 0..block_nodes(D) {
+            let corner = tile_corner::<S::Extent, D>(bin);
+            for at in block.bin_places(bin) {
+                let Some([x, y, z]) = task.force(block, at) else { continue };
+                let weights = weights_of::<T, S, D>(shape, |row| block.get(at, row), task.common);
+                let force = A::Quad::load(&[T::default(), x * scale, y * scale, z * scale]);
+                for n in 0..S::Extent::NODES * S::Extent::NODES * S::Extent::LAYERS {
+                    let node = &mut to[node_at::<S::Extent>(corner, n)];
+                    let weight = A::Quad::splat(weights[n].into());
+                    weight.mul_add(force, A::Quad::load(node)).store(node);
+                }
+            }
+        }
+        task.slot.tile = tile;
+    }
+}
+
+/// Power of the loads of a block's particles, W: the forces on the nodes did their work with the velocities in the middle of the step,
+/// here mapped to the particles; where nodes know no accelerations, by what was mapped before.
+pub(super) struct BookLoads<'a, T: Float, const D: usize, S> {
+    pub(super) shape: &'a S,
+    pub(super) task: LoadTask<'a, T, D>,
+}
+
+impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for BookLoads<'_, T, D, S> {
+    const VECTORS: Vectors = Vectors::Avx2;
+    type Output = T;
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) -> T {
+        let BookLoads { shape, task } = self;
+        let block = &task.slot.block;
+        let reads = Reads { first: true, second: task.reads_increment };
+        let (nodes, around) = task.nodes;
+        let rows = rows_of::<S::Extent, D>(block.occupied());
+        task.tile_in.load::<S::Extent, D>(nodes, around, reads, rows);
+        let [first, second] = task.tile_in.records();
+        let half = T::of(0.5);
+        let mut power = T::default();
+        for bin in 0..block_nodes(D) {
+            let corner = tile_corner::<S::Extent, D>(bin);
+            for at in block.bin_places(bin) {
+                let Some(force) = task.force(block, at) else { continue };
+                let weights = weights_of::<T, S, D>(shape, |row| block.get(at, row), task.common);
+                let (mut velocity, mut gain) = (A::Quad::zero(), A::Quad::zero());
+                for n in 0..S::Extent::NODES * S::Extent::NODES * S::Extent::LAYERS {
+                    let node = node_at::<S::Extent>(corner, n);
+                    let weight = A::Quad::splat(weights[n].into());
+                    velocity = weight.mul_add(A::Quad::load(&first[node]), velocity);
+                    if task.reads_increment {
+                        gain = weight.mul_add(A::Quad::load(&second[node]), gain);
+                    }
+                }
+                for d in 0..D {
+                    let nodal = velocity.lane(d + 1);
+                    let change = if task.reads_increment {
+                        task.common.dt * gain.lane(d + 1)
+                    } else {
+                        nodal - block.get(at, Columns::velocity(D) + d)
+                    };
+                    power += force[d] * (nodal - half * change);
+                }
+            }
+        }
+        power
+    }
+}
