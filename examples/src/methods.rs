@@ -13,14 +13,6 @@ pub fn gimp_usl_in_space() -> Kernels<f64, 3> {
 pub fn gimp_usl_revolved() -> Kernels<f64, 2> {
     Method::new(Gimp, Flip, Usl, Axisymmetric).compiled().into_kernels()
 }
-/// GIMP with domains that follow the deformation, USL, FLIP, in space.
-pub fn cpgimp_usl_in_space() -> Kernels<f64, 3> {
-    Method::new(CpGimp, Flip, Usl, FullSpace).compiled().into_kernels()
-}
-/// GIMP with domains that follow the deformation, USL, FLIP, axisymmetric.
-pub fn cpgimp_usl_revolved() -> Kernels<f64, 2> {
-    Method::new(CpGimp, Flip, Usl, Axisymmetric).compiled().into_kernels()
-}
 /// Bilinear hats, USF, FLIP, in plane strain.
 pub fn linear_usf() -> Kernels<f64, 2> {
     Method::new(Linear, Flip, Usf, PlaneStrain).compiled().into_kernels()

@@ -23,7 +23,7 @@
 //! let states = StatesMut { all: &mut rows, stride: steel.numbers(), first: 0, groups: &[0] };
 //! steel.advance(&motion, states, true, &mut response);
 //! assert!(response.faults().is_empty());
-//! let stress = response.said()[0].stress[0].0[0].as_ref()[3];
+//! let stress = response.outputs()[0].stress[0].0[0].as_ref()[3];
 //! assert!((stress / (steel.density() * 5.9e3f64.powi(2) * 1e-3) - 1.0).abs() < 0.02);
 //! # Ok(())
 //! # }
@@ -103,7 +103,7 @@ pub struct StatesMut<'a, T: Float> {
 
 /// What a law says of the points of two groups that come one behind the other in a list.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Said<R> {
+pub struct PairOutput<R> {
     /// Cauchy stress xx, yy, zz, yz, xz, xy, Pa, tension positive.
     pub stress: [RowPair<R>; 6],
     /// Volume over reference volume, J.
@@ -126,7 +126,7 @@ pub struct BrokenPoint {
 /// What a law says of groups of points: memory that a thread keeps.
 #[derive(Clone, Debug)]
 pub struct Response<T: Float> {
-    said: Vec<Said<T::Row>>,
+    outputs: Vec<PairOutput<T::Row>>,
     groups: usize,
     faults: Vec<BrokenPoint>,
     /// Rows of a state, of a group that is not there.
@@ -135,20 +135,20 @@ pub struct Response<T: Float> {
 
 impl<T: Float> Default for Response<T> {
     fn default() -> Self {
-        Response { said: Vec::new(), groups: 0, faults: Vec::new(), spare: Vec::new() }
+        Response { outputs: Vec::new(), groups: 0, faults: Vec::new(), spare: Vec::new() }
     }
 }
 
 impl<T: Float> Response<T> {
     /// Of all groups of the list given, two in each.
     #[inline(always)]
-    pub fn said(&self) -> &[Said<T::Row>] {
-        &self.said[..self.groups.div_ceil(2)]
+    pub fn outputs(&self) -> &[PairOutput<T::Row>] {
+        &self.outputs[..self.groups.div_ceil(2)]
     }
     /// The same of so many groups, of which none broke down.
-    pub fn fill(&mut self, groups: usize, said: Said<T::Row>) {
+    pub fn fill(&mut self, groups: usize, output: PairOutput<T::Row>) {
         self.have(groups);
-        self.said.fill(said);
+        self.outputs.fill(output);
     }
     /// The points that broke down, in the same order. Lanes without a point may be among them.
     #[inline(always)]
@@ -157,15 +157,15 @@ impl<T: Float> Response<T> {
     }
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
-        self.said.capacity() * size_of::<Said<T::Row>>()
+        self.outputs.capacity() * size_of::<PairOutput<T::Row>>()
             + self.faults.capacity() * size_of::<BrokenPoint>()
             + self.spare.capacity() * size_of::<T::Row>()
     }
     /// Have so many groups, of which nothing is known.
     #[inline(always)]
     fn have(&mut self, groups: usize) {
-        if self.said.len() < groups.div_ceil(2) {
-            self.said.resize(groups.div_ceil(2), Said::default());
+        if self.outputs.len() < groups.div_ceil(2) {
+            self.outputs.resize(groups.div_ceil(2), PairOutput::default());
         }
         self.groups = groups;
         self.faults.clear();
@@ -198,7 +198,7 @@ pub trait Material<T: Float>: Send + Sync {
     /// The state of a stress-free point at reference density.
     fn virgin(&self) -> Vec<T>;
     /// One step of groups of points: new states in place of the old ones, stress and volume ratio, and wave speeds if
-    /// `speeds` asks for them. What is said of points that broke down means nothing.
+    /// `speeds` asks for them. What comes of points that broke down means nothing.
     ///
     /// # Panics
     /// A group that is not within the store, or comes twice.
@@ -329,7 +329,7 @@ struct Advance<'a, T: Float, C> {
     motion: &'a Motion<'a, T>,
     states: StatesMut<'a, T>,
     speeds: bool,
-    said: &'a mut [Said<T::Row>],
+    outputs: &'a mut [PairOutput<T::Row>],
     faults: &'a mut Vec<BrokenPoint>,
     /// Rows of a state.
     spare: &'a mut [T::Row],
@@ -341,13 +341,14 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Advance { law, motion, states, speeds, said, faults, spare } = self;
+        let Advance { law, motion, states, speeds, outputs, faults, spare } = self;
         let own = local(law);
         let law = own.as_ref().unwrap_or(law);
         let StatesMut { all, stride, first, groups } = states;
         let length = <C::State<A::Batch> as State<A::Batch>>::LEN;
         let count = groups.len();
-        let (deformation, said) = (&motion.deformation[..count.div_ceil(2)], &mut said[..count.div_ceil(2)]);
+        let (deformation, outputs) =
+            (&motion.deformation[..count.div_ceil(2)], &mut outputs[..count.div_ceil(2)]);
         let spare = &mut spare[..length];
         let dt = A::Batch::splat(motion.dt);
         for n in (0..count).step_by(A::Batch::GROUPS) {
@@ -371,7 +372,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
                 all.get_disjoint_mut([place(group), place(beside)])
                     .expect("groups are within the store, each once")
             };
-            let (deformation, said, half) = (&deformation[n / 2], &mut said[n / 2], n % 2);
+            let (deformation, outputs, half) = (&deformation[n / 2], &mut outputs[n / 2], n % 2);
             for lane in (0..T::GROUP).step_by(A::Batch::WIDTH.min(T::GROUP)) {
                 let from = [&*rows[0], &*rows[1]];
                 let old = C::State::<A::Batch>::read(&mut Reader { rows: from, lane, at: 0 });
@@ -393,11 +394,11 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
                 let [one_rows, two_rows] = &mut rows;
                 new.state.write(&mut Writer { rows: [one_rows, two_rows], lane, at: 0 });
                 for i in 0..6 {
-                    new.stress.0[i].to_pair(&mut said.stress[i], half, lane);
+                    new.stress.0[i].to_pair(&mut outputs.stress[i], half, lane);
                 }
-                law.volume_ratio(&new.state).to_pair(&mut said.volume_ratio, half, lane);
+                law.volume_ratio(&new.state).to_pair(&mut outputs.volume_ratio, half, lane);
                 if speeds {
-                    law.wave_speed(&new.state).to_pair(&mut said.wave_speed, half, lane);
+                    law.wave_speed(&new.state).to_pair(&mut outputs.wave_speed, half, lane);
                 }
                 if new.fault.any() {
                     note::<T, A::Batch>(faults, n, lane, &new.fault);
@@ -421,7 +422,7 @@ fn note<T: Float, P: Pack<T>>(faults: &mut Vec<BrokenPoint>, group: usize, first
 struct Describe<'a, T: Float, C> {
     law: &'a C,
     states: States<'a, T>,
-    said: &'a mut [Said<T::Row>],
+    outputs: &'a mut [PairOutput<T::Row>],
 }
 
 impl<T: Float, C: Constitutive<T>> Kernel<T> for Describe<'_, T, C> {
@@ -430,19 +431,19 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Describe<'_, T, C> {
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Describe { law, states: States { all, stride, first, groups }, said } = self;
+        let Describe { law, states: States { all, stride, first, groups }, outputs } = self;
         let length = <C::State<A::Pack> as State<A::Pack>>::LEN;
         for (n, &group) in groups.iter().enumerate().filter(|(_, group)| **group != NO_GROUP) {
-            let (said, half) = (&mut said[n / 2], n % 2);
+            let (outputs, half) = (&mut outputs[n / 2], n % 2);
             let rows = &all[group as usize * stride + first..][..length];
             for lane in (0..T::GROUP).step_by(A::Pack::WIDTH) {
                 let now = C::State::<A::Pack>::read(&mut Reader { rows: [rows; 2], lane, at: 0 });
                 let Sym3(stress) = law.stress(&now);
                 for i in 0..6 {
-                    stress[i].to_pair(&mut said.stress[i], half, lane);
+                    stress[i].to_pair(&mut outputs.stress[i], half, lane);
                 }
-                law.volume_ratio(&now).to_pair(&mut said.volume_ratio, half, lane);
-                law.wave_speed(&now).to_pair(&mut said.wave_speed, half, lane);
+                law.volume_ratio(&now).to_pair(&mut outputs.volume_ratio, half, lane);
+                law.wave_speed(&now).to_pair(&mut outputs.wave_speed, half, lane);
             }
         }
     }
@@ -506,13 +507,13 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
     ) {
         response.have(states.groups.len());
         response.spare.resize(<C::State<T::Single> as State<T::Single>>::LEN, T::Row::default());
-        let (law, said, faults) = (&self.law, &mut response.said[..], &mut response.faults);
+        let (law, outputs, faults) = (&self.law, &mut response.outputs[..], &mut response.faults);
         let spare = &mut response.spare[..];
-        T::dispatch(Advance { law, motion, states, speeds, said, faults, spare });
+        T::dispatch(Advance { law, motion, states, speeds, outputs, faults, spare });
     }
     fn describe(&self, states: States<'_, T>, response: &mut Response<T>) {
         response.have(states.groups.len());
-        T::dispatch(Describe { law: &self.law, states, said: &mut response.said[..] });
+        T::dispatch(Describe { law: &self.law, states, outputs: &mut response.outputs[..] });
     }
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]) {
         let groups = states.groups.iter().zip(ratios);

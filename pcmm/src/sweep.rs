@@ -387,7 +387,7 @@ impl<const D: usize, M: Composition<D>> Kernel<f64> for Give<'_, D, M> {
         let averaged = M::Dilatation::AVERAGED;
         let mut fastest: f64 = 0.0;
         for group in 0..of.reference.len().div_ceil(GROUP) {
-            let (said, half) = (&response.said()[group / 2], group % 2);
+            let (said, half) = (&response.outputs()[group / 2], group % 2);
             for lane in (0..GROUP).step_by(A::Pack::WIDTH) {
                 let alive = of.alive::<A::Pack>(group, lane);
                 let element = group * GROUP + lane;

@@ -56,13 +56,13 @@ pub fn by_hand(program: &Path, kernel: &str, scene: &'static str, job: &Job) -> 
     Ok(elsewhere(&throughput::hand_written(program, kernel, scene, job)?, kernel, scene, job))
 }
 
-/// One run of our `throughput` as built for this machine.
-fn for_machine(program: &Path, job: &Job) -> Result<Measured, CaseError> {
+/// One run of our `throughput` as built for this machine, or at another commit.
+fn our_program(program: &Path, job: &Job) -> Result<Measured, CaseError> {
     let found = throughput::printed(
         Command::new(program)
             .args(["--kernel", job.kernel.name(), "--particles", &job.particles.to_string(), "--json"])
             .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string(), "--out"])
-            .arg(std::env::temp_dir().join("impactite-native")),
+            .arg(std::env::temp_dir().join("impactite-elsewhere")),
     )?;
     let run = &found["settings"]["runs"][0];
     if !run["particle_updates_per_second"].is_number() {
@@ -107,6 +107,78 @@ impl Ratios {
     }
 }
 
+/// The law behind a call and as part of the passes, against each other and, if there is one, a build at another commit.
+pub fn ways(quick: bool, previous: Option<&Path>) -> Result<Option<String>, CaseError> {
+    let sizes: &[usize] = if quick { &[200_000] } else { &[200_000, 2_000_000] };
+    let mut rows = Vec::new();
+    // Called and inlined over the other commit, and called over inlined.
+    let mut ratios = [Ratios::default(), Ratios::default(), Ratios::default()];
+    for kernel in KERNELS {
+        for &particles in sizes {
+            for threads in [1, 2] {
+                let called = job(kernel, particles, threads);
+                let inlined = Job { way: Way::Inlined, ..called };
+                let mut subjects = vec![
+                    Subject::new("called", || measure::<f64>(&called)),
+                    Subject::new("inlined", || measure::<f64>(&inlined)),
+                ];
+                if let Some(previous) = previous {
+                    subjects.push(Subject::new("before", || our_program(previous, &called)));
+                }
+                let samples = alternate(&subjects, rounds(quick))?;
+                let mut over = |n: usize, samples: [&Sample; 2]| {
+                    let ratio = samples[0].over(samples[1]);
+                    ratios[n].0.push(ratio.median);
+                    ratio.text(2)
+                };
+                let between = over(2, [&samples[0], &samples[1]]);
+                let before = samples.get(2).map(|before| {
+                    [before.rates().text(1), over(0, [&samples[0], before]), over(1, [&samples[1], before])]
+                });
+                let [rate, of_called, of_inlined] = before.unwrap_or(["-", "-", "-"].map(String::from));
+                rows.push([
+                    kernel.name().to_string(),
+                    samples[0].first().particles.to_string(),
+                    threads.to_string(),
+                    rate,
+                    samples[0].rates().text(1),
+                    samples[1].rates().text(1),
+                    of_called,
+                    of_inlined,
+                    between,
+                ]);
+            }
+        }
+    }
+    let against = match previous {
+        Some(_) => format!(
+            "Over the commit before: called {} (0.95 and 0.90 are asked), inlined {} (0.99 is asked).",
+            ratios[0].text(),
+            ratios[1].text()
+        ),
+        None => "No other commit was measured (`--previous PROGRAM`).".into(),
+    };
+    Ok(Some(format!(
+        "## The law behind a call\n\nA pass calls the law for some groups of particles at once, which is what scenes do, or has it \
+         inlined, which `Deformable::inlined` asks for. {against} Called over inlined: {}.\n\n{}",
+        ratios[2].text(),
+        table(
+            [
+                "kernel",
+                "particles",
+                "threads",
+                "before",
+                "called",
+                "inlined",
+                "called / before",
+                "inlined / before",
+                "called / inlined"
+            ],
+            &rows
+        )
+    )))
+}
+
 /// Ours against hand-written kernels: as it is built without flags, and as built for this machine.
 pub fn yardstick(
     quick: bool,
@@ -129,7 +201,7 @@ pub fn yardstick(
                     Subject::new("ours", || measure::<f64>(&job)),
                 ];
                 if let Some(native) = native {
-                    subjects.push(Subject::new("native", || for_machine(native, &job)));
+                    subjects.push(Subject::new("native", || our_program(native, &job)));
                 }
                 let samples = alternate(&subjects, rounds(quick))?;
                 let ratio = samples[1].over(&samples[0]);
@@ -155,14 +227,15 @@ pub fn yardstick(
             }
         }
     }
-    let counts: Vec<[String; 4]> = OUR_INSTRUCTIONS
+    let counts: Vec<[String; 5]> = OUR_INSTRUCTIONS
         .lines()
         .skip(1)
         .zip(THEIR_INSTRUCTIONS)
         .filter_map(|(line, theirs)| {
-            let (name, ours) = line.split_once(',')?;
-            let ratio = ours.parse::<f64>().ok()? / f64::from(theirs);
-            Some([name.into(), ours.into(), theirs.to_string(), format!("{ratio:.2}")])
+            let mut cells = line.split(',');
+            let [name, called, inlined] = [cells.next()?, cells.next()?, cells.next()?];
+            let ratio = called.parse::<f64>().ok()? / f64::from(theirs);
+            Some([name.into(), called.into(), inlined.into(), theirs.to_string(), format!("{ratio:.2}")])
         })
         .collect();
     let natives = match native {
@@ -189,7 +262,7 @@ pub fn yardstick(
             ],
             &rows
         ),
-        table(["kernel", "ours", "by hand", "ratio"], &counts)
+        table(["kernel", "called", "inlined", "by hand", "called / by hand"], &counts)
     )))
 }
 

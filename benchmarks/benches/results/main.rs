@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cargo bench -p benchmarks --bench results -- [--quick] [--yardstick PROGRAM] [--native PROGRAM] [--section NAME,..] [--out FILE]
+//! cargo bench -p benchmarks --bench results -- --section compile,tests [--before COMMIT,..]
 //! ```
 //!
 //! What is compared runs in alternation in this process or as a child, several rounds; the page shows medians with
@@ -30,7 +31,7 @@ struct Options {
     /// Small scenes and few rounds: some minutes
     #[arg(long)]
     quick: bool,
-    /// Sections, separated by commas [default: all but `compile`]
+    /// Sections, separated by commas [default: all but `compile` and `tests`]
     #[arg(long, value_enum, value_delimiter = ',')]
     section: Vec<Section>,
     /// A built yardstick of hand-written kernels to compare with
@@ -39,9 +40,15 @@ struct Options {
     /// Our `throughput` built with `-C target-cpu=native`, to be measured beside
     #[arg(long, value_name = "PROGRAM")]
     native: Option<PathBuf>,
+    /// Our `throughput` built at another commit, to be measured beside
+    #[arg(long, value_name = "PROGRAM")]
+    previous: Option<PathBuf>,
     /// Python with the packages of peers
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: PathBuf,
+    /// Commits whose compile times to measure beside those of HEAD, separated by commas
+    #[arg(long, value_name = "COMMIT", value_delimiter = ',')]
+    before: Vec<String>,
     /// The page
     #[arg(long, value_name = "FILE", default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/RESULTS.md"))]
     out: PathBuf,
@@ -57,6 +64,8 @@ enum Section {
     Noise,
     /// Ours against hand-written kernels
     Yardstick,
+    /// The law behind a call, and inlined
+    Ways,
     /// Cost a particle over the number of particles
     Sizes,
     /// Shape functions, transfers, precisions, memory
@@ -73,6 +82,8 @@ enum Section {
     Peers,
     /// Times of compilers
     Compile,
+    /// Times of all tests, compilers included
+    Tests,
 }
 
 fn main() -> ExitCode {
@@ -80,7 +91,8 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {
-    let all = Section::value_variants().iter().filter(|s| **s != Section::Compile).copied();
+    let long = [Section::Compile, Section::Tests];
+    let all = Section::value_variants().iter().filter(|s| !long.contains(s)).copied();
     let wanted: Vec<Section> =
         if options.section.is_empty() { all.collect() } else { options.section.clone() };
     let mut page = Page::open(&options.out)?;
@@ -91,6 +103,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             Section::Yardstick => {
                 kernels::yardstick(options.quick, options.yardstick.as_deref(), options.native.as_deref())?
             }
+            Section::Ways => kernels::ways(options.quick, options.previous.as_deref())?,
             Section::Sizes => kernels::sizes(options.quick)?,
             Section::Compositions => kernels::compositions(options.quick)?,
             Section::Laws => kernels::laws(options.quick)?,
@@ -98,7 +111,8 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             Section::Contact => contact::cost(options.quick, options.yardstick.as_deref())?,
             Section::Sparse => contact::sparse(options.quick)?,
             Section::Peers => peers::compare(options.quick, &options.python)?,
-            Section::Compile => compile::times()?,
+            Section::Compile => compile::times(&options.before)?,
+            Section::Tests => compile::tests()?,
         };
         let Some(text) = text else { continue };
         page.put(&format!("{section:?}").to_lowercase(), &text);

@@ -62,12 +62,12 @@ impl Page {
 }
 
 /// A table of Markdown.
-pub fn table<const N: usize>(head: [&str; N], rows: &[[String; N]]) -> String {
-    let line = |cells: Vec<&str>| format!("| {} |\n", cells.join(" | "));
-    let mut text = line(head.to_vec());
-    text.push_str(&line(vec!["---"; N]));
+pub fn table<'a>(head: impl AsRef<[&'a str]>, rows: &[impl AsRef<[String]>]) -> String {
+    let (line, head) = (|cells: &[&str]| format!("| {} |\n", cells.join(" | ")), head.as_ref());
+    let mut text = line(head);
+    text.push_str(&line(&vec!["---"; head.len()]));
     for row in rows {
-        text.push_str(&line(row.iter().map(String::as_str).collect()));
+        text.push_str(&line(&row.as_ref().iter().map(String::as_str).collect::<Vec<_>>()));
     }
     text
 }

@@ -3,23 +3,23 @@
 use mpm_materials::Lane;
 use mpm_materials::material::{Deformation, Material, NO_GROUP, States};
 
-use super::waiting::{ForMean, Occupant, Waiting};
+use super::law_batch::{ForMean, LawBatch, Occupant};
 use crate::dilatation::MeanDilatation;
 use crate::parallel::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 use crate::particles::Masses;
 
-/// Let laws see the mean change of volume of each bin's particles, by mass, of groups that wait for them; `rows` are those of their
+/// Let laws see the mean change of volume of each bin's particles, by mass, of groups of a batch; `rows` are those of their
 /// block, with as many a group as `stride` says, from `first` on those of states.
 #[inline(never)]
 pub(super) fn dilate<T: Float, const D: usize>(
-    waiting: &mut Waiting<T>,
+    batch: &mut LawBatch<T>,
     material: &dyn Material<T>,
     (rows, stride, first): (&[T::Row], usize, usize),
     masses: Masses<T>,
     hoop: bool,
 ) {
     let axes = if D == 3 || hoop { 3 } else { 2 };
-    let ForMean { groups, occupants, deformations, ratios } = waiting.for_mean();
+    let ForMean { groups, occupants, deformations, ratios } = batch.for_mean();
     material.volume_ratios(States { all: rows, stride, first, groups }, ratios);
     T::dispatch(Dilate { groups, occupants, deformations, ratios, rows, stride, masses, axes });
 }

@@ -13,6 +13,7 @@ pub mod footprint;
 pub mod frequency;
 mod gather;
 pub mod kernels;
+mod law_batch;
 pub mod layout;
 pub mod load;
 mod loads;
@@ -43,7 +44,6 @@ pub mod survey;
 pub mod sweep;
 pub mod tile;
 mod total;
-mod waiting;
 mod work;
 
 pub use body::{Body, Particle, Presence, Totals};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use mpm_materials::Material;
-use mpm_materials::material::{Described, Motion, Response, Said, States, StatesMut};
+use mpm_materials::material::{Described, Motion, PairOutput, Response, States, StatesMut};
 
 use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
 use super::checkpoint::{Archive, CheckpointError};
@@ -72,8 +72,8 @@ impl<T: Float> Material<T> for Undeformed<T> {
 }
 
 /// What is said of a group without strain.
-fn undeformed<T: Float>() -> Said<T::Row> {
-    let mut said = Said::<T::Row>::default();
+fn undeformed<T: Float>() -> PairOutput<T::Row> {
+    let mut said = PairOutput::<T::Row>::default();
     said.volume_ratio.0.iter_mut().for_each(|row| row.as_mut().fill(T::of(1.0)));
     said
 }

@@ -272,7 +272,7 @@ where
             while let Some((group, in_group)) = next {
                 next = slot.block.group_before(group);
                 let group = slot.block.group(group);
-                let of_group = of_bin.map(|of| (&of.said()[number / 2], number % 2));
+                let of_group = of_bin.map(|of| (&of.outputs()[number / 2], number % 2));
                 number += 1;
                 for lane in (0..in_group).step_by(A::Pack::WIDTH) {
                     let here = in_group - lane;

@@ -12,6 +12,7 @@ use mpm_materials::{Constitutive, Fault, Kinematics, Lane, State, Sym3};
 
 use super::cell::Moments;
 use super::kernels::ShapeKernels;
+use super::law_batch::{ForLaw, LawBatch};
 use super::layout::Nodes;
 use super::mean;
 use super::migrate::{Cut, Domains, Leaving, Luggage, Movers, send_away};
@@ -21,7 +22,6 @@ use super::spec::{ExtentOf, Spec};
 use super::splitting::Splitter;
 use super::stage::{Bin, Found, Stage, Stages, centre_x, give_moments};
 use super::tile::{Reads, Stencilled, TileIn, clear_rows, rows_of, tile_corner, tile_nodes};
-use super::waiting::{ForLaw, Waiting};
 use crate::dim::{Stencil, block_nodes, neighbours};
 use crate::parallel::{
     AlignedRecords, Arch, Float, Kernel, LINE, Pack, Vectors, Whereabouts, through_memory,
@@ -69,7 +69,7 @@ pub struct Scratch<T: Float> {
     /// What goes through a pass beside a group that has no other.
     idle: Vec<T::Row>,
     /// Groups on their way through their law.
-    waiting: Waiting<T>,
+    batch: LawBatch<T>,
 }
 
 impl<T: Float> Scratch<T> {
@@ -90,7 +90,7 @@ impl<T: Float> Scratch<T> {
         self.movers.bytes()
             + self.tile_in.bytes()
             + self.idle.capacity() * size_of::<T::Row>()
-            + self.waiting.bytes()
+            + self.batch.bytes()
     }
 }
 
@@ -263,7 +263,7 @@ impl<T: Float, const D: usize> Task<'_, T, D> {
     #[inline(never)]
     fn prepare<E: Stencil>(&mut self, setting: &Setting<'_>, groups_together: usize) -> bool {
         let Slot { block, tile, rows, report, .. } = &mut *self.slot;
-        let Scratch { movers, tile_in, idle, waiting, .. } = &mut *self.scratch;
+        let Scratch { movers, tile_in, idle, batch, .. } = &mut *self.scratch;
         for bin in 0..AHEAD {
             block.prefetch(bin, setting.at_work, setting.mass_row);
         }
@@ -282,7 +282,7 @@ impl<T: Float, const D: usize> Task<'_, T, D> {
             idle.push(row);
         }
         tile_in.load::<E, D>(self.nodes, self.around[0], setting.reads, *rows);
-        waiting.clear();
+        batch.clear();
         if let Some(next) = self.next {
             next.ask_first();
         }
@@ -396,7 +396,7 @@ where
             return;
         }
         let Task { material, nodes, around, slot, next: soon, sent, scratch, common, .. } = task;
-        let Scratch { number: thread, movers, tile_in, idle, waiting } = scratch;
+        let Scratch { number: thread, movers, tile_in, idle, batch } = scratch;
         let Slot { block, tile, rows, report, .. } = slot;
         let (tile, tile_in, sent_before) = (tile.all_mut(), tile_in.records(), movers.out.posted());
         let mut stencil = Stencilled::<T, ExtentOf<P, T, D>>::zero();
@@ -432,13 +432,13 @@ where
                 let x = A::Batch::splat(centre_x(common, block_x, number, centre));
                 let mut moments = Moments::<A::Quad, ExtentOf<P, T, D>>::zero();
                 if called {
-                    let hands = if shares { 0 } else { hands::<T, D, P>() };
-                    let mut door = waiting.open(groups.of_bin(number), hands);
+                    let kept = if shares { 0 } else { numbers_kept::<T, D, P>() };
+                    let mut writer = batch.open(groups.of_bin(number), kept);
                     let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
                     let bin = Bin { stencil, nodes, x };
                     while !parts.is_empty() {
                         let part = parts.take::<T, A::Batch>(&groups);
-                        let entry = door.enter::<A::Batch>(part.members, part.here);
+                        let entry = writer.enter::<A::Batch>(part.members, part.here);
                         let rows = &mut groups.rows_of::<A::Batch>(part.members, idle);
                         let stage = &mut stage[0];
                         stages.gather((rows, part.here), &bin, stage);
@@ -447,15 +447,15 @@ where
                             if shares {
                                 gradient.0 = stage.affine;
                             } else {
-                                door.hand(&entry, hands, |i| stage.affine[i / D][i % D]);
+                                writer.keep(&entry, kept, |i| stage.affine[i / D][i % D]);
                             }
-                            door.put_gradient(&entry, &gradient, step);
+                            writer.put_gradient(&entry, &gradient, step);
                             stages.stretch(rows, &bin, stage);
                         }
                         stages.drift(rows, stage);
                     }
-                    let counted = door.counted();
-                    waiting.close(number, counted);
+                    let counted = writer.counted();
+                    batch.close(number, counted);
                 }
                 while !parts.is_empty() {
                     // Numbers of the stencil from memory: the compiler would make vectors of all of them once a bin, where a
@@ -522,8 +522,7 @@ where
                     give_moments::<T, A, ExtentOf<P, T, D>>(&moments, tile, corner);
                 }
             }
-            if !called || waiting.groups() == 0 || (waiting.groups() < ENOUGH && number + 1 < block_nodes(D))
-            {
+            if !called || batch.groups() == 0 || (batch.groups() < ENOUGH && number + 1 < block_nodes(D)) {
                 continue;
             }
 
@@ -531,38 +530,38 @@ where
             let (all, stride) = groups.all_rows();
             if does.strain.is_some() {
                 if common.mean {
-                    mean::dilate::<T, D>(waiting, material, (&*all, stride, states), common.masses, P::HOOP);
+                    mean::dilate::<T, D>(batch, material, (&*all, stride, states), common.masses, P::HOOP);
                 }
-                let ForLaw { groups: list, deformation, response } = waiting.for_law();
+                let ForLaw { groups: list, deformation, response } = batch.for_law();
                 let motion = Motion { deformation, dt: common.dt, length: Length::Same(common.spacing) };
                 let moved = StatesMut { all, stride, first: states, groups: list };
                 material.advance(&motion, moved, common.speeds, response);
-                if let Some((bin, entry, lane, cause)) = waiting.first_fault::<A::Batch>() {
+                if let Some((bin, entry, lane, cause)) = batch.first_fault::<A::Batch>() {
                     found.broken = Some((lane, Cause::Law(cause)));
                     report.note(&mut found.broken, bin, entry.members, &groups);
                 }
             } else {
-                let ForLaw { groups: list, response, .. } = waiting.for_law();
+                let ForLaw { groups: list, response, .. } = batch.for_law();
                 material.describe(States { all: &*all, stride, first: states, groups: list }, response);
             }
-            let back = waiting.back();
-            for bin in back.bins {
+            let reader = batch.reader();
+            for bin in reader.bins {
                 let number = bin.number as usize;
                 let corner = tile_corner::<ExtentOf<P, T, D>, D>(number);
                 let x = A::Batch::splat(centre_x(common, block_x, number, centre));
                 let mut moments = Moments::<A::Quad, ExtentOf<P, T, D>>::zero();
-                for entry in back.entries(bin) {
+                for entry in reader.entries(bin) {
                     let (stage, here) = (&mut stage[0], entry.here as usize);
                     let rows = &mut groups.rows_of::<A::Batch>(entry.members, idle);
                     stages.load((rows, here), stage);
                     if shares {
-                        back.gradient::<D, A::Batch>(entry, &mut stage.affine);
+                        reader.gradient::<D, A::Batch>(entry, &mut stage.affine);
                     } else {
-                        back.handed(entry, hands::<T, D, P>(), |i, number| {
+                        reader.kept(entry, numbers_kept::<T, D, P>(), |i, number| {
                             stage.affine[i / D][i % D] = number
                         });
                     }
-                    stages.respond(rows, stage, back.said::<A::Batch>(entry, common.speeds), &mut found);
+                    stages.respond(rows, stage, reader.outputs::<A::Batch>(entry, common.speeds), &mut found);
                     let room = (&mut records, &mut spread);
                     let gone = stages.advance((rows, here), x, stage, &mut found, room);
                     report.note(&mut found.broken, number, entry.members, &groups);
@@ -575,7 +574,7 @@ where
                         let mut gradient = [[T::default(); MAX_LANES]; 9];
                         if long != 0 {
                             let unit = T::of(1.0) / common.spacing;
-                            back.gradients::<D, A::Batch>(entry, unit, &mut gradient);
+                            reader.gradients::<D, A::Batch>(entry, unit, &mut gradient);
                         }
                         Stages::<T, D, P, A>::part(stage, long, &mut records);
                         let cut = Cut { long, splitter: &common.splitter, gradient: &gradient };
@@ -591,7 +590,7 @@ where
                     give_moments::<T, A, ExtentOf<P, T, D>>(&moments, tile, corner);
                 }
             }
-            waiting.clear();
+            batch.clear();
         }
         if does.moves && !P::TOTAL {
             let here = neighbours(D) / 2;
@@ -615,7 +614,7 @@ where
 }
 
 /// Numbers of a particle that are handed on beside its increment: the affine part of its velocity.
-const fn hands<T: Float, const D: usize, P: Spec<T, D>>() -> usize {
+const fn numbers_kept<T: Float, const D: usize, P: Spec<T, D>>() -> usize {
     if P::MAPS.affine { D * D } else { 0 }
 }
 

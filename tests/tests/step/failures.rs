@@ -18,8 +18,7 @@ use mpm_materials::{Breakdown, Constitutive};
 fn every_column_is_carried() {
     let scene = scene::flow::<2>();
     let (seeds, velocity) = &scene.bodies[0];
-    let mut mpm =
-        Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(scene.lattice));
+    let mut mpm = Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain), BlockGrid::new(scene.lattice));
     mpm.add("block", Watched::new(1e9).compiled(), seeds, velocity).expect("body");
     mpm.set_time_control(TimeControl::Fixed(scene.dt)).expect("time control");
     let start = particles(&mpm);

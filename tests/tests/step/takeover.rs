@@ -72,8 +72,7 @@ fn domains_go_on() {
     let mut convected =
         Mpm::new(Method::new(Cpdi2, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice()));
     convected.take_over(rubber(), &*from.bodies()[0]).expect("body");
-    let mut boxed =
-        Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice()));
+    let mut boxed = Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
     boxed.take_over(rubber(), &*from.bodies()[0]).expect("body");
     let mut sheared = 0.0f64;
     for ((p, q), r) in particles(&from).iter().zip(&particles(&convected)).zip(&particles(&boxed)) {
@@ -135,7 +134,7 @@ fn boxes_of_what_turned() {
         from.step().expect("step");
         assert!(from.steps() < 2000, "it does not turn");
     }
-    let mut to = Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain).compiled(), BlockGrid::new(lattice()));
+    let mut to = Mpm::new(Method::new(CpGimp, Flip, Usl, PlaneStrain), BlockGrid::new(lattice()));
     to.take_over(rubber(), &*from.bodies()[0]).expect("body");
     for p in particles(&to) {
         for d in 0..2 {
@@ -159,7 +158,7 @@ fn what_cannot_be_taken_over_is_refused() {
     let small = DenseGrid::new(lattice(), [0; 2], [4; 2]).expect("box");
     let error = Mpm::new(method, small).take_over(rubber(), body);
     assert!(matches!(error, Err(SceneError::Outside(..))), "{error:?}");
-    let round = Method::new(CpGimp, Flip, Usl, Axisymmetric).compiled();
+    let round = Method::new(CpGimp, Flip, Usl, Axisymmetric);
     let error = Mpm::new(round, BlockGrid::new(lattice())).take_over(rubber(), body);
     assert!(matches!(error, Err(SceneError::OtherSpace { .. })), "{error:?}");
     assert!(matches!(to.set_time(f64::NAN), Err(SceneError::Clock { .. })));

@@ -9,8 +9,8 @@ use mpm_core::geometry::{Cuboid, Cylinder, Filling, Lattice, Seeds, Shape, fill}
 use mpm_core::observe::{HistoryCsv, Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm,
-    Musl, QuadraticBSpline, Side, Team, Usl,
+    Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method,
+    Mpm, Musl, QuadraticBSpline, Side, Team, Usl,
 };
 use mpm_materials::{IntoMaterial, JohnsonCook, Material, MieGruneisen, Solid};
 use serde::Serialize;
@@ -166,7 +166,7 @@ fn scheme_in_space(scheme: Scheme) -> Kernels<f64, 3> {
     match scheme {
         Scheme::LinearMusl => Method::new(Linear, Flip, Musl, FullSpace).into_kernels(),
         Scheme::GimpUsl => methods::gimp_usl_in_space(),
-        Scheme::CpgimpUsl => methods::cpgimp_usl_in_space(),
+        Scheme::CpgimpUsl => Method::new(CpGimp, Flip, Usl, FullSpace).into_kernels(),
         Scheme::QuadraticApic => Method::new(QuadraticBSpline, Apic, Usl, FullSpace).into_kernels(),
     }
 }
@@ -175,7 +175,7 @@ fn scheme_revolved(scheme: Scheme) -> Kernels<f64, 2> {
     match scheme {
         Scheme::LinearMusl => Method::new(Linear, Flip, Musl, Axisymmetric).into_kernels(),
         Scheme::GimpUsl => methods::gimp_usl_revolved(),
-        Scheme::CpgimpUsl => methods::cpgimp_usl_revolved(),
+        Scheme::CpgimpUsl => Method::new(CpGimp, Flip, Usl, Axisymmetric).into_kernels(),
         Scheme::QuadraticApic => Method::new(QuadraticBSpline, Apic, Usl, Axisymmetric).into_kernels(),
     }
 }

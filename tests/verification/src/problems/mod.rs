@@ -68,7 +68,7 @@ pub(crate) fn run_solid<C: IntoMaterial<f64> + Clone>(
     let run = Run { scene, look };
     let ended = match (scheme.kernel, scheme.velocity, scheme.total) {
         (Kernel::CpGimp, Velocity::FlipUsl, false) => {
-            Some(run.with(Method::new(CpGimp, Flip, Usl, FullSpace).compiled()))
+            Some(run.with(Method::new(CpGimp, Flip, Usl, FullSpace)))
         }
         (Kernel::Linear, Velocity::FlipUsl, true) => {
             Some(run.with(Method::new(Linear, Flip, Usl, FullSpace).total_lagrangian().compiled()))

@@ -4,7 +4,7 @@
 //! A group has a **slot**: a place in the list that the law sees. Where one vector takes two groups, those have slots side by side, the
 //! first an even one; a group that is alone leaves the other empty.
 
-use mpm_materials::material::{Deformation, NO_GROUP, Response, Said};
+use mpm_materials::material::{Deformation, NO_GROUP, PairOutput, Response};
 use mpm_materials::{Breakdown, Mat3, Sym3};
 
 use super::scatter::MAX_LANES;
@@ -77,7 +77,7 @@ pub(super) struct ForMean<'a, T: Float> {
 
 /// Groups on their way through a law: memory of a thread. Of all lists, the first numbers are those in use.
 #[derive(Debug, Default)]
-pub(super) struct Waiting<T: Float> {
+pub(super) struct LawBatch<T: Float> {
     entries: Vec<Entry>,
     entered: usize,
     bins: Vec<BinEntries>,
@@ -85,14 +85,14 @@ pub(super) struct Waiting<T: Float> {
     slots: usize,
     deformations: Vec<Deformation<T::Row>>,
     /// Rows that are handed on, so many for two slots.
-    handed: Vec<RowPair<T::Row>>,
-    hands: usize,
+    kept: Vec<RowPair<T::Row>>,
+    numbers_kept: usize,
     ratios: Vec<T::Row>,
     occupants: Vec<Occupant>,
     response: Response<T>,
 }
 
-impl<T: Float> Waiting<T> {
+impl<T: Float> LawBatch<T> {
     /// Forget all.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
@@ -112,28 +112,28 @@ impl<T: Float> Waiting<T> {
             + self.groups.capacity() * size_of::<u32>()
             + self.occupants.capacity() * size_of::<Occupant>()
             + self.deformations.capacity() * size_of::<Deformation<T::Row>>()
-            + self.handed.capacity() * size_of::<RowPair<T::Row>>()
+            + self.kept.capacity() * size_of::<RowPair<T::Row>>()
             + self.ratios.capacity() * size_of::<T::Row>()
             + self.response.bytes()
     }
 
-    /// Let the groups of a bin in, so many, of which `hands` rows are handed on.
+    /// Let the groups of a bin in, so many, of which `numbers_kept` rows are handed on.
     #[inline(always)]
-    pub(super) fn open(&mut self, groups: usize, hands: usize) -> Door<'_, T> {
-        self.hands = hands;
+    pub(super) fn open(&mut self, groups: usize, numbers_kept: usize) -> BatchWriter<'_, T> {
+        self.numbers_kept = numbers_kept;
         // One more, for a group that is alone.
         let slots = self.slots + groups + 1;
-        if self.groups.len() < slots || self.handed.len() < slots.div_ceil(2) * hands {
+        if self.groups.len() < slots || self.kept.len() < slots.div_ceil(2) * numbers_kept {
             self.grow(slots);
         }
-        Door {
+        BatchWriter {
             entries: &mut self.entries,
             entered: self.entered,
             groups: &mut self.groups,
             slots: self.slots,
             deformations: &mut self.deformations,
-            handed: &mut self.handed,
-            hands,
+            kept: &mut self.kept,
+            numbers_kept,
         }
     }
     #[cold]
@@ -146,9 +146,9 @@ impl<T: Float> Waiting<T> {
         self.ratios.resize(slots, T::Row::default());
         let pairs = slots.div_ceil(2);
         self.deformations.resize(pairs, Deformation::default());
-        self.handed.resize(pairs * self.hands.max(1), RowPair::default());
+        self.kept.resize(pairs * self.numbers_kept.max(1), RowPair::default());
     }
-    /// The groups of a bin are in, as a door counted.
+    /// The groups of a bin are in, as a writer counted.
     #[inline(always)]
     pub(super) fn close(&mut self, bin: usize, [entered, slots]: [usize; 2]) {
         let entries = [self.entered as u32, entered as u32];
@@ -195,14 +195,14 @@ impl<T: Float> Waiting<T> {
     }
     /// What comes back.
     #[inline(always)]
-    pub(super) fn back(&self) -> Back<'_, T> {
-        Back {
+    pub(super) fn reader(&self) -> BatchReader<'_, T> {
+        BatchReader {
             bins: &self.bins,
             entries: &self.entries,
             deformations: &self.deformations,
-            handed: &self.handed,
-            hands: self.hands,
-            said: self.response.said(),
+            kept: &self.kept,
+            numbers_kept: self.numbers_kept,
+            outputs: self.response.outputs(),
         }
     }
 
@@ -234,17 +234,17 @@ fn lane_in<T: Float, P: Pack<T>>(entry: &Entry, slot: usize, lane: usize) -> Opt
 }
 
 /// Where groups of a bin come in.
-pub(super) struct Door<'a, T: Float> {
+pub(super) struct BatchWriter<'a, T: Float> {
     entries: &'a mut [Entry],
     entered: usize,
     groups: &'a mut [u32],
     slots: usize,
     deformations: &'a mut [Deformation<T::Row>],
-    handed: &'a mut [RowPair<T::Row>],
-    hands: usize,
+    kept: &'a mut [RowPair<T::Row>],
+    numbers_kept: usize,
 }
 
-impl<T: Float> Door<'_, T> {
+impl<T: Float> BatchWriter<'_, T> {
     /// Enter particles.
     #[inline(always)]
     pub(super) fn enter<P: Pack<T>>(&mut self, members: Members, here: usize) -> Entry {
@@ -285,8 +285,8 @@ impl<T: Float> Door<'_, T> {
 
     /// Hand on numbers.
     #[inline(always)]
-    pub(super) fn hand<P: Pack<T>>(&mut self, entry: &Entry, count: usize, number: impl Fn(usize) -> P) {
-        let rows = &mut self.handed[entry.pair() * self.hands..][..count];
+    pub(super) fn keep<P: Pack<T>>(&mut self, entry: &Entry, count: usize, number: impl Fn(usize) -> P) {
+        let rows = &mut self.kept[entry.pair() * self.numbers_kept..][..count];
         for (at, row) in rows.iter_mut().enumerate() {
             number(at).to_pair(row, entry.half(), entry.members.lane as usize);
         }
@@ -301,17 +301,17 @@ impl<T: Float> Door<'_, T> {
 
 /// What comes back of groups.
 #[derive(Clone, Copy)]
-pub(super) struct Back<'a, T: Float> {
+pub(super) struct BatchReader<'a, T: Float> {
     /// Bins with entries.
     pub(super) bins: &'a [BinEntries],
     entries: &'a [Entry],
     deformations: &'a [Deformation<T::Row>],
-    handed: &'a [RowPair<T::Row>],
-    hands: usize,
-    said: &'a [Said<T::Row>],
+    kept: &'a [RowPair<T::Row>],
+    numbers_kept: usize,
+    outputs: &'a [PairOutput<T::Row>],
 }
 
-impl<'a, T: Float> Back<'a, T> {
+impl<'a, T: Float> BatchReader<'a, T> {
     /// Entries of a bin.
     #[inline(always)]
     pub(super) fn entries(&self, bin: &BinEntries) -> &'a [Entry] {
@@ -331,8 +331,8 @@ impl<'a, T: Float> Back<'a, T> {
 
     /// Numbers that were handed on.
     #[inline(always)]
-    pub(super) fn handed<P: Pack<T>>(&self, entry: &Entry, count: usize, mut take: impl FnMut(usize, P)) {
-        let rows = &self.handed[entry.pair() * self.hands..][..count];
+    pub(super) fn kept<P: Pack<T>>(&self, entry: &Entry, count: usize, mut take: impl FnMut(usize, P)) {
+        let rows = &self.kept[entry.pair() * self.numbers_kept..][..count];
         for (at, row) in rows.iter().enumerate() {
             take(at, P::from_pair(row, entry.half(), entry.members.lane as usize));
         }
@@ -340,14 +340,14 @@ impl<'a, T: Float> Back<'a, T> {
 
     /// What the law says of particles: stress, volume ratio and, if it was asked for, wave speed.
     #[inline(always)]
-    pub(super) fn said<P: Pack<T>>(&self, entry: &Entry, speeds: bool) -> (Sym3<P>, P, P) {
-        let (said, half, lane) = (&self.said[entry.pair()], entry.half(), entry.members.lane as usize);
+    pub(super) fn outputs<P: Pack<T>>(&self, entry: &Entry, speeds: bool) -> (Sym3<P>, P, P) {
+        let (output, half, lane) = (&self.outputs[entry.pair()], entry.half(), entry.members.lane as usize);
         let mut stress = Sym3::zero();
         for i in 0..6 {
-            stress.0[i] = P::from_pair(&said.stress[i], half, lane);
+            stress.0[i] = P::from_pair(&output.stress[i], half, lane);
         }
-        let ratio = P::from_pair(&said.volume_ratio, half, lane);
-        (stress, ratio, if speeds { P::from_pair(&said.wave_speed, half, lane) } else { P::zero() })
+        let ratio = P::from_pair(&output.volume_ratio, half, lane);
+        (stress, ratio, if speeds { P::from_pair(&output.wave_speed, half, lane) } else { P::zero() })
     }
 
     /// The velocity gradient of particles, 1/s, D x D numbers each, over `unit`.
