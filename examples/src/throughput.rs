@@ -87,8 +87,8 @@ impl Way {
         M: Composition<T, 3> + IntoKernels<T, 3>,
         C: Constitutive<T> + IntoMaterial<T, Law = C>,
     {
-        let body = Deformable::new(name, law.clone(), seeds);
-        if self == Way::Inlined { body.inlined(method, law) } else { body }
+        let body = Deformable::new(name, law, seeds);
+        if self == Way::Inlined { body.inlined(method) } else { body }
     }
 }
 

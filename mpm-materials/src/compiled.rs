@@ -21,6 +21,9 @@ macro_rules! compiled {
     ($t:ty: $($law:ty),+ $(,)?) => {$(
         impl IntoMaterial<$t> for $law {
             type Law = Self;
+            fn law(&self) -> Self {
+                *self
+            }
             #[inline(never)]
             fn into_material(self) -> Arc<dyn Material<$t>> {
                 Arc::new(Compiled::new(self))

@@ -314,7 +314,8 @@ pub fn purity<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     })
 }
 
-/// Points computed in a pack equal points computed alone, to the rounding of `powf`.
+/// Points computed in a pack equal points computed alone, to the rounding of `powf`, and to the bit points computed in other
+/// company: what a law skips where no lane needs it must change none.
 ///
 /// # Errors
 /// The violation.
@@ -323,6 +324,8 @@ pub fn lanes<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     for_all("lanes", law, options, four, |paths| {
         let part = 1.0 / options.steps as f64;
         let mut pack: M::State<Wide<f64, 4>> = spread(&law.virgin());
+        // The first and the last point four times each, beside itself.
+        let mut among_equals: [M::State<Wide<f64, 4>>; 2] = [spread(&law.virgin()), spread(&law.virgin())];
         let mut alone = [law.virgin(); 4];
         for leg in 0..options.legs {
             // The last lane rests in the first leg: packs of flowing and idle points must not mix.
@@ -341,9 +344,22 @@ pub fn lanes<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
                     return fail("lanes", law, format!("lane {} broke down: {}", broken.lane, broken.cause));
                 }
                 pack = update.state;
+                for (state, lane) in among_equals.iter_mut().zip([0, 3]) {
+                    let mut kinematics = kinematics;
+                    for (r, c) in positions() {
+                        kinematics.increment.0[r][c] = Wide::splat(increment.0[r][c].lane(lane));
+                    }
+                    *state = law.update(&kinematics, state).state;
+                }
                 for lane in 0..4 {
                     alone[lane] = step(law, &alone[lane], &(paths[lane][leg] * share[lane]), options)?.state;
                 }
+            }
+        }
+        for (state, lane) in among_equals.iter().zip([0, 3]) {
+            let [one, other]: [M::State<f64>; 2] = [lane_of(&pack, lane), lane_of(state, lane)];
+            if flatten(&one).iter().zip(&flatten(&other)).any(|(a, b)| a.to_bits() != b.to_bits()) {
+                return fail("lanes", law, format!("lane {lane} depends on what other lanes hold"));
             }
         }
         let lists: Vec<Vec<f64>> = alone.iter().map(flatten).collect();

@@ -230,6 +230,8 @@ pub trait Material<T: Float>: Send + Sync {
 pub trait IntoMaterial<T: Float> {
     /// The law, or [`AnyLaw`] where its type is not known.
     type Law;
+    /// A copy of the law.
+    fn law(&self) -> Self::Law;
     /// The law as an object.
     fn into_material(self) -> Arc<dyn Material<T>>;
 }
@@ -240,6 +242,9 @@ pub struct AnyLaw;
 
 impl<T: Float> IntoMaterial<T> for Arc<dyn Material<T>> {
     type Law = AnyLaw;
+    fn law(&self) -> AnyLaw {
+        AnyLaw
+    }
     fn into_material(self) -> Arc<dyn Material<T>> {
         self
     }
@@ -251,6 +256,9 @@ pub struct CompiledHere<C>(pub(crate) C);
 
 impl<T: Float, C: Constitutive<T>> IntoMaterial<T> for CompiledHere<C> {
     type Law = C;
+    fn law(&self) -> C {
+        self.0.clone()
+    }
     fn into_material(self) -> Arc<dyn Material<T>> {
         Arc::new(Compiled { law: self.0 })
     }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo bench -p benchmarks --bench results -- [--quick] [--yardstick PROGRAM] [--native PROGRAM] [--section NAME,..] [--out FILE]
-//! cargo bench -p benchmarks --bench results -- --section compile,tests [--before COMMIT,..]
+//! cargo bench -p benchmarks --bench results -- --section compile,tests,ci [--before COMMIT,..]
 //! ```
 //!
 //! What is compared runs in alternation in this process or as a child, several rounds; the page shows medians with
@@ -31,7 +31,7 @@ struct Options {
     /// Small scenes and few rounds: some minutes
     #[arg(long)]
     quick: bool,
-    /// Sections, separated by commas [default: all but `compile` and `tests`]
+    /// Sections, separated by commas [default: all but `compile`, `tests` and `ci`]
     #[arg(long, value_enum, value_delimiter = ',')]
     section: Vec<Section>,
     /// A built yardstick of hand-written kernels to compare with
@@ -82,8 +82,10 @@ enum Section {
     Peers,
     /// Times of compilers
     Compile,
-    /// Times of all tests, compilers included
+    /// Time of all tests, compilers included
     Tests,
+    /// Time of `.ci/run`
+    Ci,
 }
 
 fn main() -> ExitCode {
@@ -91,7 +93,7 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<ExitCode, CaseError> {
-    let long = [Section::Compile, Section::Tests];
+    let long = [Section::Compile, Section::Tests, Section::Ci];
     let all = Section::value_variants().iter().filter(|s| !long.contains(s)).copied();
     let wanted: Vec<Section> =
         if options.section.is_empty() { all.collect() } else { options.section.clone() };
@@ -112,7 +114,8 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             Section::Sparse => contact::sparse(options.quick)?,
             Section::Peers => peers::compare(options.quick, &options.python)?,
             Section::Compile => compile::times(&options.before)?,
-            Section::Tests => compile::tests()?,
+            Section::Tests => compile::tests(false)?,
+            Section::Ci => compile::tests(true)?,
         };
         let Some(text) = text else { continue };
         page.put(&format!("{section:?}").to_lowercase(), &text);

@@ -122,15 +122,15 @@ impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
         self
     }
     /// With passes that have the law as part of them, compiled where this is written: the last per cent of speed for one
-    /// composition, for ten times the compile time. `method` must be that of the scene, and `law` the body's.
+    /// composition, for ten times the compile time. `method` must be that of the scene.
     #[must_use]
-    pub fn inlined<M, C>(mut self, method: M, law: C) -> Self
+    pub fn inlined<M, C>(mut self, method: M) -> Self
     where
         L: IntoMaterial<T, Law = C>,
         M: Composition<T, D> + IntoKernels<T, D>,
         C: Constitutive<T>,
     {
-        self.kernels = Some(super::kernels::inlined(method, law));
+        self.kernels = Some(super::kernels::inlined(method, self.law.law()));
         self
     }
 

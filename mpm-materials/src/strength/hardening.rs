@@ -335,10 +335,10 @@ struct Tangent<L: Lane> {
 }
 
 impl<L: Lane> Tangent<L> {
-    /// In all lanes, is it small enough against the strain for the binomial series?
+    /// Is it small enough against the strain for the binomial series?
     #[inline(always)]
-    fn is_small(&self) -> bool {
-        self.relative.abs().le(L::of(SMALL)).all()
+    fn is_small(&self) -> L::Mask {
+        self.relative.abs().le(L::of(SMALL))
     }
 }
 
@@ -378,9 +378,10 @@ impl<T: Real> Hardening<T> for PowerHardening<T> {
         }
         let per_strain = strain.max(self.start()).recip();
         let step = self.tangent_step(factor * b * power, per_strain, three_g, L::select(yields, over, zero));
-        if step.is_small() {
-            let value = L::select(yields, self.polished(&step), zero);
-            return Increment { value, fault: Fault::none() };
+        // A lane takes the first that is good enough for it, whatever others need: its result does not depend on them.
+        let (value, mut done) = (self.polished(&step), step.is_small());
+        if done.all() {
+            return Increment { value: L::select(yields, value, zero), fault: Fault::none() };
         }
         // Once more from where the tangent leads: enough unless flow has only begun.
         let strain_there = (strain + step.value).max(self.start());
@@ -388,11 +389,13 @@ impl<T: Real> Hardening<T> for PowerHardening<T> {
         let over_there = trial - three_g * step.value - factor * b.mul_add(power, a);
         let over_there = L::select(yields, over_there, zero);
         let again = self.tangent_step(factor * b * power, strain_there.recip(), three_g, over_there);
-        if again.is_small() {
-            let value = L::select(yields, step.value + self.polished(&again), zero);
-            return Increment { value, fault: Fault::none() };
+        let value = L::select(done, value, step.value + self.polished(&again));
+        done = done | again.is_small();
+        if done.all() {
+            return Increment { value: L::select(yields, value, zero), fault: Fault::none() };
         }
-        let found = self.iterate(Start { trial, three_g, factor, strain, over, yields });
-        Increment { value: L::select(yields, found.value, zero), fault: found.fault }
+        let found = self.iterate(Start { trial, three_g, factor, strain, over, yields: yields & !done });
+        let value = L::select(done, value, found.value);
+        Increment { value: L::select(yields, value, zero), fault: found.fault }
     }
 }

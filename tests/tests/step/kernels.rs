@@ -23,9 +23,9 @@ where
     scene.dt /= faster;
     let (seeds, velocity) = &scene.bodies[0];
     let mut mpm = Mpm::new(method, BlockGrid::new(scene.lattice));
-    let mut body = Deformable::new("block", law.clone(), seeds).moving(|x| velocity(x).map(|v| faster * v));
+    let mut body = Deformable::new("block", law, seeds).moving(|x| velocity(x).map(|v| faster * v));
     if inlined {
-        body = body.inlined(method, law);
+        body = body.inlined(method);
     }
     mpm.add_body(body).expect("body");
     surround(&mut mpm, &scene);
@@ -112,7 +112,7 @@ fn kernels_of_another_method_are_refused() {
     let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice()));
     let seeds = block(&lattice(), [0; 2], [2; 2], 2, 0.0);
     let splines = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
-    let refused = mpm.add_body(Deformable::new("block", metal(), &seeds).inlined(splines, metal()));
+    let refused = mpm.add_body(Deformable::new("block", metal(), &seeds).inlined(splines));
     assert!(matches!(&refused, Err(SceneError::OtherMethod { body, .. }) if body == "block"), "{refused:?}");
     assert!(mpm.bodies().is_empty(), "a refused body is not there");
 }
