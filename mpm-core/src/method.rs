@@ -112,8 +112,8 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     }
 }
 
-/// A method that a scene can have: one whose kernels are compiled in this crate (a list is in the book: docs/methods.md), or
-/// what [`Method::compiled`] makes of any other one, or kernels that are there already.
+/// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; README,
+/// "What is compiled where"), or what [`Method::compiled`] makes of any other one, or kernels that are there already.
 #[diagnostic::on_unimplemented(
     message = "the kernels of `{Self}` are not compiled in `mpm-core`",
     note = "compile them in your crate, once, for some seconds: `method.compiled()`"

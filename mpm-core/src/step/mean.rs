@@ -4,6 +4,7 @@ use mpm_materials::Lane;
 use mpm_materials::material::{Deformation, Material, NO_GROUP, States};
 
 use super::law_batch::{ForMean, LawBatch, Occupant};
+use super::survey::of_row;
 use crate::dilatation::MeanDilatation;
 use crate::parallel::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 use crate::particles::Masses;
@@ -59,12 +60,12 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
                 for lane in (0..T::GROUP).step_by(A::Pack::WIDTH) {
                     let here = A::Pack::of(f64::from(occupants[n].here) - lane as f64);
                     let alive = lane_index.lt(here);
-                    let mass = masses.of_group(alive, |row| one_row::<T, A::Pack>(&rows[row], lane));
+                    let mass = masses.of_group(alive, |row| of_row::<T, A::Pack>(&rows[row], lane));
                     sums[0] = sums[0] + mass;
                     // Of lanes without a particle nothing is known: their numbers may be none.
                     let known = |x| A::Pack::select(alive, x, A::Pack::zero());
                     let trace = trace::<T, A::Pack>(&deformations[n / 2], n % 2, lane);
-                    let ratio = one_row::<T, A::Pack>(&ratios[n], lane);
+                    let ratio = of_row::<T, A::Pack>(&ratios[n], lane);
                     sums[1] = mass.mul_add(known(trace), sums[1]);
                     sums[2] = mass.mul_add(known(ratio), sums[2]);
                 }
@@ -80,7 +81,7 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
                 let (deformation, half) = (&mut deformations[n / 2], n % 2);
                 for lane in (0..T::GROUP).step_by(A::Pack::WIDTH) {
                     let here = A::Pack::of(f64::from(occupants[n].here) - lane as f64);
-                    let ratio = one_row::<T, A::Pack>(&ratios[n], lane);
+                    let ratio = of_row::<T, A::Pack>(&ratios[n], lane);
                     let back = (mean_ratio - ratio) / ratio * A::Pack::of(MeanDilatation::RETURN);
                     let more = mean_trace + back - trace::<T, A::Pack>(deformation, half, lane);
                     // Of the gradient as much as makes that increment.
@@ -96,12 +97,6 @@ impl<T: Float> Kernel<T> for Dilate<'_, T> {
             begin = end;
         }
     }
-}
-
-/// Numbers of a row.
-#[inline(always)]
-fn one_row<T: Float, P: Pack<T>>(row: &T::Row, lane: usize) -> P {
-    P::from_rows([row, row], lane)
 }
 
 /// Traces of the increments of a group.

@@ -398,7 +398,7 @@ where
 
 /// Numbers of a row.
 #[inline(always)]
-fn of_row<T: Float, P: Pack<T>>(row: &T::Row, lane: usize) -> P {
+pub(super) fn of_row<T: Float, P: Pack<T>>(row: &T::Row, lane: usize) -> P {
     P::from_rows([row, row], lane)
 }
 

@@ -8,7 +8,6 @@ mod convergence;
 mod dilatation;
 mod failures;
 mod flight;
-mod kernels;
 mod loads;
 mod merging;
 mod restart;

@@ -5,12 +5,13 @@ use std::sync::Arc;
 
 use impactite_tests::compare::{fast, particles, surround};
 use impactite_tests::scene::{self, block, lattice, metal, rubber, wave_speed};
+use mpm_core::geometry::{Ball, Filling, Lattice, fill};
 use mpm_core::step::{Contact, SceneError};
 use mpm_core::{
-    Apic, BlockGrid, Composition, Deformable, Flip, FullSpace, GridStorage, IntoKernels, Linear, Method, Mpm,
-    Musl, OneField, Particle, PlaneStrain, QuadraticBSpline, Usl,
+    Apic, Blend, BlockGrid, Composition, Deformable, Flip, FullSpace, GridStorage, IntoKernels, Linear,
+    Method, Mpm, Musl, OneField, Particle, PlaneStrain, QuadraticBSpline, Usl,
 };
-use mpm_materials::{Constitutive, IntoMaterial, JohnsonCook, Material, MieGruneisen, Solid};
+use mpm_materials::{Constitutive, IntoMaterial, JohnsonCook, Material, MieGruneisen, Solid, library};
 
 /// Particles of the block of the scene `flow`, after its steps, of a law with this speed of sound.
 fn flown<const D: usize, M, C>(method: M, law: C, sound: f64, inlined: bool) -> Vec<Particle>
@@ -83,6 +84,31 @@ fn inlined_laws_solid_splines() {
     alike::<3, _>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
 }
 
+/// A ball that is squeezed and turned, of which every bin has another number of particles, so that groups are alone and lanes
+/// idle, and of which some points flow and others do not: a point must not feel what other lanes of its vector hold.
+#[test]
+fn inlined_laws_in_any_company() {
+    let method = Method::new(Linear, Flip, Musl, FullSpace);
+    let h = 0.4e-3;
+    let lattice = Lattice::new([0.1e-3, -0.2e-3, 0.05e-3], h).expect("lattice");
+    let ball = Ball::new([0.0; 3], 5.0 * h).expect("ball");
+    let seeds = fill(&ball, &lattice, 2, &Filling::new()).expect("seeds");
+    let [called, inlined] = [false, true].map(|inlined| {
+        let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+        let law = library::tungsten_alloy::<f64>();
+        let body = Deformable::new("ball", law, &seeds);
+        let body = body.moving(|x| [2e4 * x[1] - 3e4 * x[0], 4e4 * x[2], 30.0]);
+        mpm.add_body(if inlined { body.inlined(method) } else { body }).expect("body");
+        for _ in 0..40 {
+            mpm.step().expect("step");
+        }
+        particles(&mpm).remove(0)
+    });
+    let flowing = called.iter().filter(|p| p.state[8] > 0.0).count();
+    assert!((1..called.len()).contains(&flowing), "{flowing} of {} flow", called.len());
+    assert!(bits(&called) == bits(&inlined));
+}
+
 /// A method and a law of the library, compiled here once more; and a scene of which all is an object.
 #[test]
 fn objects_change_nothing() {
@@ -115,4 +141,10 @@ fn kernels_of_another_method_are_refused() {
     let refused = mpm.add_body(Deformable::new("block", metal(), &seeds).inlined(splines));
     assert!(matches!(&refused, Err(SceneError::OtherMethod { body, .. }) if body == "block"), "{refused:?}");
     assert!(mpm.bodies().is_empty(), "a refused body is not there");
+    // Of one name, with another time constant.
+    let blend = |tau| Method::new(Linear, Blend::new(tau).expect("time constant"), Musl, PlaneStrain);
+    let mut mpm = Mpm::new(blend(1e-3), BlockGrid::new(lattice()));
+    let refused = mpm.add_body(Deformable::new("block", metal(), &seeds).inlined(blend(2e-3)));
+    assert!(matches!(&refused, Err(SceneError::OtherMethod { .. })), "{refused:?}");
+    mpm.add_body(Deformable::new("block", metal(), &seeds).inlined(blend(1e-3))).expect("its own");
 }
