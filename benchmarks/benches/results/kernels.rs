@@ -58,12 +58,16 @@ pub fn by_hand(program: &Path, kernel: &str, scene: &'static str, job: &Job) -> 
 
 /// One run of our `throughput` as built for this machine, or at another commit.
 fn our_program(program: &Path, job: &Job) -> Result<Measured, CaseError> {
-    let found = throughput::printed(
-        Command::new(program)
-            .args(["--kernel", job.kernel.name(), "--particles", &job.particles.to_string(), "--json"])
-            .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string(), "--out"])
-            .arg(std::env::temp_dir().join("impactite-elsewhere")),
-    )?;
+    let mut command = Command::new(program);
+    command
+        .args(["--kernel", job.kernel.name(), "--particles", &job.particles.to_string(), "--json"])
+        .args(["--threads", &job.threads.to_string(), "--steps", &job.steps.to_string(), "--out"])
+        .arg(std::env::temp_dir().join("impactite-elsewhere"));
+    // Builds of commits that know one way only have no such option.
+    if job.way == Way::Inlined {
+        command.args(["--way", "inlined"]);
+    }
+    let found = throughput::printed(&mut command)?;
     let run = &found["settings"]["runs"][0];
     if !run["particle_updates_per_second"].is_number() {
         return Err(CaseError::Other(format!("{}: no rate in {found}", program.display())));
@@ -107,8 +111,17 @@ impl Ratios {
     }
 }
 
-/// The law behind a call and as part of the passes, against each other and, if there is one, a build at another commit.
-pub fn ways(quick: bool, previous: Option<&Path>) -> Result<Option<String>, CaseError> {
+/// The law behind a call and as part of the passes, against each other and, if there is one, a build at another commit: all in
+/// processes of their own, so that none has memory that others used before.
+pub fn ways(
+    quick: bool,
+    current: Option<&Path>,
+    previous: Option<&Path>,
+) -> Result<Option<String>, CaseError> {
+    let Some(current) = current else {
+        eprintln!("skipped: give a built throughput with --throughput PROGRAM");
+        return Ok(None);
+    };
     let sizes: &[usize] = if quick { &[200_000] } else { &[200_000, 2_000_000] };
     let mut rows = Vec::new();
     // Called and inlined over the other commit, and called over inlined.
@@ -119,8 +132,8 @@ pub fn ways(quick: bool, previous: Option<&Path>) -> Result<Option<String>, Case
                 let called = job(kernel, particles, threads);
                 let inlined = Job { way: Way::Inlined, ..called };
                 let mut subjects = vec![
-                    Subject::new("called", || measure::<f64>(&called)),
-                    Subject::new("inlined", || measure::<f64>(&inlined)),
+                    Subject::new("called", || our_program(current, &called)),
+                    Subject::new("inlined", || our_program(current, &inlined)),
                 ];
                 if let Some(previous) = previous {
                     subjects.push(Subject::new("before", || our_program(previous, &called)));

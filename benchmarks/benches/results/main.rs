@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! cargo bench -p benchmarks --bench results -- [--quick] [--yardstick PROGRAM] [--native PROGRAM] [--section NAME,..] [--out FILE]
+//! cargo bench -p benchmarks --bench results -- --section ways --throughput PROGRAM [--previous PROGRAM] [--quick]
 //! cargo bench -p benchmarks --bench results -- --section compile,tests,ci [--before COMMIT,..]
 //! ```
 //!
@@ -40,6 +41,9 @@ struct Options {
     /// Our `throughput` built with `-C target-cpu=native`, to be measured beside
     #[arg(long, value_name = "PROGRAM")]
     native: Option<PathBuf>,
+    /// Our `throughput` as built now, for the section `ways`
+    #[arg(long, value_name = "PROGRAM")]
+    throughput: Option<PathBuf>,
     /// Our `throughput` built at another commit, to be measured beside
     #[arg(long, value_name = "PROGRAM")]
     previous: Option<PathBuf>,
@@ -105,7 +109,9 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             Section::Yardstick => {
                 kernels::yardstick(options.quick, options.yardstick.as_deref(), options.native.as_deref())?
             }
-            Section::Ways => kernels::ways(options.quick, options.previous.as_deref())?,
+            Section::Ways => {
+                kernels::ways(options.quick, options.throughput.as_deref(), options.previous.as_deref())?
+            }
             Section::Sizes => kernels::sizes(options.quick)?,
             Section::Compositions => kernels::compositions(options.quick)?,
             Section::Laws => kernels::laws(options.quick)?,
