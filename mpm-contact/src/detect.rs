@@ -6,6 +6,7 @@ use mpm_materials::{Check, ParameterError};
 
 use crate::normal::{Gradients, Nodal, NormalRule, each};
 use crate::places::Places;
+use crate::separate::SeparatingPlane;
 use crate::vector::times;
 
 /// What it follows from whether bodies touch.
@@ -103,24 +104,21 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Co
 /// oblique normal is that of the ellipsoid in the particle's box.
 ///
 /// The largest reach of all particles around a node may be that of a bulge up to a cell (1.5 with quadratic splines)
-/// beside it: a cylinder on a plane is then stopped by nodes that it has not reached, and rolls as if uphill.
-/// [`SurfaceDistance::locally`] looks along the line through the node alone.
+/// beside it: a ball on a plane then rests on nodes that it has not reached, stiffer than it is, and is stopped by them where it rolls.
+/// The default therefore measures along the line through the node alone ([`SurfaceDistance::locally`]).
 ///
-/// Along an oblique normal bodies overlap before they meet: with [`Gradients`] contact may begin up to 0.7 cells
-/// early, 0.2 if measured locally, with [`crate::Regression`] for the normals less than 0.1 (docs/notes.md 7.2).
+/// Normals of the [`SeparatingPlane`] do not tilt at edges, as those of [`crate::Gradients`] do, which makes blocks plough and lift off where they
+/// slide, and lets oblique surfaces meet up to 0.7 cells early (docs/notes.md 7.2).
 #[derive(Clone, Debug, PartialEq)]
-pub struct SurfaceDistance<N = Gradients> {
+pub struct SurfaceDistance<N = SeparatingPlane> {
     normals: N,
     threshold: f64,
     what: Survey,
 }
 impl Default for SurfaceDistance {
-    /// Half sizes, threshold zero, collinear mass gradients. By chart C5 (docs/report/index.html) no test is the best of
-    /// all: along normals by regression the discs of V10 lose least energy, 2 to 3 % for 3 %, the force of Hertz in V11 is the same
-    /// with hats, and with quadratic splines [`SurfaceDistance::locally`] by regression alone converges to it. So the plain one is the default,
-    /// and [`crate::Regression`] the first to try where a surface is curved or oblique.
+    /// Half sizes, threshold zero, normals of the separating plane, locally.
     fn default() -> Self {
-        SurfaceDistance { normals: Gradients::default(), threshold: 0.0, what: Survey::Reach }
+        SurfaceDistance { normals: SeparatingPlane, threshold: 0.0, what: Survey::LocalReach }
     }
 }
 impl<N> SurfaceDistance<N> {
@@ -143,8 +141,7 @@ impl<N> SurfaceDistance<N> {
         Ok(SurfaceDistance { normals, threshold, what: Survey::CentreReach })
     }
     /// Measure surfaces at particles' half sizes, and only by particles whose centres lie within half a cell of the
-    /// line through the node along the normal. For curved bodies that roll or slide; needs two particles a cell
-    /// and axis, or a node may find none and let through.
+    /// line through the node along the normal; by all particles around the node where there is none of one of the bodies.
     #[must_use]
     pub fn locally(mut self) -> Self {
         self.what = Survey::LocalReach;
@@ -169,10 +166,18 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Su
     ) -> u64 {
         let far = T::of(-1e30);
         let mut reach: [Nodal<[T; 3]>; 2] = [[[far; 3]; 64]; 2];
-        at.survey(pair[0], self.what, nodes, normals, &mut reach[0]);
         let mut opposite = *normals;
         each(nodes).for_each(|n| opposite[n] = times(normals[n], T::of(-1.0)));
-        at.survey(pair[1], self.what, nodes, &opposite, &mut reach[1]);
+        let mut ask = |what, nodes| {
+            at.survey(pair[0], what, nodes, normals, &mut reach[0]);
+            at.survey(pair[1], what, nodes, &opposite, &mut reach[1]);
+            let missed = |n: &usize| reach.iter().any(|r| r[*n][0] <= far);
+            each(nodes).filter(missed).fold(0, |bits, n| bits | 1 << n)
+        };
+        let missed = ask(self.what, nodes);
+        if missed != 0 && self.what == Survey::LocalReach {
+            ask(Survey::Reach, missed);
+        }
         let threshold = T::of(self.threshold * at.spacing());
         let mut touching = 0;
         for n in each(nodes) {

@@ -3,7 +3,7 @@
 //! | part | choices |
 //! |---|---|
 //! | [`ContactDetector`] | [`Approach`], [`Compression`], [`SurfaceDistance`], [`Regression`] |
-//! | [`NormalRule`] | [`Gradients`] by mass or volume: collinear, difference, one body's own; [`Regression`] |
+//! | [`NormalRule`] | [`SeparatingPlane`]; [`Gradients`] by mass or volume: collinear, difference, one body's own; [`Regression`] |
 //! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`Stick`], [`Adhesion`], [`Penalty`]; a table of [`Pairs`] |
 //!
 //! [`GridContact`] makes a contact algorithm of them for [`mpm_core::Mpm::with_contact`]. Every body then has
@@ -27,6 +27,7 @@ mod normal;
 mod places;
 mod regression;
 mod relax;
+mod separate;
 mod solve;
 mod vector;
 
@@ -37,3 +38,4 @@ pub use normal::{Choice, Gradients, Memory, Nodal, NormalRule, Weight};
 pub use places::Places;
 pub use regression::Regression;
 pub use relax::{Iterate, relax};
+pub use separate::SeparatingPlane;

@@ -18,8 +18,8 @@ pub trait Places<T: Float, const D: usize> {
     /// Ask a field about some places, a bit each: vectors are added to `out`, lengths replace smaller ones there. With
     /// pairs of particles the field is there with one particle, and sums over particles p are over the elements at it.
     fn survey(&self, field: usize, what: Survey, places: u64, normals: &[[T; 3]], out: &mut [[T; 3]]);
-    /// Call `visit` for every particle of a field near some places, a bit each, with the place.
-    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(usize, &Near<T>));
+    /// Call `visit` for every particle of a field near some places, a bit each, with those of them that it is near to.
+    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &Near<T>));
 }
 
 impl<T: Float, const D: usize> Places<T, D> for SharedNodes<'_, T, D> {
@@ -35,7 +35,7 @@ impl<T: Float, const D: usize> Places<T, D> for SharedNodes<'_, T, D> {
     fn survey(&self, field: usize, what: Survey, places: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
         SharedNodes::survey(self, field, what, places, normals, out);
     }
-    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &Near<T>)) {
         SharedNodes::near(self, field, places, visit);
     }
 }

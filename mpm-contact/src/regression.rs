@@ -14,7 +14,7 @@ use crate::vector::{dot, unit};
 ///
 /// Here the plane phi . (x, 1) = 0 (x in cells from the node) minimises the convex
 /// sum_p w_p ln(1 + exp(-c_p phi . x_p)) + (k / 2) |phi|^2 sum_p w_p, with c_p = -1 for the first and +1 for the
-/// second body, w_p the weight at the node over the body's sum of them and k = 1e-3, by Newton's method;
+/// second body, w_p one over the number of the body's particles and k = 1e-3, by Newton's method;
 /// \[Nairn2020\] minimise squares of the difference to a sigmoid. Better than gradients at edges, corners and
 /// where bodies differ in density. It visits particles one by one: the slowest rule. Surfaces meet within a tenth of a cell
 /// (docs/notes.md 7.2). [`crate::SurfaceDistance::new`] with these normals is the same detector, and its
@@ -51,11 +51,16 @@ fn with_points<T: Float, const D: usize, R>(
         points.clear();
         let per_cell = 1.0 / at.spacing();
         for (field, class) in pair.into_iter().zip([-1.0, 1.0]) {
-            at.near(field, nodes, &mut |node, near| {
-                let weight = near.weight.to_double();
-                if weight > 0.0 {
-                    let cells = |v: [T; 3]| v.map(|c| c.to_double() * per_cell);
-                    points.push(Point { node, x: cells(near.offset), half: cells(near.half), weight, class });
+            let origin = at.position(0);
+            at.near(field, nodes, &mut |nodes, near| {
+                let cells = |v: [T; 3]| v.map(|c| c.to_double() * per_cell);
+                for node in each(nodes) {
+                    let place = at.position(node);
+                    let mut x = cells(near.offset);
+                    for d in 0..D {
+                        x[d] -= (place[d] - origin[d]) * per_cell;
+                    }
+                    points.push(Point { node, x, half: cells(near.half), weight: 1.0, class });
                 }
             });
         }

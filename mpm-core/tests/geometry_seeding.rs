@@ -280,7 +280,7 @@ proptest! {
         origin in prop::array::uniform2(-1.0..1.0f64), h in 0.03..0.2f64, n in 1..4usize, partial: bool,
     ) {
         let lattice = Lattice::new(origin, h).unwrap();
-        let options = if partial { Filling::new().partial(5, 0.2) } else { Filling::new() };
+        let options = if partial { Filling::new().partial(5, 0.2) } else { Filling::new().at_sites() };
         let ring = Ring::new(centre, 0.3, 0.6).unwrap();
         let bar = OgiveRod::new([centre[0], 0.0], [0.3, 1.0], 0.5, 1.0, 2.0).unwrap()
             .rotated(Rotation2::new(angle), centre).unwrap();
@@ -301,4 +301,42 @@ proptest! {
             }
         }
     }
+}
+
+/// The outermost particles of curved and oblique surfaces are half a particle below them, wherever the lattice lies.
+#[test]
+fn the_outermost_layer_follows_the_surface() {
+    let lattice = Lattice::new([0.013, -0.007], 0.05).unwrap();
+    let edge = 0.5 * lattice.spacing();
+    let disc = Ball::new([0.31, 0.17], 0.4).unwrap();
+    let block =
+        Cuboid::new([-0.7, -0.2], [0.6, 0.3]).unwrap().rotated(Rotation2::new(0.6), [0.1, 0.0]).unwrap();
+    let shapes: [&dyn Shape<2>; 2] = [&disc, &block];
+    for shape in shapes {
+        let sites = fill(shape, &lattice, 2, &Filling::new().at_sites()).unwrap();
+        let fitted = fill(shape, &lattice, 2, &Filling::new()).unwrap();
+        assert_eq!(fitted.volumes, sites.volumes);
+        let depth = |x: &[f64; 2]| -shape.signed_distance(*x);
+        let nearest = |s: &Seeds<2>| s.positions.iter().map(depth).fold(f64::INFINITY, f64::min);
+        assert!(nearest(&sites) < 0.2 * edge, "the stair comes near the surface");
+        assert!((nearest(&fitted) / (0.5 * edge) - 1.0).abs() < 1e-6, "{} of {edge}", nearest(&fitted));
+        for (a, b) in sites.positions.iter().zip(&fitted.positions) {
+            let way = (a[0] - b[0]).hypot(a[1] - b[1]);
+            assert!(way <= edge && (way == 0.0 || depth(a) < edge), "moved by {way}");
+        }
+        // No hole: no place inside is farther from a particle than the diagonal of a cell.
+        for i in 0..400 {
+            let x = [-1.0 + 0.05 * f64::from(i % 40), -1.0 + 0.1 * f64::from(i / 40 * 2)];
+            let far = fitted
+                .positions
+                .iter()
+                .map(|p| (p[0] - x[0]).hypot(p[1] - x[1]))
+                .fold(f64::INFINITY, f64::min);
+            assert!(!shape.contains(x) || far < lattice.spacing(), "hole of {far} at {x:?}");
+        }
+    }
+    // On the lattice nothing moves, not by a bit.
+    let block = Cuboid::new([0.013, -0.007], [0.513, 0.243]).unwrap();
+    let still = [Filling::new(), Filling::new().at_sites()].map(|f| fill(&block, &lattice, 2, &f).unwrap());
+    assert_eq!(still[0], still[1]);
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use crate::common::{H, WAVE, build, cuboid, particles, plane, space, three, two};
 use mpm_contact::{
     Adhesion, Approach, Choice, Compression, ContactDetector, Coulomb, Frictionless, Gradients, GridContact,
-    Nodal, Pairs, Penalty, Places, Regression, Stick, SurfaceDistance, Weight,
+    Nodal, Pairs, Penalty, Places, Regression, SeparatingPlane, Stick, SurfaceDistance, Weight,
 };
 use mpm_core::geometry::{Ball, Cuboid, Filling, Seeds, Shape, fill, rings};
 use mpm_core::{
@@ -455,8 +455,8 @@ struct Recorded(SurfaceDistance, Arc<Mutex<Vec<Measured>>>);
 type Measured = ([f64; 2], [f64; 3], f64);
 
 impl ContactDetector<f64, 2> for Recorded {
-    type Normals = Gradients;
-    fn normals(&self) -> &Gradients {
+    type Normals = SeparatingPlane;
+    fn normals(&self) -> &SeparatingPlane {
         ContactDetector::<f64, 2>::normals(&self.0)
     }
     fn touching(
@@ -516,8 +516,8 @@ fn errors_of_gaps(detector: SurfaceDistance) -> [f64; 2] {
 #[test]
 fn a_bulge_beside_a_node_does_not_reach_it() {
     let half = 12_f64.to_radians().tan();
-    let local = errors_of_gaps(SurfaceDistance::default().locally());
-    let wide = errors_of_gaps(SurfaceDistance::default());
+    let local = errors_of_gaps(SurfaceDistance::default());
+    let wide = errors_of_gaps(SurfaceDistance::new(SeparatingPlane, 0.0).expect("detector"));
     assert!(local[0] > -half && wide[0] < -half, "errors in cells: {local:?}, not locally {wide:?}");
     assert!(local[0] > 0.5 * wide[0], "errors in cells: {local:?}, not locally {wide:?}");
     // Never late by more than rounding and the sagitta of the arc between two particles, 0.5^2 / 80 cells.

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common::{H, WAVE, ball, build, cuboid, particles, plane, three};
 use mpm_contact::{
-    ContactDetector, Coulomb, Criterion, Frictionless, Gradients, GridContact, Nodal, Pairs, Places,
+    ContactDetector, Coulomb, Criterion, Frictionless, GridContact, Nodal, Pairs, Places, SeparatingPlane,
     SurfaceDistance,
 };
 use mpm_core::TimeControl;
@@ -14,11 +14,11 @@ use mpm_core::TimeControl;
 struct Counted(SurfaceDistance, Arc<AtomicUsize>);
 
 impl ContactDetector<f64, 2> for Counted {
-    type Normals = Gradients;
+    type Normals = SeparatingPlane;
     fn criterion(&self, spacing: f64) -> Criterion {
         ContactDetector::<f64, 2>::criterion(&self.0, spacing)
     }
-    fn normals(&self) -> &Gradients {
+    fn normals(&self) -> &SeparatingPlane {
         ContactDetector::<f64, 2>::normals(&self.0)
     }
     fn touching(

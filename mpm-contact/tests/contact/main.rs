@@ -14,4 +14,5 @@ mod rest;
 mod restart;
 mod resting;
 mod rigid;
+mod sliding;
 mod symmetry;

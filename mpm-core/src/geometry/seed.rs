@@ -21,8 +21,9 @@ enum Edge {
     Partial { subsamples: usize, drop_below: f64 },
 }
 
-/// How to fill a shape. The default is the plain one: Cartesian, one particle at every site whose centre is
-/// inside, volumes corrected to the exact measure of the shape.
+/// How to fill a shape. The default is Cartesian, one particle at every site whose centre is inside, the outermost layer
+/// moved to half a particle below the surface ([`Filling::at_sites`] leaves it), volumes corrected to the exact
+/// measure of the shape.
 ///
 /// ```
 /// use mpm_core::geometry::Filling;
@@ -34,11 +35,12 @@ pub struct Filling {
     edge: Edge,
     jitter: Option<(u64, f64)>,
     correct: bool,
+    fit: bool,
 }
 
 impl Default for Filling {
     fn default() -> Self {
-        Self { metric: Metric::Cartesian, edge: Edge::Centre, jitter: None, correct: true }
+        Self { metric: Metric::Cartesian, edge: Edge::Centre, jitter: None, correct: true, fit: true }
     }
 }
 
@@ -70,6 +72,14 @@ impl Filling {
         self.jitter = Some((seed, amount));
         self
     }
+    /// Leaves all particles at their sites. Without it those of the outermost layer, where they are not jittered or
+    /// [partial](Filling::partial), are moved along the normal until they are half a particle below the surface, by half a particle at most:
+    /// a curved or oblique surface is as smooth as the shape, and not a stair on which bodies that slide catch and bodies
+    /// that meet begin to touch too early or too late. Where a surface lies between the sites already, nothing moves.
+    pub fn at_sites(mut self) -> Self {
+        self.fit = false;
+        self
+    }
     /// Leaves the volumes as they are, instead of scaling them to the measure of the shape.
     pub fn uncorrected(mut self) -> Self {
         self.correct = false;
@@ -80,7 +90,7 @@ impl Filling {
 /// Particles ready to become a body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Seeds<const D: usize> {
-    /// Positions (m), sorted by cell and by site within a cell, the first axis varying slowest in both.
+    /// Positions (m), sorted by the cell of their site and by site within a cell, the first axis varying slowest in both.
     pub positions: Vec<[f64; D]>,
     /// Volumes: m3 in 3D, m2 in 2D, m3 per radian in axisymmetric use.
     pub volumes: Vec<f64>,
@@ -295,6 +305,15 @@ pub fn fill<const D: usize>(
     if positions.is_empty() {
         return Err(GeometryError::NoParticles { particle_edge: edge });
     }
+    if filling.fit && filling.edge == Edge::Centre && filling.jitter.is_none() {
+        let axis = filling.metric == Metric::Axisymmetric;
+        positions.par_iter_mut().for_each(|x| {
+            let fitted = fit(shape, *x, edge);
+            if !axis || fitted[0] > 0.0 {
+                *x = fitted;
+            }
+        });
+    }
     let raw_measure = sum(volumes.iter().copied().chain(slivers.iter().map(|s| s.volume)));
     let homeless = merge(&slivers, &keys, &mut volumes, per_axis);
 
@@ -329,6 +348,48 @@ pub fn fill<const D: usize>(
         sampled_measure: sampled,
         correction,
     })
+}
+
+/// How often a particle is moved: by the nearest surface first, then by those that it is too near to still, as at edges.
+const FITS: usize = 4;
+
+/// Where a particle of this edge belongs that is at `x`: half an edge below the surface, if it is in the outermost layer.
+fn fit<const D: usize>(shape: &(impl Shape<D> + ?Sized), x: [f64; D], edge: f64) -> [f64; D] {
+    let (half, step) = (0.5 * edge, 1e-4 * edge);
+    let mut place = x;
+    for pass in 0..FITS {
+        let depth = -shape.signed_distance_within(place, 1.1 * edge);
+        if depth >= edge || (depth - half).abs() <= 1e-6 * edge {
+            break;
+        }
+        let mut normal = [0.0; D];
+        let mut square = 0.0;
+        for i in 0..D {
+            let [mut low, mut high] = [place; 2];
+            low[i] -= step;
+            high[i] += step;
+            let rise = shape.signed_distance_within(high, 2.0 * edge)
+                - shape.signed_distance_within(low, 2.0 * edge);
+            normal[i] = rise / (2.0 * step);
+            square += normal[i] * normal[i];
+        }
+        // In the middle between two surfaces there is no normal.
+        if (square - 1.0).abs() > 0.1 {
+            break;
+        }
+        // Along the axis that is closest to the normal, sites are an edge apart: one of each row is in this layer.
+        let steepest = normal.iter().fold(0.0_f64, |a, n| a.max(n.abs()));
+        let outermost = if pass == 0 { depth < steepest * edge * (1.0 - 1e-9) } else { depth < half };
+        let beyond: [f64; D] = std::array::from_fn(|i| place[i] + normal[i] * (depth + 0.1 * edge));
+        if !outermost || shape.contains(beyond) {
+            break;
+        }
+        for i in 0..D {
+            place[i] += normal[i] * (depth - half);
+        }
+    }
+    let way: f64 = (0..D).map(|i| (place[i] - x[i]).powi(2)).sum();
+    if way <= edge * edge && shape.contains(place) { place } else { x }
 }
 
 /// The cells within the bounds of the shape.

@@ -138,8 +138,9 @@ pub trait Presence<T: Float, const D: usize>: Send + Sync {
     /// has a bit for each. Adds to `out`, one entry a node ([`Survey::Reach`]: the larger one), for the unit
     /// vectors in `normals`, one a node, where the survey needs them.
     fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]);
-    /// Call `visit` for every particle near some nodes of a block, with the node; particles in order of place.
-    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>));
+    /// Call `visit` for every particle near some nodes of a block, a bit each, with those of them that it has in its
+    /// stencil; particles in order of place, those of a bin one behind the other.
+    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &Near<T>));
 }
 
 /// A body as the solver and observers see it.

@@ -158,7 +158,7 @@ pub(crate) trait ShapeKernels<T: Float, const D: usize>: Send + Sync {
     /// A quantity of the particles around a block.
     fn survey(&self, about: Surveyed<'_, T, D>);
     /// The particles around a block.
-    fn near(&self, about: NearbyOf<'_, T, D>, visit: &mut dyn FnMut(usize, &Near<T>));
+    fn near(&self, about: NearbyOf<'_, T, D>, visit: &mut dyn FnMut(u64, &Near<T>));
     /// Book the power of loads with the velocities that the nodes have.
     fn book_loads(&self, task: LoadTask<'_, T, D>) -> T;
     /// Add loads to the tile of a block.
@@ -210,8 +210,8 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> ShapeKernels<T, D> for Ke
             Survey::Traction => T::dispatch(SurveyBlock::<T, D, S, TRACTION> { shape, about, said }),
         }
     }
-    fn near(&self, about: NearbyOf<'_, T, D>, visit: &mut dyn FnMut(usize, &Near<T>)) {
-        Nearby { shape: &self.0, about }.visit(visit);
+    fn near(&self, about: NearbyOf<'_, T, D>, visit: &mut dyn FnMut(u64, &Near<T>)) {
+        Nearby { shape: PhantomData::<S>, about }.visit(visit);
     }
     fn book_loads(&self, task: LoadTask<'_, T, D>) -> T {
         T::dispatch(BookLoads { shape: &self.0, task })

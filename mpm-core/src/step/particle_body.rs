@@ -536,7 +536,7 @@ impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
     fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
         self.survey_nodes(block, what, nodes, normals, out);
     }
-    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &Near<T>)) {
         self.visit_near(block, nodes, visit);
     }
 }

@@ -29,6 +29,30 @@ pub struct SharedNodes<'a, T: Float, const D: usize> {
     pub(super) dt: T,
 }
 
+/// Nodes of a block that are images of others, mirrored along some axes.
+#[derive(Clone, Copy)]
+struct Image<const D: usize> {
+    /// The block of the others.
+    at: [i32; D],
+    /// The images, a bit each.
+    nodes: u64,
+    axes: [Option<Mirrored>; D],
+}
+
+/// How nodes are mirrored along an axis.
+#[derive(Clone, Copy)]
+struct Mirrored {
+    /// How far the others are from their images, in places of a block.
+    by: i32,
+    /// Where the plane is, in nodes from the first one of the block.
+    plane: i32,
+}
+
+/// Nodes of a block, a bit each, of the layer at place `within` along the axis of a `stride`.
+fn layer_of(within: usize, stride: usize) -> u64 {
+    (0..64).filter(|n| n / stride % BLOCK == within).fold(0, |set, n| set | 1 << n)
+}
+
 impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     /// Number of fields.
     pub fn fields(&self) -> usize {
@@ -119,10 +143,77 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         }
     }
 
-    /// Call `visit` for every particle of a field near some nodes, a bit each, with the node.
-    pub fn near(&self, field: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+    /// Call `visit` for every particle of a field near some nodes, a bit each, with those of them that it has in its
+    /// stencil. What lies beyond planes of symmetry counts: particles come again as their mirror images.
+    pub fn near(&self, field: usize, nodes: u64, visit: &mut dyn FnMut(u64, &Near<T>)) {
         let member = self.members[field];
         self.bodies[member.body as usize].presence().near(member.local as usize, nodes, visit);
+        let none = Image { at: self.coordinates, nodes, axes: [None; D] };
+        self.near_images(member, self.mirrors, &none, visit);
+    }
+
+    /// Particles near some nodes as images in one of `mirrors` or several, beside those that `so_far` was mirrored in.
+    fn near_images(
+        &self,
+        member: Member,
+        mirrors: &[Plane],
+        so_far: &Image<D>,
+        visit: &mut dyn FnMut(u64, &Near<T>),
+    ) {
+        let block = BLOCK as i32;
+        for (next, mirror) in mirrors.iter().enumerate() {
+            let axis = mirror.axis;
+            if so_far.axes[axis].is_some() {
+                continue;
+            }
+            let stride = BLOCK.pow(axis as u32);
+            for layer in if self.wide { -1..=1 } else { 0..=0 } {
+                let index = mirror.node + layer;
+                if index.div_euclid(block) != self.coordinates[axis] {
+                    continue;
+                }
+                let within = index.rem_euclid(block) as usize;
+                let mine = layer_of(within, stride) & so_far.nodes;
+                if mine == 0 {
+                    continue;
+                }
+                let image = mirror.node - layer;
+                let mut here = *so_far;
+                here.nodes = mine;
+                here.at[axis] = image.div_euclid(block);
+                let by = (image.rem_euclid(block) - within as i32) * stride as i32;
+                here.axes[axis] = Some(Mirrored { by, plane: mirror.node - self.coordinates[axis] * block });
+                if let Some(local) = self.fields.local(&here.at, member.body) {
+                    self.near_mirrored(local, member, &here, visit);
+                }
+                self.near_images(member, &mirrors[next + 1..], &here, visit);
+            }
+        }
+    }
+
+    /// The particles near the images of some nodes, mirrored.
+    fn near_mirrored(
+        &self,
+        local: usize,
+        member: Member,
+        image: &Image<D>,
+        visit: &mut dyn FnMut(u64, &Near<T>),
+    ) {
+        let by: i32 = image.axes.iter().flatten().map(|m| m.by).sum();
+        let moved = |set: u64, by: i32| if by < 0 { set >> -by } else { set << by };
+        let body = &self.bodies[member.body as usize];
+        body.presence().near(local, moved(image.nodes, by), &mut |nodes, near| {
+            let mut seen = *near;
+            for d in 0..D {
+                let blocks = f64::from((image.at[d] - self.coordinates[d]) * BLOCK as i32);
+                let here = near.offset[d] + T::of(blocks * self.spacing);
+                seen.offset[d] = match image.axes[d] {
+                    None => here,
+                    Some(m) => T::of(2.0 * f64::from(m.plane) * self.spacing) - here,
+                };
+            }
+            visit(moved(nodes, -by), &seen);
+        });
     }
 
     /// A node of a field; empty where the body has none.

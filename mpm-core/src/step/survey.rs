@@ -3,6 +3,8 @@
 //! Nodes of a block are given by a bit each, x fastest. Only bins whose stencil has one of them are visited:
 //! slots around the block, bins and particles in order of place, so that the sums do not depend on threads.
 
+use std::marker::PhantomData;
+
 use mpm_materials::material::{Material, Response, States};
 use mpm_materials::{Lane, Sym3};
 
@@ -13,7 +15,7 @@ use crate::dim::{BLOCK, Stencil, block_nodes, first_node, neighbours};
 use crate::parallel::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 use crate::particles::{Columns, Masses};
 use crate::shape::domain::{Table, table};
-use crate::shape::{ShapeFunction, Weights, node_offset};
+use crate::shape::{ShapeFunction, Weights, bin_centre, node_offset};
 
 /// A quantity of a body at a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,22 +38,22 @@ pub enum Survey {
     Traction,
 }
 
-/// A particle as contact sees it from a node.
+/// A particle as contact sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Near<T> {
-    /// Its position less the node's, m.
+    /// Its position less that of the first place (of a block: its first node), m.
     pub offset: [T; 3],
     /// Its half sizes, m.
     pub half: [T; 3],
     /// Its mass, kg.
     pub mass: T,
-    /// Its weight at the node.
-    pub weight: T,
 }
 
 /// For each of the nodes of a stencil: its place in the block, if the survey is about it.
 struct Reached {
     node: [u8; block_nodes(3)],
+    /// Where the bin's block is from the block of the nodes.
+    block: [i32; 3],
 }
 
 const OUTSIDE: u8 = u8::MAX;
@@ -60,7 +62,7 @@ const OUTSIDE: u8 = u8::MAX;
 /// relative to the block's first node), as far as they are in `nodes`.
 #[inline(always)]
 fn reached<const D: usize>(count: usize, first: [i32; 3], nodes: u64) -> Reached {
-    let mut found = Reached { node: [OUTSIDE; block_nodes(3)] };
+    let mut found = Reached { node: [OUTSIDE; block_nodes(3)], block: [0; 3] };
     let inside = 0..BLOCK as i32;
     for c in 0..if D == 3 { count } else { 1 } {
         let z = if D == 3 { first[2] + c as i32 } else { 0 };
@@ -161,7 +163,9 @@ macro_rules! for_bins {
                     let place = $bin / BLOCK.pow(d as u32) % BLOCK;
                     first[d] = o[d] * BLOCK as i32 + place as i32 + first_node($count);
                 }
-                let $at = reached::<$d>($count, first, $nodes);
+                #[allow(unused_mut)]
+                let mut $at = reached::<$d>($count, first, $nodes);
+                $at.block[..$d].copy_from_slice(&o);
                 $do
             }
         }
@@ -412,7 +416,7 @@ fn normal_stress<L: Lane>(s: &Sym3<L>, n: &[L; 3]) -> L {
 
 /// Where particles near some nodes of a block are asked for one by one.
 pub(super) struct Nearby<'a, T: Float, const D: usize, S> {
-    pub(super) shape: &'a S,
+    pub(super) shape: PhantomData<S>,
     pub(super) about: NearbyOf<'a, T, D>,
 }
 
@@ -428,50 +432,35 @@ pub struct NearbyOf<'a, T: Float, const D: usize> {
 }
 
 impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Nearby<'_, T, D, S> {
-    pub(super) fn visit(&self, visit: &mut dyn FnMut(usize, &Near<T>)) {
+    pub(super) fn visit(&self, visit: &mut dyn FnMut(u64, &Near<T>)) {
         let NearbyOf { slots, contributors, nodes, domains, spacing: h, masses } = &self.about;
-        let (count, layers) = (S::Extent::NODES, S::Extent::LAYERS);
-        let one: T = T::of(1.0);
+        let count = S::Extent::NODES;
         for_bins!(slots, contributors, *nodes, count, D, masses, |slot, bin, at| {
+            let mut mask = 0;
+            for node in at.node.into_iter().filter(|n| *n != OUTSIDE) {
+                mask |= 1 << node;
+            }
+            // Nodes of the block are at whole numbers; the bin's centre is where its stencil's is.
+            let mut centre = [T::default(); 3];
+            for d in 0..D {
+                let place = (bin / BLOCK.pow(d as u32) % BLOCK) as i32;
+                let block = at.block[d] * BLOCK as i32;
+                centre[d] = T::of(f64::from(block + place) + bin_centre::<S::Extent>());
+            }
             for place in slot.block.bin_places(bin) {
                 let number = |column: usize| slot.block.get(place, column);
-                let mut near = Near {
-                    offset: [T::default(); 3],
-                    half: [T::default(); 3],
-                    mass: masses.read(number),
-                    weight: one,
-                };
+                let mut near =
+                    Near { offset: [T::default(); 3], half: [T::default(); 3], mass: masses.read(number) };
                 let carried = |n: usize| T::Single::from(number(domains.column + n));
                 let domain = domains.of::<T::Single, S, D>(carried);
-                let mut xi = [T::default(); 3];
-                let mut w = [Weights::<T::Single, S::Extent>::zero(); 3];
-                w[2].value[0] = T::Single::one();
                 for d in 0..D {
-                    xi[d] = number(Columns::position() + d);
                     let mut axis = [T::Single::zero(); 3];
                     axis[d] = T::Single::one();
                     let half: T = S::DOMAIN.half_along::<T::Single, D>(&domain, &axis).into();
                     near.half[d] = half * *h;
-                    w[d] = self.shape.weights(T::Single::from(xi[d]), domain[d]);
+                    near.offset[d] = (centre[d] + number(Columns::position() + d)) * *h;
                 }
-                let mut weights = Table::<T::Single, S::Extent>::zero();
-                if S::DOMAIN.convects() {
-                    weights = table::<T, T::Single, S, D>(&xi.map(T::Single::from), &domain);
-                }
-                for s in 0..layers * count * count {
-                    let node = at.node[s];
-                    if node == OUTSIDE {
-                        continue;
-                    }
-                    let place = [s % count, s / count % count, s / (count * count)];
-                    let mut weight = one;
-                    for d in 0..D {
-                        near.offset[d] = (xi[d] - T::of(node_offset::<S::Extent>(place[d]))) * *h;
-                        weight *= w[d].value[place[d]].into();
-                    }
-                    near.weight = if S::DOMAIN.convects() { weights.value[s].into() } else { weight };
-                    visit(node as usize, &near);
-                }
+                visit(mask, &near);
             }
         });
     }
@@ -501,7 +490,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.kernels.shape().survey(about);
     }
 
-    pub(super) fn visit_near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(usize, &Near<T>)) {
+    pub(super) fn visit_near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &Near<T>)) {
         let about = NearbyOf {
             slots: &self.slots,
             contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],

@@ -102,15 +102,15 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
     }
 
     /// The particle of the pair and those it shares elements with; of a wall, the foot of the other side.
-    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(usize, &Near<f64>)) {
+    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &Near<f64>)) {
+        let origin = self.position(0);
         for n in each(places) {
-            let (side, at) = (&self.pairs[n].sides[field], self.position(n));
+            let side = &self.pairs[n].sides[field];
             let mut show = |x: &[f64; D], mass: f64, half: f64| {
-                let offset: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] - at[d] } else { 0.0 });
-                let weight = (1.0 - 0.5 * dot(&offset, &offset).sqrt() / self.spacing).max(0.0);
+                let offset: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] - origin[d] } else { 0.0 });
                 let mut halves = [0.0; 3];
                 halves[..D].fill(half);
-                visit(n, &Near { offset, half: halves, mass, weight });
+                visit(1 << n, &Near { offset, half: halves, mass });
             };
             match self.part(side) {
                 None => show(&side.position, side.mass, side.beyond),

@@ -1,0 +1,352 @@
+//! Normals of the plane that separates the particles of two bodies with the widest margin.
+
+use std::cell::RefCell;
+
+use mpm_core::parallel::Float;
+
+use crate::normal::{Memory, Nodal, NormalRule, each};
+use crate::places::Places;
+use crate::vector::{difference, dot, sum, times, unit};
+
+/// The plane between the particles of two bodies near a node that is farthest from both: the separating hyperplane of widest
+/// margin. Its normal is the direction in which the convex hulls of their centres are nearest to each other, found by the
+/// algorithm of \[Gilbert1988\].
+///
+/// Gradients of mass tilt at edges, where half of a node's support is empty, and a block that slides on another ploughs into it.
+/// The plane of widest margin is that of the faces however they are cut off, and a tangent plane between a curved
+/// surface and a face or another curved surface. Only the places of particles count, not their masses: bodies may differ in density,
+/// in particles a cell, and in which stands first.
+///
+/// Where hulls overlap (surfaces that are hollow or rough, or that went through each other) both are shrunk about
+/// their centroids, by a quarter, then by half: faces keep their directions. If they still overlap, the normal is the direction between the
+/// centroids.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SeparatingPlane;
+
+/// How far hulls are shrunk, in turn.
+const SHRINKS: [f64; 3] = [0.0, 0.25, 0.5];
+/// Hulls closer than this, in cells, overlap: the direction between them is that of rounding.
+const NEAREST: f64 = 1e-3;
+/// Steps of the search. Some five are common.
+const STEPS: usize = 40;
+/// The search ends where another step can shorten the squared distance by this part of it at most.
+const FOUND: f64 = 1e-13;
+
+/// Particles that are near to the same nodes, one behind the other.
+#[derive(Clone, Copy)]
+struct Run {
+    nodes: u64,
+    start: usize,
+    end: usize,
+}
+
+/// Centres in cells, a vector an axis.
+#[derive(Default)]
+struct Centres([Vec<f64>; 3]);
+
+impl Centres {
+    fn clear(&mut self) {
+        self.0.iter_mut().for_each(Vec::clear);
+    }
+    fn push(&mut self, x: [f64; 3]) {
+        self.0.iter_mut().zip(x).for_each(|(axis, x)| axis.push(x));
+    }
+    fn len(&self) -> usize {
+        self.0[0].len()
+    }
+    fn get(&self, i: usize) -> [f64; 3] {
+        [self.0[0][i], self.0[1][i], self.0[2][i]]
+    }
+    /// Those that are near to a node.
+    fn choose(&mut self, all: &Centres, runs: &[Run], node: usize) {
+        self.clear();
+        for run in runs.iter().filter(|r| r.nodes >> node & 1 != 0) {
+            for (axis, all) in self.0.iter_mut().zip(&all.0) {
+                axis.extend_from_slice(&all[run.start..run.end]);
+            }
+        }
+    }
+    fn centroid(&self) -> [f64; 3] {
+        let share = 1.0 / self.len() as f64;
+        [0, 1, 2].map(|d| self.0[d].iter().sum::<f64>() * share)
+    }
+    /// The first of those that are farthest along a direction. `along` is memory.
+    fn farthest(&self, direction: [f64; 3], along: &mut Vec<f64>) -> [f64; 3] {
+        let [x, y, z] = &self.0;
+        let count = self.len();
+        let (x, y, z) = (&x[..count], &y[..count], &z[..count]);
+        along.clear();
+        along.resize(count, 0.0);
+        for i in 0..count {
+            along[i] = x[i] * direction[0] + y[i] * direction[1] + z[i] * direction[2];
+        }
+        // The largest of four in turn first: a chain of one comparison after the other waits for each.
+        let mut four = [f64::NEG_INFINITY; 4];
+        let mut parts = along.chunks_exact(4);
+        for part in &mut parts {
+            for i in 0..4 {
+                four[i] = if part[i] > four[i] { part[i] } else { four[i] };
+            }
+        }
+        let largest = four.iter().chain(parts.remainder()).fold(f64::NEG_INFINITY, |a, &b| a.max(b));
+        let first = along.iter().position(|&a| a == largest).unwrap_or(0);
+        self.get(first)
+    }
+}
+
+/// Memory of a thread, kept from block to block.
+#[derive(Default)]
+struct Workspace {
+    all: [Centres; 2],
+    runs: [Vec<Run>; 2],
+    near: [Centres; 2],
+    along: Vec<f64>,
+}
+
+thread_local! {
+    static WORKSPACE: RefCell<Workspace> = RefCell::default();
+}
+
+impl<T: Float, const D: usize> NormalRule<T, D> for SeparatingPlane {
+    fn prepare(&self, _at: &dyn Places<T, D>, _memory: &mut Memory<'_, T>) {}
+
+    fn normals(
+        &self,
+        at: &dyn Places<T, D>,
+        pair: [usize; 2],
+        nodes: u64,
+        _memory: &Memory<'_, T>,
+        normals: &mut Nodal<[T; 3]>,
+    ) -> u64 {
+        WORKSPACE.with_borrow_mut(|work| {
+            let per_cell = 1.0 / at.spacing();
+            for side in 0..2 {
+                let (all, runs) = (&mut work.all[side], &mut work.runs[side]);
+                all.clear();
+                runs.clear();
+                at.near(pair[side], nodes, &mut |nodes, near| {
+                    let start = all.len();
+                    all.push(near.offset.map(|x| x.to_double() * per_cell));
+                    match runs.last_mut().filter(|r| r.nodes == nodes) {
+                        Some(run) => run.end = start + 1,
+                        None => runs.push(Run { nodes, start, end: start + 1 }),
+                    }
+                });
+            }
+            let mut have = 0;
+            for node in each(nodes) {
+                for side in 0..2 {
+                    work.near[side].choose(&work.all[side], &work.runs[side], node);
+                }
+                if let Some(normal) = separating(&work.near, &mut work.along) {
+                    normals[node] = normal.map(T::of);
+                    have |= 1 << node;
+                }
+            }
+            have
+        })
+    }
+}
+
+/// The unit normal from the first to the second of two sets; none where one is empty or both have the same centroid.
+fn separating(sets: &[Centres; 2], along: &mut Vec<f64>) -> Option<[f64; 3]> {
+    if sets[0].len() == 0 || sets[1].len() == 0 {
+        return None;
+    }
+    let centroids = difference(sets[1].centroid(), sets[0].centroid());
+    let apart = SHRINKS.into_iter().find_map(|shrink| nearest(sets, centroids, shrink, along));
+    unit(apart.unwrap_or(centroids))
+}
+
+/// The shortest vector from the hull of the first set to that of the second, both shrunk about their centroids, which are
+/// `centroids` apart; none where they overlap.
+fn nearest(sets: &[Centres; 2], centroids: [f64; 3], shrink: f64, along: &mut Vec<f64>) -> Option<[f64; 3]> {
+    let mut v = centroids;
+    let mut simplex = Simplex::default();
+    for step in 0..STEPS {
+        let square = dot(v, v);
+        if square < NEAREST * NEAREST {
+            return None;
+        }
+        let (first, second) = (sets[0].farthest(v, along), sets[1].farthest(times(v, -1.0), along));
+        let whole = times(difference(second, first), 1.0 - shrink);
+        let vertex = sum(whole, times(centroids, shrink));
+        if square - dot(v, vertex) <= FOUND * square || simplex.has(vertex) {
+            break;
+        }
+        simplex.add(vertex);
+        let next = simplex.nearest();
+        // The centroid was no vertex: the first one may be farther.
+        if step > 0 && dot(next, next) >= square {
+            break;
+        }
+        v = next;
+    }
+    Some(v)
+}
+
+/// Up to four vertices of the difference of two hulls, the nearest point to the origin in their own.
+#[derive(Default)]
+struct Simplex {
+    vertices: [[f64; 3]; 4],
+    count: usize,
+}
+
+impl Simplex {
+    fn has(&self, vertex: [f64; 3]) -> bool {
+        self.vertices[..self.count].contains(&vertex)
+    }
+    fn add(&mut self, vertex: [f64; 3]) {
+        self.vertices[self.count] = vertex;
+        self.count += 1;
+    }
+    /// The point nearest to the origin; keeps the vertices of the face that it is in. Every face is tried: there are fifteen at
+    /// most, and none of them needs care where others are degenerate.
+    fn nearest(&mut self) -> [f64; 3] {
+        let mut best = (f64::INFINITY, [0.0; 3], 0u32);
+        for set in 1u32..1 << self.count {
+            let mut face = [[0.0; 3]; 4];
+            let mut count = 0;
+            for i in (0..self.count).filter(|i| set >> i & 1 != 0) {
+                face[count] = self.vertices[i];
+                count += 1;
+            }
+            let Some(point) = within(&face[..count]) else { continue };
+            let square = dot(point, point);
+            if square < best.0 {
+                best = (square, point, set);
+            }
+        }
+        let mut count = 0;
+        for i in 0..self.count {
+            if best.2 >> i & 1 != 0 {
+                self.vertices[count] = self.vertices[i];
+                count += 1;
+            }
+        }
+        self.count = count;
+        best.1
+    }
+}
+
+/// The point of the plane through some vertices that is nearest to the origin, if it is between them.
+fn within(face: &[[f64; 3]]) -> Option<[f64; 3]> {
+    match *face {
+        [a] => Some(a),
+        [a, b] => {
+            let edge = difference(b, a);
+            let (along, square) = (-dot(a, edge), dot(edge, edge));
+            (along > 0.0 && along < square).then(|| sum(a, times(edge, along / square)))
+        }
+        [a, b, c] => {
+            let (p, q) = (difference(b, a), difference(c, a));
+            let (pp, pq, qq) = (dot(p, p), dot(p, q), dot(q, q));
+            let (ap, aq) = (-dot(a, p), -dot(a, q));
+            let area = pp * qq - pq * pq;
+            let (s, t) = (ap * qq - aq * pq, aq * pp - ap * pq);
+            (area > 1e-14 * pp * qq && s > 0.0 && t > 0.0 && s + t < area).then(|| {
+                // Across the face: exact in direction, where a + s p + t q would cancel.
+                let across = cross(p, q);
+                times(across, dot(a, across) / dot(across, across))
+            })
+        }
+        [a, b, c, d] => {
+            let (p, q, r) = (difference(b, a), difference(c, a), difference(d, a));
+            let volume = dot(p, cross(q, r));
+            let o = times(a, -1.0);
+            let parts = [dot(o, cross(q, r)), dot(p, cross(o, r)), dot(p, cross(q, o))];
+            let all: f64 = parts.iter().sum();
+            let inside = if volume > 0.0 {
+                parts.iter().all(|x| *x >= 0.0) && all <= volume
+            } else {
+                parts.iter().all(|x| *x <= 0.0) && all >= volume
+            };
+            (volume != 0.0 && inside).then_some([0.0; 3])
+        }
+        _ => None,
+    }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn set(points: impl IntoIterator<Item = [f64; 3]>) -> Centres {
+        let mut centres = Centres::default();
+        points.into_iter().for_each(|p| centres.push(p));
+        centres
+    }
+
+    /// Rows of a block, turned by an angle about z.
+    fn block(
+        x: std::ops::Range<i32>,
+        y: std::ops::Range<i32>,
+        z: std::ops::Range<i32>,
+        angle: f64,
+    ) -> Centres {
+        let (s, c) = angle.sin_cos();
+        let all = x.flat_map(|i| {
+            let z = z.clone();
+            y.clone().flat_map(move |j| {
+                z.clone()
+                    .map(move |k| [0.25 + 0.5 * f64::from(i), 0.25 + 0.5 * f64::from(j), 0.5 * f64::from(k)])
+            })
+        });
+        set(all.map(|[x, y, z]| [c * x - s * y, s * x + c * y, z]))
+    }
+
+    #[test]
+    fn faces_keep_their_normal_at_edges() {
+        for angle in [0.0, 0.3, 0.7854, 2.0, -1.1] {
+            for depth in [0..1, 0..3] {
+                for right in -1..4 {
+                    // The upper one ends anywhere over the lower one.
+                    let low = block(-3..3, -3..0, depth.clone(), angle);
+                    let high = block(-3..right, 0..3, depth.clone(), angle);
+                    let exact = [-f64::sin(angle), f64::cos(angle), 0.0];
+                    let found = separating(&[low, high], &mut Vec::new()).unwrap();
+                    let off = difference(found, exact);
+                    assert!(dot(off, off).sqrt() < 1e-12, "{angle} {right} {found:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_body_and_the_other_see_opposite_normals() {
+        // Points of two balls that nearly touch, without order.
+        let ball = |seed: u32, at: [f64; 3]| {
+            let mut x = seed;
+            let mut next = move || {
+                x = x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                f64::from(x >> 8) / f64::from(1u32 << 24) - 0.5
+            };
+            let all = (0..400).map(move |_| [next(), next(), next()]);
+            set(all.filter(|p| dot(*p, *p) < 0.25).map(move |p| sum(p, at)))
+        };
+        let make = || [ball(1, [0.0; 3]), ball(2, [0.8, 0.5, 0.4])];
+        let [a, b] = make();
+        let there = separating(&[a, b], &mut Vec::new()).unwrap();
+        let [a, b] = make();
+        let back = separating(&[b, a], &mut Vec::new()).unwrap();
+        assert_eq!(there, times(back, -1.0));
+        let line = unit([0.8, 0.5, 0.4]).unwrap();
+        assert!(dot(line, there) > 0.97, "{there:?}");
+    }
+
+    #[test]
+    fn hulls_that_overlap_are_shrunk() {
+        // A block with a lip below its face, and one that went half a particle into it.
+        let low = set((-4..4).flat_map(|i| [[f64::from(i), -0.2, 0.0], [f64::from(i), -1.2, 0.0]]));
+        let high =
+            set((-4..4).flat_map(|i| [[f64::from(i) + 0.3, -0.3, 0.0], [f64::from(i) + 0.3, 0.7, 0.0]]));
+        let found = separating(&[low, high], &mut Vec::new()).unwrap();
+        assert!(found[1] > 0.999, "{found:?}");
+        assert_eq!(separating(&[set([[1.0; 3]]), set([])], &mut Vec::new()), None);
+        assert_eq!(separating(&[set([[1.0; 3]]), set([[1.0; 3]])], &mut Vec::new()), None);
+    }
+}
