@@ -53,6 +53,9 @@ pub struct Options {
     pub cases: u32,
     /// Is the virgin state free of stress? A gas is not.
     pub stress_free: bool,
+    /// Do rotations of any size leave the stress as it is, to rounding? Not those of laws with
+    /// [`SmallRotation`](crate::SmallRotation).
+    pub exact_rotation: bool,
     /// Allowed difference of stress work and internal energy, relative to the work done. Hypoelastic laws
     /// whose energy is computed from the stress need more than the default 2e-3.
     pub work_tolerance: f64,
@@ -73,6 +76,7 @@ impl Options {
             length: 1.0e-3,
             cases: 12,
             stress_free: true,
+            exact_rotation: true,
             work_tolerance: 2.0e-3,
             wave_tolerance: 1.0e-3,
         }
@@ -121,6 +125,8 @@ pub fn check<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     rest(law, options)?;
     isotropy(law, options)?;
     objectivity(law, options)?;
+    spinning(law, options)?;
+    superposed(law, options)?;
     work(law, options)?;
     cycles(law, options)?;
     purity(law, options)?;
@@ -139,7 +145,7 @@ macro_rules! conformance_suite {
             #[allow(unused_imports)]
             use super::*;
             $crate::conformance_suite!(@tests $law, $options,
-                virgin rest isotropy objectivity work cycles purity lanes wave_speed inversion not_a_number
+                virgin rest isotropy objectivity spinning superposed work cycles purity lanes wave_speed inversion not_a_number
                 $($capability)*);
             $(
                 #[test]
@@ -257,6 +263,124 @@ fn turning_error<M: Constitutive<f64>>(
     }
     let stress = law.stress(&plain);
     Ok((q.transpose().congruence(&law.stress(&turned)) - stress, largest(&stress)))
+}
+
+/// Angles by which a point turns in a step, rad.
+const ANGLES: [f64; 4] = [1e-6, 1e-3, 0.05, 0.3];
+
+/// The spin that turns by `angle`, rad, about a direction.
+fn spin_of(direction: [f64; 3], angle: f64) -> [f64; 3] {
+    let [x, y, z] = direction;
+    let length = (x * x + y * y + z * z).sqrt();
+    direction.map(|d| d / length * 2.0 * (0.5 * angle).tan())
+}
+
+/// The virgin state, and one with stress at rest.
+fn resting<M: Constitutive<f64>>(
+    law: &M,
+    path: &[Mat3<f64>],
+    options: &Options,
+) -> Result<[M::State<f64>; 2], String> {
+    let mut settled = walk(law, path, 50, options)?.state;
+    // Viscous stress, the part of a flow stress that rate carries, and what the last heat softens go first.
+    for _ in 0..10 {
+        settled = step(law, &settled, &Mat3::zero(), options)?.state;
+    }
+    Ok([law.virgin(), settled])
+}
+
+/// A point that turns in finite steps, X = R - I, without stress or with, is after them what it would be at rest, its
+/// stress turned: no work, no plastic strain, no damage. To rounding, for steps of 1e-6 to 0.3 rad about any axis. A
+/// half turn in one step, which has no middle, is refused if it is not computed.
+///
+/// # Errors
+/// The violation.
+pub fn spinning<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
+    if !options.exact_rotation {
+        return Ok(());
+    }
+    let direction = proptest::array::uniform3(0.1..1.0_f64);
+    for_all("spinning", law, options, (strategies::path(options), direction), |(path, direction)| {
+        const STEPS: usize = 40;
+        let [x, y, z] = direction;
+        let directions = [direction, [-x, y, 0.0], [0.0, 0.0, z], [x, -y, -z]];
+        for start in resting(law, &path, options)? {
+            for (direction, angle) in directions.into_iter().zip(ANGLES) {
+                let w = spin_of(direction, angle);
+                let (increment, each) = (crate::rate::turn(w), crate::rate::rotation(w));
+                let (mut turned, mut still, mut q) = (start, start, Mat3::identity());
+                for _ in 0..STEPS {
+                    turned = step(law, &turned, &increment, options)?.state;
+                    still = step(law, &still, &Mat3::zero(), options)?.state;
+                    q = each.times(&q);
+                }
+                let modulus = modulus(law, &still);
+                let stress = q.congruence(&law.stress(&still));
+                // Increments are rounded to the size of their components, which is a strain; each step adds one.
+                let rounding = 8.0 * STEPS as f64 * f64::EPSILON;
+                let size = largest(&stress) + modulus;
+                same_stress("spinning", law, &law.stress(&turned), &stress, rounding * size)?;
+                let (a, b) = (law.energy(&turned), law.energy(&still));
+                within("spinning: energy", law, a, b, rounding * (b.abs() + size))?;
+                let (a, b) = (law.volume_ratio(&turned), law.volume_ratio(&still));
+                within("spinning: volume ratio", law, a, b, rounding * b)?;
+                let mut names = Vec::new();
+                M::State::<f64>::names("state", &mut names);
+                let numbers = flatten(&turned).into_iter().zip(flatten(&still));
+                for (name, (a, b)) in names.iter().zip(numbers) {
+                    if name.ends_with("strain") || name.ends_with("damage") {
+                        within(&format!("spinning: {name}"), law, a, b, 1e-12 * (1.0 + b.abs()))?;
+                    }
+                }
+            }
+            let half = Mat3([[-2.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0; 3]]);
+            let update = law.update(&still(&half, options), &start);
+            if first_broken(&update).is_none() {
+                let signs = Sym3([1.0, 1.0, 1.0, -1.0, -1.0, 1.0]);
+                let mut stress = law.stress(&start);
+                for i in 0..6 {
+                    stress.0[i] *= signs.0[i];
+                }
+                let rounding = 1e-13 * (largest(&stress) + modulus(law, &start));
+                same_stress("spinning: half a turn", law, &update.stress, &stress, rounding)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// A step by Q U, a small stretch and then a rotation of up to 0.3 rad, gives the stress of the stretch, turned by Q, but
+/// for the rotation times what the stretch adds; the volume ratio is the same to rounding.
+///
+/// # Errors
+/// The violation.
+pub fn superposed<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
+    if !options.exact_rotation {
+        return Ok(());
+    }
+    let direction = proptest::array::uniform3(0.1..1.0_f64);
+    let stretch = strategies::symmetric(options.strain / 200.0);
+    let strategy = (strategies::path(options), direction, stretch);
+    for_all("superposed rotation", law, options, strategy, |(path, direction, stretch)| {
+        for start in resting(law, &path, options)? {
+            for angle in ANGLES {
+                let w = spin_of(direction, angle);
+                let (turn, q) = (crate::rate::turn(w), crate::rate::rotation(w));
+                let plain = step(law, &start, &stretch.to_mat(), options)?;
+                let moved = step(law, &start, &(turn + q.times(&stretch.to_mat())), options)?;
+                let modulus = modulus(law, &plain.state);
+                let added = largest(&(plain.stress - law.stress(&start))) + modulus * largest(&stretch);
+                let rounding = 64.0 * f64::EPSILON * (largest(&plain.stress) + modulus);
+                // The middle of the step is half a rotation behind its end, and larger by alpha^2/4.
+                let tolerance = 2.0 * angle * added + rounding;
+                let stress = q.congruence(&plain.stress);
+                same_stress("superposed rotation", law, &moved.stress, &stress, tolerance)?;
+                let (a, b) = (law.volume_ratio(&moved.state), law.volume_ratio(&plain.state));
+                within("superposed rotation: volume ratio", law, a, b, 64.0 * f64::EPSILON * b)?;
+            }
+        }
+        Ok(())
+    })
 }
 
 /// The internal energy grows by the stress work, in the limit of small steps.
@@ -680,7 +804,7 @@ fn walk<M: Constitutive<f64>>(
     let mut at = Walked { state, stress: law.stress(&state), work: 0.0, effort: 0.0 };
     for leg in path {
         let increment = *leg * (1.0 / steps as f64);
-        let strain = increment.symmetric();
+        let strain = still(&increment, &options).strain();
         for _ in 0..steps {
             let new = step(law, &at.state, &increment, &options)?;
             let power = |stress: &Sym3<f64>, state| law.volume_ratio(state) * stress.dot(&strain);

@@ -1,10 +1,10 @@
-//! Elastic laws: linear (Jaumann rate) and compressible neo-Hookean.
+//! Elastic laws: linear (rate form) and compressible neo-Hookean.
 
 use crate::capability::Hyperelastic;
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update, finite_state, finite_stress};
-use crate::rate::{Jaumann, ObjectiveRate};
+use crate::rate::{HughesWinget, ObjectiveRate};
 use crate::state;
 use crate::tensor::{Mat3, Sym3};
 
@@ -64,14 +64,14 @@ state! {
 /// Linear elasticity in rate form: sigma' = lambda tr(d) I + 2 G d with an objective rate sigma'
 /// (\[Ma2010\] section 1.2). For small strains; it does not conserve energy exactly on finite closed paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LinearElastic<T, R = Jaumann> {
+pub struct LinearElastic<T, R = HughesWinget> {
     density: T,
     moduli: Moduli<T>,
     rate: R,
 }
 
 impl<T: Real> LinearElastic<T> {
-    /// With reference density, kg/m^3, and the Jaumann rate.
+    /// With reference density, kg/m^3, and the [`HughesWinget`] rate.
     ///
     /// # Errors
     /// A density that is not positive.
@@ -79,13 +79,13 @@ impl<T: Real> LinearElastic<T> {
         Ok(LinearElastic {
             density: Check("linear elastic").positive("density", density)?,
             moduli,
-            rate: Jaumann,
+            rate: HughesWinget,
         })
     }
 
     /// Of constants that were checked.
     pub(crate) fn known(density: f64, moduli: Moduli<T>) -> Self {
-        LinearElastic { density: T::of(density), moduli, rate: Jaumann }
+        LinearElastic { density: T::of(density), moduli, rate: HughesWinget }
     }
 }
 
@@ -118,12 +118,13 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
         kinematics: &Kinematics<L>,
         old: &HypoelasticState<L>,
     ) -> Update<L, HypoelasticState<L>> {
-        let strain = kinematics.strain();
+        let step = self.rate.increments(kinematics);
+        let strain = step.strain;
         let lambda = L::splat(self.moduli.lambda());
         let two_g = L::splat(self.moduli.shear * T::of(2.0));
-        let rotated = self.rate.rotate(kinematics, &old.stress);
+        let rotated = self.rate.rotate(&step, &old.stress);
         let stress = rotated.plus_times(&strain, two_g).plus_isotropic(lambda * strain.trace());
-        let factor = kinematics.volume_factor();
+        let factor = step.volume_factor;
         let state = HypoelasticState { stress, volume_ratio: old.volume_ratio * factor };
         let (turned, finite) = (factor.gt(L::zero()), finite_state(&state));
         let mut fault = Fault::none();

@@ -212,7 +212,7 @@ where
         let volume_factor = kinematics.volume_factor();
         let volume_ratio = old.volume_ratio * volume_factor;
         let density = volume_ratio.recip() * L::splat(self.products.density());
-        let viscous_pressure = self.viscosity.pressure(kinematics, density);
+        let viscous_pressure = self.viscosity.pressure(kinematics, volume_factor, density);
 
         let time_to_light = old.time_to_light - kinematics.dt;
         let per_width = L::splat(self.speed / self.width) / kinematics.length;

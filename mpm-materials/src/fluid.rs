@@ -221,7 +221,7 @@ where
         let volume_ratio = old.volume_ratio * volume_factor;
         let density = volume_ratio.recip() * L::splat(self.eos.density());
         let viscous_stress = self.shear.deviator(kinematics);
-        let viscous_pressure = self.viscosity.pressure(kinematics, density);
+        let viscous_pressure = self.viscosity.pressure(kinematics, volume_factor, density);
 
         // Work of the step but for that of the new pressure.
         let old_energy = old.energy.recall();

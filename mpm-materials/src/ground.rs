@@ -5,7 +5,7 @@ use crate::failure::{Failure, NoFailure, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::ParameterError;
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, finite_state};
-use crate::rate::{Jaumann, ObjectiveRate};
+use crate::rate::{HughesWinget, ObjectiveRate};
 use crate::state;
 use crate::tensor::Sym3;
 use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
@@ -119,7 +119,7 @@ state! {
 /// # }
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ground<M, F = NoFailure, V = NoViscosity, R = Jaumann> {
+pub struct Ground<M, F = NoFailure, V = NoViscosity, R = HughesWinget> {
     law: M,
     failure: F,
     viscosity: V,
@@ -127,9 +127,9 @@ pub struct Ground<M, F = NoFailure, V = NoViscosity, R = Jaumann> {
 }
 
 impl<M> Ground<M> {
-    /// Without failure and bulk viscosity, with the Jaumann rate.
+    /// Without failure and bulk viscosity, with the [`HughesWinget`] rate.
     pub fn new(law: M) -> Self {
-        Ground { law, failure: NoFailure, viscosity: NoViscosity, rate: Jaumann }
+        Ground { law, failure: NoFailure, viscosity: NoViscosity, rate: HughesWinget }
     }
 }
 
@@ -211,14 +211,15 @@ where
         } else {
             kinematics
         };
-        let volume_factor = kinematics.volume_factor();
+        let step = self.rate.increments(kinematics);
+        let volume_factor = step.volume_factor;
         let volume_ratio = old.volume_ratio * volume_factor;
         let density = volume_ratio.recip() * L::splat(self.law.density());
 
-        let rotated = self.rate.rotate(kinematics, &old.stress);
+        let rotated = self.rate.rotate(&step, &old.stress);
         let old_mean = rotated.mean();
         let old_deviator = rotated.plus_isotropic(-old_mean);
-        let strain_deviator = kinematics.strain().deviator();
+        let strain_deviator = step.strain.deviator();
         let two_g = L::splat(self.law.shear_modulus() * T::of(2.0));
         let mut tried = old_deviator + strain_deviator * two_g;
         if F::POSSIBLE && !F::REMAINS.shear() {
@@ -237,7 +238,7 @@ where
 
         let mut deviator = returned.deviator;
         let mut pressure = returned.pressure;
-        let mut viscous = self.viscosity.pressure(kinematics, density);
+        let mut viscous = self.viscosity.pressure(kinematics, volume_factor, density);
         let mut failure = old.failure;
         if F::POSSIBLE {
             let plastic_strain = self.law.plastic_strain(&returned.history);

@@ -50,7 +50,7 @@ pub use point::{
     pointwise, spread,
 };
 pub use porous::{Porous, PorousState};
-pub use rate::{HughesWinget, Jaumann, ObjectiveRate};
+pub use rate::{HughesWinget, Increments, ObjectiveRate, SmallRotation};
 pub use solid::{Solid, SolidState};
 pub use strength::{
     Adiabatic, AdiabaticJohnsonCook, Borvik, Cone, CowperSymonds, DruckerPrager, Elastic, Heat,

@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::lane::{Lane, Mask, Real};
 use crate::material::CompiledHere;
+use crate::rate::Increments;
 use crate::tensor::{Mat3, Sym3};
 
 /// How a point moves during one step.
@@ -19,15 +20,67 @@ pub struct Kinematics<L> {
 }
 
 impl<L: Lane> Kinematics<L> {
-    /// Strain increment, the symmetric part of `increment` (eq. 18 of \[Ma2010\]).
+    /// Change of volume, strain and spin increment: symmetric and antisymmetric part of A = X (I + X/2)^-1, with X the `increment`. A is
+    /// the displacement gradient with respect to the configuration half way through the step, and exactly
+    /// antisymmetric for a rotation, X = R - I (\[HughesWinget1980\]). At small X it is X - X^2/2.
+    ///
+    /// NaN where det(I + X/2) <= 0, the way through the step being inside out half way: laws report
+    /// [`Breakdown::NotFinite`], if not [`Breakdown::InvertedVolume`]. A half turn in one step is such a motion.
+    #[inline(always)]
+    pub fn increments(&self) -> Increments<L> {
+        // With H = X/2 = S + W: A = 2 [H - adj H + (tr adj H + det H) I] / det(I + H), a sum of terms of the size of
+        // what they make, by the theorem of Cayley and Hamilton; adj H = adj S + w w^T - (S w cross).
+        let (half, quarter) = (L::of(0.5), L::of(0.25));
+        let x = &self.increment.0;
+        let (xx, yy, zz) = (x[0][0] * half, x[1][1] * half, x[2][2] * half);
+        let yz = (x[1][2] + x[2][1]) * quarter;
+        let xz = (x[0][2] + x[2][0]) * quarter;
+        let xy = (x[0][1] + x[1][0]) * quarter;
+        let wx = (x[2][1] - x[1][2]) * quarter;
+        let wy = (x[0][2] - x[2][0]) * quarter;
+        let wz = (x[1][0] - x[0][1]) * quarter;
+        // S w.
+        let sx = xx.mul_add(wx, xy.mul_add(wy, xz * wz));
+        let sy = xy.mul_add(wx, yy.mul_add(wy, yz * wz));
+        let sz = xz.mul_add(wx, yz.mul_add(wy, zz * wz));
+        // adj S, and the symmetric part of adj H.
+        let (axx, axy, axz) = (minor(yy, yz, yz, zz), minor(xz, xy, zz, yz), minor(xy, xz, yy, yz));
+        let bxx = wx.mul_add(wx, axx);
+        let byy = wy.mul_add(wy, minor(xx, xz, xz, zz));
+        let bzz = wz.mul_add(wz, minor(xx, xy, xy, yy));
+        let byz = wy.mul_add(wz, minor(xy, xx, yz, xz));
+        let bxz = wx.mul_add(wz, axz);
+        let bxy = wx.mul_add(wy, axy);
+        let turning = wx.mul_add(sx, wy.mul_add(sy, wz * sz));
+        let determinant = xx.mul_add(axx, xy.mul_add(axy, xz.mul_add(axz, turning)));
+        let (trace, minors) = (xx + yy + zz, bxx + byy + bzz);
+        let isotropic = minors + determinant;
+        let half_way = L::one() + (trace + isotropic);
+        let scale = L::select(half_way.gt(L::zero()), L::of(2.0) / half_way, L::of(f64::NAN));
+        // det(I + 2 H).
+        let change = L::of(8.0).mul_add(determinant, L::of(4.0).mul_add(minors, trace + trace));
+        Increments {
+            strain: Sym3([
+                (xx + (isotropic - bxx)) * scale,
+                (yy + (isotropic - byy)) * scale,
+                (zz + (isotropic - bzz)) * scale,
+                (yz - byz) * scale,
+                (xz - bxz) * scale,
+                (xy - bxy) * scale,
+            ]),
+            spin: [(wx + sx) * scale, (wy + sy) * scale, (wz + sz) * scale],
+            volume_factor: L::one() + change,
+        }
+    }
+    /// Strain increment of the middle of the step: [`Kinematics::increments`].
     #[inline(always)]
     pub fn strain(&self) -> Sym3<L> {
-        self.increment.symmetric()
+        self.increments().strain
     }
-    /// Axial vector of the spin increment, the antisymmetric part of `increment` (eq. 19 of \[Ma2010\]).
+    /// Axial vector of the spin increment of the middle of the step: [`Kinematics::increments`].
     #[inline(always)]
     pub fn spin(&self) -> [L; 3] {
-        self.increment.axial()
+        self.increments().spin
     }
     /// Relative change of volume, exact for the increment: det(I + increment). Positive unless the step turns
     /// the point inside out.
@@ -40,6 +93,12 @@ impl<L: Lane> Kinematics<L> {
         }
         gradient.determinant()
     }
+}
+
+/// a d - b c.
+#[inline(always)]
+fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
+    (-b).mul_add(c, a * d)
 }
 
 /// What a point remembers between steps: a fixed list of numbers with names.

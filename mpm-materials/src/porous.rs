@@ -4,7 +4,7 @@ use crate::eos::{Eos, Terms, balance};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Update, finite_state};
-use crate::rate::{Jaumann, ObjectiveRate};
+use crate::rate::{HughesWinget, ObjectiveRate};
 use crate::state;
 use crate::strength::{Loading, Strength};
 use crate::tensor::Sym3;
@@ -39,7 +39,7 @@ state! {
 /// porous solids are slower); pores do not open again. **Slow while it compacts**: alpha is found by 60 bisections, for
 /// all points of a pack in which one compacts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Porous<T, S, E, V = NoViscosity, R = Jaumann> {
+pub struct Porous<T, S, E, V = NoViscosity, R = HughesWinget> {
     strength: S,
     solid: E,
     distension: T,
@@ -68,7 +68,7 @@ impl<T: Real, S: Strength<T>, E: Eos<T>> Porous<T, S, E> {
         check.that(full_compaction > elastic_limit, "full compaction p_s", full_compaction, "above p_e")?;
         let energy = solid.initial_energy();
         check.that(energy == T::default(), "initial energy of the solid part", energy, "zero")?;
-        let (viscosity, rate) = (NoViscosity, Jaumann);
+        let (viscosity, rate) = (NoViscosity, HughesWinget);
         Ok(Porous { strength, solid, distension, elastic_limit, full_compaction, viscosity, rate })
     }
 }
@@ -182,19 +182,20 @@ where
         old: &Self::State<L>,
     ) -> Update<L, Self::State<L>> {
         let half = L::of(0.5);
-        let volume_factor = kinematics.volume_factor();
+        let step = self.rate.increments(kinematics);
+        let volume_factor = step.volume_factor;
         let volume_ratio = old.volume_ratio * volume_factor;
         let density = volume_ratio.recip() * L::splat(self.density());
 
-        let rotated = self.rate.rotate(kinematics, &old.stress);
+        let rotated = self.rate.rotate(&step, &old.stress);
         let old_mean = rotated.mean();
         let old_deviator = rotated.plus_isotropic(-old_mean);
-        let loading = Loading::of(kinematics, -old_mean, density.recip());
+        let loading = Loading::of(kinematics, &step.strain, -old_mean, density.recip());
         let two_g = L::splat(self.strength.shear_modulus() * T::of(2.0));
         let trial = old_deviator + loading.strain_deviator * two_g;
         let returned = self.strength.return_map(&trial, &loading, &old.strength);
 
-        let viscous = self.viscosity.pressure(kinematics, density);
+        let viscous = self.viscosity.pressure(kinematics, volume_factor, density);
         let volume_change = volume_ratio - old.volume_ratio;
         let middle_volume = old.volume_ratio + volume_change * half;
         let power = (old_deviator + returned.deviator).dot(&loading.strain_deviator) * half;

@@ -6,7 +6,7 @@ use crate::failure::{Failure, NoFailure, Observed, Strain};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::ParameterError;
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, alike, finite_state, mean};
-use crate::rate::{Jaumann, ObjectiveRate};
+use crate::rate::{HughesWinget, ObjectiveRate};
 use crate::state;
 use crate::strength::{FlowStress, Loading, Strength};
 use crate::tensor::Sym3;
@@ -50,7 +50,7 @@ state! {
 /// # }
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Solid<S, E, F = NoFailure, V = NoViscosity, R = Jaumann> {
+pub struct Solid<S, E, F = NoFailure, V = NoViscosity, R = HughesWinget> {
     strength: S,
     eos: E,
     failure: F,
@@ -64,13 +64,13 @@ pub const LIKE_VOLUME: f64 = 0.05;
 pub const LIKE_STRAIN: f64 = 0.05;
 
 impl<S, E> Solid<S, E> {
-    /// Without failure and bulk viscosity, with the Jaumann rate.
+    /// Without failure and bulk viscosity, with the [`HughesWinget`] rate.
     pub fn new<T: Real>(strength: S, eos: E) -> Self
     where
         S: Strength<T>,
         E: Eos<T>,
     {
-        Solid { strength, eos, failure: NoFailure, viscosity: NoViscosity, rate: Jaumann }
+        Solid { strength, eos, failure: NoFailure, viscosity: NoViscosity, rate: HughesWinget }
     }
 }
 
@@ -229,16 +229,17 @@ where
         } else {
             kinematics
         };
-        let volume_factor = kinematics.volume_factor();
+        let step = self.rate.increments(kinematics);
+        let volume_factor = step.volume_factor;
         let volume_ratio = old.volume_ratio * volume_factor;
         let specific_volume = volume_ratio * L::splat(T::of(1.0) / self.eos.density());
         let density = volume_ratio.recip() * L::splat(self.eos.density());
 
         // Rotation and elastic trial.
-        let rotated = self.rate.rotate(kinematics, &old.stress);
+        let rotated = self.rate.rotate(&step, &old.stress);
         let old_mean = rotated.mean();
         let old_deviator = rotated.plus_isotropic(-old_mean);
-        let loading = Loading::of(kinematics, -old_mean, specific_volume);
+        let loading = Loading::of(kinematics, &step.strain, -old_mean, specific_volume);
         let two_g = L::splat(self.strength.shear_modulus() * T::of(2.0));
         let mut trial = old_deviator.plus_times(&loading.strain_deviator, two_g);
         if F::POSSIBLE && !F::REMAINS.shear() {
@@ -250,7 +251,7 @@ where
         let returned = self.strength.return_map(&trial, &loading, &old.strength);
 
         // Viscous pressure, then pressure and energy together.
-        let mut viscous = self.viscosity.pressure(kinematics, density);
+        let mut viscous = self.viscosity.pressure(kinematics, volume_factor, density);
         let volume_change = volume_ratio - old.volume_ratio;
         let middle_volume = volume_change.mul_add(half, old.volume_ratio);
         let deviatoric_power = (old_deviator + returned.deviator).dot(&loading.strain_deviator) * half;
@@ -391,7 +392,12 @@ where
         new: &Self::State<L>,
     ) -> L {
         let specific_volume = new.volume_ratio * L::splat(T::of(1.0) / self.eos.density());
-        let loading = Loading::of(kinematics, -old.stress.mean(), specific_volume);
+        let loading = Loading::of(
+            kinematics,
+            &self.rate.increments(kinematics).strain,
+            -old.stress.mean(),
+            specific_volume,
+        );
         self.strength.flow_stress(&loading, &old.strength, &new.strength)
     }
     #[inline(always)]

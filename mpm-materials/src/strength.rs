@@ -52,10 +52,10 @@ impl<L: Lane> Loading<L> {
         let e = &self.strain_deviator;
         (e.dot(e) * L::of(2.0 / 3.0)).sqrt() * self.dt.recip()
     }
-    /// The loading of a step, for laws tried outside a solid.
+    /// The loading of a step with this strain increment.
     #[inline(always)]
-    pub fn of(kinematics: &Kinematics<L>, pressure: L, specific_volume: L) -> Self {
-        let strain_deviator = kinematics.strain().deviator();
+    pub fn of(kinematics: &Kinematics<L>, strain: &Sym3<L>, pressure: L, specific_volume: L) -> Self {
+        let strain_deviator = strain.deviator();
         Loading { strain_deviator, dt: kinematics.dt, length: kinematics.length, pressure, specific_volume }
     }
 }

@@ -204,13 +204,26 @@ impl<L: Lane> Mat3<L> {
     }
     #[inline(always)]
     fn rows_dot(&self, i: usize, j: usize) -> L {
-        let (a, b) = (&self.0[i], &self.0[j]);
+        self.row_times(i, self, j)
+    }
+    /// Row `i` times row `j` of another.
+    #[inline(always)]
+    fn row_times(&self, i: usize, o: &Self, j: usize) -> L {
+        let (a, b) = (&self.0[i], &o.0[j]);
         a[0].mul_add(b[0], a[1].mul_add(b[1], a[2] * b[2]))
     }
     /// `self . s . self^T`.
     #[inline(always)]
     pub fn congruence(&self, s: &Sym3<L>) -> Sym3<L> {
-        self.times(&s.to_mat()).times(&self.transpose()).symmetric()
+        let once = self.times(&s.to_mat());
+        Sym3([
+            once.row_times(0, self, 0),
+            once.row_times(1, self, 1),
+            once.row_times(2, self, 2),
+            once.row_times(1, self, 2),
+            once.row_times(0, self, 2),
+            once.row_times(0, self, 1),
+        ])
     }
 }
 

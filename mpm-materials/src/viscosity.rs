@@ -12,8 +12,9 @@ pub trait ShockViscosity<T: Real>: Copy + Send + Sync + 'static {
     fn memory<L: Lane<Real = T>>(&self, pressure: L) -> Self::Memory<L>;
     /// The remembered viscous pressure, Pa.
     fn remembered<L: Lane<Real = T>>(&self, memory: &Self::Memory<L>) -> L;
-    /// Viscous pressure q >= 0, Pa, at density rho, kg/m^3.
-    fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, density: L) -> L;
+    /// Viscous pressure q >= 0, Pa, in a step that changes the volume by a factor
+    /// ([`Kinematics::volume_factor`]), at density rho, kg/m^3.
+    fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, volume_factor: L, density: L) -> L;
 }
 
 /// None: no memory, no code.
@@ -31,13 +32,14 @@ impl<T: Real> ShockViscosity<T> for NoViscosity {
         L::zero()
     }
     #[inline(always)]
-    fn pressure<L: Lane<Real = T>>(&self, _: &Kinematics<L>, _: L) -> L {
+    fn pressure<L: Lane<Real = T>>(&self, _: &Kinematics<L>, _: L, _: L) -> L {
         L::zero()
     }
 }
 
-/// q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d = tr grad v < 0, else 0 (docs/notes.md 3.9); l is
-/// the size of the cell and c the bulk sound speed **at rest**, which saves a square root a point.
+/// q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d < 0, else 0 (docs/notes.md 3.9); l is
+/// the size of the cell and c the bulk sound speed **at rest**, which saves a square root a point. d is the change of
+/// volume over the time step: tr grad v of a step that turns by alpha is off by -alpha^2/dt.
 ///
 /// It stiffens the point: with it a stable step is shorter, about l / \[Q + sqrt(Q^2 + c^2)\],
 /// Q = b1 c + b0 l |d|. `wave_speed` leaves this out.
@@ -75,10 +77,10 @@ impl<T: Real> ShockViscosity<T> for BulkViscosity<T> {
         *memory
     }
     #[inline(always)]
-    fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, density: L) -> L {
+    fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, volume_factor: L, density: L) -> L {
         // The time step is the same for all points: its inverse is computed once.
         let per_time = kinematics.dt.recip();
-        let rate = (kinematics.increment.trace() * per_time).min(L::zero());
+        let rate = ((volume_factor - L::one()) * per_time).min(L::zero());
         let closing = -(rate * kinematics.length);
         let linear = L::splat(self.linear * self.sound_speed);
         density * closing * L::splat(self.quadratic).mul_add(closing, linear)

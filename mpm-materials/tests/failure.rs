@@ -87,7 +87,8 @@ fn square_pulses_break_after_their_time() {
     // One elastic step, then rest: sigma_1 constant.
     let (bulk, shear) = (70e9, 26e9);
     for (exponent, size) in [(1.0, 1e-3_f64), (2.0, 1e-3), (2.5, 2e-3)] {
-        let stress = bulk * (1.0 + size).ln() + 4.0 / 3.0 * shear * size;
+        // The strain of a step is that of its middle.
+        let stress = bulk * (1.0 + size).ln() + 4.0 / 3.0 * shear * size / (1.0 + 0.5 * size);
         let (threshold, time) = (60e6, 1e-6);
         let law = Solid::new(Elastic::new(shear).unwrap(), LogarithmicBulk::new(2700.0, bulk).unwrap())
             .with_failure(TulerButcher::new(threshold, exponent, time).unwrap());

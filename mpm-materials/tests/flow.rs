@@ -385,7 +385,7 @@ mod battery {
     );
     conformance_suite!(
         steinberg_steel,
-        Solid::new(SteinbergGuinan::steel_4340(), MieGruneisen::steel_4340()).with_rate(HughesWinget),
+        Solid::new(SteinbergGuinan::steel_4340(), MieGruneisen::steel_4340()),
         Options { work_tolerance: 5e-3, ..metal(0.05) },
         yields
     );
@@ -414,11 +414,7 @@ mod battery {
         },
         metal(0.02)
     );
-    conformance_suite!(
-        porous_compacting,
-        sand().with_bulk_viscosity(0.06, 1.5).unwrap().with_rate(HughesWinget),
-        metal(0.05)
-    );
+    conformance_suite!(porous_compacting, sand().with_bulk_viscosity(0.06, 1.5).unwrap(), metal(0.05));
 
     #[test]
     fn damaged_steel_fails() {

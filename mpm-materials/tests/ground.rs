@@ -10,6 +10,14 @@ fn moved(strain: [f64; 3], dt: f64) -> Kinematics<f64> {
     Kinematics { increment, dt, length: 1e-3 }
 }
 
+/// The motion whose middle has this strain and no spin, X = e (I - e/2)^-1.
+fn strained(strain: &Sym3<f64>, dt: f64, length: f64) -> Kinematics<f64> {
+    let e = nalgebra::Matrix3::from_fn(|i, j| strain.at(i, j));
+    let x = e * (nalgebra::Matrix3::identity() - e * 0.5).try_inverse().unwrap();
+    let increment = Mat3(std::array::from_fn(|i| std::array::from_fn(|j| x[(i, j)])));
+    Kinematics { increment, dt, length }
+}
+
 /// To volume ratio `to` from `from`, in all directions alike.
 fn sized(from: f64, to: f64) -> Kinematics<f64> {
     moved([(to / from).cbrt() - 1.0; 3], 1e-3)
@@ -131,14 +139,10 @@ fn sheared_concrete_yields_and_is_damaged() {
         // Spin would turn the stress: strain without it.
         let equivalent_strain = gamma / 3.0_f64.sqrt();
         let dt = equivalent_strain / rate;
-        let kinematics = Kinematics {
-            increment: Mat3([[0.0, 0.5 * gamma, 0.0], [0.5 * gamma, 0.0, 0.0], [0.0; 3]]),
-            dt,
-            length: 1e-3,
-        };
+        let kinematics = strained(&Sym3([0.0, 0.0, 0.0, 0.0, 0.0, 0.5 * gamma]), dt, 1e-3);
         for _ in 0..100 {
             let new = law.update(&kinematics, &state);
-            // The volume of this strain is det(I + h) = 1 - gamma^2/4: follow it.
+            // The volume of this strain is that of the motion, det(I + X): follow it.
             let j: f64 = new.state.volume_ratio;
             let p = (16e9 * (1.0 / j - 1.0)).max(-4e6 * (1.0 - damage));
             let cohesion = if p >= 0.0 {
@@ -203,7 +207,8 @@ fn torn_concrete_is_no_faster_than_its_bulk() {
     for j in [1.2, 3.0, 50.0] {
         state = law.update(&sized(state.volume_ratio, j), &state).state;
         assert!(shear(&state).abs() < 1e-9, "{}", shear(&state));
-        assert_eq!(invariants(&state.stress), [0.0, 0.0]);
+        // What a return to a strength of nothing leaves is rounding of rounding.
+        assert!(invariants(&state.stress).iter().all(|s| s.abs() < 1e-15));
     }
     // Closed again it carries shear again.
     state = law.update(&sized(state.volume_ratio, 0.99), &state).state;
@@ -251,10 +256,9 @@ fn drucker_prager_returns_in_closed_form() {
     let (k, g) = (soil().bulk, soil().shear);
     let (q_phi, k_phi, q_psi, cap) = (0.35, 10e3, 0.2, 15e3);
     let law = Ground::new(DruckerPrager::new(2100.0, soil(), q_phi, k_phi, q_psi, cap).unwrap());
-    let kinematics = |volume: f64, shear: f64| Kinematics {
-        increment: Mat3([[volume / 3.0, shear, 0.0], [shear, volume / 3.0, 0.0], [0.0, 0.0, volume / 3.0]]),
-        dt: 1e-3,
-        length: 1.0,
+    let kinematics = |volume: f64, shear: f64| {
+        let each = volume / 3.0;
+        strained(&Sym3([each, each, each, 0.0, 0.0, shear]), 1e-3, 1.0)
     };
     for (volume, shear) in
         [(0.0, 1e-5), (0.0, 1e-3), (-2e-3, 1e-3), (1e-4, 1e-3), (1e-4, 2e-4), (5e-4, 1e-5), (1e-3, 1e-4)]
@@ -375,7 +379,8 @@ fn mohr_coulomb_stays_on_its_pyramid() {
     };
     for _ in 0..3000 {
         let strain = [random() * 2e-3, random() * 2e-3, random() * 2e-3];
-        let new = law.update(&moved(strain, 1e-3), &law.virgin());
+        let [x, y, z] = strain;
+        let new = law.update(&strained(&Sym3([x, y, z, 0.0, 0.0, 0.0]), 1e-3, 1e-3), &law.virgin());
         assert!(!new.fault.any());
         let mut s = [new.stress.0[0], new.stress.0[1], new.stress.0[2]];
         let scale = 1e-10 * (apex + s[0].abs() + s[1].abs() + s[2].abs());
@@ -497,7 +502,7 @@ mod battery {
     );
     conformance_suite!(
         concrete_48_crushed,
-        concrete().with_bulk_viscosity(0.06, 1.5).unwrap().with_rate(HughesWinget),
+        concrete().with_bulk_viscosity(0.06, 1.5).unwrap(),
         Options { steps: 800, duration: 1e-4, ..ground(0.08) }
     );
 
@@ -532,7 +537,7 @@ mod battery {
         ground(1e-3);
         single = Ground::new(DruckerPrager::<f32>::slope_soil())
     );
-    conformance_suite!(dilatant, Ground::new(soil(0.6)).with_rate(HughesWinget), Options::strain(1e-3));
+    conformance_suite!(dilatant, Ground::new(soil(0.6)), Options::strain(1e-3));
     conformance_suite!(
         viscous_soil,
         Ground::new(soil(0.2)).with_bulk_viscosity(0.06, 1.5).unwrap(),

@@ -1,7 +1,7 @@
 //! Lanes, tensors and objective rates.
 
 use approx::assert_relative_eq;
-use mpm_materials::rate::rotation;
+use mpm_materials::rate::{rotation, turn};
 use mpm_materials::tensor::{Mat3, Sym3};
 use mpm_materials::*;
 
@@ -100,11 +100,12 @@ fn rotations_are_orthogonal_and_rates_agree_with_them() {
     // An increment that is a spin alone.
     let increment = Mat3([[0.0, -w[2], w[1]], [w[2], 0.0, -w[0]], [-w[1], w[0], 0.0]]);
     let kinematics = Kinematics { increment, dt: 1.0, length: 1.0 };
-    assert_eq!(kinematics.spin(), w);
+    let small = SmallRotation.increments(&kinematics);
+    assert_eq!(small.spin, w);
     let stress = Sym3([3.0, -1.0, 2.0, 0.5, -0.7, 1.1]);
-    let exact = HughesWinget.rotate(&kinematics, &stress);
-    let first_order = Jaumann.rotate(&kinematics, &stress);
-    // Jaumann, spelt out: s + W s - s W.
+    let exact = HughesWinget.rotate(&small, &stress);
+    let first_order = SmallRotation.rotate(&small, &stress);
+    // To first order, spelt out: s + W s - s W.
     let spin = increment.times(&stress.to_mat());
     for i in 0..3 {
         for j in 0..3 {
@@ -116,6 +117,118 @@ fn rotations_are_orthogonal_and_rates_agree_with_them() {
     // A rotation keeps the invariants.
     assert_relative_eq!(exact.trace(), stress.trace(), max_relative = 1e-14);
     assert_relative_eq!(exact.determinant(), stress.determinant(), max_relative = 1e-13);
+}
+
+/// X of size about one, by a fixed rule.
+fn direction(n: usize) -> Mat3<f64> {
+    let mut x = Mat3::zero();
+    for i in 0..3 {
+        for j in 0..3 {
+            x.0[i][j] = ((7 * n + 3 * i + j) as f64 * 1.7).sin();
+        }
+    }
+    x
+}
+
+#[test]
+fn strain_and_spin_of_the_middle_are_exact_at_any_size() {
+    for n in 0..20 {
+        for size in [1e-12, 1e-9, 1e-6, 1e-3, 0.03, 0.3, 0.6] {
+            let increment = direction(n) * size;
+            let Increments { strain, spin, volume_factor } =
+                Kinematics { increment, dt: 1.0, length: 1.0 }.increments();
+            let a = strain.to_mat() + cross(spin);
+            let whole = (increment + Mat3::identity()).determinant();
+            assert_relative_eq!(volume_factor, whole, max_relative = 1e-14, epsilon = 1e-15);
+            // A (I + X/2) = X, and what is left is rounding of numbers of the size of A: an ill-conditioned middle of the
+            // step, det(I + X/2) far below one, makes A large.
+            let half = Mat3::identity() + increment * 0.5;
+            if half.determinant() < 0.05 {
+                continue;
+            }
+            let back = a.times(&half);
+            let largest = a.0.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+            for i in 0..3 {
+                for j in 0..3 {
+                    let error = (back.0[i][j] - increment.0[i][j]).abs();
+                    assert!(error < 32.0 * f64::EPSILON * largest, "{error:e} of {largest:e} at {size:e}");
+                }
+            }
+        }
+    }
+}
+
+/// The matrix of an axial vector.
+fn cross([x, y, z]: [f64; 3]) -> Mat3<f64> {
+    Mat3([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+}
+
+#[test]
+fn a_rotation_has_a_spin_and_no_strain() {
+    for angle in [1e-12_f64, 1e-8, 1e-4, 0.01, 0.5, 2.0, 3.0] {
+        for axis in [[1.0, 0.0, 0.0], [0.6, 0.0, -0.8], [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0]] {
+            let w = axis.map(|n| n * 2.0 * (0.5 * angle).tan());
+            let kinematics = Kinematics { increment: turn(w), dt: 1.0, length: 1.0 };
+            let Increments { strain, spin, .. } = kinematics.increments();
+            // Of the rounding of the increment, magnified by 1/cos^2 near half a turn.
+            let large = 1.0 + w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+            let rounding = 8.0 * f64::EPSILON * (2.0 * (0.5 * angle).tan()) * large;
+            for i in 0..6 {
+                assert!(strain.0[i].abs() <= rounding, "{:e} at {angle}", strain.0[i]);
+            }
+            for i in 0..3 {
+                assert!((spin[i] - w[i]).abs() <= rounding, "{spin:?} {w:?}");
+            }
+            // The rotation is the motion itself.
+            let stress = Sym3([3.0, -1.0, 2.0, 0.5, -0.7, 1.1]);
+            let turned = HughesWinget.rotate(&kinematics.increments(), &stress);
+            let expected = (kinematics.increment + Mat3::identity()).congruence(&stress);
+            for i in 0..6 {
+                assert!((turned.0[i] - expected.0[i]).abs() < 64.0 * f64::EPSILON * large);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_step_without_a_middle_is_not_a_number() {
+    // Half a turn; a stretch through zero and back along two axes.
+    for increment in [
+        Mat3([[-2.0, 0.0, 0.0], [0.0, -2.0, 0.0], [0.0; 3]]),
+        Mat3([[-3.0, 0.0, 0.0], [0.0, -1.5, 0.0], [0.0; 3]]),
+    ] {
+        let kinematics: Kinematics<f64> = Kinematics { increment, dt: 1.0, length: 1.0 };
+        assert!(kinematics.volume_factor() > 0.0 && f64::is_nan(kinematics.strain().trace()));
+        let law = LinearElastic::new(7800.0, Moduli::young_poisson(200e9, 0.3).unwrap()).unwrap();
+        let update = law.update(&kinematics, &law.virgin());
+        assert_eq!(update.fault.cause(0), Some(Breakdown::NotFinite));
+    }
+}
+
+#[test]
+fn a_spinning_solid_stays_as_it_is() {
+    // A hundred turns in steps of a degree. To first order each step is a strain of 1.5e-4, and the steel yields in the
+    // first turn.
+    let law = Solid::new(J2::linear(80e9, 500e6, 1e9).unwrap(), MieGruneisen::steel_4340())
+        .with_bulk_viscosity(0.06, 1.5)
+        .unwrap();
+    let w = [0.0, 0.0, 2.0 * 0.5_f64.to_radians().tan()];
+    let kinematics = Kinematics { increment: turn(w), dt: 1e-8, length: 1e-3 };
+    fn spun<C: Constitutive<f64>>(law: &C, kinematics: &Kinematics<f64>) -> C::State<f64> {
+        let mut state = law.virgin();
+        for _ in 0..36_000 {
+            let update = law.update(kinematics, &state);
+            assert!(!update.fault.any());
+            state = update.state;
+        }
+        state
+    }
+    let end = spun(&law, &kinematics);
+    // Rounding of the increment, 4e-18, and of its determinant, 1e-16, once a step.
+    assert!(end.stress.0.iter().all(|s| s.abs() < 36_000.0 * 2e-16 * 160e9), "{:?}", end.stress);
+    assert!(end.strength.plastic_strain == 0.0 && end.energy.abs() < 1e-3, "{end:?}");
+    let first_order = spun(&law.with_rate(SmallRotation), &kinematics);
+    assert!(first_order.strength.plastic_strain > 1.0, "{first_order:?}");
 }
 
 #[test]

@@ -1,17 +1,20 @@
 //! How the motion of a step becomes the increment a law sees.
 
-use mpm_materials::rate::ObjectiveRate;
-use mpm_materials::{Kinematics, Lane, Mat3, Sym3};
+use mpm_materials::{Increments, Kinematics, Lane, Mat3, ObjectiveRate, SmallRotation, Sym3};
 
-/// No rotation of the stress, as printed: \[Feng2014\] lists no objective term. A spinning body then feels its own old
-/// stress in directions it has left. Given to a law by `with_rate(NoRotation)`; every law of `mpm-materials` has the
-/// Jaumann term otherwise.
+/// Strain to first order, the symmetric part of dt grad v, and no rotation of the stress, as printed: \[Feng2014\]
+/// lists no objective term. A spinning body then feels its own old stress in directions it has left. Given to a law by
+/// `with_rate(NoRotation)`; every law of `mpm-materials` is exact in rotations otherwise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoRotation;
 
 impl ObjectiveRate for NoRotation {
     #[inline(always)]
-    fn rotate<L: Lane>(&self, _: &Kinematics<L>, tensor: &Sym3<L>) -> Sym3<L> {
+    fn increments<L: Lane>(&self, kinematics: &Kinematics<L>) -> Increments<L> {
+        SmallRotation.increments(kinematics)
+    }
+    #[inline(always)]
+    fn rotate<L: Lane>(&self, _: &Increments<L>, tensor: &Sym3<L>) -> Sym3<L> {
         *tensor
     }
 }
@@ -22,40 +25,26 @@ pub trait Configuration: Copy + Send + Sync + 'static {
     const NAME: &'static str;
     /// The part of the step's motion that is taken back: 1 for the start of the step, 0 for its end.
     const BACK: f64;
-    /// Is the volume of the increment det(I + dt grad v) made that of the element?
-    const KEEPS_VOLUME: bool;
 }
 
 /// At the end of the step, as printed: dt grad v at the positions reached. Volumes drift from those of the elements
-/// by the square of the increment, and so does a turning body's strain.
+/// by the square of the increment, and so does a turning body's strain: w^2/2 for a turn w in a step with the rate as
+/// printed ([`NoRotation`]), and twice that with laws that go back half a step themselves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EndOfStep;
 impl Configuration for EndOfStep {
     const NAME: &'static str = "end of step";
     const BACK: f64 = 0.0;
-    const KEEPS_VOLUME: bool = false;
 }
 
 /// At the start of the step: I + dt grad v is the deformation gradient of the step, and its determinant the change of
-/// the element's volume. What hyperelastic laws need. Hypoelastic ones see a body that turns by w shrink by w^2/2.
+/// the element's volume. What laws expect: hyperelastic ones use it as it is, those in rate form go to the middle of the
+/// step ([`Kinematics::increments`]), where a rigid rotation, however large, has a spin and no strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StartOfStep;
 impl Configuration for StartOfStep {
     const NAME: &'static str = "start of step";
     const BACK: f64 = 1.0;
-    const KEEPS_VOLUME: bool = false;
-}
-
-/// Half way: a rigid rotation, however large, has a spin and no strain (Hughes and Winget 1980). The determinant of
-/// I + dt grad v, which laws take for the change of volume, is then scaled to that of the element. For laws that split
-/// deviator and pressure, [`Solid`](mpm_materials::Solid) above all. Hypoelastic laws that take the pressure from the
-/// trace, and hyperelastic ones, see w^2 of strain for a turn w in a step: give those [`StartOfStep`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct MidStep;
-impl Configuration for MidStep {
-    const NAME: &'static str = "middle of step";
-    const BACK: f64 = 0.5;
-    const KEEPS_VOLUME: bool = true;
 }
 
 /// The increment scaled so that det(I + increment) = `ratio`, which it nearly is.

@@ -31,7 +31,7 @@
 //! |---|---|---|
 //! | [`Tessellation`] | [`AzimuthFan`] (two dimensions) | [`LocalDelaunay`] |
 //! | [`Inheritance`] | [`ParticleMean`] | [`OverlapWeighted`] |
-//! | [`Configuration`] of the velocity gradient | [`EndOfStep`] | [`MidStep`], [`StartOfStep`] |
+//! | [`Configuration`] of the velocity gradient | [`EndOfStep`] | [`StartOfStep`] |
 //! | [`Dilatation`] | [`OfElement`] | [`OfParticles`] |
 //! | rotation of stress | [`NoRotation`] | those of the laws |
 //! | [`Masses`] | from elements | from volumes |
@@ -79,9 +79,7 @@ pub use boundary::Given;
 pub use contact::{Bodies, BodyError, Encounter, PairContact, RigidWall};
 pub use elements::Incidence;
 pub use inheritance::{Inheritance, Newborn, OverlapWeighted, Parent, ParticleMean, Taken};
-pub use kinematics::{
-    Configuration, Dilatation, EndOfStep, MidStep, NoRotation, OfElement, OfParticles, StartOfStep,
-};
+pub use kinematics::{Configuration, Dilatation, EndOfStep, NoRotation, OfElement, OfParticles, StartOfStep};
 pub use ledger::{Audit, Lot, Totals};
 pub use method::{Composition, Method};
 pub use particles::{Packing, Particle, SceneError};

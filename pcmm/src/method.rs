@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use mpm_core::Embedding;
 
 use crate::inheritance::{Inheritance, OverlapWeighted, ParticleMean};
-use crate::kinematics::{Configuration, Dilatation, EndOfStep, MidStep, OfElement, OfParticles};
+use crate::kinematics::{Configuration, Dilatation, EndOfStep, OfElement, OfParticles, StartOfStep};
 use crate::tessellation::{AzimuthFan, LocalDelaunay, Tessellation};
 
 /// The ingredients of a particle-contact method.
@@ -31,10 +31,10 @@ impl<E> Method<E, AzimuthFan, ParticleMean, EndOfStep, OfElement> {
     }
 }
 
-impl<E> Method<E, LocalDelaunay, OverlapWeighted, MidStep, OfParticles> {
+impl<E> Method<E, LocalDelaunay, OverlapWeighted, StartOfStep, OfParticles> {
     /// Nothing covered twice, states handed on by overlap, no strain in rotation, no locking.
     pub fn consistent(embedding: E, delaunay: LocalDelaunay) -> Self {
-        Method::new(embedding, delaunay, OverlapWeighted, MidStep, OfParticles)
+        Method::new(embedding, delaunay, OverlapWeighted, StartOfStep, OfParticles)
     }
 }
 

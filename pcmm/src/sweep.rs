@@ -352,9 +352,6 @@ impl<const D: usize, M: Composition<D>> Kernel<f64> for Strain<'_, D, M> {
                 let mut increment = velocity_gradient(&corners, &at, &middle, D, hoop) * dt;
                 if M::Dilatation::AVERAGED {
                     increment = with_volume(&increment, of.mean_at_corners(group, lane, 1.0));
-                } else if M::Configuration::KEEPS_VOLUME {
-                    let ratio = volume_ratio(&corners, &now, slopes.measure, dt, D, hoop);
-                    increment = with_volume(&increment, ratio);
                 }
                 // The increment itself, times one.
                 let to = &mut deformations[group / 2];

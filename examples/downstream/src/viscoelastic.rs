@@ -83,7 +83,8 @@ impl Constitutive<f64> for StandardLinearSolid {
         kinematics: &Kinematics<L>,
         old: &Memory<L>,
     ) -> Update<L, Memory<L>> {
-        let strain = kinematics.strain();
+        let step = HughesWinget.increments(kinematics);
+        let strain = step.strain;
         let deviator = strain.deviator();
         let x = kinematics.dt / L::of(self.relaxation_time);
         let decay = (-x).exp();
@@ -91,16 +92,16 @@ impl Constitutive<f64> for StandardLinearSolid {
         let series = L::one() - x * L::of(0.5) * (L::one() - x * L::of(1.0 / 3.0));
         let mean_decay = L::select(x.lt(L::of(1e-5)), series, (L::one() - decay) / x);
 
-        let elastic = HughesWinget.rotate(kinematics, &old.elastic) + deviator * L::of(2.0 * self.shear);
+        let elastic = HughesWinget.rotate(&step, &old.elastic) + deviator * L::of(2.0 * self.shear);
         let elastic = elastic.plus_isotropic(L::of(self.bulk) * strain.trace());
-        let overstress = HughesWinget.rotate(kinematics, &old.overstress) * decay
+        let overstress = HughesWinget.rotate(&step, &old.overstress) * decay
             + deviator * (L::of(2.0 * self.relaxing_shear) * mean_decay);
         let stress = elastic + overstress;
 
         let factor = kinematics.volume_factor();
         let volume_ratio = old.volume_ratio * factor;
         // Trapezoidal: the old stress turned into the new frame, and the new one.
-        let before = HughesWinget.rotate(kinematics, &(old.elastic + old.overstress));
+        let before = HughesWinget.rotate(&step, &(old.elastic + old.overstress));
         let volume = (old.volume_ratio + volume_ratio) * L::of(0.5);
         let work = old.work + volume * (before + stress).dot(&strain) * L::of(0.5);
         let state = Memory { elastic, overstress, volume_ratio, work };

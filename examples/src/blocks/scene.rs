@@ -5,12 +5,12 @@ use std::path::Path;
 use mpm_contact::{Choice, Gradients, GridContact, Weight};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
 use mpm_core::{Mpm, Team};
-use mpm_materials::{BulkViscosity, Elastic, Jaumann, LinearDensity, NoFailure, Solid};
+use mpm_materials::{BulkViscosity, Elastic, HughesWinget, LinearDensity, NoFailure, Solid};
 
 use crate::{CaseError, Detection, Detector, Law, Totals};
 
 /// Linear elastic, with bulk viscosity.
-pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, Jaumann>;
+pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, HughesWinget>;
 /// Any test of contact.
 pub type Touch = GridContact<Detector, f64>;
 

@@ -91,7 +91,6 @@ pub struct Plain<const D: usize, C: Constitutive<f64>> {
     pub states: Vec<C::State<f64>>,
     pub hoop: bool,
     pub back: f64,
-    pub keeps_volume: bool,
     pub averaged: bool,
 }
 
@@ -109,7 +108,6 @@ impl<const D: usize, C: Constitutive<f64>> Plain<D, C> {
             law,
             hoop,
             back: M::Configuration::BACK,
-            keeps_volume: M::Configuration::KEEPS_VOLUME,
             averaged: M::Dilatation::AVERAGED,
         };
         plain.reference = (0..solver.elements()).map(|e| plain.volume(e, 0.0)).collect();
@@ -246,12 +244,8 @@ impl<const D: usize, C: Constitutive<f64>> Plain<D, C> {
             if self.hoop {
                 increment.0[2][2] = dt * hoop / radius;
             }
-            let wanted = match (self.averaged, self.keeps_volume) {
-                (true, _) => Some(self.averaged(e, &ratios)),
-                (false, true) => Some(ratios[e]),
-                (false, false) => None,
-            };
-            if let Some(ratio) = wanted {
+            if self.averaged {
+                let ratio = self.averaged(e, &ratios);
                 let whole = increment + Mat3::identity();
                 let factor = (ratio / whole.determinant()).cbrt();
                 increment = whole * factor;

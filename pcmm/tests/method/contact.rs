@@ -12,7 +12,7 @@ use mpm_materials::{Constitutive, Elastic, LogarithmicBulk, Moduli, Solid};
 use pcmm::{Bodies, LocalDelaunay, Masses, Method, Packing, Pcmm, RigidWall};
 
 type Body =
-    Pcmm<2, Method<PlaneStrain, LocalDelaunay, pcmm::OverlapWeighted, pcmm::MidStep, pcmm::OfParticles>>;
+    Pcmm<2, Method<PlaneStrain, LocalDelaunay, pcmm::OverlapWeighted, pcmm::StartOfStep, pcmm::OfParticles>>;
 
 /// An elastic body of this density and Young's modulus.
 fn elastic(packing: &Packing<2>, h: f64, density: f64, young: f64, velocity: [f64; 2]) -> Body {

@@ -44,7 +44,7 @@ pub struct Outcome {
 type Steel<R> =
     Solid<Elastic<f64>, LogarithmicBulk<f64>, mpm_materials::NoFailure, mpm_materials::BulkViscosity<f64>, R>;
 
-fn steel() -> Result<Steel<mpm_materials::Jaumann>, CaseError> {
+fn steel() -> Result<Steel<mpm_materials::HughesWinget>, CaseError> {
     let moduli = Moduli::young_poisson(206e9, 0.3)?;
     Ok(Solid::new(Elastic::new(moduli.shear)?, LogarithmicBulk::new(7850.0, moduli.bulk)?)
         .with_bulk_viscosity(0.06, 1.5)?)

@@ -12,8 +12,8 @@ use mpm_materials::{
     Solid,
 };
 use pcmm::{
-    Audit, AzimuthFan, Composition, LocalDelaunay, Masses, Method, MidStep, NoRotation, OfElement,
-    OverlapWeighted, Packing, Pcmm,
+    Audit, AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, OfElement, OverlapWeighted,
+    Packing, Pcmm, StartOfStep,
 };
 
 /// Radius (half width) of the bar, m.
@@ -189,7 +189,7 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) ->
         Parts::Locking => {
             let law =
                 Solid::new(strength(setup.hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
-            let method = Method::new(embedding, delaunay()?, OverlapWeighted, MidStep, OfElement);
+            let method = Method::new(embedding, delaunay()?, OverlapWeighted, StartOfStep, OfElement);
             run(setup, method, law, &packing, planes, files)
         }
     }
