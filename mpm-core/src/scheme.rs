@@ -12,7 +12,7 @@
 use crate::embedding::{AnySpace, Embedding};
 use crate::frame::{Frame, UpdatedLagrangian};
 use crate::parallel::{Real, Vectors};
-use crate::transfer::{AnyTransfer, Transfer};
+use crate::transfer::{AnyTransfer, Held, Transfer};
 
 /// What one pass over the particles does, in this order.
 #[derive(Clone, Copy, Debug)]
@@ -90,6 +90,12 @@ macro_rules! passes {
             of
         }
     };
+    (transfer held) => {
+        type Transfer<T: Real, X: Transfer<T>> = Held<X>;
+        fn transfer<T: Real, X: Transfer<T>>(of: X) -> Held<X> {
+            Held(of)
+        }
+    };
     (transfer any) => {
         type Transfer<T: Real, X: Transfer<T>> = AnyTransfer;
         fn transfer<T: Real, X: Transfer<T>>(_: X) -> AnyTransfer {
@@ -114,6 +120,10 @@ passes! {
     UslMap [Plain true its its] { momentum: true, force: true }
     /// The same (MUSL).
     MuslMap [Plain false any its] { momentum: true, force: true }
+    /// Map mass, momentum and force of particles as they stand, momentum with the affine field of the nodes (USL).
+    UslRefit [Plain true held its] { velocity: true, momentum: true, force: true }
+    /// Map mass and momentum likewise (USF).
+    UsfRefit [Plain false held any] { velocity: true, momentum: true }
     /// Map mass and momentum of particles as they stand.
     MapMomentum [Plain false any any] { momentum: true }
     /// The same in every step, beside forces that are none: of particles that hold the place of others.
@@ -148,6 +158,8 @@ pub trait StressUpdate: Copy + Send + Sync + 'static {
     const REMAP: bool = false;
     /// The map at the start of a run.
     type Map: PassKind;
+    /// The same with the affine velocity field of an affine transfer, which the first map cannot know.
+    type Refit: PassKind;
     /// First pass of a step: before the forces for USF, after the momentum update for the others.
     type First: PassKind;
     /// Second pass of a step (the same as the first where there is only one).
@@ -161,6 +173,7 @@ pub struct Usl;
 impl StressUpdate for Usl {
     const NAME: &'static str = "USL";
     type Map = UslMap;
+    type Refit = UslRefit;
     type First = UslPass;
     type Second = UslPass;
 }
@@ -173,6 +186,7 @@ impl StressUpdate for Musl {
     const NAME: &'static str = "MUSL";
     const REMAP: bool = true;
     type Map = MuslMap;
+    type Refit = MuslMap;
     type First = MuslReturn;
     type Second = MuslAdvance;
 }
@@ -185,6 +199,7 @@ impl StressUpdate for Usf {
     const NAME: &'static str = "USF";
     const BEFORE_FORCES: bool = true;
     type Map = MapMomentum;
+    type Refit = UsfRefit;
     type First = UsfStress;
     type Second = UsfAdvance;
 }

@@ -137,6 +137,20 @@ impl<T: Real, const K: usize> Transfer<T> for Fmpm<K> {
     }
 }
 
+/// A transfer where velocities stay as they are: what of it maps to the nodes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Held<X>(pub(crate) X);
+impl<T: Real, X: Transfer<T>> Transfer<T> for Held<X> {
+    const NAME: &'static str = X::NAME;
+    const READS_INCREMENT: bool = X::READS_INCREMENT;
+    const AFFINE: bool = X::AFFINE;
+    const LEAST_SQUARES: bool = X::LEAST_SQUARES;
+    #[inline(always)]
+    fn velocity<L: Lane<Real = T>>(&self, old: L, _nodal: L, _increment: L, _dt: L) -> L {
+        old
+    }
+}
+
 /// Any of them, for passes that change no velocity.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct AnyTransfer;

@@ -22,6 +22,8 @@ use crate::parallel::{Float, Team};
 pub enum Which {
     /// The map at the start of a run.
     Map,
+    /// The map anew with the affine field of the nodes.
+    Refit,
     /// The first of a step.
     First,
     /// The second of a step.

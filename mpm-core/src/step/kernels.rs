@@ -256,6 +256,9 @@ trait AskPass<A> {
 fn ask<T: Float, const D: usize, M: Composition<T, D>, A>(which: Which, what: impl AskPass<A>, none: A) -> A {
     match which {
         Which::Map => what.of::<<M::Update as StressUpdate>::Map>(),
+        Which::Refit if const { <M::Transfer as Transfer<T>>::AFFINE } => {
+            what.of::<<M::Update as StressUpdate>::Refit>()
+        }
         Which::First => what.of::<<M::Update as StressUpdate>::First>(),
         Which::Second if const { M::Update::REMAP || M::Update::BEFORE_FORCES } => {
             what.of::<<M::Update as StressUpdate>::Second>()
@@ -439,7 +442,7 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> MethodKernels<T, D> for P
             Which::Map => self.run::<T, D, MapPlace>(task),
             Which::First => self.run::<T, D, MuslReturn>(task),
             Which::Follow => self.run::<T, D, Follow>(task),
-            Which::Second | Which::Smooth => {}
+            Which::Refit | Which::Second | Which::Smooth => {}
         }
     }
     fn maps(&self, which: Which) -> Maps {
@@ -451,7 +454,7 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> MethodKernels<T, D> for P
             Which::Map => MapPlace::DOES,
             Which::First => MuslReturn::DOES,
             Which::Follow => Follow::DOES,
-            Which::Second | Which::Smooth => Pass::NOTHING,
+            Which::Refit | Which::Second | Which::Smooth => Pass::NOTHING,
         }
     }
     fn taken(&self, _: T) -> T {

@@ -34,6 +34,20 @@ impl<T> NodeUpdate<T> for Leave {
     fn update(&self, _: &mut Node<T>, _: &impl Fn(&mut [f64; 3], f64) -> bool, _: &mut NodeLedger) {}
 }
 
+/// Momentum over mass.
+pub(super) struct MeanVelocities<T, const D: usize> {
+    pub(super) cutoff: T,
+}
+
+impl<T: Float, const D: usize> NodeUpdate<T> for MeanVelocities<T, D> {
+    #[inline(always)]
+    fn update(&self, node: &mut Node<T>, _: &impl Fn(&mut [f64; 3], f64) -> bool, _: &mut NodeLedger) {
+        let mass = node.first[0];
+        let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
+        (0..D).for_each(|d| node.first[d + 1] *= per_mass);
+    }
+}
+
 pub(super) struct Velocities<T, const D: usize> {
     pub(super) cutoff: T,
     pub(super) time: f64,

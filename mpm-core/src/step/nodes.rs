@@ -9,7 +9,7 @@ use crate::parallel::{Float, Team};
 use super::body::Body;
 use super::fields::Fields;
 use super::layout::{Layout, Piece};
-use super::node_update::{Integrate, Leave, NodeUpdate, Remap, Velocities};
+use super::node_update::{Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Velocities};
 use super::planes::Planes;
 use super::rigid::RigidState;
 use super::rigid_body::{self, rigid_of};
@@ -199,6 +199,15 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let (cutoff, time, takes) = (self.cutoff, self.time, self.takes);
         self.collect_and(Sums::All, &Velocities::<T, D> { cutoff, time, takes });
         self.planes.extrapolate(self.grid.nodes_mut());
+    }
+
+    /// Sum momentum; velocity, free of boundaries, into the first record.
+    pub fn mean_velocities(&mut self) {
+        self.collect_and(Sums::All, &MeanVelocities::<T, D> { cutoff: self.cutoff });
+        self.planes.extrapolate(self.grid.nodes_mut());
+        // Nothing has happened yet.
+        self.ledgers.iter_mut().for_each(|ledger| *ledger = NodeLedger::default());
+        *self.together = NodeLedger::default();
     }
 
     /// Sum momentum and force, or force alone beside the velocities there are; momentum update (eq. 8 of

@@ -610,7 +610,12 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
         team: &Team,
     ) -> Result<T, BodyTrouble> {
         // A transfer that smooths nothing has no such pass.
-        if which == Which::Smooth && self.facts().order < 2 {
+        let idle = match which {
+            Which::Smooth => self.facts().order < 2,
+            Which::Refit => !self.facts().affine,
+            _ => false,
+        };
+        if idle {
             return Ok(T::default());
         }
         if let Some(resting) = &self.resting {

@@ -36,7 +36,7 @@ impl<T: Float, const D: usize> Resting<T, D> {
     pub(super) fn rate(&self, which: Which, adapt: bool) -> T {
         match which {
             _ if !adapt => T::default(),
-            Which::Map => self.rates[0],
+            Which::Map | Which::Refit => self.rates[0],
             Which::First => self.rates[1],
             Which::Second => self.rates[2],
             Which::Smooth | Which::Follow => T::default(),

@@ -451,6 +451,8 @@ where
                             }
                             writer.put_gradient(&entry, &gradient, step);
                             stages.stretch(rows, &bin, stage);
+                        } else if maps.affine {
+                            writer.keep(&entry, kept, |i| stage.affine[i / D][i % D]);
                         }
                         stages.drift(rows, stage);
                     }
