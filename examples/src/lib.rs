@@ -27,6 +27,7 @@
 
 pub mod blocks;
 pub mod case;
+pub mod check;
 mod detection;
 mod heap;
 mod law;
@@ -37,7 +38,8 @@ mod ogive;
 pub mod peers;
 pub mod throughput;
 
-pub use case::{CaseError, Check, Common, Report, Resolution, Totals, largest, within, worst};
+pub use case::{CaseError, Common, Report, Resolution, Totals, largest, within, worst};
+pub use check::{Check, NotJudged};
 pub use detection::{Detection, Detector, Normals};
 pub use heap::Heap;
 pub use law::Law;
