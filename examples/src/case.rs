@@ -14,6 +14,7 @@ use mpm_core::{Float, Mpm};
 use mpm_materials::ParameterError;
 use serde::Serialize;
 
+use crate::check::{Check, NotJudged, shown};
 use crate::machine;
 
 /// How fine a case is.
@@ -148,98 +149,6 @@ impl From<mpm_core::StepError> for CaseError {
     }
 }
 
-/// A number of a run, and what it should be.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Check {
-    /// What it is.
-    pub name: String,
-    /// This run's, in `unit`.
-    pub value: f64,
-    /// Its unit; "-" if it has none.
-    pub unit: String,
-    /// What it should be.
-    pub reference: Option<f64>,
-    /// How far from the reference it may be, relative to it (absolute where the reference is 0). `None`: the
-    /// reference is only shown, or a bound.
-    pub tolerance: Option<f64>,
-    /// Where the reference is from. \[C\] computed independently, \[M\] from memory of the literature.
-    pub source: String,
-    /// Is it within the tolerance? `None` without one: such a check never fails a case.
-    pub pass: Option<bool>,
-}
-
-impl Check {
-    /// A check that decides: `value` within `tolerance` of `reference`.
-    pub fn gate(
-        name: impl Into<String>,
-        value: f64,
-        unit: &str,
-        reference: f64,
-        tolerance: f64,
-        source: &str,
-    ) -> Self {
-        let scale = if reference == 0.0 { 1.0 } else { reference.abs() };
-        // NaN is not within.
-        let pass = Some((value - reference).abs() <= tolerance * scale);
-        let (name, unit, source) = (name.into(), unit.into(), source.into());
-        Check { name, value, unit, reference: Some(reference), tolerance: Some(tolerance), source, pass }
-    }
-
-    /// A check that decides: `value` not below `reference`.
-    pub fn at_least(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
-        let pass = Some(value.is_finite() && value >= reference);
-        Check { pass, ..Self::shown(format!("{} (at least)", name.into()), value, unit, reference, source) }
-    }
-
-    /// A check that decides: `value` not above `reference`.
-    pub fn at_most(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
-        let pass = Some(value.is_finite() && value <= reference);
-        Check { pass, ..Self::shown(format!("{} (at most)", name.into()), value, unit, reference, source) }
-    }
-
-    /// A reference that is shown and decides nothing.
-    pub fn shown(name: impl Into<String>, value: f64, unit: &str, reference: f64, source: &str) -> Self {
-        let (name, unit, source) = (name.into(), unit.into(), source.into());
-        Check { name, value, unit, reference: Some(reference), tolerance: None, source, pass: None }
-    }
-
-    /// A check that decides nothing where it would fail, and says NOT MET instead: for what a method is known not to
-    /// reach at a resolution.
-    #[must_use]
-    pub fn noted(self) -> Self {
-        if self.pass == Some(false) {
-            Check { name: format!("NOT MET: {}", self.name), pass: None, tolerance: None, ..self }
-        } else {
-            self
-        }
-    }
-
-    fn verdict(&self) -> String {
-        match (self.pass, self.tolerance) {
-            (Some(true), Some(t)) => format!("pass ({})", self.allowed(t)),
-            (Some(false), Some(t)) => format!("FAIL ({})", self.allowed(t)),
-            (Some(true), None) => "pass".into(),
-            (Some(false), None) => "FAIL".into(),
-            (None, _) => "shown only".into(),
-        }
-    }
-
-    fn allowed(&self, tolerance: f64) -> String {
-        if self.reference == Some(0.0) {
-            format!("{tolerance:.0e} allowed")
-        } else {
-            format!("{:.3} % allowed", 100.0 * tolerance).replace(".000 %", " %").replace("00 %", " %")
-        }
-    }
-
-    fn difference(&self) -> String {
-        match self.reference {
-            Some(r) if r != 0.0 => format!("{:+.2} %", 100.0 * (self.value / r - 1.0)),
-            _ => String::new(),
-        }
-    }
-}
-
 /// Options on the command line that are numbers from `low` to `high`: a parser for them.
 pub fn within(low: f64, high: f64) -> impl Fn(&str) -> Result<f64, String> + Clone {
     move |text| match text.parse::<f64>() {
@@ -335,8 +244,16 @@ pub struct Report {
     pub particle_updates_per_second: f64,
     /// Largest memory of the process so far, bytes (where the system does not tell, of the largest run).
     pub peak_memory_bytes: usize,
-    /// What was compared with what.
+    /// What was compared with what: rows that are missed first, then those that are met, then those that are shown.
     pub checks: Vec<Check>,
+    /// Rows with a reference that are met.
+    pub met: usize,
+    /// Rows with a reference that are missed, declared ones included.
+    pub missed: usize,
+    /// Rows that are shown and not judged: from memory of the literature, or without a reference.
+    pub shown: usize,
+    /// Rows that say nothing at this resolution; they are not among the checks.
+    pub not_judged: Vec<NotJudged>,
     /// The energy error largest by amount, of all runs.
     pub energy_error: f64,
     /// The largest momentum error of all runs.
@@ -344,14 +261,24 @@ pub struct Report {
 }
 
 impl Report {
-    /// From sums over runs.
+    /// From sums over runs and all rows.
     pub fn new(
         case: &str,
         resolution: Resolution,
         settings: serde_json::Value,
         totals: &Totals,
-        checks: Vec<Check>,
+        rows: Vec<Check>,
     ) -> Self {
+        let (mut checks, mut not_judged) = (Vec::new(), Vec::new());
+        for check in rows {
+            match check.sorted_out() {
+                Ok(check) => checks.push(check),
+                Err(row) => not_judged.push(row),
+            }
+        }
+        checks.sort_by_key(Check::rank);
+        let count = |pass| checks.iter().filter(|c| c.pass() == pass).count();
+        let [met, missed, shown] = [Some(true), Some(false), None].map(count);
         let rate = if totals.wall_seconds > 0.0 { totals.updates / totals.wall_seconds } else { 0.0 };
         Report {
             case: case.into(),
@@ -364,18 +291,23 @@ impl Report {
             particle_updates_per_second: rate,
             peak_memory_bytes: peak_memory().unwrap_or(totals.bytes),
             checks,
+            met,
+            missed,
+            shown,
+            not_judged,
             energy_error: totals.energy_error,
             momentum_error: totals.momentum_error,
         }
     }
 
-    /// Did every check that decides pass?
+    /// Is every row with a reference met, but for those that are declared as missed?
     pub fn passed(&self) -> bool {
-        self.checks.iter().all(|c| c.pass != Some(false))
+        !self.checks.iter().any(Check::fails)
     }
 
-    /// Print the table of checks and, if asked, the JSON object on the last line; keep the JSON in the folder
-    /// too. The exit code says whether the checks passed.
+    /// Print the table of checks, missed ones first, how many are met and, if asked, the JSON object on the last line;
+    /// keep the JSON in the folder too. The exit code says whether the run [passed](Report::passed): what is declared as
+    /// missed counts as missed and does not fail the run.
     ///
     /// # Errors
     /// A file that cannot be written.
@@ -406,48 +338,86 @@ impl Report {
         Ok(if self.passed() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
     }
 
+    /// Rows that are judged, the missed ones first; those that are only shown; the counts.
     fn table(&self) -> String {
-        let head = ["quantity", "this run", "reference", "difference", "source", "verdict"];
-        let mut rows = vec![head.map(String::from)];
-        for c in &self.checks {
+        let head = ["quantity", "this run", "reference", "difference", "source", "met or not"];
+        let row = |c: &Check| {
             let reference = c.reference.map_or(String::new(), |r| shown(r, &c.unit));
-            let value = shown(c.value, &c.unit);
-            rows.push([c.name.clone(), value, reference, c.difference(), c.source.clone(), c.verdict()]);
+            [
+                c.name.clone(),
+                shown(c.value, &c.unit),
+                reference,
+                c.difference(),
+                c.source.clone(),
+                c.verdict(),
+            ]
+        };
+        let (judged, rest): (Vec<&Check>, Vec<&Check>) = self.checks.iter().partition(|c| c.pass().is_some());
+        let of = |rows: Vec<&Check>| {
+            columns(&[vec![head.map(String::from)], rows.into_iter().map(row).collect()].concat())
+        };
+        let mut text = of(judged);
+        if !rest.is_empty() {
+            text += &format!(
+                "\nshown, not judged: from memory of the literature [M], or without a reference\n{}",
+                of(rest)
+            );
         }
-        columns(&rows)
+        if !self.not_judged.is_empty() {
+            text += "\n";
+        }
+        for NotJudged { name, value, unit, reason } in &self.not_judged {
+            text += &format!("not judged at this resolution: {name}, {}: {reason}\n", shown(*value, unit));
+        }
+        text + &format!("\n{}\n", self.counts())
+    }
+
+    /// How many rows are met, in words.
+    pub fn counts(&self) -> String {
+        let known = self.checks.iter().filter(|c| c.pass() == Some(false) && !c.fails()).count();
+        let unneeded = self.checks.iter().filter(|c| c.pass() == Some(true) && c.known().is_some()).count();
+        let mut text = format!("{} of {} met, {} missed", self.met, self.met + self.missed, self.missed);
+        if self.missed > 0 {
+            text += &format!(" ({known} declared)");
+        }
+        if unneeded > 0 {
+            text += &format!(", {unneeded} met though declared as missed");
+        }
+        format!(
+            "{text}; {} shown, not judged; {} not judged at this resolution",
+            self.shown,
+            self.not_judged.len()
+        )
     }
 }
 
-/// A number with its unit, readable.
-fn shown(x: f64, unit: &str) -> String {
-    let number = match x.abs() {
-        0.0 => "0".to_string(),
-        a if (0.01..1e5).contains(&a) => format!("{x:.3}"),
-        _ => format!("{x:.2e}"),
-    };
-    if unit == "-" { number } else { format!("{number} {unit}") }
-}
-
-/// Rows of text in columns; a rule under the first row. Numbers are set flush right.
+/// Rows of text in columns; a rule under the first row. Numbers are set flush right. The last column may hold long text.
 pub fn columns<const N: usize>(rows: &[[String; N]]) -> String {
     let widths: Vec<usize> =
         (0..N).map(|c| rows.iter().map(|r| r[c].chars().count()).max().unwrap_or(0)).collect();
     let mut text = String::new();
     for (i, row) in rows.iter().enumerate() {
+        let mut line = String::new();
         for (c, cell) in row.iter().enumerate() {
             let blank = " ".repeat(widths[c] - cell.chars().count());
             // The first word of a cell says whether it is a number; the first column names things.
             let number = c > 0 && cell.split(' ').next().is_some_and(|w| w.parse::<f64>().is_ok());
-            text += &if number { format!("{blank}{cell}") } else { format!("{cell}{blank}") };
-            text += if c + 1 < N { "  " } else { "\n" };
+            line += &if number { format!("{blank}{cell}") } else { format!("{cell}{blank}") };
+            line += "  ";
         }
+        text += line.trim_end();
+        text += "\n";
         if i == 0 {
-            text += &"─".repeat(widths.iter().sum::<usize>() + 2 * (N - 1));
+            let last = widths.last().map_or(0, |w| w.saturating_sub(WIDEST));
+            text += &"─".repeat(widths.iter().sum::<usize>() + 2 * (N - 1) - last);
             text += "\n";
         }
     }
     text
 }
+
+/// Characters of the last column that the rule goes on for.
+const WIDEST: usize = 24;
 
 /// The largest resident memory of this process so far, bytes, where the system tells.
 pub fn peak_memory() -> Option<usize> {
@@ -471,26 +441,77 @@ pub fn start<O: Parser>(run: impl FnOnce(&O) -> Result<ExitCode, CaseError>) -> 
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_gate_is_relative_unless_the_reference_is_zero() {
-        let pass = |value, reference, tolerance| {
-            Check::gate("x", value, "-", reference, tolerance, "test").pass == Some(true)
-        };
-        assert!(pass(16.4, 16.28, 0.015));
-        assert!(!pass(16.6, 16.28, 0.015));
-        assert!(pass(-0.009, 0.0, 0.01));
-        assert!(!pass(f64::NAN, 0.0, 0.01));
-        assert_eq!(Check::shown("x", 1.0, "-", 2.0, "test").pass, None);
+    fn report(checks: Vec<Check>) -> Report {
+        Report::new("t", Resolution::Smoke, serde_json::json!({}), &Totals::default(), checks)
+    }
+
+    fn good() -> Check {
+        Check::gate("good", 1.0, "-", 1.0, 0.1, "[C]")
+    }
+
+    fn bad() -> Check {
+        Check::gate("bad", 2.0, "-", 1.0, 0.1, "[C]")
     }
 
     #[test]
-    fn a_report_fails_with_one_failed_gate() {
-        let good = Check::gate("good", 1.0, "-", 1.0, 0.1, "");
-        let bad = Check::gate("bad", 2.0, "-", 1.0, 0.1, "");
-        let of = |checks| {
-            Report::new("t", Resolution::Smoke, serde_json::json!({}), &Totals::default(), checks).passed()
-        };
-        assert!(of(vec![good.clone(), Check::shown("m", 9.0, "-", 1.0, "")]));
-        assert!(!of(vec![good, bad]));
+    fn a_report_fails_with_one_missed_row() {
+        let memory = Check::remembered("m", 9.0, "-", 1.0, "a book");
+        assert!(report(vec![good(), memory]).passed());
+        assert!(!report(vec![good(), bad()]).passed());
+    }
+
+    /// Whatever is said of a row that is missed, it counts.
+    #[test]
+    fn a_missed_row_always_counts() {
+        for miss in
+            [bad(), bad().known_miss("so it is"), bad().judged_if(true, "fine enough").known_miss("so it is")]
+        {
+            let report = report(vec![good(), miss]);
+            assert_eq!((report.met, report.missed, report.shown), (1, 1, 0));
+            assert_eq!(report.checks[0].name, "bad", "first");
+            let json = serde_json::to_value(&report).expect("JSON");
+            assert_eq!((&json["met"], &json["missed"]), (&1.into(), &1.into()));
+            assert_eq!(json["checks"][0]["pass"], false);
+            assert!(report.table().contains("1 of 2 met, 1 missed"), "{}", report.table());
+        }
+        assert!(report(vec![bad().known_miss("so it is")]).passed(), "what is declared does not fail a run");
+    }
+
+    #[test]
+    fn rows_that_are_missed_come_first_with_their_reasons() {
+        let table = report(vec![
+            good(),
+            bad().known_miss("it is coarse"),
+            Check::gate("worse", 3.0, "-", 1.0, 0.1, ""),
+        ])
+        .table();
+        let at = |what: &str| table.find(what).expect(what);
+        assert!(at("worse") < at("bad") && at("bad") < at("good"), "{table}");
+        assert!(table.contains("MISSED (10 % allowed); declared: it is coarse"), "{table}");
+        assert!(table.contains("1 of 3 met, 2 missed (1 declared); 0 shown"), "{table}");
+    }
+
+    #[test]
+    fn a_declared_miss_that_is_met_says_so() {
+        let report = report(vec![good().known_miss("it was coarse")]);
+        assert_eq!((report.met, report.missed), (1, 0));
+        assert!(report.table().contains("met (declared as missed: it was coarse)"), "{}", report.table());
+        assert!(report.counts().contains("1 met though declared as missed"));
+    }
+
+    #[test]
+    fn what_says_nothing_at_a_resolution_is_named_and_not_in_the_table() {
+        let report = report(vec![good(), bad().judged_if(false, "two cells")]);
+        assert_eq!((report.met, report.missed, report.shown, report.not_judged.len()), (1, 0, 0, 1));
+        let table = report.table();
+        assert!(table.contains("not judged at this resolution: bad, 2.000: two cells"), "{table}");
+        assert!(table.contains("1 not judged at this resolution"), "{table}");
+        assert_eq!(serde_json::to_value(&report).expect("JSON")["checks"].as_array().map(Vec::len), Some(1));
+    }
+
+    #[test]
+    fn columns_stand_below_each_other() {
+        let rows = [["a", "b", "c"], ["long", "1", "text"], ["d", "22", ""]].map(|r| r.map(String::from));
+        assert_eq!(columns(&rows), "a     b   c\n──────────────\nlong   1  text\nd     22\n");
     }
 }

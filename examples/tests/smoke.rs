@@ -1,6 +1,7 @@
-//! Every case runs at smoke size, ends with the agreed JSON object, and passes its own checks; bad input is
-//! refused by name.
+//! Every case runs at smoke size, ends with the agreed JSON object, and misses no row but those that it declares; bad
+//! input is refused by name.
 
+use std::io::Write;
 use std::ops::{RangeBounds, RangeInclusive};
 use std::path::PathBuf;
 use std::process::{Command, Output};
@@ -41,38 +42,65 @@ fn result(output: &Output, case: &str) -> Value {
         "wall_seconds",
         "particle_updates_per_second",
         "peak_memory_bytes",
+        "met",
+        "missed",
+        "shown",
         "energy_error",
         "momentum_error",
     ];
     for key in numbers {
         assert!(value[key].is_number(), "{key} of {last}");
     }
-    assert_eq!(value.as_object().map(|o| o.len()), Some(3 + numbers.len() + 1), "no other keys: {last}");
-    for check in value["checks"].as_array().expect("checks") {
+    assert_eq!(value.as_object().map(|o| o.len()), Some(3 + numbers.len() + 2), "no other keys: {last}");
+    let checks = value["checks"].as_array().expect("checks");
+    for check in checks {
         for key in ["name", "unit", "source"] {
             assert!(check[key].is_string(), "{key} of {check}");
         }
         assert!(check["value"].is_number(), "{check}");
-        assert_ne!(check["pass"], false, "{check}");
-        if check["source"].as_str().is_some_and(|s| s.contains("[M]")) {
-            assert!(check["pass"].is_null(), "what is from memory never decides: {check}");
+        let memory = check["source"].as_str().is_some_and(|s| s.contains("[M]"));
+        let judged = check["reference"].is_number() && !memory;
+        assert_eq!(check["pass"].is_boolean(), judged, "all with a reference, and none from memory: {check}");
+        if check["pass"] == false {
+            assert!(check["known"].is_string(), "missed and not declared: {check}");
+        }
+        // It does not fail: rounding of another processor may tip it over. It says so, here and in the table.
+        if check["pass"] == true && check["known"].is_string() {
+            // Past the capture of output, which hides what tests that pass print.
+            let _ = writeln!(std::io::stderr(), "{case}: met, though declared as missed: {check}");
         }
     }
+    let count = |pass: Value| checks.iter().filter(|c| c["pass"] == pass).count();
+    for (key, pass) in [("met", true.into()), ("missed", false.into()), ("shown", Value::Null)] {
+        assert_eq!(value[key], count(pass), "{key}");
+    }
+    let order = checks.iter().map(|c| c["pass"].as_bool().map_or(2, u8::from));
+    assert!(order.is_sorted(), "missed ones first, then met ones, then shown ones");
+    for row in value["not_judged"].as_array().expect("rows that are not judged") {
+        assert!(row["name"].is_string() && row["reason"].is_string(), "{row}");
+    }
+    let counts = format!(
+        "{} of {} met, {} missed",
+        count(true.into()),
+        count(true.into()) + count(false.into()),
+        count(false.into())
+    );
+    assert!(text.contains(&counts), "{counts} is not in\n{text}");
     value
 }
 
-/// A case at smoke size: so many of its checks decide, and these files are written.
+/// A case at smoke size: so many of its rows are judged, and these files are written.
 macro_rules! smoke {
-    ($case:ident, $gates:expr, [$($file:expr),*]) => {
-        passes(env!(concat!("CARGO_BIN_EXE_", stringify!($case))), stringify!($case), $gates, &[$($file),*])
+    ($case:ident, $judged:expr, [$($file:expr),*]) => {
+        passes(env!(concat!("CARGO_BIN_EXE_", stringify!($case))), stringify!($case), $judged, &[$($file),*])
     };
 }
 
-fn passes(program: &str, case: &str, gates: impl RangeBounds<usize>, files: &[&str]) -> Value {
+fn passes(program: &str, case: &str, expected: impl RangeBounds<usize>, files: &[&str]) -> Value {
     let value = result(&run(program, &["--resolution", "smoke", "--json"], case), case);
     let checks = value["checks"].as_array().expect("checks");
-    let decide = checks.iter().filter(|c| c["pass"] == true).count();
-    assert!(gates.contains(&decide), "{decide} checks decide");
+    let judged = checks.iter().filter(|c| c["pass"].is_boolean()).count();
+    assert!(expected.contains(&judged), "{judged} rows are judged");
     let out = folder(case);
     for file in files.iter().chain(&["result.json"]) {
         assert!(out.join(file).is_file(), "{file} is missing");
@@ -113,28 +141,33 @@ fn taylor_bar() {
 
 #[test]
 fn elastic_bar() {
-    // Two fronts (each in two ways), two plateaus, mass, energy, momentum, elements; as printed and ours.
-    smoke!(elastic_bar, only(2 * 10), ["bar.png", "history_printed.csv", "paraview/consistent.pvd"]);
+    // Two fronts (one in three ways, one in two), two plateaus, rebound, mass, energy, momentum, elements; as printed and ours.
+    smoke!(elastic_bar, only(2 * 12), ["bar.png", "history_printed.csv", "paraview/consistent.pvd"]);
 }
 
 #[test]
 fn taylor_copper() {
-    // Length, radius, cover, energy (twice) and momentum, axisymmetric and in plane strain.
-    smoke!(taylor_copper, only(2 * 6), ["bars.png", "history_plane strain.csv", "paraview/axisymmetric.pvd"]);
+    // Length, radius, cover, energy (twice) and momentum, axisymmetric and in plane strain; the first four of three runs with
+    // defects, but for a radius; length and radius by material points in two spaces.
+    smoke!(
+        taylor_copper,
+        only(2 * 6 + 3 * 4 - 1 + 2 * 2),
+        ["bars.png", "history_plane strain.csv", "paraview/axisymmetric.pvd"]
+    );
 }
 
 #[test]
 fn debris_cloud_2d() {
-    // The shock's arrival, the front from above and below, mass, momentum, energy, and what revisions add to it.
-    smoke!(debris_cloud_2d, only(7), ["cloud.png", "history.csv", "paraview/cloud.pvd"]);
+    // The shock's arrival, the front from above and below, mean velocity, mass, momentum, energy, and what revisions add to it.
+    smoke!(debris_cloud_2d, only(8), ["cloud.png", "history.csv", "paraview/cloud.pvd"]);
 }
 
 #[test]
 fn debris_cloud() {
-    // Pressure and density at impact; front, mass, momentum, energy of both clouds.
+    // Pressure and density at impact; front, speed, mass (twice), momentum, energy of both clouds; one against the other.
     let value = smoke!(
         debris_cloud,
-        only(2 + 2 * 4),
+        only(2 + 2 * 6 + 1),
         ["cloud_split.png", "cloud_whole.png", "front.png", "plane.png", "cloud_split.csv"]
     );
     // Splitting is what keeps the cloud together.
@@ -145,8 +178,8 @@ fn debris_cloud() {
 
 #[test]
 fn pcmm_distortion() {
-    // Four figures of three scenes, what is asked of each and of the strip, six of the packings; ours alone decide.
-    let value = smoke!(pcmm_distortion, only(3 * 4 + 3 + 2 + 6), ["ends.png"]);
+    // Four figures of three scenes, what is asked of each and of the strip, six of the packings; printed rules and ours.
+    let value = smoke!(pcmm_distortion, only(2 * (3 * 4 + 3 + 2 + 6)), ["ends.png"]);
     // What the printed rules fail at: matter lost in shear, strips that part, stress that does not turn, holes.
     let printed = |what: &str| of(&value, |name| name.starts_with("printed") && name.contains(what));
     assert!(printed("shear flow: mass") < 0.9 && printed("parts") < 2.0);
@@ -155,11 +188,11 @@ fn pcmm_distortion() {
 
 #[test]
 fn tungsten_bullet() {
-    // Mass, momentum and energy of two methods in two spaces, revisions of one method; speed and time of particle contacts in
-    // the plane: at half the paper's size the others are not in their ranges yet.
+    // Mass, momentum and energy of two methods in two spaces, revisions of one method. At half the paper's size speeds, times
+    // and depths are not judged.
     smoke!(
         tungsten_bullet,
-        only(4 * 3 + 2 + 2),
+        only(4 * 3 + 2),
         ["bullet_plane.png", "bullet_round.png", "tip.png", "history_mpm_round.csv"]
     );
 }
@@ -167,26 +200,65 @@ fn tungsten_bullet() {
 #[test]
 fn validation() {
     let name = "validation";
-    let out = folder(name);
+    let (out, tree) = (folder(name), folder("validation-tree"));
+    std::fs::create_dir_all(&tree).expect("a folder");
+    let git = |arguments: &[&str]| {
+        let who =
+            ["-c", "user.name=nobody", "-c", "user.email=nobody@localhost", "-c", "commit.gpgsign=false"];
+        let output = Command::new("git").current_dir(&tree).args(who).args(arguments).output();
+        output
+            .ok()
+            .filter(|o| o.status.success())
+            .map(|o| String::from_utf8_lossy(&o.stdout).trim().to_string())
+    };
+    if git(&["init"]).is_none() {
+        eprintln!("no git: the page is not tried");
+        return;
+    }
+    git(&["commit", "--allow-empty", "--message", "One"]).expect("a commit");
+    let head = git(&["rev-parse", "HEAD"]).expect("a commit");
     let docs = out.join("page");
-    let arguments = ["--resolution", "smoke", "--cases", "elastic_bar", "--docs"];
-    let arguments = [&arguments[..], &[docs.to_str().expect("a name")]].concat();
-    let output = run(env!("CARGO_BIN_EXE_validation"), &arguments, name);
+    // Cases as the test has built them, in a tree that is not this one, which may be changed.
+    let made = |arguments: &[&str]| {
+        Command::new(env!("CARGO_BIN_EXE_validation"))
+            .current_dir(&tree)
+            .args([
+                "--as-built",
+                "--docs",
+                docs.to_str().expect("a name"),
+                "--out",
+                out.to_str().expect("a name"),
+            ])
+            .args(arguments)
+            .output()
+            .expect("it starts")
+    };
+    let page = || std::fs::read_to_string(docs.join("validation.md"));
+    // A tree with a new file is refused before anything is run.
+    std::fs::write(tree.join("new.txt"), "new").expect("written");
+    let output = made(&["--cases", "elastic_bar"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && said.contains("working tree = new.txt is not allowed"), "{said}");
+    assert!(page().is_err(), "no page is written");
+    std::fs::remove_file(tree.join("new.txt")).expect("removed");
+
+    let output = made(&["--resolution", "smoke", "--cases", "elastic_bar"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let page = std::fs::read_to_string(docs.join("validation.md")).expect("a page");
-    assert!(page.contains("| [elastic_bar](#elastic_bar) | smoke | 20 of 20 | **2** |"), "{page}");
+    let text = page().expect("a page");
+    assert_eq!(text.matches(&head).count(), 1, "the commit, once: {text}");
+    assert!(text.contains("| [elastic_bar](#elastic_bar) | smoke | 20 of 24 | **4** | 4 |"), "{text}");
     let table = std::fs::read_to_string(docs.join("validation.csv")).expect("a table");
     assert!(table.lines().skip(1).all(|l| l.starts_with("elastic_bar,smoke,\"")), "{table}");
-    // A case that takes too long is on the page, and is a failure.
-    let arguments = ["--at-most", "1", "--resolution", "paper", "--cases", "shaken_discs", "--docs"];
-    let arguments = [&arguments[..], &[docs.to_str().expect("a name")]].concat();
-    let output = run(env!("CARGO_BIN_EXE_validation"), &arguments, name);
+    // A case that takes too long is on the page, and is a failure; what an earlier run had is not there.
+    let output = made(&["--at-most", "1", "--resolution", "paper", "--cases", "shaken_discs"]);
     assert!(!output.status.success());
-    let page = std::fs::read_to_string(docs.join("validation.md")).expect("a page");
-    assert!(page.contains("broke off: not finished after 1 s"), "{page}");
-    let output = run(env!("CARGO_BIN_EXE_validation"), &["--cases", "nothing"], name);
+    let text = page().expect("a page");
+    assert!(text.contains("broke off: not finished after 1 s") && !text.contains("elastic_bar"), "{text}");
+    let output = made(&["--cases", "nothing"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("case = nothing is not allowed"));
-    std::fs::remove_dir_all(out).expect("removed");
+    for folder in [out, tree] {
+        std::fs::remove_dir_all(folder).expect("removed");
+    }
 }
 
 #[test]
@@ -228,27 +300,28 @@ fn taylor_bar_convergence() {
 fn tnt_slab() {
     smoke!(
         tnt_slab,
-        only(3 * 3 + 1 + 2 + 2),
+        only(3 * 3 + 2 + 1 + 2 + 2),
         ["taylor_wave.png", "gauges.png", "gauges.csv", "profile.csv", "ledger.csv", "paraview/slab.pvd"]
     );
 }
 
 #[test]
 fn tnt_cased() {
-    // Speed of the cylinder's case twice, and that it is round; masses, energy and momentum of both forms.
+    // Speed of the cylinder's case twice, that it is round, and of the reference; masses, energies and momentum of both forms.
     smoke!(
         tnt_cased,
-        only(3 + 2 * 4),
+        only(4 + 2 * 5),
         ["section_cylinder.png", "section_cube.png", "speed_cylinder.png", "case_cube.csv"]
     );
 }
 
 #[test]
 fn plate_impact() {
-    // Lines and states but for the energy of seven metals, the shock on three grids, spall on three, conservation.
+    // Lines and states but for the energy of seven metals, the shock on three grids, finite differences, spall on three grids
+    // and all of it on the finest, conservation.
     smoke!(
         plate_impact,
-        7 * 5 + 3 * 2 + 1 + 3 * 3 + 3 + 2..,
+        only(7 * 5 + 3 * 2 + 1 + 2 + 3 * 3 + 7 + 2),
         [
             "lines.png",
             "shock.png",
@@ -266,7 +339,7 @@ fn plate_impact() {
 fn ring_collision() {
     smoke!(
         ring_collision,
-        4 * 2 + 2..,
+        only(4 * 2 + 2 * 4 + 1),
         [
             "closest_approach.png",
             "contact.png",
@@ -285,7 +358,7 @@ fn bouncing_blocks() {
     // Bars, joint, discs, incline, balls and cylinders.
     smoke!(
         bouncing_blocks,
-        only(11 + 3 + 5 + 4 + 6),
+        only(11 + 4 + 5 + 4 + 9),
         [
             "discs.png",
             "discs_1.csv",
@@ -322,8 +395,8 @@ fn rolling_cylinder() {
 
 #[test]
 fn oblique_penetration() {
-    // Energy, momentum and interpenetration; the speed of so coarse a rod is shown only.
-    smoke!(oblique_penetration, 3.., ["cuts.png", "speed.png", "rod_575_30deg_8.csv"]);
+    // Energy lost and gained, momentum, interpenetration, memory; the speed of so coarse a rod is not judged.
+    smoke!(oblique_penetration, only(5), ["cuts.png", "speed.png", "rod_575_30deg_8.csv"]);
 }
 
 /// The plate of a rod that flies fifty thicknesses to it may rest until then: nothing changes but what it costs.
@@ -353,20 +426,21 @@ fn oblique_penetration_from_afar() {
 
 #[test]
 fn concrete_perforation() {
-    // A faster rod comes out faster; energy, momentum, interpenetration. The experiment is from memory.
+    // That no reference decides (missed), a faster rod comes out faster, none as it came; energy, momentum, interpenetration.
     smoke!(
         concrete_perforation,
-        only(4),
+        only(6),
         ["curve.png", "speed.png", "cuts.png", "cracks.png", "curve.csv", "rod_quarter_1058_12.csv"]
     );
 }
 
 #[test]
 fn granular_column() {
-    // Run-out of four columns of bars from below, of three of sand from both sides; area, rest, energy, momentum.
+    // Run-out of three columns of bars and three of sand from both sides, of a coarse one from below; area, rest, energy,
+    // momentum.
     smoke!(
         granular_column,
-        only(4 + 3 * 2 + 4),
+        only((3 + 3) * 2 + 1 + 4),
         ["column.png", "deposits.png", "fronts.png", "front_0.5_19.8deg_20.csv"]
     );
 }
@@ -376,7 +450,7 @@ fn slope_failure() {
     // Area, momentum, rest; the strength at failure from below.
     smoke!(
         slope_failure,
-        3..,
+        only(3 + 1),
         ["slope.png", "slip.png", "run_out.png", "slip_2500mm.csv", "history_2500mm.csv"]
     );
 }

@@ -1,9 +1,9 @@
 //! What the runs are held against.
 
-use examples::{Check, Resolution, largest, worst};
+use examples::{Check, largest, worst};
 
 use crate::scene::Outcome;
-use crate::setup::SHOTS;
+use crate::setup::{Rod, SHOTS};
 
 /// Impulses of ten thousand steps pass through the sums, rounded by 1e-16 each; 1e-12 if all fall the same way.
 const MOMENTUM: f64 = 1e-12;
@@ -14,6 +14,14 @@ const OVERLAP: f64 = 0.01;
 /// Part of the impact speed by which the residual speed may miss the experiment, and from which speed on, m/s.
 const ASKED: (f64, f64) = (0.10, 400.0);
 const EXPERIMENT: &str = "experiment [M]";
+/// Why no residual speed is judged. No other reference is known: the only printed statement on residual speeds that could be
+/// read is of concrete of 140 MPa, whose constants are not available.
+const UNREAD: &str = "the table of the experiment is known from memory alone [M], which decides nothing; beside it the error is 46 m/s \
+     in the root mean square with 26 cells through the slab, 32 m/s with 50";
+/// Why grids disagree.
+const CHANGES: &str = "825 and 869 m/s with 20 and 26 cells, 4.2 % of the impact speed; 905 m/s with 50";
+/// Why energy may be gained.
+const TREMBLES: &str = "the elastic rod trembles with hats as it flies through the grid: 1.9 % with 26 cells through the slab, 21.5 % with 50";
 
 /// Speed below which no rod comes through, m/s: at most that which the slab took from the slowest that did, and at
 /// least that of the fastest that did not, if there is one.
@@ -34,10 +42,10 @@ pub fn of_curve(outcomes: &[Outcome]) -> Vec<Check> {
         let name = format!("residual speed, {speed:.0} m/s");
         let shot = SHOTS.iter().find(|s| s[0] == speed);
         let Some([_, left]) = shot else {
-            checks.push(Check::shown(name, value, "m/s", 0.0, "no experiment"));
+            checks.push(Check::unreferenced(name, value, "m/s", "no experiment"));
             continue;
         };
-        checks.push(Check::shown(name, value, "m/s", *left, EXPERIMENT));
+        checks.push(Check::remembered(name, value, "m/s", *left, EXPERIMENT));
         squares += (value - left).powi(2);
         count += 1.0;
         if speed > ASKED.1 {
@@ -45,20 +53,28 @@ pub fn of_curve(outcomes: &[Outcome]) -> Vec<Check> {
         }
     }
     if count > 0.0 {
-        checks.push(Check::shown("root mean square error", (squares / count).sqrt(), "m/s", 0.0, EXPERIMENT));
+        let error = (squares / count).sqrt();
+        checks.push(Check::remembered("root mean square error", error, "m/s", 0.0, EXPERIMENT));
         let name = "worst error above 400 m/s, of the impact speed (asked: at most)";
-        checks.push(Check::shown(name, worst, "-", ASKED.0, EXPERIMENT));
+        checks.push(Check::remembered(name, worst, "-", ASKED.0, EXPERIMENT));
     }
     if let Some([low, high]) = limit(outcomes) {
-        checks.push(Check::shown(
+        checks.push(Check::remembered(
             "ballistic limit is at most (asked: 280 to 380)",
             high,
             "m/s",
             350.0,
             EXPERIMENT,
         ));
-        checks.push(Check::shown("ballistic limit is at least", low, "m/s", 301.0, EXPERIMENT));
+        checks.push(Check::remembered("ballistic limit is at least", low, "m/s", 301.0, EXPERIMENT));
     }
+    // What the case is about, and it cannot be judged: that counts as missed.
+    let name = "residual speeds beside a reference that may decide";
+    let all = outcomes.len() as f64;
+    checks.push(Check::at_least(name, 0.0, "shots", all, "a table that could be read").known_miss(UNREAD));
+    // What leaves has lost energy.
+    let gain = outcomes.iter().map(|o| o.residual() / o.setup.speed).fold(0.0, f64::max);
+    checks.push(Check::at_most("largest residual over impact speed", gain, "-", 1.0, "physics"));
     // A faster rod comes out faster.
     let mut sorted: Vec<&Outcome> = outcomes.iter().collect();
     sorted.sort_by(|a, b| a.setup.speed.total_cmp(&b.setup.speed));
@@ -76,20 +92,24 @@ pub fn of_curve(outcomes: &[Outcome]) -> Vec<Check> {
 }
 
 /// Of the same shot on grids that get finer.
-pub fn of_grids(outcomes: &[Outcome], resolution: Resolution) -> Vec<Check> {
+pub fn of_grids(outcomes: &[Outcome]) -> Vec<Check> {
     let mut checks = Vec::new();
     for outcome in outcomes {
         let name = format!("residual speed, {:.0} m/s, {} cells", outcome.setup.speed, outcome.setup.cells);
         let shot = SHOTS.iter().find(|s| s[0] == outcome.setup.speed);
-        let [value, left] = [outcome.residual(), shot.map_or(0.0, |s| s[1])];
-        checks.push(Check::shown(name, value, "m/s", left, EXPERIMENT));
+        let value = outcome.residual();
+        checks.push(match shot {
+            Some([_, left]) => Check::remembered(name, value, "m/s", *left, EXPERIMENT),
+            None => Check::unreferenced(name, value, "m/s", "no experiment"),
+        });
     }
-    if let [.., a, b] = outcomes
-        && resolution != Resolution::Smoke
-    {
+    if let [.., a, b] = outcomes {
         let change = (b.residual() - a.residual()).abs() / b.setup.speed;
         let name = "change of the last refinement, of the impact speed";
-        checks.push(Check::at_most(name, change, "-", 0.04, "asked").noted());
+        let change = Check::at_most(name, change, "-", 0.04, "asked");
+        let coarse = "from 16 cells through the slab on a cell is less than the rod's radius";
+        let change = change.judged_if(a.setup.cells >= 16, coarse);
+        checks.push(if b.setup.cells < 50 { change.known_miss(CHANGES) } else { change });
     }
     checks
 }
@@ -100,11 +120,12 @@ pub fn of_books(outcomes: &[&Outcome]) -> Vec<Check> {
     let (lost, gained) = (largest(errors().map(|e| -e)), largest(errors()));
     let momentum = worst(outcomes.iter().map(|o| o.totals.momentum_error));
     let overlap = largest(outcomes.iter().map(|o| o.overlap()));
+    let gain = Check::at_most("energy gained", gained, "-", GAIN, "conservation");
+    let trembles = outcomes.iter().any(|o| o.setup.rod == Rod::Elastic && o.setup.cells >= 26);
     vec![
-        Check::shown("energy lost by contact and filter, at most", lost, "-", 0.0, "of the kinetic energy"),
-        // An elastic rod may tremble as it flies through the grid.
-        Check::at_most("energy gained", gained, "-", GAIN, "conservation").noted(),
+        Check::unreferenced("energy lost by contact and filter, at most", lost, "-", "of the kinetic energy"),
+        if trembles { gain.known_miss(TREMBLES) } else { gain },
         Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM, "conservation"),
-        Check::at_most("slab inside the rod, of the hole", overlap, "-", OVERLAP, "half a cell").noted(),
+        Check::at_most("slab inside the rod, of the hole", overlap, "-", OVERLAP, "half a cell"),
     ]
 }

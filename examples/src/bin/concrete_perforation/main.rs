@@ -130,7 +130,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         others.push(outcomes.swap_remove(at));
         others.sort_by_key(|o| o.setup.cells);
         figures::histories(&others)?.save(folder.join("grids.png"))?;
-        found.extend(checks::of_grids(&others, resolution));
+        found.extend(checks::of_grids(&others));
     }
     Report::new("concrete_perforation", resolution, settings, &totals, found).finish(&options.common, &folder)
 }

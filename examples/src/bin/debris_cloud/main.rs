@@ -107,6 +107,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
 
     let mut found = checks::of_plane(&row);
     found.extend(outcomes.iter().flat_map(checks::of_cloud));
+    found.extend(checks::of_both(&outcomes));
     // Totals are those of the clouds; the row is next to nothing beside them.
     let totals = outcomes.iter().fold(Totals::default(), |sum, o| sum.plus(&o.totals));
     let settings = serde_json::json!({

@@ -32,6 +32,8 @@ struct Options {
 const PRESSURE_TOLERANCE: [(u32, f64); 2] = [(21, 0.01), (10, 0.03)];
 /// The front is two spacings wide, and the disc round: its shock slows down.
 const ARRIVAL_TOLERANCE: f64 = 0.06;
+/// A disc and the strip of plate as wide as it: the plate beside it takes part, and the rim of the disc flies past.
+const CLOUD_TOLERANCE: f64 = 0.1;
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 /// What revisions do not explain.
 const ENERGY_TOLERANCE: f64 = 0.02;
@@ -80,18 +82,17 @@ fn checks_of(outcome: &Outcome, layers: u32) -> Vec<Check> {
     let stored = outcome.audit.stored_energy / start;
     let Outcome { shock, arrival, front, cloud, bound, mass, .. } = *outcome;
     let (energy, momentum) = (outcome.totals.energy_error, outcome.totals.momentum_error);
+    let fine = PRESSURE_TOLERANCE.into_iter().find(|(least, _)| layers >= *least);
     vec![
-        match PRESSURE_TOLERANCE.into_iter().find(|(least, _)| layers >= *least) {
-            None => Check::shown("pressure of the shock", 1e-9 * shock, "GPa", 1e-9 * pressure, hugoniot),
-            Some((_, tolerance)) => Check::gate(
-                "pressure of the shock",
-                1e-9 * shock,
-                "GPa",
-                1e-9 * pressure,
-                tolerance,
-                hugoniot,
-            ),
-        },
+        Check::gate(
+            "pressure of the shock",
+            1e-9 * shock,
+            "GPa",
+            1e-9 * pressure,
+            fine.map_or(PRESSURE_TOLERANCE[1].1, |(_, tolerance)| tolerance),
+            hugoniot,
+        )
+        .judged_if(fine.is_some(), "the front takes some of less than ten layers"),
         Check::gate(
             "shock at the last layer of the plate",
             1e6 * arrival,
@@ -108,15 +109,20 @@ fn checks_of(outcome: &Outcome, layers: u32) -> Vec<Check> {
             1e3 * mean * END,
             "mean momentum [C]",
         ),
-        Check::shown("mass faster than the impact", outcome.jet, "-", 0.0, "jet of the rim"),
-        Check::shown("fastest particle", outcome.fastest, "m/s", SPEED, "impact"),
-        Check::shown("mean velocity of the cloud", cloud, "m/s", mean, "mean momentum [C]"),
+        Check::unreferenced("mass faster than the impact", outcome.jet, "-", "jet of the rim"),
+        Check::unreferenced(
+            "fastest particle",
+            outcome.fastest,
+            "m/s",
+            "jet of the rim; the impact has 5000 m/s",
+        ),
+        Check::gate("mean velocity of the cloud", cloud, "m/s", mean, CLOUD_TOLERANCE, "mean momentum [C]"),
         Check::gate("mass", mass, "-", 1.0, 1e-9, "exact volumes"),
         Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM_TOLERANCE, free),
         Check::gate("energy error, but for revisions", energy, "-", 0.0, ENERGY_TOLERANCE, free),
         Check::gate("energy added by revisions", added, "-", 0.0, ADDED_TOLERANCE, free),
-        Check::shown("energy in particles without elements", stored, "-", 0.0, "audit"),
-        Check::shown("energy of the elements they deleted", removed, "-", 0.0, "audit"),
-        Check::shown("particles in elements at the end", bound, "-", 1.0, "audit"),
+        Check::unreferenced("energy in particles without elements", stored, "-", "audit"),
+        Check::unreferenced("energy of the elements they deleted", removed, "-", "audit"),
+        Check::unreferenced("particles in elements at the end", bound, "-", "audit"),
     ]
 }

@@ -43,9 +43,13 @@ enum Methods {
     All,
 }
 
+const WAVES: &str =
+    "3.3 % of it stay in waves along and across the wide bar, which the exact solution does not have";
 const ARRIVAL_TOLERANCE: f64 = 0.01;
 /// m/s
 const PLATEAU_TOLERANCE: f64 = 1.0;
+/// Of the kinetic energy after the rebound: the bulk viscosity heats by half a per cent, and a narrow bar keeps 1 % in waves.
+const REBOUND_TOLERANCE: f64 = 0.02;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
 const MASS_TOLERANCE: f64 = 1e-12;
 /// Velocities and stresses lie half a step apart in the sum, and the viscosity heats.
@@ -159,8 +163,12 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
     let mut plain = arrives("half of the first front, no lateral inertia", halved, stop);
     // Lateral inertia delays half the front of the wide bar by 2.5 %, whatever the spacing.
     if outcome.setup.which != Which::Narrow {
-        plain = plain.noted();
+        plain = plain.known_miss(
+            "lateral inertia delays half the front of the wide bar by 2.5 %, whatever the spacing",
+        );
     }
+    let rebound = name("kinetic energy after rebound / before");
+    let rebound = Check::gate(rebound, last, "-", 1.0, REBOUND_TOLERANCE, theory);
     let mut checks = vec![
         arrives("the first front arrives at the middle", arrived[0], stop),
         arrives("the second front arrives", arrived[1], back),
@@ -176,7 +184,7 @@ fn checks_of(outcome: &Outcome) -> Vec<Check> {
         arrives("half of the second front has passed", passes(outcome, -half), back),
         Check::gate(name("mean velocity at rest"), first, "m/s", 0.0, PLATEAU_TOLERANCE, theory),
         Check::gate(name("mean velocity back"), second, "m/s", -SPEED, PLATEAU_TOLERANCE / SPEED, theory),
-        Check::shown(name("kinetic energy after rebound / before"), last, "-", 1.0, theory),
+        if outcome.setup.which == Which::Narrow { rebound } else { rebound.known_miss(WAVES) },
     ];
     let cover = if outcome.setup.which == Which::Printed { 2.0 } else { 1.0 };
     let mass = "cover of a square lattice [C]";

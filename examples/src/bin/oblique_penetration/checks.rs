@@ -1,6 +1,6 @@
 //! What a run is held against.
 
-use examples::{CaseError, Check, Resolution, largest, worst};
+use examples::{CaseError, Check, largest, worst};
 
 use crate::curve::Point;
 use crate::estimate::Estimate;
@@ -16,6 +16,9 @@ const MOMENTUM: f64 = 1e-12;
 /// From this many cells through the plate on, half a cell is a tenth of the rod's radius and the error of second order is
 /// below 4 % and decides.
 const RESOLVED: u32 = 20;
+const CAVITY: &str = "rigid rod, cavity expansion [C]";
+const SINKS: &str = "a rod in its reference configuration sinks in a little while others stop it";
+const TREMBLES: &str = "the elastic rod trembles as it flies through the grid, after it is through the plate: 9, 40, 62 % with 20, 24, 28 cells";
 const NEAR: f64 = 0.04;
 /// Of the kinetic energy.
 const GAIN: f64 = 0.01;
@@ -30,69 +33,36 @@ pub fn limit(outcomes: &[Outcome]) -> Option<f64> {
 }
 
 /// Of the same shot on grids that get finer.
-pub fn of_grids(outcomes: &[Outcome], resolution: Resolution) -> Result<Vec<Check>, CaseError> {
+pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
     let Some(finest) = outcomes.last() else { return Ok(Vec::new()) };
     let setup = finest.setup;
     let mut checks = Vec::new();
+    let cavity = Estimate::of(&setup)?.residual(setup.speed);
     for outcome in outcomes {
-        let name = format!("residual speed, {} cells through the plate", outcome.setup.cells);
-        let (value, estimate) = (outcome.residual(), Estimate::of(&setup)?.residual(setup.speed));
-        if setup.is_the_paper_s() {
-            checks.push(Check::shown(name, value, "m/s", EXPERIMENT, "experiment [S]"));
-        } else {
-            checks.push(Check::shown(name, value, "m/s", estimate, "rigid rod, cavity expansion [C]"));
-        }
+        let cells = outcome.setup.cells;
+        let name = format!("residual speed, {cells} cells through the plate");
+        let (exact, source) =
+            if setup.is_the_paper_s() { (EXPERIMENT, "experiment [S]") } else { (cavity, CAVITY) };
+        checks.push(resolved(Check::gate(name, outcome.residual(), "m/s", exact, NEAR, source), cells));
     }
     if setup.is_the_paper_s() {
         let value = finest.residual();
-        checks.push(Check::shown("residual speed of the paper", value, "m/s", PAPER, "MPM3Dpp [S]"));
-        let estimate = Estimate::of(&setup)?.residual(setup.speed);
-        checks.push(Check::shown(
-            "residual speed, rigid rod",
-            value,
-            "m/s",
-            estimate,
-            "cavity expansion [C]",
-        ));
-        let coarse = resolution == Resolution::Smoke;
         let mut gates = vec![
+            Check::gate("residual speed of the paper", value, "m/s", PAPER, NEAR, "MPM3Dpp [S]"),
+            Check::gate("residual speed, rigid rod", value, "m/s", cavity, NEAR, CAVITY),
             Check::at_least("residual speed", value, "m/s", ASKED[0], "experiment - 3 % [S]"),
             Check::at_most("residual speed", value, "m/s", ASKED[1], "experiment + 2 % [S]"),
         ];
         if let Some(limit) = limit(outcomes) {
             let before = outcomes[outcomes.len() - 2].residual();
-            gates.push(Check::at_most(
-                "change of the last refinement",
-                value / before - 1.0,
-                "-",
-                0.02,
-                "asked",
-            ));
-            let source = "experiment [S]";
-            if coarse {
-                checks.push(Check::shown(
-                    "residual speed, cells of size 0",
-                    limit,
-                    "m/s",
-                    EXPERIMENT,
-                    source,
-                ));
-            } else {
-                // The limit is a second number with an error of its own; the experiment's scatter is not known.
-                gates.push(Check::gate(
-                    "residual speed, cells of size 0",
-                    limit,
-                    "m/s",
-                    EXPERIMENT,
-                    0.03,
-                    source,
-                ));
-            }
+            let change = value / before - 1.0;
+            gates.push(Check::at_most("change of the last refinement", change, "-", 0.02, "asked"));
+            // The limit is a second number with an error of its own; the experiment's scatter is not known.
+            let name = "residual speed, cells of size 0";
+            let limit = Check::gate(name, limit, "m/s", EXPERIMENT, 0.03, "experiment [S]");
+            gates.push(limit.known_miss("470 m/s by 24 and 28 cells, 3.3 % above the experiment"));
         }
-        checks.extend(gates.into_iter().map(Check::noted));
-        if setup.cells >= RESOLVED {
-            checks.push(Check::gate("residual speed", value, "m/s", EXPERIMENT, NEAR, "experiment [S]"));
-        }
+        checks.extend(gates.into_iter().map(|gate| resolved(gate, setup.cells)));
     }
     for outcome in outcomes {
         let cells = outcome.setup.cells;
@@ -100,37 +70,35 @@ pub fn of_grids(outcomes: &[Outcome], resolution: Resolution) -> Result<Vec<Chec
         let (lost, gained) = (largest(errors().map(|e| -e)), largest(errors()));
         let name = |what| format!("energy {what}, {cells} cells");
         let books = Check::at_most(name("lost"), lost, "-", lost_allowed(cells), "contact of first order");
-        // A rod in its reference configuration sinks in a little while others stop it (docs/notes.md 7.12).
         let apart = outcome.setup.rod == RodFrame::Reference;
-        checks.push(if apart { books.noted() } else { books });
-        // From 20 cells on the elastic rod trembles as it flies through the grid, after it is through the plate.
-        checks.push(Check::at_most(name("gained"), gained, "-", GAIN, "conservation").noted());
+        checks.push(if apart { books.known_miss(SINKS) } else { books });
+        let gain = Check::at_most(name("gained"), gained, "-", GAIN, "conservation");
+        checks.push(if !apart && cells >= RESOLVED { gain.known_miss(TREMBLES) } else { gain });
     }
     let first = finest.ledger.first().map_or(f64::NAN, |e| e.kinetic);
     if setup.friction > 0.0 {
         let share = finest.books().friction / first;
-        checks.push(Check::shown("work of friction, of the kinetic energy", share, "-", 0.0, "booked"));
+        checks.push(Check::unreferenced("work of friction, of the kinetic energy", share, "-", "booked"));
     }
     let momentum = worst(outcomes.iter().map(|o| o.totals.momentum_error));
     checks.push(Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM, "conservation"));
     let overlap = largest(outcomes.iter().map(Outcome::overlap));
-    checks.push(
-        Check::at_most("plate inside the rod, of the hole", overlap, "-", OVERLAP, "half a cell").noted(),
-    );
+    let inside = Check::at_most("plate inside the rod, of the hole", overlap, "-", OVERLAP, "half a cell");
+    let coarse = outcomes.iter().any(|o| o.setup.cells < RESOLVED);
+    checks.push(if coarse {
+        inside.known_miss("3.4 % with 8 cells through the plate, 0.3 % from 20 on")
+    } else {
+        inside
+    });
     let [occupied, box_of] = finest.cells;
     let share = 100.0 * occupied as f64 / box_of.max(1) as f64;
-    checks.push(Check::shown(
-        "cells with particles, of the box around all",
-        share,
-        "%",
-        13.13,
-        "the paper's box [S]",
-    ));
+    let name = "cells with particles, of the box around all";
+    checks.push(Check::unreferenced(name, share, "%", "the paper has another box, of which 13.13 %"));
     checks.extend(finest.flight.iter().flat_map(Flight::checks));
     let megabytes = 1e-6 * finest.totals.bytes as f64;
     let source = "200 864 particles [S]";
     let paper = 1.048_576 * 55.02 * finest.totals.particles as f64 / 200_864.0;
-    checks.push(Check::shown("memory", megabytes, "MB", paper, source));
+    checks.push(Check::at_most("memory", megabytes, "MB", paper, source));
     Ok(checks)
 }
 
@@ -141,8 +109,13 @@ fn lost_allowed(cells: u32) -> f64 {
 }
 
 /// Of shots at several speeds.
-pub fn of_curve(points: &[Point]) -> Vec<Check> {
+pub fn of_curve(points: &[Point], cells: u32) -> Vec<Check> {
     let name = |p: &Point| format!("residual speed, {:.0} m/s, {:.0} degrees", p.speed, p.angle.to_degrees());
-    let source = "rigid rod, cavity expansion [C]";
-    points.iter().map(|p| Check::shown(name(p), p.residual, "m/s", p.estimate, source)).collect()
+    let check = |p: &Point| Check::gate(name(p), p.residual, "m/s", p.estimate, NEAR, CAVITY);
+    points.iter().map(|p| resolved(check(p), cells)).collect()
+}
+
+/// What says something on fine grids alone.
+fn resolved(check: Check, cells: u32) -> Check {
+    check.judged_if(cells >= RESOLVED, "half a cell is more than a tenth of the rod's radius")
 }

@@ -130,10 +130,10 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let (outcomes, checks) = if options.curve {
         let (points, outcomes) = curve::shoot(&setups[0], &folder)?;
         figures::curve(&points)?.save(folder.join("curve.png"))?;
-        (outcomes, checks::of_curve(&points))
+        (outcomes, checks::of_curve(&points, setups[0].cells))
     } else {
         let outcomes = grids(&setups, &folder, options.frames)?;
-        let checks = checks::of_grids(&outcomes, options.common.resolution)?;
+        let checks = checks::of_grids(&outcomes)?;
         (outcomes, checks)
     };
     let totals = outcomes.iter().fold(Totals::default(), |sum, o| sum.plus(&o.totals));

@@ -14,7 +14,7 @@ use scenes::{Outcome, Parts};
 /// Bar at ten times its speed, shear flow, spinning disc, stretch to fracture, random packings: what fails with the
 /// printed rules of the particle-contact method and what does not with ours.
 ///
-/// The printed rules decide nothing; the exit code says whether ours hold.
+/// What the printed rules fail at is declared and counts as missed; the exit code says whether all else holds.
 #[derive(Debug, Parser)]
 #[command(name = "pcmm_distortion", version)]
 struct Options {
@@ -34,6 +34,22 @@ const ADDED_TOLERANCE: f64 = 0.02;
 const COVER_TOLERANCE: f64 = 0.02;
 /// Deviators after a whole turn.
 const TURNED_TOLERANCE: f64 = 0.05;
+/// What the printed rules are known to fail at, with at most so many cells.
+const PRINTED: [(&str, u32, &str); 9] = [
+    (
+        "spinning disc: energy error",
+        8,
+        "as printed, stress that does not turn does work: 2.3 % with 8 cells, 1.5 % with 10",
+    ),
+    ("shear flow: energy added", u32::MAX, "as printed, revisions add 12 % of the energy"),
+    ("shear flow: mass", u32::MAX, "as printed, two thirds of the matter lose their elements"),
+    ("deviators off", u32::MAX, "as printed, stress does not turn with the matter"),
+    ("strip: stretch", u32::MAX, "as printed, the strip parts at 1.25"),
+    ("strip: mass", u32::MAX, "as printed, two thirds of the matter lose their elements"),
+    ("area uncovered", u32::MAX, "as printed, fans leave a quarter of the area uncovered"),
+    ("area covered twice", u32::MAX, "as printed, fans cover most of the area twice"),
+    ("packings, worst: energy added", u32::MAX, "as printed, revisions add 4 % of the energy"),
+];
 /// Rounding of areas.
 const AREA_TOLERANCE: f64 = 1e-9;
 
@@ -54,7 +70,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         totals.updates += outcome.steps as f64 * outcome.snapshot.len() as f64;
     };
     for (parts, name) in PARTS {
-        let mut list = List { parts, name, checks: Vec::new() };
+        let mut list = List { parts, name, cells, checks: Vec::new() };
         let bar = scenes::fast_bar(parts, cells)?;
         note(&bar);
         list.body("bar at 500 m/s", &bar);
@@ -114,13 +130,20 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
 struct List {
     parts: Parts,
     name: &'static str,
+    cells: u32,
     checks: Vec<Check>,
 }
 
 impl List {
     fn push(&mut self, check: Check) {
-        let decides = self.parts == Parts::Consistent;
-        self.checks.push(if decides { check } else { Check { pass: None, tolerance: None, ..check } });
+        let printed = self.parts == Parts::Printed;
+        let known = PRINTED
+            .iter()
+            .find(|(what, cells, _)| printed && self.cells <= *cells && check.name.contains(what));
+        self.checks.push(match known {
+            Some((_, _, reason)) => check.known_miss(reason),
+            None => check,
+        });
     }
     fn gate(&mut self, what: &str, value: f64, reference: f64, tolerance: f64) {
         let name = format!("{}: {what}", self.name);

@@ -13,6 +13,8 @@ const OVERSHOOT_TOLERANCE: f64 = 0.03;
 const LEAST_ORDER: f64 = 0.7;
 const SURFACE_TOLERANCE: f64 = 0.01;
 const PULL_BACK_TOLERANCE: f64 = 0.10;
+/// Cells from which on the mean of the energy decides.
+const ENERGY_CELLS: u32 = 300;
 /// From so many cells along the flyer on the pull-back decides.
 const RESOLVED: u32 = 100;
 /// Flyers that shall not spall the target and that shall, over the acoustic threshold: 10 % to both sides.
@@ -48,10 +50,22 @@ pub fn of(
         let inviscid = lagrange::spall(steel, spall::SPEED, &mesh);
         let acoustic = spall::acoustic_pull_back(steel);
         let name = "finite differences, next to no viscosity: pull-back";
-        checks.push(Check::shown(name, inviscid.pull_back, "m/s", acoustic, "acoustic [C]"));
+        checks.push(Check::gate(
+            name,
+            inviscid.pull_back,
+            "m/s",
+            acoustic,
+            PULL_BACK_TOLERANCE,
+            "acoustic [C]",
+        ));
         let name = "the same, broken at once";
         let at_once = lagrange::spall(steel, spall::SPEED, &Mesh { opening: spall::AT_ONCE, ..mesh });
-        checks.push(Check::shown(name, at_once.pull_back, "m/s", acoustic, "acoustic [C]"));
+        checks.push(
+            Check::gate(name, at_once.pull_back, "m/s", acoustic, PULL_BACK_TOLERANCE, "acoustic [C]")
+                .known_miss(
+                    "10.7 % below: a crack of no width smears its own signal, even with next to no viscosity",
+                ),
+        );
         checks.extend(spalls.chunks(4).flat_map(|runs| of_spall(steel, runs, viscosity, inviscid.scab)));
     }
     let energy = totals.energy_error;
@@ -76,8 +90,9 @@ fn of_line(metal: &Metal, impacts: &[&Impact]) -> Vec<Check> {
     for (which, what) in ["U_s", "p", "rho/rho0 - 1", "e"].into_iter().enumerate() {
         let name = name(&format!("{what}, worst relative error"));
         let check = Check::gate(name, worst(which), "-", 0.0, tolerances[which], "Rankine-Hugoniot");
-        // On few cells the heat that the start leaves at the plane of impact is still in the mean of the energy.
-        checks.push(if what == "e" { check.noted() } else { check });
+        let heat = "on few cells the heat that the start leaves at the plane of impact is still in the mean of the energy";
+        let fine = impacts.iter().all(|i| i.cells >= ENERGY_CELLS);
+        checks.push(if what == "e" { check.judged_if(fine, heat) } else { check });
     }
     checks
 }
@@ -91,7 +106,7 @@ fn of_refinement(refined: &[Impact]) -> Vec<Check> {
     for impact in refined {
         let at = format!("{}, {} cells", impact.metal.name, impact.cells);
         let name = format!("{at}: mean error of rho/rho0 - 1 along the target");
-        checks.push(Check::shown(name, impact.profile_error(), "-", 0.0, "the step of the theory"));
+        checks.push(Check::unreferenced(name, impact.profile_error(), "-", "its order is judged"));
         let [front, ..] = impact.errors();
         let name = format!("{at}: relative error of U_s");
         checks.push(Check::gate(name, front, "-", 0.0, LINE_TOLERANCE, impact.metal.source));
@@ -106,6 +121,12 @@ fn of_refinement(refined: &[Impact]) -> Vec<Check> {
 /// The free surface and the scab, the same where the metal breaks at once, and flyers just too slow and just fast enough.
 fn of_spall(steel: &Metal, runs: &[Spall], viscosity: [f64; 2], inviscid_scab: f64) -> Vec<Check> {
     let [spall, at_once, slower, faster] = runs else { return Vec::new() };
+    let decides = |check: Check| {
+        check.judged_if(
+            spall.cells >= RESOLVED,
+            "less than 100 cells along the flyer do not resolve crack and release",
+        )
+    };
     let h = spall::FLYER / f64::from(spall.cells);
     let at = |what: &str| format!("spall, {} cells: {what}", spall.cells);
     // The gauge is the last cell's middle.
@@ -114,8 +135,14 @@ fn of_spall(steel: &Metal, runs: &[Spall], viscosity: [f64; 2], inviscid_scab: f
     let (scab, thickness) = (1e3 * spall.scab, 1e3 * spall::FLYER);
     let one_cell = 1.0 / f64::from(spall.cells);
     let mut checks = vec![
-        Check::gate(at("shock at the free surface"), arrival, "µs", 1e6 * due, SURFACE_TOLERANCE, "U_s")
-            .noted(),
+        decides(Check::gate(
+            at("shock at the free surface"),
+            arrival,
+            "µs",
+            1e6 * due,
+            SURFACE_TOLERANCE,
+            "U_s",
+        )),
         Check::gate(
             at("velocity of the free surface"),
             plateau,
@@ -126,18 +153,32 @@ fn of_spall(steel: &Metal, runs: &[Spall], viscosity: [f64; 2], inviscid_scab: f
         ),
     ];
     let name = at("thickness of the scab, within h");
-    checks.push(Check::gate(name, scab, "mm", thickness, one_cell, "d_f, acoustic [C]").noted());
+    let acoustic = decides(Check::gate(name, scab, "mm", thickness, one_cell, "d_f, acoustic [C]"));
+    // Acoustic theory has no width of the front, which is some cells.
+    checks.push(match spall.cells {
+        0..200 => acoustic.known_miss("2 % off with 100 cells, whose width is 1 %"),
+        _ => acoustic,
+    });
     let source = "finite differences, next to no viscosity";
-    checks.push(Check::gate(at("the same"), scab, "mm", 1e3 * inviscid_scab, one_cell, source).noted());
+    let same = decides(Check::gate(at("the same"), scab, "mm", 1e3 * inviscid_scab, one_cell, source));
+    checks.push(match spall.cells {
+        0..200 => same,
+        _ => {
+            same.known_miss("0.9 % below: finite differences have a scab 1.1 % thicker than acoustic theory")
+        }
+    });
 
     // The crack's signal shall be thinner than the ramp of the release.
     let (acoustic, theory) = (spall::acoustic_pull_back(steel), "2 sigma_sp/(rho0 c0), acoustic [C]");
     let pull_back = |what: &str, run: &Spall| {
         Check::gate(at(what), run.pull_back, "m/s", acoustic, PULL_BACK_TOLERANCE, theory)
     };
-    let decides = |check: Check| if spall.cells >= RESOLVED { check } else { check.noted() };
     checks.push(decides(pull_back("pull-back of the free surface", spall)));
-    checks.push(pull_back("pull-back where the metal breaks at once", at_once).noted());
+    checks.push(
+        decides(pull_back("pull-back where the metal breaks at once", at_once)).known_miss(
+            "31, 25, 23 % below with 100, 200, 400 cells: a crack of no width sends a signal that bulk viscosity smears",
+        ),
+    );
     // Its front is as thick as the bulk viscosity makes it; so it is there, on a finer mesh.
     let cells = spall.cells as usize * if spall.cells > 100 { 2 } else { 4 };
     for (what, run, opening) in [

@@ -150,12 +150,14 @@ fn checks_of(setup: &Setup, outcome: &Outcome, chain: &[[f64; 2]]) -> Vec<Check>
             Check::at_least(wave, arrives(0.01), "µs", first, sources[1]),
             Check::at_most(hertz, arrives(0.5), "µs", half, sources[2]),
         ],
-        // Balls that stick are another body, which still swings at the end.
-        Switch::Off => [
-            Check::shown(load, mean(outcome), "-", 1.0, sources[0]),
-            Check::shown(wave, arrives(0.01), "µs", first, sources[1]),
-            Check::shown(hertz, arrives(0.5), "µs", half, sources[2]),
-        ],
+        Switch::Off => {
+            let other = "balls that stick are another body, which still swings at the end";
+            [
+                Check::unreferenced(load, mean(outcome), "-", other),
+                Check::unreferenced(wave, arrives(0.01), "µs", other),
+                Check::unreferenced(hertz, arrives(0.5), "µs", other),
+            ]
+        }
     });
     checks
 }

@@ -10,6 +10,11 @@ const GAP_TOLERANCE: f64 = 0.1;
 /// What is about a cell, in cells.
 const ABOUT_A_CELL: f64 = 0.9;
 
+const TORN: &str =
+    "hats with USF tear the rings by any test of contact, so that on fine grids they pass through each other";
+const CANCELS: &str = "every impact loses some per cent that do not depend on the step; the old test gains the more the longer the step \
+     is, and somewhere both cancel";
+
 /// Where the surfaces of one run meet, and what came of it.
 pub fn closely(outcome: &Outcome) -> Vec<Check> {
     let setup = &outcome.setup;
@@ -25,16 +30,20 @@ pub fn closely(outcome: &Outcome) -> Vec<Check> {
         } else {
             Check::gate(name(what), gap, "cells", 0.0, GAP_TOLERANCE, "surfaces meet, Ma 2010")
         };
-        // The stairs of a lattice hold the rings apart by a quarter of a cell; hats with USF tear them, by any test of
-        // contact, so that on fine grids they pass through each other (docs/notes.md 7.5).
         let stairs = setup.seeding != Seeding::Circles && setup.detection != Detection::Approach;
         let torn = (setup.kernel, setup.scheme) == (Kernel::Linear, Scheme::Usf);
         let pressed = what != gaps[0].0;
-        checks.push(if pressed && (stairs || torn) { check.noted() } else { check });
+        checks.push(match (pressed, stairs, torn) {
+            (true, true, _) => {
+                check.known_miss("the stairs of a lattice hold the rings apart by a quarter of a cell")
+            }
+            (true, _, true) if setup.cell < 1.5e-3 => check.known_miss(TORN),
+            _ => check,
+        });
     }
     let mut seen = |what: &str, value: f64, unit: &str| {
         if value.is_finite() {
-            checks.push(Check { reference: None, ..Check::shown(name(what), value, unit, 0.0, "") });
+            checks.push(Check::unreferenced(name(what), value, unit, ""));
         }
     };
     seen("smallest gap", cells(outcome.least()), "cells");
@@ -77,11 +86,19 @@ pub fn curves(sweep: &[Outcome], (kernel, scheme): (Kernel, Scheme)) -> Vec<Chec
     let both = count(&|new, o| new.error.is_infinite() && o.error.is_infinite());
     let source = "smaller error and better convergence, Ma 2010";
     let none = |what: &str, count: f64| Check::at_most(name(what), count, "-", 0.0, source);
+    let torn = |check: Check| {
+        // It takes long steps to tear them with cells of 2 mm.
+        let torn = (kernel, scheme) == (Kernel::Linear, Scheme::Usf);
+        if torn { check.known_miss(TORN) } else { check }
+    };
+    let whole = none("the whole change of energy is larger with the distance test at", whole);
+    // With MUSL not at the one factor of smoke.
+    let cancels = scheme == Scheme::Usf || pairs.len() > 1;
     vec![
         none("the step changes the energy more with the distance test at", step),
-        none("the distance test gains more energy at", gain).noted(),
-        none("the whole change of energy is larger with the distance test at", whole).noted(),
-        none("both stopped with too much energy at", both).noted(),
+        torn(none("the distance test gains more energy at", gain)),
+        if cancels { whole.known_miss(CANCELS) } else { whole },
+        torn(none("both stopped with too much energy at", both)),
     ]
 }
 

@@ -169,11 +169,20 @@ fn checks_of(outcome: &Outcome, resolution: Resolution) -> Vec<Check> {
     if incline.friction > 0.0 {
         // What is left of the deficit of the spin is of first order in the cell size: coarse grids show it.
         let spin = name("spin");
-        checks.push(Check::shown(spin.clone(), now.spin, "rad/s", rigid.spin, hard));
-        checks.push(match resolution {
-            Resolution::Smoke => Check::shown(spin, now.spin, "rad/s", elastic.spin, soft),
-            _ => Check::gate(spin, now.spin, "rad/s", elastic.spin, SPIN_TOLERANCE, soft),
+        let fine = resolution != Resolution::Smoke;
+        let coarse = "the deficit of the spin is of first order in the cell size";
+        let of = |exact: f64, source: &str| {
+            Check::gate(spin.clone(), now.spin, "rad/s", exact, SPIN_TOLERANCE, source)
+                .judged_if(fine, coarse)
+        };
+        let rolls_in_space = outcome.setup.dimensions == 3 && incline.sticks();
+        let rigid = of(rigid.spin, hard);
+        checks.push(if rolls_in_space {
+            rigid.known_miss("2.5 % less: an elastic cylinder creeps")
+        } else {
+            rigid
         });
+        checks.push(of(elastic.spin, soft));
     }
     checks.push(Check::at_most(name("largest gap"), gap(outcome), "cells", GAP, "no lift-off"));
     checks.push(Check::at_most(name("largest overlap"), overlap(outcome), "cells", GAP, "no penetration"));

@@ -16,8 +16,8 @@ use scene::{END, Files, Outcome, Parts, SPEED, Setup, Space};
 /// Copper bar (10 mm x 70 mm) on a rigid wall at 165 m/s by the particle-contact meshfree method.
 ///
 /// Length and radius of the face are compared with independent finite elements, axisymmetric and in plane strain; the
-/// exit code says whether the runs of our parts are within the tolerances. The method as printed, and the printed
-/// hardening coefficient of 45 MPa, are shown beside, as is the material point method.
+/// exit code says whether all are within the tolerances but for what is declared. The method as printed, the printed
+/// hardening coefficient of 45 MPa, and the material point method are judged beside; what is printed misses by declaration.
 #[derive(Debug, Parser)]
 #[command(name = "taylor_copper", version)]
 struct Options {
@@ -26,7 +26,7 @@ struct Options {
     /// Spacings on the radius, 2 to 100; the paper has 25 [default: 5, 10 or 25 by resolution]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=100))]
     cells: Option<u32>,
-    /// Only the two runs that decide
+    /// Only the two runs of our parts
     #[arg(long)]
     only_ours: bool,
     /// Also a quarter of the bar in three dimensions: half a minute with 3 cells, many with 5
@@ -62,7 +62,7 @@ impl Options {
         self.cells.unwrap_or(self.common.resolution.choose(5, 10, 25))
     }
 
-    /// Spacings on the radius of the runs that decide nothing.
+    /// Spacings on the radius of the runs beside them.
     fn coarse(&self) -> u32 {
         self.cells().min(self.common.resolution.choose(4, 5, 10))
     }
@@ -133,7 +133,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         for space in [Space::Axisymmetric, Space::PlaneStrain] {
             let outcome = mpm::impact(space, STANDARD, options.beside(), common.threads())?;
             totals = totals.plus(&outcome.totals);
-            checks.extend(checks_beside(&outcome));
+            checks.extend(checks_beside(&outcome, options.beside()));
             beside.push(outcome);
         }
     }
@@ -162,76 +162,116 @@ fn source(space: Space) -> &'static str {
     }
 }
 
-/// The sizes of a bar, and what it lost. What is printed, or meant to show a defect, decides nothing.
+/// The sizes of a bar, and what it lost. What is printed, or meant to show a defect, is judged alike; where it fails is
+/// declared.
 fn checks_of(outcome: &Outcome) -> Vec<Check> {
-    let Setup { name, space, parts, hardening, .. } = outcome.setup;
-    let name = |what: &str| format!("{name}: {what}");
+    let Setup { name: run, space, parts, hardening, .. } = outcome.setup;
+    let name = |what: &str| format!("{run}: {what}");
     let [length, radius] = outcome.sizes.map(|x| 1e3 * x);
-    let audit = &outcome.audit;
-    let mut checks = Vec::new();
-    let added = audit.energy_added() / outcome.start;
-    if parts == Parts::Consistent && hardening == STANDARD {
-        let [l, r] = finite_elements(space).map(|x| 1e3 * x);
-        checks.push(Check::gate(name("length"), length, "mm", l, LENGTH_TOLERANCE, source(space)));
-        checks.push(Check::gate(
-            name("radius of the face"),
-            radius,
-            "mm",
-            r,
-            RADIUS_TOLERANCE,
-            source(space),
-        ));
-        let whole = "nothing uncovered, nothing covered twice";
-        checks.push(Check::gate(
-            name("mass of elements / at the start"),
-            outcome.covered,
-            "-",
-            1.0,
-            COVER_TOLERANCE,
-            whole,
-        ));
-        let free = "conservation";
-        checks.push(Check::gate(name("energy added by revisions"), added, "-", 0.0, ADDED_TOLERANCE, free));
+    let added = outcome.audit.energy_added() / outcome.start;
+    let [l, r] = finite_elements(space).map(|x| 1e3 * x);
+    let standard = hardening == STANDARD;
+    let (l, from) =
+        if standard { (l, source(space)) } else { (1e3 * ROD_MODEL, "rod model with B = 45 MPa [C]") };
+    let (whole, free) = ("nothing uncovered, nothing covered twice", "conservation");
+    let mut rows = vec![
+        (Size::Length, Check::gate(name("length"), length, "mm", l, LENGTH_TOLERANCE, from)),
+        (
+            Size::Radius,
+            match standard {
+                true => Check::gate(name("radius of the face"), radius, "mm", r, RADIUS_TOLERANCE, from),
+                false => {
+                    Check::unreferenced(name("radius of the face"), radius, "mm", "the rod model has none")
+                }
+            },
+        ),
+        (Size::Cover, {
+            let name = name("mass of elements / at the start");
+            Check::gate(name, outcome.covered, "-", 1.0, COVER_TOLERANCE, whole)
+        }),
+        (Size::Added, Check::gate(name("energy added by revisions"), added, "-", 0.0, ADDED_TOLERANCE, free)),
+    ];
+    for (size, row) in &mut rows {
+        if let Some(reason) = known(&outcome.setup, *size) {
+            *row = row.clone().known_miss(reason);
+        }
+    }
+    let mut checks: Vec<Check> = rows.into_iter().map(|(_, row)| row).collect();
+    if parts == Parts::Consistent && standard {
         let Totals { energy_error, momentum_error, .. } = outcome.totals;
         checks.push(Check::gate(name("energy error"), energy_error, "-", 0.0, ENERGY_TOLERANCE, free));
         checks.push(Check::gate(name("momentum error"), momentum_error, "-", 0.0, MOMENTUM_TOLERANCE, free));
-        return checks;
     }
-    // The test lies near 47 to 51 mm and 8 to 8.7 mm [I].
-    let [l, r] = if hardening == STANDARD { finite_elements(space) } else { [38.1e-3, f64::NAN] };
-    let from = if hardening == STANDARD { source(space) } else { "rod model with B = 45 MPa [C]" };
-    checks.push(Check::shown(name("length"), length, "mm", 1e3 * l, from));
-    if r.is_finite() {
-        checks.push(Check::shown(name("radius of the face"), radius, "mm", 1e3 * r, from));
-    } else {
-        checks.push(Check::shown(
-            name("radius of the face"),
-            radius,
-            "mm",
-            8.64,
-            "B = 292 MPa, axisymmetric [C]",
-        ));
-    }
-    let whole = "nothing uncovered, nothing covered twice";
-    checks.push(Check::shown(name("mass of elements / at the start"), outcome.covered, "-", 1.0, whole));
-    checks.push(Check::shown(name("energy added by revisions"), added, "-", 0.0, "conservation"));
     if let Some(cause) = &outcome.broke {
-        let cause = format!("broke: {cause}");
-        checks.push(Check::shown(name("time reached"), 1e6 * outcome.time, "µs", 1e6 * END, &cause));
+        let end = Check::at_least(name("time reached"), 1e6 * outcome.time, "µs", 1e6 * END, "the end");
+        checks.push(if parts == Parts::Printed { end.known_miss(&format!("broke: {cause}")) } else { end });
     }
     checks
 }
 
+/// Length of the rod model with the printed hardening, m.
+const ROD_MODEL: f64 = 38.1e-3;
+
+/// What is measured of a bar.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Size {
+    Length,
+    Radius,
+    Cover,
+    Added,
+}
+
+/// Why a run is known to miss a size.
+fn known(setup: &Setup, size: Size) -> Option<&'static str> {
+    match (setup.parts, size) {
+        (Parts::Locking, Size::Radius) => {
+            Some("elements that keep their own volume lock, which this run is to show: 18 % too small")
+        }
+        (Parts::Printed, Size::Length) if setup.reach <= 1.0 => {
+            Some("the method as printed: 4 to 30 % too short")
+        }
+        (Parts::Printed, Size::Radius) if setup.reach != 1.0 => Some(
+            "the method as printed: 34 % too small with a reach of 2 h, about 90 % too large with 0.45 h",
+        ),
+        (Parts::Printed, Size::Cover) => {
+            Some("the method as printed: matter uncovered and covered twice, 3 to 25 %")
+        }
+        (Parts::Printed, Size::Added) => {
+            Some("the method as printed: revisions add 28 to 46 % of the energy at the start")
+        }
+        (Parts::Consistent, Size::Cover) if setup.hardening != STANDARD => {
+            Some("five spacings on the radius of a face that spreads to three radii: 0.53 %")
+        }
+        _ => None,
+    }
+}
+
 /// The same bar by the material point method.
-fn checks_beside(outcome: &mpm::Outcome) -> Vec<Check> {
+fn checks_beside(outcome: &mpm::Outcome, cells: u32) -> Vec<Check> {
     let [length, radius] = outcome.sizes.map(|x| 1e3 * x);
     let [l, r] = finite_elements(outcome.space).map(|x| 1e3 * x);
     let space = match outcome.space {
         Space::Axisymmetric | Space::Quarter => "mpm, axisymmetric",
         Space::PlaneStrain => "mpm, plane strain",
     };
+    let short = outcome.space == Space::PlaneStrain && cells >= 10;
+    let check =
+        Check::gate(format!("{space}: length"), length, "mm", l, LENGTH_TOLERANCE, source(outcome.space));
     vec![
-        Check::shown(format!("{space}: length"), length, "mm", l, source(outcome.space)),
-        Check::shown(format!("{space}: radius of the face"), radius, "mm", r, source(outcome.space)),
+        if short {
+            check.known_miss(
+                "2.4 % too short with 10 cells on the radius, 0.7 % with 4: finer grids do not come nearer",
+            )
+        } else {
+            check
+        },
+        Check::gate(
+            format!("{space}: radius of the face"),
+            radius,
+            "mm",
+            r,
+            RADIUS_TOLERANCE,
+            source(outcome.space),
+        ),
     ]
 }

@@ -49,6 +49,9 @@ enum Methods {
 
 /// Particles of the paper's size an axis from which on the range decides: two particles on a radius are too few.
 const DECIDES: f64 = 1.0;
+const EARLY: &str = "0.2 to 0.4 mm beyond the range: the bullet begins faster than steady flow";
+const FAST: &str =
+    "881 m/s and 28.5 mm with particles of the paper's size; the range ends at 880 m/s and 28.2 mm";
 const MOMENTUM_TOLERANCE: f64 = 1e-11;
 const MASS_TOLERANCE: f64 = 1e-9;
 const ADDED_TOLERANCE: f64 = 0.02;
@@ -105,27 +108,45 @@ fn checks_of(outcome: &Outcome, refine: f64) -> Vec<Check> {
     let interval = |what: &str, value: f64, unit: &str, [least, most]: [f64; 2]| {
         let middle = 0.5 * (least + most);
         let check = Check::gate(name(what), value, unit, middle, 0.5 * (most - least) / middle, tate);
-        if refine < DECIDES { check.noted() } else { check }
+        check.judged_if(refine >= DECIDES, "two particles on a radius are too few")
     };
     let (what, through) = match outcome.through() {
         Some(time) => ("50 mm are reached", time),
         None => ("50 mm are not reached before", END),
     };
+    let fast = outcome.name() == "pcmm, round";
+    let speed = interval(
+        "speed of the interface, 10 to 32 µs",
+        outcome.interface_speed(),
+        "m/s",
+        estimate::interface(outcome.space),
+    );
     let mut checks = vec![
-        interval(
-            "speed of the interface, 10 to 32 µs",
-            outcome.interface_speed(),
-            "m/s",
-            estimate::interface(outcome.space),
-        ),
+        if fast { speed.known_miss(FAST) } else { speed },
         interval(what, 1e6 * through, "µs", estimate::through(outcome.space).map(|t| 1e6 * t)),
     ];
     let last = outcome.history.last().map_or(f64::NAN, |e| e.speed);
     let (missing, energy) = (outcome.totals.momentum_error, outcome.totals.energy_error);
+    // Steady flow from the first moment on, by the range of its speed.
+    let depth = |what: &str, time: f64| {
+        let [least, most] = estimate::interface(outcome.space).map(|speed| 1e3 * speed * time);
+        let check = interval(what, 1e3 * outcome.tip(time), "mm", [least, most]);
+        match outcome.name().as_str() {
+            "pcmm, round" if time == MOMENTS[1] => check.known_miss(FAST),
+            "mpm, plane" => check,
+            _ if time == MOMENTS[0] => check.known_miss(EARLY),
+            _ => check,
+        }
+    };
     checks.extend([
-        Check::shown(name("depth at 10 µs"), 1e3 * outcome.tip(MOMENTS[0]), "mm", 8.0, tate),
-        Check::shown(name("depth at 32 µs"), 1e3 * outcome.tip(MOMENTS[1]), "mm", 26.0, tate),
-        Check::shown(name("velocity of the bullet's mass at the end"), last, "m/s", SPEED, "at impact"),
+        depth("depth at 10 µs", MOMENTS[0]),
+        depth("depth at 32 µs", MOMENTS[1]),
+        Check::unreferenced(
+            name("velocity of the bullet's mass at the end"),
+            last,
+            "m/s",
+            "1140 m/s at impact",
+        ),
         Check::gate(name("mass"), outcome.mass, "-", 1.0, MASS_TOLERANCE, "exact volumes"),
         Check::gate(name("momentum error"), missing, "-", 0.0, MOMENTUM_TOLERANCE, free),
         Check::gate(name("energy error"), energy, "-", 0.0, ENERGY_TOLERANCE / refine, free),

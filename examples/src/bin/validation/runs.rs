@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use examples::{CaseError, Resolution, machine};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
 pub const CASES: [&str; 19] = [
@@ -45,8 +45,6 @@ pub struct Run {
     pub broken: Option<String>,
     /// Processor time, s; of start, pictures and files, too.
     pub core_seconds: f64,
-    pub commit: String,
-    pub machine: String,
 }
 
 fn name_of(resolution: Resolution) -> &'static str {
@@ -114,8 +112,6 @@ impl Run {
             result: if broken.is_some() { Value::Null } else { result.unwrap_or(Value::Null) },
             broken,
             core_seconds: used.unwrap_or(wall),
-            commit: machine::commit(),
-            machine: machine::class(),
         })
     }
 
@@ -124,81 +120,58 @@ impl Run {
         match &self.broken {
             Some(why) => format!("BROKE OFF: {why}"),
             None => {
-                let [met, decide, noted] = self.counts();
+                let Counts { met, missed, declared, shown, unjudged } = self.counts();
                 format!(
-                    "{met} of {decide} checks met, {noted} noted as not met, {:.1} core-seconds",
+                    "{met} of {} met, {missed} missed ({declared} declared); {shown} shown, {unjudged} not judged at this \
+                     resolution; {:.1} core-seconds",
+                    met + missed,
                     self.core_seconds
                 )
             }
         }
     }
 
-    /// The checks.
+    /// Its rows, missed ones first, as the case has put them.
     pub fn checks(&self) -> &[Value] {
         self.result["checks"].as_array().map_or(&[], Vec::as_slice)
     }
 
-    /// Checks that are met, that decide, and that are noted as not met.
-    pub fn counts(&self) -> [usize; 3] {
+    /// Rows that it did not judge.
+    pub fn unjudged(&self) -> &[Value] {
+        self.result["not_judged"].as_array().map_or(&[], Vec::as_slice)
+    }
+
+    /// How many rows are what.
+    pub fn counts(&self) -> Counts {
         let count = |of: &dyn Fn(&Value) -> bool| self.checks().iter().filter(|c| of(c)).count();
-        [
-            count(&|c| c["pass"] == true),
-            count(&|c| c["pass"].is_boolean()),
-            count(&|c| c["name"].as_str().is_some_and(|n| n.starts_with("NOT MET"))),
-        ]
-    }
-
-    /// Keep the result in `out`. What broke off does not replace what did not.
-    ///
-    /// # Errors
-    /// A file that cannot be written.
-    pub fn keep(&self, out: &Path) -> Result<(), CaseError> {
-        let path = out.join(&self.resolution).join(&self.case).join("validation.json");
-        let kept = json!({
-            "case": self.case,
-            "resolution": self.resolution,
-            "result": self.result,
-            "broken": self.broken,
-            "core_seconds": self.core_seconds,
-            "commit": self.commit,
-            "machine": self.machine,
-        });
-        std::fs::write(&path, format!("{kept}\n")).map_err(|source| CaseError::File { path, source })
-    }
-
-    fn kept(path: &Path) -> Option<Run> {
-        let value: Value = serde_json::from_str(&std::fs::read_to_string(path).ok()?).ok()?;
-        let text = |key: &str| value[key].as_str().map(String::from);
-        Some(Run {
-            case: text("case")?,
-            resolution: text("resolution")?,
-            result: value["result"].clone(),
-            broken: text("broken"),
-            core_seconds: value["core_seconds"].as_f64()?,
-            commit: text("commit")?,
-            machine: text("machine")?,
-        })
-    }
-
-    /// Of every case the finest result that is kept in `out`; one that broke off only where there is no other.
-    ///
-    /// # Errors
-    /// None is kept.
-    pub fn finest(out: &Path) -> Result<Vec<Run>, CaseError> {
-        let mut runs = Vec::new();
-        for case in CASES {
-            let of = |(_, name): &(Resolution, &str)| {
-                Run::kept(&out.join(name).join(case).join("validation.json"))
-            };
-            let kept: Vec<Run> = RESOLUTIONS.iter().filter_map(of).collect();
-            let whole = kept.iter().rev().find(|r| r.broken.is_none());
-            runs.extend(whole.or(kept.last()).cloned());
+        Counts {
+            met: count(&|c| c["pass"] == true),
+            missed: count(&|c| c["pass"] == false),
+            declared: count(&|c| c["pass"] == false && c["known"].is_string()),
+            shown: count(&|c| c["pass"].is_null()),
+            unjudged: self.unjudged().len(),
         }
-        if runs.is_empty() {
-            return Err(CaseError::Other(format!("there are no results in {}", out.display())));
-        }
-        Ok(runs)
     }
+
+    /// Did it come to its end, and miss no row but those that are declared?
+    pub fn passed(&self) -> bool {
+        let counts = self.counts();
+        self.broken.is_none() && counts.missed == counts.declared
+    }
+}
+
+/// Rows of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Counts {
+    pub met: usize,
+    /// All of them.
+    pub missed: usize,
+    /// Those of the missed that are declared.
+    pub declared: usize,
+    /// From memory, or without a reference.
+    pub shown: usize,
+    /// Not at this resolution.
+    pub unjudged: usize,
 }
 
 /// The program of a case, beside this one.
