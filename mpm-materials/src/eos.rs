@@ -3,6 +3,11 @@
 //! Every law here is linear in the internal energy, p = a(J) + b(J) e, with J the volume ratio and e the
 //! internal energy per unit **reference** volume. That is what makes the energy half step of a solid or a
 //! fluid implicit without iteration (docs/notes.md 3.7).
+//!
+//! Every law is defined for every J > 0. Those that end at a finite compression (Mie-Grueneisen) or turn round there
+//! (JWL) go on in a straight line in mu = 1/J - 1 from a compression they state, [`Eos::smallest_volume_ratio`]: a(J) grows
+//! with the density and keeps its slope, so that the sound speed stays about what it is at that density and the time step does not
+//! vanish. What lies beyond is made up; [`Eos::in_range`] tells.
 
 pub mod bulk;
 pub mod chapman_jouguet;
@@ -29,7 +34,7 @@ pub use polynomial::Polynomial;
 pub use tait::Tait;
 
 use crate::lane::{Lane, Real};
-use crate::point::{Breakdown, Fault, Nothing, State};
+use crate::point::{Nothing, State};
 
 /// The two terms of a pressure that is linear in the internal energy: p = cold + thermal e.
 #[derive(Clone, Copy, Debug)]
@@ -72,19 +77,17 @@ pub trait Eos<T: Real>: Clone + Send + Sync + 'static {
         L::zero()
     }
 
-    /// The law holds for volume ratios above this: zero, or more where it is singular.
+    /// The law is what its formula says for volume ratios above this, and continued below: zero unless the formula has no
+    /// pressure at some J > 0, or none that grows.
     #[inline(always)]
     fn smallest_volume_ratio(&self) -> T {
         T::default()
     }
 
-    /// Reports the lanes whose volume ratio lies outside the range of the law:
-    /// [`Breakdown::InvertedVolume`] for J <= 0, else [`Breakdown::OverCompressed`].
+    /// Is the volume ratio within the range of the formula, J > [`Eos::smallest_volume_ratio`]?
     #[inline(always)]
-    fn range<L: Lane<Real = T>>(&self, volume_ratio: L) -> Fault<L> {
-        Fault::none()
-            .require(volume_ratio.gt(L::zero()), Breakdown::InvertedVolume)
-            .require(volume_ratio.gt(L::splat(self.smallest_volume_ratio())), Breakdown::OverCompressed)
+    fn in_range<L: Lane<Real = T>>(&self, volume_ratio: L) -> L::Mask {
+        volume_ratio.gt(L::splat(self.smallest_volume_ratio()))
     }
 
     /// Pressure p, Pa.
@@ -108,19 +111,71 @@ pub struct Balance<L: Lane> {
     pub pressure: L,
     /// e, J per m^3 of reference volume.
     pub energy: L,
-    /// False in the lanes where the step compresses so much that the implicit equation has no solution.
-    pub solvable: L::Mask,
 }
 
+/// The smallest 1 + b dJ/2 of an implicit step.
+const MOST_IMPLICIT: f64 = 0.25;
+
 /// The implicit energy half step: solves p = a + b e with e = `energy` - dJ/2 p, where `energy` already holds
-/// all other work of the step (docs/notes.md 3.7).
+/// all other work of the step (docs/notes.md 3.7): p = (a + b energy)/(1 + b dJ/2).
+///
+/// The denominator is held at 1/4, since a step that compresses by more, dJ < -3/(2 b), has no such solution or one far too
+/// large: p then falls short of a + b e, by less than the work of this one step, and is that of the new energy in the next. The
+/// energy takes in the work of the pressure returned in any case, so that the ledger closes.
 #[inline(always)]
 pub fn balance<L: Lane>(terms: Terms<L>, energy: L, volume_change: L) -> Balance<L> {
     let half = volume_change * L::of(0.5);
-    let implicit = terms.thermal.mul_add(half, L::one());
+    let implicit = terms.thermal.mul_add(half, L::one()).max(L::of(MOST_IMPLICIT));
     // The inverse does not wait for the energy.
     let pressure = terms.thermal.mul_add(energy, terms.cold) * implicit.recip();
-    Balance { pressure, energy: (-half).mul_add(pressure, energy), solvable: implicit.gt(L::zero()) }
+    Balance { pressure, energy: (-half).mul_add(pressure, energy) }
+}
+
+/// The part of the singular compression up to which a Hugoniot is taken at its word: beyond u_p = 4 c0/s on a straight one, where
+/// the pressure is 20 rho0 c0^2/s and the wave speed six times that at rest.
+pub(crate) const REACH: f64 = 0.8;
+
+/// A cold pressure a(J) that goes on in a straight line in mu from a volume ratio on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Continuation<T> {
+    /// J at which it begins, or zero.
+    pub smallest: T,
+    /// 1/J there.
+    pub inverse: T,
+    /// da/dmu there, Pa.
+    pub slope: T,
+}
+
+impl<T: Real> Continuation<T> {
+    /// From the largest eta = 1 - J below `reach` up to which `enough` holds of J and the slope da/dmu, Pa, there; nowhere if
+    /// that is any compression.
+    pub fn of(reach: f64, slope: impl Fn(f64) -> f64, enough: impl Fn(f64, f64) -> bool) -> Self {
+        const PARTS: usize = 1000;
+        let holds = |eta: f64| enough(1.0 - eta, slope(1.0 - eta));
+        let end = reach.min(1.0 - 1e-3);
+        let at = |k: usize| end * k as f64 / PARTS as f64;
+        let eta = match (1..=PARTS).find(|&k| !holds(at(k))) {
+            Some(k) => {
+                let (mut inside, mut outside) = (at(k - 1), at(k));
+                for _ in 0..60 {
+                    let middle = 0.5 * (inside + outside);
+                    if holds(middle) { inside = middle } else { outside = middle }
+                }
+                inside
+            }
+            None if reach < 1.0 => end,
+            None => {
+                let (smallest, inverse) = (T::default(), T::of(f64::INFINITY));
+                return Continuation { smallest, inverse, slope: T::default() };
+            }
+        };
+        let smallest = 1.0 - eta;
+        Continuation {
+            smallest: T::of(smallest),
+            inverse: T::of(1.0 / smallest),
+            slope: T::of(slope(smallest)),
+        }
+    }
 }
 
 /// A column for the internal energy, or none.

@@ -234,8 +234,7 @@ where
         let total_pressure = balanced.pressure + viscous_pressure;
         let fault = Fault::none()
             .require(volume_factor.gt(zero), Breakdown::InvertedVolume)
-            .or(self.products.range(volume_ratio))
-            .require(balanced.solvable, Breakdown::OverCompressed)
+            .require(volume_ratio.gt(zero), Breakdown::InvertedVolume)
             .require(finite_state(&state), Breakdown::NotFinite)
             .require(total_pressure.is_finite(), Breakdown::NotFinite)
             // A NaN may hide behind a maximum.
@@ -245,6 +244,10 @@ where
     #[inline(always)]
     fn stress<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> Sym3<L> {
         Sym3::isotropic(-self.pressure(now))
+    }
+    #[inline(always)]
+    fn in_range<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.products.in_range(now.volume_ratio)
     }
     #[inline(always)]
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {

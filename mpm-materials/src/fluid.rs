@@ -244,8 +244,7 @@ where
         let stress = self.shear.stress(&viscous_stress).plus_isotropic(-total_pressure);
         let fault = Fault::none()
             .require(volume_factor.gt(L::zero()), Breakdown::InvertedVolume)
-            .or(self.eos.range(volume_ratio))
-            .require(balanced.solvable, Breakdown::OverCompressed)
+            .require(volume_ratio.gt(L::zero()), Breakdown::InvertedVolume)
             .require(finite_state(&state), Breakdown::NotFinite)
             .require(total_pressure.is_finite(), Breakdown::NotFinite);
         Update { state, stress, fault }
@@ -255,6 +254,10 @@ where
         let pressure = self.eos.pressure(now.volume_ratio, now.energy.recall())
             + self.viscosity.remembered(&now.viscous_pressure);
         self.shear.stress(&now.viscous_stress).plus_isotropic(-pressure)
+    }
+    #[inline(always)]
+    fn in_range<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.eos.in_range(now.volume_ratio)
     }
     #[inline(always)]
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {

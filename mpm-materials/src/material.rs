@@ -37,7 +37,7 @@
 
 use std::sync::Arc;
 
-use impactite_simd::{Arch, Float, Kernel, Lane, Pack, RowPair, Vectors};
+use impactite_simd::{Arch, Float, Kernel, Lane, Mask, Pack, RowPair, Vectors};
 
 use crate::capability::Stretches;
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, flatten, unflatten};
@@ -183,6 +183,8 @@ pub struct Described<T> {
     pub wave_speed: T,
     /// Internal energy per reference volume, J/m^3.
     pub energy: T,
+    /// Is the state within the range of the law's data? [`Constitutive::in_range`].
+    pub in_range: bool,
 }
 
 /// A law as methods see it, compiled. [`Compiled`] makes one of a [`Constitutive`] law; nothing else needs to.
@@ -539,6 +541,7 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
             volume_ratio: self.law.volume_ratio(&now).into(),
             wave_speed: self.law.wave_speed(&now).into(),
             energy: self.law.energy(&now).into(),
+            in_range: Mask::all(self.law.in_range(&now)),
         })
     }
     fn merged(&self, points: &[(f64, &[T])]) -> Option<Vec<T>> {

@@ -277,25 +277,21 @@ pub enum Breakdown {
     /// A stress, energy or velocity is infinite or not a number.
     #[error("a value became infinite or not a number")]
     NotFinite = 2,
-    /// The equation of state has no pressure at this density (its Hugoniot is singular).
-    #[error("compressed beyond the range of the equation of state")]
-    OverCompressed = 3,
     /// The squared sound speed is negative: the state is unstable.
     #[error("the squared sound speed became negative")]
-    NoSoundSpeed = 4,
+    NoSoundSpeed = 3,
     /// A law's own iteration found no solution.
     #[error("the law's iteration did not converge")]
-    NotConverged = 5,
+    NotConverged = 4,
     /// A cause that belongs to one law; its documentation says which.
     #[error("the law reported a breakdown of its own")]
-    Law = 6,
+    Law = 5,
 }
 
 impl Breakdown {
-    const ALL: [Breakdown; 6] = [
+    const ALL: [Breakdown; 5] = [
         Breakdown::InvertedVolume,
         Breakdown::NotFinite,
-        Breakdown::OverCompressed,
         Breakdown::NoSoundSpeed,
         Breakdown::NotConverged,
         Breakdown::Law,
@@ -384,6 +380,15 @@ pub trait Constitutive<T: Real>: Clone + Send + Sync + 'static {
 
     /// Internal energy per reference volume, J/m^3: stored and dissipated work since the virgin state.
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
+
+    /// Is the state within the range of the data that the law was made for? False where its equation of state is
+    /// continued, at densities beyond [`Eos::smallest_volume_ratio`](crate::Eos::smallest_volume_ratio), so that a run can
+    /// tell how many points are there. True of laws that do not say.
+    #[inline(always)]
+    fn in_range<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        let _ = now;
+        L::zero().le(L::zero())
+    }
 
     /// One state for points that become one, each with its mass, kg; none where they are too unlike, or where the law
     /// has no such state. Volume ratio and internal energy of what is returned are the means by mass, to rounding: no

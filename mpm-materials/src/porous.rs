@@ -119,13 +119,11 @@ impl<T: Real, S: Strength<T>, E: Eos<T>, V, R> Porous<T, S, E, V, R> {
         L::splat(self.full_compaction) - L::splat(self.full_compaction - self.elastic_limit) * open.sqrt()
     }
 
-    /// Is the pressure at this distension above the curve, or out of the range of the solid?
+    /// Is the pressure at this distension above the curve?
     #[inline(always)]
     fn crushes<L: Lane<Real = T>>(&self, volume_ratio: L, distension: L, worked: L, change: L) -> L::Mask {
         let found = balance(self.terms(volume_ratio, distension), worked, change);
-        let in_range =
-            self.solid_ratio(volume_ratio, distension).gt(L::splat(self.solid.smallest_volume_ratio()));
-        !(in_range & found.solvable) | found.pressure.gt(self.crush_pressure(distension))
+        found.pressure.gt(self.crush_pressure(distension))
     }
 
     /// Distension at the end of the step.
@@ -213,8 +211,7 @@ where
         };
         let fault = Fault::none()
             .require(volume_factor.gt(L::zero()), Breakdown::InvertedVolume)
-            .or(self.solid.range(self.solid_ratio(volume_ratio, distension)))
-            .require(balanced.solvable, Breakdown::OverCompressed)
+            .require(volume_ratio.gt(L::zero()), Breakdown::InvertedVolume)
             .require(finite_state(&state), Breakdown::NotFinite)
             .or(returned.fault);
         Update { state, stress: state.stress, fault }
@@ -222,6 +219,10 @@ where
     #[inline(always)]
     fn stress<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> Sym3<L> {
         now.stress
+    }
+    #[inline(always)]
+    fn in_range<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.solid.in_range(self.solid_ratio(now.volume_ratio, now.distension))
     }
     #[inline(always)]
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {

@@ -56,7 +56,7 @@ impl ObjectiveRate for HughesWinget {
 }
 
 /// Strain and spin as the symmetric and the antisymmetric part of X = dt grad v, and the Jaumann rate to first order,
-/// s + W s - s W (eqs. 18 and 19 and section 1.2 of \[Ma2010\]). For bodies that hardly turn: some 45
+/// s + W s - s W (eqs. 18 and 19 and section 1.2 of \[Ma2010\]). For bodies that hardly turn: some 40
 /// instructions a particle and step fewer with AVX2.
 ///
 /// Limits: a rotation by alpha in a step counts as a strain of -alpha^2/2 across the axis and stretches the tensor by

@@ -162,24 +162,22 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
     }
     /// What broke in a step, if anything. Nearly always nothing did, and one test tells so.
     #[inline(always)]
-    fn health<T, L, H, G>(&self, new: &SolidState<L, H, G>, volume_factor: L, solvable: L::Mask) -> Fault<L>
+    fn health<T, L, H, G>(&self, new: &SolidState<L, H, G>, volume_factor: L) -> Fault<L>
     where
         T: Real,
         L: Lane<Real = T>,
-        E: Eos<T>,
         H: State<L>,
         G: State<L>,
     {
         let turned = volume_factor.gt(L::zero());
-        let in_range = new.volume_ratio.gt(L::splat(self.eos.smallest_volume_ratio()));
+        let upright = new.volume_ratio.gt(L::zero());
         let finite = finite_state(new);
-        if (turned & in_range & solvable & finite).all() {
+        if (turned & upright & finite).all() {
             return Fault::none();
         }
         Fault::none()
             .require(turned, Breakdown::InvertedVolume)
-            .or(self.eos.range(new.volume_ratio))
-            .require(solvable, Breakdown::OverCompressed)
+            .require(upright, Breakdown::InvertedVolume)
             .require(finite, Breakdown::NotFinite)
     }
 }
@@ -306,12 +304,16 @@ where
 
         let stress = deviator.plus_isotropic(-(pressure + viscous));
         let state = SolidState { stress, volume_ratio, energy, strength: returned.history, failure };
-        let fault = self.health(&state, volume_factor, balanced.solvable).or(returned.fault);
+        let fault = self.health(&state, volume_factor).or(returned.fault);
         Update { state, stress, fault }
     }
     #[inline(always)]
     fn stress<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> Sym3<L> {
         now.stress
+    }
+    #[inline(always)]
+    fn in_range<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.eos.in_range(now.volume_ratio)
     }
     #[inline(always)]
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {

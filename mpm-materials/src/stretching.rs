@@ -79,6 +79,10 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
         self.law.stress(&now.law)
     }
     #[inline(always)]
+    fn in_range<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.law.in_range(&now.law)
+    }
+    #[inline(always)]
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.law.volume_ratio(&now.law)
     }

@@ -100,6 +100,8 @@ pub struct Particle {
     pub half_edges: [[f64; 3]; 3],
     /// Cauchy stress xx, yy, zz, yz, xz, xy, Pa.
     pub stress: [f64; 6],
+    /// Is it within the range of the data of its law? False of one so dense that its equation of state is continued.
+    pub in_range: bool,
     /// The law's state, by [`Body::state_names`].
     pub state: Vec<f64>,
 }

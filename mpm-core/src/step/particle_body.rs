@@ -454,6 +454,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             volume: 0.0,
             half_edges: self.half_edges(&numbers),
             stress: [0.0; 6],
+            in_range: true,
             state: Vec::new(),
         };
         for d in 0..D {
@@ -468,6 +469,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         p.state = state.iter().map(|x| x.to_double()).collect();
         if let Some(said) = self.material.describe_point(state) {
             p.stress = said.stress.map(|x| x.to_double());
+            p.in_range = said.in_range;
             p.volume = p.mass / self.material.density().to_double() * said.volume_ratio.to_double();
         }
         p

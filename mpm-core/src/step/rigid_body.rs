@@ -61,6 +61,7 @@ impl<T: Float> Material<T> for Undeformed<T> {
             volume_ratio,
             wave_speed: zero,
             energy: zero,
+            in_range: true,
         })
     }
     fn merged(&self, _: &[(f64, &[T])]) -> Option<Vec<T>> {

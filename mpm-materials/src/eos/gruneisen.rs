@@ -1,6 +1,6 @@
 //! Mie-Grueneisen equation of state on any Hugoniot, with a Grueneisen gamma that follows the density.
 
-use crate::eos::{Eos, Terms};
+use crate::eos::{Continuation, Eos, REACH, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
@@ -23,10 +23,9 @@ pub trait Hugoniot<T: Real>: Copy + Send + Sync + 'static {
     fn bulk_modulus(&self) -> T;
     /// Pressure and slope at mu >= 0.
     fn curve<L: Lane<Real = T>>(&self, mu: L) -> Curve<L>;
-    /// The curve holds for volume ratios above this.
-    #[inline(always)]
-    fn smallest_volume_ratio(&self) -> T {
-        T::default()
+    /// The compression eta = 1 - J at which the curve becomes singular; more than one if it does not.
+    fn singular(&self) -> T {
+        T::of(f64::INFINITY)
     }
 }
 
@@ -38,13 +37,15 @@ pub trait Hugoniot<T: Real>: Copy + Send + Sync + 'static {
 /// With [`CubicShock`] this is the LS-DYNA form with S1, S2, S3 (docs/notes.md 3.7), with [`PolynomialHugoniot`]
 /// the MPM3D form. On a straight U_s(u_p) use [`MieGruneisen`](crate::MieGruneisen), which is faster.
 ///
-/// Limits: as of [`MieGruneisen`](crate::MieGruneisen); gamma0 + a mu shall stay positive, so that a > gamma0 is
+/// It is continued beyond four fifths of the singular compression, or where its rise at e = 0 falls to half of K per eta (which
+/// a series in mu may do by itself), and has the limits of [`MieGruneisen`](crate::MieGruneisen); gamma0 + a mu shall stay positive, so that a > gamma0 is
 /// refused (it would be negative in tension below mu = -gamma0/a).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Gruneisen<T, H> {
     hugoniot: H,
     gruneisen: T,
     correction: T,
+    beyond: Continuation<T>,
 }
 
 impl<T: Real, H: Hugoniot<T>> Gruneisen<T, H> {
@@ -58,7 +59,19 @@ impl<T: Real, H: Hugoniot<T>> Gruneisen<T, H> {
         check.not_negative("Grueneisen gamma0", gruneisen)?;
         let inside = correction >= T::of(0.0) && correction <= gruneisen;
         check.that(inside, "volume correction a", correction, "between 0 and gamma0")?;
-        Ok(Gruneisen { hugoniot, gruneisen, correction })
+        let (gamma0, a) = (gruneisen.to_double(), correction.to_double());
+        let bulk = hugoniot.bulk_modulus().to_double();
+        let cold = |j: f64| {
+            let (eta, mu) = (1.0 - j, 1.0 / j - 1.0);
+            let curve = hugoniot.curve::<T::Single>(T::of(mu).into());
+            let (pressure, slope): (T, T) = (curve.pressure.into(), curve.slope.into());
+            let thermal = gamma0 + a * mu;
+            slope.to_double() * (1.0 - 0.5 * thermal * eta)
+                - 0.5 * pressure.to_double() * (a * eta + thermal * j * j)
+        };
+        let reach = REACH * hugoniot.singular().to_double();
+        let beyond = Continuation::of(reach, cold, |j, slope| slope >= 0.5 * bulk * j * j);
+        Ok(Gruneisen { hugoniot, gruneisen, correction, beyond })
     }
     /// The Hugoniot.
     pub fn hugoniot(&self) -> &H {
@@ -77,20 +90,31 @@ impl<T: Real, H: Hugoniot<T>> Eos<T> for Gruneisen<T, H> {
     }
     #[inline(always)]
     fn terms<L: Lane<Real = T>>(&self, volume_ratio: L) -> Terms<L> {
-        let eta = L::one() - volume_ratio;
-        let mu = eta * volume_ratio.recip();
-        let thermal = L::splat(self.correction).mul_add(mu, L::splat(self.gruneisen));
+        let Continuation { smallest, inverse: densest, slope } = self.beyond;
+        let eta = L::one() - volume_ratio.max(L::splat(smallest));
+        let density = volume_ratio.recip();
+        let mu = eta * density.min(L::splat(densest));
+        let further = (density - L::splat(densest)).max(L::zero());
+        let inside = L::splat(self.correction).mul_add(mu, L::splat(self.gruneisen));
         let hugoniot = self.hugoniot.curve(mu.max(L::zero())).pressure;
-        let compressed = hugoniot * (L::one() - thermal * eta * L::of(0.5));
+        let compressed = hugoniot * (L::one() - inside * eta * L::of(0.5));
         let stretched = L::splat(self.hugoniot.bulk_modulus()) * mu;
-        Terms { cold: L::select(eta.gt(L::zero()), compressed, stretched), thermal }
+        let cold = L::select(eta.gt(L::zero()), compressed, stretched);
+        Terms {
+            cold: further.mul_add(L::splat(slope), cold),
+            thermal: further.mul_add(L::splat(self.correction), inside),
+        }
     }
     #[inline(always)]
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L {
         let (one, half) = (L::one(), L::of(0.5));
-        let eta = one - volume_ratio;
-        let mu = eta * volume_ratio.recip();
-        let square = volume_ratio * volume_ratio;
+        let Continuation { smallest, inverse: densest, slope: straight } = self.beyond;
+        let inside = volume_ratio.max(L::splat(smallest));
+        let eta = one - inside;
+        let density = volume_ratio.recip();
+        let mu = eta * density.min(L::splat(densest));
+        let further = (density - L::splat(densest)).max(L::zero());
+        let square = inside * inside;
         let (a, bulk) = (L::splat(self.correction), L::splat(self.hugoniot.bulk_modulus()));
         let thermal = a.mul_add(mu, L::splat(self.gruneisen));
         let Curve { pressure: hugoniot, slope } = self.hugoniot.curve(mu.max(L::zero()));
@@ -98,30 +122,29 @@ impl<T: Real, H: Hugoniot<T>> Eos<T> for Gruneisen<T, H> {
         // deta/dmu = J^2.
         let compressed = slope * factor - hugoniot * half * (a * eta + thermal * square);
         let compression = eta.gt(L::zero());
-        let cold_slope = L::select(compression, compressed, bulk);
-        let cold = L::select(compression, hugoniot * factor, bulk * mu);
+        let inside_slope = L::select(compression, compressed, bulk);
+        let cold_slope = L::select(further.gt(L::zero()), L::splat(straight), inside_slope);
+        let cold = further.mul_add(L::splat(straight), L::select(compression, hugoniot * factor, bulk * mu));
+        let thermal = further.mul_add(a, thermal);
         let pressure = thermal.mul_add(energy, cold);
         let per_density = L::splat(T::of(1.0) / self.hugoniot.density());
-        (cold_slope + a * energy + pressure * square * thermal) * per_density
+        (cold_slope + a * energy + pressure * volume_ratio * volume_ratio * thermal) * per_density
     }
     #[inline(always)]
     fn smallest_volume_ratio(&self) -> T {
-        self.hugoniot.smallest_volume_ratio()
+        self.beyond.smallest
     }
 }
 
-/// Smallest denominator that still counts as inside the range of a Hugoniot.
-const MARGIN: f64 = 0.02;
-
 /// U_s = c0 + S1 u_p + S2 u_p^2/U_s + S3 u_p^3/U_s^2, which is p_H = rho0 c0^2 eta/(1 - S1 eta - S2 eta^2 -
-/// S3 eta^3)^2 with eta = u_p/U_s = 1 - J (docs/notes.md 3.7). States within 2 % of the first zero of the
-/// denominator are refused.
+/// S3 eta^3)^2 with eta = u_p/U_s = 1 - J (docs/notes.md 3.7), singular at the first zero of the
+/// denominator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubicShock<T> {
     density: T,
     sound_speed: T,
     slopes: [T; 3],
-    smallest: T,
+    singular: T,
 }
 
 impl<T: Real> CubicShock<T> {
@@ -136,17 +159,18 @@ impl<T: Real> CubicShock<T> {
         check.not_negative("S1", slopes[0])?;
         check.that(true, "S2", slopes[1], "finite")?;
         check.that(true, "S3", slopes[2], "finite")?;
-        let smallest = T::of(1.0 - reach(slopes.map(T::to_double)));
-        Ok(CubicShock { density, sound_speed, slopes, smallest })
+        let singular = T::of(singular(slopes.map(T::to_double)));
+        Ok(CubicShock { density, sound_speed, slopes, singular })
     }
 }
 
-/// The smallest eta in (0, 1\] at which the denominator falls to the margin; 1 if it does not.
-fn reach([s1, s2, s3]: [f64; 3]) -> f64 {
-    let open = |eta: f64| 1.0 - eta * (s1 + eta * (s2 + eta * s3)) > MARGIN;
-    const PARTS: usize = 1000;
-    let Some(k) = (1..=PARTS).find(|&k| !open(k as f64 / PARTS as f64)) else { return 1.0 };
-    let (mut inside, mut outside) = ((k - 1) as f64 / PARTS as f64, k as f64 / PARTS as f64);
+/// The smallest positive eta at which the denominator vanishes, up to two; infinite if there is none.
+fn singular([s1, s2, s3]: [f64; 3]) -> f64 {
+    let open = |eta: f64| 1.0 - eta * (s1 + eta * (s2 + eta * s3)) > 0.0;
+    const PARTS: usize = 2000;
+    let at = |k: usize| 2.0 * k as f64 / PARTS as f64;
+    let Some(k) = (1..=PARTS).find(|&k| !open(at(k))) else { return f64::INFINITY };
+    let (mut inside, mut outside) = (at(k - 1), at(k));
     for _ in 0..60 {
         let middle = 0.5 * (inside + outside);
         if open(middle) { inside = middle } else { outside = middle }
@@ -179,9 +203,8 @@ impl<T: Real> Hugoniot<T> for CubicShock<T> {
         let slope = j * j * square * (one + L::of(2.0) * eta * rise * inverse);
         Curve { pressure: square * eta, slope }
     }
-    #[inline(always)]
-    fn smallest_volume_ratio(&self) -> T {
-        self.smallest
+    fn singular(&self) -> T {
+        self.singular
     }
 }
 

@@ -1,6 +1,6 @@
 //! Jones-Wilkins-Lee equation of state of detonation products.
 
-use crate::eos::{Eos, Terms};
+use crate::eos::{Continuation, Eos, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
@@ -29,10 +29,13 @@ pub struct JwlConstants<T> {
 /// [`Explosive`](crate::Explosive).
 ///
 /// Along an isentrope p = A exp(-R1 V) + B exp(-R2 V) + C V^-(1 + omega). Limits: fitted to expansion from the
-/// Chapman-Jouguet state, V of about 0.7 to 10; stronger compression is an extrapolation.
+/// Chapman-Jouguet state, V of about 0.7 to 10; stronger compression is an extrapolation. The terms of A and B, whose sum
+/// turns round in strong compression and tends to minus infinity, go on in a straight line in 1/V from where their slope falls to half of
+/// that at V = 1 (TNT: V = 0.24): for e >= 0 the pressure grows with the density for every V > 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jwl<T> {
     constants: JwlConstants<T>,
+    beyond: Continuation<T>,
 }
 
 impl<T: Real> Jwl<T> {
@@ -49,7 +52,18 @@ impl<T: Real> Jwl<T> {
         check.positive("R2", constants.r2)?;
         check.positive("omega", constants.omega)?;
         check.positive("energy E0", constants.energy)?;
-        Ok(Jwl { constants })
+        Ok(Self::known(constants))
+    }
+
+    fn known(constants: JwlConstants<T>) -> Self {
+        let JwlConstants { a, b, r1, r2, omega, .. } = constants;
+        let (a, b, r1, r2, omega) =
+            (a.to_double(), b.to_double(), r1.to_double(), r2.to_double(), omega.to_double());
+        let term = |a: f64, r: f64, v: f64| a * (v * v * r - omega * v - omega / r) * (-r * v).exp();
+        // d/dmu = -V^2 d/dV.
+        let slope = |v: f64| term(a, r1, v) + term(b, r2, v);
+        let least = 0.5 * slope(1.0);
+        Jwl { constants, beyond: Continuation::of(f64::INFINITY, slope, |_, slope| slope >= least) }
     }
 
     /// TNT: 1630 kg/m^3, A 371.2 GPa, B 3.21 GPa, R1 4.15, R2 0.95, omega 0.30, E0 6.993e9 J/m^3 (MPM3D-F90
@@ -58,17 +72,15 @@ impl<T: Real> Jwl<T> {
     /// The deck `TNT3D.mpm` of the same program has omega 0.35 and E0 6.0e9 with this A and B: a mixture of two
     /// sets, with D 6890 m/s, and not offered.
     pub fn tnt() -> Self {
-        Jwl {
-            constants: JwlConstants {
-                density: T::of(1630.0),
-                a: T::of(371.2e9),
-                b: T::of(3.21e9),
-                r1: T::of(4.15),
-                r2: T::of(0.95),
-                omega: T::of(0.30),
-                energy: T::of(6.993e9),
-            },
-        }
+        Self::known(JwlConstants {
+            density: T::of(1630.0),
+            a: T::of(371.2e9),
+            b: T::of(3.21e9),
+            r1: T::of(4.15),
+            r2: T::of(0.95),
+            omega: T::of(0.30),
+            energy: T::of(6.993e9),
+        })
     }
 
     /// The constants.
@@ -93,19 +105,26 @@ impl<T: Real> Eos<T> for Jwl<T> {
     #[inline(always)]
     fn terms<L: Lane<Real = T>>(&self, volume_ratio: L) -> Terms<L> {
         let k = &self.constants;
-        let thermal = L::splat(k.omega) / volume_ratio;
-        let first = L::splat(k.a) * (L::splat(-k.r1) * volume_ratio).exp();
-        let second = L::splat(k.b) * (L::splat(-k.r2) * volume_ratio).exp();
+        let Continuation { smallest, inverse: densest, slope } = self.beyond;
+        let inside = volume_ratio.max(L::splat(smallest));
+        let further = (volume_ratio.recip() - L::splat(densest)).max(L::zero());
+        let thermal = L::splat(k.omega) / inside;
+        let first = L::splat(k.a) * (L::splat(-k.r1) * inside).exp();
+        let second = L::splat(k.b) * (L::splat(-k.r2) * inside).exp();
         let per_r1 = L::splat(T::of(1.0) / k.r1);
         let per_r2 = L::splat(T::of(1.0) / k.r2);
         let cold = first * (L::one() - thermal * per_r1) + second * (L::one() - thermal * per_r2);
-        Terms { cold, thermal }
+        Terms {
+            cold: further.mul_add(L::splat(slope), cold),
+            thermal: further.mul_add(L::splat(k.omega), thermal),
+        }
     }
     /// c^2 = (V^2/rho0) \[p omega/V - (dp/dV)_e\].
     #[inline(always)]
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L {
         let k = &self.constants;
-        let (v, one) = (volume_ratio, L::one());
+        let Continuation { smallest, inverse: densest, slope } = self.beyond;
+        let (v, one) = (volume_ratio.max(L::splat(smallest)), L::one());
         let inverse = v.recip();
         let thermal = L::splat(k.omega) * inverse;
         let first = L::splat(k.a) * (L::splat(-k.r1) * v).exp();
@@ -116,6 +135,16 @@ impl<T: Real> Eos<T> for Jwl<T> {
         let steep = first * (r1 - thermal - thermal * inverse / r1)
             + second * (r2 - thermal - thermal * inverse / r2)
             + thermal * inverse * energy;
-        v * v * (pressure * thermal + steep) * L::splat(T::of(1.0) / k.density)
+        let inside = v * v * (pressure * thermal + steep);
+        // Beyond, with da/dmu constant: da/dmu + omega e + p V^2 b.
+        let further = volume_ratio.recip() - L::splat(densest);
+        let omega = L::splat(k.omega);
+        let beyond =
+            L::splat(slope) + omega * energy + self.pressure(volume_ratio, energy) * volume_ratio * omega;
+        L::select(further.gt(L::zero()), beyond, inside) * L::splat(T::of(1.0) / k.density)
+    }
+    #[inline(always)]
+    fn smallest_volume_ratio(&self) -> T {
+        self.beyond.smallest
     }
 }

@@ -1,11 +1,8 @@
 //! Mie-Grueneisen equation of state on a linear shock Hugoniot.
 
-use crate::eos::{Eos, Terms};
+use crate::eos::{Continuation, Eos, REACH, Terms};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
-
-/// Smallest value of 1 - s (1 - J) that still counts as inside the range of the Hugoniot.
-const MARGIN: f64 = 0.02;
 
 /// Mie-Grueneisen law on the Hugoniot U_s = c0 + s u_p. With eta = 1 - J and mu = 1/J - 1 = eta/J:
 ///
@@ -25,9 +22,15 @@ const MARGIN: f64 = 0.02;
 /// Hugoniot and is not offered. On the Hugoniot itself the choice cancels. MPM3D drops the energy term in
 /// tension, which makes the pressure of a hot point jump at J = 1; here it stays.
 ///
-/// Limits: the Hugoniot is singular at eta = 1/s; within 2 % of it the state is refused as
-/// [`Breakdown::OverCompressed`](crate::Breakdown). The squared sound speed falls below zero in strong tension (for gamma0 = 2
-/// beyond J = 1.37): a failure law must act before.
+/// The Hugoniot is singular at eta = 1/s. From four fifths of that compression on, or from where the pressure at e = 0
+/// rises by less than rho0 c0^2/2 per eta (gamma constant: near 2/gamma0 of mu, where the factor of p_H vanishes), a(J) goes on
+/// with its slope, linearly in mu, and b(J) as it is: for e >= 0 the pressure grows with the density for every J > 0, and c
+/// is there about what it is where the line begins. [`Eos::smallest_volume_ratio`] is that J; states beyond are no breakdown, but
+/// nobody's measurement ([`Eos::in_range`]).
+///
+/// Limits: the squared sound speed falls below zero in strong tension (for gamma0 = 2 beyond J = 1.37), where wave speeds
+/// are floored and a failure law must act. For J > 1 the pressure rises with the density, but tends to gamma0 e - rho0 c0^2 as
+/// J grows: [`Expanding`](crate::Expanding) is for matter that flies apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MieGruneisen<T> {
     density: T,
@@ -35,6 +38,7 @@ pub struct MieGruneisen<T> {
     slope: T,
     gruneisen: T,
     correction: T,
+    beyond: Continuation<T>,
 }
 
 impl<T: Real> MieGruneisen<T> {
@@ -45,18 +49,16 @@ impl<T: Real> MieGruneisen<T> {
     /// rho0 or c0 not positive, s or gamma0 negative.
     pub fn new(density: T, sound_speed: T, slope: T, gruneisen: T) -> Result<Self, ParameterError> {
         let check = Check("Mie-Grueneisen");
-        Ok(MieGruneisen {
-            density: check.positive("density rho0", density)?,
-            sound_speed: check.positive("sound speed c0", sound_speed)?,
-            slope: check.not_negative("Hugoniot slope s", slope)?,
-            gruneisen: check.not_negative("Grueneisen gamma0", gruneisen)?,
-            correction: T::of(0.0),
-        })
+        check.positive("density rho0", density)?;
+        check.positive("sound speed c0", sound_speed)?;
+        check.not_negative("Hugoniot slope s", slope)?;
+        check.not_negative("Grueneisen gamma0", gruneisen)?;
+        Ok(Self::of([density, sound_speed, slope, gruneisen], T::default()))
     }
 
     /// The same law with gamma constant, a = gamma0.
     pub fn constant_gamma(self) -> Self {
-        MieGruneisen { correction: self.gruneisen, ..self }
+        Self::of([self.density, self.sound_speed, self.slope, self.gruneisen], self.gruneisen)
     }
 
     /// The same law with the first-order volume correction `a` of the Grueneisen gamma (about 0.47 for copper;
@@ -67,7 +69,7 @@ impl<T: Real> MieGruneisen<T> {
     pub fn with_correction(self, a: T) -> Result<Self, ParameterError> {
         let inside = a >= T::of(0.0) && a <= self.gruneisen;
         let a = Check("Mie-Grueneisen").that(inside, "volume correction a", a, "between 0 and gamma0")?;
-        Ok(MieGruneisen { correction: a, ..self })
+        Ok(Self::of([self.density, self.sound_speed, self.slope, self.gruneisen], a))
     }
 
     /// Copper: rho0 8930 kg/m^3, c0 3940 m/s, s 1.49, gamma0 1.96 (MPM3D-F90 `Taylor.mpm`; docs/notes.md 5).
@@ -97,14 +99,22 @@ impl<T: Real> MieGruneisen<T> {
         Self::known([18167.0, 4030.0, 1.237, 1.67])
     }
 
-    pub(crate) fn known([density, sound_speed, slope, gruneisen]: [f64; 4]) -> Self {
-        MieGruneisen {
-            density: T::of(density),
-            sound_speed: T::of(sound_speed),
-            slope: T::of(slope),
-            gruneisen: T::of(gruneisen),
-            correction: T::of(0.0),
-        }
+    pub(crate) fn known(constants: [f64; 4]) -> Self {
+        Self::of(constants.map(T::of), T::default())
+    }
+
+    fn of([density, sound_speed, slope, gruneisen]: [T; 4], correction: T) -> Self {
+        let (s, gamma0, a) = (slope.to_double(), gruneisen.to_double(), correction.to_double());
+        let bulk = (density * sound_speed * sound_speed).to_double();
+        // da/dmu as in `speed_squared`.
+        let cold = |j: f64| {
+            let eta = 1.0 - j;
+            let (thermal, open) = (gamma0 + a * eta / j, 1.0 - s * eta);
+            let (hugoniot, steep) = (eta / (open * open), j * j * (1.0 + s * eta) / open.powi(3));
+            bulk * (steep * (1.0 - 0.5 * thermal * eta) - 0.5 * hugoniot * (a * eta + thermal * j * j))
+        };
+        let beyond = Continuation::of(REACH / s, cold, |j, slope| slope >= 0.5 * bulk * j * j);
+        MieGruneisen { density, sound_speed, slope, gruneisen, correction, beyond }
     }
 
     /// Grueneisen gamma0 at rest.
@@ -129,24 +139,33 @@ impl<T: Real> Eos<T> for MieGruneisen<T> {
     }
     #[inline(always)]
     fn terms<L: Lane<Real = T>>(&self, volume_ratio: L) -> Terms<L> {
-        let eta = L::one() - volume_ratio;
-        let inverse = volume_ratio.recip();
-        let thermal = (L::splat(self.correction) * eta).mul_add(inverse, L::splat(self.gruneisen));
+        let Continuation { smallest, inverse: densest, slope } = self.beyond;
+        let eta = L::one() - volume_ratio.max(L::splat(smallest));
+        let density = volume_ratio.recip();
+        let inverse = density.min(L::splat(densest));
+        let further = (density - L::splat(densest)).max(L::zero());
+        let inside = (L::splat(self.correction) * eta).mul_add(inverse, L::splat(self.gruneisen));
         let to_singular = (-L::splat(self.slope)).mul_add(eta, L::one()).recip();
-        let compressed = to_singular * to_singular * (-(thermal * L::of(0.5))).mul_add(eta, L::one());
+        let compressed = to_singular * to_singular * (-(inside * L::of(0.5))).mul_add(eta, L::one());
         let shape = L::select(eta.gt(L::zero()), compressed, inverse);
-        Terms { cold: L::splat(self.bulk_modulus()) * eta * shape, thermal }
+        Terms {
+            cold: further.mul_add(L::splat(slope), L::splat(self.bulk_modulus()) * eta * shape),
+            thermal: further.mul_add(L::splat(self.correction), inside),
+        }
     }
     /// In compression with h = 1 - s eta and g = gamma0 + a mu:
     /// J^2 (dp_H/deta) = rho0 c0^2 (1 + s eta)/h^3, multiplied out with the factor 1 - g eta/2.
     #[inline(always)]
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L {
         let (one, half) = (L::one(), L::of(0.5));
-        let (j, slope) = (volume_ratio, L::splat(self.slope));
+        let Continuation { smallest, inverse: densest, slope: straight } = self.beyond;
+        let (j, slope) = (volume_ratio.max(L::splat(smallest)), L::splat(self.slope));
         let (gamma0, a) = (L::splat(self.gruneisen), L::splat(self.correction));
         let (per_density, bulk) = (L::splat(T::of(1.0) / self.density), L::splat(self.bulk_modulus()));
         let eta = one - j;
-        let inverse = j.recip();
+        let density = volume_ratio.recip();
+        let inverse = density.min(L::splat(densest));
+        let further = (density - L::splat(densest)).max(L::zero());
         let square = j * j;
         let thermal = (a * eta).mul_add(inverse, gamma0);
         let to_singular = (-slope).mul_add(eta, one).recip();
@@ -156,15 +175,18 @@ impl<T: Real> Eos<T> for MieGruneisen<T> {
         let hugoniot_slope = square * (one + slope * eta) * to_singular * to_singular * to_singular;
         let compressed = hugoniot_slope * factor - hugoniot * half * (a * eta + thermal * square);
         let compression = eta.gt(L::zero());
-        let cold_slope = bulk * L::select(compression, compressed, one);
-        let cold = bulk * L::select(compression, hugoniot * factor, eta * inverse);
+        let beyond = further.gt(L::zero());
+        let inside_slope = bulk * L::select(compression, compressed, one);
+        let cold_slope = L::select(beyond, L::splat(straight), inside_slope);
+        let inside = bulk * L::select(compression, hugoniot * factor, eta * inverse);
+        let cold = further.mul_add(L::splat(straight), inside);
+        let thermal = further.mul_add(a, thermal);
         let pressure = thermal.mul_add(energy, cold);
+        let square = volume_ratio * volume_ratio;
         (cold_slope + a * energy + pressure * square * thermal) * per_density
     }
-    /// 1 - 0.98/s, or zero where the Hugoniot is nowhere singular.
     #[inline(always)]
     fn smallest_volume_ratio(&self) -> T {
-        let reach = T::of(1.0 - MARGIN);
-        if self.slope > reach { T::of(1.0) - reach / self.slope } else { T::of(0.0) }
+        self.beyond.smallest
     }
 }
