@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use mpm_contact::{
     Compression, ContactDetector, Criterion, Gradients, Memory, Nodal, NormalRule, Places, Regression,
-    SurfaceDistance,
+    SeparatingPlane, SurfaceDistance,
 };
 use serde::Serialize;
 
@@ -13,6 +13,8 @@ use crate::CaseError;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Detection {
+    /// The default of the library: the distance along the line through the node, normals of the separating plane
+    Plane,
     /// Where bodies share a node and approach: the old test
     Approach,
     /// Where they approach and the traction between them is compressive
@@ -35,7 +37,7 @@ impl Detection {
         self.to_possible_value().map_or_else(String::new, |v| v.get_name().to_string())
     }
 
-    /// The detector of this name, with normals by regression or by `gradients`.
+    /// The detector of this name, with the normals that it names or by `gradients`.
     ///
     /// # Errors
     /// None of these settings is refused today.
@@ -45,6 +47,7 @@ impl Detection {
             Detection::Approach | Detection::Compression | Detection::Distance => {
                 SurfaceDistance::new(gradients, 0.0)?
             }
+            Detection::Plane => SurfaceDistance::new(Normals::Plane, 0.0)?.locally(),
             Detection::Centres => SurfaceDistance::between_centres(gradients, 0.5)?,
             Detection::Local => SurfaceDistance::new(gradients, 0.0)?.locally(),
             Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?,
@@ -101,9 +104,11 @@ impl<const D: usize> ContactDetector<f64, D> for Detector {
 /// A rule for the normal between two bodies.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Normals {
+    /// Of the separating plane.
+    Plane,
     /// From gradients of mass or volume.
     Gradients(Gradients),
-    /// Of the plane that best tells the particles of both bodies apart.
+    /// By logistic regression.
     Regression,
 }
 
@@ -111,6 +116,7 @@ impl<const D: usize> NormalRule<f64, D> for Normals {
     fn prepare(&self, at: &dyn Places<f64, D>, memory: &mut Memory<'_, f64>) {
         match self {
             Normals::Gradients(rule) => rule.prepare(at, memory),
+            Normals::Plane => SeparatingPlane.prepare(at, memory),
             Normals::Regression => Regression.prepare(at, memory),
         }
     }
@@ -124,6 +130,7 @@ impl<const D: usize> NormalRule<f64, D> for Normals {
     ) -> u64 {
         match self {
             Normals::Gradients(rule) => rule.normals(at, pair, nodes, memory, normals),
+            Normals::Plane => NormalRule::normals(&SeparatingPlane, at, pair, nodes, memory, normals),
             Normals::Regression => NormalRule::normals(&Regression, at, pair, nodes, memory, normals),
         }
     }

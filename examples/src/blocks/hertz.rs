@@ -93,7 +93,7 @@ pub fn collide<M: IntoKernels<f64, 2>>(
 ) -> Result<(Vec<Row>, Totals), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     // Balls curve away from the nodes beside the contact: only what is on a node's own line counts.
-    let best = (Detection::LocalRegression, Law::Coulomb);
+    let best = (Detection::Plane, Law::Coulomb);
     let contact = asked.touch(0.0, Gradients::default(), best, [wave(DENSITY, YOUNG, POISSON), h])?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;

@@ -28,7 +28,7 @@ pub fn strip<M: IntoKernels<f64, 2>>(
     asked: Asked,
 ) -> Result<(Mpm<2>, Lattice<2>), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
-    let contact = asked.touch(0.0, Gradients::default(), (Detection::Distance, Law::Coulomb), [WAVE, h])?;
+    let contact = asked.touch(0.0, Gradients::default(), (Detection::Plane, Law::Coulomb), [WAVE, h])?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: 2.0 * h, side: Side::Below })?;

@@ -17,7 +17,8 @@ use verification::{Kernel, Outcome, Scheme, Velocity};
 use crate::job::Key;
 
 /// All tests of contact that are charted.
-pub const DETECTIONS: [Detection; 7] = [
+pub const DETECTIONS: [Detection; 8] = [
+    Detection::Plane,
     Detection::Approach,
     Detection::Compression,
     Detection::Distance,

@@ -60,7 +60,7 @@ fn one(h: f64, friction: f64, end: f64, asked: Asked) -> Result<(Vec<Row>, Total
     let contact = asked.touch(
         friction,
         of_first(),
-        (Detection::Distance, Law::Coulomb),
+        (Detection::Plane, Law::Coulomb),
         [wave(DENSITY, YOUNG, 0.2), h],
     )?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);

@@ -59,7 +59,7 @@ struct Options {
     #[arg(long, value_name = "CELLS", default_value_t = 1e6, value_parser = within(1.0, 1e9))]
     memory: f64,
     /// How contact is found
-    #[arg(long, value_enum, default_value = "regression")]
+    #[arg(long, value_enum, default_value = "plane")]
     detection: Detection,
     /// Where the forces of the rod are computed
     #[arg(long, value_enum, default_value = "current")]

@@ -86,6 +86,7 @@ fn meet(
     let grid = BlockGrid::new(Lattice::new([0.0; 3], setup.spacing())?);
     let detector = match setup.detection {
         Detection::Off => return run(setup, ways, files, Mpm::new(method, grid), add_rod),
+        Detection::Plane => SurfaceDistance::new(Normals::Plane, 0.0)?.locally(),
         Detection::Distance => gradients,
         Detection::Local => gradients.locally(),
         Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?.locally(),

@@ -19,6 +19,8 @@ pub const STEEL: f64 = 7830.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Detection {
+    /// By the distance of the surfaces along the line through the node, normals of the separating plane: the library's default
+    Plane,
     /// By the distance of the surfaces
     Distance,
     /// By the distance of the surfaces within half a cell of the line through the node
