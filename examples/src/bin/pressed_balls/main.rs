@@ -33,7 +33,7 @@ struct Options {
     #[arg(long, value_enum, default_value = "on")]
     contact: Switch,
     /// How contact is detected
-    #[arg(long, value_enum, default_value = "distance")]
+    #[arg(long, value_enum, default_value = "plane")]
     detection: Detection,
     /// Coefficient of friction, 0 to 10
     #[arg(long, value_name = "MU", default_value_t = 0.0, value_parser = within(0.0, 10.0))]

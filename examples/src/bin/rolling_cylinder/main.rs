@@ -34,7 +34,7 @@ struct Options {
     #[arg(long, value_name = "MU", value_delimiter = ',', default_values_t = [0.3, 0.6], value_parser = within(0.0, 10.0))]
     friction: Vec<f64>,
     /// How contact is found
-    #[arg(long, value_enum, default_value = "local")]
+    #[arg(long, value_enum, default_value = "plane")]
     detection: Detection,
     /// What the bodies do where they touch
     #[arg(long, value_enum, default_value = "coulomb")]
