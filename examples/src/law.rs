@@ -39,7 +39,7 @@ impl Law {
         Ok(match self {
             Law::Frictionless => Pairs::new(Frictionless),
             Law::Coulomb => Pairs::new(Coulomb::new(friction)?),
-            Law::Penalty => Pairs::new(Penalty::new(frequency * wave / spacing, restitution, friction)?),
+            Law::Penalty => Pairs::new(Penalty::of_cells(frequency, [wave, spacing], restitution, friction)?),
             Law::Stick => Pairs::new(Stick),
         })
     }

@@ -81,7 +81,7 @@ pub use step::{
     Merging, Mpm, NodeWeight, OneField, Particle, Rest, Rested, Rigid, RigidState, SplitBook, Splitting,
     StepError, Stopped, TimeControl, Totals, Traction, Twist,
 };
-pub use transfer::{Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
+pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
 
 #[cfg(all(doctest, feature = "conformance"))]
 #[doc = include_str!("../../README.md")]

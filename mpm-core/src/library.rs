@@ -7,7 +7,7 @@ use crate::scheme::{Musl, Usl};
 use crate::shape::{CpGimp, Linear, QuadraticBSpline};
 use crate::step::Scalar;
 use crate::step::kernels::kernels;
-use crate::transfer::{Apic, Blend, Flip, Mls};
+use crate::transfer::{Aflip, Apic, Blend, Flip, Mls};
 
 macro_rules! compiled {
     ($t:ty, $d:literal: $($m:ty),+ $(,)?) => {$(
@@ -29,6 +29,7 @@ compiled! {
     Method<CpGimp, Blend<f64>, Musl, FullSpace>,
     Method<QuadraticBSpline, Flip, Musl, FullSpace>,
     Method<QuadraticBSpline, Apic, Usl, FullSpace>,
+    Method<QuadraticBSpline, Aflip<f64>, Usl, FullSpace>,
     Method<QuadraticBSpline, Mls, Usl, FullSpace>,
     Method<Linear, Flip, Musl, FullSpace, TotalLagrangian>,
 }
@@ -44,6 +45,7 @@ macro_rules! plane_and_revolved {
             Method<CpGimp, Blend<f64>, Musl, $space>,
             Method<QuadraticBSpline, Flip, Musl, $space>,
             Method<QuadraticBSpline, Apic, Usl, $space>,
+            Method<QuadraticBSpline, Aflip<f64>, Usl, $space>,
             Method<QuadraticBSpline, Mls, Usl, $space>,
             Method<Linear, Flip, Musl, $space, TotalLagrangian>,
         }

@@ -9,11 +9,11 @@ use crate::dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 use crate::embedding::Embedding;
 use crate::frame::{Frame, TotalLagrangian, UpdatedLagrangian};
 use crate::parallel::Float;
-use crate::scheme::StressUpdate;
-use crate::shape::ShapeFunction;
+use crate::scheme::{Musl, StressUpdate, Usl};
+use crate::shape::{Linear, QuadraticBSpline, ShapeFunction};
 use crate::step::kernels::{Facts, MethodKernels, kernels};
 use crate::step::{Scalar, Work};
-use crate::transfer::{Allows, Suits, Transfer};
+use crate::transfer::{Aflip, Allows, Apic, Flip, Suits, Transfer};
 
 /// The ingredients of a material point method, chosen at compile time.
 ///
@@ -37,6 +37,7 @@ use crate::transfer::{Allows, Suits, Transfer};
 /// use mpm_core::{Apic, FullSpace, Method, QuadraticBSpline, Usl};
 /// fn check<M: mpm_core::Composition<f64, 3>>(_: M) {}
 /// check(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
+/// check(Method::impact(FullSpace)); // by what it is for
 /// ```
 ///
 /// Two ingredients are there without being asked for, and the charts of docs/report/index.html say what they cost. Weights are
@@ -55,6 +56,34 @@ impl<S, X, U, E> Method<S, X, U, E> {
     /// A method from its ingredients.
     pub fn new(shape: S, transfer: X, _stress_update: U, _embedding: E) -> Self {
         Method { shape, transfer, ingredients: PhantomData }
+    }
+}
+
+impl<E> Method<QuadraticBSpline, Aflip<f64>, Usl, E> {
+    /// For impact, penetration and fragments that fly and tumble: quadratic B-splines, AFLIP, stress last.
+    ///
+    /// It keeps a disc whole that spins without load, where FLIP without an affine field tears one apart within a few turns, whatever the shape
+    /// function; it does not gain energy, and loses a quarter of what APIC does in an impact (docs/notes.md 1.1).
+    pub fn impact(embedding: E) -> Self {
+        Method::new(QuadraticBSpline, Aflip::default(), Usl, embedding)
+    }
+}
+
+impl<E> Method<QuadraticBSpline, Apic, Usl, E> {
+    /// For bodies that rest on each other: quadratic B-splines, APIC, stress last. FLIP without an affine field never forgets what the
+    /// nodes do not see, and contacts that open and close feed it until the bodies jump; with APIC a stack comes to rest to
+    /// rounding (docs/notes.md 1.1).
+    pub fn contact_at_rest(embedding: E) -> Self {
+        Method::new(QuadraticBSpline, Apic, Usl, embedding)
+    }
+}
+
+impl<E> Method<Linear, Flip, Musl, E, TotalLagrangian> {
+    /// For large elastic deformation of bodies that neither break nor flow: linear shape functions in the reference configuration, FLIP.
+    /// No particle crosses a cell, the energy is kept, and it is the cheapest for a given error in charts C1 and C2 of docs/report/index.html.
+    /// Bodies that meet are added by `Mpm::add_total_lagrangian`.
+    pub fn large_elastic(embedding: E) -> Self {
+        Method::new(Linear, Flip, Musl, embedding).total_lagrangian()
     }
 }
 

@@ -68,6 +68,7 @@ impl Outcome {
 pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
     let blend = Blend::new(setup.memory * setup.spacing() / SOUND)?;
     match setup.kernel {
+        Kernel::Impact => meet(setup, ways, files, Method::impact(FullSpace).into_kernels()),
         Kernel::Hat => meet(setup, ways, files, Method::new(Linear, blend, Musl, FullSpace).into_kernels()),
         Kernel::Cpgimp => {
             meet(setup, ways, files, Method::new(CpGimp, blend, Musl, FullSpace).into_kernels())
