@@ -273,6 +273,8 @@ fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::FRAC_PI_4;
+
     use super::*;
 
     fn set(points: impl IntoIterator<Item = [f64; 3]>) -> Centres {
@@ -301,7 +303,7 @@ mod tests {
 
     #[test]
     fn faces_keep_their_normal_at_edges() {
-        for angle in [0.0, 0.3, 0.7854, 2.0, -1.1] {
+        for angle in [0.0, 0.3, FRAC_PI_4, 2.0, -1.1] {
             for depth in [0..1, 0..3] {
                 for right in -1..4 {
                     // The upper one ends anywhere over the lower one.

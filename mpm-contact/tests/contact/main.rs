@@ -15,4 +15,5 @@ mod restart;
 mod resting;
 mod rigid;
 mod sliding;
+mod stacked;
 mod symmetry;

@@ -530,15 +530,17 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let spacing = self.grid.lattice().spacing();
             let rates = self.bodies.iter().map(|b| b.rate(spacing));
             self.rate = rates.fold(T::default(), |a, b| if b > a { b } else { a });
-            self.planned = self.plan(left)?;
+            let planned = self.plan(left)?;
+            let refits = if self.facts().affine { REFITS } else { 0 };
+            // Particles bring no affine field to a run. Without one a body that turns would lose the angular momentum that its
+            // particles have about their own centres, 1 % at ten cells a radius. The impulse of the step to come, which
+            // may be mapped with the momentum, is no part of it.
+            self.planned = if refits == 0 { planned } else { T::default() };
             self.particle_pass(Which::Map, T::default())?;
-            if self.facts().affine {
-                // Particles bring no affine field to a run. Without one a body that turns would lose the angular momentum that
-                // its particles have about their own centres, 1 % at ten cells a radius.
-                for _ in 0..REFITS {
-                    self.stage(T::default()).mean_velocities();
-                    self.particle_pass(Which::Refit, T::default())?;
-                }
+            for fit in 1..=refits {
+                self.stage(T::default()).mean_velocities();
+                self.planned = if fit == refits { planned } else { T::default() };
+                self.particle_pass(Which::Refit, T::default())?;
             }
             self.acting = self.loading();
             self.mapped = true;

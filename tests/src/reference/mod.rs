@@ -256,6 +256,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     pub fn step(&mut self, dt: f64) {
         self.weights();
         self.mass_and_momentum(); // (2), (3)
+        if self.time == 0.0 && self.is_affine() {
+            self.first_affine_fields();
+        }
         match self.order {
             Order::Usf => {
                 self.nodal_velocity();
@@ -449,22 +452,46 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                     Rule::Blend(tau) => flip + (dt / tau).min(1.0) * (pic[d] - flip),
                 };
             }
-            if matches!(self.rule, Rule::Apic | Rule::Mls) {
-                for d in 0..D {
-                    let mut second = 0.0;
-                    let mut first = [0.0; D];
-                    for w in weights {
-                        let r = self.lattice.node(w.node)[d] - point.x[d];
-                        second += w.value * r * r;
-                        for c in 0..D {
-                            first[c] += w.value * r * self.nodes[&w.node].velocity[c];
-                        }
-                    }
+        }
+        if self.is_affine() {
+            self.fit_affine();
+        }
+    }
+
+    fn is_affine(&self) -> bool {
+        matches!(self.rule, Rule::Apic | Rule::Mls)
+    }
+
+    /// The affine matrix of APIC, from the velocities of the nodes.
+    fn fit_affine(&mut self) {
+        for (point, images) in self.points.iter_mut().zip(&self.images) {
+            for d in 0..D {
+                let mut second = 0.0;
+                let mut first = [0.0; D];
+                for w in &images[0].weights {
+                    let r = self.lattice.node(w.node)[d] - point.x[d];
+                    second += w.value * r * r;
                     for c in 0..D {
-                        point.affine[c][d] = first[c] / second;
+                        first[c] += w.value * r * self.nodes[&w.node].velocity[c];
                     }
                 }
+                for c in 0..D {
+                    point.affine[c][d] = first[c] / second;
+                }
             }
+        }
+    }
+
+    /// At the start particles have no affine matrix: they take it from the nodes, eight times.
+    fn first_affine_fields(&mut self) {
+        let light = self.lightest();
+        for _ in 0..8 {
+            for node in self.nodes.values_mut() {
+                let per_mass = if node.mass > light { 1.0 / node.mass } else { 0.0 };
+                node.velocity = node.momentum.map(|p| p * per_mass);
+            }
+            self.fit_affine();
+            self.mass_and_momentum();
         }
     }
 

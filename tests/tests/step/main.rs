@@ -5,6 +5,7 @@
 mod books;
 mod conformance;
 mod convergence;
+mod defaults;
 mod dilatation;
 mod failures;
 mod flight;
