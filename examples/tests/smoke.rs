@@ -386,9 +386,9 @@ fn rolling_cylinder() {
             "histories_3d.png",
             "spacings.png",
             "spacings.csv",
-            "cylinder_2d_local_030_12.csv",
-            "cylinder_3d_local_060_8.csv",
-            "paraview/3d_local_060_8.pvd"
+            "cylinder_2d_plane_030_12.csv",
+            "cylinder_3d_plane_060_8.csv",
+            "paraview/3d_plane_060_8.pvd"
         ]
     );
 }

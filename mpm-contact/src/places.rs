@@ -13,6 +13,10 @@ pub trait Places<T: Float, const D: usize> {
     fn body(&self, field: usize) -> usize;
     /// Distance of nodes, or mean diameter of particles, m: the length that thresholds are in.
     fn spacing(&self) -> f64;
+    /// Are the places nodes, around which particles of both bodies lie? Else they are pairs of particles, each with its own surface.
+    fn around_nodes(&self) -> bool {
+        true
+    }
     /// Where place `n` is, m.
     fn position(&self, n: usize) -> [f64; D];
     /// Ask a field about some places, a bit each: vectors are added to `out`, lengths replace smaller ones there. With

@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use mpm_core::parallel::Float;
 
-use crate::normal::{Memory, Nodal, NormalRule, each};
+use crate::normal::{Gradients, Memory, Nodal, NormalRule, each};
 use crate::places::Places;
 use crate::vector::{difference, dot, sum, times, unit};
 
@@ -19,7 +19,7 @@ use crate::vector::{difference, dot, sum, times, unit};
 ///
 /// Where hulls overlap (surfaces that are hollow or rough, or that went through each other) both are shrunk about
 /// their centroids, by a quarter, then by half: faces keep their directions. If they still overlap, the normal is the direction between the
-/// centroids.
+/// centroids. Pairs of particles without a grid, whose surfaces are facets, have the facets' normals (default [`Gradients`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SeparatingPlane;
 
@@ -108,16 +108,23 @@ thread_local! {
 }
 
 impl<T: Float, const D: usize> NormalRule<T, D> for SeparatingPlane {
-    fn prepare(&self, _at: &dyn Places<T, D>, _memory: &mut Memory<'_, T>) {}
+    fn prepare(&self, at: &dyn Places<T, D>, memory: &mut Memory<'_, T>) {
+        if !at.around_nodes() {
+            Gradients::default().prepare(at, memory);
+        }
+    }
 
     fn normals(
         &self,
         at: &dyn Places<T, D>,
         pair: [usize; 2],
         nodes: u64,
-        _memory: &Memory<'_, T>,
+        memory: &Memory<'_, T>,
         normals: &mut Nodal<[T; 3]>,
     ) -> u64 {
+        if !at.around_nodes() {
+            return Gradients::default().normals(at, pair, nodes, memory, normals);
+        }
         WORKSPACE.with_borrow_mut(|work| {
             let per_cell = 1.0 / at.spacing();
             for side in 0..2 {

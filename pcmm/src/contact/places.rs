@@ -65,6 +65,9 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
     fn spacing(&self) -> f64 {
         self.spacing
     }
+    fn around_nodes(&self) -> bool {
+        false
+    }
     fn position(&self, n: usize) -> [f64; D] {
         let [a, b] = &self.pairs[n].sides;
         let mut middle = a.position;

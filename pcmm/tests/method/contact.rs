@@ -47,7 +47,7 @@ where
     for &n in order {
         let (centre, velocity) = disc(n, order.len());
         let lattice = Lattice::new([0.0; 2], h).unwrap();
-        let seeds = fill(&Ball::new(centre, DISC).unwrap(), &lattice, 1, &Filling::new()).unwrap();
+        let seeds = fill(&Ball::new(centre, DISC).unwrap(), &lattice, 1, &Filling::new().at_sites()).unwrap();
         scene.add("disc", elastic(&Packing::of_seeds(&seeds), h, 1000.0, 1.0e6, velocity));
     }
     scene.set_team(Team::new(threads).unwrap());

@@ -114,7 +114,7 @@ fn a_uniform_dilatation_is_not_changed() {
         let inside = |p: &&Particle| p.position.iter().all(|x| (x - 0.4).abs() < 0.15);
         particles(&mpm)[0].iter().filter(inside).map(|p| p.stress).collect()
     }
-    let method = Method::new(QuadraticBSpline, Apic, Usl, FullSpace);
+    let method = Method::new(QuadraticBSpline, Flip, Musl, FullSpace);
     let scale = moduli().bulk;
     for (a, b) in swell(method).iter().zip(swell(method.mean_dilatation().compiled())) {
         for i in 0..6 {

@@ -16,7 +16,9 @@ fn scene(before: f64) -> Mpm<3> {
     let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, FullSpace), BlockGrid::new(lattice));
     let law = LinearElastic::new(1000.0, Moduli::young_poisson(1e5, 0.3).expect("moduli")).expect("law");
     let middle = [-before * THICKNESS * H, 0.2, 0.2];
-    let ball = fill(&Ball::new(middle, 1.5 * H).expect("ball"), &lattice, 2, &Filling::new()).expect("seeds");
+    // In rows: of others particles change bins one by one, and groups come and go.
+    let rows = Filling::new().at_sites();
+    let ball = fill(&Ball::new(middle, 1.5 * H).expect("ball"), &lattice, 2, &rows).expect("seeds");
     let plate = Cuboid::new([0.0; 3], [THICKNESS * H, 0.4, 0.4]).expect("plate");
     let plate = fill(&plate, &lattice, 2, &Filling::new()).expect("seeds");
     mpm.add("ball", law, &ball, |_| [SPEED, 0.0, 0.0]).expect("body");
