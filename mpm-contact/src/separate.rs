@@ -207,11 +207,11 @@ impl Simplex {
         self.vertices[self.count] = vertex;
         self.count += 1;
     }
-    /// The point nearest to the origin; keeps the vertices of the face that it is in. Every face is tried: there are fifteen at
-    /// most, and none of them needs care where others are degenerate.
+    /// The point nearest to the origin; keeps the vertices of the face that it is in. Every face with the newest vertex is tried, since the
+    /// nearest point of the others was known: there are eight at most, and none of them needs care where others are degenerate.
     fn nearest(&mut self) -> [f64; 3] {
         let mut best = (f64::INFINITY, [0.0; 3], 0u32);
-        for set in 1u32..1 << self.count {
+        for set in 1u32 << (self.count - 1)..1 << self.count {
             let mut face = [[0.0; 3]; 4];
             let mut count = 0;
             for i in (0..self.count).filter(|i| set >> i & 1 != 0) {
