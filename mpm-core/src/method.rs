@@ -63,7 +63,7 @@ impl<E> Method<QuadraticBSpline, Aflip<f64>, Usl, E> {
     /// For impact, penetration and fragments that fly and tumble: quadratic B-splines, AFLIP, stress last.
     ///
     /// It keeps a disc whole that spins without load, where FLIP without an affine field tears one apart within a few turns, whatever the shape
-    /// function; it does not gain energy, and loses a quarter of what APIC does in an impact (docs/notes.md 1.1).
+    /// function; it gained energy in none of the scenes there, and loses a quarter to a third of what APIC does in an impact (docs/notes.md 1.1).
     pub fn impact(embedding: E) -> Self {
         Method::new(QuadraticBSpline, Aflip::default(), Usl, embedding)
     }

@@ -4,8 +4,8 @@ use impactite_tests::compare::{compare, plain, run_both, surround};
 use impactite_tests::reference::{Order, Rule};
 use impactite_tests::scene::{self, metal, rubber};
 use mpm_core::{
-    Apic, Axisymmetric, Blend, BlockGrid, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, Flip, Fmpm,
-    Gimp, Linear, Method, Mls, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl,
+    Aflip, Apic, Axisymmetric, Blend, BlockGrid, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, Flip,
+    Fmpm, Gimp, Linear, Method, Mls, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl,
 };
 
 /// Allowed difference after 30 to 40 steps. Round-off of one step is 1e-16 times a few hundred operations;
@@ -52,6 +52,7 @@ table! {
     quadratic_flip_usf: QuadraticBSpline, Flip, Rule::Flip, Usf, PlaneStrain, .compiled(), [scene::flow(), scene::bar()], rubber();
     quadratic_flip_musl: QuadraticBSpline, Flip, Rule::Flip, Musl, PlaneStrain, [scene::flow(), scene::bar()], rubber();
     quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    quadratic_aflip_usl: QuadraticBSpline, Aflip::default(), Rule::Aflip(0.01), Usl, PlaneStrain, [scene::flow(), scene::bar(), scene::collision()], metal();
     quadratic_apic_usf: QuadraticBSpline, Apic, Rule::Apic, Usf, PlaneStrain, .compiled(), [scene::flow(), scene::bar()], rubber();
     quadratic_pic_usl: QuadraticBSpline, Pic, Rule::Pic, Usl, PlaneStrain, .compiled(), [scene::flow(), scene::bar()], metal();
     quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, PlaneStrain, .compiled(), [scene::flow(), scene::bar(), scene::train()], rubber();
@@ -64,6 +65,7 @@ table! {
     axisymmetric_cpgimp_flip_usl: CpGimp, Flip, Rule::Flip, Usl, Axisymmetric, .compiled(), [scene::cylinder()], metal();
     axisymmetric_cpdi2_flip_musl: Cpdi2, Flip, Rule::Flip, Musl, Axisymmetric, .compiled(), [scene::cylinder()], metal();
     axisymmetric_quadratic_apic_usl: QuadraticBSpline, Apic, Rule::Apic, Usl, Axisymmetric, [scene::cylinder()], rubber();
+    axisymmetric_quadratic_aflip_usl: QuadraticBSpline, Aflip::default(), Rule::Aflip(0.01), Usl, Axisymmetric, [scene::cylinder()], rubber();
     axisymmetric_quadratic_flip_usf: QuadraticBSpline, Flip, Rule::Flip, Usf, Axisymmetric, .compiled(), [scene::cylinder()], rubber();
     axisymmetric_cubic_fmpm2_usl: CubicBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, Axisymmetric, .compiled(), [scene::cylinder()], rubber();
 }

@@ -4,7 +4,7 @@ use impactite_tests::compare::compare;
 use impactite_tests::reference::{Order, Rule};
 use impactite_tests::scene::{self, metal, rubber};
 use mpm_core::{
-    Apic, CpGimp, Cpdi, Cpdi2, CubicBSpline, Flip, Fmpm, FullSpace, Gimp, Linear, Method, Mls, Musl,
+    Aflip, Apic, CpGimp, Cpdi, Cpdi2, CubicBSpline, Flip, Fmpm, FullSpace, Gimp, Linear, Method, Mls, Musl,
     QuadraticBSpline, Usf, Usl,
 };
 
@@ -32,6 +32,7 @@ table! {
     cpgimp_flip_usf: CpGimp, Flip, Rule::Flip, Usf, .compiled(), [scene::flow(), scene::bar()], rubber();
     cpdi_flip_usl: Cpdi, Flip, Rule::Flip, Usl, .compiled(), [scene::flow()], rubber();
     cpdi2_flip_musl: Cpdi2, Flip, Rule::Flip, Musl, .compiled(), [scene::flow()], rubber();
+    quadratic_aflip_usl: QuadraticBSpline, Aflip::default(), Rule::Aflip(0.01), Usl, [scene::flow(), scene::bar()], metal();
     quadratic_mls_usl: QuadraticBSpline, Mls, Rule::Mls, Usl, [scene::flow(), scene::bar(), scene::collision()], rubber();
     quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, .compiled(), [scene::flow(), scene::bar()], metal();
     cubic_apic_usf: CubicBSpline, Apic, Rule::Apic, Usf, .compiled(), [scene::flow(), scene::bar()], rubber();

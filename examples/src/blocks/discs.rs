@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use mpm_contact::Gradients;
 use mpm_core::geometry::Lattice;
 use mpm_core::output::Snapshot;
 use mpm_core::{BlockGrid, IntoKernels, Mpm};
@@ -51,7 +50,7 @@ pub fn collide<M: IntoKernels<f64, 2>>(
 ) -> Result<Collision, CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     let best = (Detection::Plane, Law::Penalty);
-    let contact = asked.touch(0.0, Gradients::default(), best, [wave(1000.0, 1000.0, 0.3), h])?;
+    let contact = asked.touch(0.0, best, [wave(1000.0, 1000.0, 0.3), h])?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     for (name, at, v) in [("low", 0.3, SPEED), ("high", 0.7, -SPEED)] {
         let seeds = disc([at; 2], RADIUS, 0.5 * h, Part::Whole);

@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use mpm_contact::Gradients;
 use mpm_core::geometry::Lattice;
 use mpm_core::observe::Moment;
 use mpm_core::{BlockGrid, Boundary, IntoKernels, Mpm, Side};
@@ -94,7 +93,7 @@ pub fn collide<M: IntoKernels<f64, 2>>(
     let lattice = Lattice::new([0.0; 2], h)?;
     // Balls curve away from the nodes beside the contact: only what is on a node's own line counts.
     let best = (Detection::Plane, Law::Coulomb);
-    let contact = asked.touch(0.0, Gradients::default(), best, [wave(DENSITY, YOUNG, POISSON), h])?;
+    let contact = asked.touch(0.0, best, [wave(DENSITY, YOUNG, POISSON), h])?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     let slow = (YOUNG / DENSITY).sqrt();

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use mpm_contact::{Choice, Gradients, GridContact, Weight};
+use mpm_contact::{Gradients, GridContact};
 use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
 use mpm_core::{Mpm, Team};
 use mpm_materials::{BulkViscosity, Elastic, HughesWinget, LinearDensity, NoFailure, Solid};
@@ -39,11 +39,10 @@ impl Asked {
     pub fn touch(
         self,
         friction: f64,
-        normals: Gradients,
         best: (Detection, Law),
         [wave, h]: [f64; 2],
     ) -> Result<Touch, CaseError> {
-        let detector = self.detection.unwrap_or(best.0).detector(normals)?;
+        let detector = self.detection.unwrap_or(best.0).detector(Gradients::default())?;
         Ok(GridContact::new(detector, self.law.unwrap_or(best.1).pairs(friction, wave, h)?))
     }
 }
@@ -51,11 +50,6 @@ impl Asked {
 /// Speed of pressure waves, m/s, from density, kg/m^3, Young's modulus, Pa, and Poisson's ratio.
 pub fn wave(density: f64, young: f64, poisson: f64) -> f64 {
     (young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) / density).sqrt()
-}
-
-/// Normals that the first body makes.
-pub fn of_first() -> Gradients {
-    Gradients::new(Weight::Mass, Choice::OneBody(vec![0]))
 }
 
 /// How a run is watched.

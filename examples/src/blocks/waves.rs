@@ -3,7 +3,6 @@
 
 use std::sync::Arc;
 
-use mpm_contact::Gradients;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::Moment;
 use mpm_core::{BlockGrid, Boundary, Deformable, IntoKernels, Mpm, Side, Traction};
@@ -28,7 +27,7 @@ pub fn strip<M: IntoKernels<f64, 2>>(
     asked: Asked,
 ) -> Result<(Mpm<2>, Lattice<2>), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
-    let contact = asked.touch(0.0, Gradients::default(), (Detection::Plane, Law::Coulomb), [WAVE, h])?;
+    let contact = asked.touch(0.0, (Detection::Plane, Law::Coulomb), [WAVE, h])?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Symmetry { axis: 1, at: 2.0 * h, side: Side::Below })?;

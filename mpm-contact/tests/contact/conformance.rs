@@ -101,6 +101,8 @@ fn bad_numbers_are_refused() {
     assert!(Penalty::new(0.0, 1.0, 0.0).is_err());
     let message = Penalty::new(1.0, 1.5, 0.0).expect_err("too much").to_string();
     assert_eq!(message, "penalty contact: restitution e = 1.5 is not allowed; it must be 0.1 to 1");
+    let soft = Penalty::of_cells(0.05, [100.0, 0.1], 0.8, 0.0).expect_err("soft").to_string();
+    assert_eq!(soft, "penalty contact: frequency over c / h = 0.05 is not allowed; it must be 0.1 to 2");
     assert!(SurfaceDistance::between_centres(Gradients::default(), 0.0).is_err());
     assert!(SurfaceDistance::new(Gradients::default(), f64::NAN).is_err());
 }

@@ -73,7 +73,8 @@ impl Filling {
         self
     }
     /// Leaves all particles at their sites. Without it those of the outermost layer, where they are not jittered or
-    /// [partial](Filling::partial), are moved along the normal until they are half a particle below the surface, by half a particle at most:
+    /// [partial](Filling::partial), are moved along the normal until they are half a particle below the surface, by half a particle at most (at edges, where two
+    /// surfaces move them, by a whole one):
     /// a curved or oblique surface is as smooth as the shape, and not a stair on which bodies that slide catch and bodies
     /// that meet begin to touch too early or too late. Where a surface lies between the sites already, nothing moves.
     pub fn at_sites(mut self) -> Self {

@@ -261,7 +261,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     ) -> Result<T, BodyTrouble> {
         let does = self.kernels.does(which);
         if self.loads.act() {
-            if does.velocity {
+            // At the start nothing has moved yet.
+            if does.velocity && which != Which::Refit {
                 self.book_loads(nodes, which, dt, team);
             }
             if does.force {

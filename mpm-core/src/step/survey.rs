@@ -163,7 +163,6 @@ macro_rules! for_bins {
                     let place = $bin / BLOCK.pow(d as u32) % BLOCK;
                     first[d] = o[d] * BLOCK as i32 + place as i32 + first_node($count);
                 }
-                #[allow(unused_mut)]
                 let mut $at = reached::<$d>($count, first, $nodes);
                 $at.block[..$d].copy_from_slice(&o);
                 $do

@@ -43,6 +43,8 @@ pub enum Rule {
     Pic,
     /// FLIP relaxed towards PIC with a time constant.
     Blend(f64),
+    /// FLIP with a share of PIC a step, and the affine matrix.
+    Aflip(f64),
     /// PIC with the affine matrix.
     Apic,
     /// The same, with the affine fit for the gradient of the weights.
@@ -449,6 +451,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 point.v[d] = match self.rule {
                     Rule::Flip => flip,
                     Rule::Pic | Rule::Apic | Rule::Mls | Rule::Fmpm(_) => pic[d],
+                    Rule::Aflip(share) => flip + share * (pic[d] - flip),
                     Rule::Blend(tau) => flip + (dt / tau).min(1.0) * (pic[d] - flip),
                 };
             }
@@ -459,7 +462,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 
     fn is_affine(&self) -> bool {
-        matches!(self.rule, Rule::Apic | Rule::Mls)
+        matches!(self.rule, Rule::Aflip(_) | Rule::Apic | Rule::Mls)
     }
 
     /// The affine matrix of APIC, from the velocities of the nodes.

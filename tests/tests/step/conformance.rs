@@ -1,8 +1,8 @@
 //! Every member of the families passes the suites that are exported for others.
 
 use mpm_core::{
-    Apic, Blend, BlockGrid, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, DenseGrid, Flip, Fmpm,
-    FullSpace, Gimp, Linear, Method, Mls, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl, conforms,
+    Aflip, Apic, Blend, BlockGrid, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, DenseGrid, Flip,
+    Fmpm, FullSpace, Gimp, Linear, Method, Mls, Musl, Pic, PlaneStrain, QuadraticBSpline, Usf, Usl, conforms,
 };
 
 conforms! {
@@ -30,6 +30,7 @@ conforms! {
     transfer_flip: transfer(Flip);
     transfer_pic: transfer(Pic);
     transfer_blend: transfer(Blend::new(0.5).expect("time constant"));
+    transfer_aflip: transfer(Aflip::default());
     transfer_apic: transfer(Apic);
     transfer_mls: transfer(Mls);
     transfer_fmpm: transfer(Fmpm::<3>);
@@ -41,5 +42,6 @@ conforms! {
     method_cpdi_usl: method::<_, 3>(Method::new(Cpdi, Flip, Usl, FullSpace).compiled());
     method_cpdi2_musl: method::<_, 2>(Method::new(Cpdi2, Flip, Musl, PlaneStrain).compiled());
     method_quadratic_apic: method::<_, 3>(Method::new(QuadraticBSpline, Apic, Usl, FullSpace));
+    method_quadratic_aflip: method::<_, 3>(Method::impact(FullSpace));
     method_cubic_apic: method::<_, 2>(Method::new(CubicBSpline, Apic, Usl, PlaneStrain).compiled());
 }

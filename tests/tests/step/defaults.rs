@@ -11,6 +11,14 @@ use mpm_core::{
 };
 use mpm_materials::{IntoMaterial, library};
 
+#[test]
+fn shares_out_of_range_are_refused() {
+    for share in [-0.01, 1.5, f64::NAN] {
+        let message = Aflip::new(share).expect_err("refused").to_string();
+        assert_eq!(message, format!("AFLIP: share = {share} is not allowed; it must be 0 to 1"));
+    }
+}
+
 /// What a disc has come to.
 struct Spun {
     /// Changes of energy and of angular momentum, over those at the start.

@@ -7,7 +7,7 @@ use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{Blend, BlockGrid, Boundary, Linear, Method, Mpm, Musl, PlaneStrain, Side};
 
 use crate::{Outcome, figures};
-use examples::blocks::scene::{Asked, Watch, of_first, rubber, run, wave};
+use examples::blocks::scene::{Asked, Watch, rubber, run, wave};
 
 /// m/s^2.
 const GRAVITY: f64 = 10.0;
@@ -57,12 +57,7 @@ fn one(h: f64, friction: f64, end: f64, asked: Asked) -> Result<(Vec<Row>, Total
     let lattice = Lattice::new([0.0; 2], h)?;
     let damping = DAMPING * h / (YOUNG / DENSITY).sqrt();
     let method = Method::new(Linear, Blend::new(damping)?, Musl, PlaneStrain);
-    let contact = asked.touch(
-        friction,
-        of_first(),
-        (Detection::Plane, Law::Coulomb),
-        [wave(DENSITY, YOUNG, 0.2), h],
-    )?;
+    let contact = asked.touch(friction, (Detection::Plane, Law::Coulomb), [wave(DENSITY, YOUNG, 0.2), h])?;
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
     let law = || rubber(DENSITY, YOUNG, 0.2, 0.1);
     let floor = fill(&Cuboid::new([-0.5, -0.4], [4.5, 0.0])?, &lattice, 2, &Filling::new())?;
