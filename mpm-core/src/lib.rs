@@ -30,6 +30,7 @@
 //! | [`particles`], [`grid`] | where particles and nodes are kept |
 //! | [`boundary`] | conditions and loads |
 //! | [`geometry`] | shapes, and particles seeded from them |
+//! | [`watch`] | books of energy and momentum, and what stops or warns |
 //! | [`observe`], [`output`] | what looks at a run, and what it writes |
 //! | [`parallel`] | vectors and threads: the crate `impactite-simd` |
 //!
@@ -59,6 +60,7 @@ pub mod scheme;
 pub mod shape;
 pub mod step;
 pub mod transfer;
+pub mod watch;
 
 pub use impactite_simd as parallel;
 
@@ -82,6 +84,7 @@ pub use step::{
     StepError, Stopped, TimeControl, Totals, Traction, Twist,
 };
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
+pub use watch::{Account, Finding, GainCause, Warning, Watch};
 
 #[cfg(all(doctest, feature = "conformance"))]
 #[doc = include_str!("../../README.md")]

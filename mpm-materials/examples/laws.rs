@@ -10,7 +10,7 @@ use mpm_materials::{
     CohesiveSpall, Cone, Constitutive, DruckerPrager, Explosive, Fluid, Ground, JohnsonCookDamage, Jwl,
     Kinematics, Mat3, Moduli, MohrCoulomb, PlasticStrainLimit, Porous, Solid, library,
 };
-use mpm_materials::{Fails, J2, LogarithmicBulk, MieGruneisen};
+use mpm_materials::{J2, LogarithmicBulk, MieGruneisen};
 
 type Outcome<T = ()> = Result<T, Box<dyn Error>>;
 

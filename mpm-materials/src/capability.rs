@@ -24,12 +24,6 @@ pub trait Yields<T: Real>: Constitutive<T> {
     fn plastic_strain<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L;
 }
 
-/// A law whose points can fail.
-pub trait Fails<T: Real>: Constitutive<T> {
-    /// Where has the point failed?
-    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask;
-}
-
 /// A law whose points keep their accumulated stretch, which tells when and along which direction to cut a particle in
 /// two: [`Stretching`](crate::Stretching) makes one of any law.
 #[diagnostic::on_unimplemented(

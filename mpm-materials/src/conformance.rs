@@ -25,7 +25,7 @@ use std::fmt::Debug;
 use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
 
-use crate::capability::{Fails, Hyperelastic, Yields};
+use crate::capability::{Hyperelastic, Yields};
 use crate::eos::{EnergyColumn, Eos, balance};
 use crate::lane::{Lane, Wide};
 use crate::point::{
@@ -689,7 +689,7 @@ pub fn yields<M: Yields<f64>>(law: &M, options: &Options) -> Verdict {
 ///
 /// # Errors
 /// The violation; also a law that no path broke, which tests nothing.
-pub fn fails<M: Fails<f64>>(law: &M, options: &Options) -> Verdict {
+pub fn fails<M: Constitutive<f64>>(law: &M, options: &Options) -> Verdict {
     let broken = std::cell::Cell::new(false);
     for_all("fails", law, options, strategies::path(options), |path| {
         let options = with_steps(options, 200);

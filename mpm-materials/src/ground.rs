@@ -1,6 +1,5 @@
 //! Rock, soil and concrete: solids whose strength depends on the pressure.
 
-use crate::capability::Fails;
 use crate::failure::{Failure, NoFailure, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::ParameterError;
@@ -307,16 +306,6 @@ where
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.energy
     }
-}
-
-impl<T, M, F, V, R> Fails<T> for Ground<M, F, V, R>
-where
-    T: Real,
-    M: Geomaterial<T>,
-    F: Failure<T>,
-    V: ShockViscosity<T>,
-    R: ObjectiveRate,
-{
     #[inline(always)]
     fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
         self.failure.failed(&now.failure, self.law.plastic_strain(&now.history))

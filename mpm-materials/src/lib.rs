@@ -28,7 +28,7 @@ pub mod stretching;
 pub mod tensor;
 pub mod viscosity;
 
-pub use capability::{Fails, Hyperelastic, Stretches, Yields};
+pub use capability::{Hyperelastic, Stretches, Yields};
 pub use detonation::Detonation;
 pub use elastic::{LinearElastic, Moduli, NeoHookean};
 pub use eos::{

@@ -40,7 +40,7 @@ use std::sync::Arc;
 use impactite_simd::{Arch, Float, Kernel, Lane, Mask, Pack, RowPair, Vectors};
 
 use crate::capability::Stretches;
-use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, flatten, unflatten};
+use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, flatten};
 use crate::tensor::{Mat3, Sym3};
 
 /// A place in a list of groups that none takes.
@@ -185,6 +185,8 @@ pub struct Described<T> {
     pub energy: T,
     /// Is the state within the range of the law's data? [`Constitutive::in_range`].
     pub in_range: bool,
+    /// Has the point failed? [`Constitutive::failed`].
+    pub failed: bool,
 }
 
 /// A law as methods see it, compiled. [`Compiled`] makes one of a [`Constitutive`] law; nothing else needs to.
@@ -217,6 +219,8 @@ pub trait Material<T: Float>: Send + Sync {
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]);
     /// All that it says of one state; nothing unless it has [`Material::numbers`] numbers.
     fn describe_point(&self, state: &[T]) -> Option<Described<T>>;
+    /// Internal energy per reference volume of one state, J/m^3; nothing unless it has [`Material::numbers`] numbers.
+    fn energy_of(&self, state: &[T]) -> Option<T>;
     /// One state for points that become one, each with its mass, kg: [`Constitutive::merged`].
     fn merged(&self, points: &[(f64, &[T])]) -> Option<Vec<T>>;
     /// Where a state keeps the accumulated stretch, if it does: [`Constitutive::stretch_place`].
@@ -486,8 +490,20 @@ fn lanes<'a, T: Float, C: Constitutive<T>>(
 
 /// A state of these numbers.
 fn single<T: Float, C: Constitutive<T>>(numbers: &[T]) -> Option<C::State<T::Single>> {
-    let state: Vec<T::Single> = numbers.iter().map(|&x| T::Single::from(x)).collect();
-    unflatten(&state).ok()
+    let length = <C::State<T::Single> as State<T::Single>>::LEN;
+    (numbers.len() == length).then(|| C::State::read(&mut Numbers { left: numbers.iter() }))
+}
+
+/// The numbers of one state.
+struct Numbers<'a, T> {
+    left: std::slice::Iter<'a, T>,
+}
+
+impl<T: Float> Source<T::Single> for Numbers<'_, T> {
+    #[inline(always)]
+    fn take(&mut self) -> T::Single {
+        T::Single::from(self.left.next().copied().unwrap_or_default())
+    }
 }
 
 impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
@@ -542,7 +558,11 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
             wave_speed: self.law.wave_speed(&now).into(),
             energy: self.law.energy(&now).into(),
             in_range: Mask::all(self.law.in_range(&now)),
+            failed: self.law.failed(&now).any(),
         })
+    }
+    fn energy_of(&self, state: &[T]) -> Option<T> {
+        Some(self.law.energy(&single::<T, C>(state)?).into())
     }
     fn merged(&self, points: &[(f64, &[T])]) -> Option<Vec<T>> {
         let states: Option<Vec<_>> =

@@ -390,6 +390,13 @@ pub trait Constitutive<T: Real>: Clone + Send + Sync + 'static {
         L::zero().le(L::zero())
     }
 
+    /// Where has the point failed, so that it no longer carries what it did? Nowhere, of laws that do not say.
+    #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        let _ = now;
+        L::Mask::splat(false)
+    }
+
     /// One state for points that become one, each with its mass, kg; none where they are too unlike, or where the law
     /// has no such state. Volume ratio and internal energy of what is returned are the means by mass, to rounding: no
     /// volume and no energy is lost. A law that does not say so never merges.

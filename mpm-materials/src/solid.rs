@@ -1,6 +1,6 @@
 //! A solid composed of strength, equation of state and failure.
 
-use crate::capability::{Fails, Yields};
+use crate::capability::Yields;
 use crate::eos::{Balance, Eos, balance};
 use crate::failure::{Failure, NoFailure, Observed, Strain};
 use crate::lane::{Lane, Mask, Real};
@@ -316,6 +316,10 @@ where
         self.eos.in_range(now.volume_ratio)
     }
     #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.failure.failed(&now.failure, self.strength.plastic_strain(&now.strength))
+    }
+    #[inline(always)]
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         now.volume_ratio
     }
@@ -405,20 +409,5 @@ where
     #[inline(always)]
     fn plastic_strain<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.strength.plastic_strain(&now.strength)
-    }
-}
-
-impl<T, S, E, F, V, R> Fails<T> for Solid<S, E, F, V, R>
-where
-    T: Real,
-    S: Strength<T>,
-    E: Eos<T>,
-    F: Failure<T>,
-    V: ShockViscosity<T>,
-    R: ObjectiveRate,
-{
-    #[inline(always)]
-    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
-        self.failure.failed(&now.failure, self.strength.plastic_strain(&now.strength))
     }
 }

@@ -1,6 +1,6 @@
 //! A law whose points also remember how far they were stretched.
 
-use crate::capability::{Fails, Stretches, Yields};
+use crate::capability::{Stretches, Yields};
 use crate::lane::{Lane, Real};
 use crate::point::{Breakdown, Constitutive, Kinematics, Update, mean};
 use crate::state;
@@ -83,6 +83,10 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
         self.law.in_range(&now.law)
     }
     #[inline(always)]
+    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
+        self.law.failed(&now.law)
+    }
+    #[inline(always)]
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.law.volume_ratio(&now.law)
     }
@@ -124,12 +128,5 @@ impl<T: Real, C: Yields<T>> Yields<T> for Stretching<C> {
     #[inline(always)]
     fn plastic_strain<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.law.plastic_strain(&now.law)
-    }
-}
-
-impl<T: Real, C: Fails<T>> Fails<T> for Stretching<C> {
-    #[inline(always)]
-    fn failed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L::Mask {
-        self.law.failed(&now.law)
     }
 }

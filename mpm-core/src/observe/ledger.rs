@@ -5,8 +5,7 @@ use std::path::Path;
 use super::{Moment, ObserveError, Observer, Pace};
 use crate::output::History;
 use crate::parallel::Float;
-use crate::step::Totals;
-use crate::step::nodes::NodeLedger;
+use crate::watch::{Account, Books, share};
 
 /// Energy and momentum at one moment. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -49,9 +48,7 @@ pub struct LedgerEntry {
 pub struct Ledger {
     pace: Pace,
     file: Option<History>,
-    start: Option<(Totals, NodeLedger)>,
-    energy_scale: f64,
-    momentum_scale: f64,
+    books: Books,
     /// The most momentum missing so far, kg m/s; NaN from the first look that found that.
     worst_missing: f64,
     entries: Vec<LedgerEntry>,
@@ -76,15 +73,7 @@ impl Ledger {
     /// Look at this pace.
     #[must_use]
     pub fn new(pace: Pace) -> Self {
-        Ledger {
-            pace,
-            file: None,
-            start: None,
-            energy_scale: 0.0,
-            momentum_scale: 0.0,
-            worst_missing: 0.0,
-            entries: Vec::new(),
-        }
+        Ledger { pace, file: None, books: Books::default(), worst_missing: 0.0, entries: Vec::new() }
     }
 
     /// Also write a CSV file at `path`.
@@ -106,62 +95,38 @@ impl Ledger {
     #[must_use]
     pub fn worst_energy_error(&self) -> f64 {
         let first = self.entries.first().map_or(0.0, |e| e.total);
-        let errors = self.entries.iter().map(|e| relative(e.total - first, self.energy_scale));
+        let errors = self.entries.iter().map(|e| share(e.total - first, self.books.energy_scale));
         errors.fold(0.0, |worst: f64, e| if e.is_nan() || e.abs() > worst.abs() { e } else { worst })
     }
 
     /// The largest momentum error, over the scale of the whole run.
     #[must_use]
     pub fn worst_momentum_error(&self) -> f64 {
-        relative(self.worst_missing, self.momentum_scale)
+        share(self.worst_missing, self.books.momentum_scale)
     }
 
     fn entry<T: Float, const D: usize>(&mut self, now: &Moment<'_, T, D>) -> LedgerEntry {
-        let (totals, given) = (*now.totals(), now.ledger());
-        let (first, before) = *self.start.get_or_insert((totals, given));
-        let work = given.work - before.work;
-        let friction = given.friction - before.friction;
-        let split = given.split - before.split;
-        let total = totals.kinetic + totals.internal - work + friction - split;
-        // An explosive's energies are opposite: their sum says nothing about their size.
-        self.energy_scale =
-            self.energy_scale.max((totals.kinetic + totals.internal).abs()).max(totals.kinetic);
-        self.momentum_scale = self.momentum_scale.max(totals.momentum_scale);
-        let along = if now.axisymmetric() { 1..2 } else { 0..3 };
-        let square: f64 = along.map(|d| missing(d, &totals, &first, &given, &before).powi(2)).sum();
-        let lost = square.sqrt();
+        let totals = now.totals();
+        let account = self.books.enter(totals, &now.ledger(), now.axisymmetric());
+        let lost = account.missing();
         if lost.is_nan() || lost > self.worst_missing {
             self.worst_missing = lost;
         }
+        let Account { kinetic, internal, work, friction, split, .. } = account;
         LedgerEntry {
             time: now.time(),
             step: now.step(),
-            kinetic: totals.kinetic,
-            internal: totals.internal,
+            kinetic,
+            internal,
             work,
             friction,
             split,
-            total,
-            energy_error: relative(total - first.kinetic - first.internal, self.energy_scale),
+            total: kinetic + internal - work + friction - split,
+            energy_error: account.energy_error(),
             momentum: totals.momentum,
-            momentum_error: relative(lost, self.momentum_scale),
+            momentum_error: share(lost, account.momentum_scale),
         }
     }
-}
-
-/// Momentum along an axis that nothing accounts for.
-fn missing(d: usize, now: &Totals, first: &Totals, given: &NodeLedger, before: &NodeLedger) -> f64 {
-    let given = [
-        given.impulse[d] - before.impulse[d],
-        given.load[d] - before.load[d],
-        given.dropped[d] - before.dropped[d],
-    ];
-    now.momentum[d] - first.momentum[d] - given[0] - given[1] - given[2]
-}
-
-/// 0 / 0 is 0: nothing is missing of nothing.
-fn relative(error: f64, scale: f64) -> f64 {
-    if error == 0.0 { 0.0 } else { error / scale }
 }
 
 impl<T: Float, const D: usize> Observer<T, D> for Ledger {

@@ -65,6 +65,7 @@ pub use run::{RunError, RunSummary};
 
 use crate::output::OutputError;
 use crate::parallel::Float;
+use crate::watch::Warning;
 
 /// Something that looks at a run between its steps.
 pub trait Observer<T: Float, const D: usize> {
@@ -76,6 +77,11 @@ pub trait Observer<T: Float, const D: usize> {
     /// # Errors
     /// Whatever keeps it from doing so; the run stops there.
     fn observe(&mut self, now: &Moment<'_, T, D>) -> Result<(), ObserveError>;
+
+    /// The run warned of something ([`crate::watch`]).
+    fn warned(&mut self, warning: &Warning) {
+        let _ = warning;
+    }
 
     /// The run is over, whether it reached its end or stopped.
     fn finish(&mut self) {}

@@ -119,15 +119,6 @@ fn size_of(p: &Particle, dimension: usize, axisymmetric: bool) -> f64 {
     if size.is_finite() && size > 0.0 { size } else { f64::MIN_POSITIVE }
 }
 
-/// Mean and von Mises stress, as pressure (compression positive) and equivalent stress, Pa.
-pub(super) fn invariants(s: &[f64; 6]) -> (f64, f64) {
-    let mean = (s[0] + s[1] + s[2]) / 3.0;
-    let d = [s[0] - mean, s[1] - mean, s[2] - mean];
-    let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-    let shear = s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
-    (-mean, (1.5 * (square + 2.0 * shear)).sqrt())
-}
-
 /// Names that the snapshot gives itself.
 const TAKEN: [&str; 7] = ["velocity", "stress", "pressure", "von_mises", "particle", "body", "size"];
 
@@ -163,7 +154,7 @@ impl Gathered {
     }
 
     fn push(&mut self, body: u32, p: &Particle, size: f64, places: &[Option<usize>]) {
-        let (pressure, von_mises) = invariants(&p.stress);
+        let (pressure, von_mises) = (p.pressure(), p.von_mises());
         self.positions.push(p.position);
         self.sizes.push(size);
         self.bodies.push(body);

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use super::moment::invariants;
 use super::{Moment, ObserveError, Observer, Pace};
 use crate::output::{Column, History};
 use crate::parallel::Float;
@@ -65,8 +64,8 @@ impl Probe {
         match &self.quantity {
             Quantity::Position(d) => p.position[(*d).min(2)],
             Quantity::Velocity(d) => p.velocity[(*d).min(2)],
-            Quantity::Pressure => invariants(&p.stress).0,
-            Quantity::VonMises => invariants(&p.stress).1,
+            Quantity::Pressure => p.pressure(),
+            Quantity::VonMises => p.von_mises(),
             Quantity::Stress(c) => p.stress[(*c).min(5)],
             Quantity::Volume => p.volume,
             Quantity::State(_) => state.and_then(|i| p.state.get(i).copied()).unwrap_or(f64::NAN),

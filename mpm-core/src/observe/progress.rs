@@ -3,8 +3,9 @@
 use super::{Moment, ObserveError, Observer, Pace};
 use crate::output;
 use crate::parallel::Float;
+use crate::watch::Warning;
 
-/// Shows on the terminal how far the run has come; silent where there is none.
+/// Shows on the terminal how far the run has come, silent where there is none; and writes what the run warns of, terminal or not.
 pub struct Progress {
     pace: Pace,
     bar: output::Progress,
@@ -25,6 +26,9 @@ impl<T: Float, const D: usize> Observer<T, D> for Progress {
     fn observe(&mut self, now: &Moment<'_, T, D>) -> Result<(), ObserveError> {
         self.bar.update(now.time(), now.end(), now.step(), now.rate());
         Ok(())
+    }
+    fn warned(&mut self, warning: &Warning) {
+        self.bar.line(&format!("warning: {warning}"));
     }
     fn finish(&mut self) {
         self.bar.finish();

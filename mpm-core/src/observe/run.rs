@@ -5,6 +5,7 @@ use std::time::Instant;
 use super::{Moment, ObserveError, Observer};
 use crate::parallel::Float;
 use crate::step::{Mpm, StepError};
+use crate::watch::Warning;
 
 /// Why a run stopped early.
 #[derive(Debug, thiserror::Error)]
@@ -103,16 +104,27 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         while !self.reached(end) {
             run.updates += self.moving_particles() as f64;
             let start = Instant::now();
+            let known = self.warnings().len();
             self.step_towards(end)?;
             run.wall_seconds += start.elapsed().as_secs_f64();
             run.steps += 1;
+            tell(&self.warnings()[known..], observers);
             show(&self.moment_of(end, &run), observers, self.reached(end))?;
         }
+        let known = self.warnings().len();
+        self.look_at_the_end_here()?;
+        tell(&self.warnings()[known..], observers);
         Ok(run)
     }
 
     fn moment_of(&self, end: f64, run: &RunSummary) -> Moment<'_, T, D> {
         Moment { end, updates: run.updates, wall_seconds: run.wall_seconds, ..self.moment() }
+    }
+}
+
+fn tell<T: Float, const D: usize>(warnings: &[Warning], observers: &mut [&mut dyn Observer<T, D>]) {
+    for warning in warnings {
+        observers.iter_mut().for_each(|o| o.warned(warning));
     }
 }
 

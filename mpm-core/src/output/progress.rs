@@ -67,6 +67,11 @@ impl Progress {
         self.bar.set_message(message(time, end, step, rate, self.bar.elapsed()));
     }
 
+    /// Write a line to the standard error stream, above the bar where there is one.
+    pub fn line(&self, text: &str) {
+        self.bar.suspend(|| eprintln!("{text}"));
+    }
+
     /// Leave the bar as it stands and start a new line.
     pub fn finish(&mut self) {
         self.bar.abandon();

@@ -83,7 +83,7 @@ impl Totals {
 }
 
 /// A particle as others see it, in SI units.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Particle {
     /// Its number in the body, by the order of seeding; [`Splitting`](super::splitting::Splitting) tells those of split ones.
     pub number: usize,
@@ -102,6 +102,8 @@ pub struct Particle {
     pub stress: [f64; 6],
     /// Is it within the range of the data of its law? False of one so dense that its equation of state is continued.
     pub in_range: bool,
+    /// Has it failed ([`mpm_materials::Constitutive::failed`])?
+    pub failed: bool,
     /// The law's state, by [`Body::state_names`].
     pub state: Vec<f64>,
 }
@@ -111,6 +113,16 @@ impl Particle {
     #[must_use]
     pub fn pressure(&self) -> f64 {
         -(self.stress[0] + self.stress[1] + self.stress[2]) / 3.0
+    }
+
+    /// Von Mises equivalent stress, Pa.
+    #[must_use]
+    pub fn von_mises(&self) -> f64 {
+        let (s, mean) = (&self.stress, -self.pressure());
+        let d = [s[0] - mean, s[1] - mean, s[2] - mean];
+        let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        let shear = s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
+        (1.5 * (square + 2.0 * shear)).sqrt()
     }
 }
 
@@ -226,6 +238,15 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
 
     /// Totals over the particles.
     fn totals(&self) -> Totals;
+    /// The same, found on these threads; `parts` is memory to work in.
+    fn totals_on(&self, team: &Team, parts: &mut Vec<Totals>) -> Totals {
+        let _ = (team, parts);
+        self.totals()
+    }
+    /// Does its law bear shear and tension, so that it is one piece of matter?
+    fn coheres(&self) -> bool {
+        false
+    }
     /// Call `visit` for every particle, blocks in order of coordinates.
     fn for_each(&self, visit: &mut dyn FnMut(&Particle));
     /// All particles, by number.

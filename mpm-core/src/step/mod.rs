@@ -17,6 +17,7 @@ mod law_batch;
 pub mod layout;
 pub mod load;
 mod loads;
+mod look;
 mod mean;
 mod meet;
 pub mod merging;

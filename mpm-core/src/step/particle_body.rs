@@ -82,6 +82,8 @@ pub struct ParticleBody<T: Float, const D: usize> {
     pub(super) starts: Vec<[f64; D]>,
     /// What a lane without a particle holds.
     pub(super) dummy: Arc<[T]>,
+    /// Does the law bear shear and tension?
+    pub(super) coheres: bool,
     /// While it rests.
     pub(super) resting: Option<Resting<T, D>>,
 }
@@ -444,20 +446,29 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     pub(super) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
-        let numbers = self.numbers(block, at);
+        let mut p = Particle::default();
+        self.read_particle(block, bin, at, &mut Vec::new(), &mut p);
+        p
+    }
+
+    /// The same, in memory that is there.
+    fn read_particle(
+        &self,
+        block: &Block<T, D>,
+        bin: usize,
+        at: Place,
+        numbers: &mut Vec<T>,
+        p: &mut Particle,
+    ) {
+        numbers.clear();
+        block.read(at, numbers);
+        let numbers = &*numbers;
         let centre = self.bin_centre();
         let coordinates = block.bin_coordinates(bin);
-        let mut p = Particle {
-            number: numbers[self.columns.number()].to_double() as usize,
-            position: [0.0; 3],
-            velocity: [0.0; 3],
-            mass: self.masses.of(&numbers).to_double(),
-            volume: 0.0,
-            half_edges: self.half_edges(&numbers),
-            stress: [0.0; 6],
-            in_range: true,
-            state: Vec::new(),
-        };
+        p.number = numbers[self.columns.number()].to_double() as usize;
+        p.mass = self.masses.of(numbers).to_double();
+        p.half_edges = self.half_edges(numbers);
+        (p.position, p.velocity) = ([0.0; 3], [0.0; 3]);
         for d in 0..D {
             let mut cells = f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
             if self.facts().total {
@@ -466,14 +477,15 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells;
             p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
         }
-        let state = self.state_of(&numbers);
-        p.state = state.iter().map(|x| x.to_double()).collect();
+        let state = self.state_of(numbers);
+        p.state.clear();
+        p.state.extend(state.iter().map(|x| x.to_double()));
         if let Some(said) = self.material.describe_point(state) {
             p.stress = said.stress.map(|x| x.to_double());
             p.in_range = said.in_range;
+            p.failed = said.failed;
             p.volume = p.mass / self.material.density().to_double() * said.volume_ratio.to_double();
         }
-        p
     }
 
     /// The law's state among the numbers of a particle.
@@ -493,12 +505,40 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         numbers
     }
 
-    fn energy(&self, block: &Block<T, D>, at: Place) -> f64 {
-        let numbers = self.numbers(block, at);
-        self.material.describe_point(self.state_of(&numbers)).map_or(0.0, |said| {
-            let volume = self.masses.of(&numbers) / self.material.density();
-            (said.energy * volume).to_double()
-        })
+    fn totals_of(&self, slot: &Slot<T, D>) -> Totals {
+        let mut part = Totals::default();
+        let mut numbers = Vec::with_capacity(self.columns.count());
+        let (centre, spacing) = (self.bin_centre(), self.lattice.spacing());
+        for (bin, at) in slot.block.places() {
+            numbers.clear();
+            slot.block.read(at, &mut numbers);
+            let coordinates = slot.block.bin_coordinates(bin);
+            let (mut x, mut v) = ([0.0; 3], [0.0; 3]);
+            for d in 0..D {
+                let mut cells =
+                    f64::from(coordinates[d]) + centre + numbers[Columns::position() + d].to_double();
+                if self.facts().total {
+                    cells += numbers[self.columns.frame() + d].to_double();
+                }
+                x[d] = self.lattice.origin()[d] + spacing * cells;
+                v[d] = numbers[Columns::velocity(D) + d].to_double();
+            }
+            let mass = self.masses.of(&numbers);
+            let energy = self.material.energy_of(self.state_of(&numbers)).unwrap_or_default();
+            part.internal += (energy * (mass / self.material.density())).to_double();
+            let mass = mass.to_double();
+            part.particles += 1;
+            part.mass += mass;
+            let moment = [x[1] * v[2] - x[2] * v[1], x[2] * v[0] - x[0] * v[2], x[0] * v[1] - x[1] * v[0]];
+            for d in 0..3 {
+                part.momentum[d] += mass * v[d];
+                part.angular_momentum[d] += mass * moment[d];
+            }
+            let square = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+            part.momentum_scale += mass * square.sqrt();
+            part.kinetic += 0.5 * mass * square;
+        }
+        part
     }
 }
 
@@ -636,33 +676,25 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
     }
 
     fn totals(&self) -> Totals {
-        let mut sum = Totals::default();
-        for slot in self.in_place() {
-            let mut part = Totals::default();
-            for (bin, at) in slot.block.places() {
-                let p = self.particle(&slot.block, bin, at);
-                part.particles += 1;
-                part.mass += p.mass;
-                let ([x, y, z], [u, v, w]) = (p.position, p.velocity);
-                let moment = [y * w - z * v, z * u - x * w, x * v - y * u];
-                for d in 0..3 {
-                    part.momentum[d] += p.mass * p.velocity[d];
-                    part.angular_momentum[d] += p.mass * moment[d];
-                }
-                let square = u * u + v * v + w * w;
-                part.momentum_scale += p.mass * square.sqrt();
-                part.kinetic += 0.5 * p.mass * square;
-                part.internal += self.energy(&slot.block, at);
-            }
-            sum = sum.plus(&part);
-        }
-        sum
+        let parts = self.in_place().map(|slot| self.totals_of(slot));
+        parts.fold(Totals::default(), |sum, part| sum.plus(&part))
+    }
+    fn totals_on(&self, team: &Team, parts: &mut Vec<Totals>) -> Totals {
+        parts.clear();
+        parts.resize(self.index.len(), Totals::default());
+        team.each(parts, |n, part| *part = self.totals_of(&self.slots[self.index[n].1 as usize]));
+        parts.iter().fold(Totals::default(), |sum, part| sum.plus(part))
+    }
+    fn coheres(&self) -> bool {
+        self.coheres
     }
 
     fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
+        let (mut numbers, mut p) = (Vec::new(), Particle::default());
         for slot in self.in_place() {
             for (bin, at) in slot.block.places() {
-                visit(&self.particle(&slot.block, bin, at));
+                self.read_particle(&slot.block, bin, at, &mut numbers, &mut p);
+                visit(&p);
             }
         }
     }

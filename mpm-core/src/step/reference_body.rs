@@ -335,6 +335,9 @@ impl<T: Float, const D: usize> Body<T, D> for ReferenceBody<T, D> {
     fn totals(&self) -> Totals {
         self.own().totals()
     }
+    fn totals_on(&self, team: &Team, parts: &mut Vec<Totals>) -> Totals {
+        self.own().totals_on(team, parts)
+    }
     fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
         self.own().for_each(visit);
     }

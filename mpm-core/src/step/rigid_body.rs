@@ -62,7 +62,11 @@ impl<T: Float> Material<T> for Undeformed<T> {
             wave_speed: zero,
             energy: zero,
             in_range: true,
+            failed: false,
         })
+    }
+    fn energy_of(&self, _: &[T]) -> Option<T> {
+        Some(T::default())
     }
     fn merged(&self, _: &[(f64, &[T])]) -> Option<Vec<T>> {
         None

@@ -13,6 +13,14 @@ pub enum SceneError {
     /// The time control.
     #[error(transparent)]
     Control(#[from] ControlError),
+    /// A limit of the watch.
+    #[error("watch: {field} = {value} is not allowed; it must be positive and finite")]
+    Watch {
+        /// Which.
+        field: &'static str,
+        /// The number given.
+        value: f64,
+    },
     /// A coefficient of local damping.
     #[error("local damping {0} is not allowed; it must be in [0, 1)")]
     Damping(f64),

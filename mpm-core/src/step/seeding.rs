@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use mpm_materials::material::{Deformation, Length, Motion, Response, StatesMut};
 use mpm_materials::point::flatten;
 use mpm_materials::{Constitutive, IntoMaterial, Material, MaySplit};
 
@@ -180,8 +181,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         dummy.extend(total::undeformed::<T>(facts.total, facts.hoop, D));
         dummy.resize(columns.count(), T::default());
         let masses = Masses::Each(columns.mass());
+        let coheres = bears_shear_and_tension(&*material);
         ParticleBody {
             name: name.into(),
+            coheres,
             material,
             kernels,
             lattice,
@@ -557,6 +560,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     pub(super) fn enter(&mut self, name: &str, body: Box<dyn Body<T, D>>) -> Result<(), SceneError> {
         self.bodies.push(body);
         self.mapped = false;
+        self.looks.reopen();
         self.arrange().map_err(|outside| {
             self.bodies.pop();
             // As it was, which there is room for.
@@ -716,4 +720,25 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.mapped = false;
         Ok(())
     }
+}
+
+/// Does a virgin point of the law resist being drawn out along one axis by a small strain, with shear and with tension?
+fn bears_shear_and_tension<T: Float>(law: &dyn Material<T>) -> bool {
+    let row = |x: T| {
+        let mut row = T::Row::default();
+        row.as_mut().fill(x);
+        row
+    };
+    let strain = T::of(1e-6);
+    let mut rows: Vec<T::Row> = law.virgin().into_iter().map(row).collect();
+    let mut deformation = [Deformation::default()];
+    deformation[0].gradient[0].0[0] = row(T::of(1.0));
+    deformation[0].step.0[0] = row(strain);
+    let motion = Motion { deformation: &deformation, dt: strain, length: Length::Same(T::of(1.0)) };
+    let mut response = Response::default();
+    let states = StatesMut { all: &mut rows, stride: law.numbers(), first: 0, groups: &[0] };
+    law.advance(&motion, states, false, &mut response);
+    let Some(output) = response.outputs().first() else { return false };
+    let [along, across] = [0, 1].map(|n| output.stress[n].0[0].as_ref()[0].to_double());
+    response.faults().is_empty() && along + 2.0 * across > 0.0 && along - across > 1e-3 * along.abs()
 }

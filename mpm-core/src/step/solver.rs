@@ -11,6 +11,7 @@ use super::fields::Fields;
 use super::kernels::{Facts, MethodKernels};
 use super::layout::Nodes;
 use super::load::Loading;
+use super::look::Looks;
 use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
 use super::planes::Planes;
 use super::rest::Calm;
@@ -23,6 +24,7 @@ use crate::dim::BLOCK;
 use crate::grid::{GridStorage, OutsideGrid};
 use crate::method::{IntoKernels, Kernels};
 use crate::parallel::{Float, Team};
+use crate::watch::Finding;
 
 /// A step that could not be made. The run stands where the step broke off.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -73,6 +75,9 @@ pub enum Stopped {
     /// The wave speeds give no usable time step.
     #[error("the time step became {0} s; a wave speed is infinite, zero or not a number")]
     NoTimeStep(f64),
+    /// The step was made, but the run is no longer to be trusted ([`crate::watch`]).
+    #[error("{0}")]
+    Watch(Box<Finding>),
 }
 
 /// Material point method: bodies of particles on a background grid.
@@ -130,6 +135,8 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) rigid: Vec<usize>,
     /// Which bodies are mapped in their reference configuration.
     pub(super) references: Vec<usize>,
+    /// Books, and what they and the bodies were found to be like.
+    pub(super) looks: Looks<D>,
 }
 
 /// A view of the grid for its stages, which leaves the other parts of the solver free.
@@ -253,6 +260,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             planes: Planes::default(),
             rigid: Vec::new(),
             references: Vec::new(),
+            looks: Looks::default(),
         }
     }
 
@@ -369,6 +377,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     fn stages(&mut self, left: f64) -> Result<T, StepError> {
+        self.open_books();
         self.wake_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
@@ -403,6 +412,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.advance_references(dt)?;
         self.close_step(dt)?;
         self.tend();
+        self.look_if_due()?;
         Ok(dt)
     }
 
@@ -678,7 +688,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         while !self.reached(end) {
             self.step_towards(end)?;
         }
-        Ok(())
+        self.work.look_at_the_end(self)
     }
 
     /// Make one step, shortened if it would go beyond `end`, s.
@@ -771,5 +781,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             + self.planes.bytes()
             + self.fields.bytes()
             + self.encounters.bytes()
+            + self.looks.bytes()
     }
 }

@@ -60,6 +60,7 @@ struct Once;
 
 works! {
     step_at_most(&mut mpm, left: f64) -> Result<T, StepError> = step_at_most_here;
+    look_at_the_end(&mut mpm,) -> Result<(), StepError> = look_at_the_end_here;
     run_observed(&mut mpm, end: f64, observers: &mut [&mut dyn Observer<T, D>]) -> Result<RunSummary, RunError> = run_observed_here;
     run_to_rest(&mut mpm, rest: &Rest, end: f64) -> Result<Rested, StepError> = run_to_rest_here;
     insert(&mut mpm, body: Prepared<'_, T, D>) -> Result<(), SceneError> = insert_here;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use examples::peers::Peer;
 
 use crate::contact::DETECTIONS;
-use crate::front::{Cost, front, schemes};
+use crate::front::{Cost, front, growing, schemes};
 use crate::peers;
 use crate::record::Record;
 use crate::sweep::{Chart, Kind};
@@ -138,7 +138,9 @@ impl Style {
         }
         let kernel = ["linear", "uGIMP", "cpGIMP", "quadratic", "cubic", "CPDI-2", "CPDI"];
         let colour = kernel.iter().position(|k| method.contains(k)).unwrap_or(0) + 1;
-        let dash = if method.contains("MUSL") {
+        let dash = if method.contains("AFLIP") {
+            "none"
+        } else if method.contains("MUSL") {
             "7 4"
         } else if method.contains("APIC") {
             "2 4"
@@ -192,6 +194,8 @@ pub fn draw(
     let mut out = open(&format!("{} against {}", chart.label, cost.label()));
     let what = if chart.kind == Kind::Time {
         "× stopped, or change above 1"
+    } else if chart.marks_growth {
+        "× stopped, or error above 1; ○ error grew under refinement"
     } else {
         "× stopped, or error above 1"
     };
@@ -199,6 +203,18 @@ pub fn draw(
     if chart.kind == Kind::Work {
         let all = front(runs.iter().copied().filter(|r| inside(r)), error, cost);
         path(&mut out, &all, error, cost, (&x, &y), "class=\"front\"");
+    }
+    if chart.marks_growth {
+        for record in growing(runs, error) {
+            if let (Some(cost), Some(e)) = (cost.of(record), record.answer(error)) {
+                let _ = write!(
+                    out,
+                    "<circle class=\"grows\" cx=\"{:.1}\" cy=\"{:.1}\" r=\"9\"/>",
+                    x.at(cost),
+                    y.at(e.max(1e-300))
+                );
+            }
+        }
     }
     for scheme in schemes(&drawn) {
         let own: Vec<&Record> = drawn.iter().copied().filter(|r| r.scheme() == scheme).collect();

@@ -6,6 +6,7 @@ use verification::{Case, Outcome, Problem, Scheme};
 use crate::contact::Touch;
 use crate::long::Long;
 use crate::soil::Footing;
+use crate::study::Study;
 
 /// A run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,6 +19,8 @@ pub enum Job {
     Footing(Footing),
     /// A bar that swings for long.
     Long(Long),
+    /// A method on a scene where methods fail.
+    Study(Study),
 }
 
 /// What tells a run from all others.
@@ -49,6 +52,7 @@ impl Job {
             Job::Touch(touch) => touch.key(),
             Job::Footing(footing) => footing.key(),
             Job::Long(long) => long.key(),
+            Job::Study(study) => study.key(),
         }
     }
 
@@ -63,6 +67,7 @@ impl Job {
             .map(Job::Touch)
             .or_else(|| Footing::of(key).map(Job::Footing))
             .or_else(|| Long::of(key).map(Job::Long))
+            .or_else(|| Study::of(key).map(Job::Study))
     }
 
     /// Run it: one outcome, or some of a run that is looked at on its way.
@@ -72,6 +77,7 @@ impl Job {
             Job::Touch(touch) => vec![touch.run()],
             Job::Footing(footing) => vec![footing.run()],
             Job::Long(long) => long.run(),
+            Job::Study(study) => vec![study.run()],
         }
     }
 
@@ -99,6 +105,7 @@ impl Job {
             Job::Touch(touch) => Job::Touch(touch.scaled()),
             Job::Footing(footing) => Job::Footing(Footing { cells: 1, ..footing }),
             Job::Long(long) => Job::Long(Long { steps: 100, ..long }),
+            Job::Study(study) => Job::Study(study.scaled()),
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! A [`job`] is a run by name; a [`sweep`] the jobs of a chart. [`record`]s are lines of a file, so that a sweep goes on where
 //! it was stopped. [`counts`] has instructions by callgrind, [`speed`] throughput, [`map`] the verdicts of the stability
-//! scenes, [`price`] what an error of one per cent takes, [`peers`] runs of programs for Taichi and Warp. [`page`] puts it
+//! scenes, [`study`] the methods that README names on scenes where methods fail, [`price`] what an error of one per cent takes, [`peers`] runs of programs for Taichi and Warp. [`page`] puts it
 //! together.
 
 pub mod chart;
@@ -21,6 +21,7 @@ pub mod rates;
 pub mod record;
 pub mod soil;
 pub mod speed;
+pub mod study;
 pub mod sweep;
 
 use std::fs;

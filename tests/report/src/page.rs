@@ -5,7 +5,7 @@ use std::fmt::Write;
 use serde::{Deserialize, Serialize};
 
 use crate::chart::{draw, escape, legend, percent};
-use crate::front::{Cost, cheapest, front, schemes};
+use crate::front::{Cost, cheapest, front, growing, schemes};
 use crate::limits::{self, Found};
 use crate::map::{self, Row};
 use crate::peers::{self, Package};
@@ -272,6 +272,13 @@ fn reading(out: &mut String, chart: &Chart, runs: &[&Record], band: f64) {
         let name = escape(last.scheme());
         let _ = write!(out, "The smallest error of all is {e} ({name}, {}). ", last.settings());
     }
+    if chart.marks_growth {
+        let mut names: Vec<String> = growing(runs, chart.error).iter().map(|r| escape(r.scheme())).collect();
+        names.sort_unstable();
+        names.dedup();
+        let list = if names.is_empty() { "none".into() } else { names.join("; ") };
+        let _ = write!(out, "Errors that grew under refinement: {list}. ");
+    }
     lost(out, chart, runs, "runs");
     out.push_str("</p>");
 }
@@ -332,9 +339,12 @@ fn round(x: f64) -> String {
 /// Errors of all schemes over grids (two particles a cell and axis, the smallest Courant number of the sweep) or steps, and
 /// orders of convergence where there is one to expect.
 fn verdicts(out: &mut String, chart: &Chart, runs: &[&Record]) {
-    let smallest = runs.iter().map(|r| r.key.courant).fold(f64::INFINITY, f64::min);
+    let smallest = |scheme: &str| {
+        let own = runs.iter().filter(|r| r.scheme() == scheme);
+        own.map(|r| r.key.courant).fold(f64::INFINITY, f64::min)
+    };
     let column = |r: &Record| if chart.kind == Kind::Time { r.steps } else { r.key.cells as u64 };
-    let plain = |r: &&&Record| (r.key.per_axis, r.key.courant) == (2, smallest);
+    let plain = |r: &&&Record| (r.key.per_axis, r.key.courant) == (2, smallest(r.scheme()));
     let mut columns: Vec<u64> =
         runs.iter().filter(plain).filter(|r| r.failure.is_none()).map(|r| column(r)).collect();
     columns.sort_unstable();
@@ -388,7 +398,7 @@ fn verdicts(out: &mut String, chart: &Chart, runs: &[&Record]) {
     let order = if chart.wanted.is_some() { "; order over the last three grids there are" } else { "" };
     let _ = write!(
         out,
-        "</table></div><p>Two particles a cell and axis, Courant number {smallest}{order}.</p></details>"
+        "</table></div><p>Two particles a cell and axis, the smallest Courant number of each scheme{order}.</p></details>"
     );
 }
 

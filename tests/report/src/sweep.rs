@@ -8,6 +8,7 @@ use crate::contact::{DETECTIONS, Meeting, Touch};
 use crate::job::Job;
 use crate::long::Long;
 use crate::soil::Footing;
+use crate::study::{Scene, Study};
 
 /// What a chart shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +41,8 @@ pub struct Chart {
     pub wanted: Option<(&'static str, f64)>,
     /// What it shows.
     pub kind: Kind,
+    /// Is a run that is worse than the same on a coarser grid marked? Where there is one run a grid and scheme.
+    pub marks_growth: bool,
 }
 
 /// The charts of the page.
@@ -56,6 +59,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.05, 0.01, 0.001],
             wanted: Some(("1.8 in displacement for cpGIMP and total Lagrangian", 1.8)),
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C1",
@@ -68,6 +72,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.1, 0.05, 0.01],
             wanted: Some(("1 with hats, 2 with splines, in the reference configuration", 0.9)),
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C2",
@@ -80,6 +85,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.1, 0.05, 0.02, 0.01],
             wanted: Some(("1.5 for total Lagrangian", 1.5)),
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C3",
@@ -92,6 +98,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.1, 0.05, 0.02],
             wanted: Some(("1", 0.9)),
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C4",
@@ -104,6 +111,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.02, 0.01, 0.005],
             wanted: Some(("0.7 (a shock allows 1)", 0.7)),
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C4",
@@ -116,6 +124,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.1, 0.05, 0.03],
             wanted: None,
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C4",
@@ -128,6 +137,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.02, 0.01, 0.005],
             wanted: Some(("0.7 (a shock allows 1)", 0.7)),
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C4",
@@ -141,6 +151,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.05, 0.02, 0.01],
             wanted: Some(("0.7 (a jump allows 1)", 0.7)),
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C4",
@@ -154,6 +165,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.05, 0.02, 0.01],
             wanted: Some(("0.7 (a jump allows 1)", 0.7)),
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C5",
@@ -166,6 +178,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.1, 0.01, 0.001],
             wanted: None,
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C5",
@@ -178,6 +191,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.1, 0.01, 0.001],
             wanted: None,
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C5",
@@ -190,6 +204,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.03, 0.01],
             wanted: None,
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C5",
@@ -203,6 +218,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.1, 0.05, 0.03],
             wanted: None,
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C6",
@@ -216,6 +232,7 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.1, 0.05, 0.01],
             wanted: None,
             kind: Kind::Work,
+            marks_growth: false,
         },
         Chart {
             number: "C7",
@@ -228,6 +245,90 @@ pub fn charts() -> Vec<Chart> {
             targets: &[0.05, 0.01],
             wanted: None,
             kind: Kind::Time,
+            marks_growth: false,
+        },
+        Chart {
+            number: "C13",
+            id: "c13-copper",
+            title: "Methods for impact: a copper bar",
+            about: "A Taylor bar of copper, 3.2 x 32.4 mm, 227 m/s, Y = 400 + 100 eps MPa, axisymmetric, by default settings: length after 80 us against 21.42 mm \
+                    (several codes, fine meshes). Cells are those of the radius.",
+            problem: Scene::Copper.name(),
+            error: "length",
+            label: "error of the length",
+            targets: &[0.01, 0.005, 0.002],
+            wanted: Some(("1", 0.9)),
+            kind: Kind::Work,
+            marks_growth: true,
+        },
+        Chart {
+            number: "C13",
+            id: "c13-steel",
+            title: "Methods for impact: a steel bar",
+            about: "A Taylor bar of 4340 steel, 7.595 x 37.97 mm, 270 m/s, adiabatic Johnson-Cook: length after 70 us against 31.185 mm (two axisymmetric finite \
+                    element codes, 31.19 and 31.18).",
+            problem: Scene::Steel.name(),
+            error: "length",
+            label: "error of the length",
+            targets: &[0.01, 0.005, 0.002],
+            wanted: Some(("1", 0.9)),
+            kind: Kind::Work,
+            marks_growth: true,
+        },
+        Chart {
+            number: "C13",
+            id: "c13-spin",
+            title: "Methods for impact: a disc that spins",
+            about: "A steel disc of 0.1 m radius that spins without load, rim at 200 m/s, two turns: energy that nothing explains. Cells are those of the radius.",
+            problem: Scene::Spin.name(),
+            error: "energy",
+            label: "|unexplained energy| / energy",
+            targets: &[0.01, 0.001],
+            wanted: None,
+            kind: Kind::Work,
+            marks_growth: true,
+        },
+        Chart {
+            number: "C13",
+            id: "c13-slide",
+            title: "Methods for contact: a block that slides",
+            about: "A block of 0.4 x 0.2 m slides on a rigid floor at 23 degrees to the grid, friction 0.2, default contact: speed after 0.3 s against 1.4 m/s. \
+                    Cells are those of 0.1 m.",
+            problem: Scene::Slide.name(),
+            error: "speed",
+            label: "error of the speed",
+            targets: &[0.02, 0.01, 0.005],
+            wanted: None,
+            kind: Kind::Work,
+            marks_growth: true,
+        },
+        Chart {
+            number: "C13",
+            id: "c13-plate",
+            title: "Methods for penetration: energy of a bullet through a plate",
+            about: "A steel bullet, radius 5 mm, length 30 mm, at 400 m/s through 6 mm of aluminium with Johnson-Cook damage, axisymmetric, default contact: energy that \
+                    nothing explains after 80 us. Cells are those of the radius.",
+            problem: Scene::Plate.name(),
+            error: "energy",
+            label: "|unexplained energy| / energy",
+            targets: &[0.1, 0.05, 0.02],
+            wanted: None,
+            kind: Kind::Work,
+            marks_growth: true,
+        },
+        Chart {
+            number: "C13",
+            id: "c13-shot",
+            title: "Methods for hypervelocity: energy of a shot",
+            about: "A quarter of an aluminium ball of 2 mm radius on 2 mm of the same at 5 km/s, in space, with bulk viscosity: energy that nothing explains after 2.4 us. \
+                    Cells are those of the radius.",
+            problem: Scene::Shot.name(),
+            error: "energy",
+            label: "|unexplained energy| / energy",
+            targets: &[0.1, 0.05, 0.02],
+            wanted: None,
+            kind: Kind::Work,
+            marks_growth: true,
         },
     ]
 }
@@ -262,6 +363,9 @@ pub fn jobs(problem: &str, quick: bool) -> Vec<Job> {
     if problem == Footing::PROBLEM {
         let cells = if quick { grid(&[2, 4, 8]) } else { grid(&[2, 4, 8, 16, 32]) };
         return cells.into_iter().flat_map(Footing::all).map(Job::Footing).collect();
+    }
+    if let Some(scene) = Scene::ALL.into_iter().find(|s| s.name() == problem) {
+        return Study::all(scene).into_iter().map(Job::Study).collect();
     }
     let steps = if quick { 100_000 } else { 1_000_000 };
     Scheme::all().into_iter().map(|scheme| Job::Long(Long { scheme, steps })).collect()

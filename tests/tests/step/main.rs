@@ -19,3 +19,4 @@ mod symmetries;
 mod takeover;
 mod total;
 mod vectors;
+mod watch;

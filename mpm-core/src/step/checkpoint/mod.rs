@@ -2,7 +2,7 @@
 //!
 //! A checkpoint holds what changes in a run: particles in their order, with what they mapped to the grid; rigid bodies;
 //! clocks and books; what contact knows. What the scene is made of (laws, loads, boundaries, contact, time
-//! control) is not in it: a run is resumed by a scene that is set up as at its start. The resumed run makes the steps of
+//! control, watch) is not in it: a run is resumed by a scene that is set up as at its start. The resumed run makes the steps of
 //! the other one, bit for bit, with any number of threads and any grid.
 
 mod archive;
@@ -53,7 +53,7 @@ pub enum CheckpointError {
 }
 
 /// How files begin.
-const TITLE: &str = "impactite checkpoint 4";
+const TITLE: &str = "impactite checkpoint 5";
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half.
@@ -139,6 +139,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         for body in &mut self.bodies {
             body.exchange(file)?;
         }
+        self.looks.exchange(file)?;
 
         file.word(&mut self.arranged)?;
         file.flag(&mut self.ahead)?;

@@ -1,0 +1,90 @@
+//! What a scene had, has and was given: energy and momentum that nothing accounts for.
+
+use crate::step::Totals;
+use crate::step::nodes::NodeLedger;
+
+/// The books of a run since their first entry.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Books {
+    pub(crate) start: Option<(Totals, NodeLedger)>,
+    /// The largest kinetic energy, or sum of kinetic and internal energy, so far, J.
+    pub(crate) energy_scale: f64,
+    /// The largest sum of m |v| so far, kg m/s.
+    pub(crate) momentum_scale: f64,
+}
+
+/// The books at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Account {
+    /// Kinetic energy of the particles and free rigid bodies, J.
+    pub kinetic: f64,
+    /// Internal energy, plastic work and heat included, J.
+    pub internal: f64,
+    /// Work that boundaries, loads and body forces did on the material since the first entry, J. What local and kinetic damping and the
+    /// null-space filter take is in it.
+    pub work: f64,
+    /// Work of friction between bodies since the first entry, J: heat that no particle gets.
+    pub friction: f64,
+    /// Kinetic energy of the motion within particles that splitting brought to light since the first entry, J.
+    pub split: f64,
+    /// Change since the first entry of kinetic + internal - work + friction - split, J: what nothing explains. Negative: the
+    /// method lost energy, as transfers with a filter (PIC, APIC) and contacts that close do.
+    pub unexplained: f64,
+    /// Momentum that nothing explains, kg m/s: the change since the first entry less the impulses of boundaries, loads and body
+    /// forces and what was dropped at nodes too light. In axisymmetric scenes along the axis only: hoop stresses push outwards.
+    pub momentum: [f64; 3],
+    /// The largest kinetic energy, or sum of kinetic and internal energy, so far, J.
+    pub energy_scale: f64,
+    /// The largest sum of m |v| so far, kg m/s.
+    pub momentum_scale: f64,
+}
+
+impl Account {
+    /// `unexplained` over `energy_scale`.
+    #[must_use]
+    pub fn energy_error(&self) -> f64 {
+        share(self.unexplained, self.energy_scale)
+    }
+    /// Amount of the momentum that nothing explains, kg m/s.
+    #[must_use]
+    pub fn missing(&self) -> f64 {
+        self.momentum.iter().map(|p| p * p).sum::<f64>().sqrt()
+    }
+}
+
+impl Books {
+    /// Enter what there is and what was given since the start of the run. The first entry opens the books.
+    pub(crate) fn enter(&mut self, now: &Totals, given: &NodeLedger, axisymmetric: bool) -> Account {
+        let (first, before) = *self.start.get_or_insert((*now, *given));
+        let [work, friction, split] =
+            [given.work - before.work, given.friction - before.friction, given.split - before.split];
+        // An explosive's energies are opposite: their sum says nothing about their size.
+        self.energy_scale = self.energy_scale.max((now.kinetic + now.internal).abs()).max(now.kinetic);
+        self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
+        let mut momentum = [0.0; 3];
+        for d in if axisymmetric { 1..2 } else { 0..3 } {
+            let impulses = given.impulse[d] - before.impulse[d] + (given.load[d] - before.load[d]);
+            momentum[d] =
+                now.momentum[d] - first.momentum[d] - impulses - (given.dropped[d] - before.dropped[d]);
+        }
+        Account {
+            kinetic: now.kinetic,
+            internal: now.internal,
+            work,
+            friction,
+            split,
+            unexplained: now.kinetic + now.internal - work + friction
+                - split
+                - first.kinetic
+                - first.internal,
+            momentum,
+            energy_scale: self.energy_scale,
+            momentum_scale: self.momentum_scale,
+        }
+    }
+}
+
+/// 0 / 0 is 0: nothing is missing of nothing.
+pub(crate) fn share(error: f64, scale: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / scale }
+}
