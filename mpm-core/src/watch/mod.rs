@@ -169,8 +169,8 @@ pub enum Finding {
     },
     /// Energy that went where no book has it.
     #[error(
-        "{joules:.4e} J of energy are gone, {:.1} % of the largest energy of the run, by the transfer's filter or contacts that closed; transfers that keep more: \
-         FLIP, then AFLIP (`Method::impact`), then APIC",
+        "{joules:.4e} J of energy are gone, {:.1} % of the largest energy of the run, by the transfer's filter or contacts that closed; what keeps more, \
+         in this order: FLIP with MUSL where nothing spins, AFLIP with USF, AFLIP with USL (`Method::impact`), APIC; and smaller cells",
         100.0 * share
     )]
     EnergyLoss {

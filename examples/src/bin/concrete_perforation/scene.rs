@@ -60,6 +60,8 @@ pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcom
     let blend = Blend::new(memory)?;
     let task = Task { setup: *setup, ways, files };
     match (setup.model, setup.kernel) {
+        (Model::Quarter, Kernel::Impact) => quarter(task, Method::impact(FullSpace).into_kernels()),
+        (Model::Axisymmetric, Kernel::Impact) => revolved(task, Method::impact(Axisymmetric).into_kernels()),
         (Model::Quarter, Kernel::Hat) => {
             quarter(task, Method::new(Linear, blend, Musl, FullSpace).into_kernels())
         }

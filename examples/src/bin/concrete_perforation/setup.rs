@@ -62,6 +62,8 @@ pub enum Detection {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kernel {
+    /// What the library has for impact: quadratic B-splines, AFLIP, USL
+    Impact,
     /// Linear hats, FLIP or a blend, MUSL
     Hat,
     /// Convected-particle GIMP, FLIP or a blend, MUSL

@@ -6,7 +6,7 @@ use crate::curve::Point;
 use crate::estimate::Estimate;
 use crate::flight::Flight;
 use crate::scene::Outcome;
-use crate::setup::RodFrame;
+use crate::setup::{Kernel, RodFrame};
 use crate::{EXPERIMENT, PAPER};
 
 /// Within which the residual speed is asked for, m/s: 3 % of the experiment below, 2 % above.
@@ -18,12 +18,16 @@ const MOMENTUM: f64 = 1e-12;
 const RESOLVED: u32 = 20;
 const CAVITY: &str = "rigid rod, cavity expansion [C]";
 const SINKS: &str = "a rod in its reference configuration sinks in a little while others stop it";
-const TREMBLES: &str = "the elastic rod trembles as it flies through the grid, after it is through the plate: 9, 40, 62 % with 20, 24, 28 cells";
+const SPLINES: &str = "the splines of both bodies reach each other twice as far as hats: 21.8, 13.5, 9.5, 7.6 % with 8, 12, 16, 20 cells";
+const TREMBLES: &str = "linear shape functions with FLIP: the elastic rod trembles as it flies through the grid, after it is through the plate: 9, 40, 62 % with 20, 24, 28 cells";
 const NEAR: f64 = 0.04;
 /// Of the kinetic energy.
 const GAIN: f64 = 0.01;
 /// Of the volume of the hole, plate that may be more than half a cell inside the rod: debris of single particles.
 const OVERLAP: f64 = 0.01;
+
+/// The coarser of the last two grids of the paper.
+const FINE: u32 = 24;
 
 /// Residual speed for cells of size zero, by the last two runs and an error of second order, m/s.
 pub fn limit(outcomes: &[Outcome]) -> Option<f64> {
@@ -56,7 +60,8 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
         if let Some(limit) = limit(outcomes) {
             let before = outcomes[outcomes.len() - 2].residual();
             let change = value / before - 1.0;
-            gates.push(Check::at_most("change of the last refinement", change, "-", 0.02, "asked"));
+            let change = Check::at_most("change of the last refinement", change, "-", 0.02, "asked");
+            gates.push(change.judged_if(setup.cells >= FINE, "asked of the paper's grids"));
             // The limit is a second number with an error of its own; the experiment's scatter is not known.
             let name = "residual speed, cells of size 0";
             let limit = Check::gate(name, limit, "m/s", EXPERIMENT, 0.03, "experiment [S]");
@@ -71,9 +76,14 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
         let name = |what| format!("energy {what}, {cells} cells");
         let books = Check::at_most(name("lost"), lost, "-", lost_allowed(cells), "contact of first order");
         let apart = outcome.setup.rod == RodFrame::Reference;
-        checks.push(if apart { books.known_miss(SINKS) } else { books });
+        let splines = outcome.setup.kernel == Kernel::Impact;
+        checks.push(match (apart, splines) {
+            (true, _) => books.known_miss(SINKS),
+            (_, true) => books.known_miss(SPLINES),
+            _ => books,
+        });
         let gain = Check::at_most(name("gained"), gained, "-", GAIN, "conservation");
-        checks.push(if !apart && cells >= RESOLVED { gain.known_miss(TREMBLES) } else { gain });
+        checks.push(if !apart && !splines && cells >= RESOLVED { gain.known_miss(TREMBLES) } else { gain });
     }
     let first = finest.ledger.first().map_or(f64::NAN, |e| e.kinetic);
     if setup.friction > 0.0 {
@@ -84,9 +94,9 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
     checks.push(Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM, "conservation"));
     let overlap = largest(outcomes.iter().map(Outcome::overlap));
     let inside = Check::at_most("plate inside the rod, of the hole", overlap, "-", OVERLAP, "half a cell");
-    let coarse = outcomes.iter().any(|o| o.setup.cells < RESOLVED);
+    let coarse = outcomes.iter().any(|o| o.setup.cells < 12);
     checks.push(if coarse {
-        inside.known_miss("3.4 % with 8 cells through the plate, 0.3 % from 20 on")
+        inside.known_miss("1.8 % with 8 cells through the plate, 0.2 % from 12 on")
     } else {
         inside
     });
@@ -98,7 +108,8 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
     let megabytes = 1e-6 * finest.totals.bytes as f64;
     let source = "200 864 particles [S]";
     let paper = 1.048_576 * 55.02 * finest.totals.particles as f64 / 200_864.0;
-    checks.push(Check::at_most("memory", megabytes, "MB", paper, source));
+    let memory = Check::at_most("memory", megabytes, "MB", paper, source);
+    checks.push(memory.judged_if(finest.setup.cells >= RESOLVED, "small scenes are mostly surface"));
     Ok(checks)
 }
 

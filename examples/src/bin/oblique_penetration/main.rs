@@ -37,7 +37,7 @@ struct Options {
     /// Between the rod's way and the plate's normal, 0 to 45
     #[arg(long, value_name = "DEGREES", default_value_t = 30.0, value_parser = within(0.0, 45.0))]
     angle: f64,
-    /// Cells through the plate, one run each, 4 to 64 [default: 8 in smoke, else 20,24,28]
+    /// Cells through the plate, one run each, 4 to 64 [default: 8 in smoke, 12,16,20 in standard, 20,24,28 in paper]
     #[arg(long, value_name = "N,N", value_delimiter = ',', value_parser = clap::value_parser!(u32).range(4..=64))]
     cells: Vec<u32>,
     /// Half the edge of the square plate, diameters of the rod, 2 to 20
@@ -53,7 +53,7 @@ struct Options {
     #[arg(long, value_name = "STRAIN", default_value_t = 3.0, value_parser = within(0.1, 10.0))]
     failure_strain: f64,
     /// Shape function
-    #[arg(long, value_enum, default_value = "hat")]
+    #[arg(long, value_enum, default_value = "impact")]
     kernel: Kernel,
     /// FLIP forgets what the nodes do not see while sound crosses this many cells, 1 to 1e9
     #[arg(long, value_name = "CELLS", default_value_t = 1e6, value_parser = within(1.0, 1e9))]
@@ -93,7 +93,7 @@ impl Options {
     fn setups(&self) -> Vec<Setup> {
         let mut cells = self.cells.clone();
         if cells.is_empty() {
-            cells = self.common.resolution.choose(vec![8], vec![20, 24, 28], vec![20, 24, 28]);
+            cells = self.common.resolution.choose(vec![8], vec![12, 16, 20], vec![20, 24, 28]);
         }
         cells.sort_unstable();
         cells.dedup();
