@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
 use mpm_core::{
     Aflip, Apic, BlockGrid, Boundary, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mls,
-    Mpm, Musl, PlaneStrain, QuadraticBSpline, Side, Totals, Usl,
+    Mpm, Musl, PlaneStrain, QuadraticBSpline, Side, Totals, Usf, Usl, Watch,
 };
 use mpm_materials::{IntoMaterial, library};
 
@@ -44,6 +44,8 @@ fn spin(
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     let spin = rim / radius;
     mpm.add("disc", law, &seeds, |x| [-spin * x[1], spin * x[0]]).expect("disc");
+    // What fails is shown to its end.
+    mpm.set_watch(Watch::default().only_warn());
     let start = mpm.totals();
     mpm.run_until(turns * TAU / spin).map_err(|e| e.to_string())?;
     let end = mpm.totals();
@@ -136,8 +138,12 @@ fn of_methods() {
             }
         }
     }
-    let space: [(&str, Kernels<f64, 3>); 5] = [
+    let space: [(&str, Kernels<f64, 3>); 6] = [
         ("AFLIP", Method::impact(FullSpace).into_kernels()),
+        (
+            "AFLIP USF",
+            Method::new(QuadraticBSpline, Aflip::default(), Usf, FullSpace).compiled().into_kernels(),
+        ),
         ("APIC", Method::new(QuadraticBSpline, Apic, Usl, FullSpace).into_kernels()),
         ("quadratic FLIP MUSL", Method::new(QuadraticBSpline, Flip, Musl, FullSpace).into_kernels()),
         ("cpGIMP FLIP MUSL", Method::new(CpGimp, Flip, Musl, FullSpace).into_kernels()),

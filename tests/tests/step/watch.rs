@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, fill};
 use mpm_core::{
-    BlockGrid, Boundary, Finding, Flip, GainCause, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, Side,
-    Stopped, TimeControl, Watch,
+    BlockGrid, Boundary, Finding, Flip, FullSpace, GainCause, IntoKernels, Kernels, Linear, Method, Mpm,
+    Musl, PlaneStrain, Side, Stopped, Team, TimeControl, Watch,
 };
 use mpm_materials::failure::PrincipalStress;
 use mpm_materials::{
@@ -230,5 +230,52 @@ fn limits_that_are_none_are_refused() {
     for (watch, what) in refused {
         let message = watch.expect_err(what).to_string();
         assert_eq!(message, format!("watch: {what} is not allowed; it must be positive and finite"));
+    }
+}
+
+/// What looks cost, in steps: `cargo test --release -p impactite-tests --all-features --test step -- --ignored --nocapture looks_cost`.
+#[test]
+#[ignore = "a measurement, not a test"]
+fn looks_cost() {
+    let methods: [(&str, Kernels<f64, 3>); 2] = [
+        ("linear FLIP MUSL", Method::new(Linear, Flip, Musl, FullSpace).into_kernels()),
+        ("Method::impact", Method::impact(FullSpace).into_kernels()),
+    ];
+    for threads in [1, 2] {
+        for (name, method) in &methods {
+            let seconds = |watch: Watch| {
+                let h = 1e-3;
+                let lattice = Lattice::new([0.0; 3], h).expect("lattice");
+                let cube = Cuboid::new([0.0; 3], [30.0 * h; 3]).expect("cube");
+                let seeds = fill(&cube, &lattice, 2, &Filling::new()).expect("seeds");
+                let mut mpm = Mpm::new(method.clone(), BlockGrid::new(lattice));
+                mpm.set_watch(watch);
+                mpm.set_team(Team::new(threads).expect("team"));
+                let turning = |x: [f64; 3]| {
+                    [20.0 * (x[1] / 0.03).sin(), 15.0 * (x[2] / 0.02).cos(), -100.0 * x[2] / 0.03]
+                };
+                mpm.add("cube", library::copper_taylor(), &seeds, turning).expect("cube");
+                let mut best = f64::INFINITY;
+                for _ in 0..5 {
+                    let clock = std::time::Instant::now();
+                    // Eight looks, one of them at bodies.
+                    for _ in 0..64 {
+                        mpm.step().expect("step");
+                    }
+                    best = best.min(clock.elapsed().as_secs_f64());
+                }
+                best
+            };
+            let often = Watch::default().every(8).expect("steps");
+            let [off, books, all] = [Watch::off(), often.without_bodies(), often].map(seconds);
+            let step = off / 64.0;
+            let (look, bodies) = ((books - off) / step / 8.0, (all - books) / step);
+            println!(
+                "{name}, {threads} threads, 216 000 particles: {:.1} million updates/s; a look at the books {look:.2} steps, at bodies {bodies:.1}; \
+                 together {:.2} % of a run",
+                216e-3 / step,
+                100.0 * (look / 256.0 + bodies / 2048.0)
+            );
+        }
     }
 }
