@@ -395,8 +395,8 @@ fn rolling_cylinder() {
 
 #[test]
 fn oblique_penetration() {
-    // Energy lost and gained, momentum, interpenetration, memory; the speed of so coarse a rod is not judged.
-    smoke!(oblique_penetration, only(5), ["cuts.png", "speed.png", "rod_575_30deg_8.csv"]);
+    // Energy lost and gained, momentum, interpenetration; the speed of so coarse a rod and the memory of so small a scene are not judged.
+    smoke!(oblique_penetration, only(4), ["cuts.png", "speed.png", "rod_575_30deg_8.csv"]);
 }
 
 /// The plate of a rod that flies fifty thicknesses to it may rest until then: nothing changes but what it costs.
@@ -420,8 +420,8 @@ fn oblique_penetration_from_afar() {
     }
     assert_eq!(resting["settings"]["residual_speeds"], plain["settings"]["residual_speeds"]);
     let updates = [&resting, &plain].map(|v| flight(v, "updates").as_f64().expect("updates"));
-    // The rod has 6.4 % of the particles; the plate wakes in the last blocks of the way.
-    assert!(updates[0] < 0.08 * updates[1], "{updates:?}");
+    // The rod has 6.4 % of the particles; the plate wakes in the last blocks of the way, at most two of fifty thicknesses.
+    assert!(updates[0] < (0.064 + 2.0 / 50.0) * updates[1], "{updates:?}");
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::watch::{
 };
 
 /// Looks at the bodies, among all looks.
-const BODIES_EVERY: u64 = 8;
+const BODIES_EVERY: u64 = 16;
 /// Steps after which a run is looked at the first times.
 const EARLY: [u64; 2] = [16, 64];
 /// A look at the end of a run is left out where one was made so few steps before.

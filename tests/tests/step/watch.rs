@@ -258,8 +258,8 @@ fn looks_cost() {
                 let mut best = f64::INFINITY;
                 for _ in 0..5 {
                     let clock = std::time::Instant::now();
-                    // Eight looks, one of them at bodies.
-                    for _ in 0..64 {
+                    // Sixteen looks, one of them at bodies.
+                    for _ in 0..128 {
                         mpm.step().expect("step");
                     }
                     best = best.min(clock.elapsed().as_secs_f64());
@@ -268,13 +268,13 @@ fn looks_cost() {
             };
             let often = Watch::default().every(8).expect("steps");
             let [off, books, all] = [Watch::off(), often.without_bodies(), often].map(seconds);
-            let step = off / 64.0;
-            let (look, bodies) = ((books - off) / step / 8.0, (all - books) / step);
+            let step = off / 128.0;
+            let (look, bodies) = ((books - off) / step / 16.0, (all - books) / step);
             println!(
                 "{name}, {threads} threads, 216 000 particles: {:.1} million updates/s; a look at the books {look:.2} steps, at bodies {bodies:.1}; \
                  together {:.2} % of a run",
                 216e-3 / step,
-                100.0 * (look / 256.0 + bodies / 2048.0)
+                100.0 * (look / 256.0 + bodies / 4096.0)
             );
         }
     }

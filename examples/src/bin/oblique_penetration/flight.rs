@@ -44,8 +44,8 @@ pub fn fly(
     for look in 1..=LOOKS {
         let end = setup.flight() / setup.speed * f64::from(look) / f64::from(LOOKS);
         let part = if 4 * look <= LOOKS { 0 } else { 1 };
-        // In the last thickness of the way the bodies come to share blocks, and a plate at rest wakes.
-        if f64::from(LOOKS - look) * setup.stand_off > f64::from(LOOKS) {
+        // In the last two thicknesses of the way the bodies come to share blocks, and a plate at rest wakes.
+        if f64::from(LOOKS - look) * setup.stand_off > 2.0 * f64::from(LOOKS) {
             nodes[part] = nodes[part].max(mpm.grid().nodes().len());
             bytes[part] = bytes[part].max(mpm.bytes());
         }
