@@ -205,7 +205,7 @@ pub fn draw(
         path(&mut out, &all, error, cost, (&x, &y), "class=\"front\"");
     }
     if chart.marks_growth {
-        for record in growing(runs, error) {
+        for record in growing(runs, error, chart.finest_target()) {
             if let (Some(cost), Some(e)) = (cost.of(record), record.answer(error)) {
                 let _ = write!(
                     out,

@@ -74,8 +74,9 @@ pub fn cheapest<'a>(
     known.min_by(|a, b| a.0.total_cmp(&b.0)).map(|r| r.1)
 }
 
-/// Runs that are worse than the same on a coarser grid, by more than 15 %: refinement leads away from the answer there.
-pub fn growing<'a>(runs: &[&'a Record], error: &str) -> Vec<&'a Record> {
+/// Runs that are worse than the same on a coarser grid, by more than 15 %, and worse than `least`, below which the reference says nothing:
+/// refinement leads away from the answer there.
+pub fn growing<'a>(runs: &[&'a Record], error: &str, least: f64) -> Vec<&'a Record> {
     let coarser = |r: &Record, o: &Record| {
         Key { cells: r.key.cells, ..o.key.clone() } == r.key && o.key.cells < r.key.cells
     };
@@ -83,7 +84,7 @@ pub fn growing<'a>(runs: &[&'a Record], error: &str) -> Vec<&'a Record> {
         let Some(e) = r.error(error) else { return false };
         let before = runs.iter().filter(|o| coarser(r, o));
         let nearest = before.max_by_key(|o| o.key.cells).and_then(|o| o.error(error));
-        nearest.is_some_and(|before| e > 1.15 * before)
+        e > least && nearest.is_some_and(|before| e > 1.15 * before)
     };
     runs.iter().filter(grows).copied().collect()
 }

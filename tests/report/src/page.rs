@@ -273,11 +273,12 @@ fn reading(out: &mut String, chart: &Chart, runs: &[&Record], band: f64) {
         let _ = write!(out, "The smallest error of all is {e} ({name}, {}). ", last.settings());
     }
     if chart.marks_growth {
-        let mut names: Vec<String> = growing(runs, chart.error).iter().map(|r| escape(r.scheme())).collect();
+        let mut names: Vec<String> =
+            growing(runs, chart.error, chart.finest_target()).iter().map(|r| escape(r.scheme())).collect();
         names.sort_unstable();
         names.dedup();
         let list = if names.is_empty() { "none".into() } else { names.join("; ") };
-        let _ = write!(out, "Errors that grew under refinement: {list}. ");
+        let _ = write!(out, "Errors that grew under refinement, above the smallest of those: {list}. ");
     }
     lost(out, chart, runs, "runs");
     out.push_str("</p>");

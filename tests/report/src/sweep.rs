@@ -45,6 +45,13 @@ pub struct Chart {
     pub marks_growth: bool,
 }
 
+impl Chart {
+    /// The smallest error that it is read for.
+    pub fn finest_target(&self) -> f64 {
+        self.targets.iter().copied().fold(f64::INFINITY, f64::min)
+    }
+}
+
 /// The charts of the page.
 pub fn charts() -> Vec<Chart> {
     vec![
