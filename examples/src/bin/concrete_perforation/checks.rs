@@ -21,8 +21,7 @@ const UNREAD: &str = "the table of the experiment is known from memory alone [M]
 /// Why grids disagree.
 const CHANGES: &str = "769 and 842 m/s with 20 and 26 cells, 6.9 % of the impact speed";
 /// Why the slab may be inside the rod.
-const SINKS: &str =
-    "2.9 % with 26 cells through the slab: rubble of single particles, which splines let in; none with hats";
+const SINKS: &str = "2.9 % with 26 cells through the slab by Method::impact; why is not known";
 /// Why energy may be gained.
 const TREMBLES: &str = "the elastic rod trembles with hats as it flies through the grid: 1.9 % with 26 cells through the slab, 21.5 % with 50";
 

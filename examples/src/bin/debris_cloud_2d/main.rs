@@ -93,7 +93,7 @@ fn checks_of(outcome: &Outcome, layers: u32) -> Vec<Check> {
             hugoniot,
         )
         .judged_if(fine.is_some(), "the front takes some of less than ten layers")
-        .known_miss("1.03 % at standard, where the shock wears out over the layers that are looked at"),
+        .known_miss("1.03 % at standard; why is not known"),
         Check::gate(
             "shock at the last layer of the plate",
             1e6 * arrival,
