@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::{Args, Parser, ValueEnum};
 use mpm_core::geometry::GeometryError;
 use mpm_core::observe::{Ledger, ObserveError, RunError, RunSummary};
-use mpm_core::output::OutputError;
+use mpm_core::output::{OutputError, write_whole};
 use mpm_core::parallel::TeamError;
 use mpm_core::step::SceneError;
 use mpm_core::step::control::ControlError;
@@ -322,7 +322,7 @@ impl Report {
     pub fn finish_in(&self, print_json: bool, folder: &Path) -> Result<ExitCode, CaseError> {
         let json = serde_json::to_string(self)?;
         let path = folder.join("result.json");
-        std::fs::write(&path, format!("{json}\n")).map_err(|source| CaseError::File { path, source })?;
+        write_whole(path, format!("{json}\n"))?;
         println!("\n{}", self.table());
         println!(
             "{} steps of {} particles in {:.2} s of stepping: {:.2} million particle updates a second",

@@ -200,7 +200,7 @@ fn a_series_refuses_bad_names_and_says_which_file_failed() {
     let missing = std::env::temp_dir().join("impactite-no-such-folder").join("a.vtp");
     let said =
         write_vtp(&missing, &awkward(1, 0.0, false), VtkOptions::default()).expect_err("refused").to_string();
-    assert!(said.starts_with("cannot write `") && said.contains("impactite-no-such-folder"), "{said}");
+    assert!(said.starts_with("cannot create `") && said.contains("impactite-no-such-folder"), "{said}");
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use super::{OutputError, check_name};
+use super::{OutputError, WholeFile, check_name};
 
 /// A column of a [`History`]: what it is and its unit.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -59,10 +59,10 @@ pub struct History {
 }
 
 impl History {
-    /// Create (or replace) the file at `path` and write its header.
+    /// Create (or replace) the file at `path`, with its header.
     ///
     /// # Errors
-    /// No column, a name that is empty or used twice, or a file that cannot be created.
+    /// No column, a name that is empty or used twice, a path that is no regular file, or a file that cannot be created.
     pub fn create<C: Into<Column>>(
         path: impl AsRef<Path>,
         columns: impl IntoIterator<Item = C>,
@@ -79,11 +79,11 @@ impl History {
                 return Err(OutputError::Name { what: "a column", name, why: "each name may be used once" });
             }
         }
-        let file = File::create(&path).map_err(OutputError::file("create", &path))?;
-        let mut history = Self { path, columns, file: BufWriter::new(file), rows: 0 };
-        let header: Vec<String> = history.columns.iter().map(|c| quoted(&c.title())).collect();
-        history.write_line(&header.join(","))?;
-        Ok(history)
+        let header: Vec<String> = columns.iter().map(|c| quoted(&c.title())).collect();
+        let mut file = WholeFile::create(&path)?;
+        writeln!(file, "{}", header.join(",")).map_err(OutputError::file("write", &path))?;
+        let file = BufWriter::new(file.settle()?);
+        Ok(Self { path, columns, file, rows: 0 })
     }
 
     /// Append a row, one number a column, and flush.

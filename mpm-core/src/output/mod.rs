@@ -10,6 +10,9 @@
 //! | [`picture`] | shaded particles, flat fields, line charts and panels of them as PNG | people |
 //! | [`progress`] | a progress bar on the terminal | people who wait |
 //!
+//! All of them write whole files: what is at a path is the old file or the new one, never half, however many processes write there
+//! and whatever ends them ([`WholeFile`]).
+//!
 //! All numbers are SI; pictures and tables convert at the last moment through [`picture::Quantity`] or an
 //! [`picture::Axis`] that names its unit. Bad input is refused with an [`OutputError`] that says which field
 //! was wrong, what it was and what would have been allowed.
@@ -21,11 +24,13 @@ pub mod picture;
 pub mod progress;
 mod snapshot;
 pub mod vtk;
+mod whole;
 
 pub use csv::{Column, History};
 pub use progress::Progress;
 pub use snapshot::{FieldValues, ParticleSize, Snapshot};
 pub use vtk::{Precision, VtkOptions, VtkSeries};
+pub use whole::{WholeFile, write_whole};
 
 /// Why something could not be drawn or written.
 #[derive(Debug, thiserror::Error)]
@@ -34,12 +39,20 @@ pub enum OutputError {
     /// The operating system refused to create, write, flush or rename a file.
     #[error("cannot {action} `{}`: {source}", path.display())]
     File {
-        /// What was tried: "create", "write", "rename to".
+        /// What was tried: "look at", "follow", "create", "write", "rename to", "open".
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
         /// What the operating system said.
         source: std::io::Error,
+    },
+    /// A path where no file can be.
+    #[error("cannot write `{}`: it is {found}, which is not allowed; it must be a regular file, a link to one, or free", path.display())]
+    NoFile {
+        /// The path.
+        path: PathBuf,
+        /// What is there.
+        found: &'static str,
     },
     /// The PNG encoder failed.
     #[error("cannot encode `{}` as PNG: {source}", path.display())]
@@ -115,14 +128,4 @@ pub(crate) fn check_name(what: &'static str, name: &str) -> Result<(), OutputErr
     } else {
         Ok(())
     }
-}
-
-/// Write a whole file so that readers see the old one or the new one, never half: through a temporary file
-/// beside it and a rename.
-pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), OutputError> {
-    let mut name = path.file_name().unwrap_or_default().to_os_string();
-    name.push(".part");
-    let part = path.with_file_name(name);
-    std::fs::write(&part, bytes).map_err(OutputError::file("write", &part))?;
-    std::fs::rename(&part, path).map_err(OutputError::file("rename to", path))
 }

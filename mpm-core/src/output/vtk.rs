@@ -100,7 +100,7 @@ impl VtkSeries {
         let path = self.folder.join(&file);
         write_vtp(&path, snapshot, self.options)?;
         self.frames.push((snapshot.time(), file));
-        write_whole(&self.pvd(), self.index().as_bytes())?;
+        write_whole(self.pvd(), self.index())?;
         Ok(path)
     }
 
@@ -138,7 +138,7 @@ impl VtkSeries {
 /// alike, `ParticleSize` (m).
 ///
 /// # Errors
-/// A file that cannot be written.
+/// A path that is no regular file, or a file that cannot be written; what was there before stays.
 pub fn write_vtp(
     path: impl AsRef<Path>,
     snapshot: &Snapshot,
@@ -146,7 +146,7 @@ pub fn write_vtp(
 ) -> Result<(), OutputError> {
     let path = path.as_ref();
     let bytes = vtp_bytes(snapshot, options).map_err(OutputError::file("compress", path))?;
-    write_whole(path, &bytes)
+    write_whole(path, bytes)
 }
 
 /// The bytes of a `.vtp` file.

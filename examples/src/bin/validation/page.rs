@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use examples::CaseError;
+use mpm_core::output::write_whole;
 use serde_json::Value;
 
 use crate::runs::{CASES, Counts, Run};
@@ -25,8 +26,7 @@ pub fn write(made: &Made, runs: &[Run], folder: &Path) -> Result<(), CaseError> 
     std::fs::create_dir_all(folder)
         .map_err(|source| CaseError::File { path: folder.to_path_buf(), source })?;
     for (name, text) in [("validation.md", page(made, runs)), ("validation.csv", table(runs))] {
-        let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|source| CaseError::File { path, source })?;
+        write_whole(folder.join(name), text)?;
     }
     Ok(())
 }

@@ -60,7 +60,7 @@ impl Picture {
     /// Write the picture as a PNG file.
     ///
     /// # Errors
-    /// A file that cannot be written.
+    /// A path that is no regular file, or a file that cannot be written.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), OutputError> {
         let path = path.as_ref();
         let failed = |source| OutputError::Png { path: path.to_path_buf(), source };
@@ -72,7 +72,7 @@ impl Picture {
         let mut writer = encoder.write_header().map_err(failed)?;
         writer.write_image_data(self.pixels.as_flattened()).map_err(failed)?;
         writer.finish().map_err(failed)?;
-        write_whole(path, &bytes)
+        write_whole(path, bytes)
     }
 
     pub(crate) fn pixels_mut(&mut self) -> &mut [Rgb] {

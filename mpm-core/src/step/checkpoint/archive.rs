@@ -9,7 +9,7 @@ use flate2::bufread::GzDecoder;
 use flate2::write::GzEncoder;
 
 use super::CheckpointError;
-use crate::output::OutputError;
+use crate::output::{OutputError, WholeFile};
 use crate::parallel::Float;
 
 /// A file of 64-bit words, least significant byte first, in gzip for its checksum; not compressed, which would take longer than
@@ -22,8 +22,7 @@ pub struct Archive {
 }
 
 enum Store {
-    /// To a file beside the one that is to be, which takes its name when it is complete.
-    To(BufWriter<GzEncoder<File>>, PathBuf),
+    To(BufWriter<GzEncoder<WholeFile>>),
     From(BufReader<GzDecoder<BufReader<File>>>),
 }
 
@@ -35,17 +34,9 @@ type Done = Result<(), CheckpointError>;
 impl Archive {
     /// To be written.
     pub(super) fn create(path: &Path) -> Result<Self, CheckpointError> {
-        let part = Self::part(path);
-        let file = File::create(&part).map_err(OutputError::file("create", &part))?;
-        let store = Store::To(BufWriter::new(GzEncoder::new(file, Compression::none())), part);
+        let file = WholeFile::create(path)?;
+        let store = Store::To(BufWriter::new(GzEncoder::new(file, Compression::none())));
         Ok(Archive { path: path.into(), store })
-    }
-
-    /// Where a file is written before it is complete.
-    pub(super) fn part(path: &Path) -> PathBuf {
-        let mut name = path.file_name().unwrap_or_default().to_os_string();
-        name.push(".part");
-        path.with_file_name(name)
     }
 
     /// To be read.
@@ -63,12 +54,10 @@ impl Archive {
     /// All is said: make it the file of its name, or see that it is whole and that nothing follows.
     pub(super) fn close(self) -> Done {
         match self.store {
-            Store::To(words, part) => {
+            Store::To(words) => {
                 let written = words.into_inner().map_err(std::io::IntoInnerError::into_error);
-                let file = written.and_then(GzEncoder::finish).and_then(|file| file.sync_all());
-                file.map_err(OutputError::file("write", &part))?;
-                let renamed = std::fs::rename(&part, &self.path);
-                Ok(renamed.map_err(OutputError::file("rename to", &self.path))?)
+                let file = written.and_then(GzEncoder::finish);
+                Ok(file.map_err(OutputError::file("write", &self.path))?.finish()?)
             }
             Store::From(mut words) => {
                 let damaged = |why: String| CheckpointError::Damaged { path: self.path.clone(), why };
@@ -90,7 +79,7 @@ impl Archive {
 
     fn bytes(&mut self, bytes: &mut [u8]) -> Done {
         match &mut self.store {
-            Store::To(words, part) => Ok(words.write_all(bytes).map_err(OutputError::file("write", part))?),
+            Store::To(words) => Ok(words.write_all(bytes).map_err(OutputError::file("write", &self.path))?),
             Store::From(words) => words.read_exact(bytes).map_err(|error| match error.kind() {
                 ErrorKind::UnexpectedEof => self.damaged("it ends too early"),
                 _ => self.damaged(error.to_string()),

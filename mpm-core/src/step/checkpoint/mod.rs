@@ -56,10 +56,11 @@ pub enum CheckpointError {
 const TITLE: &str = "impactite checkpoint 5";
 
 impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half.
+    /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half
+    /// ([`WholeFile`](crate::output::WholeFile)).
     ///
     /// # Errors
-    /// A file that cannot be written; a run that was stopped.
+    /// A path that is no regular file; a file that cannot be written; a run that was stopped. Then the old one stays.
     pub fn save(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         self.work.save(self, path.as_ref())
     }
@@ -69,12 +70,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(CheckpointError::Stopped(error.clone()));
         }
         let mut file = Archive::create(path)?;
-        let saved = self.exchange(&mut file).and_then(|()| file.close());
-        if saved.is_err() {
-            // Of no use, and not what went wrong.
-            let _ = std::fs::remove_file(Archive::part(path));
-        }
-        saved
+        self.exchange(&mut file)?;
+        file.close()
     }
 
     /// This scene, set up as the one that was saved to `path` was at its start, as it stood when it was saved. The time
