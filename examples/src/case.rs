@@ -7,7 +7,7 @@ use clap::{Args, Parser, ValueEnum};
 use mpm_core::geometry::GeometryError;
 use mpm_core::observe::{Ledger, ObserveError, RunError, RunSummary};
 use mpm_core::output::{OutputError, write_whole};
-use mpm_core::parallel::TeamError;
+use mpm_core::parallel::{Team, TeamError};
 use mpm_core::step::SceneError;
 use mpm_core::step::control::ControlError;
 use mpm_core::{Float, Mpm};
@@ -47,7 +47,7 @@ pub struct Common {
     #[arg(long, value_enum, default_value = "standard")]
     pub resolution: Resolution,
     /// Threads [default: all processors]; results are the same for any number
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=Team::MOST as i64))]
     pub threads: Option<u16>,
     /// Folder for pictures, histories and ParaView files [default: out/NAME]
     #[arg(long, value_name = "DIR")]
@@ -60,7 +60,7 @@ pub struct Common {
 impl Common {
     /// The number of threads to use.
     pub fn threads(&self) -> usize {
-        let all = || std::thread::available_parallelism().map_or(1, usize::from);
+        let all = || std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
         self.threads.map_or_else(all, usize::from)
     }
 

@@ -13,11 +13,23 @@ pub struct Team(Option<Arc<rayon::ThreadPool>>);
 const STACK: usize = 8 << 20;
 
 /// Why a team could not be made.
-#[derive(Debug, thiserror::Error)]
-#[error("could not start {threads} threads: {cause}")]
-pub struct TeamError {
-    threads: usize,
-    cause: String,
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum TeamError {
+    /// A number of threads that no team has.
+    #[error("team: threads = {threads} is not allowed; it must be 1 to {}", Team::MOST)]
+    Threads {
+        /// The number given.
+        threads: usize,
+    },
+    /// The operating system refused.
+    #[error("team: {threads} threads could not be started: {cause}")]
+    Refused {
+        /// The number given.
+        threads: usize,
+        /// What it said.
+        cause: String,
+    },
 }
 
 /// A slice whose elements tasks take, each by one task alone.
@@ -55,25 +67,29 @@ impl<'a, X> Shared<'a, X> {
 }
 
 impl Team {
+    /// Most threads of a team: more than the processors of a machine that shares memory among them, with few exceptions, beyond which
+    /// threads wait for each other. So many start in about a second; ten thousand took a minute, and 80 GB of addresses for their stacks.
+    pub const MOST: usize = 1024;
+
     /// The caller's thread alone.
     pub fn one() -> Self {
         Team(None)
     }
 
-    /// `threads` threads, at least one.
+    /// `threads` threads, 1 to [`Team::MOST`].
     ///
     /// # Errors
-    /// Zero threads, or the operating system refuses.
+    /// Another number of threads, or the operating system refuses.
     pub fn new(threads: usize) -> Result<Self, TeamError> {
         match threads {
-            0 => Err(TeamError { threads, cause: "at least one is needed".into() }),
             1 => Ok(Team(None)),
-            _ => rayon::ThreadPoolBuilder::new()
+            2..=Self::MOST => rayon::ThreadPoolBuilder::new()
                 .num_threads(threads)
                 .stack_size(STACK)
                 .build()
                 .map(|pool| Team(Some(Arc::new(pool))))
-                .map_err(|e| TeamError { threads, cause: e.to_string() }),
+                .map_err(|e| TeamError::Refused { threads, cause: e.to_string() }),
+            _ => Err(TeamError::Threads { threads }),
         }
     }
 
@@ -185,6 +201,21 @@ impl Team {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn numbers_of_threads_that_no_team_has_are_refused_at_once() {
+        for threads in [0, Team::MOST + 1, 10_000, usize::MAX] {
+            let said = Team::new(threads).expect_err("refused");
+            assert_eq!(said, TeamError::Threads { threads });
+            let expected = format!("team: threads = {threads} is not allowed; it must be 1 to 1024");
+            assert_eq!(said.to_string(), expected);
+        }
+        match Team::new(Team::MOST) {
+            Ok(many) => assert_eq!((many.threads(), many.run(|| 7)), (Team::MOST, 7)),
+            // The machine may not allow as many.
+            Err(said) => assert!(matches!(said, TeamError::Refused { threads: Team::MOST, .. }), "{said}"),
+        }
+    }
 
     #[test]
     fn every_element_is_taken_once() {

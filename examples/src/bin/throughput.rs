@@ -8,6 +8,7 @@ use clap::{Parser, ValueEnum};
 use examples::{CaseError, Check, Report, Resolution, Totals, case};
 
 use examples::throughput::{self, Job, Kernel, Measured, Spread, Way};
+use mpm_core::Team;
 
 /// Particle updates a second on fixed scenes: a cube with a smooth velocity field (S1) and a copper cylinder on
 /// a wall (S2). Prints one JSON line a run.
@@ -26,7 +27,7 @@ struct Options {
     #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u64).range(64..=50_000_000))]
     particles: Vec<u64>,
     /// Numbers of threads, separated by commas [default: 1,2]
-    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_delimiter = ',', value_parser = clap::value_parser!(u16).range(1..=Team::MOST as i64))]
     threads: Vec<u16>,
     /// Steps a run [default: 30 million particle updates, 30 to 200 steps]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]

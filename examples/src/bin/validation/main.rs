@@ -12,6 +12,7 @@ use std::time::Duration;
 use clap::Parser;
 use examples::{CaseError, Resolution, case, machine, within};
 
+use mpm_core::Team;
 use page::Made;
 use runs::{CASES, Run};
 
@@ -31,7 +32,7 @@ struct Options {
     #[arg(long, value_name = "NAME,NAME", value_delimiter = ',')]
     cases: Option<Vec<String>>,
     /// Threads of every case [default: all processors]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=Team::MOST as i64))]
     threads: Option<u16>,
     /// Seconds that a case may take, 1 to 1e6
     #[arg(long, value_name = "S", default_value_t = 3600.0, value_parser = within(1.0, 1e6))]
