@@ -2,6 +2,10 @@
 
 /// An embedding of `D` coordinates in three dimensions. It lifts a velocity gradient to a 3 x 3 tensor and
 /// brings the force of a 3 x 3 stress back.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not an embedding of {D} dimensions",
+    note = "the dimensions are those of the grid's lattice: in two take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`"
+)]
 pub trait Embedding<const D: usize>: Copy + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;

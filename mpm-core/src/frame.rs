@@ -1,5 +1,7 @@
 //! In which configuration a body is mapped to the grid: the current one, or the one it started in.
 
+use crate::shape::FixedDomain;
+
 /// The configuration that weights and gradients belong to.
 pub trait Frame: Copy + Send + Sync + 'static {
     /// The one at the start of the run?
@@ -7,6 +9,11 @@ pub trait Frame: Copy + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
 }
+
+/// Which shape functions a frame can be used with: the reference configuration asks for a [`FixedDomain`], the current one takes any.
+pub trait Holds<S>: Frame {}
+impl<S> Holds<S> for UpdatedLagrangian {}
+impl<S: FixedDomain> Holds<S> for TotalLagrangian {}
 
 /// Updated Lagrangian: particles move through the grid.
 #[derive(Clone, Copy, Debug, Default)]

@@ -43,6 +43,7 @@
 //! - `conformance`: tests for shape functions, transfers, grids and methods written elsewhere.
 
 pub mod boundary;
+mod combine;
 #[cfg(feature = "conformance")]
 pub mod conformance;
 pub mod dilatation;
@@ -74,8 +75,8 @@ pub use method::{CompiledHere, Composition, IntoKernels, Kernels, Method};
 pub use parallel::{Float, Team};
 pub use scheme::{Musl, StressUpdate, Usf, Usl};
 pub use shape::{
-    AffineShape, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, Domain, Gimp, Linear, QuadraticBSpline,
-    ShapeFunction,
+    AffineShape, BoundaryModified, CpGimp, Cpdi, Cpdi2, CubicBSpline, Domain, FixedDomain, Gimp, Linear,
+    QuadraticBSpline, ShapeFunction,
 };
 pub use step::Scalar;
 pub use step::{

@@ -5,9 +5,10 @@ use std::sync::Arc;
 
 use mpm_materials::Real;
 
+use crate::combine::{InReference, OnShape, WithTransfer};
 use crate::dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 use crate::embedding::Embedding;
-use crate::frame::{Frame, TotalLagrangian, UpdatedLagrangian};
+use crate::frame::{Frame, Holds, TotalLagrangian, UpdatedLagrangian};
 use crate::parallel::Float;
 use crate::scheme::{Musl, StressUpdate, Usl};
 use crate::shape::{Linear, QuadraticBSpline, ShapeFunction};
@@ -53,9 +54,16 @@ pub struct Method<S, X, U, E, F = UpdatedLagrangian, V = OwnDilatation> {
 }
 
 impl<S, X, U, E> Method<S, X, U, E> {
-    /// A method from its ingredients.
-    pub fn new(shape: S, transfer: X, _stress_update: U, _embedding: E) -> Self {
-        Method { shape, transfer, ingredients: PhantomData }
+    /// A method from its ingredients, which must go together (README, "Choosing the parts"): `R` is `Method<S, X, U, E>`, of any shape
+    /// function `S` that [`Suits`] the transfer `X`, and any stress update `U` that [`Allows`] it.
+    // `R` is `Self`, by way of the bounds.
+    #[allow(clippy::new_ret_no_self)]
+    pub fn new<R, Q, V, W>(shape: S, transfer: X, _stress_update: U, _embedding: E) -> R
+    where
+        X: OnShape<S, V, Q, R>,
+        U: WithTransfer<X, W, Self, Q>,
+    {
+        X::made(U::made(Method { shape, transfer, ingredients: PhantomData }))
     }
 }
 
@@ -93,9 +101,13 @@ impl<S, X, U, E, F, V> Method<S, X, U, E, F, V> {
     pub fn compiled(self) -> CompiledHere<Self> {
         CompiledHere(self)
     }
-    /// The same, mapped in the reference configuration: [`TotalLagrangian`].
-    pub fn total_lagrangian(self) -> Method<S, X, U, E, TotalLagrangian, V> {
-        Method { shape: self.shape, transfer: self.transfer, ingredients: PhantomData }
+    /// The same, mapped in the reference configuration ([`TotalLagrangian`]): `R` is `Method<S, X, U, E, TotalLagrangian, V>`, of a shape
+    /// function that has a [`FixedDomain`](crate::FixedDomain).
+    pub fn total_lagrangian<R, W>(self) -> R
+    where
+        S: InReference<W, Method<S, X, U, E, TotalLagrangian, V>, R>,
+    {
+        S::made(Method { shape: self.shape, transfer: self.transfer, ingredients: PhantomData })
     }
     /// The same, with the dilatation of a cell for that of its particles: [`MeanDilatation`].
     pub fn mean_dilatation(self) -> Method<S, X, U, E, F, MeanDilatation> {
@@ -141,11 +153,12 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     }
 }
 
-/// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; README,
-/// "What is compiled where"), or what [`Method::compiled`] makes of any other one, or kernels that are there already.
+/// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; README, "What is compiled where"), or
+/// what [`Method::compiled`] makes of any other one, or kernels that are there already.
 #[diagnostic::on_unimplemented(
-    message = "the kernels of `{Self}` are not compiled in `mpm-core`",
-    note = "compile them in your crate, once, for some seconds: `method.compiled()`"
+    message = "a scene of {D} dimensions cannot have the method `{Self}`: its kernels are not compiled in `mpm-core`",
+    note = "the embedding must have the dimensions of the grid's lattice: in two take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`",
+    note = "if it has, compile the kernels in your crate, once, for some seconds: `method.compiled()`"
 )]
 pub trait IntoKernels<T: Float, const D: usize> {
     /// Its kernels.
@@ -224,11 +237,11 @@ impl<T: Real, const D: usize, M: Composition<T, D>> Composition<T, D> for Compil
 impl<T, const D: usize, S, X, U, E, F, V> Composition<T, D> for Method<S, X, U, E, F, V>
 where
     T: Real,
-    S: ShapeFunction<T, D> + Suits<T, D, X>,
+    S: ShapeFunction<T, D> + Suits<X>,
     X: Transfer<T>,
     U: StressUpdate + Allows<X>,
     E: Embedding<D>,
-    F: Frame,
+    F: Holds<S>,
     V: Dilatation,
 {
     type Shape = S;

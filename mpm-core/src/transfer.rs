@@ -3,7 +3,7 @@
 use mpm_materials::{Lane, Real, Wide};
 
 use crate::scheme::{Musl, Usf, Usl};
-use crate::shape::{AffineShape, ShapeFunction};
+use crate::shape::AffineShape;
 
 /// Grid-to-particle rule for the velocity.
 pub trait Transfer<T: Real>: Copy + Send + Sync + 'static {
@@ -154,26 +154,40 @@ impl<T: Real> Transfer<T> for Mls {
 
 /// FMPM(K), also XPIC(K) (Nairn 2021; Hammerquist and Nairn 2017): PIC with the grid velocity multiplied by K
 /// terms of the series sum_j (I - S~)^j for the inverse of the full mass matrix. K = 1 is PIC; each further
-/// order maps once more to the particles and back.
+/// order maps once more to the particles and back. Orders are 1 to 16 ([`FmpmOrder`]).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Fmpm<const K: usize>;
-impl<T: Real, const K: usize> Transfer<T> for Fmpm<K> {
-    const NAME: &'static str = match K {
-        2 => "FMPM(2)",
-        3 => "FMPM(3)",
-        4 => "FMPM(4)",
-        _ => "FMPM",
-    };
+impl<T: Real, const K: usize> Transfer<T> for Fmpm<K>
+where
+    Fmpm<K>: FmpmOrder,
+{
+    const NAME: &'static str = <Self as FmpmOrder>::NAME;
     const READS_INCREMENT: bool = false;
-    const ORDER: usize = {
-        assert!(K >= 1, "FMPM needs an order of at least 1");
-        K
-    };
+    const ORDER: usize = K;
     #[inline(always)]
     fn velocity<L: Lane<Real = T>>(&self, _old: L, nodal: L, _increment: L, _dt: L) -> L {
         nodal
     }
 }
+
+/// The orders that FMPM has. A series of no term is none, which stable Rust cannot say of a number but by naming those that are;
+/// beyond 16 a step would map more than thirty times to the nodes and back.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a transfer: its order is not allowed",
+    note = "the order K of `Fmpm::<K>` must be 1 to 16; `Fmpm::<1>` is PIC, `Fmpm::<2>` and `Fmpm::<4>` are usual"
+)]
+pub trait FmpmOrder {
+    /// The name in tables and messages.
+    const NAME: &'static str;
+}
+macro_rules! orders {
+    ($($k:literal)*) => {$(
+        impl FmpmOrder for Fmpm<$k> {
+            const NAME: &'static str = concat!("FMPM(", $k, ")");
+        }
+    )*};
+}
+orders!(1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16);
 
 /// A transfer where velocities stay as they are: what of it maps to the nodes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -202,12 +216,11 @@ impl<T: Real> Transfer<T> for AnyTransfer {
     }
 }
 
-/// Which transfers a stress-update order can be used with.
+/// Which transfers a stress-update order can be used with: USL with all, MUSL with those that filter no velocity, USF with those that
+/// map force and momentum apart. A transfer of one's own goes with USL, and with others by `impl Allows<Mine> for Musl {}`.
 #[diagnostic::on_unimplemented(
     message = "the stress update `{Self}` cannot be combined with the transfer `{X}`",
-    note = "MUSL maps the particle velocities to the grid a second time; with PIC, APIC or FMPM that would \
-            filter the velocity twice in a step and blow up (docs/notes.md 1, finding 8); use USL or USF. \
-            MLS-APIC maps force and momentum together and needs USL"
+    note = "`Usl` goes with every transfer, `Musl` with `Flip` and `Blend`, `Usf` with all but `Mls`"
 )]
 pub trait Allows<X> {}
 impl Allows<Flip> for Musl {}
@@ -220,16 +233,17 @@ impl<T> Allows<Blend<T>> for Usf {}
 impl<T> Allows<Aflip<T>> for Usf {}
 impl<const K: usize> Allows<Fmpm<K>> for Usf {}
 
-/// Which shape functions a transfer can be used with: APIC needs an [`AffineShape`], the others take any.
+/// Which shape functions a transfer can be used with: those with an affine velocity field need an [`AffineShape`], the others take any.
+/// A transfer of one's own goes with a shape function by `impl Suits<Mine> for Gimp {}`.
 #[diagnostic::on_unimplemented(
     message = "the transfer `{X}` cannot be used with the shape function `{Self}`",
-    note = "APIC needs a shape function whose second moment never vanishes: a B-spline or GIMP"
+    note = "a transfer of one's own says which shape functions it goes with: `impl Suits<Mine> for Gimp {{}}`"
 )]
-pub trait Suits<T, const D: usize, X> {}
-impl<T: Real, const D: usize, S: ShapeFunction<T, D>> Suits<T, D, Flip> for S {}
-impl<T: Real, const D: usize, S: ShapeFunction<T, D>> Suits<T, D, Pic> for S {}
-impl<T: Real, const D: usize, S: ShapeFunction<T, D>> Suits<T, D, Blend<T>> for S {}
-impl<T: Real, const D: usize, S: ShapeFunction<T, D>, const K: usize> Suits<T, D, Fmpm<K>> for S {}
-impl<T: Real, const D: usize, S: AffineShape<T, D>> Suits<T, D, Apic> for S {}
-impl<T: Real, const D: usize, S: AffineShape<T, D>> Suits<T, D, Mls> for S {}
-impl<T: Real, const D: usize, S: AffineShape<T, D>> Suits<T, D, Aflip<T>> for S {}
+pub trait Suits<X> {}
+impl<S> Suits<Flip> for S {}
+impl<S> Suits<Pic> for S {}
+impl<S, T> Suits<Blend<T>> for S {}
+impl<S, const K: usize> Suits<Fmpm<K>> for S where Fmpm<K>: FmpmOrder {}
+impl<S: AffineShape> Suits<Apic> for S {}
+impl<S: AffineShape> Suits<Mls> for S {}
+impl<S: AffineShape, T> Suits<Aflip<T>> for S {}

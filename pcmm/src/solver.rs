@@ -81,20 +81,85 @@ pub const SMALL: usize = 2000;
 /// The skin of the neighbour lists over the smallest radius.
 const SKIN: f64 = 0.6;
 
-impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
-    /// Particles of a law, with their velocity (m/s) at a position (m); elements are made at once. Tessellates anew
-    /// after every step, takes half of altitude over wave speed for a step, on the caller's thread.
+/// The implementation of [`PackingFor`] that counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Holding;
+/// The one that never holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Failing;
+/// What no type is.
+pub trait Never {}
+
+/// A packing for the method `M`: `R` is a body of both.
+///
+/// It is asked first, so that a body has the dimensions of its packing: where the method has others, that is what the compiler says, and
+/// not that the packing should have those of the method. Of two implementations the compiler takes the one whose bounds hold; where
+/// neither does, there is no `R`, and nothing is said of what is done with it.
+#[diagnostic::on_unimplemented(
+    message = "the method `{M}` has other dimensions than `{Self}`",
+    label = "of other dimensions",
+    note = "the embedding must have the dimensions of the packing: in two take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`",
+    note = "the tessellation `AzimuthFan` is one of two dimensions: in three take `LocalDelaunay`"
+)]
+pub trait PackingFor<M, const D: usize, W, R> {
+    /// What [`Pcmm::new`] makes.
+    #[doc(hidden)]
+    fn body(&self, method: M, law: Law, velocity: Velocity<'_, D>, masses: Masses) -> Result<R, SceneError>;
+}
+type Law = Arc<dyn Material<f64>>;
+type Velocity<'a, const D: usize> = &'a dyn Fn([f64; D]) -> [f64; D];
+
+impl<M: Composition<D>, const D: usize> PackingFor<M, D, Holding, Pcmm<D, M>> for Packing<D> {
+    fn body(
+        &self,
+        method: M,
+        law: Law,
+        velocity: Velocity<'_, D>,
+        masses: Masses,
+    ) -> Result<Pcmm<D, M>, SceneError> {
+        Pcmm::of(method, law, self, velocity, masses)
+    }
+}
+impl<M: Composition<D> + Never, const D: usize> PackingFor<M, D, Failing, Pcmm<D, M>> for Packing<D> {
+    fn body(
+        &self,
+        method: M,
+        law: Law,
+        velocity: Velocity<'_, D>,
+        masses: Masses,
+    ) -> Result<Pcmm<D, M>, SceneError> {
+        Pcmm::of(method, law, self, velocity, masses)
+    }
+}
+
+impl<const D: usize, M> Pcmm<D, M> {
+    /// Particles of a law in a [`Packing`], with their velocity (m/s) at a position (m); elements are made at once. Tessellates anew
+    /// after every step, takes half of altitude over wave speed for a step, on the caller's thread. `R` is `Pcmm<D, M>`, of a method that
+    /// is a [`Composition`] of `D` dimensions.
     ///
     /// # Errors
     /// No particle; a position, radius, volume or velocity that no particle can have; a particle without mass.
-    pub fn new(
+    // `R` is `Self`, by way of the bound.
+    #[allow(clippy::new_ret_no_self)]
+    pub fn new<R, W>(
         method: M,
         law: impl IntoMaterial<f64>,
-        packing: &Packing<D>,
+        packing: &impl PackingFor<M, D, W, R>,
         velocity: impl Fn([f64; D]) -> [f64; D],
         masses: Masses,
+    ) -> Result<R, SceneError> {
+        packing.body(method, law.into_material(), &velocity, masses)
+    }
+}
+
+impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
+    fn of(
+        method: M,
+        law: Law,
+        packing: &Packing<D>,
+        velocity: Velocity<'_, D>,
+        masses: Masses,
     ) -> Result<Self, SceneError> {
-        let law = law.into_material();
         packing.check()?;
         let density = law.density();
         if !(density > 0.0 && density.is_finite()) {

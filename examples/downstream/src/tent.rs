@@ -6,7 +6,7 @@
 
 use mpm_core::dim::{Extent, Stencil};
 use mpm_core::shape::Weights;
-use mpm_core::{AffineShape, ShapeFunction};
+use mpm_core::{AffineShape, FixedDomain, ShapeFunction};
 use mpm_materials::{Lane, Real};
 
 /// See the module.
@@ -42,4 +42,5 @@ where
     }
 }
 
-impl<T: Real, const D: usize> AffineShape<T, D> for TentAveragedHat where Extent<D, 3>: Stencil {}
+impl AffineShape for TentAveragedHat {}
+impl FixedDomain for TentAveragedHat {}

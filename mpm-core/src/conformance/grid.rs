@@ -11,7 +11,7 @@ use crate::method::Method;
 use crate::scheme::Usl;
 use crate::shape::QuadraticBSpline;
 use crate::step::{Mpm, Particle, Scalar, TimeControl};
-use crate::transfer::{Flip, Suits};
+use crate::transfer::Flip;
 
 /// The grid keeps its contract: blocks it was asked for are found where `blocks` says they are, with 4^D nodes
 /// each, zero after a change, kept when nothing changes; and a scene gives the same bits as on a
@@ -24,7 +24,7 @@ where
     G: GridStorage<f64, D> + 'static,
     f64: Scalar<D>,
     Embedded<D>: crate::embedding::Embedding<D>,
-    QuadraticBSpline: crate::shape::ShapeFunction<f64, D> + Suits<f64, D, Flip>,
+    QuadraticBSpline: crate::shape::ShapeFunction<f64, D>,
 {
     let name = std::any::type_name::<G>();
     let lattice = Lattice::new([0.1; D], 0.5).map_err(|e| broken(name, "a lattice", e.to_string()))?;
@@ -120,7 +120,7 @@ fn run<const D: usize>(name: &str, grid: Box<dyn GridStorage<f64, D>>) -> Result
 where
     f64: Scalar<D>,
     Embedded<D>: crate::embedding::Embedding<D>,
-    QuadraticBSpline: crate::shape::ShapeFunction<f64, D> + Suits<f64, D, Flip>,
+    QuadraticBSpline: crate::shape::ShapeFunction<f64, D>,
 {
     let stop = |e: String| broken(name, "a run", e);
     let body = Body::<D>::new(*grid.lattice(), -6, 3);

@@ -119,7 +119,7 @@ impl<const D: usize> Body<D> {
 /// The first property that does not hold.
 pub fn transfer<X: Transfer<f64>>(transfer: X) -> Result<(), Broken>
 where
-    QuadraticBSpline: Suits<f64, 2, X>,
+    QuadraticBSpline: Suits<X>,
     Usl: Allows<X>,
 {
     for (v, dt) in [(0.0, 1.0), (-3.5, 1e-3), (17.0, 1e-9)] {

@@ -171,7 +171,7 @@ fn lanes<S: ShapeFunction<f64, D>, const D: usize>(shape: &S, xi: f64, half: f64
 ///
 /// # Errors
 /// The first property that does not hold.
-pub fn affine_shape<S: AffineShape<f64, D>, const D: usize>(shape: &S) -> Result<(), Broken> {
+pub fn affine_shape<S: ShapeFunction<f64, D> + AffineShape, const D: usize>(shape: &S) -> Result<(), Broken> {
     shape_function(shape)?;
     for half in HALVES {
         for xi in offsets() {

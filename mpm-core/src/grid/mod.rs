@@ -33,6 +33,11 @@ impl<T: Real> Default for Node<T> {
 
 /// Where the nodes are kept. Blocks are named by their coordinates and stored in some order; results do not
 /// depend on that order, so any two grids give the same bits.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a grid of {D} dimensions for numbers `{T}`",
+    note = "`BlockGrid` and `DenseGrid` have the dimensions of their lattice; in two take the embedding `PlaneStrain` or `Axisymmetric`, in \
+            three `FullSpace`"
+)]
 pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
     /// The lattice of nodes.
     fn lattice(&self) -> &Lattice<D>;

@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Real};
 
-use super::{AffineShape, Basis, ShapeFunction, Weights};
+use super::{AffineShape, Basis, FixedDomain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
 /// Quadratic B-spline: three nodes an axis, continuous gradient.
@@ -61,7 +61,8 @@ where
     }
 }
 
-impl<T: Real, const D: usize> AffineShape<T, D> for QuadraticBSpline where Extent<D, 3>: Stencil {}
+impl AffineShape for QuadraticBSpline {}
+impl FixedDomain for QuadraticBSpline {}
 
 /// Cubic B-spline: four nodes an axis, continuous second derivative.
 #[derive(Clone, Copy, Debug, Default)]
@@ -129,4 +130,5 @@ where
     }
 }
 
-impl<T: Real, const D: usize> AffineShape<T, D> for CubicBSpline where Extent<D, 4>: Stencil {}
+impl AffineShape for CubicBSpline {}
+impl FixedDomain for CubicBSpline {}

@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Real};
 
-use super::{Basis, Domain, ShapeFunction, Weights};
+use super::{Basis, Domain, FixedDomain, ShapeFunction, Weights};
 use crate::dim::Stencil;
 
 /// A wide shape function whose basis ends at resting walls and fixed planes that lie on planes of nodes.
@@ -50,3 +50,5 @@ impl<T: Real, const D: usize, S: ShapeFunction<T, D>> ShapeFunction<T, D> for Bo
         self.0.stretch(half, strain)
     }
 }
+
+impl<S: FixedDomain> FixedDomain for BoundaryModified<S> {}

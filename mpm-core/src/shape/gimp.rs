@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Real};
 
-use super::{AffineShape, Domain, ShapeFunction, Weights};
+use super::{AffineShape, Domain, FixedDomain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
 /// Uniform GIMP: the particle's box keeps its first size, as long as half of it is at most half a cell.
@@ -54,7 +54,8 @@ where
     }
 }
 
-impl<T: Real, const D: usize> AffineShape<T, D> for Gimp where Extent<D, 3>: Stencil {}
+impl AffineShape for Gimp {}
+impl FixedDomain for Gimp {}
 
 impl<T: Real, const D: usize> ShapeFunction<T, D> for CpGimp
 where
@@ -76,4 +77,4 @@ where
     }
 }
 
-impl<T: Real, const D: usize> AffineShape<T, D> for CpGimp where Extent<D, 3>: Stencil {}
+impl AffineShape for CpGimp {}

@@ -2,7 +2,7 @@
 
 use mpm_materials::{Lane, Real};
 
-use super::{Basis, ShapeFunction, Weights};
+use super::{Basis, FixedDomain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
 /// Linear hat functions: the classic material point method. Two nodes an axis; the slope jumps when a particle
@@ -50,3 +50,5 @@ where
         basis
     }
 }
+
+impl FixedDomain for Linear {}

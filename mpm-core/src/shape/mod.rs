@@ -135,11 +135,19 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
 /// Shape functions whose second moment ([`ShapeFunction::inertia`]) stays away from zero, as affine transfers
 /// (APIC) need it. The linear hat's vanishes at a node.
 #[diagnostic::on_unimplemented(
-    message = "affine transfers (APIC) cannot be used with `{Self}`",
+    message = "affine transfers (`Apic`, `Aflip`, `Mls`) cannot be used with the shape function `{Self}`",
     note = "the second moment of its weights vanishes when a particle sits on a node, so the affine matrix \
-            is undefined there; use a B-spline or GIMP, or the FLIP transfer"
+            is undefined there; take a B-spline or `Gimp`, or the transfer `Flip`"
 )]
-pub trait AffineShape<T: Real, const D: usize>: ShapeFunction<T, D> {}
+pub trait AffineShape {}
+
+/// Shape functions of particles that keep the box they start with ([`Domain::Fixed`]), as the reference configuration needs it
+/// ([`TotalLagrangian`](crate::TotalLagrangian)): domains tile there for ever, and one that followed the strain would leave its place.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` has no form in the reference configuration: its domains follow the strain",
+    note = "a shape function of one's own whose particles keep their box (`Domain::Fixed`) says so: `impl FixedDomain for {Self} {{}}`"
+)]
+pub trait FixedDomain {}
 
 /// Position of node `a` of the stencil relative to the bin's centre, in units of h.
 #[inline(always)]

@@ -20,9 +20,12 @@ use super::sweep::Cause;
 use super::work::Work;
 
 use crate::boundary::Boundary;
+use crate::combine::GridFor;
 use crate::dim::BLOCK;
 use crate::grid::{GridStorage, OutsideGrid};
-use crate::method::{IntoKernels, Kernels};
+#[cfg(doc)]
+use crate::method::IntoKernels;
+use crate::method::Kernels;
 use crate::parallel::{Float, Team};
 use crate::watch::Finding;
 
@@ -176,7 +179,8 @@ const OFTEN: u64 = 16;
 const FEW: usize = 32;
 
 impl<const D: usize> Mpm<D> {
-    /// An empty scene in double precision, whose bodies will share one velocity field.
+    /// An empty scene in double precision, of any method ([`IntoKernels`]) and grid ([`GridStorage`]) of the same dimensions, whose bodies
+    /// will share one velocity field.
     ///
     /// ```
     /// use mpm_core::geometry::Lattice;
@@ -189,22 +193,16 @@ impl<const D: usize> Mpm<D> {
     /// }
     /// # assert_eq!(scene(0.1).unwrap().particles(), 0);
     /// ```
-    pub fn new<M>(method: M, grid: impl GridStorage<f64, D> + 'static) -> Self
-    where
-        M: IntoKernels<f64, D>,
-    {
+    pub fn new<M>(method: M, grid: impl GridFor<M, f64, D> + 'static) -> Self {
         Mpm::with_contact(method, grid, OneField)
     }
 
     /// An empty scene in double precision whose bodies will meet by this contact algorithm.
     pub fn with_contact<M>(
         method: M,
-        grid: impl GridStorage<f64, D> + 'static,
+        grid: impl GridFor<M, f64, D> + 'static,
         contact: impl Contact<f64, D>,
-    ) -> Self
-    where
-        M: IntoKernels<f64, D>,
-    {
+    ) -> Self {
         Mpm::of(method, grid, contact)
     }
 }
@@ -212,11 +210,11 @@ impl<const D: usize> Mpm<D> {
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// An empty scene in any precision: `Mpm::<3, f32>::of(method, grid, OneField)`. All three may be objects, chosen at run time:
     /// [`Kernels`], `Box<dyn GridStorage<T, D>>`, `Arc<dyn Contact<T, D>>`.
-    pub fn of<M>(method: M, grid: impl GridStorage<T, D> + 'static, contact: impl Contact<T, D>) -> Self
+    pub fn of<M, G>(method: M, grid: G, contact: impl Contact<T, D>) -> Self
     where
-        M: IntoKernels<T, D>,
+        G: GridFor<M, T, D> + 'static,
     {
-        Self::of_parts(method.into_kernels(), Box::new(grid), Arc::new(contact))
+        Self::of_parts(G::kernels(method), Box::new(grid), Arc::new(contact))
     }
 
     fn of_parts(
@@ -273,7 +271,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             )?;
         }
         if self.facts().domain.carried() {
-            let why = "domains tile for ever in the reference configuration: take `Gimp` for `CpGimp`";
+            let why =
+                "domains tile for ever in the reference configuration: take `Gimp`, `Linear` or a B-spline";
             self.check_frame("a shape function whose domains follow the strain", why)?;
         }
         Ok(())

@@ -5,6 +5,7 @@ use impactite_tests::laws::Prestressed;
 use impactite_tests::scene::{YOUNG, block, rubber, wave_speed};
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::observe::{Ledger, Observer, Pace};
+use mpm_core::transfer::{Allows, Suits};
 use mpm_core::{
     Apic, Blend, BlockGrid, Boundary, Composition, CpGimp, CubicBSpline, Flip, Fmpm, FullSpace, IntoKernels,
     Linear, Method, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Side, TimeControl, Usf, Usl,
@@ -80,7 +81,7 @@ where
     }
 }
 
-fn method<S, X, U, E>(shape: S, transfer: X, stress: U, space: E) -> Method<S, X, U, E> {
+fn method<S: Suits<X>, X, U: Allows<X>, E>(shape: S, transfer: X, stress: U, space: E) -> Method<S, X, U, E> {
     Method::new(shape, transfer, stress, space)
 }
 

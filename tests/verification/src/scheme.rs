@@ -1,8 +1,8 @@
 //! Schemes: which method, named at run time.
 
 use mpm_core::{
-    AffineShape, Apic, CpGimp, Cpdi, Cpdi2, CubicBSpline, Embedding, Flip, Fmpm, Gimp, IntoKernels, Kernels,
-    Linear, Method, Musl, QuadraticBSpline, Scalar, ShapeFunction, Usl,
+    AffineShape, Apic, CpGimp, Cpdi, Cpdi2, CubicBSpline, Embedding, FixedDomain, Flip, Fmpm, Gimp,
+    IntoKernels, Kernels, Linear, Method, Musl, QuadraticBSpline, Scalar, ShapeFunction, Usl,
 };
 
 /// Shape functions.
@@ -146,12 +146,12 @@ pub fn kernels<E: Embedding<D> + Default, const D: usize>(scheme: Scheme) -> Opt
 where
     f64: Scalar<D>,
     Linear: ShapeFunction<f64, D>,
-    Gimp: AffineShape<f64, D>,
-    CpGimp: AffineShape<f64, D>,
+    Gimp: ShapeFunction<f64, D>,
+    CpGimp: ShapeFunction<f64, D>,
     Cpdi: ShapeFunction<f64, D>,
     Cpdi2: ShapeFunction<f64, D>,
-    QuadraticBSpline: AffineShape<f64, D>,
-    CubicBSpline: AffineShape<f64, D>,
+    QuadraticBSpline: ShapeFunction<f64, D>,
+    CubicBSpline: ShapeFunction<f64, D>,
 {
     match (scheme.kernel, scheme.total) {
         (Kernel::Linear, _) => any::<E, Linear, D>(Linear, scheme),
@@ -166,7 +166,7 @@ where
 }
 
 /// Any shape function but one that carries its domain, transfers without an affine matrix.
-fn any<E: Embedding<D> + Default, S: ShapeFunction<f64, D>, const D: usize>(
+fn any<E: Embedding<D> + Default, S: ShapeFunction<f64, D> + FixedDomain, const D: usize>(
     shape: S,
     scheme: Scheme,
 ) -> Option<Kernels<f64, D>>
@@ -191,7 +191,7 @@ where
     })
 }
 
-fn affine<E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(
+fn affine<E: Embedding<D> + Default, S: ShapeFunction<f64, D> + AffineShape + FixedDomain, const D: usize>(
     shape: S,
     scheme: Scheme,
 ) -> Option<Kernels<f64, D>>
@@ -221,7 +221,7 @@ where
     flip.then(|| Method::new(shape, Flip, Usl, E::default()).compiled().into_kernels())
 }
 
-fn moving<E: Embedding<D> + Default, S: AffineShape<f64, D>, const D: usize>(
+fn moving<E: Embedding<D> + Default, S: ShapeFunction<f64, D> + AffineShape, const D: usize>(
     shape: S,
     scheme: Scheme,
 ) -> Option<Kernels<f64, D>>

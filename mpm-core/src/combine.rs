@@ -1,0 +1,112 @@
+//! What is said of ingredients of a method that do not go together: once, where they are written.
+//!
+//! A bound that does not hold is reported by the compiler where it is asked for, and the type of the call is known all the same, so that
+//! whatever is done with it is reported too: kernels that are not compiled, bounds that the method passes on. Here the type of the call
+//! follows from the bound. Each of these traits has two implementations, of which the second never holds: with one alone the compiler takes
+//! it as it is and looks at its bounds later; of two it takes the one whose bounds hold. Where neither does, there is no type, one
+//! message, that of the trait, and nothing about what follows.
+
+use crate::grid::GridStorage;
+use crate::method::{IntoKernels, Kernels};
+use crate::parallel::Float;
+use crate::shape::FixedDomain;
+use crate::transfer::{Allows, Suits};
+
+/// The implementation that counts.
+#[derive(Clone, Copy, Debug)]
+pub struct Holding;
+/// The one that never holds.
+#[derive(Clone, Copy, Debug)]
+pub struct Failing;
+/// What no type is.
+pub trait Never {}
+
+/// A transfer that goes with the shape function `S`: what makes `R` of `M` is the same.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a transfer that can be used with the shape function `{S}`",
+    label = "not with this shape function",
+    note = "the affine transfers `Apic`, `Aflip` and `Mls` divide by the second moment of the weights, which vanishes for `Linear`, `Cpdi`, \
+            `Cpdi2` and `BoundaryModified`: take `QuadraticBSpline`, `CubicBSpline`, `Gimp` or `CpGimp`, or the transfer `Flip`",
+    note = "the order K of `Fmpm::<K>` must be 1 to 16",
+    note = "`Method::new` takes a shape function, a transfer, a stress update and an embedding, in this order",
+    note = "shape functions and transfers of one's own say what they go with: `impl AffineShape for Shape {{}}`, `impl Suits<Mine> for Gimp {{}}`; \
+            generic code asks for it: `where S: Suits<X>`"
+)]
+pub trait OnShape<S, W, M, R> {
+    /// It.
+    fn made(method: M) -> R;
+}
+impl<X, S: Suits<X>, M> OnShape<S, Holding, M, M> for X {
+    fn made(method: M) -> M {
+        method
+    }
+}
+impl<X: Never, S, M> OnShape<S, Failing, M, M> for X {
+    fn made(method: M) -> M {
+        method
+    }
+}
+
+/// A stress update that goes with the transfer `X`: what makes `R` of `M` is the same.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a stress update that can be used with the transfer `{X}`",
+    label = "not with this transfer",
+    note = "take `Usl`, which goes with every transfer",
+    note = "`Musl` maps the velocities of particles to the grid a second time, and goes with `Flip` and `Blend` alone: what filters the velocity \
+            (`Pic`, `Apic`, `Aflip`, `Mls`, `Fmpm`) would do so twice in a step and blow up (docs/notes.md 1, finding 8)",
+    note = "`Mls` maps force and momentum together, which needs the stress of the same pass: it goes with neither `Usf` nor `Musl`",
+    note = "a transfer of one's own says what it goes with beside `Usl`: `impl Allows<Mine> for Musl {{}}`; generic code asks for \
+            it: `where U: Allows<X>`"
+)]
+pub trait WithTransfer<X, W, M, R> {
+    /// It.
+    fn made(method: M) -> R;
+}
+impl<U: Allows<X>, X, M> WithTransfer<X, Holding, M, M> for U {
+    fn made(method: M) -> M {
+        method
+    }
+}
+impl<U: Never, X, M> WithTransfer<X, Failing, M, M> for U {
+    fn made(method: M) -> M {
+        method
+    }
+}
+
+/// A shape function that has a form in the reference configuration: what makes `R` of `M` is the same.
+#[diagnostic::on_unimplemented(
+    message = "`.total_lagrangian()` cannot be used with the shape function `{Self}`",
+    label = "not with this shape function",
+    note = "the domains of `CpGimp`, `Cpdi` and `Cpdi2` follow the strain, and in the reference configuration there is nothing to follow: take \
+            `Gimp` for `CpGimp`, `Linear` or a B-spline for `Cpdi` and `Cpdi2`",
+    note = "a shape function of one's own whose particles keep their box (`Domain::Fixed`) says so: `impl FixedDomain for Shape {{}}`; generic \
+            code asks for it: `where S: FixedDomain`"
+)]
+pub trait InReference<W, M, R> {
+    /// It.
+    fn made(method: M) -> R;
+}
+impl<S: FixedDomain, M> InReference<Holding, M, M> for S {
+    fn made(method: M) -> M {
+        method
+    }
+}
+impl<S: Never, M> InReference<Failing, M, M> for S {
+    fn made(method: M) -> M {
+        method
+    }
+}
+
+/// A grid for the method `M`.
+///
+/// The grid is asked first, so that a scene has the dimensions of its lattice: where the embedding has others, that is what is said, and
+/// not that the grid, and seeds and boundaries after it, should have those of the embedding.
+pub trait GridFor<M, T: Float, const D: usize>: GridStorage<T, D> {
+    /// The kernels of the method.
+    fn kernels(method: M) -> Kernels<T, D>;
+}
+impl<G: GridStorage<T, D>, M: IntoKernels<T, D>, T: Float, const D: usize> GridFor<M, T, D> for G {
+    fn kernels(method: M) -> Kernels<T, D> {
+        method.into_kernels()
+    }
+}

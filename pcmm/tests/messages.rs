@@ -1,0 +1,73 @@
+//! What the compiler says of a method of other dimensions than its packing: one error, at the line of the body, with what to take
+//! instead. The program is checked as `cargo check` does, with the libraries that this test was built with.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::time::SystemTime;
+
+/// A body in line 7, and what is done with it.
+const PROGRAM: &str = r#"#![allow(unused)]
+use mpm_core::{Axisymmetric, FullSpace, PlaneStrain};
+use mpm_materials::NeoHookean;
+use pcmm::*;
+fn run(law: NeoHookean<f64>, packing: &Packing<$dimensions>, delaunay: LocalDelaunay) -> Result<(), Box<dyn std::error::Error>> {
+    let method = Method::consistent($space, delaunay);
+    let mut bar = Pcmm::new(method, law, packing, |_| [0.0; $dimensions], Masses::FromElements)?;
+    bar.set_time_control(mpm_core::TimeControl::Fixed(1.0))?;
+    bar.run_until(1.0)?;
+    println!("{:?}", bar.given());
+    Ok(())
+}
+"#;
+
+/// The library `name`, as it was built last: cargo builds it for this test.
+fn library(folder: &Path, name: &str) -> PathBuf {
+    let files = std::fs::read_dir(folder).expect("the folder of this test").flatten().map(|e| e.path());
+    let built =
+        |file: &PathBuf| file.metadata().and_then(|about| about.modified()).unwrap_or(SystemTime::UNIX_EPOCH);
+    let named = |file: &PathBuf| {
+        let file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        file.starts_with(&format!("lib{name}-")) && file.ends_with(".rlib")
+    };
+    files.filter(named).max_by_key(built).unwrap_or_else(|| panic!("no {name} in {}", folder.display()))
+}
+
+fn checked(space: &str, dimensions: usize) -> String {
+    let test = std::env::current_exe().expect("this test");
+    let folder = test.parent().expect("its folder");
+    let scratch = format!("impactite-pcmm-messages-{}-{space}-{dimensions}", std::process::id());
+    let scratch = std::env::temp_dir().join(scratch);
+    std::fs::create_dir_all(&scratch).expect("a folder");
+    let source = scratch.join("program.rs");
+    let program = PROGRAM.replace("$dimensions", &dimensions.to_string()).replace("$space", space);
+    std::fs::write(&source, program).expect("written");
+    let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
+    rustc.args(["--edition=2024", "--crate-type=lib", "--emit=metadata", "--color=never"]);
+    for name in ["mpm_core", "mpm_materials", "pcmm"] {
+        rustc.arg("--extern").arg(format!("{name}={}", library(folder, name).display()));
+    }
+    rustc.arg("-L").arg(format!("dependency={}", folder.display()));
+    let said = rustc.arg("--out-dir").arg(&scratch).arg(&source).output().expect("the compiler runs");
+    let _ = std::fs::remove_dir_all(&scratch);
+    String::from_utf8_lossy(&said.stderr).into_owned()
+}
+
+#[test]
+fn a_method_of_other_dimensions_than_its_packing_is_one_error() {
+    for (space, dimensions) in [("PlaneStrain", 2), ("Axisymmetric", 2), ("FullSpace", 3)] {
+        let said = checked(space, dimensions);
+        assert!(said.is_empty(), "{said}");
+    }
+    for (space, dimensions) in [("PlaneStrain", 3), ("Axisymmetric", 3), ("FullSpace", 2)] {
+        let said = checked(space, dimensions);
+        let errors = said.lines().filter(|l| l.starts_with("error") && !l.starts_with("error: aborting"));
+        let errors: Vec<&str> = errors.collect();
+        assert_eq!(errors.len(), 1, "{said}");
+        assert!(
+            errors[0].contains(&format!("has other dimensions than `pcmm::Packing<{dimensions}>`")),
+            "{said}"
+        );
+        assert!(errors[0].contains(space) && said.contains("program.rs:7:"), "{said}");
+        assert!(said.contains("in two take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`"), "{said}");
+    }
+}
