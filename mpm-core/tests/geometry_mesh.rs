@@ -272,6 +272,111 @@ mod files {
         assert!(matches!(unit, GeometryError::Parameter { field: "unit", .. }));
     }
 
+    /// A box as the facets of an ASCII file.
+    fn facets(min: [f64; 3], max: [f64; 3]) -> String {
+        let (v, t) = raw_box(min, max);
+        let mut text = String::new();
+        for corners in &t {
+            text.push_str(" facet normal 0 0 0\n  outer loop\n");
+            for x in corners.map(|c| v[c]) {
+                writeln!(text, "   vertex {:e} {} {}", x[0], x[1], x[2]).unwrap();
+            }
+            text.push_str("  endloop\n endfacet\n");
+        }
+        text
+    }
+
+    #[test]
+    fn all_solids_of_an_ascii_file_are_read() {
+        let [one, two] = [facets([0.0; 3], [2.0, 3.0, 4.0]), facets([0.1, 0.1, 7.0], [1.1, 1.1, 8.0])];
+        let plain = format!("solid one\n{one}endsolid one\nsolid two\n{two}endsolid two\n");
+        let texts = [
+            plain.clone(),
+            plain.to_uppercase(),
+            plain.replace('\n', "\r\n"),
+            plain.replace('\n', "\r"),
+            format!("solid\n{one}endsolid\nsolid\n{two}endsolid"),
+            format!("\u{feff}solid\n{one}endsolid\n \n\t solid \n{two}endsolid \n"),
+            format!("\n \r\n  {}\n\n \t\n", plain.replace('\n', " \n\n")),
+            plain.replace("solid one", "solid facet normal endsolid (größer), \u{1F980}"),
+            plain.replace("normal 0 0 0", "normal nan -inf 1e99"),
+            format!("solid empty\nendsolid empty\n{plain}"),
+        ];
+        for (i, text) in texts.iter().enumerate() {
+            let solid =
+                TriangleMesh::read_stl(file(&format!("solids_{i}.stl"), text.as_bytes()), 1.0).unwrap();
+            assert_eq!((solid.vertices().len(), solid.triangles().len()), (16, 24), "text {i}");
+            assert!((solid.measure().unwrap() / 25.0 - 1.0).abs() < 1e-14, "text {i}");
+            // In double precision: 0.1 is not the one of 32 bits.
+            assert!(solid.vertices().iter().any(|x| x[0] == 0.1), "text {i}");
+            assert!(solid.contains([0.5, 0.5, 7.5]) && !solid.contains([0.5, 0.5, 5.0]));
+        }
+    }
+
+    #[test]
+    fn stl_files_that_are_not_whole_are_refused() {
+        let said = |name: &str, content: &[u8]| {
+            TriangleMesh::read_stl(file(name, content), 1.0).unwrap_err().to_string()
+        };
+        let text = format!("solid a\n{}endsolid a\n", facets([0.0; 3], [1.0; 3]));
+        let refused = [
+            (format!("{text}rest"), "line 87: expected `solid` or the end of the file, found `rest`"),
+            (text.replace("endsolid a\n", ""), "ends in line 85, where `facet` or `endsolid` was expected"),
+            (
+                text.replacen("vertex 0e0 0 0", "vertex 0e0 0 nan", 1),
+                "expected a finite coordinate, found `NaN`",
+            ),
+            (
+                text.replacen("vertex 0e0 0 0", "vertex 0e0 1e999 0", 1),
+                "line 4: expected a finite coordinate",
+            ),
+            (
+                text.replacen("vertex 0e0 0 0", "vertex 0e0 0,5 0", 1),
+                "line 4: expected a finite coordinate, found `0,5`",
+            ),
+            (
+                text.replacen("vertex 0e0 0 0", "vertex 0e0 0", 1),
+                "line 5: expected a finite coordinate, found `vertex`",
+            ),
+            (
+                text.replacen("normal 0 0 0", "normal 0 zero 0", 1),
+                "line 2: expected a number of the normal, found `zero`",
+            ),
+            (
+                text.replacen("  endloop", "   vertex 0 0 0\n  endloop", 1),
+                "line 7: expected endloop, found `vertex`",
+            ),
+            (text.replacen("outer", "inner", 1), "line 3: expected outer, found `inner`"),
+        ];
+        for (i, (text, reason)) in refused.iter().enumerate() {
+            let error = said(&format!("refused_{i}.stl"), text.as_bytes());
+            assert!(error.contains(reason), "text {i}: {error}");
+        }
+        let (v, t) = raw_box([0.0; 3], [1.0; 3]);
+        let mut binary = b"solid".to_vec();
+        binary.resize(80, b' ');
+        binary.extend((t.len() as u32).to_le_bytes());
+        for corners in &t {
+            binary.extend([0u8; 12]);
+            binary.extend(corners.iter().flat_map(|c| v[*c]).flat_map(|c| (c as f32).to_le_bytes()));
+            binary.extend([0u8; 2]);
+        }
+        assert!(TriangleMesh::read_stl(file("whole.stl", &binary), 1.0).is_ok());
+        for (name, content, found) in [
+            ("cut.stl", &binary[..600], 600),
+            ("long.stl", &[&binary[..], &[0]].concat()[..], 685),
+            ("twice.stl", &[&binary[..], &binary[84..]].concat()[..], 1284),
+        ] {
+            let error = said(name, content);
+            let reason = format!("of 12 triangles has 684 bytes, but {found} were found");
+            assert!(error.contains(&reason), "{error}");
+        }
+        binary[84 + 50 + 12..][..4].copy_from_slice(&f32::NAN.to_le_bytes());
+        let error = said("nan.stl", &binary);
+        assert!(error.contains("triangle 1 (counted from 0): coordinate NaN"), "{error}");
+        assert!(said("short.stl", b"hello").contains("at least 84 bytes (found 5)"));
+    }
+
     #[test]
     fn obj_files_with_quads_and_groups_are_read() {
         let (v, _) = raw_box([0.0; 3], [2.0, 3.0, 4.0]);

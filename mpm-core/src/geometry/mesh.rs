@@ -97,32 +97,22 @@ impl TriangleMesh {
         Self::new(&vertices, &indices)
     }
 
-    /// Reads an STL file, ASCII or binary. Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm.
+    /// Reads an STL file, ASCII or binary: all its solids together, as pieces of one. Coordinates are multiplied by
+    /// `unit` (m): 1e-3 for a file in mm. Those of an ASCII file are taken in double precision.
     ///
     /// # Errors
-    /// [`GeometryError::File`] if it cannot be read; else as [`TriangleMesh::new`].
+    /// [`GeometryError::File`] if it cannot be read, is cut off, holds anything but solids, or has a coordinate that is not
+    /// finite; else as [`TriangleMesh::new`].
     #[cfg(feature = "mesh")]
     pub fn read_stl(path: impl AsRef<std::path::Path>, unit: f64) -> Result<Self, GeometryError> {
         let path = path.as_ref();
         Check("TriangleMesh").positive("unit", unit)?;
-        let refuse = |e: std::io::Error| GeometryError::File {
-            path: path.display().to_string(),
-            reason: e.to_string(),
-        };
-        let mut bytes = std::fs::read(path).map_err(refuse)?;
-        // Many binary files begin with the word that marks the ASCII ones; only the length tells.
-        let count = bytes.get(80..84).and_then(|c| c.try_into().ok()).map(u32::from_le_bytes);
-        let binary = count.is_some_and(|n| bytes.len() as u64 == 84 + 50 * u64::from(n));
-        if binary {
-            bytes[..80].fill(0);
-        } else if bytes.starts_with(b"solid") && bytes.get(5).is_some_and(|c| *c != b' ') {
-            // A solid without a name.
-            bytes.splice(5..5, *b" x");
-        }
-        let mut cursor = std::io::Cursor::new(bytes);
-        let mut soup = Vec::new();
-        for triangle in stl_io::create_stl_reader(&mut cursor).map_err(refuse)? {
-            soup.push(triangle.map_err(refuse)?.vertices.map(|v| v.0.map(|c| f64::from(c) * unit)));
+        let refuse = |reason: String| GeometryError::File { path: path.display().to_string(), reason };
+        let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
+        let mut soup = super::stl::triangles(&bytes).map_err(|e| refuse(e.to_string()))?;
+        drop(bytes);
+        for x in soup.as_flattened_mut().as_flattened_mut() {
+            *x *= unit;
         }
         Self::from_soup(&soup)
     }

@@ -25,6 +25,8 @@ mod primitives;
 mod rings;
 mod seed;
 mod shape;
+#[cfg(feature = "mesh")]
+mod stl;
 mod transform;
 mod vector;
 
