@@ -61,6 +61,27 @@ fn sphere_profile(n: usize) -> Vec<[f64; 2]> {
         .collect()
 }
 
+/// Small tetrahedra apart from each other, in a cube.
+fn raw_tetrahedra(count: usize) -> Raw {
+    let side = (count as f64).cbrt().ceil() as usize;
+    let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+    for k in 0..count {
+        let at = [k / (side * side), k / side % side, k % side].map(|i| 2.0 * i as f64);
+        let first = vertices.len();
+        vertices.push(at);
+        for axis in 0..3 {
+            let mut x = at;
+            x[axis] += 1.0;
+            vertices.push(x);
+        }
+        // Every other one inside out.
+        for [a, b, c] in [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]] {
+            triangles.push(if k % 2 == 0 { [a, b, c] } else { [a, c, b] }.map(|i| first + i));
+        }
+    }
+    (vertices, triangles)
+}
+
 fn mesh((vertices, triangles): Raw) -> TriangleMesh {
     TriangleMesh::new(&vertices, &triangles).unwrap()
 }
@@ -411,6 +432,62 @@ fn three_million_particles_are_quick_in_a_mesh() {
             let start = std::time::Instant::now();
             let seeds = fill(shape, &lattice, 2, &filling).unwrap();
             println!("{} particles in {:?}: {filling:?}", seeds.len(), start.elapsed());
+        }
+    }
+}
+
+/// Thin triangles all in one fan, many pieces, many triangles: volume and points are those of the shapes.
+#[test]
+fn large_meshes_are_what_they_stand_for() {
+    let solid = mesh(raw_revolved(&[[0.0, 0.0], [0.0, 1.0], [1.5, 0.0]], 40_000));
+    assert!((solid.measure().unwrap() / (0.5 * PI) - 1.0).abs() < 1e-8);
+    let lattice = Lattice::new([0.013, 0.007, 0.0], 0.1).unwrap();
+    let cone = Frustum::new([0.0; 3], [0.0, 0.0, 1.0], 1.5, [1.0, 0.0]).unwrap();
+    let filled =
+        |filling: Filling| [&solid as &dyn Shape<3>, &cone].map(|s| fill(s, &lattice, 2, &filling).unwrap());
+    let [a, b] = filled(Filling::new().at_sites());
+    assert_eq!(a.positions, b.positions);
+    // Moved by the distance, which decides at the rim and the tip alone by rounding.
+    let [a, b] = filled(Filling::new());
+    let far = |(x, y): (&[f64; 3], &[f64; 3])| (0..3).map(|i| (x[i] - y[i]).abs()).fold(0.0, f64::max);
+    let others = a.positions.iter().zip(&b.positions).map(far).filter(|d| *d > 1e-6).count();
+    assert!(others * 50 < a.len(), "{others} of {}", a.len());
+
+    let globe = mesh(raw_revolved(&sphere_profile(200), 500));
+    let ball = Sphere::new([0.0; 3], 1.0).unwrap();
+    let [a, b] =
+        [&globe as &dyn Shape<3>, &ball].map(|s| fill(s, &lattice, 2, &Filling::new().at_sites()).unwrap());
+    assert!((globe.measure().unwrap() / ball.measure().unwrap() - 1.0).abs() < 2e-4);
+    assert!(a.len().abs_diff(b.len()) < 10, "{} {}", a.len(), b.len());
+
+    let solid = mesh(raw_tetrahedra(50_000));
+    assert_eq!(solid.triangles().len(), 200_000);
+    assert!((solid.measure().unwrap() / (50_000.0 / 6.0) - 1.0).abs() < 1e-12);
+    // Each has one of the eight places of its cell: the other seven are beyond its face.
+    let lattice = Lattice::new([0.0; 3], 1.0).unwrap();
+    let filling = Filling::new().at_sites().uncorrected();
+    assert_eq!(fill(&solid, &lattice, 2, &filling).unwrap().len(), 50_000);
+}
+
+/// What large meshes cost: `cargo test --release -- --ignored --nocapture large_meshes`.
+#[test]
+#[ignore = "a matter of time"]
+fn large_meshes_are_quick() {
+    let tetrahedra = raw_tetrahedra(50_000);
+    let meshes = [
+        ("cone of 40000 sides", raw_revolved(&[[0.0, 0.0], [0.0, 1.0], [1.5, 0.0]], 40_000), 0.05),
+        ("sphere of a million", raw_revolved(&sphere_profile(500), 1000), 0.05),
+        ("50000 tetrahedra", tetrahedra, 0.5),
+    ];
+    for (name, raw, spacing) in meshes {
+        let start = std::time::Instant::now();
+        let solid = mesh(raw);
+        println!("{name}: {} triangles prepared in {:?}", solid.triangles().len(), start.elapsed());
+        let lattice = Lattice::new([0.001, 0.002, 0.0], spacing).unwrap();
+        for filling in [Filling::new().at_sites(), Filling::new()] {
+            let start = std::time::Instant::now();
+            let seeds = fill(&solid, &lattice, 2, &filling).unwrap();
+            println!("{} particles in {:?}", seeds.len(), start.elapsed());
         }
     }
 }

@@ -1,20 +1,21 @@
 //! Closed surfaces of triangles.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::HashMap;
 
 use super::bounds::Bounds;
 use super::error::{Check, GeometryError};
 use super::shape::Shape;
+use super::tree::Tree;
 use super::vector::{add, along, cross, dot, norm, sub, sum};
-
-/// Triangles in a leaf of the tree.
-const LEAF: usize = 4;
 
 /// A solid inside a closed surface of triangles, in 3D. Exact distance, exact volume.
 ///
 /// Points are told apart by counting the crossings of a line along the third axis, in a way that edges and
 /// corners cannot confuse; a whole row of points costs one line. The surface must not cross itself, which is
 /// not checked. It may have several pieces; a piece inside another is a cavity.
+///
+/// Cost: memory in proportion to the number of triangles (some 60 to 120 bytes each, 200 while it is made), time a little more; a line or a
+/// distance asks those near it, found by a tree of boxes.
 #[derive(Clone, Debug)]
 pub struct TriangleMesh {
     vertices: Vec<[f64; 3]>,
@@ -22,7 +23,6 @@ pub struct TriangleMesh {
     bounds: Bounds<3>,
     volume: f64,
     centroid: [f64; 3],
-    columns: Columns,
     tree: Tree,
 }
 
@@ -82,9 +82,8 @@ impl TriangleMesh {
         if volume.is_nan() || volume <= 1e-15 * size * size * size {
             return Err(GeometryError::NoVolume { volume });
         }
-        let columns = Columns::new(&kept, &proper, &bounds);
-        let tree = Tree::new(&kept, &proper);
-        Ok(Self { vertices: kept, triangles: proper, bounds, volume, centroid, columns, tree })
+        let tree = Tree::of_triangles(proper.len(), |t| corners(&kept, &proper[t as usize]));
+        Ok(Self { vertices: kept, triangles: proper, bounds, volume, centroid, tree })
     }
 
     /// A solid from triangles that each bring their own corners (m), as in an STL file.
@@ -159,9 +158,9 @@ impl TriangleMesh {
     /// The third coordinate of all crossings of the line through (x, y) with the surface, rising.
     fn crossings(&self, x: f64, y: f64, out: &mut Vec<f64>) {
         out.clear();
-        for t in self.columns.at(x, y) {
-            out.extend(crossing(&self.vertices, &self.triangles[*t as usize], x, y));
-        }
+        self.tree.column([x, y], [f64::NEG_INFINITY, f64::INFINITY], |t| {
+            out.extend(crossing(&self.vertices, &self.triangles[t as usize], x, y));
+        });
         out.sort_unstable_by(f64::total_cmp);
     }
 }
@@ -171,7 +170,9 @@ impl Shape<3> for TriangleMesh {
         self.signed_distance_within(x, f64::INFINITY)
     }
     fn signed_distance_within(&self, x: [f64; 3], limit: f64) -> f64 {
-        let distance = self.tree.distance(&self.vertices, &self.triangles, x, limit);
+        let distance = self.tree.distance(x, limit, |t| {
+            triangle_distance(x, corners(&self.vertices, &self.triangles[t as usize]))
+        });
         if self.contains(x) { -distance } else { distance }
     }
     fn bounds(&self) -> Bounds<3> {
@@ -191,11 +192,15 @@ impl Shape<3> for TriangleMesh {
             return false;
         }
         let mut inside = false;
-        for t in self.columns.at(x[0], x[1]) {
-            if let Some(z) = crossing(&self.vertices, &self.triangles[*t as usize], x[0], x[1]) {
-                inside ^= z < x[2];
+        // A line crosses the surface an even number of times, so that what is below and what is above tell the same: the shorter way
+        // is taken. Crossings lie within the heights of their triangles, so that those beyond it need not be asked.
+        let below = x[2] - self.bounds.min[2] < self.bounds.max[2] - x[2];
+        let way = if below { [f64::NEG_INFINITY, x[2]] } else { [x[2], f64::INFINITY] };
+        self.tree.column([x[0], x[1]], way, |t| {
+            if let Some(z) = crossing(&self.vertices, &self.triangles[t as usize], x[0], x[1]) {
+                inside ^= (z < x[2]) == below;
             }
-        }
+        });
         inside
     }
     fn contains_row(&self, first: [f64; 3], last: &[f64], inside: &mut [bool]) {
@@ -231,12 +236,12 @@ fn crossing(vertices: &[[f64; 3]], t: &[u32; 3], x: f64, y: f64) -> Option<f64> 
             continue;
         }
         let s = (y - a[1]) / (b[1] - a[1]);
-        // Never beyond the edge's ends, so that the triangles near (x, y) are all that need to be asked.
-        let at = (a[0] + s * (b[0] - a[0])).clamp(a[0].min(b[0]), a[0].max(b[0]));
+        // Never beyond the edge's ends, so that the triangles whose boxes hold the place are all that need to be asked.
+        let [at, _, height] = [0, 1, 2].map(|i| between(a[i] + s * (b[i] - a[i]), a[i], b[i]));
         passed ^= at > x;
         // A triangle's outline meets the line at this y exactly twice, or never.
         if cuts < 2 {
-            cut[cuts] = [at, a[2] + s * (b[2] - a[2])];
+            cut[cuts] = [at, height];
         }
         cuts += 1;
     }
@@ -246,7 +251,12 @@ fn crossing(vertices: &[[f64; 3]], t: &[u32; 3], x: f64, y: f64) -> Option<f64> 
     let [p, q] = cut;
     let width = q[0] - p[0];
     let s = if width != 0.0 { ((x - p[0]) / width).clamp(0.0, 1.0) } else { 0.5 };
-    Some(p[1] + s * (q[1] - p[1]))
+    Some(between(p[1] + s * (q[1] - p[1]), p[1], q[1]))
+}
+
+/// `x`, or the end of the interval that it lies beyond.
+fn between(x: f64, a: f64, b: f64) -> f64 {
+    x.max(a.min(b)).min(a.max(b))
 }
 
 /// Refuses surfaces with open or wrongly oriented edges.
@@ -307,196 +317,53 @@ fn orient(vertices: &[[f64; 3]], triangles: &mut [[u32; 3]]) {
         }
     }
     let piece_of: Vec<u32> = triangles.iter().map(|t| root(&mut parent, t[0])).collect();
-    let pieces: BTreeSet<u32> = piece_of.iter().copied().collect();
-    for piece in pieces {
+    let mut by_piece: Vec<u32> = (0..triangles.len() as u32).collect();
+    by_piece.sort_unstable_by_key(|t| (piece_of[*t as usize], *t));
+    // Between which heights each piece lies, by its name.
+    let mut heights = vec![[f64::INFINITY, f64::NEG_INFINITY]; vertices.len()];
+    for (t, piece) in triangles.iter().zip(&piece_of) {
+        let [low, high] = &mut heights[*piece as usize];
+        for x in corners(vertices, t) {
+            (*low, *high) = (low.min(x[2]), high.max(x[2]));
+        }
+    }
+    // A piece is crossed below a place within its heights alone: below all of it never, above all of it an even number of times.
+    // So that stacks of pieces cost no more than pieces side by side, triangles are looked for by the heights of their pieces.
+    let several = piece_of.iter().any(|p| *p != piece_of[0]);
+    let tree = several.then(|| {
+        Tree::of_boxes(triangles.len(), |t| {
+            let mut own = Bounds::around(corners(vertices, &triangles[t as usize]));
+            [own.min[2], own.max[2]] = heights[piece_of[t as usize] as usize];
+            own
+        })
+    });
+    let mut turned = Vec::new();
+    for members in by_piece.chunk_by(|a, b| piece_of[*a as usize] == piece_of[*b as usize]) {
+        let piece = piece_of[members[0] as usize];
         let base = vertices[piece as usize];
-        let own: Vec<[u32; 3]> =
-            triangles.iter().zip(&piece_of).filter(|(_, p)| **p == piece).map(|(t, _)| *t).collect();
         // All other pieces are closed, so the parity of their crossings below a vertex of this one says
         // whether it is inside an odd number of them.
         let mut cavity = false;
-        for (t, _) in triangles.iter().zip(&piece_of).filter(|(_, p)| **p != piece) {
-            if let Some(z) = crossing(vertices, t, base[0], base[1]) {
-                cavity ^= z < base[2];
-            }
-        }
-        if (volume(vertices, &own, base).0 < 0.0) != cavity {
-            for (t, _) in triangles.iter_mut().zip(&piece_of).filter(|(_, p)| **p == piece) {
-                t.swap(1, 2);
-            }
-        }
-    }
-}
-
-/// Triangles sorted by the rectangles of the first two coordinates that they reach into.
-#[derive(Clone, Debug)]
-struct Columns {
-    low: [f64; 2],
-    /// Rectangles per metre.
-    rate: [f64; 2],
-    count: [usize; 2],
-    /// Where each rectangle's triangles begin.
-    start: Vec<u32>,
-    triangles: Vec<u32>,
-}
-
-impl Columns {
-    fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]], bounds: &Bounds<3>) -> Self {
-        let extent = [bounds.max[0] - bounds.min[0], bounds.max[1] - bounds.min[1]];
-        // About one rectangle per triangle, nearly square.
-        let edge = (extent[0] * extent[1] / triangles.len() as f64).sqrt();
-        let count = extent.map(|e| ((e / edge) as usize).clamp(1, 2048));
-        let mut rate = [0.0; 2];
-        for i in 0..2 {
-            rate[i] = count[i] as f64 / extent[i];
-        }
-        let mut columns = Self {
-            low: [bounds.min[0], bounds.min[1]],
-            rate,
-            count,
-            start: Vec::new(),
-            triangles: Vec::new(),
-        };
-        let ranges: Vec<[[usize; 2]; 2]> = triangles
-            .iter()
-            .map(|t| {
-                let b = Bounds::around(corners(vertices, t));
-                [columns.index([b.min[0], b.min[1]]), columns.index([b.max[0], b.max[1]])]
-            })
-            .collect();
-        let mut start = vec![0u32; count[0] * count[1] + 1];
-        let each = |range: &[[usize; 2]; 2], act: &mut dyn FnMut(usize)| {
-            let [low, high] = *range;
-            for i in low[0]..=high[0] {
-                for j in low[1]..=high[1] {
-                    act(i * count[1] + j);
+        if let Some(tree) = &tree {
+            tree.column([base[0], base[1]], [base[2]; 2], |t| {
+                let other = piece_of[t as usize];
+                let [low, high] = heights[other as usize];
+                if other != piece
+                    && low <= base[2]
+                    && base[2] <= high
+                    && let Some(z) = crossing(vertices, &triangles[t as usize], base[0], base[1])
+                {
+                    cavity ^= z < base[2];
                 }
-            }
-        };
-        for range in &ranges {
-            each(range, &mut |r| start[r + 1] += 1);
-        }
-        for r in 0..count[0] * count[1] {
-            start[r + 1] += start[r];
-        }
-        let mut next = start.clone();
-        let mut sorted = vec![0u32; start.last().map_or(0, |n| *n as usize)];
-        for (t, range) in ranges.iter().enumerate() {
-            each(range, &mut |r| {
-                sorted[next[r] as usize] = t as u32;
-                next[r] += 1;
             });
         }
-        columns.start = start;
-        columns.triangles = sorted;
-        columns
-    }
-    /// The rectangle of a point. It never falls as a coordinate rises, so a triangle is listed wherever a
-    /// point between its smallest and largest coordinates may be sent.
-    fn index(&self, x: [f64; 2]) -> [usize; 2] {
-        let mut index = [0; 2];
-        for i in 0..2 {
-            index[i] = (((x[i] - self.low[i]) * self.rate[i]) as usize).min(self.count[i] - 1);
+        let own: Vec<[u32; 3]> = members.iter().map(|t| triangles[*t as usize]).collect();
+        if (volume(vertices, &own, base).0 < 0.0) != cavity {
+            turned.extend_from_slice(members);
         }
-        index
     }
-    /// The triangles that may cover (x, y).
-    fn at(&self, x: f64, y: f64) -> &[u32] {
-        let [i, j] = self.index([x, y]);
-        let r = i * self.count[1] + j;
-        &self.triangles[self.start[r] as usize..self.start[r + 1] as usize]
-    }
-}
-
-/// A tree of boxes around triangles, for the nearest one.
-#[derive(Clone, Debug)]
-struct Tree {
-    nodes: Vec<Node>,
-    order: Vec<u32>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    bounds: Bounds<3>,
-    /// Range of triangles.
-    range: [u32; 2],
-    /// The second child; the first follows its parent. Zero in a leaf.
-    second: u32,
-}
-
-impl Tree {
-    fn new(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Self {
-        let centres: Vec<[f64; 3]> = triangles
-            .iter()
-            .map(|t| {
-                let [a, b, c] = corners(vertices, t);
-                add(a, add(b, c)).map(|x| x / 3.0)
-            })
-            .collect();
-        let mut tree = Self { nodes: Vec::new(), order: (0..triangles.len() as u32).collect() };
-        // Pending ranges, with the node whose second child they are.
-        let mut pending = vec![([0, triangles.len()], None)];
-        while let Some(([from, to], parent)) = pending.pop() {
-            let here = tree.nodes.len();
-            if let Some(parent) = parent {
-                let parent: usize = parent;
-                tree.nodes[parent].second = here as u32;
-            }
-            let slice = &mut tree.order[from..to];
-            let bounds =
-                Bounds::around(slice.iter().flat_map(|t| corners(vertices, &triangles[*t as usize])));
-            tree.nodes.push(Node { bounds, range: [from as u32, to as u32], second: 0 });
-            if to - from > LEAF {
-                let spread = Bounds::around(slice.iter().map(|t| centres[*t as usize]));
-                let extent = sub(spread.max, spread.min);
-                let mut axis = 0;
-                for i in 1..3 {
-                    if extent[i] > extent[axis] {
-                        axis = i;
-                    }
-                }
-                let middle = (to - from) / 2;
-                slice.select_nth_unstable_by(middle, |a, b| {
-                    let (x, y) = (centres[*a as usize][axis], centres[*b as usize][axis]);
-                    x.total_cmp(&y).then(a.cmp(b))
-                });
-                // The last one pushed is built next and so follows its parent.
-                pending.push(([from + middle, to], Some(here)));
-                pending.push(([from, from + middle], None));
-            }
-        }
-        tree
-    }
-    /// Distance from `x` to the nearest triangle, or `limit` if that is less.
-    fn distance(&self, vertices: &[[f64; 3]], triangles: &[[u32; 3]], x: [f64; 3], limit: f64) -> f64 {
-        let mut best = limit;
-        // Depth is at most log2 of 2^32 triangles, and each level leaves one node behind.
-        let mut stack = [(0.0, 0u32); 64];
-        let mut height = 1;
-        while height > 0 {
-            height -= 1;
-            let (least, index) = stack[height];
-            if least >= best {
-                continue;
-            }
-            let node = &self.nodes[index as usize];
-            if node.second == 0 {
-                for t in &self.order[node.range[0] as usize..node.range[1] as usize] {
-                    best = best.min(triangle_distance(x, corners(vertices, &triangles[*t as usize])));
-                }
-                continue;
-            }
-            let children = [index + 1, node.second];
-            let [a, b] = children.map(|c| (self.nodes[c as usize].bounds.distance(x), c));
-            let (near, far) = if a.0 <= b.0 { (a, b) } else { (b, a) };
-            for child in [far, near] {
-                if child.0 < best && height < stack.len() {
-                    stack[height] = child;
-                    height += 1;
-                }
-            }
-        }
-        best
+    for t in turned {
+        triangles[t as usize].swap(1, 2);
     }
 }
 
@@ -537,5 +404,117 @@ fn triangle_distance(p: [f64; 3], [a, b, c]: [[f64; 3]; 3]) -> f64 {
         // A triangle without area is its longest edges.
         use super::primitives::segment_distance;
         segment_distance(p, a, b).min(segment_distance(p, b, c)).min(segment_distance(p, c, a))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A double cone of very thin triangles about an axis, its two tips far from the middle of its rim.
+    fn fans(sides: usize, axis: [f64; 3]) -> TriangleMesh {
+        let axis = axis.map(|c| c / norm(axis));
+        let other = cross(axis, [0.3, 0.9, -0.1]);
+        let first = other.map(|c| c / norm(other));
+        let second = cross(axis, first);
+        let mut vertices = vec![axis, along([0.2; 3], -0.5, axis)];
+        let mut triangles = Vec::new();
+        for k in 0..sides {
+            let angle = std::f64::consts::TAU * k as f64 / sides as f64;
+            vertices.push(along(first.map(|c| c * angle.cos()), angle.sin(), second));
+            let (a, b) = (2 + k, 2 + (k + 1) % sides);
+            triangles.extend([[0, a, b], [1, b, a]]);
+        }
+        TriangleMesh::new(&vertices, &triangles).expect("closed")
+    }
+
+    /// Places in and around the bounds, some of them right above vertices.
+    fn places(mesh: &TriangleMesh, count: usize) -> Vec<[f64; 3]> {
+        let mut state = 1u64;
+        let mut draw = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 11) as f64 / (1u64 << 53) as f64
+        };
+        let Bounds { min, max } = mesh.bounds;
+        (0..count)
+            .map(|n| {
+                let mut x = [0, 1, 2].map(|i| min[i] + (1.1 * draw() - 0.05) * (max[i] - min[i]));
+                if n % 4 == 0 {
+                    let v = mesh.vertices[(draw() * mesh.vertices.len() as f64) as usize];
+                    [x[0], x[1]] = [v[0], v[1]];
+                }
+                x
+            })
+            .collect()
+    }
+
+    const AXES: [[f64; 3]; 4] = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.3, 0.4, 0.8], [1.0, 1.0, 0.01]];
+
+    #[test]
+    fn the_tree_passes_over_nothing_that_counts() {
+        for axis in AXES {
+            let mesh = fans(300, axis);
+            for x in places(&mesh, 2000) {
+                let crossed = |t: &[u32; 3]| crossing(&mesh.vertices, t, x[0], x[1]);
+                let mut all: Vec<f64> = mesh.triangles.iter().filter_map(crossed).collect();
+                all.sort_unstable_by(f64::total_cmp);
+                let mut found = Vec::new();
+                mesh.crossings(x[0], x[1], &mut found);
+                assert_eq!(all, found, "at {x:?}");
+                assert_eq!(all.len() % 2, 0, "at {x:?}");
+                let below = all.iter().filter(|z| **z < x[2]).count();
+                assert_eq!(mesh.contains(x), below % 2 == 1, "at {x:?}");
+                let of = |t: &[u32; 3]| triangle_distance(x, corners(&mesh.vertices, t));
+                let nearest = mesh.triangles.iter().map(of).fold(f64::INFINITY, f64::min);
+                assert_eq!(mesh.signed_distance(x).abs(), nearest, "at {x:?}");
+            }
+        }
+    }
+
+    /// Ten times as many triangles do not mean that ten times as many are asked, though their boxes overlap.
+    #[test]
+    fn thin_triangles_are_asked_where_they_are() {
+        for axis in AXES {
+            let asked = [2000, 20000].map(|sides| {
+                let mesh = fans(sides, axis);
+                let places = places(&mesh, 500);
+                let (mut crossed, mut distances) = (0, 0);
+                for x in &places {
+                    mesh.tree.column([x[0], x[1]], [f64::NEG_INFINITY, f64::INFINITY], |_| crossed += 1);
+                    mesh.tree.distance(*x, f64::INFINITY, |t| {
+                        distances += 1;
+                        triangle_distance(*x, corners(&mesh.vertices, &mesh.triangles[t as usize]))
+                    });
+                }
+                [crossed, distances].map(|n| n as f64 / places.len() as f64)
+            });
+            // One in a thousand, and one in forty: there are many nearly nearest ones near the axis of the fan.
+            assert!(asked[1][0] < 40.0 && asked[1][1] < 1000.0, "{axis:?}: {asked:?}");
+        }
+    }
+
+    #[test]
+    fn pieces_in_piles_and_nests_ask_little() {
+        // Plates above each other, each within the column of all, and every fourth of them with a cavity.
+        let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
+        let mut add_box = |low: [f64; 3], high: [f64; 3]| {
+            let first = vertices.len();
+            vertices.extend(Bounds { min: low, max: high }.corners());
+            let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+            triangles.extend(
+                quads.iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]].map(|t| t.map(|v| first + v))),
+            );
+        };
+        for k in 0..4000 {
+            let z = f64::from(k);
+            add_box([0.0, 0.0, z], [1.0, 1.0, z + 0.5]);
+            if k % 4 == 0 {
+                add_box([0.25, 0.25, z + 0.125], [0.75, 0.75, z + 0.375]);
+            }
+        }
+        let mesh = TriangleMesh::new(&vertices, &triangles).expect("closed");
+        let exact = 4000.0 * 0.5 - 1000.0 * 0.0625;
+        assert!((mesh.volume / exact - 1.0).abs() < 1e-13, "{} {exact}", mesh.volume);
+        assert!(mesh.contains([0.1, 0.5, 400.25]) && !mesh.contains([0.5, 0.5, 400.25]));
     }
 }

@@ -28,6 +28,7 @@ mod shape;
 #[cfg(feature = "mesh")]
 mod stl;
 mod transform;
+mod tree;
 mod vector;
 
 pub use bounds::Bounds;
