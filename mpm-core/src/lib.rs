@@ -30,6 +30,7 @@
 //! | [`particles`], [`grid`] | where particles and nodes are kept |
 //! | [`boundary`] | conditions and loads |
 //! | [`geometry`] | shapes, and particles seeded from them |
+//! | [`memory`] | how much of it one call may ask for |
 //! | [`watch`] | books of energy and momentum, and what stops or warns |
 //! | [`observe`], [`output`] | what looks at a run, and what it writes |
 //! | [`parallel`] | vectors and threads: the crate `impactite-simd` |
@@ -53,6 +54,7 @@ pub mod frame;
 pub mod geometry;
 pub mod grid;
 mod library;
+pub mod memory;
 pub mod method;
 pub mod observe;
 pub mod output;
@@ -70,7 +72,8 @@ pub use dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 pub use dim::Dim;
 pub use embedding::{Axisymmetric, Embedding, FullSpace, PlaneStrain};
 pub use frame::{Frame, TotalLagrangian, UpdatedLagrangian};
-pub use grid::{BlockGrid, DenseGrid, GridStorage};
+pub use grid::{BlockGrid, DenseGrid, DenseGridError, GridStorage};
+pub use memory::MemoryError;
 pub use method::{CompiledHere, Composition, IntoKernels, Kernels, Method};
 pub use parallel::{Float, Team};
 pub use scheme::{Musl, StressUpdate, Usf, Usl};

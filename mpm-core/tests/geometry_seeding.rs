@@ -289,7 +289,7 @@ proptest! {
             let seeds = fill(shape, &lattice, n, &options).unwrap();
             let total: f64 = seeds.volumes.iter().sum();
             prop_assert!((total / shape.measure().unwrap() - 1.0).abs() < 1e-12);
-            let cells: Vec<[i64; 2]> = seeds.positions.iter().map(|x| lattice.cell_of(*x)).collect();
+            let cells: Vec<[i64; 2]> = seeds.positions.iter().map(|x| lattice.cell_of(*x).unwrap()).collect();
             prop_assert!(cells.is_sorted());
             for i in 1..cells.len() {
                 if cells[i] == cells[i - 1] {

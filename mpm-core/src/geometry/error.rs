@@ -38,6 +38,9 @@ pub enum GeometryError {
         /// The most that are allowed.
         allowed: f64,
     },
+    /// What is asked for takes more memory than is allowed, or than there is.
+    #[error(transparent)]
+    Memory(#[from] crate::memory::MemoryError),
     /// A triangle names a vertex that does not exist.
     #[error("mesh: triangle {triangle} names vertex {vertex}, but there are only {vertices} vertices")]
     VertexOutOfRange {

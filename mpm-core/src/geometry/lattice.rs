@@ -3,6 +3,9 @@
 use super::bounds::Bounds;
 use super::error::{Check, GeometryError};
 
+/// Number of cells from the origin beyond which whole numbers are no longer told apart, 2^53.
+const FURTHEST: f64 = 9_007_199_254_740_992.0;
+
 /// The uniform background of cubic cells: where the nodes are, without an extent.
 ///
 /// Node `i` sits at `origin + i h`; cell `i` lies between the nodes `i` and `i + 1` of every axis.
@@ -10,7 +13,7 @@ use super::error::{Check, GeometryError};
 /// ```
 /// use mpm_core::geometry::Lattice;
 /// let lattice = Lattice::new([0.0, -1.0], 0.25)?;
-/// assert_eq!(lattice.cell_of([0.6, -1.0]), [2, 0]);
+/// assert_eq!(lattice.cell_of([0.6, -1.0]), Some([2, 0]));
 /// assert_eq!(lattice.node([2, 0]), [0.5, -1.0]);
 /// # Ok::<(), mpm_core::geometry::GeometryError>(())
 /// ```
@@ -57,13 +60,15 @@ impl<const D: usize> Lattice<D> {
         }
         x
     }
-    /// The cell that holds `x`: a point on a face belongs to the cell above it.
-    pub fn cell_of(&self, x: [f64; D]) -> [i64; D] {
+    /// The cell that holds `x`: a point on a face belongs to the cell above it. `None` where `x` is not finite, or so far off that a
+    /// coordinate in cells, of 2^53 and more, no longer tells neighbours apart.
+    pub fn cell_of(&self, x: [f64; D]) -> Option<[i64; D]> {
         let mut cell = [0; D];
         for i in 0..D {
-            cell[i] = self.coordinate(i, x[i]).floor() as i64;
+            let at = self.coordinate(i, x[i]).floor();
+            cell[i] = if at.abs() < FURTHEST { at as i64 } else { return None };
         }
-        cell
+        Some(cell)
     }
     /// Position within its cell, in cells, each component in `[0, 1)` up to rounding.
     pub fn local(&self, x: [f64; D]) -> [f64; D] {
@@ -76,7 +81,12 @@ impl<const D: usize> Lattice<D> {
     }
     /// Bounds of a cell (m).
     pub fn cell_bounds(&self, cell: [i64; D]) -> Bounds<D> {
-        Bounds { min: self.node(cell), max: self.node(cell.map(|i| i + 1)) }
+        let mut max = self.origin;
+        for i in 0..D {
+            // Added as numbers that do not overflow.
+            max[i] += (cell[i] as f64 + 1.0) * self.spacing;
+        }
+        Bounds { min: self.node(cell), max }
     }
     /// Coordinate along `axis` (m) of the centre of part `part` of `parts` equal parts of a cell's edge:
     /// `origin + (cell + (part + 1/2) / parts) h`, free of accumulated rounding.

@@ -19,7 +19,8 @@ impl Polygon {
     /// The polygon with these corners (m); the last is joined to the first.
     ///
     /// # Errors
-    /// [`GeometryError::Parameter`] unless there are three corners at least, all finite, enclosing an area.
+    /// [`GeometryError::Parameter`] unless there are three corners at least, all finite, enclosing an area,
+    /// whose area and centroid are numbers.
     pub fn new(corners: Vec<[f64; 2]>) -> Result<Self, GeometryError> {
         let check = Check("Polygon");
         check.that(corners.len() >= 3, "corners", corners.len() as f64, "three or more")?;
@@ -37,6 +38,7 @@ impl Polygon {
         for i in 0..2 {
             centroid[i] += sum(edges().map(|e| (e[0][i] + e[1][i]) * doubled(e))) / (6.0 * signed);
         }
+        check.point("centroid", centroid)?;
         Ok(Self { corners, area: signed.abs(), centroid })
     }
     /// The corners, in order (m).

@@ -4,19 +4,31 @@ use std::f64::consts::{PI, TAU};
 
 use super::error::Check;
 use super::{GeometryError, Seeds};
+use crate::memory::{Budget, MOST_BYTES};
 
 /// A full disc as concentric rings of particles, `count` of them and each as wide as particles are long, with exact
 /// area: its edge is as smooth as a circle, where that of a lattice has steps on which it would rattle. Rings are turned
 /// against each other by the golden angle.
 ///
 /// # Errors
-/// A centre that is not finite, a radius that is not positive and finite, no ring.
+/// A centre that is not finite, a radius that is not positive and finite, no ring, areas that are too large or too small for a number,
+/// or more particles than [`MOST_BYTES`] have room for (some 15000 rings).
 pub fn rings(centre: [f64; 2], radius: f64, count: usize) -> Result<Seeds<2>, GeometryError> {
     let check = Check("rings");
     let (centre, radius) = (check.point("centre", centre)?, check.positive("radius", radius)?);
     check.that(count > 0, "count", count as f64, "at least 1")?;
+    let budget = Budget { what: "a disc of so many rings", allowed: MOST_BYTES, remedy: "use fewer rings" };
+    // Rings of 2 pi (k + 1/2) particles, each rounded to a whole number.
+    let most = PI * count as f64 * count as f64 + 0.5 * count as f64;
+    budget.holds(most * (size_of::<[f64; 2]>() + size_of::<f64>()) as f64)?;
     let width = radius / count as f64;
-    let (mut positions, mut volumes) = (Vec::new(), Vec::new());
+    check.that(
+        (width * width).is_normal() && (radius * radius).is_finite(),
+        "radius",
+        radius,
+        "such that areas of disc and particles are numbers",
+    )?;
+    let (mut positions, mut volumes) = (budget.room(most as usize)?, budget.room(most as usize)?);
     for ring in 0..count {
         let r = (ring as f64 + 0.5) * width;
         let around = (TAU * r / width).round();

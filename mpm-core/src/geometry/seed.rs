@@ -1,11 +1,14 @@
 //! Particles from shapes.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use rayon::prelude::*;
 
 use super::error::{Check, GeometryError};
 use super::lattice::Lattice;
 use super::shape::{Metric, Shape};
 use super::vector::{norm, sum};
+use crate::memory::{Budget, MOST_BYTES};
 
 /// The most particle sites that a filling looks at.
 const MOST_SITES: f64 = 1e12;
@@ -36,11 +39,19 @@ pub struct Filling {
     jitter: Option<(u64, f64)>,
     correct: bool,
     fit: bool,
+    memory: u64,
 }
 
 impl Default for Filling {
     fn default() -> Self {
-        Self { metric: Metric::Cartesian, edge: Edge::Centre, jitter: None, correct: true, fit: true }
+        Self {
+            metric: Metric::Cartesian,
+            edge: Edge::Centre,
+            jitter: None,
+            correct: true,
+            fit: true,
+            memory: MOST_BYTES,
+        }
     }
 }
 
@@ -84,6 +95,11 @@ impl Filling {
     /// Leaves the volumes as they are, instead of scaling them to the measure of the shape.
     pub fn uncorrected(mut self) -> Self {
         self.correct = false;
+        self
+    }
+    /// The bytes of memory that the filling may take, instead of [`MOST_BYTES`].
+    pub fn memory(mut self, bytes: u64) -> Self {
+        self.memory = bytes;
         self
     }
 }
@@ -209,6 +225,50 @@ impl<const D: usize> Found<D> {
     fn new() -> Self {
         Self { positions: Vec::new(), volumes: Vec::new(), keys: Vec::new(), slivers: Vec::new() }
     }
+    /// Gives back memory beyond what is held.
+    fn shrink(&mut self) {
+        self.positions.shrink_to_fit();
+        self.volumes.shrink_to_fit();
+        self.keys.shrink_to_fit();
+        self.slivers.shrink_to_fit();
+    }
+}
+
+/// Bytes that a filling takes.
+#[derive(Clone, Copy)]
+struct Cost {
+    /// Sites within the bounds.
+    points: f64,
+    /// For them, whatever comes out.
+    sites: f64,
+    /// For a particle, and for a sliver: in a task's list and in that of all.
+    particle: u64,
+    sliver: u64,
+}
+
+impl Cost {
+    fn of<const D: usize>(sites: &Sites<'_, D>, filling: &Filling) -> Self {
+        let count = sites.count.map(|n| n as f64);
+        let parts = sites.parts as f64;
+        let rows = parts.powi(D as i32 - 1);
+        let row = count.last().copied().unwrap_or(0.0) * parts;
+        let columns = count.iter().take(D.saturating_sub(1)).product::<f64>();
+        let tasks = (columns / COLUMNS_PER_TASK as f64).ceil();
+        let threads = (rayon::current_num_threads() as f64).min(tasks);
+        // In each thread, a column's parts, a row's answers and the list of rows, and what shapes that are moved and combined hold for a
+        // row; the coordinates of a row; the tasks.
+        let thread =
+            (rows * row + row) * size_of::<f64>() as f64 + 2.0 * row + rows * size_of::<[usize; D]>() as f64;
+        let shared = row * size_of::<f64>() as f64 + tasks * size_of::<Found<D>>() as f64;
+        let dropping = matches!(filling.edge, Edge::Partial { drop_below, .. } if drop_below > 0.0);
+        let key = if dropping { size_of::<([i64; D], [usize; D])>() } else { 0 };
+        Self {
+            points: columns * rows * row,
+            sites: threads * thread + shared,
+            particle: 2 * (size_of::<[f64; D]>() + size_of::<f64>() + key) as u64,
+            sliver: 2 * size_of::<Sliver<D>>() as u64 + size_of::<(usize, f64)>() as u64,
+        }
+    }
 }
 
 /// One step of the splitmix64 generator: a good mix of the 64 bits.
@@ -251,8 +311,12 @@ fn displacement<const D: usize>(seed: u64, cell: [i64; D], part: [usize; D]) -> 
 /// # Ok::<(), mpm_core::geometry::GeometryError>(())
 /// ```
 ///
+/// Memory: twice what the particles hold (32 bytes each in space, 80 if slivers are dropped), and a number for every site of a column of
+/// cells, as many columns as there are threads.
+///
 /// # Errors
-/// [`GeometryError`] if an option is out of range, the shape is unbounded, or nothing comes out.
+/// [`GeometryError`] if an option is out of range, the shape is unbounded, nothing comes out, or it takes more memory than
+/// [`Filling::memory`] allows.
 pub fn fill<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     lattice: &Lattice<D>,
@@ -275,11 +339,28 @@ pub fn fill<const D: usize>(
     }
     let sites = find_sites(shape, lattice, per_axis, filling.metric)?;
     let edge = lattice.spacing() / per_axis as f64;
+    check.that(
+        edge.powi(D as i32).is_normal(),
+        "spacing of the lattice",
+        lattice.spacing(),
+        "such that the volume of a particle is a number that is not zero",
+    )?;
+    let budget = Budget {
+        what: "the filling of the shape",
+        allowed: filling.memory,
+        remedy: "use a coarser lattice or fewer particles per cell, look at the units of shape and lattice, or allow more by `Filling::memory`",
+    };
+    let cost = Cost::of::<D>(&sites, filling);
+    // Where the measure is known, so is the number of particles, nearly.
+    let known = shape.measure().map(|m| m / edge.powi(D as i32)).filter(|n| *n >= 0.0);
+    budget.holds(cost.sites + known.map_or(0.0, |n| n.min(cost.points) * cost.particle as f64))?;
     let last: Vec<f64> = (0..sites.count.last().copied().unwrap_or(0) * per_axis)
         .map(|i| lattice.site(D - 1, sites.low[D - 1] + (i / per_axis) as i64, i % per_axis, per_axis))
         .collect();
 
     let columns = sites.columns();
+    let held = AtomicU64::new(0);
+    let beyond = |held: u64| budget.holds(cost.sites + held as f64).is_err();
     let tasks: Vec<Found<D>> = (0..columns.div_ceil(COLUMNS_PER_TASK))
         .into_par_iter()
         .map(|task| {
@@ -288,15 +369,26 @@ pub fn fill<const D: usize>(
             let mut inside = vec![false; last.len()];
             for column in task * COLUMNS_PER_TASK..((task + 1) * COLUMNS_PER_TASK).min(columns) {
                 column_parts(shape, &sites, column, &last, filling, &mut inside, &mut parts);
+                let before = [found.positions.len(), found.slivers.len()];
                 emit(&sites, column, &parts, filling, edge, &mut found);
+                let new = (found.positions.len() - before[0]) as u64 * cost.particle
+                    + (found.slivers.len() - before[1]) as u64 * cost.sliver;
+                // Whole numbers, whose sum is the same in any order. Beyond the limit all is counted, to name how much it is, and
+                // nothing kept.
+                if beyond(held.fetch_add(new, Ordering::Relaxed).saturating_add(new)) {
+                    found = Found::new();
+                }
             }
+            found.shrink();
             found
         })
         .collect();
+    budget.holds(cost.sites + held.into_inner() as f64)?;
 
     let total = tasks.iter().map(|t| t.positions.len()).sum();
-    let (mut positions, mut volumes) = (Vec::with_capacity(total), Vec::with_capacity(total));
-    let (mut keys, mut slivers) = (Vec::new(), Vec::new());
+    let (mut positions, mut volumes) = (budget.room(total)?, budget.room(total)?);
+    let mut keys = budget.room(tasks.iter().map(|t| t.keys.len()).sum())?;
+    let mut slivers = budget.room(tasks.iter().map(|t| t.slivers.len()).sum())?;
     for task in tasks {
         positions.extend(task.positions);
         volumes.extend(task.volumes);
@@ -331,6 +423,7 @@ pub fn fill<const D: usize>(
                 fine
             }
         };
+        check.that(target > 0.0, "measure of the shape", target, "positive and finite")?;
         (target / raw_measure, target / kept)
     } else {
         (1.0, raw_measure / kept)
@@ -672,7 +765,7 @@ fn merge<const D: usize>(
 /// order in that edge is extrapolated away. The result is the same for any number of threads.
 ///
 /// # Errors
-/// [`GeometryError`] if the shape is unbounded or empty, or `resolution` is not positive.
+/// [`GeometryError`] if the shape is unbounded or empty, `resolution` is not positive, or a distance or the measure is not a number.
 pub fn sampled_measure<const D: usize>(
     shape: &(impl Shape<D> + ?Sized),
     metric: Metric,
@@ -730,7 +823,7 @@ pub fn sampled_measure<const D: usize>(
         })
         .collect();
     let [fine, coarse] = [0, 1].map(|i| sum(measures.iter().map(|m| m[i])));
-    Ok(fine + (fine - coarse) / 3.0)
+    check.that(true, "measure", fine + (fine - coarse) / 3.0, "finite")
 }
 
 /// The measure of the shape within a box, from boxes `depth` divisions smaller and from those twice as large.
@@ -745,6 +838,10 @@ fn box_measure<const D: usize>(
     let distance = shape.signed_distance_within(centre, diagonal);
     if distance >= 0.5 * diagonal {
         return [0.0; 2];
+    }
+    // What is no distance proves nothing about the box, however often it is divided.
+    if distance.is_nan() {
+        return [f64::NAN; 2];
     }
     let mut whole = size.iter().product::<f64>();
     if metric == Metric::Axisymmetric {

@@ -1,8 +1,9 @@
 //! Every block of a box.
 
-use super::{GridStorage, Node, OutsideGrid, zeroed};
-use crate::dim::BLOCK;
+use super::{GridStorage, Node, OutsideGrid};
+use crate::dim::{BLOCK, block_nodes};
 use crate::geometry::Lattice;
+use crate::memory::{Budget, MOST_BYTES, MemoryError};
 use crate::parallel::Float;
 
 /// A grid that holds all nodes of a box, found by index arithmetic. For scenes that fill their box; others
@@ -16,35 +17,66 @@ pub struct DenseGrid<T, const D: usize> {
     nodes: Vec<Node<T>>,
 }
 
-/// A box that is no box.
+/// Why a dense grid is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error(
-    "the box of a dense grid needs `low` < `high` along axis {axis}; got {low} and {high} (node indices)"
-)]
-pub struct EmptyBox {
-    axis: usize,
-    low: i32,
-    high: i32,
+#[non_exhaustive]
+pub enum DenseGridError {
+    /// A box that is no box.
+    #[error(
+        "the box of a dense grid needs `low` < `high` along axis {axis}; got {low} and {high} (node indices)"
+    )]
+    Empty {
+        /// The axis.
+        axis: usize,
+        /// The lowest index given.
+        low: i32,
+        /// The highest index given.
+        high: i32,
+    },
+    /// A box of more nodes than there is memory for.
+    #[error(transparent)]
+    Memory(#[from] MemoryError),
 }
 
 impl<T: Float, const D: usize> DenseGrid<T, D> {
-    /// The nodes of a lattice with indices `low..=high`, rounded outwards to whole blocks.
+    /// The nodes of a lattice with indices `low..=high`, rounded outwards to whole blocks, in at most [`MOST_BYTES`].
     ///
     /// # Errors
-    /// A box without extent.
-    pub fn new(lattice: Lattice<D>, low: [i32; D], high: [i32; D]) -> Result<Self, EmptyBox> {
+    /// A box without extent; one that takes more memory than that.
+    pub fn new(lattice: Lattice<D>, low: [i32; D], high: [i32; D]) -> Result<Self, DenseGridError> {
+        Self::within(lattice, low, high, MOST_BYTES)
+    }
+
+    /// As [`DenseGrid::new`], in at most so many bytes of memory.
+    ///
+    /// # Errors
+    /// A box without extent; one that takes more memory than that.
+    pub fn within(
+        lattice: Lattice<D>,
+        low: [i32; D],
+        high: [i32; D],
+        bytes: u64,
+    ) -> Result<Self, DenseGridError> {
         let block = BLOCK as i32;
         let mut first = [0; D];
         let mut size = [0; D];
         for d in 0..D {
             if low[d] >= high[d] {
-                return Err(EmptyBox { axis: d, low: low[d], high: high[d] });
+                return Err(DenseGridError::Empty { axis: d, low: low[d], high: high[d] });
             }
             first[d] = low[d].div_euclid(block);
             size[d] = (high[d].div_euclid(block) - first[d]) as usize + 1;
         }
+        let budget = Budget {
+            what: "a dense grid of this box",
+            allowed: bytes,
+            remedy: "use a smaller box or larger cells, a block grid, which holds only nodes that matter reaches, or allow more by `DenseGrid::within`",
+        };
+        // As floating-point numbers, of which no box makes too large a product.
+        let each = size_of::<[i32; D]>() + block_nodes(D) * size_of::<Node<T>>();
+        budget.holds(size.iter().map(|n| *n as f64).product::<f64>() * each as f64)?;
         let count = size.iter().product();
-        let mut blocks = Vec::with_capacity(count);
+        let mut blocks = budget.room(count)?;
         for mut rest in 0..count {
             let mut c = first;
             for d in 0..D {
@@ -53,7 +85,9 @@ impl<T: Float, const D: usize> DenseGrid<T, D> {
             }
             blocks.push(c);
         }
-        Ok(DenseGrid { lattice, low: first, size, blocks, nodes: zeroed::<T, D>(count) })
+        let mut nodes = budget.room(count * block_nodes(D))?;
+        nodes.resize(count * block_nodes(D), Node::default());
+        Ok(DenseGrid { lattice, low: first, size, blocks, nodes })
     }
 }
 
@@ -80,7 +114,9 @@ impl<T: Float, const D: usize> GridStorage<T, D> for DenseGrid<T, D> {
     fn find(&self, coordinates: &[i32; D]) -> Option<usize> {
         let mut index = 0;
         for d in (0..D).rev() {
-            let at = usize::try_from(coordinates[d] - self.low[d]).ok().filter(|&at| at < self.size[d])?;
+            // Any two coordinates are fewer than 2^32 apart.
+            let at = i64::from(coordinates[d]) - i64::from(self.low[d]);
+            let at = usize::try_from(at).ok().filter(|&at| at < self.size[d])?;
             index = index * self.size[d] + at;
         }
         Some(index)

@@ -5,11 +5,10 @@ mod sparse;
 
 use mpm_materials::Real;
 
-use crate::dim::block_nodes;
 use crate::geometry::Lattice;
 use crate::parallel::Float;
 
-pub use dense::DenseGrid;
+pub use dense::{DenseGrid, DenseGridError};
 pub use sparse::BlockGrid;
 
 /// A node: two records of four numbers, `[scalar, x, y, z]` (z unused in two dimensions).
@@ -105,8 +104,4 @@ pub struct OutsideGrid {
     pub coordinates: Vec<i32>,
     /// What to do.
     pub hint: &'static str,
-}
-
-fn zeroed<T: Float, const D: usize>(blocks: usize) -> Vec<Node<T>> {
-    vec![Node::default(); blocks * block_nodes(D)]
 }
