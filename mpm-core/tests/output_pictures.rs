@@ -10,6 +10,8 @@ use mpm_core::output::picture::{
     Picture, Quantity, Series, Stroke,
 };
 use mpm_core::output::{OutputError, ParticleSize, Snapshot};
+use proptest::prelude::*;
+use proptest::test_runner::RngSeed;
 
 /// Radius and length of the undeformed bar, m.
 const RADIUS: f64 = 3.2e-3;
@@ -306,5 +308,98 @@ fn hostile_scenes_are_drawn_without_a_panic() {
             let picture = if perspective { picture.perspective() } else { picture };
             picture.mirrored([Mirror::z(0.0)]).draw(&snapshot).expect("drawn");
         }
+    }
+}
+
+#[test]
+fn pictures_beyond_memory_are_refused() {
+    let two = Snapshot::new(2, 0.0, 0, vec![[0.0; 3], [1.0, 1.0, 0.0]], ParticleSize::Uniform(0.1)).unwrap();
+    let refused = FieldPicture::new(16384, 16384).draw(&two).unwrap_err().to_string();
+    assert!(refused.starts_with("a picture of so many pixels would take"), "{refused}");
+    // 4096 copies of each.
+    let far = vec![[1e9, 0.0, 0.0]; 100_000];
+    let far = Snapshot::new(2, 0.0, 0, far, ParticleSize::Uniform(1e-3)).unwrap();
+    let refused = ParticlePicture::new(100, 100).revolved(360.0).draw(&far).unwrap_err().to_string();
+    assert!(refused.contains("turned about the axis would take"), "{refused}");
+    for size in [0.0, f32::NAN, 1e9] {
+        let text = FieldPicture::new(100, 100).letters(size).draw(&two).unwrap_err().to_string();
+        assert!(text.starts_with("size of letters ="), "{text}");
+        assert!(ParticlePicture::new(100, 100).letters(size).draw(&two).is_err());
+        assert!(Chart::new(100, 100).letters(size).draw().is_err());
+    }
+    // Far debris of any distance is left out or framed.
+    for x in [1e12, 1e20, 1e30, 1e300, f64::MAX] {
+        let list = vec![[0.0; 3], [1e-3, 0.0, 0.0], [x, 0.0, 0.0], [-x, x, 0.0]];
+        for dimension in [2, 3] {
+            let scene = Snapshot::new(dimension, 0.0, 0, list.clone(), ParticleSize::Uniform(1e-3)).unwrap();
+            let drawn = ParticlePicture::new(60, 60).mirrored([Mirror::x(1e30)]).draw(&scene);
+            assert!(drawn.is_ok(), "{x:e}: {drawn:?}");
+            if dimension == 2 {
+                FieldPicture::new(60, 60).draw(&scene).unwrap();
+            }
+        }
+    }
+    let zoomed = Camera::looking([1.0; 3], [0.0; 3], [0.0, 0.0, 1.0], 1.0).unwrap().zoomed(0.0);
+    assert!(ParticlePicture::new(60, 60).camera(zoomed).draw(&two).is_err());
+    // A logarithmic axis from the smallest number to the largest.
+    let all = Series::new("all", &[5e-324, 1.0, f64::MAX], &[-f64::MAX, 0.0, f64::MAX]).unwrap();
+    let chart = Chart::new(90, 90).x(Axis::new("x").logarithmic()).series(all.marker(Marker::Circle));
+    chart.draw().unwrap();
+}
+
+/// Any number that can be written, with all magnitudes alike.
+fn number() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        4 => (-1.0..1.0f64, -320..309i32).prop_map(|(m, e)| m * 10f64.powi(e)),
+        2 => -3.0..3.0f64,
+        1 => prop_oneof![Just(0.0), Just(f64::NAN), Just(f64::INFINITY), Just(f64::NEG_INFINITY), Just(f64::MAX), Just(-f64::MAX)],
+    ]
+}
+
+fn point<const D: usize>() -> impl Strategy<Value = [f64; D]> {
+    prop::collection::vec(number(), D).prop_map(|v| std::array::from_fn(|i| v[i]))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 100, failure_persistence: None, rng_seed: RngSeed::Fixed(8), ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn any_scene_is_a_picture_or_an_error(
+        list in prop::collection::vec(point::<3>(), 1..6), size in number(), at in number(), value in point::<3>(),
+        looks in prop::array::uniform2(point::<3>()), scale in number(), factor in number(), log: bool,
+    ) {
+        let of = |list: &[[f64; 3]], dimension, size: f64| {
+            let values = (0..list.len()).map(|i| value[i % 3]).collect();
+            Snapshot::new(dimension, 0.0, 0, list.to_vec(), ParticleSize::Uniform(size)).and_then(|s| s.with_scalar("v", values))
+        };
+        let colour = if log { Quantity::scalar("v").logarithmic() } else { Quantity::scalar("v").unit("x", factor) };
+        for size in [size, 1e-3] {
+            if let Ok(scene) = of(&list, 3, size) {
+                let picture = ParticlePicture::new(40, 30).colour_by(colour.clone());
+                let _ = picture.draw(&scene);
+                let _ = picture.clone().perspective().mirrored([Mirror::y(at)]).draw(&scene);
+                let _ = picture.clone().seen_from(looks[0], looks[1]).particle_scale(scale).draw(&scene);
+                if let Ok(camera) = Camera::looking(looks[0], looks[1], [0.0, 0.0, 1.0], size) {
+                    let _ = picture.clone().camera(camera.zoomed(factor)).draw(&scene);
+                    let _ = picture.camera(camera.with_perspective()).draw(&scene);
+                }
+            }
+            let flat: Vec<[f64; 3]> = list.iter().map(|x| [x[0], x[1], 0.0]).collect();
+            if let Ok(scene) = of(&flat, 2, size) {
+                let picture = FieldPicture::new(40, 30).colour_by(colour.clone());
+                let _ = picture.draw(&scene);
+                let _ = picture.clone().mirrored([Mirror::x(at)]).particle_scale(scale).draw(&scene);
+                let _ = picture.bounds([at, factor], [size, scale]).draw(&scene);
+                let _ = ParticlePicture::new(40, 30).revolved(at.abs()).draw(&scene);
+            }
+        }
+        let [x, y] = [0, 1].map(|d| list.iter().map(|p| p[d]).collect::<Vec<f64>>());
+        let curve = Series::new("c", &x, &y).expect("as long").marker(Marker::Diamond);
+        let axis = |a: Axis| if log { a.logarithmic() } else { a };
+        let chart = Chart::new(80, 60).x(axis(Axis::new("x").unit("u", factor))).y(axis(Axis::new("y"))).series(curve);
+        let _ = chart.draw();
+        let _ = chart.x(Axis::new("x").range(at, scale)).draw();
     }
 }

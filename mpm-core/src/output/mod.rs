@@ -28,6 +28,7 @@ mod whole;
 
 pub use csv::{Column, History};
 pub use progress::Progress;
+pub(crate) use snapshot::{FARTHEST, is_place};
 pub use snapshot::{FieldValues, ParticleSize, Snapshot};
 pub use vtk::{Precision, VtkOptions, VtkSeries};
 pub use whole::{WholeFile, write_whole};
@@ -92,6 +93,9 @@ pub enum OutputError {
         /// The names of that kind that exist.
         available: String,
     },
+    /// What is asked for takes more memory than is allowed, or than there is.
+    #[error(transparent)]
+    Memory(#[from] crate::memory::MemoryError),
     /// A number outside what makes sense.
     #[error("{what} = {value} is not allowed: {allowed}")]
     Value {

@@ -2,6 +2,15 @@
 
 use super::{OutputError, check_name};
 
+/// How far from the origin a particle can be and be drawn, m. Beyond the universe, and near enough that volumes and the squares of areas are
+/// numbers.
+pub(crate) const FARTHEST: f64 = 1e30;
+
+/// Is this somewhere, for a picture?
+pub(crate) fn is_place(x: &[f64; 3]) -> bool {
+    x.iter().all(|c| c.abs() <= FARTHEST)
+}
+
 /// Edge length of the cube (square in 2D) of matter that a particle stands for, m.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ParticleSize {
@@ -78,9 +87,9 @@ impl Snapshot {
     /// to body 0 until [`with_bodies`](Self::with_bodies) says otherwise.
     ///
     /// # Errors
-    /// A dimension other than 2 or 3, a time or size that is not finite, a size that is not positive, z that is
-    /// not 0 in two dimensions, or a list of sizes of the wrong length. Positions that are not finite are
-    /// accepted (one wants to see a run that went wrong) and left out of pictures.
+    /// A dimension other than 2 or 3, a time that is not finite, a size that is not from 1e-30 to 1e30 m, z that is
+    /// not 0 in two dimensions, or a list of sizes of the wrong length. Positions that are not finite, or farther than 1e30 m
+    /// from the origin, are accepted (one wants to see a run that went wrong) and left out of pictures.
     pub fn new(
         dimension: usize,
         time: f64,
@@ -100,8 +109,8 @@ impl Snapshot {
             let what = format!("z of particle {i}");
             return Err(OutputError::value(what, x[2], "0 in two dimensions"));
         }
-        let good = |h: &f64| h.is_finite() && *h > 0.0;
-        let allowed = "a finite, positive length in m";
+        let good = |h: &f64| (1.0 / FARTHEST..=FARTHEST).contains(h);
+        let allowed = "a length from 1e-30 to 1e30 m";
         match &size {
             ParticleSize::Uniform(h) if !good(h) => {
                 return Err(OutputError::value("particle size", h, allowed));
@@ -267,14 +276,14 @@ impl Snapshot {
         }
     }
 
-    /// The smallest box around the particles that are at finite places, particle sizes included, m; `None` if
-    /// there are none.
+    /// The smallest box around the particles that are at finite places (none of them farther than 1e30 m from the origin), particle sizes
+    /// included, m; `None` if there are none.
     #[must_use]
     pub fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
         let mut lo = [f64::INFINITY; 3];
         let mut hi = [f64::NEG_INFINITY; 3];
         for (i, x) in self.positions.iter().enumerate() {
-            if x.iter().all(|c| c.is_finite()) {
+            if is_place(x) {
                 let half = 0.5 * self.size_of(i);
                 for d in 0..self.dimension {
                     lo[d] = lo[d].min(x[d] - half);

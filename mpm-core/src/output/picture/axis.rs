@@ -8,6 +8,10 @@ pub(crate) const FAINT: Rgb = hex(0x6b7280);
 pub(crate) const GRID: Rgb = hex(0xe6e8eb);
 pub(crate) const PAPER: Rgb = [255; 3];
 
+/// The largest number that an axis shows, and one over the smallest that a logarithmic one does. Beyond this lie sums and powers that are no
+/// numbers.
+const MOST: f64 = 1e200;
+
 /// A numbered line: which numbers it spans and whether it is logarithmic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Scale {
@@ -28,8 +32,10 @@ impl Scale {
     /// A scale over at least a tiny range.
     pub(crate) fn new(low: f64, high: f64, log: bool) -> Self {
         let (low, high) = if low.is_finite() && high.is_finite() { (low, high) } else { (0.0, 1.0) };
-        let (mut low, mut high) = (low.min(high), low.max(high));
+        let (mut low, mut high) = (low.min(high).clamp(-MOST, MOST), low.max(high).clamp(-MOST, MOST));
         if log {
+            high = high.max(1.0 / MOST);
+            low = if low > 0.0 { low.max(1.0 / MOST) } else { low };
             low = if low > 0.0 { low } else { high.max(1e-300) * 1e-3 };
             high = high.max(low);
             if high <= low * 1.0001 {
@@ -48,7 +54,7 @@ impl Scale {
     /// Where a number lies: 0 at the low end, 1 at the high.
     pub(crate) fn place(&self, x: f64) -> f64 {
         if self.log {
-            (x / self.low).ln() / (self.high / self.low).ln()
+            (x.ln() - self.low.ln()) / (self.high.ln() - self.low.ln())
         } else {
             (x - self.low) / (self.high - self.low)
         }
@@ -57,7 +63,7 @@ impl Scale {
     /// Widen both ends by a part of the span.
     pub(crate) fn padded(self, part: f64) -> Self {
         if self.log {
-            let factor = (self.high / self.low).powf(part);
+            let factor = (part * (self.high.ln() - self.low.ln())).exp();
             Self { low: self.low / factor, high: self.high * factor, ..self }
         } else {
             let pad = part * (self.high - self.low);

@@ -1,6 +1,6 @@
 //! Where one looks from, mirrors and cuts.
 
-use super::super::{OutputError, Snapshot};
+use super::super::{FARTHEST, OutputError, Snapshot, is_place};
 
 /// A symmetry plane normal to an axis, across which a picture repeats the particles.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,8 +49,12 @@ impl Mirror {
             if mirror.axis > 2 {
                 return Err(OutputError::value("axis of a mirror", mirror.axis, "0, 1 or 2"));
             }
-            if !mirror.at.is_finite() {
-                return Err(OutputError::value("place of a mirror", mirror.at, "a finite length in m"));
+            if !(-FARTHEST..=FARTHEST).contains(&mirror.at) {
+                return Err(OutputError::value(
+                    "place of a mirror",
+                    mirror.at,
+                    "at most 1e30 m from the origin",
+                ));
             }
         }
         Ok(())
@@ -89,14 +93,15 @@ impl Camera {
     /// [`with_perspective`](Self::with_perspective).
     ///
     /// # Errors
-    /// Numbers that are not finite, a width that is not positive, `from` equal to `at`, or `up` along the line
+    /// Numbers beyond 1e30, a width that is not from 1e-30 to 1e30 m, `from` equal to `at`, or `up` along the line
     /// of sight.
     pub fn looking(from: [f64; 3], at: [f64; 3], up: [f64; 3], width: f64) -> Result<Self, OutputError> {
-        if from.iter().chain(&at).chain(&up).any(|x| !x.is_finite()) {
-            return Err(OutputError::value("camera", format!("{from:?}, {at:?}, {up:?}"), "finite numbers"));
+        if ![from, at, up].iter().all(is_place) {
+            let given = format!("{from:?}, {at:?}, {up:?}");
+            return Err(OutputError::value("camera", given, "numbers of a magnitude of at most 1e30"));
         }
-        if !(width.is_finite() && width > 0.0) {
-            return Err(OutputError::value("camera width", width, "a finite, positive length in m"));
+        if !(1.0 / FARTHEST..=FARTHEST).contains(&width) {
+            return Err(OutputError::value("camera width", width, "a length from 1e-30 to 1e30 m"));
         }
         let toward = sub(from, at);
         let side = cross(up, toward);
@@ -129,7 +134,7 @@ impl Camera {
         let mut hi = [f64::NEG_INFINITY; 3];
         let mut copies = Vec::new();
         for (i, x) in snapshot.positions().iter().enumerate() {
-            if x.iter().any(|c| !c.is_finite()) {
+            if !is_place(x) {
                 continue;
             }
             let half = 0.75 * snapshot.size_of(i);
@@ -154,6 +159,11 @@ impl Camera {
         let span = (0..3).map(|d| hi[d] - lo[d]).fold(0.0, f64::max);
         let from = [0, 1, 2].map(|c| at[c] + 3.5 * span * out[c]);
         let (width, height) = (hi[0] - lo[0], hi[1] - lo[1]);
+        // Far off, a small span is lost in rounding.
+        if !(width > 0.0 && height > 0.0 && sub(from, at) != [0.0; 3]) {
+            let allowed = "more than the rounding of the particles' coordinates";
+            return Err(OutputError::value("extent of the snapshot", span, allowed));
+        }
         Ok(Self { from, at, up, width, height, perspective: false })
     }
 

@@ -91,11 +91,21 @@ impl Picture {
         }
     }
 
+    /// The rows of the picture between two heights, none if one is not a number.
+    fn rows(&self, from: f32, to: f32) -> std::ops::Range<i64> {
+        within(from, to, self.height)
+    }
+
+    /// The columns of the picture between two places, none if one is not a number.
+    fn columns(&self, from: f32, to: f32) -> std::ops::Range<i64> {
+        within(from, to, self.width)
+    }
+
     /// Fill a box given by two corners.
     pub(crate) fn fill(&mut self, [x0, y0]: [f32; 2], [x1, y1]: [f32; 2], colour: Rgb) {
         let overlap = |i: i64, lo: f32, hi: f32| (hi.min(i as f32 + 1.0) - lo.max(i as f32)).clamp(0.0, 1.0);
-        for y in y0.floor() as i64..y1.ceil() as i64 {
-            for x in x0.floor() as i64..x1.ceil() as i64 {
+        for y in self.rows(y0, y1) {
+            for x in self.columns(x0, x1) {
                 self.blend(x, y, colour, overlap(x, x0, x1) * overlap(y, y0, y1));
             }
         }
@@ -180,8 +190,8 @@ impl Picture {
             |c: usize, f: fn(f32, f32) -> f32, start: f32| corners.iter().fold(start, |m, p| f(m, p[c]));
         let (x0, x1) = (fold(0, f32::min, f32::MAX), fold(0, f32::max, f32::MIN));
         let (y0, y1) = (fold(1, f32::min, f32::MAX), fold(1, f32::max, f32::MIN));
-        for y in y0.floor() as i64 - 1..=y1.ceil() as i64 {
-            for x in x0.floor() as i64 - 1..=x1.ceil() as i64 {
+        for y in self.rows(y0 - 1.0, y1 + 1.0) {
+            for x in self.columns(x0 - 1.0, x1 + 1.0) {
                 let mut cover = 1.0_f32;
                 for (i, a) in corners.iter().enumerate() {
                     let b = corners[(i + 1) % corners.len()];
@@ -197,8 +207,8 @@ impl Picture {
 
     /// A filled disc.
     pub(crate) fn disc(&mut self, [cx, cy]: [f32; 2], radius: f32, colour: Rgb) {
-        for y in (cy - radius - 1.0).floor() as i64..=(cy + radius + 1.0) as i64 {
-            for x in (cx - radius - 1.0).floor() as i64..=(cx + radius + 1.0) as i64 {
+        for y in self.rows(cy - radius - 1.0, cy + radius + 2.0) {
+            for x in self.columns(cx - radius - 1.0, cx + radius + 2.0) {
                 let distance = (x as f32 + 0.5 - cx).hypot(y as f32 + 0.5 - cy);
                 self.blend(x, y, colour, (radius - distance + 0.5).clamp(0.0, 1.0));
             }
@@ -217,6 +227,10 @@ impl Picture {
     /// Write `text` at a point of its baseline.
     pub(crate) fn text(&mut self, text: &str, at: [f32; 2], pen: &Pen) {
         let Some(font) = pen.weight.font() else { return };
+        // Far outside there is nothing to write on.
+        if !at.iter().all(|c| c.abs() <= 4.0 * LARGEST as f32) {
+            return;
+        }
         let (glyphs, width) = layout(text, pen.size, font);
         let shift = match pen.align {
             Align::Left => 0.0,
@@ -239,6 +253,14 @@ impl Picture {
             }
         }
     }
+}
+
+/// The whole numbers from `from` to `to` that are less than `count`.
+fn within(from: f32, to: f32, count: usize) -> std::ops::Range<i64> {
+    if from.is_nan() || to.is_nan() {
+        return 0..0;
+    }
+    from.floor().max(0.0) as i64..to.ceil().min(count as f32) as i64
 }
 
 /// The two weights of the typeface.

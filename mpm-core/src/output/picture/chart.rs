@@ -216,7 +216,7 @@ impl Chart {
         self
     }
 
-    /// The size of letters, pixels; without this it follows the picture's.
+    /// The size of letters, 1 to 1000 pixels; without this it follows the picture's.
     #[must_use]
     pub fn letters(self, size: f32) -> Self {
         Self { letters: Some(size), ..self }
@@ -228,7 +228,7 @@ impl Chart {
     /// Sizes, factors and ranges that make no sense.
     pub fn draw(&self) -> Result<Picture, OutputError> {
         let mut picture = Picture::new(self.width, self.height, PAPER)?;
-        let size = self.letters.unwrap_or_else(|| super::letters(self.width, self.height) * 1.15);
+        let size = super::letters(self.letters, 1.15, self.width, self.height)?;
         let (w, h) = (self.width as f32, self.height as f32);
         let all = || self.series.iter().flat_map(|s| &s.points);
         let scale = |axis: &Axis, d: usize, pad: f64| {

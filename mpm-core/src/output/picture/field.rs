@@ -1,6 +1,6 @@
 //! Flat fields: particles in the plane, true to scale, between numbered axes.
 
-use super::super::{OutputError, Snapshot};
+use super::super::{OutputError, Snapshot, is_place};
 use super::axis::{FAINT, Frame, INK, PAPER, Scale, axis_title};
 use super::camera::Mirror;
 use super::canvas::{Pen, Picture};
@@ -51,6 +51,9 @@ pub struct FieldPicture {
     letters: Option<f32>,
 }
 
+/// Samples a pixel side.
+const FINE: usize = 3;
+
 impl FieldPicture {
     /// A picture of that many pixels, framed to fit, in colour by body.
     #[must_use]
@@ -100,7 +103,7 @@ impl FieldPicture {
         Self { mark, ..self }
     }
 
-    /// Particles are drawn this much larger than they are.
+    /// Particles are drawn this much larger than they are (1e-6 to 1e6).
     #[must_use]
     pub fn particle_scale(self, scale: f64) -> Self {
         Self { scale, ..self }
@@ -118,7 +121,7 @@ impl FieldPicture {
         Self { bounds: Some([low, high]), ..self }
     }
 
-    /// The size of letters, pixels; without this it follows the picture's.
+    /// The size of letters, 1 to 1000 pixels; without this it follows the picture's.
     #[must_use]
     pub fn letters(self, size: f32) -> Self {
         Self { letters: Some(size), ..self }
@@ -128,7 +131,8 @@ impl FieldPicture {
     ///
     /// # Errors
     /// A three-dimensional snapshot, a field that does not exist, a snapshot without particles at finite places
-    /// (unless bounds are given), or bounds and ranges that make no sense.
+    /// (unless bounds are given), bounds, sizes and ranges that make no sense, or more pixels than
+    /// [`MOST_BYTES`](crate::memory::MOST_BYTES) have room for.
     pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         if snapshot.dimension() != 2 {
             let allowed = "2; a snapshot in space is drawn by ParticlePicture";
@@ -138,15 +142,17 @@ impl FieldPicture {
         if let Some(mirror) = self.mirrors.iter().find(|m| m.axis > 1) {
             return Err(OutputError::value("axis of a mirror", mirror.axis, "0 or 1 in a flat picture"));
         }
-        if !(self.scale.is_finite() && self.scale > 0.0) {
-            return Err(OutputError::value("particle scale", self.scale, "finite and positive"));
-        }
+        super::check_scale(self.scale)?;
+        let samples =
+            FINE * FINE * (size_of::<f32>() + size_of::<bool>() + size_of::<Rgb>()) + size_of::<Rgb>();
+        super::budget("a picture of so many pixels", "make the picture smaller")
+            .holds(self.width as f64 * self.height as f64 * samples as f64)?;
         let mut picture = Picture::new(self.width, self.height, PAPER)?;
         let (colours, range) = colours_of(self.quantity.as_ref(), snapshot)?;
         let [low, high] = self.shown(snapshot)?;
 
         // Room for titles, axes and the colour bar.
-        let size = self.letters.unwrap_or_else(|| super::letters(self.width, self.height));
+        let size = super::letters(self.letters, 1.0, self.width, self.height)?;
         let (w, h) = (self.width as f32, self.height as f32);
         let (mut top, mut bottom, mut right) = (1.1 * size, h - 0.9 * size, w - 1.1 * size);
         let title_at = top + 1.1 * size;
@@ -168,10 +174,10 @@ impl FieldPicture {
         right -= bar_room;
 
         // The same scale both ways, centred in what room there is.
-        let spans = [(sx.high - sx.low) as f32, (sy.high - sy.low) as f32];
+        let spans = [sx.high - sx.low, sy.high - sy.low];
         let (room_x, room_y) = ((right - left).max(8.0), (bottom - top).max(8.0));
-        let per_unit = (room_x / spans[0]).min(room_y / spans[1]);
-        let (across, down) = ((spans[0] * per_unit).round(), (spans[1] * per_unit).round());
+        let per_unit = (f64::from(room_x) / spans[0]).min(f64::from(room_y) / spans[1]);
+        let [across, down] = spans.map(|span| (span * per_unit).round() as f32);
         let x0 = (left + 0.5 * (room_x - across)).round();
         let y0 = (top + 0.5 * (room_y - down)).round();
         let frame = Frame { left: x0, top: y0, right: x0 + across, bottom: y0 + down, x: sx, y: sy };
@@ -206,12 +212,18 @@ impl FieldPicture {
     /// The box to show, m.
     fn shown(&self, snapshot: &Snapshot) -> Result<[[f64; 2]; 2], OutputError> {
         if let Some([low, high]) = self.bounds {
-            let good = (0..2).all(|d| low[d].is_finite() && high[d].is_finite() && low[d] < high[d]);
+            let good = is_place(&[low[0], low[1], 0.0])
+                && is_place(&[high[0], high[1], 0.0])
+                && (0..2).all(|d| high[d] - low[d] >= 1e-30);
             return if good {
                 Ok([low, high])
             } else {
                 let given = format!("{low:?} to {high:?}");
-                Err(OutputError::value("bounds of the picture", given, "finite corners, low < high"))
+                Err(OutputError::value(
+                    "bounds of the picture",
+                    given,
+                    "corners at most 1e30 m from the origin, low < high by 1e-30 m",
+                ))
             };
         }
         let Some((low, high)) = snapshot.bounds() else {
@@ -235,7 +247,6 @@ impl FieldPicture {
 
     /// Draw the particles at three times the resolution and average.
     fn fill(&self, snapshot: &Snapshot, colours: &[Rgb], frame: &Frame, factor: f64, picture: &mut Picture) {
-        const FINE: usize = 3;
         let columns = (frame.right - frame.left).max(0.0) as usize * FINE;
         let rows = (frame.bottom - frame.top).max(0.0) as usize * FINE;
         let mut nearest = vec![f32::INFINITY; columns * rows];
@@ -247,7 +258,7 @@ impl FieldPicture {
             (0..snapshot.len()).map(|i| snapshot.size_of(i)).sum::<f64>() / snapshot.len().max(1) as f64;
         let margin = (0.6 * sizes * self.scale * per_metre).round().clamp(0.0, 60.0) as usize;
         for (i, x) in snapshot.positions().iter().enumerate() {
-            if !(x[0].is_finite() && x[1].is_finite()) {
+            if !is_place(x) {
                 continue;
             }
             let half = (0.5 * snapshot.size_of(i) * self.scale * per_metre).max(0.5) as f32;

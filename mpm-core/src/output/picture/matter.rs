@@ -61,7 +61,9 @@ impl Matter {
                 (low[d], high[d]) = (low[d].max(first - near), high[d].min(last + near));
             }
         }
-        let mut cell = usual_cell;
+        // Cells that are smaller are too many anyway, and nothing would make them larger if their size were zero.
+        let longest = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+        let mut cell = usual_cell.max(longest / CELLS);
         while count(cell, low, high) > CELLS {
             cell *= 1.2;
         }
@@ -76,7 +78,9 @@ impl Matter {
         let mut taken = vec![false; total];
         let mut home = Vec::with_capacity(balls.len());
         for (ball, outside) in balls.iter().zip(outside) {
-            if outside {
+            let places = [0, 1, 2].map(|d| (ball.x[d] - low[d]) * per_metre);
+            // Far from the origin rounding may leave no margin.
+            if outside || !(0..3).all(|d| places[d] >= 2.0 && places[d] <= n[d] as f64 - 2.0) {
                 home.push(NOWHERE);
                 continue;
             }
@@ -84,10 +88,9 @@ impl Matter {
             let mut part = [0.0_f32; 3];
             let mut own = [0; 3];
             for d in 0..3 {
-                let place = (ball.x[d] - low[d]) * per_metre;
-                own[d] = place as usize;
-                base[d] = (place - 0.5) as usize;
-                part[d] = (place - 0.5) as f32 - base[d] as f32;
+                own[d] = places[d] as usize;
+                base[d] = (places[d] - 0.5) as usize;
+                part[d] = (places[d] - 0.5) as f32 - base[d] as f32;
             }
             let cell = (own[2] * n[1] + own[1]) * n[0] + own[0];
             taken[cell] = true;

@@ -30,6 +30,9 @@ mod panels;
 mod particles;
 mod quantity;
 
+use super::OutputError;
+use crate::memory::{Budget, MOST_BYTES};
+
 pub use camera::{Camera, Cut, Mirror};
 pub use canvas::Picture;
 pub use chart::{Axis, Chart, Marker, Series, Stroke};
@@ -64,7 +67,25 @@ pub fn time_unit(time: f64) -> (&'static str, f64) {
     }
 }
 
-/// The size of letters that suits a picture, pixels.
-fn letters(width: usize, height: usize) -> f32 {
-    ((width as f32 * height as f32).sqrt() / 48.0).clamp(10.0, 60.0)
+/// Refuses sizes of particles that are no sizes.
+fn check_scale(scale: f64) -> Result<(), OutputError> {
+    if (1e-6..=1e6).contains(&scale) {
+        Ok(())
+    } else {
+        Err(OutputError::value("particle scale", scale, "from 1e-6 to 1e6"))
+    }
+}
+
+/// Bytes that making a picture may take.
+fn budget(what: &'static str, remedy: &'static str) -> Budget {
+    Budget { what, allowed: MOST_BYTES, remedy }
+}
+
+/// The size of letters, pixels: the one asked for, or `larger` times the one that suits a picture.
+fn letters(asked: Option<f32>, larger: f32, width: usize, height: usize) -> Result<f32, OutputError> {
+    match asked {
+        Some(size) if (1.0..=1000.0).contains(&size) => Ok(size),
+        Some(size) => Err(OutputError::value("size of letters", size, "1 to 1000 pixels")),
+        None => Ok(((width as f32 * height as f32).sqrt() / 48.0).clamp(10.0, 60.0) * larger),
+    }
 }

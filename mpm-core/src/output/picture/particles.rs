@@ -5,7 +5,7 @@
 //! from the gradient of the smoothed density of particles. The same density, smoothed wider, says how much open
 //! sky a place sees and darkens corners; and particles with matter all around are not drawn at all.
 
-use super::super::{OutputError, Snapshot};
+use super::super::{OutputError, Snapshot, is_place};
 use super::axis::{FAINT, INK, PAPER};
 use super::camera::{Camera, Cut, Mirror, dot, sub};
 use super::canvas::{Pen, Picture};
@@ -131,13 +131,13 @@ impl ParticlePicture {
         Self { revolved: Some(degrees), ..self }
     }
 
-    /// Balls are drawn this much larger (default 1: large enough to close the surface of a lattice).
+    /// Balls are drawn this much larger (1e-6 to 1e6, default 1: large enough to close the surface of a lattice).
     #[must_use]
     pub fn particle_scale(self, scale: f64) -> Self {
         Self { scale, ..self }
     }
 
-    /// The size of letters, pixels; without this it follows the picture's.
+    /// The size of letters, 1 to 1000 pixels; without this it follows the picture's.
     #[must_use]
     pub fn letters(self, size: f32) -> Self {
         Self { letters: Some(size), ..self }
@@ -153,12 +153,14 @@ impl ParticlePicture {
     ///
     /// # Errors
     /// A field that does not exist, a snapshot without particles at finite places (unless the camera is given),
-    /// or sizes, directions and ranges that make no sense.
+    /// sizes, directions and ranges that make no sense, or more pixels and copies of particles than
+    /// [`MOST_BYTES`](crate::memory::MOST_BYTES) have room for.
     pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         Mirror::check(&self.mirrors)?;
-        if !(self.scale.is_finite() && self.scale > 0.0) {
-            return Err(OutputError::value("particle scale", self.scale, "finite and positive"));
-        }
+        super::check_scale(self.scale)?;
+        let samples = FINE * FINE * (size_of::<f32>() + size_of::<u32>()) + size_of::<Rgb>();
+        super::budget("a picture of so many pixels", "make the picture smaller")
+            .holds(self.width as f64 * self.height as f64 * samples as f64)?;
         let turned;
         let snapshot = match self.revolved {
             Some(degrees) => {
@@ -179,7 +181,7 @@ impl ParticlePicture {
             }
         };
 
-        let size = self.letters.unwrap_or_else(|| super::letters(self.width, self.height));
+        let size = super::letters(self.letters, 1.0, self.width, self.height)?;
         let (w, h) = (self.width as f32, self.height as f32);
         let pad = 1.1 * size;
         let mut top = pad;
@@ -206,17 +208,14 @@ impl ParticlePicture {
         };
         centred(&self.title, title_at, Pen::new(1.3 * size, INK).bold());
         centred(&self.caption, caption_at, Pen::new(size, FAINT));
-        let view = Viewport {
-            left: pad,
-            top,
-            width: (right - pad).max(1.0),
-            height: (bottom - top).max(1.0),
-            camera,
-            pixels_per_metre: camera
-                .pixels_per_metre(f64::from((right - pad).max(1.0)), f64::from((bottom - top).max(1.0)))
-                * 0.97,
-        };
-        let balls = self.balls(snapshot, &colours);
+        let (width, height) = ((right - pad).max(1.0), (bottom - top).max(1.0));
+        let pixels_per_metre = 0.97 * camera.pixels_per_metre(f64::from(width), f64::from(height));
+        if !(pixels_per_metre.is_normal() && pixels_per_metre > 0.0) {
+            let allowed = "positive and finite; the camera's width was zoomed to nothing or everything";
+            return Err(OutputError::value("pixels a metre", pixels_per_metre, allowed));
+        }
+        let view = Viewport { left: pad, top, width, height, camera, pixels_per_metre };
+        let balls = self.balls(snapshot, &colours)?;
         view.render(&balls, &mut picture);
         if self.marks {
             view.marks(&mut picture, size, snapshot.dimension());
@@ -225,12 +224,17 @@ impl ParticlePicture {
     }
 
     /// All balls to draw, mirrored and cut.
-    fn balls(&self, snapshot: &Snapshot, colours: &[Rgb]) -> Vec<Ball> {
+    fn balls(&self, snapshot: &Snapshot, colours: &[Rgb]) -> Result<Vec<Ball>, OutputError> {
         let radius = 0.75 * self.scale;
+        // A ball, how it is seen, and where it is among the others.
+        let each = size_of::<Ball>() + size_of::<Seen>() + 32;
+        let most = snapshot.len() as f64 * f64::from(1_u32 << self.mirrors.len().min(6));
+        super::budget("a picture of so many particles", "use fewer mirrors or particles")
+            .holds(most * each as f64)?;
         let mut balls = Vec::with_capacity(snapshot.len() << self.mirrors.len().min(3));
         let mut copies = Vec::new();
         for (i, x) in snapshot.positions().iter().enumerate() {
-            if x.iter().any(|c| !c.is_finite()) {
+            if !is_place(x) {
                 continue;
             }
             Mirror::copies(&self.mirrors, *x, &mut copies);
@@ -240,7 +244,7 @@ impl ParticlePicture {
                 }
             }
         }
-        balls
+        Ok(balls)
     }
 }
 
@@ -257,15 +261,23 @@ fn revolved(snapshot: &Snapshot, degrees: f64, quantity: Option<&Quantity>) -> R
             "more than 0 and at most 360 degrees",
         ));
     }
+    let angle = degrees.to_radians();
+    // At most a few thousand copies, however far out a particle flew.
+    let copies = |i: usize, x: &[f64; 3]| {
+        if is_place(x) { (angle * x[0].abs() / snapshot.size_of(i)).ceil().clamp(1.0, 4096.0) } else { 0.0 }
+    };
+    let all: f64 = snapshot.positions().iter().enumerate().map(|(i, x)| copies(i, x)).sum();
+    // A place, a size, a number and a body, of which lists are kept twice as they grow; the field and how it is drawn.
+    let each =
+        2 * size_of::<([f64; 3], f64, usize, u32)>() + size_of::<[f64; 3]>() + size_of::<(Ball, Seen)>();
+    super::budget(
+        "a picture of so many particles turned about the axis",
+        "turn it by a smaller angle or draw fewer particles",
+    )
+    .holds(all * each as f64)?;
     let (mut positions, mut sizes, mut from) = (Vec::new(), Vec::new(), Vec::new());
     for (i, x) in snapshot.positions().iter().enumerate() {
-        let (r, size) = (x[0].abs(), snapshot.size_of(i));
-        if !(r.is_finite() && x[1].is_finite()) {
-            continue;
-        }
-        let angle = degrees.to_radians();
-        // At most a few thousand copies, however far out a particle flew.
-        let count = (angle * r / size).ceil().clamp(1.0, 4096.0);
+        let (r, size, count) = (x[0].abs(), snapshot.size_of(i), copies(i, x));
         for k in 0..count as usize {
             let phi = angle * (k as f64 + 0.5) / count;
             positions.push([r * phi.cos(), r * phi.sin(), x[1]]);
@@ -439,7 +451,7 @@ fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usiz
     let r = ball.radius;
     // Casts to usize cut off the fraction and send negative numbers to 0.
     let y0 = (ball.y - r) as usize;
-    let y1 = ((ball.y + r) as usize + 1).min(rows);
+    let y1 = ((ball.y + r) as usize).saturating_add(1).min(rows);
     let front = ball.depth + ball.front;
     for y in y0..y1 {
         let dy = y as f32 + 0.5 - ball.y;
