@@ -46,7 +46,7 @@ pub struct Terms<L> {
 }
 
 /// An equation of state p = a(J) + b(J) e, compression positive.
-pub trait Eos<T: Real>: Clone + Send + Sync + 'static {
+pub trait Eos<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// The internal energy a fluid of this law must remember: the number itself, or [`Nothing`] when the pressure
     /// depends on the volume alone.
     type Energy<L: Lane<Real = T>>: EnergyColumn<L>;

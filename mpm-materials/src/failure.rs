@@ -9,6 +9,7 @@
 
 pub mod aftermath;
 pub mod cohesive;
+pub mod combine;
 pub mod damage_limit;
 pub mod johnson_cook;
 pub mod localisation;
@@ -19,6 +20,7 @@ pub mod tuler_butcher;
 
 pub use aftermath::{LosesShear, LosesTension, Remains, Removed};
 pub use cohesive::{CohesiveSpall, Crack};
+pub use combine::{Cracking, NoCrack, OneCrack, OpeningCrack};
 pub use damage_limit::DamageLimit;
 pub use johnson_cook::JohnsonCookDamage;
 pub use localisation::{CrackBand, Local, Localisation};
@@ -65,15 +67,48 @@ pub struct Strain<L> {
 }
 
 /// A failure criterion.
-pub trait Failure<T: Real>: Clone + Send + Sync + 'static {
+///
+/// ```
+/// use mpm_materials::failure::{Flag, Observed};
+/// use mpm_materials::{Failure, Lane, NoCrack, Real, library};
+/// /// Fails where the equivalent stress reaches a limit, Pa.
+/// #[derive(Clone, Copy, Debug)]
+/// struct StressLimit(f64);
+/// impl Failure<f64> for StressLimit {
+///     type Cracks = NoCrack;
+///     type History<L: Lane<Real = f64>> = Flag<L>;
+///     fn intact(&self) -> Flag<<f64 as Real>::Single> {
+///         Flag::intact()
+///     }
+///     #[inline(always)]
+///     fn failed<L: Lane<Real = f64>>(&self, history: &Flag<L>, _: L) -> L::Mask {
+///         history.is_set()
+///     }
+///     #[inline(always)]
+///     fn judge<L: Lane<Real = f64>>(&self, observed: &Observed<L>, old: &Flag<L>) -> Flag<L> {
+///         let squared = observed.deviator.dot(&observed.deviator) * L::of(1.5);
+///         old.or(squared.ge(L::splat(self.0 * self.0)))
+///     }
+/// }
+/// let copper = library::copper_ofhc().with_failure(StressLimit(1e9));
+/// # let _ = copper;
+/// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a failure criterion",
+    note = "two criteria together are a pair, three a pair in a pair: `(a, (b, c))`",
+    note = "a criterion of one's own implements `Failure`, with `type Cracks = NoCrack` unless a crack opens in it"
+)]
+pub trait Failure<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// Can a point fail at all? With `false` nothing of failure is compiled.
     const POSSIBLE: bool = true;
 
     /// What a failed point still carries.
     const REMAINS: Remains = Remains::Compression;
 
-    /// Does a crack open before the point fails? With `false` nothing of cracks is compiled.
-    const OPENS: bool = false;
+    /// Does a crack open before the point fails? Nearly always [`NoCrack`], with which nothing of cracks is compiled and the last three
+    /// functions are left as they are. One that opens a crack says [`OpeningCrack`] and writes these; it goes into a
+    /// [`Solid`](crate::Solid), beside others that open none ([`combine`]).
+    type Cracks: Cracking;
 
     /// What a point remembers of its failure.
     type History<L: Lane<Real = T>>: State<L>;
@@ -121,6 +156,7 @@ pub struct NoFailure;
 
 impl<T: Real> Failure<T> for NoFailure {
     const POSSIBLE: bool = false;
+    type Cracks = NoCrack;
     type History<L: Lane<Real = T>> = Nothing;
     fn intact(&self) -> Nothing {
         Nothing
@@ -135,14 +171,14 @@ impl<T: Real> Failure<T> for NoFailure {
     }
 }
 
-/// Fails where either criterion does; what remains is what both leave.
-impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B) {
+/// Fails where either criterion does; what remains is what both leave. One of them at most opens a crack.
+impl<T: Real, A: Failure<T>, B: Failure<T>> Failure<T> for (A, B)
+where
+    A::Cracks: OneCrack<B::Cracks>,
+{
     const POSSIBLE: bool = A::POSSIBLE || B::POSSIBLE;
     const REMAINS: Remains = A::REMAINS.and(B::REMAINS);
-    const OPENS: bool = {
-        assert!(!(A::OPENS && B::OPENS), "one crack a point: only one of two criteria may open one");
-        A::OPENS || B::OPENS
-    };
+    type Cracks = <A::Cracks as OneCrack<B::Cracks>>::Together;
     type History<L: Lane<Real = T>> = Pair<A::History<L>, B::History<L>>;
     fn intact(&self) -> Self::History<T::Single> {
         Pair(self.0.intact(), self.1.intact())

@@ -27,13 +27,15 @@ state! {
 }
 
 /// How a fluid resists shear.
-pub trait ShearViscosity<T: Real>: Copy + Send + Sync + 'static {
+pub trait ShearViscosity<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// The remembered viscous deviator, or nothing.
     type Memory<L: Lane<Real = T>>: State<L>;
     /// Viscous deviator of a step.
     fn deviator<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>) -> Self::Memory<L>;
     /// The deviator as a tensor, Pa.
     fn stress<L: Lane<Real = T>>(&self, memory: &Self::Memory<L>) -> Sym3<L>;
+    /// The largest dynamic viscosity, Pa s: it bounds the time step.
+    fn largest(&self) -> T;
 }
 
 /// No shear viscosity.
@@ -49,6 +51,9 @@ impl<T: Real> ShearViscosity<T> for Inviscid {
     #[inline(always)]
     fn stress<L: Lane<Real = T>>(&self, _: &Nothing) -> Sym3<L> {
         Sym3::zero()
+    }
+    fn largest(&self) -> T {
+        T::of(0.0)
     }
 }
 
@@ -78,13 +83,16 @@ impl<T: Real> ShearViscosity<T> for Newtonian<T> {
     fn stress<L: Lane<Real = T>>(&self, memory: &Sym3<L>) -> Sym3<L> {
         *memory
     }
+    fn largest(&self) -> T {
+        self.viscosity
+    }
 }
 
 /// Bingham fluid, regularised as by Papanastasiou (docs/notes.md 3.14): s = 2 dev(d) \[eta + tau_y (1 -
 /// exp(-g/g0))/g\] with g = sqrt(2 dev d : dev d) the shear rate. Above a few g0 the shear stress is tau_y + eta g;
 /// below g0 the fluid creeps with viscosity eta + tau_y/g0.
 ///
-/// Limits: that creep viscosity bounds a stable step, dt below about rho h^2/(2 eta).
+/// Limits: that creep viscosity bounds a stable step, dt below 3 rho h^2/(8 eta); time controls respect it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bingham<T> {
     yield_stress: T,
@@ -126,6 +134,10 @@ impl<T: Real> ShearViscosity<T> for Bingham<T> {
     #[inline(always)]
     fn stress<L: Lane<Real = T>>(&self, memory: &Sym3<L>) -> Sym3<L> {
         *memory
+    }
+    /// That of the creep.
+    fn largest(&self) -> T {
+        self.viscosity + self.yield_stress / self.rate
     }
 }
 
@@ -267,6 +279,12 @@ where
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.eos.speed_squared(now.volume_ratio, now.energy.recall()).max(L::zero()).sqrt()
+    }
+    #[inline(always)]
+    fn step_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>, length: L) -> L {
+        // eta over rho0; the density of now is rho0 / J.
+        let nu = L::splat(self.shear.largest() * T::of(8.0 / 3.0) / self.eos.density()) * now.volume_ratio;
+        self.wave_speed(now) + nu / length
     }
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {

@@ -1,6 +1,7 @@
 //! Rock, soil and concrete: solids whose strength depends on the pressure.
 
-use crate::failure::{Failure, NoFailure, Observed};
+use crate::failure::combine::OfGround;
+use crate::failure::{Failure, NoCrack, NoFailure, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::ParameterError;
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, finite_state};
@@ -48,7 +49,7 @@ pub struct Admissible<L, H> {
 
 /// A law for the whole stress, pressure and deviator together. Its pressure is a function of volume ratio and
 /// history, without internal energy.
-pub trait Geomaterial<T: Real>: Clone + Send + Sync + 'static {
+pub trait Geomaterial<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// What a point remembers beside stress, volume and energy.
     type History<L: Lane<Real = T>>: State<L>;
     /// The law's name, for messages.
@@ -133,10 +134,16 @@ impl<M> Ground<M> {
 }
 
 impl<M, F, V, R> Ground<M, F, V, R> {
-    /// The same ground with a failure criterion.
-    pub fn with_failure<G>(self, failure: G) -> Ground<M, G, V, R> {
+    /// The same ground with a failure criterion: `N` is `Ground<M, G, V, R>`, of a `G` that is a [`Failure`] and opens no crack, which would
+    /// be solved with an equation of state.
+    pub fn with_failure<T, G, W, N>(self, failure: G) -> N
+    where
+        T: Real,
+        M: Geomaterial<T>,
+        G: OfGround<T, W, Ground<M, G, V, R>, N>,
+    {
         let Ground { law, viscosity, rate, .. } = self;
-        Ground { law, failure, viscosity, rate }
+        G::made(Ground { law, failure, viscosity, rate })
     }
     /// The same ground with bulk viscosity: linear coefficient b1 and quadratic b0, and the bulk sound speed at
     /// rest.
@@ -171,7 +178,7 @@ impl<T, M, F, V, R> Constitutive<T> for Ground<M, F, V, R>
 where
     T: Real,
     M: Geomaterial<T>,
-    F: Failure<T>,
+    F: Failure<T, Cracks = NoCrack>,
     V: ShockViscosity<T>,
     R: ObjectiveRate,
 {
@@ -184,7 +191,6 @@ where
         self.law.density()
     }
     fn virgin(&self) -> Self::State<T::Single> {
-        const { assert!(!F::OPENS, "cracks that open are for solids: ground has its own pressure") };
         GroundState {
             stress: Sym3::zero(),
             volume_ratio: T::Single::one(),

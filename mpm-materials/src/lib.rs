@@ -38,7 +38,8 @@ pub use eos::{
 pub use explosive::{Explosive, ExplosiveState};
 pub use failure::{
     CohesiveSpall, CrackBand, DamageLimit, Failure, JohnsonCookDamage, Local, LosesShear, LosesTension,
-    NoFailure, PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure, TulerButcher,
+    NoCrack, NoFailure, OpeningCrack, PlasticStrainLimit, PrincipalStress, Remains, Removed, TensilePressure,
+    TulerButcher,
 };
 pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
 pub use ground::{Geomaterial, Ground, GroundState};

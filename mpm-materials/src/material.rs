@@ -108,8 +108,8 @@ pub struct PairOutput<R> {
     pub stress: [RowPair<R>; 6],
     /// Volume over reference volume, J.
     pub volume_ratio: RowPair<R>,
-    /// Speed of the fastest wave, m/s, if asked for.
-    pub wave_speed: RowPair<R>,
+    /// [`Constitutive::step_speed`], m/s, if asked for.
+    pub step_speed: RowPair<R>,
 }
 
 /// A point whose law broke down.
@@ -195,6 +195,8 @@ pub trait Material<T: Float>: Send + Sync {
     fn name(&self) -> &'static str;
     /// Reference density rho0, kg/m^3.
     fn density(&self) -> T;
+    /// The law with all its constants, as its `Debug` shows them.
+    fn constants(&self) -> String;
     /// How many numbers a state has.
     fn numbers(&self) -> usize;
     /// Their names, in order.
@@ -213,12 +215,14 @@ pub trait Material<T: Float>: Send + Sync {
         speeds: bool,
         response: &mut Response<T>,
     );
-    /// Stress, volume ratio and wave speed of states as they stand.
-    fn describe(&self, states: States<'_, T>, response: &mut Response<T>);
+    /// Stress, volume ratio and the speed that steps are held by in cells of `length`, m, of states as they stand.
+    fn describe(&self, states: States<'_, T>, length: T, response: &mut Response<T>);
     /// Volume ratios alone, a row a group of the list.
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]);
     /// All that it says of one state; nothing unless it has [`Material::numbers`] numbers.
     fn describe_point(&self, state: &[T]) -> Option<Described<T>>;
+    /// [`Constitutive::step_speed`] of one state, m/s; nothing unless it has [`Material::numbers`] numbers.
+    fn step_speed(&self, state: &[T], length: T) -> Option<T>;
     /// Internal energy per reference volume of one state, J/m^3; nothing unless it has [`Material::numbers`] numbers.
     fn energy_of(&self, state: &[T]) -> Option<T>;
     /// One state for points that become one, each with its mass, kg: [`Constitutive::merged`].
@@ -412,7 +416,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Advance<'_, T, C> {
                 }
                 law.volume_ratio(&new.state).to_pair(&mut outputs.volume_ratio, half, lane);
                 if speeds {
-                    law.wave_speed(&new.state).to_pair(&mut outputs.wave_speed, half, lane);
+                    law.step_speed(&new.state, cell).to_pair(&mut outputs.step_speed, half, lane);
                 }
                 if new.fault.any() {
                     note::<T, A::Batch>(faults, n, lane, &new.fault);
@@ -436,6 +440,7 @@ fn note<T: Float, P: Pack<T>>(faults: &mut Vec<BrokenPoint>, group: usize, first
 struct Describe<'a, T: Float, C> {
     law: &'a C,
     states: States<'a, T>,
+    length: T,
     outputs: &'a mut [PairOutput<T::Row>],
 }
 
@@ -445,11 +450,11 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Describe<'_, T, C> {
 
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
-        let Describe { law, states: States { all, stride, first, groups }, outputs } = self;
-        let length = <C::State<A::Pack> as State<A::Pack>>::LEN;
+        let Describe { law, states: States { all, stride, first, groups }, length, outputs } = self;
+        let (numbers, length) = (<C::State<A::Pack> as State<A::Pack>>::LEN, A::Pack::splat(length));
         for (n, &group) in groups.iter().enumerate().filter(|(_, group)| **group != NO_GROUP) {
             let (outputs, half) = (&mut outputs[n / 2], n % 2);
-            let rows = &all[group as usize * stride + first..][..length];
+            let rows = &all[group as usize * stride + first..][..numbers];
             for lane in (0..T::GROUP).step_by(A::Pack::WIDTH) {
                 let now = C::State::<A::Pack>::read(&mut Reader { rows: [rows; 2], lane, at: 0 });
                 let Sym3(stress) = law.stress(&now);
@@ -457,7 +462,7 @@ impl<T: Float, C: Constitutive<T>> Kernel<T> for Describe<'_, T, C> {
                     stress[i].to_pair(&mut outputs.stress[i], half, lane);
                 }
                 law.volume_ratio(&now).to_pair(&mut outputs.volume_ratio, half, lane);
-                law.wave_speed(&now).to_pair(&mut outputs.wave_speed, half, lane);
+                law.step_speed(&now, length).to_pair(&mut outputs.step_speed, half, lane);
             }
         }
     }
@@ -513,6 +518,9 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
     fn density(&self) -> T {
         self.law.density()
     }
+    fn constants(&self) -> String {
+        format!("{:?}", self.law)
+    }
     fn numbers(&self) -> usize {
         <C::State<T::Single> as State<T::Single>>::LEN
     }
@@ -537,9 +545,9 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
         let spare = &mut response.spare[..];
         T::dispatch(Advance { law, motion, states, speeds, outputs, faults, spare });
     }
-    fn describe(&self, states: States<'_, T>, response: &mut Response<T>) {
+    fn describe(&self, states: States<'_, T>, length: T, response: &mut Response<T>) {
         response.have(states.groups.len());
-        T::dispatch(Describe { law: &self.law, states, outputs: &mut response.outputs[..] });
+        T::dispatch(Describe { law: &self.law, states, length, outputs: &mut response.outputs[..] });
     }
     fn volume_ratios(&self, states: States<'_, T>, ratios: &mut [T::Row]) {
         let groups = states.groups.iter().zip(ratios);
@@ -560,6 +568,9 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
             in_range: Mask::all(self.law.in_range(&now)),
             failed: self.law.failed(&now).any(),
         })
+    }
+    fn step_speed(&self, state: &[T], length: T) -> Option<T> {
+        Some(self.law.step_speed(&single::<T, C>(state)?, T::Single::from(length)).into())
     }
     fn energy_of(&self, state: &[T]) -> Option<T> {
         Some(self.law.energy(&single::<T, C>(state)?).into())

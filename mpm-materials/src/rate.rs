@@ -27,7 +27,7 @@ pub struct Increments<L> {
 /// let turned: Sym3<f64> = HughesWinget.rotate(&step, &Sym3([1.0e6, 0.0, 0.0, 0.0, 0.0, 0.0]));
 /// assert!((turned.0[1] - 1.0e6).abs() < 1.0e-9 && turned.0[0].abs() < 1.0e-9);
 /// ```
-pub trait ObjectiveRate: Copy + Send + Sync + 'static {
+pub trait ObjectiveRate: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// Strain and spin of a step.
     fn increments<L: Lane>(&self, kinematics: &Kinematics<L>) -> Increments<L>;
     /// A tensor after the rotation of a step, before any straining.

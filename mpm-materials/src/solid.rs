@@ -2,7 +2,8 @@
 
 use crate::capability::Yields;
 use crate::eos::{Balance, Eos, balance};
-use crate::failure::{Failure, NoFailure, Observed, Strain};
+use crate::failure::combine::OfSolid;
+use crate::failure::{Cracking, Failure, NoFailure, Observed, Strain};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::ParameterError;
 use crate::point::{Breakdown, Constitutive, Fault, Kinematics, State, Update, alike, finite_state, mean};
@@ -75,10 +76,16 @@ impl<S, E> Solid<S, E> {
 }
 
 impl<S, E, F, V, R> Solid<S, E, F, V, R> {
-    /// The same solid with a failure criterion.
-    pub fn with_failure<G>(self, failure: G) -> Solid<S, E, G, V, R> {
+    /// The same solid with a failure criterion: `N` is `Solid<S, E, G, V, R>`, of a `G` that is a [`Failure`].
+    pub fn with_failure<T, G, W, N>(self, failure: G) -> N
+    where
+        T: Real,
+        S: Strength<T>,
+        E: Eos<T>,
+        G: OfSolid<T, W, Solid<S, E, G, V, R>, N>,
+    {
         let Solid { strength, eos, viscosity, rate, .. } = self;
-        Solid { strength, eos, failure, viscosity, rate }
+        G::made(Solid { strength, eos, failure, viscosity, rate })
     }
     /// The same solid with bulk viscosity: linear coefficient b1 and quadratic b0 (0.06 and 1.5 in the public
     /// decks), and the sound speed of its equation of state at rest.
@@ -137,7 +144,7 @@ impl<S, E, F, V, R> Solid<S, E, F, V, R> {
         E: Eos<T>,
         F: Failure<T>,
     {
-        if !F::OPENS {
+        if !<F::Cracks as Cracking>::OPENS {
             return balance(self.eos.terms(volume_ratio), worked, volume_change);
         }
         let old = *failure;

@@ -74,7 +74,7 @@ pub struct Return<L, H> {
 }
 
 /// A law for the stress deviator.
-pub trait Strength<T: Real>: Clone + Send + Sync + 'static {
+pub trait Strength<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// What a point remembers of its flow.
     type History<L: Lane<Real = T>>: State<L>;
 

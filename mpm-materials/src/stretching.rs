@@ -95,6 +95,10 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
         self.law.wave_speed(&now.law)
     }
     #[inline(always)]
+    fn step_speed<L: Lane<Real = T>>(&self, now: &Self::State<L>, length: L) -> L {
+        self.law.step_speed(&now.law, length)
+    }
+    #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
         self.law.energy(&now.law)
     }

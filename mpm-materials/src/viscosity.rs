@@ -5,7 +5,7 @@ use crate::parameter::{Check, ParameterError};
 use crate::point::{Kinematics, Nothing, State};
 
 /// A viscous pressure in compression.
-pub trait ShockViscosity<T: Real>: Copy + Send + Sync + 'static {
+pub trait ShockViscosity<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// What a law must remember when its stress is not part of its state: the viscous pressure, or nothing.
     type Memory<L: Lane<Real = T>>: State<L>;
     /// The memory of a given viscous pressure.

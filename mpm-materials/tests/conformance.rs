@@ -230,3 +230,69 @@ fn absent_ingredients_take_no_memory() {
     assert_eq!(state_length(&Fluid::new(Tait::new(1000.0, 50.0).unwrap())), 1);
     assert_eq!(state_length(&Fluid::new(IdealGas::air())), 2);
 }
+
+mpm_materials::state! {
+    /// What another law remembers, and the shear of the last step for others to see.
+    pub struct Shown<L, S> {
+        /// The law's state.
+        pub law: S,
+        /// Shear of the last step.
+        pub shear: L,
+    }
+}
+
+/// Rubber with a number that is only written, or one that takes it for a pressure and swallows it if it is none.
+#[derive(Clone, Debug)]
+struct Showing {
+    rubber: NeoHookean<f64>,
+    reads: bool,
+}
+
+type Rubber<L> = <NeoHookean<f64> as Constitutive<f64>>::State<L>;
+
+impl Constitutive<f64> for Showing {
+    type State<L: Lane<Real = f64>> = Shown<L, Rubber<L>>;
+    fn name(&self) -> &'static str {
+        "showing"
+    }
+    fn density(&self) -> f64 {
+        Constitutive::<f64>::density(&self.rubber)
+    }
+    fn virgin(&self) -> Self::State<<f64 as Real>::Single> {
+        Shown { law: self.rubber.virgin(), shear: Lane::zero() }
+    }
+    fn update<L: Lane<Real = f64>>(
+        &self,
+        kinematics: &Kinematics<L>,
+        old: &Self::State<L>,
+    ) -> Update<L, Self::State<L>> {
+        let Update { state, stress, fault } = self.rubber.update(kinematics, &old.law);
+        let read = if self.reads { old.shear } else { L::zero() };
+        let pressure = L::select(read.is_finite(), read, L::one());
+        let state = Shown { law: state, shear: kinematics.increment.0[0][1] };
+        Update { state, stress: stress.plus_isotropic(-pressure), fault }
+    }
+    fn stress<L: Lane<Real = f64>>(&self, now: &Self::State<L>) -> Sym3<L> {
+        self.rubber.stress(&now.law)
+    }
+    fn volume_ratio<L: Lane<Real = f64>>(&self, now: &Self::State<L>) -> L {
+        self.rubber.volume_ratio(&now.law)
+    }
+    fn wave_speed<L: Lane<Real = f64>>(&self, now: &Self::State<L>) -> L {
+        self.rubber.wave_speed(&now.law)
+    }
+    fn energy<L: Lane<Real = f64>>(&self, now: &Self::State<L>) -> L {
+        self.rubber.energy(&now.law)
+    }
+}
+
+/// A number that a law only writes may be anything; one that it reads must be reported when it is none.
+#[test]
+fn only_what_a_law_reads_must_be_a_number() {
+    let rubber = NeoHookean::new(1000.0, Moduli::young_poisson(1e7, 0.4).unwrap()).unwrap();
+    let shows = Showing { rubber, reads: false };
+    mpm_materials::conformance::not_a_number(&shows, &Options::strain(0.2)).unwrap();
+    let swallows = Showing { rubber, reads: true };
+    let told = mpm_materials::conformance::not_a_number(&swallows, &Options::strain(0.2)).unwrap_err();
+    assert!(told.contains("NaN in number 9 of the old state"), "{told}");
+}

@@ -14,7 +14,7 @@ pub struct Curve<L> {
 }
 
 /// The pressure of shocked states, p_H(mu), mu = rho/rho0 - 1 > 0.
-pub trait Hugoniot<T: Real>: Copy + Send + Sync + 'static {
+pub trait Hugoniot<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// The curve's name, for messages.
     fn name(&self) -> &'static str;
     /// Reference density rho0, kg/m^3.

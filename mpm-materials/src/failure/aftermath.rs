@@ -1,6 +1,6 @@
 //! What a failed point still carries.
 
-use crate::failure::{Failure, Observed, Strain};
+use crate::failure::{Failure, Observed, Strain, combine::BearsTension};
 use crate::lane::{Lane, Real};
 
 /// What a failed point still carries. A criterion leaves [`Remains::Compression`] unless it is wrapped:
@@ -46,7 +46,7 @@ impl Remains {
 }
 
 macro_rules! aftermath {
-    ($(#[$doc:meta])* $name:ident, $remains:expr) => {
+    ($(#[$doc:meta])* $name:ident, $remains:expr $(, $bound:ident)?) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct $name<F>(
@@ -54,14 +54,13 @@ macro_rules! aftermath {
             pub F,
         );
 
-        impl<T: Real, F: Failure<T>> Failure<T> for $name<F> {
+        impl<T: Real, F: Failure<T>> Failure<T> for $name<F>
+        $(where
+            F::Cracks: $bound,)?
+        {
             const POSSIBLE: bool = F::POSSIBLE;
             const REMAINS: Remains = $remains;
-            const OPENS: bool = {
-                let keeps = <Self as Failure<T>>::REMAINS.tension();
-                assert!(!(F::OPENS && keeps), "what a crack has opened in bears no tension");
-                F::OPENS
-            };
+            type Cracks = F::Cracks;
             type History<L: Lane<Real = T>> = F::History<L>;
             fn intact(&self) -> Self::History<T::Single> {
                 self.0.intact()
@@ -105,8 +104,9 @@ aftermath! {
     LosesTension, Remains::CompressionAndShear
 }
 aftermath! {
-    /// The same criterion, after which only the deviator is lost.
-    LosesShear, Remains::Pressure
+    /// The same criterion, after which only the deviator is lost. Not of one that opens a crack: what a
+    /// crack has opened in bears no tension.
+    LosesShear, Remains::Pressure, BearsTension
 }
 aftermath! {
     /// The same criterion, after which the point carries nothing at all: it does no work and takes none, and its

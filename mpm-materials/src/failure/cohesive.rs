@@ -1,6 +1,6 @@
 //! Spall with the work of the crack: tension that falls as the crack opens.
 
-use crate::failure::{Failure, Observed, Strain};
+use crate::failure::{Failure, Observed, OpeningCrack, Strain};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::state;
@@ -36,15 +36,12 @@ state! {
 /// # }
 /// ```
 ///
-/// Two that open cracks do not compile:
-/// ```compile_fail
-/// use mpm_materials::{CohesiveSpall, Constitutive, library};
+/// Two that open cracks do not compile ([`combine`](crate::failure::combine)):
+/// ```compile_fail,E0277
+/// use mpm_materials::{CohesiveSpall, library};
 /// # fn main() -> Result<(), mpm_materials::ParameterError> {
 /// let spall = CohesiveSpall::of_work(1.2e9, 2e4)?;
 /// let copper = library::copper_ofhc().with_failure((spall, spall));
-/// # let increment = mpm_materials::Mat3::zero();
-/// # let kinematics = mpm_materials::Kinematics { increment, dt: 1e-9, length: 1e-3 };
-/// copper.update(&kinematics, &copper.virgin());
 /// # Ok(())
 /// # }
 /// ```
@@ -83,7 +80,7 @@ impl<T: Real> CohesiveSpall<T> {
 }
 
 impl<T: Real> Failure<T> for CohesiveSpall<T> {
-    const OPENS: bool = true;
+    type Cracks = OpeningCrack;
     type History<L: Lane<Real = T>> = Crack<L>;
     fn intact(&self) -> Crack<T::Single> {
         Crack { crack_volume: T::Single::zero(), crack_damage: T::Single::zero() }

@@ -1,6 +1,6 @@
 //! Failure at a limit of the damage that a strength keeps.
 
-use crate::failure::{Failure, Flag, Observed};
+use crate::failure::{Failure, Flag, NoCrack, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
@@ -29,6 +29,7 @@ impl<T: Real> DamageLimit<T> {
 }
 
 impl<T: Real> Failure<T> for DamageLimit<T> {
+    type Cracks = NoCrack;
     type History<L: Lane<Real = T>> = Flag<L>;
     fn intact(&self) -> Flag<T::Single> {
         Flag::intact()

@@ -1,6 +1,6 @@
 //! Johnson-Cook damage.
 
-use crate::failure::{Failure, Local, Localisation, Observed};
+use crate::failure::{Failure, Local, Localisation, NoCrack, Observed};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::state;
@@ -98,6 +98,7 @@ impl<T: Real, B: Localisation<T>> JohnsonCookDamage<T, B> {
 }
 
 impl<T: Real, B: Localisation<T>> Failure<T> for JohnsonCookDamage<T, B> {
+    type Cracks = NoCrack;
     type History<L: Lane<Real = T>> = Damaged<L>;
     fn intact(&self) -> Damaged<T::Single> {
         Damaged { failure_damage: T::Single::zero() }

@@ -7,7 +7,7 @@ use crate::parameter::{Check, ParameterError};
 ///
 /// A softening point takes up all further strain of its neighbourhood, so that a crack is one cell wide however
 /// small the cell, and the energy of a new surface vanishes with refinement. [`CrackBand`] cures that.
-pub trait Localisation<T: Real>: Copy + Send + Sync + 'static {
+pub trait Localisation<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// The weight at a cell of this size, m.
     fn weight<L: Lane<Real = T>>(&self, length: L) -> L;
 }

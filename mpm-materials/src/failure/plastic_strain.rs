@@ -1,6 +1,6 @@
 //! Failure at a limit of plastic strain.
 
-use crate::failure::{Failure, Observed};
+use crate::failure::{Failure, NoCrack, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::Nothing;
@@ -23,6 +23,7 @@ impl<T: Real> PlasticStrainLimit<T> {
 }
 
 impl<T: Real> Failure<T> for PlasticStrainLimit<T> {
+    type Cracks = NoCrack;
     type History<L: Lane<Real = T>> = Nothing;
     fn intact(&self) -> Nothing {
         Nothing

@@ -1,6 +1,6 @@
 //! Failure at a limit of principal or shear stress.
 
-use crate::failure::{Failure, Flag, Observed};
+use crate::failure::{Failure, Flag, NoCrack, Observed};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 
@@ -30,6 +30,7 @@ impl<T: Real> PrincipalStress<T> {
 }
 
 impl<T: Real> Failure<T> for PrincipalStress<T> {
+    type Cracks = NoCrack;
     type History<L: Lane<Real = T>> = Flag<L>;
     fn intact(&self) -> Flag<T::Single> {
         Flag::intact()

@@ -1,6 +1,6 @@
 //! Spall: failure at a limit of mean tension.
 
-use crate::failure::{Failure, Flag, Observed};
+use crate::failure::{Failure, Flag, NoCrack, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
@@ -21,6 +21,7 @@ impl<T: Real> TensilePressure<T> {
 }
 
 impl<T: Real> Failure<T> for TensilePressure<T> {
+    type Cracks = NoCrack;
     type History<L: Lane<Real = T>> = Flag<L>;
     fn intact(&self) -> Flag<T::Single> {
         Flag::intact()

@@ -1,6 +1,6 @@
 //! Failure after a time under tension.
 
-use crate::failure::{Failure, Observed};
+use crate::failure::{Failure, NoCrack, Observed};
 use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::state;
@@ -43,6 +43,7 @@ impl<T: Real> TulerButcher<T> {
 }
 
 impl<T: Real> Failure<T> for TulerButcher<T> {
+    type Cracks = NoCrack;
     type History<L: Lane<Real = T>> = Overstressed<L>;
     fn intact(&self) -> Overstressed<T::Single> {
         Overstressed { overstress_time: T::Single::zero() }

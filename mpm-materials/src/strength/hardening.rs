@@ -14,7 +14,7 @@ pub struct Increment<L> {
 }
 
 /// A hardening curve sigma_h(eps_p), Pa.
-pub trait Hardening<T: Real>: Copy + Send + Sync + 'static {
+pub trait Hardening<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// sigma_h, Pa.
     fn stress<L: Lane<Real = T>>(&self, strain: L) -> L;
 

@@ -202,7 +202,7 @@ impl<T: Real, R: RateFactor<T>, H: Thermal<T>> FlowStress<T> for JohnsonCook<T, 
 }
 
 /// The rate factor R of the flow stress.
-pub trait RateFactor<T: Real>: Copy + Send + Sync + 'static {
+pub trait RateFactor<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// R >= 1, dimensionless.
     fn factor<L: Lane<Real = T>>(&self, loading: &Loading<L>) -> L;
 }
@@ -276,7 +276,7 @@ fn rate_constants<T: Real>(c: T, reference: T) -> Result<(T, T), ParameterError>
 }
 
 /// The temperature of a point and how it softens.
-pub trait Thermal<T: Real>: Copy + Send + Sync + 'static {
+pub trait Thermal<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// The temperature column, or [`Nothing`].
     type Temperature<L: Lane<Real = T>>: State<L>;
     /// The temperature of a virgin point.
