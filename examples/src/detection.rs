@@ -62,11 +62,13 @@ impl Detection {
 }
 
 /// The test of a [`Detection`].
+#[derive(Debug)]
 pub struct Detector {
     test: Test,
     distance: SurfaceDistance<Normals>,
 }
 
+#[derive(Debug)]
 enum Test {
     Approach,
     Compression(Compression<Gradients>),

@@ -249,7 +249,7 @@ fn run<S: ContactDetector<f64, 2>>(
         let (centre, velocity) = disc(n, order.len());
         let ball = Ball::new(centre, DISC).map_err(|e| stop(e.to_string()))?;
         let seeds = fill(&ball, &lattice, 2, &Filling::new()).map_err(|e| stop(e.to_string()))?;
-        mpm.add("disc", rubber, &seeds, |_| velocity).map_err(|e| stop(e.to_string()))?;
+        mpm.add(&format!("disc {n}"), rubber, &seeds, |_| velocity).map_err(|e| stop(e.to_string()))?;
     }
     mpm.set_team(Team::new(threads).map_err(|e| stop(e.to_string()))?);
     mpm.set_time_control(TimeControl::Fixed(2.5e-4)).map_err(|e| stop(e.to_string()))?;

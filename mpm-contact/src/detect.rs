@@ -22,7 +22,7 @@ pub enum Criterion {
 
 /// A test whether two bodies touch at the nodes they share. Whether they approach is asked before it
 /// ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\]), unless the law pulls or springs, or a third body is at the node.
-pub trait ContactDetector<T: Float, const D: usize>: Send + Sync + 'static {
+pub trait ContactDetector<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'static {
     /// What the answer of [`ContactDetector::touching`] follows from, for cells of `spacing`, m.
     fn criterion(&self, _spacing: f64) -> Criterion {
         Criterion::State

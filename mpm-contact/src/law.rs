@@ -28,7 +28,7 @@ pub struct Contact<T> {
 /// assert_eq!(impulse, [1.5, 0.75, 0.0]);
 /// # Ok::<(), mpm_materials::ParameterError>(())
 /// ```
-pub trait ContactLaw<T: Real>: Send + Sync + 'static {
+pub trait ContactLaw<T: Real>: std::fmt::Debug + Send + Sync + 'static {
     /// Does it hold bodies that move apart back?
     fn pulls(&self) -> bool {
         false
@@ -252,7 +252,7 @@ impl<T: Real> ContactLaw<T> for Adhesion<T> {
 /// let laws = Pairs::new(Coulomb::new(0.3)?).with(0, 1, Stick);
 /// # Ok::<(), mpm_materials::ParameterError>(())
 /// ```
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Pairs<T> {
     default: Arc<dyn ContactLaw<T>>,
     table: Vec<([usize; 2], Arc<dyn ContactLaw<T>>)>,
@@ -275,10 +275,5 @@ impl<T: Real> Pairs<T> {
         let bodies = [one.min(other), one.max(other)];
         let found = self.table.iter().find(|entry| entry.0 == bodies);
         found.map_or(self.default.as_ref(), |entry| entry.1.as_ref())
-    }
-}
-impl<T> std::fmt::Debug for Pairs<T> {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Pairs(default and {} others)", self.table.len())
     }
 }

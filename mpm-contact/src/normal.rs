@@ -20,7 +20,7 @@ pub type Nodal<X> = [X; 64];
 
 /// A rule for the normal between two bodies at a node, from where their particles are. One normal serves both (the bodies' own normals are not
 /// opposite, and momentum would drift).
-pub trait NormalRule<T: Float, const D: usize>: Send + Sync + 'static {
+pub trait NormalRule<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'static {
     /// Look at the fields once, before their pairs.
     fn prepare(&self, at: &dyn Places<T, D>, memory: &mut Memory<'_, T>);
     /// Unit normals from the first to the second field of `pair` at `nodes` (a bit each). Returns the nodes

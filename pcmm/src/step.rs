@@ -301,7 +301,16 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             return Err(StepError::End { end, time: self.time });
         }
         while self.time < end {
+            let before = self.time;
             self.step_towards(end)?;
+            // Such a step would be made for ever.
+            if self.time == before {
+                return Err(StepError::TimeStep {
+                    step: self.steps,
+                    time: self.time,
+                    dt: self.next_time_step(),
+                });
+            }
         }
         Ok(())
     }

@@ -93,7 +93,8 @@ pub(crate) fn sweep<const D: usize, M: Composition<D>>(
         }
         Pass::Pressure | Pass::Force => {
             let states = States { all: &batch.rows, stride: numbers, first: 0, groups };
-            material.describe(states, &mut waiting.response);
+            // Viscous stresses, which bound a step by the size of elements, come with the first strain.
+            material.describe(states, f64::INFINITY, &mut waiting.response);
         }
     }
     let response = &waiting.response;
@@ -392,7 +393,7 @@ impl<const D: usize, M: Composition<D>> Kernel<f64> for Give<'_, D, M> {
                 let now = positions(&corners, D, A::Pack::zero());
                 let slopes = Slopes::of(&now, D);
                 if pass != Pass::Pressure {
-                    let rate = A::Pack::from_pair(&said.wave_speed, half, lane) * slopes.steepest(D);
+                    let rate = A::Pack::from_pair(&said.step_speed, half, lane) * slopes.steepest(D);
                     for k in 0..alive {
                         fastest = fastest.max(rate.lane(k));
                     }

@@ -451,7 +451,7 @@ fn contact_begins_when_surfaces_touch() {
 }
 
 /// Keeps the gaps that a detector measures: position of the node, normal, gap.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 struct Recorded(SurfaceDistance, Arc<Mutex<Vec<Measured>>>);
 type Measured = ([f64; 2], [f64; 3], f64);
 

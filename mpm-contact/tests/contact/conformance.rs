@@ -34,6 +34,7 @@ fn detectors() -> Result<(), Broken> {
 }
 
 /// A spring instead of a law: it ignores masses.
+#[derive(Debug)]
 struct Spring;
 impl ContactLaw<f64> for Spring {
     fn impulse(&self, contact: &Contact<f64>, _: [f64; 2], [v, w]: [[f64; 3]; 2], _: f64) -> [f64; 3] {
@@ -45,6 +46,7 @@ impl ContactLaw<f64> for Spring {
     }
 }
 /// Stops half of the approach.
+#[derive(Debug)]
 struct Half;
 impl ContactLaw<f64> for Half {
     fn impulse(&self, contact: &Contact<f64>, m: [f64; 2], v: [[f64; 3]; 2], dt: f64) -> [f64; 3] {
@@ -52,6 +54,7 @@ impl ContactLaw<f64> for Half {
     }
 }
 /// Half friction, half forgotten sign.
+#[derive(Debug)]
 struct Driving;
 impl ContactLaw<f64> for Driving {
     fn impulse(&self, contact: &Contact<f64>, m: [f64; 2], v: [[f64; 3]; 2], dt: f64) -> [f64; 3] {
@@ -70,6 +73,7 @@ impl ContactLaw<f64> for Driving {
 }
 
 /// A spring that pushes harder on the way back.
+#[derive(Debug)]
 struct Ratchet(Penalty<f64>);
 impl ContactLaw<f64> for Ratchet {
     fn springs(&self) -> bool {

@@ -32,7 +32,8 @@ fn fly<const D: usize>(
             (v[0], v[1]) = (1.0 - 2.0 * b + a, if mirror { 0.5 * (x[1] - low[1]) } else { 0.4 + 2.0 * a });
             v
         };
-        mpm.add("cube", rubber(), &seeds, turn).expect("body");
+        let name = format!("cube {}", mpm.bodies().len());
+        mpm.add(&name, rubber(), &seeds, turn).expect("body");
     }
     if mirror {
         mpm.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).expect("plane");
@@ -87,7 +88,8 @@ fn a_crowd_keeps_the_nodes_it_reaches() {
         // Away from the faces of blocks, each reaches 27 nodes in one block.
         let low = low.map(|x| x + 0.01 * H);
         let seeds = cuboid(low, low.map(|x| x + 0.98 * H));
-        mpm.add("cube", rubber(), &seeds, |_| [0.0; 3]).expect("body");
+        let name = format!("cube {}", mpm.bodies().len());
+        mpm.add(&name, rubber(), &seeds, |_| [0.0; 3]).expect("body");
     }
     let reached = mpm.grid().nodes().len();
     assert!(reached <= 8 * 64, "{reached} nodes for 8 cubes of 8 to 27 nodes");

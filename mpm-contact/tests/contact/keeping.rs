@@ -11,6 +11,7 @@ use mpm_contact::{
 use mpm_core::{TimeControl, Watch};
 
 /// Counts how often it is asked.
+#[derive(Debug)]
 struct Counted(SurfaceDistance, Arc<AtomicUsize>);
 
 impl ContactDetector<f64, 2> for Counted {

@@ -7,8 +7,11 @@ mod common;
 #[cfg(feature = "conformance")]
 mod conformance;
 mod crowd;
+mod floors;
+mod hostile;
 mod keeping;
 mod onset;
+mod random;
 mod reference;
 mod rest;
 mod restart;

@@ -169,8 +169,9 @@ fn scene<M: IntoKernels<f64, D>, const D: usize>(
     let grid = DenseGrid::new(lattice, [-8; D], [15; D]).map_err(|e| failed(name, &e))?;
     let mut mpm = Mpm::new(method, grid);
     mpm.set_time_control(TimeControl::Fixed(dt)).map_err(|e| failed(name, &e))?;
-    for stress in stresses {
-        mpm.add("block", Probe::new(*stress).compiled(), &body.seeds, |x| body.velocity(x, speed, rate))
+    for (n, stress) in stresses.iter().enumerate() {
+        let block = format!("block {n}");
+        mpm.add(&block, Probe::new(*stress).compiled(), &body.seeds, |x| body.velocity(x, speed, rate))
             .map_err(|e| failed(name, &e))?;
     }
     Ok((mpm, body))

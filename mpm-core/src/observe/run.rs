@@ -96,7 +96,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         observers: &mut [&mut dyn Observer<T, D>],
     ) -> Result<RunSummary, RunError> {
         let time = self.time();
-        if !(end.is_finite() && end >= time * (1.0 - 1e-12)) {
+        if !end.is_finite() || self.is_past(end) {
             return Err(RunError::End { end, time });
         }
         let mut run = RunSummary::default();

@@ -76,9 +76,9 @@ fn the_ledger_closes() {
     // Until it leaves the wall: later, linear hats make noise.
     mpm.run_observed(1.3e-4, &mut [&mut ledger]).unwrap();
     assert!(ledger.worst_momentum_error() < 1e-13, "{:e}", ledger.worst_momentum_error());
-    // The wall stops its nodes at once, which carry half of the eight cells' first: a sixteenth of the energy.
-    let lost = -ledger.worst_energy_error();
-    assert!(lost > 0.05 && lost < 1.0 / 16.0 + 0.01, "{lost:e}");
+    // Kinetic and internal energy belong to times half a step apart: a swing while the eight cells are stopped, none of it lost.
+    let worst = ledger.worst_energy_error();
+    assert!(worst.abs() < 0.04, "{worst:e}");
     let (first, last) = (ledger.entries()[0], *ledger.entries().last().unwrap());
     assert_eq!(last.total, last.kinetic + last.internal - last.work);
     // The scale is the largest energy so far, a little above the first.

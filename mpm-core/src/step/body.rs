@@ -1,6 +1,6 @@
 //! Bodies as the solver sees them: dynamic between bodies, static inside the loops.
 
-use super::checkpoint::{Archive, CheckpointError};
+use super::checkpoint::{Archive, CheckpointError, Constant};
 use super::fields::Claim;
 use super::footprint::Footprint;
 use super::layout::{Layout, Nodes};
@@ -165,6 +165,8 @@ pub trait Body<T: Float, const D: usize>: Send + Sync {
     fn name(&self) -> &str;
     /// Its law's name.
     fn law(&self) -> &'static str;
+    /// What it is made of, in words; functions of time by what they give at these, s.
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant>;
     /// Number of particles.
     fn len(&self) -> usize;
     /// Has it no particles?

@@ -15,7 +15,7 @@ pub use super::shared::SharedNodes;
     message = "`{Self}` is not a contact algorithm",
     note = "`Mpm::with_contact` takes `OneField` or one of the crate `mpm-contact`"
 )]
-pub trait Contact<T: Float, const D: usize>: Send + Sync + 'static {
+pub trait Contact<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'static {
     /// Does every body have velocities of its own where it meets others?
     fn separates(&self) -> bool {
         true

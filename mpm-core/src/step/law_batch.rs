@@ -347,7 +347,7 @@ impl<'a, T: Float> BatchReader<'a, T> {
             stress.0[i] = P::from_pair(&output.stress[i], half, lane);
         }
         let ratio = P::from_pair(&output.volume_ratio, half, lane);
-        (stress, ratio, if speeds { P::from_pair(&output.wave_speed, half, lane) } else { P::zero() })
+        (stress, ratio, if speeds { P::from_pair(&output.step_speed, half, lane) } else { P::zero() })
     }
 
     /// The velocity gradient of particles, 1/s, D x D numbers each, over `unit`.

@@ -2,7 +2,6 @@
 
 use super::body::Totals;
 use super::solver::{Mpm, StepError, Stopped};
-use crate::boundary::Boundary;
 use crate::parallel::Float;
 use crate::watch::{
     Account, Alternation, Books, Cells, Finding, GainCause, Warning, Watch, Wholeness, share,
@@ -213,13 +212,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         let spacing = self.grid.lattice().spacing();
         let near = |x: &[f64; 3]| (0..D).all(|d| (x[d] - most.1[d]).abs() < 2.0 * spacing);
-        let wall = self.conditions.boundaries.iter().find_map(|b| match *b {
-            Boundary::Wall { axis, at, velocity, .. } => {
-                let at = at + velocity * self.time;
-                ((most.1[axis] - at).abs() < 2.0 * spacing).then_some(GainCause::Wall { axis, at })
-            }
-            _ => None,
-        });
         let limit = 1.0 / self.sharp_rate();
         let dt = self.last_dt.unwrap_or(0.0);
         // Gershgorin's bound is far below the limit where nodes are nearly empty: beyond half a wave a step it counts.
@@ -229,8 +221,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             GainCause::OverCompressed { particles: dense }
         } else if unseen > UNSEEN * joules {
             GainCause::Unseen { joules: unseen }
-        } else if let Some(wall) = wall {
-            wall
         } else if self.contact_nodes().iter().any(|n| near(&n.position)) {
             GainCause::Contact
         } else {
@@ -322,5 +312,33 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let kind = std::mem::discriminant(&finding);
         self.warn_once(finding, |f| std::mem::discriminant(f) == kind);
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::solver::Stopped;
+    use crate::geometry::{Ball, Filling, Lattice, fill};
+    use crate::{BlockGrid, Finding, Method, Mpm, PlaneStrain};
+    use mpm_materials::{Moduli, NeoHookean};
+
+    /// Books that a scene of sound parts never has: an impulse that no particle got.
+    #[test]
+    fn momentum_from_nowhere_stops_the_run() {
+        let lattice = Lattice::new([0.0; 2], 0.1).unwrap();
+        let seeds = fill(&Ball::new([0.0, 0.5], 0.3).unwrap(), &lattice, 2, &Filling::new()).unwrap();
+        let law = NeoHookean::new(1000.0, Moduli::young_poisson(1e6, 0.3).unwrap()).unwrap();
+        let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
+        mpm.add("ball", law, &seeds, |_| [-1.0, 0.0]).unwrap();
+        let scale = mpm.totals().momentum_scale;
+        let (small, large) = (1e-12 * scale, 1e-3 * scale);
+        mpm.ledger.impulse[0] += small;
+        mpm.run_until(0.05).unwrap();
+        mpm.ledger.impulse[0] += large;
+        let stopped = mpm.run_until(1.0).unwrap_err();
+        let Stopped::Watch(finding) = &stopped.what else { panic!("{stopped}") };
+        let Finding::Momentum { share, momentum } = **finding else { panic!("{stopped}") };
+        assert!((share / 1e-3 - 1.0).abs() < 0.01 && (momentum[0] / -large - 1.0).abs() < 1e-6, "{stopped}");
+        assert!(stopped.to_string().contains("came from nowhere"), "{stopped}");
     }
 }

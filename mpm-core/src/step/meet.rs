@@ -8,6 +8,7 @@
 use super::contact::{Contact, Meeting};
 use super::encounters::Encounters;
 use super::nodes::{BlockPlace, Stage};
+use super::rigid::RigidState;
 use super::rigid_body;
 use super::shared::SharedNodes;
 use crate::parallel::Float;
@@ -58,7 +59,12 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
 
     /// Bring the velocities behind planes of symmetry after those in front.
     fn copy_velocities(&mut self, meeting: Meeting) {
-        let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff);
+        let (bodies, fields) = (self.bodies, self.fields);
+        let counts = |node: u32| {
+            let owner = fields.owner(fields.layout().block_of(node as usize)) as usize;
+            !bodies.get(owner).is_some_and(|body| body.rigid().is_some_and(RigidState::is_prescribed))
+        };
+        let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &counts);
         if meeting == Meeting::Trial {
             (0..3).for_each(|d| self.together.impulse[d] += impulse[d]);
         }
@@ -115,7 +121,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let mirrors = self.planes.copied();
         let per_dt = T::of(1.0) / dt;
         let (layout, team) = (fields.layout(), self.team);
-        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, ledger| {
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
             let Some((shared, field)) = fields.field_of(block) else { return };
             let found = &encounters.found[shared];
             if found.touches.is_empty() {
@@ -127,7 +133,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                 let real = found.impulses(field);
                 let real = real.filter(|i| meeting == Meeting::Trial && !place.is_copy(i.0, mirrors));
                 for ((node, impulse), body) in real.zip(body.into_iter().cycle()) {
-                    rigid_body::book(body, &place.node(node), &impulse.map(T::to_double), ledger);
+                    rigid_body::book(body, &place.node(node), &impulse.map(T::to_double), &mut books.ledger);
                 }
                 return;
             }
@@ -135,9 +141,10 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                 let Some(node) = nodes.get(n) else { continue };
                 let mass = node.first[0];
                 let mut change = [T::default(); 3];
-                let mut v = [0.0; 3];
+                let (mut v, mut before) = ([0.0; 3], [T::default(); 3]);
                 for d in 0..D {
                     change[d] = impulse[d] / mass;
+                    before[d] = node.first[d + 1];
                     let now = if meeting == Meeting::Remapped { node.second } else { node.first };
                     v[d] = (now[d + 1] + change[d]).to_double();
                 }
@@ -157,10 +164,14 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                         continue;
                     }
                     node.second[d + 1] += change[d] * per_dt;
+                    // What is drawn off a wall by another body presses no longer.
+                    if T::of(v[d]) != before[d] {
+                        books.pressed.set(d, n, false);
+                    }
                     if v[d] != free[d] {
                         let impulse = mass.to_double() * (v[d] - free[d]);
-                        ledger.impulse[d] += impulse;
-                        ledger.work += impulse * v[d];
+                        books.ledger.impulse[d] += impulse;
+                        books.ledger.work += impulse * v[d];
                     }
                 }
             }
@@ -175,7 +186,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
             return;
         }
         let (layout, team) = (fields.layout(), self.team);
-        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, _| {
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, _| {
             let Some((shared, field)) = fields.field_of(block) else { return };
             if fields.members(shared)[field].prescribed {
                 return;
@@ -189,6 +200,6 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                 }
             }
         });
-        self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff);
+        self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &|_| false);
     }
 }

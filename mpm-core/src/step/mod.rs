@@ -45,6 +45,7 @@ pub mod survey;
 pub mod sweep;
 pub mod tile;
 mod total;
+mod walls;
 mod work;
 
 pub use body::{Body, Particle, Presence, Totals};

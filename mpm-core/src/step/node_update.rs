@@ -3,15 +3,20 @@
 use mpm_materials::Lane;
 
 use super::nodes::NodeLedger;
+use super::walls::Walls;
 use crate::grid::Node;
 use crate::parallel::{Arch, Float, Kernel, Quad};
 
 /// What a stage makes of a node.
 pub(super) trait NodeUpdate<T>: Sync {
-    /// `constrain` makes a velocity obey the boundaries at a time and says whether any applies there.
+    /// Does it find out which nodes press on walls?
+    const PRESSES: bool = false;
+
+    /// `constrain` makes a velocity obey the other boundaries at a time and says whether any applies there.
     fn update(
         &self,
         node: &mut Node<T>,
+        walls: &mut Walls,
         constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
         ledger: &mut NodeLedger,
     );
@@ -23,7 +28,7 @@ pub(super) trait NodeUpdate<T>: Sync {
 }
 
 fn one_by_one<T>(update: &(impl NodeUpdate<T> + ?Sized), nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
-    nodes.iter_mut().for_each(|node| update.update(node, &|_, _| false, ledger));
+    nodes.iter_mut().for_each(|node| update.update(node, &mut Walls::default(), &|_, _| false, ledger));
 }
 
 /// Only the sums.
@@ -31,7 +36,14 @@ pub(super) struct Leave;
 
 impl<T> NodeUpdate<T> for Leave {
     #[inline(always)]
-    fn update(&self, _: &mut Node<T>, _: &impl Fn(&mut [f64; 3], f64) -> bool, _: &mut NodeLedger) {}
+    fn update(
+        &self,
+        _: &mut Node<T>,
+        _: &mut Walls,
+        _: &impl Fn(&mut [f64; 3], f64) -> bool,
+        _: &mut NodeLedger,
+    ) {
+    }
 }
 
 /// Momentum over mass.
@@ -41,7 +53,13 @@ pub(super) struct MeanVelocities<T, const D: usize> {
 
 impl<T: Float, const D: usize> NodeUpdate<T> for MeanVelocities<T, D> {
     #[inline(always)]
-    fn update(&self, node: &mut Node<T>, _: &impl Fn(&mut [f64; 3], f64) -> bool, _: &mut NodeLedger) {
+    fn update(
+        &self,
+        node: &mut Node<T>,
+        _: &mut Walls,
+        _: &impl Fn(&mut [f64; 3], f64) -> bool,
+        _: &mut NodeLedger,
+    ) {
         let mass = node.first[0];
         let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
         (0..D).for_each(|d| node.first[d + 1] *= per_mass);
@@ -55,16 +73,20 @@ pub(super) struct Velocities<T, const D: usize> {
 }
 
 impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
+    const PRESSES: bool = true;
+
     #[inline(always)]
     fn update(
         &self,
         node: &mut Node<T>,
+        walls: &mut Walls,
         constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
         ledger: &mut NodeLedger,
     ) {
         let mass = node.first[0];
         if mass <= self.cutoff {
             drop_momentum::<T, D>(node, ledger, T::default());
+            walls.iter_mut().for_each(|wall| wall.pressed = false);
             return;
         }
         let per_mass = T::of(1.0) / mass;
@@ -72,6 +94,17 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
         for d in 0..D {
             node.first[d + 1] *= per_mass;
             v[d] = node.first[d + 1].to_double();
+        }
+        for wall in walls.iter_mut() {
+            let d = wall.axis;
+            wall.pressed |= wall.closes(v[d]);
+            if wall.pressed {
+                let impulse = (self.takes * mass).to_double() * (wall.velocity - v[d]);
+                ledger.impulse[d] += impulse;
+                ledger.work += impulse * wall.velocity;
+                node.first[d + 1] = T::of(wall.velocity);
+                v[d] = node.first[d + 1].to_double();
+            }
         }
         let free = v;
         if constrain(&mut v, self.time) {
@@ -92,19 +125,26 @@ pub(super) struct Integrate<T, const D: usize> {
     pub(super) gravity: Option<[f64; D]>,
     pub(super) damping: f64,
     pub(super) from_velocity: bool,
+    pub(super) takes: T,
+    /// Is the force at the nodes known, beside their momentum?
+    pub(super) forces: bool,
 }
 
 impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
+    const PRESSES: bool = true;
+
     #[inline(always)]
     fn update(
         &self,
         node: &mut Node<T>,
+        walls: &mut Walls,
         constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
         ledger: &mut NodeLedger,
     ) {
         let (mass, dt) = (node.first[0], self.dt);
         if mass <= self.cutoff {
             drop_momentum::<T, D>(node, ledger, dt);
+            walls.iter_mut().for_each(|wall| wall.pressed = false);
             return;
         }
         let per_mass = T::of(1.0) / mass;
@@ -126,6 +166,20 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
             new[d] = old[d] + a * dt;
             node.first[d + 1] = new[d];
             node.second[d + 1] = a;
+        }
+        for wall in walls.iter_mut() {
+            let d = wall.axis;
+            let acceleration = node.second[d + 1].to_double();
+            let stays = self.forces && wall.pressed && wall.is_pushed(acceleration);
+            wall.pressed = stays || wall.closes(new[d].to_double());
+            if wall.pressed {
+                let velocity = T::of(wall.velocity);
+                let impulse = (mass * (self.takes * (velocity - old[d]) - (new[d] - old[d]))).to_double();
+                ledger.impulse[d] += impulse;
+                ledger.work += impulse * wall.velocity;
+                (old[d], new[d]) = (velocity, velocity);
+                (node.first[d + 1], node.second[d + 1]) = (velocity, T::default());
+            }
         }
         let mut v = new.map(T::to_double);
         if constrain(&mut v, self.end) {
@@ -205,6 +259,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
     fn update(
         &self,
         node: &mut Node<T>,
+        walls: &mut Walls,
         constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
         _ledger: &mut NodeLedger,
     ) {
@@ -214,6 +269,10 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
         for d in 0..D {
             node.second[d + 1] *= per_mass;
             v[d] = node.second[d + 1].to_double();
+        }
+        for wall in walls.iter().filter(|wall| wall.pressed) {
+            node.second[wall.axis + 1] = T::of(wall.velocity);
+            v[wall.axis] = node.second[wall.axis + 1].to_double();
         }
         if mass > self.cutoff && constrain(&mut v, self.end) {
             for d in 0..D {
@@ -280,7 +339,7 @@ mod tests {
         }
         let mut fast = plain.clone();
         let [mut of_plain, mut of_fast] = [NodeLedger::default(); 2];
-        plain.iter_mut().for_each(|n| update.update(n, &|_, _| false, &mut of_plain));
+        plain.iter_mut().for_each(|n| update.update(n, &mut Walls::default(), &|_, _| false, &mut of_plain));
         update.update_free(&mut fast, &mut of_fast);
         for (n, (plain, fast)) in plain.iter().zip(&fast).enumerate() {
             assert_eq!((plain.first, plain.second), (fast.first, fast.second), "node {n}");
@@ -293,8 +352,17 @@ mod tests {
         for damping in [0.0, 0.1] {
             for gravity in [None, Some([9.81; D])] {
                 for from_velocity in [false, true] {
-                    let end = 0.0;
-                    agree::<T, D>(&Integrate { cutoff, dt, end, gravity, damping, from_velocity });
+                    let (end, takes, forces) = (0.0, T::default(), true);
+                    agree::<T, D>(&Integrate {
+                        cutoff,
+                        dt,
+                        end,
+                        gravity,
+                        damping,
+                        from_velocity,
+                        takes,
+                        forces,
+                    });
                 }
             }
         }

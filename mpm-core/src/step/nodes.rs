@@ -14,6 +14,7 @@ use super::planes::Planes;
 use super::rigid::RigidState;
 use super::rigid_body::{self, rigid_of};
 use super::tile::Sums;
+use super::walls::{Pressed, Walls};
 
 /// What the grid stages of a step took from or gave to the momentum, a block of nodes.
 #[derive(Clone, Copy, Debug, Default)]
@@ -63,6 +64,15 @@ impl NodeLedger {
     }
 }
 
+/// What is kept of a block of nodes beside the nodes.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BlockBooks {
+    /// What its stages took or gave in a step.
+    pub ledger: NodeLedger,
+    /// Those that press on walls, from step to step.
+    pub pressed: Pressed,
+}
+
 /// The conditions that act on the nodes of a scene.
 #[derive(Clone, Default)]
 pub struct Conditions<const D: usize> {
@@ -93,8 +103,8 @@ pub struct Stage<'a, T: Float, const D: usize> {
     pub team: &'a Team,
     /// Conditions.
     pub conditions: &'a Conditions<D>,
-    /// Ledgers, one a block.
-    pub ledgers: &'a mut Vec<NodeLedger>,
+    /// Books, one a block.
+    pub books: &'a mut Vec<BlockBooks>,
     /// What is of no block alone: so that sums do not depend on which block is the first.
     pub together: &'a mut NodeLedger,
     /// Time at the start of the step, s.
@@ -107,6 +117,8 @@ pub struct Stage<'a, T: Float, const D: usize> {
     pub wide: bool,
     /// How much of the nodes' velocity particles take for their own: none with FLIP, all with PIC and its kin.
     pub takes: T,
+    /// Are forces at the nodes known, beside their momentum?
+    pub forces: bool,
     /// Time step, s.
     pub dt: T,
     /// The nodes at planes of symmetry, walls and fixed planes.
@@ -122,6 +134,8 @@ macro_rules! constraints {
             boundaries: &$stage.conditions.boundaries,
             planes: &*$stage.planes,
             layout: $stage.fields.layout(),
+            bodies: $stage.bodies,
+            fields: $stage.fields,
             lattice: *$stage.grid.lattice(),
             blocks: $stage.fields.coordinates(),
             time: $stage.time,
@@ -137,15 +151,15 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
     pub(super) fn collect_and(&mut self, sums: Sums, update: &impl NodeUpdate<T>) {
         let (bodies, fields) = (self.bodies, self.fields);
         if sums == Sums::All {
-            self.ledgers.clear();
-            self.ledgers.resize(fields.len(), NodeLedger::default());
+            self.books.resize(fields.len(), BlockBooks::default());
+            self.books.iter_mut().for_each(|books| books.ledger = NodeLedger::default());
             *self.together = NodeLedger::default();
         }
         let constraints = constraints!(self);
         let at_once = self.planes.is_empty();
         let rigid = self.rigid;
         let (layout, team) = (fields.layout(), self.team);
-        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, ledger| {
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
             if nodes.is_whole() {
                 sum_up(bodies, fields, block, sums, nodes.items);
             } else {
@@ -160,20 +174,24 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
             }
             let complete = rigid && carry(bodies, fields, &constraints, block, sums, &mut nodes);
             if at_once && !complete {
-                constraints.apply(update, block, &mut nodes, ledger);
+                constraints.apply(update, block, &mut nodes, books);
             }
         });
         if at_once {
             return;
         }
         let all = self.moves(sums);
-        // Of their nodes' velocity, particles of other scenes take nothing.
+        // Of their nodes' velocity, particles of other scenes take nothing; bodies of prescribed motion take nothing at all.
         let elsewhere = |node: u32| {
             let owner = fields.owner(layout.block_of(node as usize)) as usize;
-            bodies.get(owner).is_some_and(|body| body.in_reference().is_some())
+            match bodies.get(owner) {
+                Some(body) if body.in_reference().is_some() => [T::default(), all[1]],
+                Some(body) if body.rigid().is_some_and(RigidState::is_prescribed) => [T::default(); 2],
+                _ => all,
+            }
         };
-        let references = bodies.iter().any(|body| body.in_reference().is_some());
-        let moves = |node: u32| if references && elsewhere(node) { [T::default(), all[1]] } else { all };
+        let ordinary = bodies.iter().all(|body| body.in_reference().is_none() && body.rigid().is_none());
+        let moves = |node: u32| if ordinary { all } else { elsewhere(node) };
         let impulse = self.planes.fold(self.grid.nodes_mut(), sums, &moves, self.cutoff);
         for d in 0..3 {
             self.together.impulse[d] += impulse[d];
@@ -206,7 +224,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         self.collect_and(Sums::All, &MeanVelocities::<T, D> { cutoff: self.cutoff });
         self.planes.extrapolate(self.grid.nodes_mut());
         // Nothing has happened yet.
-        self.ledgers.iter_mut().for_each(|ledger| *ledger = NodeLedger::default());
+        self.books.iter_mut().for_each(|books| books.ledger = NodeLedger::default());
         *self.together = NodeLedger::default();
     }
 
@@ -218,7 +236,9 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let gravity = self.conditions.gravity.as_ref().map(|g| g(self.time));
         let damping = self.conditions.damping;
         let sums = if from_velocity { Sums::Force } else { Sums::All };
-        self.collect_and(sums, &Integrate::<T, D> { cutoff, dt, end, gravity, damping, from_velocity });
+        let (takes, forces) = (self.takes, self.forces);
+        let update = Integrate::<T, D> { cutoff, dt, end, gravity, damping, from_velocity, takes, forces };
+        self.collect_and(sums, &update);
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
@@ -245,7 +265,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let mirrors = planes.copied();
         let nodes = self.grid.nodes();
         let (layout, team) = (fields.layout(), self.team);
-        layout.each(team, terms, self.ledgers, |block, mut terms, ledger| {
+        layout.each(team, terms, self.books, |block, mut terms, books| {
             if rigid && rigid_of(bodies, fields, block).is_some() {
                 return;
             }
@@ -263,15 +283,16 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                 let share = own.share(i, node).unwrap_or(whole);
                 for d in 0..D {
                     let next = term[d] - node.second[d + 1] / mass;
-                    term[d] = if free[d] { next } else { T::default() };
-                    if !free[d] {
-                        ledger.impulse[d] -= share * (mass * next).to_double();
+                    let free = free[d] && !books.pressed.has(d, n);
+                    term[d] = if free { next } else { T::default() };
+                    if !free {
+                        books.ledger.impulse[d] -= share * (mass * next).to_double();
                     }
                 }
             }
         });
         let terms = &*terms;
-        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, nodes, _| {
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, nodes, _| {
             if rigid && rigid_of(bodies, fields, block).is_some() {
                 return;
             }
@@ -303,9 +324,9 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let constraints = constraints!(self);
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let (layout, team) = (fields.layout(), self.team);
-        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, ledger| {
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
             if !(rigid && rigid_of(bodies, fields, block).is_some_and(RigidState::is_prescribed)) {
-                constraints.apply(update, block, &mut nodes, ledger);
+                constraints.apply(update, block, &mut nodes, books);
             }
         });
     }
@@ -345,13 +366,16 @@ fn carry<T: Float, const D: usize>(
 }
 
 /// The boundaries as seen from node blocks.
-struct Constraints<'a, T, const D: usize> {
+struct Constraints<'a, T: Float, const D: usize> {
     boundaries: &'a [Boundary<D>],
     /// Beside these, nodes stand for their images, too: what happens to them is booked by their own mass.
     planes: &'a Planes<T>,
     layout: &'a Layout,
+    bodies: &'a [Box<dyn Body<T, D>>],
+    fields: &'a Fields<D>,
     lattice: Lattice<D>,
     blocks: &'a [[i32; D]],
+    /// At the start of the step, s.
     time: f64,
     /// How far behind a mirror copies lie, m.
     copies: f64,
@@ -359,46 +383,65 @@ struct Constraints<'a, T, const D: usize> {
 
 impl<T: Float, const D: usize> Constraints<'_, T, D> {
     /// Change the nodes of a block as `update` says.
-    fn apply(
+    fn apply<U: NodeUpdate<T>>(
         &self,
-        update: &impl NodeUpdate<T>,
+        update: &U,
         block: usize,
         nodes: &mut Piece<'_, Node<T>>,
-        ledger: &mut NodeLedger,
+        books: &mut BlockBooks,
     ) {
+        let BlockBooks { ledger, pressed } = books;
         let spacing = self.lattice.spacing();
         let (reach, tolerance) = (2.0 * spacing, 1e-6 * spacing);
         let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
         let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, self.time, reach);
         if !self.boundaries.iter().any(|b| reaches(&b)) {
+            if U::PRESSES {
+                *pressed = Pressed::default();
+            }
             update.update_free(nodes.items, ledger);
             return;
+        }
+        // Matter whose stress is not on these nodes is stopped by the wall's impulse alone.
+        let body = self.bodies.get(self.fields.owner(block) as usize);
+        let unstressed = body.is_some_and(|b| b.rigid().is_some() || b.in_reference().is_some());
+        let near = || self.boundaries.iter().filter(reaches);
+        let mut walls = if unstressed { Walls::default() } else { Walls::of(near(), self.time) };
+        let apart = !walls.is_empty();
+        let others = |b: &&Boundary<D>| !(apart && matches!(b, Boundary::Wall { .. }));
+        let before = *pressed;
+        if U::PRESSES {
+            *pressed = Pressed::default();
         }
         let mirrors = self.planes.copied();
         let own = self.planes.own_masses(self.layout.start(block), nodes.items.len());
         for (i, (n, node)) in nodes.numbered().enumerate() {
             let x = place.node(n);
+            walls.look_at(n, &x, &before, tolerance);
             let constrain = |v: &mut [f64; 3], time: f64| {
                 let before = *v;
-                for b in self.boundaries.iter().filter(reaches) {
+                for b in self.boundaries.iter().filter(reaches).filter(others) {
                     b.constrain(&x, v, time, tolerance, self.copies);
                 }
                 *v != before
             };
             if let Some(share) = own.share(i, node) {
                 let mut all = NodeLedger::default();
-                update.update(node, &constrain, &mut all);
+                update.update(node, &mut walls, &constrain, &mut all);
                 ledger.add_share(share, &all);
             } else if place.is_copy(n, mirrors) {
-                update.update(node, &constrain, &mut NodeLedger::default());
+                update.update(node, &mut walls, &constrain, &mut NodeLedger::default());
             } else {
-                update.update(node, &constrain, ledger);
+                update.update(node, &mut walls, &constrain, ledger);
+            }
+            if U::PRESSES {
+                walls.iter().filter(|wall| wall.pressed).for_each(|wall| pressed.set(wall.axis, n, true));
             }
         }
     }
 }
 
-/// Directions in which no boundary holds the node.
+/// Directions in which no boundary holds the node, walls that only push aside.
 pub(super) fn free_directions<const D: usize>(
     conditions: &Conditions<D>,
     x: &[f64; D],
@@ -407,12 +450,11 @@ pub(super) fn free_directions<const D: usize>(
     copies: f64,
 ) -> [bool; 3] {
     let mut free = [true; 3];
-    // A boundary that changes neither of two opposite probes in a direction leaves it free. They are faster than
-    // any wall.
+    // A boundary that changes neither of two opposite probes in a direction leaves it free.
     for probe in [1e30, -1e30] {
         let before = [probe; 3];
         let mut v = before;
-        for b in &conditions.boundaries {
+        for b in conditions.boundaries.iter().filter(|b| !matches!(b, Boundary::Wall { .. })) {
             b.constrain(x, &mut v, time, 1e-6 * spacing, copies);
         }
         for d in 0..3 {

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mpm_materials::{Breakdown, Material};
 
 use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
-use super::checkpoint::{Archive, CheckpointError};
+use super::checkpoint::{Archive, CheckpointError, Constant};
 use super::fields::Claim;
 use super::footprint::Footprint;
 use super::kernels::{Facts, MethodKernels};
@@ -591,6 +591,9 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
     fn law(&self) -> &'static str {
         self.material.name()
     }
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
+        self.constants_at(times)
+    }
     fn len(&self) -> usize {
         self.slots.iter().map(|s| s.block.len()).sum()
     }
@@ -632,13 +635,14 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
                 for d in 0..D {
                     square += numbers[Columns::velocity(D) + d] * numbers[Columns::velocity(D) + d];
                 }
-                let Some(said) = self.material.describe_point(self.state_of(&numbers)) else { continue };
+                let speed = self.material.step_speed(self.state_of(&numbers), T::of(spacing));
+                let Some(speed) = speed else { continue };
                 if self.facts().total {
                     let f = total::gradient::<T, D>(&numbers[self.columns.frame()..], self.facts().hoop);
                     let stretch: T = total::stretch(&total::inverse::<T::Single, D>(&f)).into();
-                    fastest = fastest.max(said.wave_speed * stretch);
+                    fastest = fastest.max(speed * stretch);
                 } else {
-                    fastest = fastest.max(said.wave_speed + square.sqrt());
+                    fastest = fastest.max(speed + square.sqrt());
                 }
             }
         }

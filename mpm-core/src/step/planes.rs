@@ -182,8 +182,13 @@ impl<T: Float> Planes<T> {
 
     /// Copy what contact made of the velocities in front of planes of symmetry to the nodes behind. Returns the impulse
     /// of the planes, N s: what the changes since [`Planes::note_velocities`] give to the particles, less what they
-    /// are for the nodes in front.
-    pub fn copy_velocities(&self, nodes: &mut [Node<T>], cutoff: T) -> [f64; 3] {
+    /// are for the nodes in front. `counts`: is the node one whose body's momentum is counted?
+    pub fn copy_velocities(
+        &self,
+        nodes: &mut [Node<T>],
+        cutoff: T,
+        counts: &impl Fn(u32) -> bool,
+    ) -> [f64; 3] {
         let mut impulse = [0.0; 3];
         if !self.wide {
             return impulse;
@@ -197,7 +202,7 @@ impl<T: Float> Planes<T> {
         }
         for Beside { node, behind, mapped } in &self.beside {
             let now = &nodes[*node as usize];
-            if now.first[0] <= cutoff {
+            if now.first[0] <= cutoff || !counts(*node) {
                 continue;
             }
             let whole = if *behind { T::default() } else { now.first[0] };

@@ -25,7 +25,7 @@
 use std::sync::Arc;
 
 use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
-use super::checkpoint::{Archive, CheckpointError};
+use super::checkpoint::{Archive, CheckpointError, Constant};
 use super::control::TimeControl;
 use super::footprint::Footprint;
 use super::kernels::MethodKernels;
@@ -276,6 +276,9 @@ impl<T: Float, const D: usize> Body<T, D> for ReferenceBody<T, D> {
     fn law(&self) -> &'static str {
         self.own().law()
     }
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
+        self.own().constants(times)
+    }
     fn len(&self) -> usize {
         self.own().len()
     }
@@ -385,7 +388,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let (blocks, planes, layout) = (self.fields.coordinates(), &*self.planes, self.fields.layout());
         let mirrors = planes.copied();
-        layout.each(self.team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, ledger| {
+        layout.each(self.team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
             let place = BlockPlace::new(&lattice, &blocks[block]);
             let own = planes.own_masses(layout.start(block), nodes.items.len());
             for (i, (n, node)) in nodes.numbered().enumerate() {
@@ -398,7 +401,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                     let moves = mass > cutoff && free[d];
                     node.second[d + 1] = if moves { push / mass } else { T::default() };
                     if !moves {
-                        ledger.impulse[d] -= share * push.to_double();
+                        books.ledger.impulse[d] -= share * push.to_double();
                     }
                 }
             }
@@ -513,6 +516,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// # use mpm_core::step::contact::{Contact, Found, Scratch, SharedNodes};
     /// # use mpm_materials::{LinearElastic, Moduli};
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # #[derive(Debug)]
     /// # struct AnyContact;
     /// # impl Contact<f64, 2> for AnyContact {
     /// #     fn impulses(&self, _: &SharedNodes<'_, f64, 2>, _: &mut Found<f64>, _: &mut Scratch<f64>) {}

@@ -16,7 +16,7 @@
 use std::sync::Arc;
 
 use mpm_materials::{Check, ParameterError};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 
 use super::scene::SceneError;
 use crate::geometry::Seeds;
@@ -226,6 +226,18 @@ impl<const D: usize> RigidState<D> {
             inverse: Matrix3::zeros(),
         };
         state.inverse = state.inverse_of(&state.rotation);
+        let moves = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
+        if !(mass.is_normal() && state.inverse.iter().all(|x| x.is_finite())) {
+            return Err(refuse(
+                "density",
+                rigid.density,
+                "such that mass and inertia are neither 0 nor infinite",
+            ));
+        }
+        if !(moves(&state.angular_momentum) && state.kinetic().is_finite()) {
+            let fastest = start.velocity.iter().chain(&start.spin).fold(0.0f64, |a, x| a.max(x.abs()));
+            return Err(refuse("velocity or spin", fastest, "such that its energy is finite"));
+        }
         Ok(state)
     }
 
@@ -279,7 +291,9 @@ impl<const D: usize> RigidState<D> {
         let columns = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let response = |e: [f64; 3]| Vector3::from(self.response(&e, &self.moment(at, &e), at));
         let per_mass = Matrix3::from_columns(&columns.map(response));
-        1.0 / per_mass.symmetric_eigenvalues().max()
+        // The trace is a bound, for matrices that have no eigenvalues in this precision.
+        let largest = SymmetricEigen::try_new(per_mass, f64::EPSILON, 100);
+        1.0 / largest.map_or(per_mass.trace(), |all| all.eigenvalues.max())
     }
     /// Kinetic energy, J.
     pub fn kinetic(&self) -> f64 {
@@ -307,6 +321,10 @@ impl<const D: usize> RigidState<D> {
         let at = [motion(time), motion(time + 0.5 * dt), motion(time + dt)];
         for twist in &at {
             check(name, twist, hoop)?;
+            turns(&(Vector3::from(twist.spin) * dt)).map_err(|wrong| {
+                let Wrong { field, value, allowed } = wrong;
+                SceneError::Rigid { body: name.into(), field, value, allowed }
+            })?;
         }
         // Simpson's rule.
         let mean = |of: fn(&Twist<D>) -> Vector3<f64>| (of(&at[0]) + 4.0 * of(&at[1]) + of(&at[2])) / 6.0;
@@ -325,7 +343,12 @@ impl<const D: usize> RigidState<D> {
 
     /// Plan the step of a free body from the impulse on it, N s, and its moment about the centre, N m s. Returns the
     /// impulse of what holds it.
-    pub(super) fn push(&mut self, impulse: [f64; 3], moment: [f64; 3], dt: f64) -> [f64; 3] {
+    ///
+    /// # Errors
+    /// What does not move a body to a place.
+    pub(super) fn push(&mut self, impulse: [f64; 3], moment: [f64; 3], dt: f64) -> Result<[f64; 3], Wrong> {
+        finite("impulse on its nodes", &impulse)?;
+        finite("moment of the impulses on its nodes", &moment)?;
         let (mut impulse, moment) = (Vector3::from(impulse), Vector3::from(moment));
         let mut holding = Vector3::zeros();
         for d in (0..3).filter(|&d| self.held[d]) {
@@ -337,6 +360,7 @@ impl<const D: usize> RigidState<D> {
         let velocity = self.velocity + impulse / self.mass;
         let before = self.inverse * self.angular_momentum;
         let middle = self.inverse_of(&(turn(&(before * (0.5 * dt))) * self.rotation)) * self.angular_momentum;
+        turns(&(middle * dt))?;
         let turned = turn(&(middle * dt));
         let spin = self.inverse_of(&(turned * self.rotation)) * self.angular_momentum;
         self.step = Step {
@@ -346,7 +370,9 @@ impl<const D: usize> RigidState<D> {
             spin,
             per_dt: 1.0 / dt,
         };
-        holding.into()
+        finite("velocity", velocity.as_slice())?;
+        finite("spin", spin.as_slice())?;
+        Ok(holding.into())
     }
 
     /// Go where the step leads.
@@ -354,7 +380,10 @@ impl<const D: usize> RigidState<D> {
         self.centre += self.step.way;
         self.rotation =
             Rotation3::from_matrix_unchecked((Matrix3::identity() + self.step.turn) * self.rotation.matrix());
-        self.rotation.renormalize();
+        // One step of Newton's method for the nearest rotation: what is left of an error is its square.
+        let r = *self.rotation.matrix();
+        let nearest = r * (Matrix3::identity() * 3.0 - r.transpose() * r) * 0.5;
+        self.rotation = Rotation3::from_matrix_unchecked(nearest);
         self.velocity = self.step.velocity;
         self.spin = self.step.spin;
         self.inverse = self.inverse_of(&self.rotation);
@@ -387,6 +416,26 @@ impl<const D: usize> RigidState<D> {
 
 fn turn(by: &Vector3<f64>) -> Rotation3<f64> {
     Rotation3::from_scaled_axis(*by)
+}
+
+/// A number of a rigid body's motion that is none.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Wrong {
+    pub(super) field: &'static str,
+    pub(super) value: f64,
+    pub(super) allowed: &'static str,
+}
+
+fn finite(field: &'static str, values: &[f64]) -> Result<(), Wrong> {
+    let wrong = values.iter().find(|x| !x.is_finite());
+    wrong.map_or(Ok(()), |&value| Err(Wrong { field, value, allowed: "finite" }))
+}
+
+/// Refuse to turn by half a turn or more at once, which could be the other way round.
+fn turns(by: &Vector3<f64>) -> Result<(), Wrong> {
+    let value = by.norm();
+    let allowed = "below pi in a step: take smaller steps or a slower spin";
+    if value < std::f64::consts::PI { Ok(()) } else { Err(Wrong { field: "turn", value, allowed }) }
 }
 
 /// Refuse motions that are none, or that the coordinates do not have.

@@ -6,7 +6,7 @@ use mpm_materials::Material;
 use mpm_materials::material::{Described, Motion, PairOutput, Response, States, StatesMut};
 
 use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
-use super::checkpoint::{Archive, CheckpointError};
+use super::checkpoint::{Archive, CheckpointError, Constant};
 use super::fields::Fields;
 use super::footprint::Footprint;
 use super::kernels::MethodKernels;
@@ -36,6 +36,9 @@ impl<T: Float> Material<T> for Undeformed<T> {
     fn density(&self) -> T {
         self.density
     }
+    fn constants(&self) -> String {
+        format!("{self:?}")
+    }
     fn numbers(&self) -> usize {
         0
     }
@@ -48,7 +51,7 @@ impl<T: Float> Material<T> for Undeformed<T> {
     fn advance(&self, _: &Motion<'_, T>, states: StatesMut<'_, T>, _: bool, response: &mut Response<T>) {
         response.fill(states.groups.len(), undeformed::<T>());
     }
-    fn describe(&self, states: States<'_, T>, response: &mut Response<T>) {
+    fn describe(&self, states: States<'_, T>, _: T, response: &mut Response<T>) {
         response.fill(states.groups.len(), undeformed::<T>());
     }
     fn volume_ratios(&self, _: States<'_, T>, ratios: &mut [T::Row]) {
@@ -64,6 +67,9 @@ impl<T: Float> Material<T> for Undeformed<T> {
             in_range: true,
             failed: false,
         })
+    }
+    fn step_speed(&self, _: &[T], _: T) -> Option<T> {
+        Some(T::default())
     }
     fn energy_of(&self, _: &[T]) -> Option<T> {
         Some(T::default())
@@ -113,6 +119,9 @@ impl<T: Float, const D: usize> Body<T, D> for RigidBody<T, D> {
     }
     fn law(&self) -> &'static str {
         self.particles.law()
+    }
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
+        self.state.constants_at(times)
     }
     fn len(&self) -> usize {
         self.particles.len()
@@ -276,11 +285,15 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         for block in (0..fields.len()).filter(|block| fields.owner(*block) as usize == number) {
             let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
             let nodes = layout.of(self.grid.nodes(), block);
-            for (n, node) in numbers(layout.kept(block)).zip(nodes) {
-                if node.first[0] <= self.cutoff || place.is_copy(n, mirrors) {
+            // Beside planes of symmetry nodes stand for the body's image, too: the body gets what its own particles there do.
+            let own = self.planes.own_masses(layout.start(block), nodes.len());
+            for (i, (n, node)) in numbers(layout.kept(block)).zip(nodes).enumerate() {
+                let whole = if place.is_copy(n, mirrors) { 0.0 } else { 1.0 };
+                let share = own.share(i, node).unwrap_or(whole);
+                if node.first[0] <= self.cutoff || share == 0.0 {
                     continue;
                 }
-                let (x, mass) = (place.node(n), node.first[0].to_double());
+                let (x, mass) = (place.node(n), share * node.first[0].to_double());
                 let now = state.velocity_at(&x);
                 let (mut arm, mut given) = ([0.0; 3], [0.0; 3]);
                 for d in 0..D {
@@ -303,7 +316,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let lattice = *self.grid.lattice();
         let (bodies, fields) = (self.bodies, self.fields);
         let (layout, team) = (fields.layout(), self.team);
-        layout.each(team, self.grid.nodes_mut(), self.ledgers, |block, mut nodes, _| {
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, _| {
             let Some(body) = rigid_of(bodies, fields, block).filter(|b| !b.is_prescribed()) else { return };
             let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
             for (n, node) in nodes.numbered() {

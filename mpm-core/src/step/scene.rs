@@ -118,6 +118,44 @@ pub enum SceneError {
         /// What may move it.
         what: String,
     },
+    /// A scene without bodies.
+    #[error("the scene has no body to step; add one (`Mpm::add`)")]
+    NoBodies,
+    /// A name that tells a body from no other.
+    #[error("body name `{name}` is not allowed; it must be {allowed}")]
+    Name {
+        /// The name given.
+        name: String,
+        /// What is allowed, in words.
+        allowed: &'static str,
+    },
+    /// A load or a prescribed velocity that is no number.
+    #[error("{what} = {value} at t = {time:e} s is not allowed; it must be finite")]
+    NotFinite {
+        /// Which.
+        what: String,
+        /// Its value, in SI units.
+        value: f64,
+        /// When, s.
+        time: f64,
+    },
+    /// Matter where the image of other matter is.
+    #[error(
+        "body `{body}`: particle {particle} is {distance:e} m behind the plane of symmetry on axis {axis} at {at} m; it must be \
+         in front of it, where matter is modelled"
+    )]
+    BehindSymmetry {
+        /// The body.
+        body: String,
+        /// Number of the particle.
+        particle: usize,
+        /// Normal axis of the plane.
+        axis: usize,
+        /// Where the plane is, m.
+        at: f64,
+        /// How far behind it the particle is, m.
+        distance: f64,
+    },
     /// A body without particles.
     #[error("body `{0}` has no particles; its shape holds no seed: enlarge it or refine the lattice")]
     Empty(String),

@@ -558,6 +558,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     pub(super) fn enter(&mut self, name: &str, body: Box<dyn Body<T, D>>) -> Result<(), SceneError> {
+        self.check_name(name)?;
         self.bodies.push(body);
         self.mapped = false;
         self.looks.reopen();
@@ -569,7 +570,20 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         })
     }
 
+    /// Errors, tables and observers tell bodies apart by their names.
+    fn check_name(&self, name: &str) -> Result<(), SceneError> {
+        let refuse = |allowed| Err(SceneError::Name { name: name.into(), allowed });
+        if name.trim().is_empty() {
+            return refuse("a word or more");
+        }
+        if self.bodies.iter().any(|b| b.name() == name) {
+            return refuse("another one than those of the bodies in the scene");
+        }
+        Ok(())
+    }
+
     pub(super) fn check_seeds(&self, name: &str, seeds: &Seeds<D>) -> Result<(), SceneError> {
+        self.check_name(name)?;
         let body = name.to_string();
         self.check_method()?;
         let count = seeds.positions.len();
@@ -626,6 +640,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     return refuse("position", x[d], "finite and within 2^30 cells of the lattice's origin");
                 }
             }
+            let behind =
+                self.conditions.boundaries.iter().find_map(|b| self.behind_symmetry(b, name, particle, x));
+            behind.map_or(Ok(()), Err)?;
             if let Some(&v) = velocity(*x).iter().find(|v| !v.is_finite()) {
                 return refuse("velocity", v, "finite");
             }
@@ -704,6 +721,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let lattice = *self.grid.lattice();
         let (kernels, none) = (self.kernels.clone(), (Loads::default(), None));
         let mut taken = ParticleBody::<T, D>::empty(name, law, kernels, lattice, &body.half_size(), none);
+        let mut behind = None;
+        body.for_each(&mut |p| {
+            let x = std::array::from_fn(|d| p.position[d]);
+            let all = &self.conditions.boundaries;
+            let found = || all.iter().find_map(|b| self.behind_symmetry(b, name, p.number, &x));
+            behind = behind.take().or_else(found);
+        });
+        behind.map_or(Ok(()), Err)?;
         taken.adopt(body);
         self.enter(name, Box::new(taken))
     }

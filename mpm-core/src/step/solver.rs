@@ -12,14 +12,15 @@ use super::kernels::{Facts, MethodKernels};
 use super::layout::Nodes;
 use super::load::Loading;
 use super::look::Looks;
-use super::nodes::{Conditions, NodeLedger, Stage, mass_cutoff};
+use super::nodes::{BlockBooks, Conditions, NodeLedger, Stage, mass_cutoff};
 use super::planes::Planes;
 use super::rest::Calm;
+use super::rigid::Wrong;
 use super::scene::SceneError;
 use super::sweep::Cause;
 use super::work::Work;
 
-use crate::boundary::Boundary;
+use crate::boundary::{Boundary, Side};
 use crate::combine::GridFor;
 use crate::dim::BLOCK;
 use crate::grid::{GridStorage, OutsideGrid};
@@ -75,6 +76,18 @@ pub enum Stopped {
     /// A rigid body is told to move as none can, or the scene became one that cannot be.
     #[error(transparent)]
     Scene(SceneError),
+    /// A time that the clock cannot follow.
+    #[error("{field} = {value:e} s is not allowed; it must be {allowed} (now t = {now:e} s)")]
+    Clock {
+        /// What was given.
+        field: &'static str,
+        /// Its value, s.
+        value: f64,
+        /// What is allowed, in words.
+        allowed: &'static str,
+        /// The time reached, s.
+        now: f64,
+    },
     /// The wave speeds give no usable time step.
     #[error("the time step became {0} s; a wave speed is infinite, zero or not a number")]
     NoTimeStep(f64),
@@ -124,7 +137,8 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) stopped_by: Option<StepError>,
     /// Do the tiles hold the map of the particles as they stand?
     pub(super) mapped: bool,
-    ledgers: Vec<NodeLedger>,
+    /// Of each block of nodes.
+    pub(super) books: Vec<BlockBooks>,
     /// What no block of nodes gave or took alone, in a step.
     together: NodeLedger,
     pub(super) ledger: NodeLedger,
@@ -152,13 +166,14 @@ macro_rules! stage {
             fields: &$mpm.fields,
             team: &$mpm.team,
             conditions: &$mpm.conditions,
-            ledgers: &mut $mpm.ledgers,
+            books: &mut $mpm.books,
             together: &mut $mpm.together,
             time: $mpm.time,
             cutoff: lightest * mass_cutoff::<T>(),
             lightest,
             wide: $mpm.kernels.facts().wide(),
             takes: $mpm.kernels.taken($dt),
+            forces: !$mpm.kernels.facts().maps_together,
             dt: $dt,
             planes: &mut $mpm.planes,
             rigid: !$mpm.rigid.is_empty(),
@@ -177,6 +192,8 @@ const PRUNE_AHEAD: u64 = 128;
 /// look ahead: that takes memory, and about as long as a step.
 const OFTEN: u64 = 16;
 const FEW: usize = 32;
+/// Times are the same that differ by less than this part of them.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl<const D: usize> Mpm<D> {
     /// An empty scene in double precision, of any method ([`IntoKernels`]) and grid ([`GridStorage`]) of the same dimensions, whose bodies
@@ -250,7 +267,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             rate: T::default(),
             stopped_by: None,
             mapped: false,
-            ledgers: Vec::new(),
+            books: Vec::new(),
             together: NodeLedger::default(),
             ledger: NodeLedger::default(),
             acting: Loading::default(),
@@ -281,7 +298,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Add a boundary condition; conditions act in the order they were added.
     ///
     /// # Errors
-    /// An axis that does not exist, a symmetry plane between nodes, numbers that are not finite.
+    /// An axis that does not exist, a symmetry plane between nodes or with particles behind it, numbers that are not finite.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         self.work.bound(self, boundary)
     }
@@ -291,9 +308,32 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if self.facts().total && matches!(boundary, Boundary::Wall { .. }) {
             return Err(crate::boundary::BoundaryError::WallInReference.into());
         }
+        for body in &self.bodies {
+            let mut behind = None;
+            body.for_each(&mut |p| {
+                let x = std::array::from_fn(|d| p.position[d]);
+                behind = behind.take().or_else(|| self.behind_symmetry(&boundary, body.name(), p.number, &x));
+            });
+            behind.map_or(Ok(()), Err)?;
+        }
         self.conditions.boundaries.push(boundary);
         self.arrange_planes();
         Ok(())
+    }
+
+    /// What a particle is refused for that is behind a plane of symmetry, where its image is.
+    pub(super) fn behind_symmetry(
+        &self,
+        boundary: &Boundary<D>,
+        body: &str,
+        particle: usize,
+        x: &[f64; D],
+    ) -> Option<SceneError> {
+        let Boundary::Symmetry { axis, at, side } = *boundary else { return None };
+        let distance = if side == Side::Above { at - x[axis] } else { x[axis] - at };
+        let behind = distance > 1e-6 * self.grid.lattice().spacing();
+        let body = || body.to_string();
+        behind.then(|| SceneError::BehindSymmetry { body: body(), particle, axis, at, distance })
     }
 
     /// Accelerate all material, m/s^2 over time.
@@ -359,7 +399,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// step (iii, vi) was made by the last pass of the step before, while the particles were at hand.
     ///
     /// # Errors
-    /// As [`Mpm::step`].
+    /// As [`Mpm::step`]; a `left` that is not positive.
     pub fn step_at_most(&mut self, left: f64) -> Result<T, StepError> {
         self.work.step_at_most(self, left)
     }
@@ -369,6 +409,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     pub(super) fn step_at_most_here(&mut self, left: f64) -> Result<T, StepError> {
         if let Some(error) = &self.stopped_by {
             return Err(error.clone());
+        }
+        if left.is_nan() || left <= 0.0 {
+            return Err(self.refused("step_at_most: left", left, "positive; infinite for no limit"));
+        }
+        if self.bodies.is_empty() {
+            return Err(self.stopped(Stopped::Scene(SceneError::NoBodies)));
         }
         let made = self.team.clone().run(|| self.stages(left));
         self.stopped_by = made.as_ref().err().cloned();
@@ -380,6 +426,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.wake_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
+        if self.time + dt.to_double() == self.time {
+            let allowed = "long enough to move the clock: let it start at an earlier time (`Mpm::set_time`)";
+            return Err(self.refused("time step", dt.to_double(), allowed));
+        }
+        self.check_conditions(dt.to_double()).map_err(|error| self.stopped(Stopped::Scene(error)))?;
         self.plan_rigid(dt)?;
         self.open_references(dt)?;
         let (before_forces, remap) = (self.facts().before_forces, self.facts().remap);
@@ -390,14 +441,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.part(dt);
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.meet(Meeting::Trial, dt); // vii: eqs. 11 - 15
-            self.move_rigid(dt);
+            self.move_rigid(dt)?;
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.meet(Meeting::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
-            self.move_rigid(dt);
+            self.move_rigid(dt)?;
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
@@ -415,9 +466,28 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(dt)
     }
 
+    /// Refuse loads and prescribed velocities that are no numbers in this step.
+    fn check_conditions(&self, dt: f64) -> Result<(), SceneError> {
+        let check = |what: &dyn Fn() -> String, values: &[f64], time: f64| {
+            let wrong = values.iter().find(|x| !x.is_finite());
+            wrong.map_or(Ok(()), |&value| Err(SceneError::NotFinite { what: what(), value, time }))
+        };
+        if let Some(gravity) = &self.conditions.gravity {
+            check(&|| "body force".into(), &gravity(self.time), self.time)?;
+        }
+        for (n, boundary) in self.conditions.boundaries.iter().enumerate() {
+            let Boundary::Prescribed { velocity, .. } = boundary else { continue };
+            for time in [self.time, self.time + dt] {
+                let prescribed = velocity(time).map(|v| v.unwrap_or_default());
+                check(&|| format!("velocity prescribed by boundary {n}"), &prescribed, time)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Book the step, bring particles to their new bins, define the new grid (xii, ii).
     pub(super) fn close_step(&mut self, dt: T) -> Result<(), StepError> {
-        for part in self.ledgers.iter().chain([&self.together]) {
+        for part in self.books.iter().map(|books| &books.ledger).chain([&self.together]) {
             self.ledger.add(part);
         }
         if self.facts().before_forces {
@@ -475,9 +545,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// Move rigid bodies: free ones as what their nodes got in this step pushes them, and their nodes with them.
-    fn move_rigid(&mut self, dt: T) {
+    fn move_rigid(&mut self, dt: T) -> Result<(), StepError> {
         if self.rigid.is_empty() {
-            return;
+            return Ok(());
         }
         for n in 0..self.rigid.len() {
             let number = self.rigid[n];
@@ -487,6 +557,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let (impulse, moment) = self.stage(dt).push_on(number, &state);
             let Some(state) = self.bodies[number].rigid_mut() else { continue };
             let held = state.push(impulse, moment, dt.to_double());
+            let held = held.map_err(|wrong| {
+                let body = self.bodies[number].name().into();
+                let Wrong { field, value, allowed } = wrong;
+                self.stopped(Stopped::Scene(SceneError::Rigid { body, field, value, allowed }))
+            })?;
+            let Some(state) = self.bodies[number].rigid() else { continue };
             let velocity = state.velocity();
             for d in 0..3 {
                 self.together.impulse[d] += held[d];
@@ -499,6 +575,25 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 state.advance();
             }
         }
+        self.check_rigid_places().map_err(|error| self.stopped(Stopped::Scene(error)))
+    }
+
+    /// Refuse rigid bodies that went behind planes of symmetry, which do not stop them.
+    fn check_rigid_places(&self) -> Result<(), SceneError> {
+        let planes = self.conditions.boundaries.iter().filter(|b| matches!(b, Boundary::Symmetry { .. }));
+        for boundary in planes {
+            for &number in &self.rigid {
+                let (body, mut behind) = (&self.bodies[number], None);
+                body.for_each(&mut |p| {
+                    if behind.is_none() {
+                        let x = std::array::from_fn(|d| p.position[d]);
+                        behind = self.behind_symmetry(boundary, body.name(), p.number, &x);
+                    }
+                });
+                behind.map_or(Ok(()), Err)?;
+            }
+        }
+        Ok(())
     }
 
     /// Take contact back from the momentum that the stress update of USF saw.
@@ -640,8 +735,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Have the node blocks that the particles reach, and tell the bodies where they are.
     pub(super) fn arrange(&mut self) -> Result<(), OutsideGrid> {
         let separate = self.contact.separates();
+        let pressed = self.pressed();
         self.fields.arrange(&mut *self.grid, &mut self.bodies, separate, self.ahead, &self.team)?;
         self.encounters.arrange(&self.fields, self.bodies.len());
+        self.press(&pressed);
         self.arranged = self.steps;
         self.arrange_planes();
         Ok(())
@@ -682,31 +779,50 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Step until `end`, s; the last step is shortened to arrive there.
     ///
     /// # Errors
-    /// As [`Mpm::step`].
+    /// As [`Mpm::step`]; an end that is not finite, or before the time reached.
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
+        if !end.is_finite() || self.is_past(end) {
+            return Err(self.refused("end", end, "finite and not before the time reached"));
+        }
         while !self.reached(end) {
             self.step_towards(end)?;
         }
         self.work.look_at_the_end(self)
     }
 
-    /// Make one step, shortened if it would go beyond `end`, s.
+    /// Make one step, shortened if it would go beyond `end`, s, which is then met exactly.
     ///
     /// # Errors
-    /// As [`Mpm::step`].
+    /// As [`Mpm::step`]; an end that is not finite, or that is [reached](Mpm::reached).
     pub fn step_towards(&mut self, end: f64) -> Result<T, StepError> {
+        if !end.is_finite() || self.reached(end) {
+            return Err(self.refused("end", end, "finite and later than the time reached"));
+        }
         let last = self.last_dt;
         let dt = self.step_at_most(end - self.time)?;
-        // A step cut short to arrive says nothing about the next one.
-        if self.reached(end) {
+        // What is left may be the rounding of a step in the precision of the particles.
+        let rounding = 4.0 * (T::default_epsilon() * dt).to_double();
+        if self.reached(end) || end - self.time <= rounding {
+            self.time = end;
+            // A step cut short to arrive says nothing about the next one.
             self.last_dt = last.or(self.last_dt);
         }
         Ok(dt)
     }
 
-    /// Has the time come to `end`, s, within rounding?
+    /// Has the time come to `end`, s, or is what is left less than the rounding of either? Never for an end that is not a number.
     pub fn reached(&self, end: f64) -> bool {
-        self.time >= end * (1.0 - 1e-12)
+        end - self.time <= ROUNDING * end.abs().max(self.time.abs())
+    }
+
+    /// Is `end`, s, before the time reached, by more than rounding?
+    pub(crate) fn is_past(&self, end: f64) -> bool {
+        self.time - end > ROUNDING * end.abs().max(self.time.abs())
+    }
+
+    /// What a clock cannot follow. The run may go on.
+    fn refused(&self, field: &'static str, value: f64, allowed: &'static str) -> StepError {
+        self.stopped(Stopped::Clock { field, value, allowed, now: self.time })
     }
 
     /// Wall-clock time, s, that steps spent at particles so far: in passes over them and bringing them to their bins. What is
@@ -775,7 +891,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     pub fn bytes(&self) -> usize {
         self.bodies.iter().map(|b| b.bytes()).sum::<usize>()
             + self.grid.bytes()
-            + self.ledgers.capacity() * size_of::<NodeLedger>()
+            + self.books.capacity() * size_of::<BlockBooks>()
             + self.terms.capacity() * size_of::<[T; 3]>()
             + self.planes.bytes()
             + self.fields.bytes()

@@ -221,7 +221,9 @@ pub(super) fn asked<T: Float, const D: usize>(about: &Surveyed<'_, T, D>, count:
         }
         let (all, stride) = slot.block.all_rows();
         let mut response = Response::default();
-        material.describe(States { all, stride, first: Columns::state(D), groups: &groups }, &mut response);
+        let states = States { all, stride, first: Columns::state(D), groups: &groups };
+        // Speeds are not looked at.
+        material.describe(states, T::of(1.0), &mut response);
         said.push(response);
     });
     said

@@ -303,6 +303,7 @@ pub(super) trait Law<T: Float> {
         at: usize,
         motion: Option<Kinematics<P>>,
         speeds: bool,
+        length: P,
     ) -> (Sym3<P>, P, P, Fault<P>);
 }
 
@@ -319,6 +320,7 @@ impl<T: Float> Law<T> for Called {
         _: usize,
         _: Option<Kinematics<P>>,
         _: bool,
+        _: P,
     ) -> (Sym3<P>, P, P, Fault<P>) {
         (Sym3::zero(), P::zero(), P::zero(), Fault::none())
     }
@@ -337,6 +339,7 @@ impl<T: Float, C: Constitutive<T>> Law<T> for Inlined<C> {
         at: usize,
         motion: Option<Kinematics<P>>,
         speeds: bool,
+        length: P,
     ) -> (Sym3<P>, P, P, Fault<P>) {
         let law = &self.0;
         let old = C::State::<P>::read(&mut rows.reader(at));
@@ -348,7 +351,7 @@ impl<T: Float, C: Constitutive<T>> Law<T> for Inlined<C> {
             }
             None => (old, law.stress(&old), Fault::none()),
         };
-        let speed = if speeds { law.wave_speed(&now) } else { P::zero() };
+        let speed = if speeds { law.step_speed(&now, length) } else { P::zero() };
         (stress, law.volume_ratio(&now), speed, fault)
     }
 }
@@ -478,13 +481,13 @@ where
                         let rows = &mut groups.rows_of::<A::Batch>(part.members, idle);
                         if does.has_law() {
                             let mut motion = None;
+                            let [dt, length] = stages.step();
                             if does.strain.is_some() {
                                 let (gradient, step) = stages.strain(rows, &bin, stage);
-                                let [dt, length] = stages.step();
                                 motion = Some(Kinematics { increment: gradient * step, dt, length });
                             }
                             let (stress, ratio, speed, fault) =
-                                law.step::<A::Batch>(rows, states, motion, common.speeds);
+                                law.step::<A::Batch>(rows, states, motion, common.speeds, length);
                             if fault.any() {
                                 found.broken = found.broken.or(first_fault(part.here, fault));
                             }
@@ -544,7 +547,8 @@ where
                 }
             } else {
                 let ForLaw { groups: list, response, .. } = batch.for_law();
-                material.describe(States { all: &*all, stride, first: states, groups: list }, response);
+                let said = States { all: &*all, stride, first: states, groups: list };
+                material.describe(said, common.spacing, response);
             }
             let reader = batch.reader();
             for bin in reader.bins {

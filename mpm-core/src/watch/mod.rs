@@ -187,7 +187,7 @@ pub enum Finding {
     },
     /// Momentum that nothing explains.
     #[error(
-        "{momentum:?} kg m/s of momentum came from nowhere, {share:.1e} of what moves or was given: matter behind a plane of symmetry, or a contact, boundary or \
+        "{momentum:?} kg m/s of momentum came from nowhere, {share:.1e} of what moves or was given: a contact, boundary or \
          transfer of one's own that is no pair of forces"
     )]
     Momentum {
@@ -275,16 +275,6 @@ pub enum GainCause {
     OverCompressed {
         /// How many.
         particles: usize,
-    },
-    /// A wall.
-    #[error(
-        "`Boundary::Wall` on axis {axis} at {at} m is near; let a rigid body (`Mpm::add_rigid`) or, where nothing lifts off, a plane of symmetry take its place"
-    )]
-    Wall {
-        /// Its axis.
-        axis: usize,
-        /// Where it is, m.
-        at: f64,
     },
     /// A contact.
     #[error(

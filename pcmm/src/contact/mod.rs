@@ -207,7 +207,19 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
             return Err(BodyError { body: "scene".into(), cause });
         }
         while self.time < end {
+            let before = self.time;
             self.step_towards(end)?;
+            // Such a step would be made for ever.
+            if self.time == before {
+                return Err(BodyError {
+                    body: "scene".into(),
+                    cause: StepError::TimeStep {
+                        step: self.steps,
+                        time: self.time,
+                        dt: self.next_time_step(),
+                    },
+                });
+            }
         }
         Ok(())
     }

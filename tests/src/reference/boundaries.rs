@@ -10,7 +10,24 @@ pub(super) fn sign(side: Side) -> f64 {
     }
 }
 
-/// Make a nodal velocity obey the boundaries at `time`, in their order.
+/// The walls that the node at `x` is on or behind at `time`: axis, side, velocity.
+pub(super) fn walls<const D: usize>(
+    boundaries: &[Boundary<D>],
+    lattice: &Lattice<D>,
+    x: &[f64; D],
+    time: f64,
+) -> Vec<(usize, f64, f64)> {
+    let behind = |boundary: &Boundary<D>| match *boundary {
+        Boundary::Wall { axis, at, side, velocity } => {
+            let distance = sign(side) * (x[axis] - (at + velocity * time));
+            (distance <= 1e-6 * lattice.spacing()).then_some((axis, sign(side), velocity))
+        }
+        _ => None,
+    };
+    boundaries.iter().filter_map(behind).collect()
+}
+
+/// Make a nodal velocity obey the boundaries at `time`, in their order, walls aside.
 pub(super) fn constrain<const D: usize>(
     boundaries: &[Boundary<D>],
     lattice: &Lattice<D>,
@@ -27,12 +44,7 @@ pub(super) fn constrain<const D: usize>(
                     v[axis] = 0.0;
                 }
             }
-            Boundary::Wall { axis, at, side, velocity } => {
-                let distance = sign(side) * (x[axis] - (at + velocity * time));
-                if distance <= tolerance && sign(side) * (v[axis] - velocity) < 0.0 {
-                    v[axis] = velocity;
-                }
-            }
+            Boundary::Wall { .. } => {}
             Boundary::Fixed { axis, at, side } => {
                 if sign(side) * (x[axis] - at) <= tolerance {
                     *v = [0.0; D];
@@ -49,7 +61,7 @@ pub(super) fn constrain<const D: usize>(
     }
 }
 
-/// Does a boundary hold component `c` of the velocity of the node at `x`?
+/// Does a boundary that is no wall hold component `c` of the velocity of the node at `x`?
 pub(super) fn held<const D: usize>(
     boundaries: &[Boundary<D>],
     lattice: &Lattice<D>,
@@ -60,9 +72,7 @@ pub(super) fn held<const D: usize>(
     let tolerance = 1e-6 * lattice.spacing();
     boundaries.iter().any(|boundary| match *boundary {
         Boundary::Symmetry { axis, at, .. } => c == axis && (x[axis] - at).abs() <= tolerance,
-        Boundary::Wall { axis, at, side, velocity } => {
-            c == axis && sign(side) * (x[axis] - (at + velocity * time)) <= tolerance
-        }
+        Boundary::Wall { .. } => false,
         Boundary::Fixed { axis, at, side } => sign(side) * (x[axis] - at) <= tolerance,
         Boundary::Prescribed { ref region, ref velocity } => {
             region.signed_distance(*x) <= tolerance && velocity(time)[c].is_some()

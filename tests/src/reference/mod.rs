@@ -12,9 +12,9 @@ mod boundaries;
 mod matrices;
 mod weights;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use boundaries::{constrain, held};
+use boundaries::{constrain, held, walls};
 use matrices::{inverse, times, transpose};
 use mpm_core::dim::Stencil;
 use mpm_core::geometry::{Lattice, Seeds};
@@ -194,6 +194,9 @@ pub struct Reference<const D: usize, S> {
     /// Time, s.
     pub time: f64,
     nodes: BTreeMap<Index<D>, Node<D>>,
+    /// Nodes that press on a wall, and the wall's axis: on a node on a wall forces and momentum across it balance, as on a plane
+    /// of symmetry, from when its trial velocity goes into the wall until its acceleration is away from it.
+    pressed: BTreeSet<(Index<D>, usize)>,
     /// Images of every particle; the first is itself.
     images: Vec<Vec<Image<D>>>,
     /// The cell that every particle is in while its weights hold.
@@ -218,6 +221,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             mean_dilatation: false,
             time: 0.0,
             nodes: BTreeMap::new(),
+            pressed: BTreeSet::new(),
             images: Vec::new(),
             cells: Vec::new(),
         }
@@ -377,11 +381,22 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     fn nodal_velocity(&mut self) {
         let (light, at_start) = (self.lightest(), self.order == Order::Usf);
         let (boundaries, lattice, time) = (&self.boundaries, &self.lattice, self.time);
+        let before = self.pressed.clone();
+        if at_start {
+            self.pressed.clear();
+        }
         for (index, node) in &mut self.nodes {
             node.velocity = [0.0; D];
             if node.mass > light {
                 node.velocity = node.momentum.map(|p| p / node.mass);
                 if at_start {
+                    for (axis, sign, velocity) in walls(boundaries, lattice, &lattice.node(*index), time) {
+                        let closes = sign * (node.velocity[axis] - velocity) < 0.0;
+                        if closes || before.contains(&(*index, axis)) {
+                            self.pressed.insert((*index, axis));
+                            node.velocity[axis] = velocity;
+                        }
+                    }
                     constrain(boundaries, lattice, &lattice.node(*index), &mut node.velocity, time);
                 }
             }
@@ -392,11 +407,23 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     fn integrate_momentum(&mut self, dt: f64) {
         let light = self.lightest();
         let (boundaries, lattice, end) = (&self.boundaries, &self.lattice, self.time + dt);
+        // With USL and a rule that reads velocities alone, momentum and impulse are one.
+        let before = std::mem::take(&mut self.pressed);
+        let knows_force =
+            self.order != Order::Usl || matches!(self.rule, Rule::Flip | Rule::Aflip(_) | Rule::Blend(_));
         for (index, node) in &mut self.nodes {
-            let old = node.velocity;
+            let mut old = node.velocity;
             if node.mass > light {
                 for d in 0..D {
                     node.velocity[d] = old[d] + dt * (node.force[d] / node.mass + self.gravity[d]);
+                }
+                for (axis, sign, velocity) in walls(boundaries, lattice, &lattice.node(*index), self.time) {
+                    let force = sign * (node.force[axis] / node.mass + self.gravity[axis]);
+                    let stays = knows_force && force < 0.0 && before.contains(&(*index, axis));
+                    if stays || sign * (node.velocity[axis] - velocity) < 0.0 {
+                        self.pressed.insert((*index, axis));
+                        (old[axis], node.velocity[axis]) = (velocity, velocity);
+                    }
                 }
                 constrain(boundaries, lattice, &lattice.node(*index), &mut node.velocity, end);
             }
@@ -432,7 +459,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 let x = self.lattice.node(*index);
                 let d = term.entry(*index).or_insert([0.0; D]);
                 for c in 0..D {
-                    let held = held(&self.boundaries, &self.lattice, &x, c, self.time + dt);
+                    let held = held(&self.boundaries, &self.lattice, &x, c, self.time + dt)
+                        || self.pressed.contains(&(*index, c));
                     d[c] = if held { 0.0 } else { d[c] - smooth[index][c] / node.mass };
                     node.velocity[c] += d[c];
                 }
@@ -531,6 +559,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             node.remapped = [0.0; D];
             if node.mass > light {
                 node.remapped = momentum[index].map(|p| p / node.mass);
+                for (axis, _, velocity) in walls(boundaries, lattice, &lattice.node(*index), self.time) {
+                    if self.pressed.contains(&(*index, axis)) {
+                        node.remapped[axis] = velocity;
+                    }
+                }
                 constrain(boundaries, lattice, &lattice.node(*index), &mut node.remapped, end);
             }
         }

@@ -1,5 +1,7 @@
 //! What cannot go on stops in the same step and says where; what cannot be is refused; no column is forgotten.
 
+use std::sync::Arc;
+
 use impactite_tests::compare::{particles, plain};
 use impactite_tests::laws::Watched;
 use impactite_tests::reference::{Order, Rule};
@@ -8,8 +10,8 @@ use mpm_core::geometry::Lattice;
 use mpm_core::step::SceneError;
 use mpm_core::step::sweep::Cause;
 use mpm_core::{
-    Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, DenseGrid, Flip, Gimp, Linear, Method, Mpm, Musl,
-    PlaneStrain, QuadraticBSpline, Side, Stopped, TimeControl, Usl,
+    Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Deformable, DenseGrid, FieldForce, Flip, Gimp, Linear,
+    Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Side, Stopped, TimeControl, Usl,
 };
 use mpm_materials::{Breakdown, Constitutive};
 
@@ -160,9 +162,23 @@ fn not_a_number_stops_in_the_same_step() {
         let stopped = mpm.step().expect_err("not a number");
         assert_eq!(stopped.step, 5);
         let text = stopped.to_string();
-        for part in ["block", "linear elastic", "step 5"] {
+        for part in ["body force", "must be finite", "step 5"] {
             assert!(text.contains(part), "`{part}` is missing in: {text}");
         }
+        // By a force on particles, which is looked at where it acts.
+        let mut mpm =
+            Mpm::new(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain), BlockGrid::new(lattice));
+        let force =
+            FieldForce { acceleration: Arc::new(move |_, t| [if t > 3.5 * dt { bad } else { 0.0 }, 0.0]) };
+        let seeds = block(&lattice, [0, 0], [2, 2], 2, 0.0);
+        mpm.add_body(Deformable::new("block", metal(), &seeds).with_field_force(force)).expect("body");
+        mpm.set_time_control(TimeControl::Fixed(dt)).expect("time control");
+        let stopped = (0..8).find_map(|_| mpm.step().err()).expect("not a number");
+        let text = stopped.to_string();
+        for part in ["block", "linear elastic"] {
+            assert!(text.contains(part), "`{part}` is missing in: {text}");
+        }
+        assert!((5..=6).contains(&stopped.step), "{text}");
         // Where it was, not where a NaN would have it; and a volume that is not a number is not an inverted one.
         let Stopped::Particle { position, cause, .. } = stopped.what else { panic!("{text}") };
         assert!(position.iter().all(|x| x.is_finite()), "{text}");

@@ -19,4 +19,5 @@ mod symmetries;
 mod takeover;
 mod total;
 mod vectors;
+mod viscous;
 mod watch;

@@ -115,22 +115,6 @@ fn a_time_step_too_long_is_named() {
     assert_eq!(mpm.warnings(), []);
 }
 
-#[test]
-fn momentum_from_nowhere_stops_the_run() {
-    let lattice = Lattice::new([0.0; 2], 0.1).expect("lattice");
-    let ball = Ball::new([0.0, 0.5], 0.3).expect("ball");
-    let seeds = fill(&ball, &lattice, 2, &Filling::new()).expect("seeds");
-    let law = NeoHookean::new(1000.0, Moduli::young_poisson(1e6, 0.3).expect("moduli")).expect("law");
-    let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
-    mpm.add("ball", law, &seeds, |_| [-1.0, 0.0]).expect("ball");
-    // Half of it is behind.
-    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }).expect("plane");
-    let stopped = mpm.run_until(0.1).expect_err("momentum");
-    let Stopped::Watch(finding) = &stopped.what else { panic!("{stopped}") };
-    assert!(matches!(**finding, Finding::Momentum { share, .. } if share > 1e-6), "{stopped}");
-    assert!(stopped.to_string().contains("plane of symmetry"), "{stopped}");
-}
-
 /// A strip that is drawn out to four times its length, by its own motion.
 fn drawn<M: IntoKernels<f64, 2>>(method: M, law: impl IntoMaterial<f64>) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], 0.01).expect("lattice");

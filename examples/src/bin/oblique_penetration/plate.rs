@@ -1,6 +1,6 @@
 //! The plate's failure, chosen at run time so that its law is compiled once.
 
-use mpm_materials::failure::{Failure, Observed, johnson_cook::Damaged};
+use mpm_materials::failure::{Failure, NoCrack, Observed, johnson_cook::Damaged};
 use mpm_materials::{JohnsonCookDamage, Lane, Nothing, ParameterError, PlasticStrainLimit};
 
 /// When a point of the plate stops carrying anything.
@@ -25,6 +25,7 @@ impl Ductility {
 }
 
 impl Failure<f64> for Ductility {
+    type Cracks = NoCrack;
     type History<L: Lane<Real = f64>> = Damaged<L>;
 
     fn intact(&self) -> Damaged<<f64 as mpm_materials::Real>::Single> {

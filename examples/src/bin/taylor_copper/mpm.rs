@@ -5,8 +5,7 @@ use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl, PlaneStrain,
-    Side, Team,
+    Axisymmetric, BlockGrid, Boundary, IntoKernels, Kernels, Method, Mpm, PlaneStrain, Side, Team,
 };
 use mpm_materials::Solid;
 
@@ -22,15 +21,15 @@ pub struct Outcome {
     pub totals: Totals,
 }
 
-/// Run the bar into the wall with `cells` cells on the radius: hats, MUSL, FLIP, two particles a cell and axis.
+/// Run the bar into the wall with `cells` cells on the radius: [`Method::impact`], two particles a cell and axis.
 pub fn impact(space: Space, hardening: f64, cells: u32, threads: usize) -> Result<Outcome, CaseError> {
     match space {
         Space::PlaneStrain => {
-            let method = Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels();
+            let method = Method::impact(PlaneStrain).into_kernels();
             run(space, method, Filling::new(), hardening, cells, threads)
         }
         Space::Axisymmetric | Space::Quarter => {
-            let method = Method::new(Linear, Flip, Musl, Axisymmetric).into_kernels();
+            let method = Method::impact(Axisymmetric).into_kernels();
             run(space, method, Filling::new().axisymmetric(), hardening, cells, threads)
         }
     }

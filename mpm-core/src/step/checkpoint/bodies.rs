@@ -1,5 +1,7 @@
 //! Bodies in a checkpoint.
 
+use nalgebra::Matrix3;
+
 use super::{Archive, CheckpointError};
 use crate::parallel::Float;
 use crate::step::Totals;
@@ -75,7 +77,27 @@ impl<const D: usize> RigidState<D> {
         for matrix in [rotation.matrix_mut_unchecked(), turn, inverse] {
             file.reals(matrix.iter_mut())?;
         }
-        file.real(per_dt)
+        file.real(per_dt)?;
+        if self.is_sound() { Ok(()) } else { Err(file.damaged("a rigid body moves as none can")) }
+    }
+
+    /// Are its numbers those of a motion?
+    fn is_sound(&self) -> bool {
+        let Step { way, turn, velocity, spin, per_dt } = &self.step;
+        let vectors = [
+            &self.centre,
+            &self.velocity,
+            &self.angular_momentum,
+            &self.spin,
+            &self.force,
+            way,
+            velocity,
+            spin,
+        ];
+        let r = self.rotation.matrix();
+        let mut numbers = vectors.into_iter().flatten().chain([r, turn, &self.inverse].into_iter().flatten());
+        let off = (r.transpose() * r - Matrix3::identity()).amax();
+        numbers.all(|x| x.is_finite()) && per_dt.is_finite() && off < 1e-9
     }
 }
 

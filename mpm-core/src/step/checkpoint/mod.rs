@@ -1,17 +1,20 @@
 //! Runs that are broken off and resumed.
 //!
 //! A checkpoint holds what changes in a run: particles in their order, with what they mapped to the grid; rigid bodies;
-//! clocks and books; what contact knows. What the scene is made of (laws, loads, boundaries, contact, time
-//! control, watch) is not in it: a run is resumed by a scene that is set up as at its start. The resumed run makes the steps of
-//! the other one, bit for bit, with any number of threads and any grid.
+//! clocks and books; what contact knows. A run is resumed by a scene that is set up as at its start: what it is made of (method, laws
+//! with their constants, loads, boundaries, contact) is compared with what the checkpoint says, and another scene refused by name;
+//! time control and watch may be others. The resumed run makes the steps of the other one, bit for bit, with any number of threads
+//! and any grid.
 
 mod archive;
 mod bodies;
+mod constants;
 mod meetings;
 
 use std::path::{Path, PathBuf};
 
 pub use archive::Archive;
+pub use constants::Constant;
 
 use super::rest::Calm;
 use super::solver::{Mpm, StepError};
@@ -53,7 +56,7 @@ pub enum CheckpointError {
 }
 
 /// How files begin.
-const TITLE: &str = "impactite checkpoint 5";
+const TITLE: &str = "impactite checkpoint 6";
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half
@@ -103,8 +106,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// ```
     ///
     /// # Errors
-    /// A file that cannot be read or is damaged; another scene, by method, lattice, precision, bodies, their laws or sizes of their
-    /// particles (constants of laws, loads and boundaries are not compared); a grid with too little room.
+    /// A file that cannot be read or is damaged; another scene, by method, lattice, precision, contact, boundaries (functions of time by
+    /// what they give at the start and at the time of the checkpoint), loads, bodies, the constants of their laws or sizes of their
+    /// particles; a grid with too little room.
     pub fn resumed(mut self, path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
         self.work.resume(&mut self, path.as_ref())?;
         Ok(self)
@@ -119,6 +123,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     pub(super) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.recognise(file)?;
         file.real(&mut self.time)?;
+        self.compare_constants(file)?;
         file.word(&mut self.steps)?;
         file.option(&mut self.last_dt, Archive::real)?;
         file.numbers([&mut self.planned, &mut self.rate])?;
@@ -146,6 +151,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.encounters.arrange(&self.fields, self.bodies.len());
             self.arrange_planes();
         }
+        self.exchange_pressed(file)?;
         self.encounters.exchange(file, &self.fields)
     }
 
@@ -156,7 +162,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         file.same("dimension", &D.to_string())?;
         file.same("bytes of a number", &size_of::<T>().to_string())?;
         file.same("lattice", &format!("{:?}", self.grid.lattice()))?;
-        file.same("contact", if self.contact.separates() { "between bodies" } else { "none" })?;
         file.same("kinetic damping", if self.calm.is_some() { "on" } else { "off" })?;
         file.same("null-space filter", &format!("{:?}", self.filter))?;
         file.same("number of bodies", &self.bodies.len().to_string())?;
