@@ -16,6 +16,9 @@ enum Floor {
     Rigid,
 }
 
+/// What makes the kernels of a method.
+type Made = fn() -> Kernels<f64, 2>;
+
 const FLOORS: [Floor; 3] = [Floor::Wall, Floor::Symmetry, Floor::Rigid];
 
 /// A rubber ball of 4 mm, 1000 kg/m^3, 100 MPa, that flies at a floor, 1 mm above the last nodes.
@@ -87,7 +90,7 @@ where
 /// that cross cells (README recommends them for no impact).
 #[test]
 fn no_floor_gives_energy() {
-    let methods: [(&str, fn() -> Kernels<f64, 2>); 4] = [
+    let methods: [(&str, Made); 4] = [
         ("impact", || Method::impact(PlaneStrain).into_kernels()),
         ("at rest", || Method::contact_at_rest(PlaneStrain).into_kernels()),
         ("quadratic FLIP MUSL", || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).into_kernels()),
@@ -125,7 +128,7 @@ fn no_floor_gives_energy() {
 #[test]
 #[ignore = "a table for the notes, not a test"]
 fn energy_by_floor() {
-    let methods: [(&str, fn() -> Kernels<f64, 2>); 5] = [
+    let methods: [(&str, Made); 5] = [
         ("`Method::impact`", || Method::impact(PlaneStrain).into_kernels()),
         ("`Method::contact_at_rest`", || Method::contact_at_rest(PlaneStrain).into_kernels()),
         ("quadratic MUSL, `Flip`", || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).into_kernels()),
