@@ -30,7 +30,7 @@ pub type VelocityHistory = Arc<dyn Fn(f64) -> [Option<f64>; 3] + Send + Sync>;
 #[derive(Clone)]
 pub enum Boundary<const D: usize> {
     /// A plane of symmetry: no velocity across it, everything else free. With wide stencils the nodes behind
-    /// the plane mirror those in front, so that half a model gives what the whole one would.
+    /// the plane mirror those in front, so that half a model gives what the whole one would. Particles behind it are refused.
     Symmetry {
         /// Normal axis, `0..D`.
         axis: usize,
@@ -39,7 +39,10 @@ pub enum Boundary<const D: usize> {
         /// Where the material is.
         side: Side,
     },
-    /// A rigid frictionless wall that only pushes, moving along its normal.
+    /// A rigid frictionless wall that only pushes, moving along its normal: a plane of symmetry that lets go. Matter that comes within
+    /// a cell of it is stopped by its own stress, and let go when the wall no longer carries it; a wall at rest does no work
+    /// (docs/notes.md 7.1). Bodies without stress on the scene's nodes (free rigid ones, those mapped in their reference
+    /// configuration) are stopped by impulses on their nodes.
     Wall {
         /// Normal axis, `0..D`.
         axis: usize,
