@@ -28,7 +28,8 @@ fn decay(
     (mpm.totals().kinetic / start, mpm.steps())
 }
 
-/// What is left is too much by 12 % on 8 cells and by 6 % on 16: an error of first order, of the free surfaces.
+/// What is left is too much by 12 % on 8 cells and by 6 % on 16, by both methods and viscosities: an error of first order, whose cause is not
+/// known. The test is of the step, which would blow up by far more.
 #[test]
 fn viscosity_bounds_the_step() {
     let due = (-1.0f64).exp();
