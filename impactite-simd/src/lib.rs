@@ -31,6 +31,7 @@ mod avx2;
 mod avx512;
 mod functions;
 pub mod lane;
+pub mod memory;
 mod team;
 #[cfg(test)]
 mod tests;

@@ -51,13 +51,10 @@ pub mod dilatation;
 pub mod dim;
 pub mod embedding;
 pub mod frame;
-pub mod geometry;
 pub mod grid;
 mod library;
-pub mod memory;
 pub mod method;
 pub mod observe;
-pub mod output;
 pub mod particles;
 pub mod scheme;
 pub mod shape;
@@ -65,7 +62,10 @@ pub mod step;
 pub mod transfer;
 pub mod watch;
 
+pub use impactite_geometry as geometry;
+pub use impactite_output as output;
 pub use impactite_simd as parallel;
+pub use impactite_simd::memory;
 
 pub use boundary::{Boundary, Side};
 pub use dilatation::{Dilatation, MeanDilatation, OwnDilatation};

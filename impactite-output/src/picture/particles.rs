@@ -16,9 +16,9 @@ use super::quantity::{Quantity, colours_of};
 /// A picture of particles in space, in colour by a field or by body.
 ///
 /// ```no_run
-/// # fn main() -> Result<(), mpm_core::output::OutputError> {
-/// # let quarter: mpm_core::output::Snapshot = todo!();
-/// use mpm_core::output::picture::{Cut, Mirror, ParticlePicture, Quantity};
+/// # fn main() -> Result<(), impactite_output::OutputError> {
+/// # let quarter: impactite_output::Snapshot = todo!();
+/// use impactite_output::picture::{Cut, Mirror, ParticlePicture, Quantity};
 /// ParticlePicture::new(1200, 900)
 ///     .title("Taylor bar, copper, 190 m/s")
 ///     .caption("80 µs after impact")
@@ -154,7 +154,7 @@ impl ParticlePicture {
     /// # Errors
     /// A field that does not exist, a snapshot without particles at finite places (unless the camera is given),
     /// sizes, directions and ranges that make no sense, or more pixels and copies of particles than
-    /// [`MOST_BYTES`](crate::memory::MOST_BYTES) have room for.
+    /// [`MOST_BYTES`](impactite_simd::memory::MOST_BYTES) have room for.
     pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         Mirror::check(&self.mirrors)?;
         super::check_scale(self.scale)?;

@@ -40,7 +40,7 @@ impl From<(&str, &str)> for Column {
 /// run goes on. Numbers are written in the shortest form that reads back to the same bits.
 ///
 /// ```
-/// use mpm_core::output::History;
+/// use impactite_output::History;
 /// # let folder = std::env::temp_dir().join("impactite-doc-history");
 /// # std::fs::create_dir_all(&folder)?;
 /// # let path = folder.join("bar.csv");

@@ -46,7 +46,7 @@ const BLOCK: usize = 1 << 20;
 /// their times and is complete and valid after every frame.
 ///
 /// ```
-/// use mpm_core::output::{ParticleSize, Snapshot, VtkSeries};
+/// use impactite_output::{ParticleSize, Snapshot, VtkSeries};
 /// # let folder = std::env::temp_dir().join("impactite-doc-vtk");
 /// let mut series = VtkSeries::create(&folder, "two_disks")?;
 /// for frame in 0..3u32 {
@@ -57,7 +57,7 @@ const BLOCK: usize = 1 << 20;
 /// }
 /// assert!(folder.join("two_disks_000002.vtp").is_file());
 /// assert!(folder.join("two_disks.pvd").is_file());
-/// # Ok::<(), mpm_core::output::OutputError>(())
+/// # Ok::<(), impactite_output::OutputError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct VtkSeries {

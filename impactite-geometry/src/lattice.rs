@@ -11,11 +11,11 @@ const FURTHEST: f64 = 9_007_199_254_740_992.0;
 /// Node `i` sits at `origin + i h`; cell `i` lies between the nodes `i` and `i + 1` of every axis.
 ///
 /// ```
-/// use mpm_core::geometry::Lattice;
+/// use impactite_geometry::Lattice;
 /// let lattice = Lattice::new([0.0, -1.0], 0.25)?;
 /// assert_eq!(lattice.cell_of([0.6, -1.0]), Some([2, 0]));
 /// assert_eq!(lattice.node([2, 0]), [0.5, -1.0]);
-/// # Ok::<(), mpm_core::geometry::GeometryError>(())
+/// # Ok::<(), impactite_geometry::GeometryError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice<const D: usize> {

@@ -4,7 +4,7 @@
 //! chaining; [`fill`] seeds particles on a [`Lattice`] and makes their mass exact.
 //!
 //! ```
-//! use mpm_core::geometry::{Cuboid, Cylinder, Filling, Lattice, Shape, fill};
+//! use impactite_geometry::{Cuboid, Cylinder, Filling, Lattice, Shape, fill};
 //! // A plate of 26.3 mm with a bore of 10 mm, in metres.
 //! let plate = Cuboid::new([-0.05, -0.05, 0.0], [0.05, 0.05, 0.0263])?;
 //! let bore = Cylinder::new([0.0, 0.0, -0.01], [0.0, 0.0, 1.0], 0.05, 0.005)?;
@@ -12,7 +12,7 @@
 //! let seeds = fill(&plate.minus(bore), &lattice, 2, &Filling::new())?;
 //! assert_eq!(seeds.positions.len(), seeds.volumes.len());
 //! println!("volumes multiplied by {}", seeds.correction);
-//! # Ok::<(), mpm_core::geometry::GeometryError>(())
+//! # Ok::<(), impactite_geometry::GeometryError>(())
 //! ```
 
 mod bounds;

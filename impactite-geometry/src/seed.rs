@@ -8,7 +8,7 @@ use super::error::{Check, GeometryError};
 use super::lattice::Lattice;
 use super::shape::{Metric, Shape};
 use super::vector::{norm, sum};
-use crate::memory::{Budget, MOST_BYTES};
+use impactite_simd::memory::{Budget, MOST_BYTES};
 
 /// The most particle sites that a filling looks at.
 const MOST_SITES: f64 = 1e12;
@@ -29,7 +29,7 @@ enum Edge {
 /// measure of the shape.
 ///
 /// ```
-/// use mpm_core::geometry::Filling;
+/// use impactite_geometry::Filling;
 /// let filling = Filling::new().axisymmetric().partial(8, 0.1);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -303,12 +303,12 @@ fn displacement<const D: usize>(seed: u64, cell: [i64; D], part: [usize; D]) -> 
 /// reported. Positions are free of accumulated rounding, and everything is the same for any number of threads.
 ///
 /// ```
-/// use mpm_core::geometry::{Disc, Filling, Lattice, fill};
+/// use impactite_geometry::{Disc, Filling, Lattice, fill};
 /// let lattice = Lattice::new([0.0, 0.0], 0.02)?;
 /// let seeds = fill(&Disc::new([0.3, 0.5], 0.1)?, &lattice, 2, &Filling::new())?;
 /// assert!((seeds.measure() - 0.0314159265).abs() < 1e-10);
 /// assert!((seeds.correction - 1.0).abs() < 0.02);
-/// # Ok::<(), mpm_core::geometry::GeometryError>(())
+/// # Ok::<(), impactite_geometry::GeometryError>(())
 /// ```
 ///
 /// Memory: twice what the particles hold (32 bytes each in space, 80 if slivers are dropped), and a number for every site of a column of

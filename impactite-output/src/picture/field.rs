@@ -24,9 +24,9 @@ pub enum Mark {
 /// A picture of a two-dimensional snapshot: one unit of length is the same along both axes.
 ///
 /// ```no_run
-/// # fn main() -> Result<(), mpm_core::output::OutputError> {
-/// # let axisymmetric: mpm_core::output::Snapshot = todo!();
-/// use mpm_core::output::picture::{ColourMap, FieldPicture, Mirror, Quantity};
+/// # fn main() -> Result<(), impactite_output::OutputError> {
+/// # let axisymmetric: impactite_output::Snapshot = todo!();
+/// use impactite_output::picture::{ColourMap, FieldPicture, Mirror, Quantity};
 /// FieldPicture::new(900, 900)
 ///     .title("Axisymmetric bar")
 ///     .colour_by(Quantity::scalar("pressure").unit("GPa", 1.0e-9).map(ColourMap::CoolWarm))
@@ -132,7 +132,7 @@ impl FieldPicture {
     /// # Errors
     /// A three-dimensional snapshot, a field that does not exist, a snapshot without particles at finite places
     /// (unless bounds are given), bounds, sizes and ranges that make no sense, or more pixels than
-    /// [`MOST_BYTES`](crate::memory::MOST_BYTES) have room for.
+    /// [`MOST_BYTES`](impactite_simd::memory::MOST_BYTES) have room for.
     pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         if snapshot.dimension() != 2 {
             let allowed = "2; a snapshot in space is drawn by ParticlePicture";

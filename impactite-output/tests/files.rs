@@ -6,8 +6,8 @@ use std::collections::HashMap;
 use std::io::Read;
 use std::path::PathBuf;
 
-use mpm_core::output::vtk::write_vtp;
-use mpm_core::output::{
+use impactite_output::vtk::write_vtp;
+use impactite_output::{
     FieldValues, History, ParticleSize, Precision, Progress, Snapshot, VtkOptions, VtkSeries,
 };
 
@@ -236,7 +236,7 @@ fn a_snapshot_refuses_what_does_not_fit() {
     let points = || vec![[0.0; 3], [1.0, 0.0, 0.0]];
     let one = || ParticleSize::Uniform(1.0);
     let said =
-        |result: Result<Snapshot, mpm_core::output::OutputError>| result.expect_err("refused").to_string();
+        |result: Result<Snapshot, impactite_output::OutputError>| result.expect_err("refused").to_string();
     assert_eq!(said(Snapshot::new(4, 0.0, 0, points(), one())), "dimension = 4 is not allowed: 2 or 3");
     assert!(said(Snapshot::new(3, f64::NAN, 0, points(), one())).starts_with("time = NaN"));
     assert!(

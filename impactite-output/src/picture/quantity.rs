@@ -7,7 +7,7 @@ use super::colour::{ColourMap, Rgb};
 /// What is shown in colour: a field of the snapshot, how it is called, its unit, its range and its colours.
 ///
 /// ```
-/// use mpm_core::output::picture::{ColourMap, Quantity};
+/// use impactite_output::picture::{ColourMap, Quantity};
 /// let stress = Quantity::scalar("mises").label("von Mises stress").unit("MPa", 1.0e-6).range(0.0, 400.0e6);
 /// let speed = Quantity::magnitude("velocity").label("speed").unit("m/s", 1.0).map(ColourMap::Inferno);
 /// ```

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use mpm_core::geometry::*;
+use impactite_geometry::*;
 
 struct Points(u64);
 

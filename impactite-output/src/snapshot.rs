@@ -62,14 +62,14 @@ impl FieldValues {
 /// made, so that writers need not look again.
 ///
 /// ```
-/// use mpm_core::output::{ParticleSize, Snapshot};
+/// use impactite_output::{ParticleSize, Snapshot};
 /// let snapshot = Snapshot::new(3, 1.0e-6, 42, vec![[0.0; 3], [1.0e-3, 0.0, 0.0]], ParticleSize::Uniform(1.0e-3))?
 ///     .with_bodies(vec![0, 1])?
 ///     .with_scalar("pressure", vec![1.0e9, 2.0e9])?
 ///     .with_vector("velocity", vec![[0.0, 0.0, -227.0]; 2])?;
 /// assert_eq!(snapshot.scalar("pressure")?[1], 2.0e9);
 /// assert!(snapshot.scalar("temperature").is_err());
-/// # Ok::<(), mpm_core::output::OutputError>(())
+/// # Ok::<(), impactite_output::OutputError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Snapshot {

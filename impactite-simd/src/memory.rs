@@ -1,8 +1,8 @@
 //! How much memory one call may ask for.
 //!
 //! What a few numbers can make huge (a box of nodes, a filling, rings, copies in a picture) is counted before anything is allocated, and
-//! refused where it goes beyond a limit: [`MOST_BYTES`], unless the caller sets another one ([`Filling::memory`](crate::geometry::Filling::memory),
-//! [`DenseGrid::within`](crate::DenseGrid::within)). The limit is a number and not what the machine has, so that a program is refused
+//! refused where it goes beyond a limit: [`MOST_BYTES`], unless the caller sets another one (`Filling::memory`,
+//! `DenseGrid::within`). The limit is a number and not what the machine has, so that a program is refused
 //! the same everywhere; what the system refuses below it is an error as well.
 
 /// Bytes that one call may ask for if nobody says otherwise, 16 GiB: room for 2.6e8 particles that fill a body in space, or for as many
@@ -39,15 +39,21 @@ pub enum MemoryError {
 
 /// What asks for memory, how much of it is allowed, and what the user can change.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Budget {
+pub struct Budget {
+    /// What would be held in it.
     pub what: &'static str,
+    /// Bytes that are allowed.
     pub allowed: u64,
+    /// What to change where that is too little.
     pub remedy: &'static str,
 }
 
 impl Budget {
     /// Refuses more bytes than are allowed, and what is no number.
-    pub(crate) fn holds(self, bytes: f64) -> Result<(), MemoryError> {
+    ///
+    /// # Errors
+    /// [`MemoryError::Limit`].
+    pub fn holds(self, bytes: f64) -> Result<(), MemoryError> {
         if bytes <= self.allowed as f64 {
             Ok(())
         } else {
@@ -55,7 +61,10 @@ impl Budget {
         }
     }
     /// Room for so many values.
-    pub(crate) fn room<T>(self, count: usize) -> Result<Vec<T>, MemoryError> {
+    ///
+    /// # Errors
+    /// More than is allowed, or than the system gives.
+    pub fn room<T>(self, count: usize) -> Result<Vec<T>, MemoryError> {
         let bytes = count as f64 * size_of::<T>() as f64;
         self.holds(bytes)?;
         let mut room = Vec::new();

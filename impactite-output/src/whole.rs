@@ -15,7 +15,7 @@ use super::OutputError;
 /// symbolic link stays what it is, and what it points to is replaced. What is no regular file (a folder, a device, a pipe) is not.
 ///
 /// ```
-/// use mpm_core::output::WholeFile;
+/// use impactite_output::WholeFile;
 /// use std::io::Write;
 /// # let path = std::env::temp_dir().join(format!("impactite-doc-whole-{}", std::process::id()));
 /// let mut file = WholeFile::create(&path)?;

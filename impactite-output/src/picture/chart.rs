@@ -8,7 +8,7 @@ use super::colour::{Rgb, palette};
 /// What an axis shows: a label, a unit, and how numbers become places.
 ///
 /// ```
-/// use mpm_core::output::picture::Axis;
+/// use impactite_output::picture::Axis;
 /// let time = Axis::new("time").unit("µs", 1.0e6); // the curves are given in seconds
 /// let error = Axis::new("relative error").logarithmic();
 /// ```
@@ -161,7 +161,7 @@ impl Series {
 /// A chart of curves over common axes, with a legend where it hides least.
 ///
 /// ```
-/// use mpm_core::output::picture::{Axis, Chart, Marker, Series};
+/// use impactite_output::picture::{Axis, Chart, Marker, Series};
 /// let (h, error) = ([0.1, 0.05, 0.025], [1.0e-2, 2.6e-3, 6.4e-4]);
 /// let picture = Chart::new(800, 600)
 ///     .title("Convergence")
@@ -170,7 +170,7 @@ impl Series {
 ///     .series(Series::new("GIMP", &h, &error)?.marker(Marker::Circle))
 ///     .series(Series::slope("second order", 2.0, (0.1, 1.0e-2), (0.025, 0.1)))
 ///     .draw()?;
-/// # Ok::<(), mpm_core::output::OutputError>(())
+/// # Ok::<(), impactite_output::OutputError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Chart {

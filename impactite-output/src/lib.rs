@@ -95,7 +95,7 @@ pub enum OutputError {
     },
     /// What is asked for takes more memory than is allowed, or than there is.
     #[error(transparent)]
-    Memory(#[from] crate::memory::MemoryError),
+    Memory(#[from] impactite_simd::memory::MemoryError),
     /// A number outside what makes sense.
     #[error("{what} = {value} is not allowed: {allowed}")]
     Value {
@@ -115,13 +115,16 @@ impl OutputError {
     }
 
     /// For `map_err`: the operating system refused `action` on `path`.
-    pub(crate) fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+    pub fn file(action: &'static str, path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         move |source| Self::File { action, path: path.to_path_buf(), source }
     }
 }
 
 /// Check a name that ends up in a file: not empty, no control characters, no surrounding blanks.
-pub(crate) fn check_name(what: &'static str, name: &str) -> Result<(), OutputError> {
+///
+/// # Errors
+/// [`OutputError::Name`] says what is not allowed.
+pub fn check_name(what: &'static str, name: &str) -> Result<(), OutputError> {
     let refuse = |why| Err(OutputError::Name { what, name: name.to_string(), why });
     if name.trim().is_empty() {
         refuse("it must not be empty")

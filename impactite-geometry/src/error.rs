@@ -40,7 +40,7 @@ pub enum GeometryError {
     },
     /// What is asked for takes more memory than is allowed, or than there is.
     #[error(transparent)]
-    Memory(#[from] crate::memory::MemoryError),
+    Memory(#[from] impactite_simd::memory::MemoryError),
     /// A triangle names a vertex that does not exist.
     #[error("mesh: triangle {triangle} names vertex {vertex}, but there are only {vertices} vertices")]
     VertexOutOfRange {

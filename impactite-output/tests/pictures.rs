@@ -5,11 +5,11 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use mpm_core::output::picture::{
+use impactite_output::picture::{
     Axis, Camera, Chart, ColourMap, Cut, FieldPicture, Mark, Marker, Mirror, Panels, ParticlePicture,
     Picture, Quantity, Series, Stroke,
 };
-use mpm_core::output::{OutputError, ParticleSize, Snapshot};
+use impactite_output::{OutputError, ParticleSize, Snapshot};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -163,7 +163,7 @@ fn a_square_lies_where_its_axes_say() {
     let square = picture.clone().mark(Mark::Square).draw(&one).expect("drawn");
     let picture = picture.draw(&one).expect("drawn");
     assert_eq!(square, picture);
-    let blue = mpm_core::output::picture::palette(0);
+    let blue = impactite_output::picture::palette(0);
     let all = (0..400).flat_map(|y| (0..400).map(move |x| (x, y)));
     let area: Vec<_> = all.filter(|(x, y)| picture.pixel(*x, *y) == Some(blue)).collect();
     let (x0, x1) = (area.iter().map(|p| p.0).min().unwrap(), area.iter().map(|p| p.0).max().unwrap());

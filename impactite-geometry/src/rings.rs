@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::error::Check;
 use super::{GeometryError, Seeds};
-use crate::memory::{Budget, MOST_BYTES};
+use impactite_simd::memory::{Budget, MOST_BYTES};
 
 /// A full disc as concentric rings of particles, `count` of them and each as wide as particles are long, with exact
 /// area: its edge is as smooth as a circle, where that of a lattice has steps on which it would rattle. Rings are turned

@@ -4,8 +4,8 @@
 //! typeface Inter (SIL Open Font License, see `fonts/OFL.txt`).
 //!
 //! ```
-//! use mpm_core::output::picture::{ColourMap, ParticlePicture, Quantity};
-//! use mpm_core::output::{ParticleSize, Snapshot};
+//! use impactite_output::picture::{ColourMap, ParticlePicture, Quantity};
+//! use impactite_output::{ParticleSize, Snapshot};
 //! # let folder = std::env::temp_dir().join("impactite-doc-picture");
 //! # std::fs::create_dir_all(&folder)?;
 //! let positions = (0..8).map(|i| [(i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64]).collect();
@@ -31,7 +31,7 @@ mod particles;
 mod quantity;
 
 use super::OutputError;
-use crate::memory::{Budget, MOST_BYTES};
+use impactite_simd::memory::{Budget, MOST_BYTES};
 
 pub use camera::{Camera, Cut, Mirror};
 pub use canvas::Picture;

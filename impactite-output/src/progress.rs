@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 /// logs stay clean.
 ///
 /// ```
-/// use mpm_core::output::Progress;
+/// use impactite_output::Progress;
 /// let mut progress = Progress::new("Taylor bar");
 /// progress.update(2.0e-5, 8.0e-5, 310, 2.7e7);
 /// progress.finish();

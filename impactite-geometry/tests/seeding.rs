@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use mpm_core::geometry::*;
+use impactite_geometry::*;
 use nalgebra::Rotation2;
 use proptest::prelude::*;
 

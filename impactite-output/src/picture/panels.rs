@@ -7,11 +7,11 @@ use super::canvas::{Pen, Picture};
 /// Pictures in rows and columns, each with a title above it.
 ///
 /// ```
-/// use mpm_core::output::picture::{Panels, Picture};
+/// use impactite_output::picture::{Panels, Picture};
 /// let [left, right] = [Picture::new(200, 150, [240; 3])?, Picture::new(100, 150, [220; 3])?];
 /// let both = Panels::new(2).title("Two ways").panel("(a) three dimensions", left).panel("(b) axisymmetric", right).compose()?;
 /// assert!(both.width() >= 300 && both.height() > 150);
-/// # Ok::<(), mpm_core::output::OutputError>(())
+/// # Ok::<(), impactite_output::OutputError>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct Panels {
