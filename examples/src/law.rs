@@ -21,7 +21,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// The spring of [`Law::Penalty`]: its frequency over c / h, and its restitution (docs/notes.md 7.10).
+    /// The spring of [`Law::Penalty`]: its frequency over c / h, and its restitution (book, "Contact laws against the cases").
     pub const SPRING: [f64; 2] = [0.9, 0.8];
 
     /// As on the command line.

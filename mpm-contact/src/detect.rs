@@ -108,7 +108,7 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Co
 /// The default therefore measures along the line through the node alone ([`SurfaceDistance::locally`]).
 ///
 /// Normals of the [`SeparatingPlane`] do not tilt at edges, as those of [`crate::Gradients`] do, which makes blocks plough and lift off where they
-/// slide, and lets oblique surfaces meet up to 0.7 cells early (docs/notes.md 7.2).
+/// slide, and lets oblique surfaces meet up to 0.7 cells early (book, "Detection and normals").
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceDistance<N = SeparatingPlane> {
     normals: N,

@@ -114,7 +114,7 @@ fn slide<T: Real>(normal: [T; 3], relative: [T; 3], approach: T, limit: T, mass:
 /// of 8 cells lose a tenth of their energy in an impact. A spring gives it back. In return surfaces overlap by
 /// about v_n / omega, and a joint passes a wave on later, by 2 / omega. What omega should be is a number of c / h, c the wave speed, m/s,
 /// and h the cell, m ([`Penalty::of_cells`]): 0.9 with e = 0.8 is a fair choice, and e = 0.9 may gain a per cent
-/// (docs/notes.md 7.10). For bodies that collide; for bodies that roll, and joints under load,
+/// (book, "Contact laws against the cases"). For bodies that collide; for bodies that roll, and joints under load,
 /// [`Coulomb`] is better.
 ///
 /// What the spring holds is in no body's energy: a sixth of that of discs of 8 cells while they are pressed together.

@@ -14,7 +14,7 @@ use crate::solve::{Meets, solve, total};
 use crate::vector::{difference, dot, length, sum, times};
 
 /// How far bodies may move, in cells, before normals and gaps are looked at anew: well below the errors of either
-/// (docs/notes.md 7.2, 7.7). Not a number that a sum of equal steps meets.
+/// (book, "Detection and normals"; book, "A pack of balls under a plate"). Not a number that a sum of equal steps meets.
 const KEEPS: f64 = 1.03e-3;
 
 /// Contact of any number of bodies through the nodes they share: a detector and the laws of the pairs.
@@ -48,7 +48,7 @@ impl<S, T> GridContact<S, T> {
     }
     /// Also correct the velocities that the strain is taken from (before the stress update of USF, after the
     /// second mapping of MUSL), as the flow chart of \[Ma2010\] does. Impacts then gain energy, since the strain
-    /// sees a motion that the particles do not make (docs/notes.md 7).
+    /// sees a motion that the particles do not make (book, "Contact on the grid").
     #[must_use]
     pub fn with_strain_corrected(mut self) -> Self {
         self.strain = true;

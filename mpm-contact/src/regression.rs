@@ -17,7 +17,7 @@ use crate::vector::{dot, unit};
 /// second body, w_p one over the number of the body's particles and k = 1e-3, by Newton's method;
 /// \[Nairn2020\] minimise squares of the difference to a sigmoid. Better than gradients at edges, corners and
 /// where bodies differ in density. It visits particles one by one: the slowest rule. Surfaces meet within a tenth of a cell
-/// (docs/notes.md 7.2). [`crate::SurfaceDistance::new`] with these normals is the same detector, and its
+/// (book, "Detection and normals"). [`crate::SurfaceDistance::new`] with these normals is the same detector, and its
 /// [`crate::SurfaceDistance::locally`] also finds how wide a contact is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Regression;

@@ -41,7 +41,7 @@ pub enum Boundary<const D: usize> {
     },
     /// A rigid frictionless wall that only pushes, moving along its normal: a plane of symmetry that lets go. Matter that comes within
     /// a cell of it is stopped by its own stress, and let go when the wall no longer carries it; a wall at rest does no work
-    /// (docs/notes.md 7.1). Bodies without stress on the scene's nodes (free rigid ones, those mapped in their reference
+    /// (book, "Where contact is applied"). Bodies without stress on the scene's nodes (free rigid ones, those mapped in their reference
     /// configuration) are stopped by impulses on their nodes.
     Wall {
         /// Normal axis, `0..D`.

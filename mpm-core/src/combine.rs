@@ -53,7 +53,7 @@ impl<X: Never, S, M> OnShape<S, Failing, M, M> for X {
     label = "not with this transfer",
     note = "take `Usl`, which goes with every transfer",
     note = "`Musl` maps the velocities of particles to the grid a second time, and goes with `Flip` and `Blend` alone: what filters the velocity \
-            (`Pic`, `Apic`, `Aflip`, `Mls`, `Fmpm`) would do so twice in a step and blow up (docs/notes.md 1, finding 8)",
+            (`Pic`, `Apic`, `Aflip`, `Mls`, `Fmpm`) would do so twice in a step and blow up (book, \"Properties of stress updates and transfers\", finding 8)",
     note = "`Mls` maps force and momentum together, which needs the stress of the same pass: it goes with neither `Usf` nor `Musl`",
     note = "a transfer of one's own says what it goes with beside `Usl`: `impl Allows<Mine> for Musl {{}}`; generic code asks for \
             it: `where U: Allows<X>`"

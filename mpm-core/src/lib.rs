@@ -89,7 +89,3 @@ pub use step::{
 };
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
 pub use watch::{Account, Finding, GainCause, Warning, Watch};
-
-#[cfg(all(doctest, feature = "conformance"))]
-#[doc = include_str!("../../README.md")]
-struct Readme;

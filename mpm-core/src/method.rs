@@ -54,7 +54,7 @@ pub struct Method<S, X, U, E, F = UpdatedLagrangian, V = OwnDilatation> {
 }
 
 impl<S, X, U, E> Method<S, X, U, E> {
-    /// A method from its ingredients, which must go together (README, "Choosing the parts"): `R` is `Method<S, X, U, E>`, of any shape
+    /// A method from its ingredients, which must go together (book, "Choosing the parts"): `R` is `Method<S, X, U, E>`, of any shape
     /// function `S` that [`Suits`] the transfer `X`, and any stress update `U` that [`Allows`] it.
     // `R` is `Self`, by way of the bounds.
     #[allow(clippy::new_ret_no_self)]
@@ -71,7 +71,7 @@ impl<E> Method<QuadraticBSpline, Aflip<f64>, Usl, E> {
     /// For impact, penetration and fragments that fly and tumble: quadratic B-splines, AFLIP, stress last.
     ///
     /// It keeps a disc whole that spins without load, where FLIP without an affine field tears one apart within a few turns, whatever the shape
-    /// function; it gained energy in none of the scenes there, and loses a quarter to a third of what APIC does in an impact (docs/notes.md 1.1).
+    /// function; it gained energy in none of the scenes there, and loses a quarter to a third of what APIC does in an impact (book, "Methods compared").
     pub fn impact(embedding: E) -> Self {
         Method::new(QuadraticBSpline, Aflip::default(), Usl, embedding)
     }
@@ -80,7 +80,7 @@ impl<E> Method<QuadraticBSpline, Aflip<f64>, Usl, E> {
 impl<E> Method<QuadraticBSpline, Apic, Usl, E> {
     /// For bodies that rest on each other: quadratic B-splines, APIC, stress last. FLIP without an affine field never forgets what the
     /// nodes do not see, and contacts that open and close feed it until the bodies jump; with APIC a stack comes to rest to
-    /// rounding (docs/notes.md 1.1).
+    /// rounding (book, "Methods compared").
     pub fn contact_at_rest(embedding: E) -> Self {
         Method::new(QuadraticBSpline, Apic, Usl, embedding)
     }
@@ -153,7 +153,7 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     }
 }
 
-/// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; README, "What is compiled where"), or
+/// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; book, "What is compiled where"), or
 /// what [`Method::compiled`] makes of any other one, or kernels that are there already.
 #[diagnostic::on_unimplemented(
     message = "a scene of {D} dimensions cannot have the method `{Self}`: its kernels are not compiled in `mpm-core`",

@@ -166,7 +166,7 @@ pub trait StressUpdate: Copy + Send + Sync + 'static {
     type Second: PassKind;
 }
 
-/// Update stress last, from the velocity of the momentum update. Dissipates (docs/notes.md 1, finding 2);
+/// Update stress last, from the velocity of the momentum update. Dissipates (book, "Properties of stress updates and transfers", finding 2);
 /// for smooth shape functions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Usl;

@@ -103,7 +103,7 @@ impl<T: Real> Transfer<T> for Apic {
 ///
 /// A thousandth to a hundredth of PIC a step is enough to forget what the nodes do not see, where APIC takes all: in impacts
 /// a quarter to a third of what APIC damps, and like APIC it comes to rest. Angular momentum, which APIC conserves on B-splines, it keeps nearly:
-/// -0.01 % a turn for a disc of ten cells a radius (docs/notes.md 1.1). Shares belong to steps of the default
+/// -0.01 % a turn for a disc of ten cells a radius (book, "Methods compared"). Shares belong to steps of the default
 /// length: with shorter ones more is forgotten in a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Aflip<T = f64> {

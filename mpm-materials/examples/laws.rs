@@ -1,4 +1,4 @@
-//! Single-point curves of the laws: what docs/laws.md shows.
+//! Single-point curves of the laws: what docs/book/src/theory/curves.md shows.
 //!
 //! Run with `cargo run --release -p mpm-materials --example laws`. Each table is one point on one path; the closed
 //! forms these curves are held against are in `tests/`.
@@ -202,7 +202,7 @@ fn main() -> Outcome {
     println!(
         "Printed by `cargo run --release -p mpm-materials --example laws`. The laws are described where they are"
     );
-    println!("defined, their equations and constants in [notes.md](notes.md), sections 3 and 5.\n");
+    println!("defined, their equations [here](laws.md), their constants [here](constants.md).\n");
     metals()?;
     concrete()?;
     soil()?;

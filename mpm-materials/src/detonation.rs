@@ -12,7 +12,7 @@ enum Start {
 }
 
 /// A programmed detonation wave: it runs from points, lines and planes with constant speed along straight rays.
-/// The lighting time of a place is that of the earliest ray, t_L = min \[t_0 + |x - x_0|/D\] (docs/notes.md 3.10).
+/// The lighting time of a place is that of the earliest ray, t_L = min \[t_0 + |x - x_0|/D\] (book, "Detonation and JWL").
 ///
 /// Limits: rays go through everything. Where an obstacle or a hole stands between place and start, the wave arrives
 /// later in truth; add a start at the edge it bends round, with the time of that edge.

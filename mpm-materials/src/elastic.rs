@@ -166,7 +166,7 @@ state! {
 }
 
 /// Compressible neo-Hookean solid: sigma = \[G (b - I) + lambda ln J I\] / J with b = F F^T
-/// (docs/notes.md 3.4), from the energy W = G/2 (tr b - 3) - G ln J + lambda/2 (ln J)^2 per reference volume.
+/// (book, "Elasticity and objective rates"), from the energy W = G/2 (tr b - 3) - G ln J + lambda/2 (ln J)^2 per reference volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NeoHookean<T> {
     density: T,

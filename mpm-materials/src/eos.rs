@@ -2,7 +2,7 @@
 //!
 //! Every law here is linear in the internal energy, p = a(J) + b(J) e, with J the volume ratio and e the
 //! internal energy per unit **reference** volume. That is what makes the energy half step of a solid or a
-//! fluid implicit without iteration (docs/notes.md 3.7).
+//! fluid implicit without iteration (book, "Mie-Grueneisen").
 //!
 //! Every law is defined for every J > 0. Those that end at a finite compression (Mie-Grueneisen) or turn round there
 //! (JWL) go on in a straight line in mu = 1/J - 1 from a compression they state, [`Eos::smallest_volume_ratio`]: a(J) grows
@@ -66,7 +66,7 @@ pub trait Eos<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static {
     fn terms<L: Lane<Real = T>>(&self, volume_ratio: L) -> Terms<L>;
 
     /// Squared bulk sound speed at constant entropy, m^2/s^2:
-    /// c^2 = (1/rho0) \[(dp/dmu)_e + p J^2 b\] with mu = 1/J - 1 (docs/notes.md 3.7).
+    /// c^2 = (1/rho0) \[(dp/dmu)_e + p J^2 b\] with mu = 1/J - 1 (book, "Mie-Grueneisen").
     fn speed_squared<L: Lane<Real = T>>(&self, volume_ratio: L, energy: L) -> L;
 
     /// Energy stored by volume change alone, W(J) = -int_1^J p dJ at e = 0, J per m^3 of reference volume.
@@ -117,7 +117,7 @@ pub struct Balance<L: Lane> {
 const MOST_IMPLICIT: f64 = 0.25;
 
 /// The implicit energy half step: solves p = a + b e with e = `energy` - dJ/2 p, where `energy` already holds
-/// all other work of the step (docs/notes.md 3.7): p = (a + b energy)/(1 + b dJ/2).
+/// all other work of the step (book, "Mie-Grueneisen"): p = (a + b energy)/(1 + b dJ/2).
 ///
 /// The denominator is held at 1/4, since a step that compresses by more, dJ < -3/(2 b), has no such solution or one far too
 /// large: p then falls short of a + b e, by less than the work of this one step, and is that of the new energy in the next. The

@@ -32,7 +32,7 @@ state! {
     }
 }
 
-/// High explosive with programmed burn: sigma = -(F p(V, e) + q) I (docs/notes.md 3.10), with p the equation of
+/// High explosive with programmed burn: sigma = -(F p(V, e) + q) I (book, "Detonation and JWL"), with p the equation of
 /// state of the products ([`Jwl`] or any other with initial energy) and F the burnt part,
 ///
 /// F = max over the past of max( (t - t_L) D/(w h), (1 - V)/(1 - V_CJ) ), clipped to \[0, 1\].
@@ -94,7 +94,7 @@ impl<T: Real, E: Eos<T>> Explosive<T, E> {
 
 impl<T: Real> Explosive<T> {
     /// TNT: [`Jwl::tnt`], with the detonation speed 6930 m/s of the same deck (that of the Chapman-Jouguet state is
-    /// 6928) and V_CJ 0.7318 (docs/notes.md 5).
+    /// 6928) and V_CJ 0.7318 (book, "Material constants").
     pub fn tnt() -> Self {
         Explosive {
             products: Jwl::tnt(),

@@ -1,6 +1,6 @@
 //! Failure: when a point stops carrying shear and tension.
 //!
-//! A failed point has no deviator and no tension; compression is still carried (docs/notes.md 3.6). Other choices
+//! A failed point has no deviator and no tension; compression is still carried (book, "Failure criteria"). Other choices
 //! are wrappers: [`LosesTension`], [`LosesShear`], [`Removed`]. It never heals. Its volume ratio goes on following
 //! the motion, so that a closing gap carries load again only when the density is back.
 //!

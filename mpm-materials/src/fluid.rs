@@ -57,7 +57,7 @@ impl<T: Real> ShearViscosity<T> for Inviscid {
     }
 }
 
-/// s = 2 eta dev(d), d the rate of deformation (docs/notes.md 3.5).
+/// s = 2 eta dev(d), d the rate of deformation (book, "Viscous fluid").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Newtonian<T> {
     viscosity: T,
@@ -88,7 +88,7 @@ impl<T: Real> ShearViscosity<T> for Newtonian<T> {
     }
 }
 
-/// Bingham fluid, regularised as by Papanastasiou (docs/notes.md 3.14): s = 2 dev(d) \[eta + tau_y (1 -
+/// Bingham fluid, regularised as by Papanastasiou (book, "Other flow stresses"): s = 2 dev(d) \[eta + tau_y (1 -
 /// exp(-g/g0))/g\] with g = sqrt(2 dev d : dev d) the shear rate. Above a few g0 the shear stress is tau_y + eta g;
 /// below g0 the fluid creeps with viscosity eta + tau_y/g0.
 ///

@@ -2,7 +2,7 @@
 //!
 //! A function gives a whole law, ready for a body; what is a modelling choice (failure, bulk viscosity, objective
 //! rate) is left out unless the law does not make sense without, and added by `with_...`. Every number's source is in
-//! the doc comment here or of the ingredient it names, and in docs/notes.md 5, with the marks explained there: \[S\]
+//! the doc comment here or of the ingredient it names, and in book, "Material constants", with the marks explained there: \[S\]
 //! printed in the source, \[V\] seen in a public source, \[C\] computed, \[I\] inferred, **\[M\] from memory of the
 //! literature**. A set with a known misprint says so.
 //!
@@ -67,7 +67,7 @@ pub fn copper_feng_2014<T: Real>() -> Metal<T> {
 }
 
 /// OFHC copper, the handbook set: [`JohnsonCook::copper`], [`MieGruneisen::copper`] \[V\]. In Taylor tests it is some
-/// per cent too soft in the foot (docs/notes.md 4); see [`copper_taylor`].
+/// per cent too soft in the foot (book, "The finite-element reference"); see [`copper_taylor`].
 pub fn copper_ofhc<T: Real>() -> Metal<T> {
     Solid::new(JohnsonCook::copper(), MieGruneisen::copper())
 }
@@ -117,7 +117,7 @@ pub fn weldox_460_e<T: Real>() -> Solid<Borvik<T>, LogarithmicBulk<T>, DamageLim
 }
 
 /// Hardened Arne tool steel, bilinear: rho0 7850 kg/m^3, E 204 GPa, nu 0.33, yield 1900 MPa, tangent 15 GPa
-/// (**\[M\]**; docs/notes.md 5).
+/// (**\[M\]**; book, "Material constants").
 pub fn arne_tool_steel<T: Real>() -> Solid<J2<T>, LogarithmicBulk<T>> {
     let hardening = LinearHardening::known(1900e6, 204e9 * 15e9 / (204e9 - 15e9));
     Solid::new(J2::known(204e9 / 2.66, hardening), LogarithmicBulk::known(7850.0, 204e9 / (3.0 * 0.34)))

@@ -26,7 +26,7 @@ state! {
     }
 }
 
-/// Porous solid of p-alpha type (\[Herrmann1969\], \[CarrollHolt1972\], docs/notes.md 3.15): a strength, and the
+/// Porous solid of p-alpha type (\[Herrmann1969\], \[CarrollHolt1972\], book, "Porous solids"): a strength, and the
 /// equation of state of the **solid** part, p = p_s(rho alpha, e)/alpha. The distension alpha stays while p is below
 ///
 /// P(alpha) = p_s - (p_s - p_e) sqrt((alpha - 1)/(alpha_0 - 1)),

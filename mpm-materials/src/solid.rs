@@ -34,7 +34,7 @@ state! {
 ///
 /// A step: rotate the old stress with the material ([`ObjectiveRate`]), return the trial deviator to the yield
 /// surface ([`Strength`]), compute the viscous pressure ([`ShockViscosity`]), solve pressure and energy
-/// together ([`Eos`], docs/notes.md 3.7), and judge ([`Failure`]). The energy takes in the whole stress work:
+/// together ([`Eos`], book, "Mie-Grueneisen"), and judge ([`Failure`]). The energy takes in the whole stress work:
 /// J s : d dt with s the mean over the step, -(p + q) dJ likewise. What a failed point still carries is the choice of
 /// the criterion ([`Remains`](crate::failure::Remains)); stress does no work at the end of the step it is lost in.
 ///

@@ -37,7 +37,7 @@ impl<T: Real> ShockViscosity<T> for NoViscosity {
     }
 }
 
-/// q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d < 0, else 0 (docs/notes.md 3.9); l is
+/// q = rho l (b0 l d^2 - b1 c d) for a volumetric rate d < 0, else 0 (book, "Bulk viscosity"); l is
 /// the size of the cell and c the bulk sound speed **at rest**, which saves a square root a point. d is the change of
 /// volume over the time step: tr grad v of a step that turns by alpha is off by -alpha^2/dt.
 ///

@@ -236,7 +236,7 @@ fn mie_gruneisen_returns_its_hugoniot() {
 
 #[test]
 fn aluminium_at_five_kilometres_per_second() {
-    // 58.8 GPa at u_p = 2.5 km/s with c0 5350 m/s, s 1.34, rho0 2703 (docs/notes.md 3.7; the misprinted sign
+    // 58.8 GPa at u_p = 2.5 km/s with c0 5350 m/s, s 1.34, rho0 2703 (book, "Mie-Grueneisen"; the misprinted sign
     // would give 33.9).
     let law = MieGruneisen::new(2703.0, 5350.0, 1.34, 1.97).unwrap();
     let eta = 2500.0 / (5350.0 + 1.34 * 2500.0);

@@ -42,7 +42,7 @@ fn products_expand_along_the_isentrope() {
 
 #[test]
 fn chapman_jouguet_states() {
-    // TNT: computed for this project by another program (docs/notes.md 5), to the digits given there.
+    // TNT: computed for this project by another program (book, "Material constants"), to the digits given there.
     let tnt = chapman_jouguet(&Jwl::<f64>::tnt()).unwrap();
     assert_relative_eq!(tnt.speed, 6928.0, max_relative = 1e-4);
     assert_relative_eq!(tnt.pressure, 20.98e9, max_relative = 3e-4);

@@ -45,7 +45,7 @@ fn curve(mu: f64) -> f64 {
 #[test]
 fn concrete_crushes_along_its_curve() {
     let concrete = HolmquistJohnsonCook::<f64>::concrete_48();
-    // docs/notes.md 3.11: 0.11055, to the digits given there.
+    // book, "Concrete": 0.11055, to the digits given there.
     let plock = concrete.crush().locked_compression();
     assert_relative_eq!(plock, 0.11055, max_relative = 5e-5);
     let law = Ground::new(concrete);

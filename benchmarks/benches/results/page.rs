@@ -17,7 +17,7 @@ const HEAD: &str = "\
 Written by `cargo bench -p benchmarks --bench results`; do not edit. Rates are million particle updates a second
 (particles x steps / seconds of stepping; scenes are built before), medians with [least - most] of rounds in
 alternation. Compare within one table; between tables the machine may have changed its clock. How a step is laid out
-and why, and what did not help: [docs/notes.md, section 6](../docs/notes.md#6-speed).
+and why, and what did not help: [the performance log](../docs/book/src/performance.md).
 ";
 
 fn marker(name: &str) -> String {

@@ -220,7 +220,7 @@ fn no_impact_gains_energy() {
     }
 }
 
-/// Contact in the velocities that the strain is taken from, too, gives impacts energy, as docs/notes.md 7.1 has it; momentum
+/// Contact in the velocities that the strain is taken from, too, gives impacts energy, as book, "Where contact is applied" has it; momentum
 /// it keeps.
 #[test]
 fn contact_in_the_strain_gives_energy() {

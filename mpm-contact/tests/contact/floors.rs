@@ -124,7 +124,7 @@ fn no_floor_gives_energy() {
     }
 }
 
-/// The table of docs/notes.md 7.1.
+/// The table of book, "Where contact is applied".
 #[test]
 #[ignore = "a table for the notes, not a test"]
 fn energy_by_floor() {
@@ -192,7 +192,7 @@ fn a_wall_is_a_plane_of_symmetry_that_lets_go() {
     assert!((gained - 1.0).abs() < 0.03, "gained {gained} of what lifts it");
 }
 
-/// A wall that drives into a disc at rest sends it off with less than twice its own speed (docs/notes.md 7.1);
+/// A wall that drives into a disc at rest sends it off with less than twice its own speed (book, "Where contact is applied");
 /// what it gives is booked: its impulse, and its work as that times its velocity.
 #[test]
 fn a_wall_that_moves_does_its_work() {

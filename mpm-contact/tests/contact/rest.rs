@@ -1,7 +1,7 @@
 //! Long rest: bodies that lie on each other for 1e5 steps.
 //!
 //! By quadratic splines with APIC. Hats with FLIP and MUSL fail both: a layer as light explodes, a pile keeps its noise
-//! and sinks into itself (docs/notes.md 7.8).
+//! and sinks into itself (book, "Bodies under load for long").
 
 use crate::common::{H, lattice, rubber};
 use mpm_contact::{Coulomb, Frictionless, GridContact, Pairs, SurfaceDistance};

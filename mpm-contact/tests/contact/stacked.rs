@@ -1,6 +1,6 @@
 //! Three blocks on each other come to rest and stay there.
 //!
-//! `cargo test --release -p mpm-contact --test contact -- --ignored --nocapture stacks_by_method` prints the table of docs/notes.md 1.1.
+//! `cargo test --release -p mpm-contact --test contact -- --ignored --nocapture stacks_by_method` prints the table of book, "Methods compared".
 
 use mpm_contact::{Coulomb, GridContact, Pairs, SurfaceDistance};
 use mpm_core::{

@@ -11,14 +11,14 @@ use crate::dim::{Extent, Stencil};
 /// otherwise. Corners more than a cell away, along an axis, are drawn in for the weights \[Homel2016\].
 ///
 /// No product along the axes, and four nodes of each: three times the work of [`super::CpGimp`] in the plane, ten times in
-/// space (docs/notes.md 9.6).
+/// space (book, "Convected particle domains").
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpdi;
 
 /// CPDI-2 \[Sadeghirad2013\]: the domain is a quadrilateral (hexahedron) whose corners move with the
 /// nodes' velocity at their places. Neighbours that share corners at the start share them for ever, so that domains tile whatever the motion. Where that
 /// bends within a domain its straight edges may cross: parts count by the sign of their volume, weights are kept from
-/// becoming negative, and the run ends when the whole has no volume left (docs/notes.md 9.6).
+/// becoming negative, and the run ends when the whole has no volume left (book, "Convected particle domains").
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpdi2;
 

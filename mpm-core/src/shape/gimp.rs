@@ -1,4 +1,4 @@
-//! Generalised interpolation: the hat averaged over the particle's box (docs/notes.md 3.1).
+//! Generalised interpolation: the hat averaged over the particle's box (book, "GIMP").
 
 use mpm_materials::{Lane, Real};
 

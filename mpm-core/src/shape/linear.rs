@@ -7,7 +7,7 @@ use crate::dim::{Extent, Stencil};
 
 /// Linear hat functions: the classic material point method. Two nodes an axis; the slope jumps when a particle
 /// crosses a cell face. Use with MUSL: with USL the step limit vanishes where a cell holds little material
-/// (docs/notes.md 1, finding 5).
+/// (book, "Properties of stress updates and transfers", finding 5).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Linear;
 

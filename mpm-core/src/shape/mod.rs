@@ -72,7 +72,7 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     /// Does the basis end at walls and fixed planes ([`BoundaryModified`])?
     const BOUNDARY_MODIFIED: bool = false;
     /// Smallest limit of dt c / h measured with USL in three dimensions, 2 particles an axis and cell
-    /// (docs/notes.md 2); 0.7 of it is the default.
+    /// (book, "The stable time step"); 0.7 of it is the default.
     const USL_LIMIT: f64;
     /// The name in tables and messages.
     const NAME: &'static str;

@@ -21,7 +21,7 @@ pub trait Contact<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'st
         true
     }
     /// Is contact also made in the velocities that only the strain is taken from: those of the mapped momentum
-    /// with USF, those mapped a second time with MUSL? (Costs energy its balance: docs/notes.md 7.)
+    /// with USF, those mapped a second time with MUSL? (Costs energy its balance: book, "Contact on the grid".)
     fn corrects_strain(&self) -> bool {
         false
     }

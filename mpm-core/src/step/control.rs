@@ -6,7 +6,7 @@ use super::kernels::Facts;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeControl {
     /// dt = factor * min over particles of h / (c + |v|), with the current wave speed c; at most `growth`
-    /// times the last step (docs/notes.md 2).
+    /// times the last step (book, "The stable time step").
     Courant {
         /// Safety factor.
         factor: f64,
@@ -41,7 +41,7 @@ pub struct ControlError {
 
 impl TimeControl {
     /// The default for a method: half of h / (c + |v|) for MUSL and USF, whose limit is 1.4 and more; for
-    /// USL 0.7 of the smallest limit measured in three dimensions for the shape function (docs/notes.md 2).
+    /// USL 0.7 of the smallest limit measured in three dimensions for the shape function (book, "The stable time step").
     /// Chart C10 (docs/report/index.html) has the limits of 704 arrangements of particles, and left these factors as they
     /// are. A third or half of the step changes the errors of charts C1 and C2 by less than a quarter, up or down, but those of the
     /// cubic spline with FMPM(4), which has next to none from the grid.

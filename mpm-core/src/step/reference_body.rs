@@ -509,7 +509,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// are needed in both. The grids may have different cells.
     ///
     /// Let it meet others by springs: `Penalty` of `mpm-contact`. Laws that stop what closes, and walls, make it sink in a little
-    /// and lose energy, discs up to two thirds of it (docs/notes.md 7.12); a rigid plate is a better wall.
+    /// and lose energy, discs up to two thirds of it (book, "Bodies in their reference configuration"); a rigid plate is a better wall.
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};

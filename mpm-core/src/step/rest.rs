@@ -170,7 +170,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     ///
     /// # Errors
     /// A free rigid body, which would go on; a method that maps momentum and impulse together
-    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER): APIC and its kin), whose states at rest were found wrong (docs/notes.md 9.7).
+    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER): APIC and its kin), whose states at rest were found wrong (book, "Equilibrium by damping").
     pub fn set_kinetic_damping(&mut self, on: bool) -> Result<(), SceneError> {
         if on && self.facts().maps_together {
             return Err(SceneError::RestOfTogether(self.facts().description.clone()));

@@ -52,7 +52,7 @@ pub struct Slot<T: Float, const D: usize> {
 
 /// Groups of a bin that go through the stages of a pass together. A law is a long chain of operations that wait for each
 /// other; those of two groups, one behind the other, run side by side. With two nodes an axis the gather is so
-/// short that what the stages hand on costs more than that gains (docs/notes.md 6.2); so it does where one vector holds
+/// short that what the stages hand on costs more than that gains (book, "What helped, what did not"); so it does where one vector holds
 /// two groups.
 const fn together<E: Stencil>(lanes: usize, groups: usize) -> usize {
     if E::NODES > 2 && groups == 1 && lanes > 1 { TOGETHER } else { 1 }

@@ -15,7 +15,7 @@
 //! | points that failed alone | stress noise that reached the strength | warns |
 //!
 //! All of it reads and changes nothing: results are the same bits with and without. A look at the books costs one to two steps, one at the bodies
-//! (every sixteenth) some fifteen: below 1 % of a run together (docs/notes.md 1.2).
+//! (every sixteenth) some fifteen: below 1 % of a run together (book, "What the watch costs").
 //!
 //! ```
 //! use mpm_core::Watch;

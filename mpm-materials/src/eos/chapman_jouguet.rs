@@ -20,7 +20,7 @@ pub struct ChapmanJouguet {
 /// detonation, from an unreacted explosive at rest without pressure; `None` if there is none.
 ///
 /// On the Hugoniot p = (a + b e0)/(1 - b (1 - V)/2) the products move at their sound speed against the wave:
-/// rho0 c^2/V^2 = p/(1 - V) (docs/notes.md 3.10). Found by bisection to rounding.
+/// rho0 c^2/V^2 = p/(1 - V) (book, "Detonation and JWL"). Found by bisection to rounding.
 pub fn chapman_jouguet<T: Real, E: Eos<T>>(eos: &E) -> Option<ChapmanJouguet> {
     let density = eos.density().to_double();
     let energy = eos.initial_energy().to_double();

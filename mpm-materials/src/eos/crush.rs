@@ -19,7 +19,7 @@ pub struct CrushConstants<T> {
 }
 
 /// p(mu) of Holmquist, Johnson and Cook with memory of the largest compression mu_max (\[HolmquistJohnsonCook1993\],
-/// docs/notes.md 3.11). On loading, mu = mu_max:
+/// book, "Concrete"). On loading, mu = mu_max:
 ///
 /// - I: p = K_e mu up to P_crush, K_e = P_crush/mu_crush;
 /// - II: a straight line from (mu_crush, P_crush) to (mu_plock, P_lock);

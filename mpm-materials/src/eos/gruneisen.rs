@@ -34,7 +34,7 @@ pub trait Hugoniot<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
 /// - compression: p = p_H \[1 - (gamma0 + a mu) eta/2\] + (gamma0 + a mu) e;
 /// - tension: p = K mu + (gamma0 + a mu) e.
 ///
-/// With [`CubicShock`] this is the LS-DYNA form with S1, S2, S3 (docs/notes.md 3.7), with [`PolynomialHugoniot`]
+/// With [`CubicShock`] this is the LS-DYNA form with S1, S2, S3 (book, "Mie-Grueneisen"), with [`PolynomialHugoniot`]
 /// the MPM3D form. On a straight U_s(u_p) use [`MieGruneisen`](crate::MieGruneisen), which is faster.
 ///
 /// It is continued beyond four fifths of the singular compression, or where its rise at e = 0 falls to half of K per eta (which
@@ -137,7 +137,7 @@ impl<T: Real, H: Hugoniot<T>> Eos<T> for Gruneisen<T, H> {
 }
 
 /// U_s = c0 + S1 u_p + S2 u_p^2/U_s + S3 u_p^3/U_s^2, which is p_H = rho0 c0^2 eta/(1 - S1 eta - S2 eta^2 -
-/// S3 eta^3)^2 with eta = u_p/U_s = 1 - J (docs/notes.md 3.7), singular at the first zero of the
+/// S3 eta^3)^2 with eta = u_p/U_s = 1 - J (book, "Mie-Grueneisen"), singular at the first zero of the
 /// denominator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CubicShock<T> {
@@ -231,7 +231,7 @@ impl<T: Real> PolynomialHugoniot<T> {
     }
 
     /// The series of U_s = c0 + s u_p to third order: K1 = rho0 c0^2, K2 = K1 (2 s - 1),
-    /// K3 = K1 (s - 1)(3 s - 1), as in MPM3D (docs/notes.md 3.7).
+    /// K3 = K1 (s - 1)(3 s - 1), as in MPM3D (book, "Mie-Grueneisen").
     ///
     /// # Errors
     /// As of [`PolynomialHugoniot::new`].

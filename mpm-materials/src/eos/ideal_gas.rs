@@ -5,7 +5,7 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
 /// Ideal gas with constant heat capacities: p = (gamma - 1) rho e_m = (gamma - 1) e / J, with e_m the internal
-/// energy per mass and e per reference volume; c^2 = gamma p / rho (docs/notes.md 3.8).
+/// energy per mass and e per reference volume; c^2 = gamma p / rho (book, "Other equations of state").
 ///
 /// Its virgin state is not free of stress: it carries the initial pressure.
 #[derive(Clone, Copy, Debug, PartialEq)]

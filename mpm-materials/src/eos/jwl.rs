@@ -23,7 +23,7 @@ pub struct JwlConstants<T> {
     pub energy: T,
 }
 
-/// p = A (1 - omega/(R1 V)) exp(-R1 V) + B (1 - omega/(R2 V)) exp(-R2 V) + omega e/V (docs/notes.md 3.10),
+/// p = A (1 - omega/(R1 V)) exp(-R1 V) + B (1 - omega/(R2 V)) exp(-R2 V) + omega e/V (book, "Detonation and JWL"),
 /// with V = J the volume over that of the unreacted explosive and e the energy per volume of it; e is E0 in the
 /// virgin state. As a [`Fluid`](crate::Fluid) these are products burnt at constant volume; the burning charge is
 /// [`Explosive`](crate::Explosive).
@@ -67,7 +67,7 @@ impl<T: Real> Jwl<T> {
     }
 
     /// TNT: 1630 kg/m^3, A 371.2 GPa, B 3.21 GPa, R1 4.15, R2 0.95, omega 0.30, E0 6.993e9 J/m^3 (MPM3D-F90
-    /// `Deto1k.mpm`; docs/notes.md 5). Its Chapman-Jouguet state is D 6928 m/s, p 21.0 GPa, V 0.732.
+    /// `Deto1k.mpm`; book, "Material constants"). Its Chapman-Jouguet state is D 6928 m/s, p 21.0 GPa, V 0.732.
     ///
     /// The deck `TNT3D.mpm` of the same program has omega 0.35 and E0 6.0e9 with this A and B: a mixture of two
     /// sets, with D 6890 m/s, and not offered.

@@ -5,7 +5,7 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::Nothing;
 
-/// p = c0^2 (rho - rho0) = rho0 c0^2 (1/J - 1) with constant sound speed c0 (docs/notes.md 3.8). For weakly
+/// p = c0^2 (rho - rho0) = rho0 c0^2 (1/J - 1) with constant sound speed c0 (book, "Other equations of state"). For weakly
 /// compressible flow take c0 at least ten times the largest speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearDensity<T> {

@@ -10,7 +10,7 @@ use crate::parameter::{Check, ParameterError};
 ///   p_H = rho0 c0^2 eta/(1 - s eta)^2, which equals rho0 c0^2 mu (1 + mu)/\[1 - (s - 1) mu\]^2;
 /// - tension, J >= 1: p = rho0 c0^2 mu + (gamma0 + a mu) e.
 ///
-/// This is the LS-DYNA form (docs/notes.md 3.7) with S2 = S3 = 0. The constant `a` chooses how the Grueneisen
+/// This is the LS-DYNA form (book, "Mie-Grueneisen") with S2 = S3 = 0. The constant `a` chooses how the Grueneisen
 /// gamma follows the density, gamma = (gamma0 + a mu)/(1 + mu):
 ///
 /// - a = 0 ([`MieGruneisen::new`]): rho gamma constant. The factor of p_H is 1 - gamma0 rho0 mu/(2 rho), as in
@@ -72,29 +72,29 @@ impl<T: Real> MieGruneisen<T> {
         Ok(Self::of([self.density, self.sound_speed, self.slope, self.gruneisen], a))
     }
 
-    /// Copper: rho0 8930 kg/m^3, c0 3940 m/s, s 1.49, gamma0 1.96 (MPM3D-F90 `Taylor.mpm`; docs/notes.md 5).
+    /// Copper: rho0 8930 kg/m^3, c0 3940 m/s, s 1.49, gamma0 1.96 (MPM3D-F90 `Taylor.mpm`; book, "Material constants").
     pub fn copper() -> Self {
         Self::known([8930.0, 3940.0, 1.49, 1.96])
     }
 
-    /// Aluminium 6061-T6: rho0 2700 kg/m^3, c0 5386 m/s, s 1.339, gamma0 1.99 (Uintah; docs/notes.md 5).
+    /// Aluminium 6061-T6: rho0 2700 kg/m^3, c0 5386 m/s, s 1.339, gamma0 1.99 (Uintah; book, "Material constants").
     pub fn aluminium_6061() -> Self {
         Self::known([2700.0, 5386.0, 1.339, 1.99])
     }
 
-    /// Steel 4340: rho0 7830 kg/m^3, c0 3574 m/s, s 1.92, gamma0 1.69 (Uintah; docs/notes.md 5).
+    /// Steel 4340: rho0 7830 kg/m^3, c0 3574 m/s, s 1.92, gamma0 1.69 (Uintah; book, "Material constants").
     pub fn steel_4340() -> Self {
         Self::known([7830.0, 3574.0, 1.92, 1.69])
     }
 
     /// Lead: rho0 11350 kg/m^3, c0 2092 m/s, s 1.45, gamma0 2.0 (MPM3D-F90 `LeadHypervelocityImpact.mpm`;
-    /// docs/notes.md 5).
+    /// book, "Material constants").
     pub fn lead() -> Self {
         Self::known([11350.0, 2092.0, 1.45, 2.0])
     }
 
     /// Tungsten alloy W-Ni-Fe: rho0 18167 kg/m^3, c0 4030 m/s, s 1.237, gamma0 1.67 (Steinberg, in Uintah;
-    /// docs/notes.md 5).
+    /// book, "Material constants").
     pub fn tungsten_alloy() -> Self {
         Self::known([18167.0, 4030.0, 1.237, 1.67])
     }

@@ -5,7 +5,7 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::Nothing;
 
-/// p = (rho0 c0^2 / 7) \[(rho/rho0)^7 - 1\] (docs/notes.md 3.8), with c^2 = c0^2 (rho/rho0)^6. The exponent
+/// p = (rho0 c0^2 / 7) \[(rho/rho0)^7 - 1\] (book, "Other equations of state"), with c^2 = c0^2 (rho/rho0)^6. The exponent
 /// is fixed at 7, so that no transcendental function is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tait<T> {

@@ -19,7 +19,7 @@ state! {
 /// sigma = sigma_sp (1 - w/w_c) at the opening w; at w_c the point has failed. A crack that closes bears what lies on
 /// the straight line to the origin, and nothing closed. So a surface takes the work G_c = sigma_sp w_c/2, whatever the
 /// cell: the crack is as wide as one cell h, w = h x volume of the crack over reference volume (a crack band,
-/// \[BazantOh1983\]), and the equation of state sees the volume beside it (docs/notes.md 3.12).
+/// \[BazantOh1983\]), and the equation of state sees the volume beside it (book, "Damage and time to failure").
 ///
 /// Cells shall be smaller than 2 G_c K/sigma_sp^2 = w_c K/sigma_sp, K the bulk modulus: larger ones store more than the
 /// surface takes, and fail as soon as the strength is reached, as those of

@@ -18,7 +18,7 @@ const SMALLEST: f64 = 1e-6;
 /// Largest exponent: beyond it the failure strain is out of reach anyway.
 const STEEPEST: f64 = 80.0;
 
-/// D = sum of d_eps_p/eps_f, failed at D = 1, with (\[JohnsonCook1985\], docs/notes.md 3.12)
+/// D = sum of d_eps_p/eps_f, failed at D = 1, with (\[JohnsonCook1985\], book, "Damage and time to failure")
 ///
 /// eps_f = \[D1 + D2 exp(D3 s*)\] \[1 + D4 ln max(rate*, 1)\] \[1 + D5 T*\],
 ///
@@ -53,12 +53,12 @@ impl<T: Real> JohnsonCookDamage<T> {
         Ok(JohnsonCookDamage { d, reference, smallest: T::of(SMALLEST), localisation: Local })
     }
 
-    /// 6061-T6 aluminium: -0.77, 1.45, -0.47, 0, 1.60 (Uintah `JCDamage6061T6Al.xml`; docs/notes.md 5).
+    /// 6061-T6 aluminium: -0.77, 1.45, -0.47, 0, 1.60 (Uintah `JCDamage6061T6Al.xml`; book, "Material constants").
     pub fn aluminium_6061() -> Self {
         Self::known([-0.77, 1.45, -0.47, 0.0, 1.60])
     }
 
-    /// 4340 steel: 0.05, 3.44, -2.12, 0.002, 0.61 (Uintah; docs/notes.md 5).
+    /// 4340 steel: 0.05, 3.44, -2.12, 0.002, 0.61 (Uintah; book, "Material constants").
     pub fn steel_4340() -> Self {
         Self::known([0.05, 3.44, -2.12, 0.002, 0.61])
     }

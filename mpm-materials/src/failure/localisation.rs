@@ -25,7 +25,7 @@ impl<T: Real> Localisation<T> for Local {
 
 /// Crack band \[BazantOh1983\]: weight h/h0 for a cell of size h, where h0 is the width over which the failure
 /// strain was measured. The opening h eps_f to failure, and with it the work per area of crack, then is that of
-/// the test for every h (docs/notes.md 3.12).
+/// the test for every h (book, "Damage and time to failure").
 ///
 /// Limits: for a localised band one cell wide. Diffuse damage before localisation is scaled too.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -5,7 +5,7 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::Nothing;
 
-/// Fails at eps_p >= eps_f (docs/notes.md 3.6; 1.5 to 3 in the public decks). Plastic strain never falls, so
+/// Fails at eps_p >= eps_f (book, "Failure criteria"; 1.5 to 3 in the public decks). Plastic strain never falls, so
 /// no memory is needed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlasticStrainLimit<T> {

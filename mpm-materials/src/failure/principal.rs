@@ -5,7 +5,7 @@ use crate::lane::{Lane, Mask, Real};
 use crate::parameter::{Check, ParameterError};
 
 /// Fails where the largest principal stress sigma_1 >= sigma_t, or the largest shear stress
-/// (sigma_1 - sigma_3)/2 >= tau_f (docs/notes.md 3.6).
+/// (sigma_1 - sigma_3)/2 >= tau_f (book, "Failure criteria").
 ///
 /// Principal values are computed only when some point of the pack comes near a limit: with q = sqrt(3/2 s:s),
 /// sigma_1 <= 2q/3 - p and (sigma_1 - sigma_3)/2 <= q/sqrt 3.

@@ -4,7 +4,7 @@ use crate::failure::{Failure, Flag, NoCrack, Observed};
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 
-/// Fails where the mean tension -p exceeds sigma_sp (docs/notes.md 3.6).
+/// Fails where the mean tension -p exceeds sigma_sp (book, "Failure criteria").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TensilePressure<T> {
     strength: T,

@@ -14,7 +14,7 @@ state! {
 }
 
 /// Time to failure \[TulerButcher1968\]: failed when the integral over time of (sigma_1/sigma_0 - 1)^lambda, where
-/// the largest principal stress sigma_1 exceeds sigma_0, reaches t_f (docs/notes.md 3.12). In the usual form,
+/// the largest principal stress sigma_1 exceeds sigma_0, reaches t_f (book, "Damage and time to failure"). In the usual form,
 /// integral of (sigma_1 - sigma_0)^lambda = K_f, the constant is K_f = sigma_0^lambda t_f.
 ///
 /// lambda = 1 is a critical impulse, lambda = 2 about a critical energy; a large lambda is a critical stress. A

@@ -51,7 +51,7 @@ const STEEPEST: f64 = 80.0;
 /// Smallest p_f - p_d.
 const SMALLEST: f64 = 1e-6;
 
-/// sigma_y = (1 - D) (A + B r^n) (1 + rdot*)^C (1 - T*^m), dr = (1 - D) dp (\[Borvik2001\], docs/notes.md 3.14), with
+/// sigma_y = (1 - D) (A + B r^n) (1 + rdot*)^C (1 - T*^m), dr = (1 - D) dp (\[Borvik2001\], book, "Other flow stresses"), with
 /// dD = D_c dp/(p_f - p_d) beyond p_d and
 ///
 /// p_f = \[D1 + D2 exp(D3 s*)\] (1 + pdot*)^D4 (1 + D5 T*), s* = -p/sigma_y, tension positive.
@@ -103,7 +103,7 @@ impl<T: Real> Borvik<T> {
 
     /// Weldox 460 E steel, the set of 2001: E 200 GPa, nu 0.33, A 490, B 807 MPa, n 0.73, C 0.0114 at 5e-4 /s, m 0.94,
     /// c_p 452 J/(kg K), T_room 293 K, T_melt 1800 K, Taylor-Quinney 0.9, D_c 0.30, p_d 0, **all from memory of the
-    /// literature**; D1 to D5 0.0705, 1.732, -0.54, -0.0123, 0 (a public material library; docs/notes.md 5).
+    /// literature**; D1 to D5 0.0705, 1.732, -0.54, -0.0123, 0 (a public material library; book, "Material constants").
     pub fn weldox_460_e() -> Self {
         let hardening = PowerHardening::known(T::of(490e6), T::of(807e6), T::of(0.73));
         let heat = Heat {

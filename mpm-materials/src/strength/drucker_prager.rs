@@ -44,7 +44,7 @@ impl Cone {
     }
 }
 
-/// Drucker-Prager soil (docs/notes.md 3.13), a [`Geomaterial`]; `Ground::new` makes it a law. With
+/// Drucker-Prager soil (book, "Soil"), a [`Geomaterial`]; `Ground::new` makes it a law. With
 /// tau = sqrt(s:s/2) and sigma_m = -p:
 ///
 /// - shear: tau + q_phi sigma_m <= k_phi, flow with dilatancy q_psi <= q_phi;
@@ -149,13 +149,13 @@ impl<T: Real> DruckerPrager<T> {
 
     /// Soil of the slope of MPM3D-F90 `Slopefail.mpm`: rho 2100 kg/m^3, E 70 MPa, nu 0.3, phi 20 degrees, c 10 kPa,
     /// inner cone, no dilatancy, tension to the apex: q_phi 0.3545, k_phi 9.74 kPa, sigma_t 27.48 kPa
-    /// (docs/notes.md 5).
+    /// (book, "Material constants").
     pub fn slope_soil() -> Self {
         Self::known(2100.0, [70e6, 0.3], Cone::Inner, 20.0, 10e3)
     }
 
     /// Aluminium bars as granular matter: rho 2650 kg/m^3, E 0.84 MPa, nu 0.3, phi 19.8 degrees, no cohesion, no
-    /// dilatancy (two public sources, docs/notes.md 5), matched in plane strain, our choice.
+    /// dilatancy (two public sources, book, "Material constants"), matched in plane strain, our choice.
     pub fn aluminium_bars() -> Self {
         Self::known(2650.0, [0.84e6, 0.3], Cone::PlaneStrain, 19.8, 0.0)
     }

@@ -26,7 +26,7 @@ pub trait Hardening<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     fn increment<L: Lane<Real = T>>(&self, trial: L, three_g: L, factor: L, strain: L) -> Increment<L>;
 }
 
-/// sigma_h = Y0 + H eps_p (docs/notes.md 3.3), returned in closed form.
+/// sigma_h = Y0 + H eps_p (book, "Linear hardening"), returned in closed form.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearHardening<T> {
     initial: T,
@@ -208,7 +208,7 @@ impl<T: Real> Hardening<T> for SaturatingPower<T> {
     }
 }
 
-/// sigma_h = A + B eps_p^n (Ludwik), also the hardening of Johnson and Cook (docs/notes.md 3.2).
+/// sigma_h = A + B eps_p^n (Ludwik), also the hardening of Johnson and Cook (book, "Johnson-Cook").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerHardening<T> {
     initial: T,

@@ -55,7 +55,7 @@ pub struct ConcreteConstants<T> {
     pub smallest_strain: T,
 }
 
-/// Holmquist-Johnson-Cook concrete (\[HolmquistJohnsonCook1993\], docs/notes.md 3.11), a
+/// Holmquist-Johnson-Cook concrete (\[HolmquistJohnsonCook1993\], book, "Concrete"), a
 /// [`Geomaterial`]; `Ground::new` makes it a law. With P* = P/f_c, T* = T/f_c and rate* the
 /// equivalent deviatoric rate over its reference, floored at one:
 ///
@@ -105,7 +105,7 @@ impl<T: Real> HolmquistJohnsonCook<T> {
 
     /// Concrete of 48 MPa: rho0 2440 kg/m^3, G 14.86 GPa, A 0.79, B 1.60, N 0.61, C 0.007 at 1 /s, f_c 48 MPa,
     /// T 4.0 MPa, S_max 7.0, D1 0.04, D2 1.0, EF_min 0.01; P_crush 16 MPa at 0.001, P_lock 0.80 GPa, mu_lock 0.10,
-    /// K1 85, K2 -171, K3 208 GPa (two public sources, docs/notes.md 5).
+    /// K1 85, K2 -171, K3 208 GPa (two public sources, book, "Material constants").
     pub fn concrete_48() -> Self {
         let solid = [85e9, -171e9, 208e9].map(T::of);
         let crush = CrushConstants {

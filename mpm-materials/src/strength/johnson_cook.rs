@@ -7,7 +7,7 @@ use crate::strength::j2::radial_return;
 use crate::strength::{FlowStress, Hardened, Hardening, Loading, PowerHardening, Return, Strength};
 use crate::tensor::Sym3;
 
-/// Johnson-Cook flow stress sigma_y = (A + B eps_p^n) R(rate) S(T) (docs/notes.md 3.2).
+/// Johnson-Cook flow stress sigma_y = (A + B eps_p^n) R(rate) S(T) (book, "Johnson-Cook").
 ///
 /// The rate factor R is a type: [`RateIndependent`] (C = 0, costs nothing), [`Logarithmic`] or
 /// [`SmoothLogarithmic`]. So is the temperature: [`Isothermal`] keeps none and has S = 1, [`Adiabatic`] heats.
@@ -48,7 +48,7 @@ impl<T: Real> JohnsonCook<T> {
     /// modulus G; G, A, B in Pa, the reference rate in 1/s.
     ///
     /// The routine of MPM3D-F90 of this name floors rate* at 0.001 instead, which lowers a point at rest by 6.9 C
-    /// (docs/notes.md 3.2).
+    /// (book, "Johnson-Cook").
     ///
     /// # Errors
     /// G, A, n or the reference rate not positive, B or C negative.
@@ -63,37 +63,37 @@ impl<T: Real> JohnsonCook<T> {
     }
 
     /// OFHC copper as fitted to the Taylor tests of Johnson and Holmquist 1988: A 157 MPa, B 425 MPa, n 1,
-    /// C 0; G = E/2(1 + nu) from E 117 GPa, nu 0.35 (MPM3D-F90 `Taylor.mpm`; docs/notes.md 5).
+    /// C 0; G = E/2(1 + nu) from E 117 GPa, nu 0.35 (MPM3D-F90 `Taylor.mpm`; book, "Material constants").
     pub fn copper_taylor() -> Self {
         Self::known([117e9 / 2.7, 157e6, 425e6, 1.0])
     }
 
     /// Lead: A 12 MPa, B 125 MPa, n 1, C 0; G from E 22.4 GPa, nu 0.42 (MPM3D-F90
-    /// `LeadHypervelocityImpact.mpm`; docs/notes.md 5).
+    /// `LeadHypervelocityImpact.mpm`; book, "Material constants").
     pub fn lead() -> Self {
         Self::known([22.4e9 / 2.84, 12e6, 125e6, 1.0])
     }
 
     /// OFHC copper, the standard set: A 90 MPa, B 292 MPa, n 0.31, C 0.025 at 1 /s, m 1.09, T_melt 1356 K,
     /// T_room 294 K, c_p 383 J/(kg K), Taylor-Quinney 0.9, G 47.7 GPa (Steinberg). Sources:
-    /// docs/notes.md 5. Ambient 294 K is the lower of the range given there.
+    /// book, "Material constants". Ambient 294 K is the lower of the range given there.
     pub fn copper() -> AdiabaticJohnsonCook<T> {
         Self::adiabatic([47.7e9, 90e6, 292e6, 0.31], 0.025, [294.0, 1356.0, 1.09, 383.0])
     }
 
     /// 6061-T6 aluminium: A 324 MPa, B 114 MPa, n 0.42, C 0.002 at 1 /s, m 1.34, T_melt 925 K, T_room 294 K,
-    /// c 896 J/(kg K), G 26 GPa (Uintah; docs/notes.md 5); Taylor-Quinney 0.9.
+    /// c 896 J/(kg K), G 26 GPa (Uintah; book, "Material constants"); Taylor-Quinney 0.9.
     pub fn aluminium_6061() -> AdiabaticJohnsonCook<T> {
         Self::adiabatic([26.0e9, 324e6, 114e6, 0.42], 0.002, [294.0, 925.0, 1.34, 896.0])
     }
 
     /// 4340 steel: A 792 MPa, B 510 MPa, n 0.26, C 0.014 at 1 /s, m 1.03, T_melt 1793 K, c 477 J/(kg K),
-    /// G 80 GPa (Uintah; docs/notes.md 5); T_room 294 K, Taylor-Quinney 0.9.
+    /// G 80 GPa (Uintah; book, "Material constants"); T_room 294 K, Taylor-Quinney 0.9.
     pub fn steel_4340() -> AdiabaticJohnsonCook<T> {
         Self::adiabatic([80.0e9, 792e6, 510e6, 0.26], 0.014, [294.0, 1793.0, 1.03, 477.0])
     }
 
-    /// Tungsten alloy: A 1507 MPa, B 177 MPa, n 0.12, C 0.016 at 1 /s, m 1.0 (Uintah; docs/notes.md 5); G 145 GPa of
+    /// Tungsten alloy: A 1507 MPa, B 177 MPa, n 0.12, C 0.016 at 1 /s, m 1.0 (Uintah; book, "Material constants"); G 145 GPa of
     /// W-Ni-Fe (Steinberg, the same). T_melt 1723 K and c 134 J/(kg K) are from memory of the literature; T_room 294 K,
     /// Taylor-Quinney 0.9.
     pub fn tungsten_alloy() -> AdiabaticJohnsonCook<T> {

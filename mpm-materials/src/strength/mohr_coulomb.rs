@@ -10,7 +10,7 @@ use crate::point::{Breakdown, Fault};
 use crate::strength::drucker_prager::Sheared;
 use crate::tensor::Sym3;
 
-/// Mohr-Coulomb soil (docs/notes.md 3.13), a [`Geomaterial`]; `Ground::new` makes it a law. With principal stresses
+/// Mohr-Coulomb soil (book, "Soil"), a [`Geomaterial`]; `Ground::new` makes it a law. With principal stresses
 /// s1 >= s2 >= s3, tension positive:
 ///
 /// - shear: (s1 - s3) + (s1 + s3) sin phi <= 2 c cos phi, flow with dilatancy angle psi <= phi;

@@ -4,7 +4,7 @@ use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::strength::{Loading, RateFactor};
 
-/// R = (1 + rate/rate0)^C, the power form of the Johnson-Cook factor (\[Borvik2001\], docs/notes.md 3.14). Smooth at
+/// R = (1 + rate/rate0)^C, the power form of the Johnson-Cook factor (\[Borvik2001\], book, "Other flow stresses"). Smooth at
 /// rest; for small C and high rates 1 + C ln rate* to first order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PowerRate<T> {
@@ -39,7 +39,7 @@ impl<T: Real> RateFactor<T> for PowerRate<T> {
     }
 }
 
-/// R = 1 + (rate/D)^(1/q) of Cowper and Symonds (docs/notes.md 3.14).
+/// R = 1 + (rate/D)^(1/q) of Cowper and Symonds (book, "Other flow stresses").
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CowperSymonds<T> {
     reference: T,

@@ -36,7 +36,7 @@ pub struct SteinbergConstants<T> {
 /// Stiffness of the return that a soft or molten point keeps, of G0.
 const SOFTEST: f64 = 0.1;
 
-/// Steinberg, Cochran and Guinan (\[SteinbergCochranGuinan1980\], docs/notes.md 3.14):
+/// Steinberg, Cochran and Guinan (\[SteinbergCochranGuinan1980\], book, "Other flow stresses"):
 ///
 /// - G = G0 r, r = 1 + A p J^(1/3) - B (T - 300 K);
 /// - sigma_y = r min( Y0 \[1 + beta (eps_p + eps_i)\]^n, Y_max ), zero for r < 0 and above the melting
@@ -81,7 +81,7 @@ impl<T: Real> SteinbergGuinan<T> {
     }
 
     /// 4340 steel: G0 81.8 GPa, A 20.6e-12 /Pa, B 0.16e-3 /K, Y0 1.15 GPa, beta 2, n 0.5, T_m0 2310 K (Uintah
-    /// `SCGPlastic4340Steel.xml`; docs/notes.md 5), c 477 J/(kg K), rho0 7830 kg/m^3.
+    /// `SCGPlastic4340Steel.xml`; book, "Material constants"), c 477 J/(kg K), rho0 7830 kg/m^3.
     ///
     /// **Known misprints of the source**: Y_max is printed 0.25 GPa, below Y0; 2.5 GPa is taken here. Gamma_0 3.0 and
     /// a 1.67 are printed so and look exchanged; they act on the melting temperature under pressure alone, and are
@@ -91,7 +91,7 @@ impl<T: Real> SteinbergGuinan<T> {
     }
 
     /// OFHC copper, half hard: rho0 8930 kg/m^3, G0 47.7 GPa, T_m0 1790 K, c 383 J/(kg K), gamma0 2.02, a 1.5
-    /// (Steinberg, in Uintah; docs/notes.md 5). A 28.3e-12 /Pa, B 0.377e-3 /K, Y0 120 MPa, Y_max 640 MPa, beta 36 and
+    /// (Steinberg, in Uintah; book, "Material constants"). A 28.3e-12 /Pa, B 0.377e-3 /K, Y0 120 MPa, Y_max 640 MPa, beta 36 and
     /// n 0.45 are **from memory of the literature**.
     pub fn copper() -> Self {
         Self::known(

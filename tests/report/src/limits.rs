@@ -207,7 +207,7 @@ pub fn section(out: &mut String, list: &[Found]) {
         "<section><h2 id=\"c10-limits\">C10. How long a step may be</h2><p>A free elastic bar of eight cells; its end stands \
          anywhere in a cell. Discs: the longest step at which noise in a run of 500 steps does not grow. Lines: the longest \
          whose matrix has no eigenvalue beyond one. Dotted: what the circles of Gershgorin around the \
-         nodes allow, as <code>TimeControl::Gershgorin</code> uses them (docs/notes.md 2). What never ends, and what ends above 3, is drawn at 3.</p>",
+         nodes allow, as <code>TimeControl::Gershgorin</code> uses them (book, \"The stable time step\"). What never ends, and what ends above 3, is drawn at 3.</p>",
     );
     if list.is_empty() {
         out.push_str("<p>No run yet.</p></section>");

@@ -1,6 +1,6 @@
 //! What the methods that are recommended do where methods fail: a solid that spins without load, a shot at several km/s.
 //!
-//! `cargo test --release -p impactite-tests --all-features --test step -- --ignored --nocapture of_methods` prints the tables of docs/notes.md 1.1.
+//! `cargo test --release -p impactite-tests --all-features --test step -- --ignored --nocapture of_methods` prints the tables of book, "Methods compared".
 
 use std::f64::consts::TAU;
 

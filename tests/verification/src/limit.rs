@@ -3,7 +3,7 @@
 //! A free bar, elastic and at small strain, of modulus, density and cell 1, in one row of particles between two planes of
 //! symmetry: one dimension, but the step is that of the library. Its matrices are put together from the library's own
 //! weights. What a step does to velocities and strains at frozen positions is a matrix; the step is too long if one of its
-//! eigenvalues is larger than one (docs/notes.md 2).
+//! eigenvalues is larger than one (book, "The stable time step").
 
 use faer::{Mat, Side};
 use mpm_core::{Boundary, PlaneStrain};
@@ -101,7 +101,7 @@ impl Bar {
         Ok(values.iter().fold(0.0f64, |most, &x| most.max(x)).sqrt())
     }
 
-    /// 2 / sqrt(lambda_max(A K)) with A = M^-1 Mc M^-1, Mc the consistent mass: the limit of FLIP with MUSL (docs/notes.md 1,
+    /// 2 / sqrt(lambda_max(A K)) with A = M^-1 Mc M^-1, Mc the consistent mass: the limit of FLIP with MUSL (book, "Properties of stress updates and transfers",
     /// finding 1), in the symmetric form of the particles.
     fn symplectic(&self) -> Result<f64, String> {
         let p = self.masses.len();

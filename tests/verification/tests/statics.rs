@@ -91,7 +91,7 @@ fn the_reference_beam_is_right() {
     assert!((back - 0.55500).abs() < 1e-4 && (aside - 0.81061).abs() < 1e-4);
 }
 
-/// Limits of the step: those measured are those of the eigenvalues, and those of the table of docs/notes.md 2 [C] within a
+/// Limits of the step: those measured are those of the eigenvalues, and those of the table of book, "The stable time step" [C] within a
 /// tenth; sqrt(2) / omega is below what USL bears, by a tenth at most, and the bound of the time control is never
 /// above that.
 #[test]
@@ -136,7 +136,7 @@ fn limits_of_the_step() {
     // Not met: the table has 0.85 and 0.99 where offsets between its own give 0.757 and 0.848.
     let known = |o: &String| o.starts_with("quadratic FLIP-USL, 4 a") || o.starts_with("quadratic APIC, 4 a");
     assert!(off.len() == 2 && off.iter().all(known), "{}", off.join("\n"));
-    // A hat that has the last particle xi behind a node bears sqrt(2 xi (1 - xi)) with USL (docs/notes.md 1, finding 5),
+    // A hat that has the last particle xi behind a node bears sqrt(2 xi (1 - xi)) with USL (book, "Properties of stress updates and transfers", finding 5),
     // however little that is; MUSL does not mind.
     for xi in [0.02, 0.1, 0.25] {
         // Two particles a cell: the last one stands 0.25 behind the end's node less the offset.

@@ -46,7 +46,7 @@ fn stops(runs: &Runs, scheme: Scheme) -> bool {
     runs.iter().any(|(case, outcome)| case.scheme == scheme && outcome.failure.is_some())
 }
 
-/// V1: period errors at 20 cells a half wave as predicted (docs/notes.md 1, finding 9), falling as the square of
+/// V1: period errors at 20 cells a half wave as predicted (book, "Properties of stress updates and transfers", finding 9), falling as the square of
 /// the cell.
 #[test]
 fn v1_period_of_a_bar() {

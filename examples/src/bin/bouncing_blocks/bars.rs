@@ -28,7 +28,7 @@ pub fn impact(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseEr
     {
         let h = LENGTH / f64::from(cells);
         // FLIP takes the strain from velocities that were mapped to particles and back, and smears fronts; FMPM undoes that
-        // (docs/notes.md 7.6).
+        // (book, "Bars, discs, Hertz: exact values").
         let struck = strike(methods::linear_fmpm_usf(), cells, [ratio, second], VISCOSITY, asked)?;
         totals = totals.plus(&struck.totals);
         let Struck { joint, stress, plateau, last, rows, .. } = struck;

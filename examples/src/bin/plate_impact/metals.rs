@@ -13,7 +13,7 @@ pub struct Metal {
     pub sound_speed: f64,
     /// s of the source.
     pub slope: f64,
-    /// Where the three numbers are from (docs/notes.md 5).
+    /// Where the three numbers are from (book, "Material constants").
     pub source: &'static str,
     /// The equation of state of the library.
     pub law: MieGruneisen<f64>,

@@ -27,7 +27,7 @@ pub const STRENGTH: f64 = 3.5e9;
 pub const OPENING: f64 = 10e-6;
 /// The opening of a crack that takes next to no work: it opens at once, as with a limit of tension alone.
 pub const AT_ONCE: f64 = 1e-9;
-/// Shear modulus, Pa (docs/notes.md 5), and the yield strength, Pa, that makes it meaningless.
+/// Shear modulus, Pa (book, "Material constants"), and the yield strength, Pa, that makes it meaningless.
 const SHEAR_MODULUS: f64 = 80e9;
 const YIELD_STRENGTH: f64 = 1e3;
 /// Ends of runs in transits of the flyer by sound: the scab has rung once; what can fail has failed.

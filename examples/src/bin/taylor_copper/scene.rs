@@ -164,7 +164,7 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E, files: Files) ->
     match setup.parts {
         Parts::Printed => {
             // As printed: G 60.74 GPa, a 1.5, the smooth rate factor, no rotation; but the right sign in the
-            // denominator of the equation of state (docs/pcmm.md).
+            // denominator of the equation of state (book, "How far the printed method goes").
             let strength = JohnsonCook::new(60.74e9, 89.63e6, setup.hardening, 0.31)?
                 .with_rate(SmoothLogarithmic::new(0.025, 1.0)?)
                 .with_heat(Adiabatic::new(heat())?);

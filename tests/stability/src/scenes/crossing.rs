@@ -42,7 +42,7 @@ pub fn drift() -> Scene {
         .fails("linear FLIP-USL", "list T1 [C]", trial(ul(Linear, FlipUsl)))
         .fails("linear FMPM(4)", "list T1 [C]", trial(ul(Linear, Fmpm4Usl)))
         .but(filtered)
-        .fails("linear FLIP-MUSL", "notes 1, finding 6 [C]", trial(ul(Linear, FlipMusl)));
+        .fails("linear FLIP-MUSL", "book, The step, finding 6 [C]", trial(ul(Linear, FlipMusl)));
     let held = [
         ul(Gimp, FlipMusl),
         ul(CpGimp, FlipMusl),
@@ -181,7 +181,7 @@ pub fn jitter() -> Scene {
     .fails("linear FLIP-USL", "as T1 [C]", trial(ul(Linear, FlipUsl)))
     .fails("linear FLIP-MUSL", "as T1 [C]", trial(ul(Linear, FlipMusl)))
     .holds("uGIMP FLIP-MUSL", "as T1 [I]", trial(ul(Gimp, FlipMusl)))
-    .but(|row| row.noted("10.9 % gained at steps of 0.3 h/c, 5.4 % at 0.15: crossings at large strain feed what nothing damps (notes 1, finding 10)"))
+    .but(|row| row.noted("10.9 % gained at steps of 0.3 h/c, 5.4 % at 0.15: crossings at large strain feed what nothing damps (book, The step, finding 10)"))
     .holds("quadratic FLIP-MUSL", "as T1 [I]", trial(ul(Quadratic, FlipMusl)))
     .holds("quadratic APIC", "as T1 [I]", trial(ul(Quadratic, ApicUsl)))
     .but(|row| row.noted(FILTER))
@@ -222,8 +222,8 @@ pub fn thin() -> Scene {
         limit: Limit::AtMost(0.05),
         rows: Vec::new(),
     }
-    .fails("linear FLIP-USL", "notes 1, finding 5 [C]", trial(ul(Linear, FlipUsl)))
-    .holds("linear FLIP-MUSL", "notes 1, finding 5 [C]", trial(ul(Linear, FlipMusl)))
+    .fails("linear FLIP-USL", "book, The step, finding 5 [C]", trial(ul(Linear, FlipUsl)))
+    .holds("linear FLIP-MUSL", "book, The step, finding 5 [C]", trial(ul(Linear, FlipMusl)))
     .holds("uGIMP FLIP-MUSL", "list T3 [C]", trial(ul(Gimp, FlipMusl)))
     .holds("quadratic FLIP-MUSL", "list T3 [C]", trial(ul(Quadratic, FlipMusl)))
     .holds("quadratic APIC", "list T3 [C]", trial(ul(Quadratic, ApicUsl)))

@@ -152,7 +152,7 @@ pub fn noh() -> Scene {
     }
     .fails("quadratic FLIP-USL, no q", "list T26", trial(NOH, ul(Quadratic, FlipUsl), (0.0, 0.0)))
     .fails("cubic APIC, no q", "list T26", trial(NOH, ul(Cubic, ApicUsl), (0.0, 0.0)))
-    .fails("linear FLIP-MUSL, q 0.5, 2", "notes 9.4 [C]", trial(NOH, ul(Linear, FlipMusl), (0.5, 2.0)))
+    .fails("linear FLIP-MUSL, q 0.5, 2", "book, Verification [C]", trial(NOH, ul(Linear, FlipMusl), (0.5, 2.0)))
     .holds("quadratic APIC, q 0.5, 2", "list T26", trial(NOH, ul(Quadratic, ApicUsl), (0.5, 2.0)))
     .but(|row| row.noted(APIC))
     .holds("quadratic APIC, q 1, 2", "list T26", trial(NOH, ul(Quadratic, ApicUsl), (1.0, 2.0)))

@@ -66,7 +66,7 @@ pub fn cut_cell() -> Scene {
 }
 
 /// Weight and slope of the node at distance `d` (particle less node, in cells), particle boxes of half size `l`.
-/// Written from the formulas (docs/notes.md 3.1; B-splines by their pieces), not with those of the library.
+/// Written from the formulas (book, "GIMP"; B-splines by their pieces), not with those of the library.
 pub(crate) fn weight(kernel: Kernel, d: f64, l: f64) -> (f64, f64) {
     let (a, sign) = (d.abs(), if d < 0.0 { -1.0 } else { 1.0 });
     let (value, slope) = match kernel {
@@ -97,7 +97,7 @@ pub(crate) fn weight(kernel: Kernel, d: f64, l: f64) -> (f64, f64) {
 }
 
 /// Largest stable step of FLIP with MUSL for a free bar at frozen positions `x` (density, modulus and cell 1, particles of
-/// one size): 2 / sqrt(lambda_max(A K)) with A = M^-1 Mc M^-1 (docs/notes.md 1, finding 1).
+/// one size): 2 / sqrt(lambda_max(A K)) with A = M^-1 Mc M^-1 (book, "Properties of stress updates and transfers", finding 1).
 fn symplectic_limit(kernel: Kernel, x: &[f64], volume: f64) -> f64 {
     let low = x.iter().fold(f64::MAX, |a, &b| a.min(b)).floor() as i64 - 2;
     let high = x.iter().fold(f64::MIN, |a, &b| a.max(b)).ceil() as i64 + 2;
@@ -186,7 +186,7 @@ pub fn factors() -> Scene {
         id: "F1",
         name: "extreme steps",
         fails: "A free bar of 20 cells swings five times with steps from 0.01 h/c to beyond the limit. What is filtered once a step \
-                is lost in proportion to the number of steps (notes 1, finding 3); what is too long blows up.",
+                is lost in proportion to the number of steps (book, The step, finding 3); what is too long blows up.",
         metric: "change of energy, mean of the last period against the first",
         limit: Limit::AtMost(0.05),
         rows: Vec::new(),
@@ -194,13 +194,13 @@ pub fn factors() -> Scene {
     scene
         .holds("quadratic FLIP-MUSL, 0.01", "finding 1 [C]", trial(ul(Quadratic, FlipMusl), 0.01))
         .holds("quadratic FLIP-MUSL, 0.5", "finding 1 [C]", trial(ul(Quadratic, FlipMusl), 0.5))
-        .holds("quadratic FLIP-MUSL, 1.9", "notes 2 [C]", trial(ul(Quadratic, FlipMusl), 1.9))
-        .fails("quadratic FLIP-MUSL, 2.6", "notes 2 [C]", trial(ul(Quadratic, FlipMusl), 2.6))
+        .holds("quadratic FLIP-MUSL, 1.9", "time step [C]", trial(ul(Quadratic, FlipMusl), 1.9))
+        .fails("quadratic FLIP-MUSL, 2.6", "time step [C]", trial(ul(Quadratic, FlipMusl), 2.6))
         .holds("quadratic FLIP-USL, 0.01", "finding 2 [C]", trial(ul(Quadratic, FlipUsl), 0.01))
-        .fails("quadratic FLIP-USL, 1.4", "notes 2 [C]", trial(ul(Quadratic, FlipUsl), 1.4))
+        .fails("quadratic FLIP-USL, 1.4", "time step [C]", trial(ul(Quadratic, FlipUsl), 1.4))
         .fails("quadratic APIC, 0.01", "finding 3 [C]", trial(ul(Quadratic, ApicUsl), 0.01))
         .holds("quadratic APIC, 0.5", "finding 3 [C]", trial(ul(Quadratic, ApicUsl), 0.5))
         .fails("cubic APIC, 0.01", "finding 3 [C]", trial(ul(Cubic, ApicUsl), 0.01))
         .holds("cubic FMPM(4), 0.01", "finding 3 [C]", trial(ul(Cubic, Fmpm4Usl), 0.01))
-        .holds("linear FLIP-MUSL, 1.3", "notes 2 [C]", trial(ul(Linear, FlipMusl), 1.3))
+        .holds("linear FLIP-MUSL, 1.3", "time step [C]", trial(ul(Linear, FlipMusl), 1.3))
 }

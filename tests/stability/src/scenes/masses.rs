@@ -47,7 +47,7 @@ pub fn tiny() -> Scene {
         limit: Limit::AtMost(1e-12),
         rows: Vec::new(),
     }
-    .fails("linear FLIP-USL", "notes 1, finding 5 [C]", trial(ul(Linear, FlipUsl)))
+    .fails("linear FLIP-USL", "book, The step, finding 5 [C]", trial(ul(Linear, FlipUsl)))
     .holds("linear FLIP-MUSL", "list T15", trial(ul(Linear, FlipMusl)))
     .holds("quadratic FLIP-MUSL", "list T15", trial(ul(Quadratic, FlipMusl)))
     .holds("quadratic APIC", "list T15", trial(ul(Quadratic, ApicUsl)))
@@ -165,10 +165,10 @@ pub fn stiff_and_soft() -> Scene {
     .but(|row| row.noted(SMEARED))
     .holds("cubic FLIP-MUSL", "list T20", trial(ul(Cubic, FlipMusl), false))
     .but(|row| row.noted(SMEARED))
-    .fails("quadratic APIC", "notes 1, finding 3: lost once a step [C]", trial(ul(Quadratic, ApicUsl), false))
+    .fails("quadratic APIC", "book, The step, finding 3: lost once a step [C]", trial(ul(Quadratic, ApicUsl), false))
 }
 
-const KINK: &str = "what filters loses energy where the velocity has a kink, at the joint, in every step (notes 1, finding 3)";
+const KINK: &str = "what filters loses energy where the velocity has a kink, at the joint, in every step (book, The step, finding 3)";
 
 /// M1: heavy on light.
 pub fn light_and_heavy() -> Scene {

@@ -1,4 +1,4 @@
-//! The scenes. Numbers as T5 are those of the list in `docs/notes.md` 10, others are of this crate.
+//! The scenes. Numbers as T5 are those of the list in book, "Stability", others are of this crate.
 
 pub mod crossing;
 pub mod crushing;

@@ -64,7 +64,7 @@ pub fn disc() -> Scene {
         mpm.set_time_control(TimeControl::Fixed(DT)).map_err(text)?;
         spin(&mut mpm, all(size))
     };
-    const WHY: &str = "particles move with the grid's velocity and keep their own: FLIP does not conserve angular momentum (notes 9.4)";
+    const WHY: &str = "particles move with the grid's velocity and keep their own: FLIP does not conserve angular momentum (book, Verification)";
     let affine = |row: Row| row.limit(Limit::AtMost(1e-3));
     Scene {
         id: "T19",
@@ -76,7 +76,7 @@ pub fn disc() -> Scene {
         rows: Vec::new(),
     }
     .fails("quadratic PIC", "list T19, finding 4 [C]", pic)
-    .fails("quadratic FMPM(4)", "notes 9.4 [C]", trial(ul(Quadratic, Fmpm4Usl)))
+    .fails("quadratic FMPM(4)", "book, Verification [C]", trial(ul(Quadratic, Fmpm4Usl)))
     .holds("quadratic APIC", "list T19, V6 [C]", trial(ul(Quadratic, ApicUsl)))
     .but(affine)
     .holds("cubic APIC", "list T19, V6 [C]", trial(ul(Cubic, ApicUsl)))

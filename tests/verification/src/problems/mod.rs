@@ -1,4 +1,4 @@
-//! The problems. Numbers as V3 are those of the list of verification problems in `docs/notes.md`.
+//! The problems. Numbers as V3 are those of the list of verification problems of the book, "Verification".
 
 pub mod axis_aligned;
 pub mod bar;
