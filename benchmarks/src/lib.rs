@@ -1,65 +1,24 @@
-//! Neighbour searches of the literature, written to be compared with that of `pcmm`: each returns, for every particle,
-//! those whose circles of contact reach its own, in ascending order.
-//!
-//! | search | |
-//! |---|---|
-//! | [`pcmm::Neighbours`] | cells of the largest range, counting sort |
-//! | [`tree`] | a balanced tree of boxes, cut at medians |
-//! | [`pib`] | points in a box by two sorted coordinates \[Attaway1993\] |
-//! | [`strip_pib`] | the same in strips \[Xiao2015\] |
+//! Sets of points that neighbour searches are measured on, and a clock.
 
-mod pib;
-// Here and not in a program of its own: those are tested beside all programs of the package, which take long to compile.
-#[cfg(test)]
-mod searches;
-mod tree;
-
-pub use pib::{pib, strip_pib};
-pub use tree::tree;
-
-use pcmm::Particle;
-
-/// Lists one after the other, and where each begins.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Lists {
-    /// One more than there are particles.
-    pub starts: Vec<u32>,
-    /// Numbers of particles.
-    pub list: Vec<u32>,
+/// Positions and radii.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cloud<const D: usize> {
+    /// Positions, in spacings or in edges of the body.
+    pub positions: Vec<[f64; D]>,
+    /// Radii, one a point.
+    pub radii: Vec<f64>,
 }
 
-impl Lists {
-    fn new(particles: usize) -> Self {
-        let mut starts = Vec::with_capacity(particles + 1);
-        starts.push(0);
-        Lists { starts, list: Vec::new() }
+impl<const D: usize> Cloud<D> {
+    /// In random order, as in bodies that have flowed.
+    fn shuffled(mut self, seed: u64) -> Self {
+        for n in (1..self.radii.len()).rev() {
+            let other = (random(seed, n as u64) * (n + 1) as f64) as usize;
+            self.positions.swap(n, other);
+            self.radii.swap(n, other);
+        }
+        self
     }
-    /// End the list that is being filled.
-    fn close(&mut self) {
-        let start = self.starts[self.starts.len() - 1] as usize;
-        self.list[start..].sort_unstable();
-        self.starts.push(self.list.len() as u32);
-    }
-    /// The list of particle `i`.
-    pub fn of(&self, i: usize) -> &[u32] {
-        &self.list[self.starts[i] as usize..self.starts[i + 1] as usize]
-    }
-}
-
-/// Are two particles in range?
-fn touch(a: &Particle<2>, b: &Particle<2>, reach: f64) -> bool {
-    let range = a.radius + b.radius + reach;
-    let (x, y) = (a.position[0] - b.position[0], a.position[1] - b.position[1]);
-    x * x + y * y <= range * range
-}
-
-/// Half the edge of the box around a particle that holds all it may touch.
-fn half_box(p: &Particle<2>, largest: f64, reach: f64) -> f64 {
-    p.radius + largest + reach
-}
-
-fn largest_radius(particles: &[Particle<2>]) -> f64 {
-    particles.iter().fold(0.0, |m, p| m.max(p.radius))
 }
 
 /// A number in [0, 1) from a seed and a place.
@@ -73,21 +32,55 @@ pub fn random(seed: u64, place: u64) -> f64 {
 }
 
 /// About `count` particles in a body `aspect` times as long as it is wide: a lattice, every particle moved by up to a
-/// quarter of a spacing, radii from 0.4 to 0.6 of it, in random order (bodies that have flowed are not in order).
-pub fn packing(count: usize, aspect: f64, seed: u64) -> Vec<Particle<2>> {
-    let columns = ((count as f64 / aspect).sqrt().round() as usize).max(1);
-    let mut particles: Vec<Particle<2>> = (0..count)
-        .map(|n| {
-            let at = |k: u64| random(seed, 3 * n as u64 + k);
-            let position =
-                [(n % columns) as f64 + 0.5 * (at(0) - 0.5), (n / columns) as f64 + 0.5 * (at(1) - 0.5)];
-            Particle { position, velocity: [0.0; 2], mass: 1.0, radius: 0.4 + 0.2 * at(2) }
-        })
-        .collect();
-    for n in (1..count).rev() {
-        particles.swap(n, (random(seed + 1, n as u64) * (n + 1) as f64) as usize);
+/// quarter of a spacing, radii from 0.4 to 0.6 of it, in random order.
+pub fn packing<const D: usize>(count: usize, aspect: f64, seed: u64) -> Cloud<D> {
+    let columns = ((count as f64 / aspect).powf(1.0 / D as f64).round() as usize).max(1);
+    let mut cloud = Cloud::default();
+    for n in 0..count {
+        let at = |k: usize| random(seed, ((D + 1) * n + k) as u64);
+        let mut rest = n;
+        cloud.positions.push(std::array::from_fn(|d| {
+            let column = if d + 1 < D { rest % columns } else { rest };
+            rest /= columns;
+            column as f64 + 0.5 * (at(d) - 0.5)
+        }));
+        cloud.radii.push(0.4 + 0.2 * at(D));
     }
-    particles
+    cloud.shuffled(seed + 1)
+}
+
+/// Points anywhere in a unit cube that become finer along the first axis: radii fall by `ratio` from one side to the other, and are
+/// everywhere 0.7 of the spacing.
+pub fn graded<const D: usize>(count: usize, ratio: f64, seed: u64) -> Cloud<D> {
+    // Density over that at the coarse side is ratio^(D x), whose integral is inverted.
+    let rate = D as f64 * ratio.ln();
+    let mut cloud = Cloud::default();
+    for n in 0..count {
+        let at = |k: usize| random(seed, (D * n + k) as u64);
+        let x = if rate > 0.0 { (at(0) * rate.exp_m1()).ln_1p() / rate } else { at(0) };
+        cloud.positions.push(std::array::from_fn(|d| if d == 0 { x } else { at(d) }));
+        let density = count as f64 * if rate > 0.0 { rate / rate.exp_m1() * (rate * x).exp() } else { 1.0 };
+        cloud.radii.push(0.7 * density.powf(-1.0 / D as f64));
+    }
+    cloud.shuffled(seed + 1)
+}
+
+/// Points anywhere in a unit cube with radii that differ by up to `ratio` everywhere: in every range of sizes as much matter, which together
+/// fills a half.
+pub fn mixed<const D: usize>(count: usize, ratio: f64, seed: u64) -> Cloud<D> {
+    let power = -(D as f64);
+    let mut cloud = Cloud::default();
+    for n in 0..count {
+        let at = |k: usize| random(seed, ((D + 1) * n + k) as u64);
+        cloud.positions.push(std::array::from_fn(at));
+        // Numbers fall with the size to the power -D for each factor of size.
+        cloud.radii.push((1.0 - at(D) * (1.0 - ratio.powf(power))).powf(1.0 / power));
+    }
+    let ball = [2.0, std::f64::consts::PI, 4.0 / 3.0 * std::f64::consts::PI][D - 1];
+    let matter: f64 = cloud.radii.iter().map(|r| ball * r.powi(D as i32)).sum();
+    let scale = (0.5 / matter).powf(1.0 / D as f64);
+    cloud.radii.iter_mut().for_each(|r| *r *= scale);
+    cloud
 }
 
 /// Processor seconds of this process so far, by the system's count (hundredths); by the clock where there is none.

@@ -1,7 +1,8 @@
-//! Shapes, and particles seeded from them.
+//! Shapes, particles seeded from them, and the search for neighbours among points.
 //!
 //! A [`Shape`] is a signed distance with bounds and, where known, an exact measure. Shapes combine by method
-//! chaining; [`fill`] seeds particles on a [`Lattice`] and makes their mass exact.
+//! chaining; [`fill`] seeds particles on a [`Lattice`] and makes their mass exact. [`search`] finds the points
+//! within reach of each other.
 //!
 //! ```
 //! use impactite_geometry::{Cuboid, Cylinder, Filling, Lattice, Shape, fill};
@@ -23,6 +24,7 @@ mod mesh;
 mod polygon;
 mod primitives;
 mod rings;
+pub mod search;
 mod seed;
 mod shape;
 #[cfg(feature = "mesh")]

@@ -1,98 +1,163 @@
-//! The cell-linked search of `pcmm` beside a tree, point in box and strip point in box, over the number of particles.
+//! The searches for neighbours of `impactite-geometry` beside each other, over the number of points and over how much
+//! radii differ.
 
 use std::path::PathBuf;
 use std::time::Instant;
 
-use benchmarks::{packing, pib, strip_pib, tree};
+use benchmarks::{Cloud, graded, mixed, packing};
 use clap::Parser;
 use mpm_core::Team;
+use mpm_core::geometry::search::{
+    BoxTree, NeighbourLists, NeighbourSearch, PointInBox, Points, Reach, SearchError, SortedCells,
+    StripPointInBox,
+};
 use mpm_core::output::picture::{Axis, Chart, Series, palette};
-use pcmm::{Neighbours, Particle};
 
-/// Seconds of a search from scratch on one thread, by the number of particles, for a square body and for one 64 times as
-/// long as wide, in random order.
+/// Nanoseconds of a search from scratch, sorting included: by the number of points, for a square body and for one 64 times as long as
+/// wide, in random order; and by how radii differ. All searches must find the same lists.
 #[derive(Debug, Parser)]
 #[command(name = "neighbours", version)]
 struct Options {
-    /// Most particles, 1000 to 10000000
+    /// Most points of a packing, 1000 to 10000000
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u32).range(1000..=10_000_000))]
     most: u32,
+    /// Points of the sets whose radii differ, 1000 to 10000000
+    #[arg(long, value_name = "N", default_value_t = 100_000, value_parser = clap::value_parser!(u32).range(1000..=10_000_000))]
+    count: u32,
     /// Searches of each kind, of which the fastest counts, 1 to 100
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=100))]
     rounds: u32,
+    /// Threads, 1 to 1024
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: u32,
+    /// The cells alone
+    #[arg(long)]
+    cells: bool,
     /// Folder for the chart
     #[arg(long, value_name = "DIR", default_value = "out/neighbours")]
     out: PathBuf,
 }
 
-/// The tolerance of contact, in spacings.
-const REACH: f64 = 0.45;
-const NAMES: [&str; 4] = ["cells", "tree", "PIB", "strip PIB"];
+type Failure = Box<dyn std::error::Error>;
 
-fn search(kind: usize, particles: &[Particle<2>]) -> usize {
+/// The tolerance of contact in the packings, in spacings.
+const REACH: f64 = 0.45;
+const NAMES: [&str; 5] = ["cells", "one level", "tree", "PIB", "strip PIB"];
+
+fn search<const D: usize>(
+    kind: usize,
+    points: &Points<'_, D>,
+    reach: Reach,
+    team: &Team,
+) -> Result<NeighbourLists, SearchError> {
     match kind {
-        0 => {
-            let mut cells = Neighbours::new(REACH, 0.0);
-            cells.update(particles, &Team::one());
-            (0..particles.len()).map(|i| cells.of(i).len()).sum()
-        }
-        1 => tree(particles, REACH).list.len(),
-        2 => pib(particles, REACH).list.len(),
-        _ => strip_pib(particles, REACH, 2.0).list.len(),
+        0 => SortedCells::new(points, reach)?.neighbours(team),
+        1 => SortedCells::with_levels(points, reach, 1)?.neighbours(team),
+        2 => BoxTree::new(points, reach)?.neighbours(team),
+        3 => PointInBox::new(points, reach)?.neighbours(team),
+        _ => StripPointInBox::new(points, reach)?.neighbours(team),
     }
 }
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let options = Options::parse();
-    std::fs::create_dir_all(&options.out)?;
+/// Seconds of the fastest search of each kind, in alternation, and neighbours a point.
+fn measure<const D: usize>(
+    cloud: &Cloud<D>,
+    reach: Reach,
+    options: &Options,
+    team: &Team,
+) -> Result<(Vec<f64>, f64), Failure> {
+    let points = Points::new(&cloud.positions, &cloud.radii)?;
+    let mut best = vec![f64::INFINITY; if options.cells { 1 } else { NAMES.len() }];
+    let mut found = NeighbourLists::new();
+    for round in 0..options.rounds {
+        for kind in 0..best.len() {
+            // One round of what takes long is enough.
+            if best[kind] < f64::INFINITY && best[kind] > 2.0 {
+                continue;
+            }
+            let clock = Instant::now();
+            let lists = search(kind, &points, reach, team)?;
+            best[kind] = best[kind].min(clock.elapsed().as_secs_f64());
+            if round == 0 && kind == 0 {
+                found = lists;
+            } else if lists != found {
+                return Err(format!("{} finds other neighbours than cells", NAMES[kind]).into());
+            }
+        }
+    }
+    Ok((best, found.list().len() as f64 / points.len() as f64))
+}
+
+fn columns(times: &[f64], scale: f64) -> String {
+    times.iter().map(|t| format!("{:>11.0}", 1e9 * t * scale)).collect()
+}
+
+fn over_numbers(options: &Options, team: &Team) -> Result<(), Failure> {
     let mut counts = vec![1000usize];
     while let Some(&last) = counts.last()
         && last < options.most as usize
     {
         counts.push((last * 10).min(options.most as usize));
     }
-    let mut chart =
-        Chart::new(860, 560)
-            .x(Axis::new("particles").logarithmic())
-            .y(Axis::new("time a particle").unit("ns", 1e9).logarithmic());
+    let mut chart = Chart::new(860, 560)
+        .x(Axis::new("points").logarithmic())
+        .y(Axis::new("time a point").unit("ns", 1e9).logarithmic());
     println!(
-        "nanoseconds a particle\n{:>10} {:>8}  {}",
-        "particles",
+        "nanoseconds a point, packings in two dimensions\n{:>10} {:>8} {}",
+        "points",
         "aspect",
-        NAMES.map(|n| format!("{n:>10}")).join("")
+        NAMES.map(|n| format!("{n:>11}")).join("")
     );
     for aspect in [1.0, 64.0] {
         let mut times = vec![Vec::new(); NAMES.len()];
         for &count in &counts {
-            let particles = packing(count, aspect, 1);
-            let mut row = String::new();
-            let mut found = Vec::new();
-            for (kind, times) in times.iter_mut().enumerate() {
-                let mut best = f64::INFINITY;
-                for _ in 0..options.rounds {
-                    let clock = Instant::now();
-                    found.push(search(kind, &particles));
-                    best = best.min(clock.elapsed().as_secs_f64());
-                    // One round of what takes long is enough.
-                    if best > 5.0 {
-                        break;
-                    }
-                }
-                times.push(best / count as f64);
-                row += &format!("{:>10.0}", 1e9 * best / count as f64);
-            }
-            if found.windows(2).any(|f| f[0] != f[1]) {
-                return Err(format!("the searches find different pairs: {found:?}").into());
-            }
-            println!("{count:>10} {aspect:>8}  {row}");
+            let (best, _) = measure(&packing::<2>(count, aspect, 1), Reach::sum(REACH), options, team)?;
+            println!("{count:>10} {aspect:>8} {}", columns(&best, 1.0 / count as f64));
+            times.iter_mut().zip(&best).for_each(|(times, t)| times.push(t / count as f64));
         }
         if aspect == 1.0 {
             let x: Vec<f64> = counts.iter().map(|&c| c as f64).collect();
-            for (kind, times) in times.iter().enumerate() {
+            for (kind, times) in times.iter().enumerate().filter(|(_, times)| !times.is_empty()) {
                 chart = chart.series(Series::new(NAMES[kind], &x, times)?.colour(palette(kind)));
             }
         }
     }
     chart.draw()?.save(options.out.join("neighbours.png"))?;
     Ok(())
+}
+
+fn over_radii<const D: usize>(options: &Options, team: &Team) -> Result<(), Failure> {
+    let count = options.count as usize;
+    let row = |name: &str, cloud: Cloud<D>, reach: Reach| -> Result<(), Failure> {
+        let (best, neighbours) = measure(&cloud, reach, options, team)?;
+        let pairs = 0.5 * neighbours * count as f64;
+        println!("{D:>3} {name:<16} {neighbours:>10.1} {}", columns(&best, 1.0 / count as f64));
+        println!("{:>3} {:<16} {:>10} {}", "", "", "a pair", columns(&best, 1.0 / pairs));
+        Ok(())
+    };
+    row("packing", packing(count, 1.0, 1), Reach::sum(REACH))?;
+    for ratio in [1.0, 10.0, 100.0] {
+        row(&format!("graded {ratio}"), graded(count, ratio, 2), Reach::sum(0.0))?;
+    }
+    for ratio in [10.0, 100.0] {
+        row(&format!("mixed {ratio}"), mixed(count, ratio, 3), Reach::sum(0.0))?;
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Failure> {
+    let options = Options::parse();
+    std::fs::create_dir_all(&options.out)?;
+    let team = Team::new(options.threads as usize)?;
+    over_numbers(&options, &team)?;
+    println!(
+        "\nnanoseconds a point and a pair, {} points\n{:>3} {:<16} {:>10} {}",
+        options.count,
+        "D",
+        "radii",
+        "neighbours",
+        NAMES.map(|n| format!("{n:>11}")).join("")
+    );
+    over_radii::<2>(&options, &team)?;
+    over_radii::<3>(&options, &team)
 }

@@ -1,10 +1,9 @@
 //! Pairs of particles of different bodies that may touch.
 
+use mpm_core::geometry::search::{FARTHEST, NeighbourSearch, Points, Reach, SortedCells};
+
 use crate::contact::body::Part;
 use crate::contact::wall::RigidWall;
-use crate::particles::Particle;
-use crate::search::Cells;
-use crate::simplex::distance_squared;
 
 /// Particles are looked at up to this many sums of radii apart: with surfaces through the centres, particles of two bodies
 /// face each other half a spacing beside each other.
@@ -81,19 +80,17 @@ impl Candidates {
         }
         self.skin = SKIN * radii / count.max(1) as f64;
         let reach = 2.0 * RANGE * largest + self.skin;
-        let (found, owners) = near_others(members, reach);
-        if !found.is_empty() {
-            let cells = Cells::sort(&found, reach);
-            for (i, (p, owner)) in found.iter().zip(&owners).enumerate() {
-                cells.around(&p.position, |j, _, _| {
-                    let (q, other) = (&found[j as usize], owners[j as usize]);
-                    let range = RANGE * (p.radius + q.radius) + self.skin;
-                    if owner.body < other.body && distance_squared(&p.position, &q.position) <= range * range
-                    {
-                        self.pairs.push([owners[i], other]);
-                    }
-                });
-            }
+        let Found { positions, radii, owners } = near_others(members, reach);
+        // Refused are only ranges that no distance reaches.
+        let range = Reach::Sum { factor: RANGE, tolerance: self.skin };
+        let sorted = Points::new(&positions, &radii).and_then(|points| SortedCells::new(&points, range));
+        if let Ok(cells) = sorted {
+            cells.each_pair(|i, j| {
+                let (a, b) = (owners[i as usize], owners[j as usize]);
+                if a.body != b.body {
+                    self.pairs.push(if a.body < b.body { [a, b] } else { [b, a] });
+                }
+            });
         }
         for (w, member) in members.iter().enumerate() {
             let Member::Wall { wall } = member else { continue };
@@ -113,8 +110,17 @@ impl Candidates {
 
 type Box2<const D: usize> = ([f64; D], [f64; D]);
 
-/// The particles of each body that lie in the box of another, `reach` wider.
-fn near_others<const D: usize>(members: &[Member<D>], reach: f64) -> (Vec<Particle<D>>, Vec<Place>) {
+/// Some particles of all bodies.
+#[derive(Default)]
+struct Found<const D: usize> {
+    positions: Vec<[f64; D]>,
+    radii: Vec<f64>,
+    owners: Vec<Place>,
+}
+
+/// The particles of each body that lie in the box of another, `reach` wider, and not where distances are no longer
+/// told apart.
+fn near_others<const D: usize>(members: &[Member<D>], reach: f64) -> Found<D> {
     let bounds = |part: &dyn Part<D>| -> Box2<D> {
         let mut range = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
         for p in part.particles() {
@@ -126,7 +132,7 @@ fn near_others<const D: usize>(members: &[Member<D>], reach: f64) -> (Vec<Partic
         range
     };
     let boxes: Vec<Option<Box2<D>>> = members.iter().map(|m| m.part().map(bounds)).collect();
-    let (mut found, mut owners) = (Vec::new(), Vec::new());
+    let mut found = Found::default();
     for (b, part) in members.iter().enumerate().filter_map(|(b, m)| Some((b, m.part()?))) {
         let others: Vec<&Box2<D>> = boxes
             .iter()
@@ -138,11 +144,12 @@ fn near_others<const D: usize>(members: &[Member<D>], reach: f64) -> (Vec<Partic
             let within = |range: &&Box2<D>| {
                 (0..D).all(|d| p.position[d] >= range.0[d] - reach && p.position[d] <= range.1[d] + reach)
             };
-            if others.iter().any(within) {
-                found.push(*p);
-                owners.push(Place { body: b as u32, particle: n as u32 });
+            if others.iter().any(within) && p.position.iter().all(|x| x.abs() <= FARTHEST) {
+                found.positions.push(p.position);
+                found.radii.push(p.radius);
+                found.owners.push(Place { body: b as u32, particle: n as u32 });
             }
         }
     }
-    (found, owners)
+    found
 }

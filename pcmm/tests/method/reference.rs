@@ -118,6 +118,23 @@ fn lists_are_kept_while_nothing_moves_far() {
     assert_eq!(neighbours.searches(), 4);
 }
 
+#[test]
+fn particles_that_no_search_can_use_have_no_neighbours_and_a_reason() {
+    let at = |x: f64| Particle { position: [x, 0.0], velocity: [0.0; 2], mass: 1.0, radius: 0.5 };
+    let mut neighbours = Neighbours::new(0.1, 0.2);
+    let mut update = |x: f64| {
+        neighbours.update(&[at(0.0), at(1.0), at(x)], &Team::one());
+        (neighbours.of(0).len(), neighbours.refused().map(|e| e.to_string()))
+    };
+    assert_eq!(update(5.0), (1, None));
+    let said = "search: x of point 2 = NaN is not allowed; it must be finite, between -1e150 and 1e150";
+    assert_eq!(update(f64::NAN), (0, Some(said.into())));
+    assert_eq!(update(5.0), (1, None));
+    let mut none = Neighbours::new(-1.0, 0.2);
+    none.update(&[at(0.0), at(0.1)], &Team::one());
+    assert!(none.of(0).is_empty() && none.refused().is_some());
+}
+
 /// A bar that hits a wall and is tessellated anew: numbers of all particles after some steps.
 fn bits(threads: usize, printed: bool) -> Vec<u64> {
     let h = 1.0e-4;

@@ -1,0 +1,134 @@
+//! Lists kept over steps.
+
+use std::marker::PhantomData;
+
+use impactite_simd::Team;
+
+use super::NeighbourSearch;
+use super::cells::SortedCells;
+use super::error::{SearchError, check_length};
+use super::lists::NeighbourLists;
+use super::points::{Points, Reach, distance_squared};
+
+/// Neighbour lists with a skin \[Verlet1967\]: made for pairs as much farther apart as the skin is thick, and kept until some point has
+/// used up half of it, by its motion and by the growth of its radius together, or the number of points has changed.
+///
+/// Until then every list holds all that are within reach of its point, in ascending order, and some that are not: by up to two skins,
+/// less what radii have shrunk.
+///
+/// ```
+/// use impactite_geometry::search::{Points, Reach, SearchError, VerletLists};
+/// use impactite_simd::Team;
+/// let mut lists = VerletLists::<1>::new(Reach::uniform(1.0), 0.2)?;
+/// for step in 0..10 {
+///     let positions = [[0.0], [1.0 - 0.04 * f64::from(step)]];
+///     lists.update(&Points::of_positions(&positions)?, &Team::one())?;
+///     assert_eq!(lists.of(0), [1]);
+/// }
+/// // A search at the start, and one after every third step of 0.04.
+/// assert_eq!(lists.searches(), 4);
+/// # Ok::<(), SearchError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct VerletLists<const D: usize, S = SortedCells<D>> {
+    reach: Reach,
+    skin: f64,
+    lists: NeighbourLists,
+    searched_at: Vec<[f64; D]>,
+    radii: Vec<f64>,
+    valid: bool,
+    searches: u64,
+    search: PhantomData<fn() -> S>,
+}
+
+impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
+    /// Lists of pairs within `reach`, with a skin (m).
+    ///
+    /// # Errors
+    /// Numbers of the reach, or a skin, that are negative, not finite or too large.
+    pub fn new(reach: Reach, skin: f64) -> Result<Self, SearchError> {
+        check_length("skin", skin)?;
+        reach.check(0.0)?;
+        Ok(VerletLists {
+            reach,
+            skin,
+            lists: NeighbourLists::new(),
+            searched_at: Vec::new(),
+            radii: Vec::new(),
+            valid: false,
+            searches: 0,
+            search: PhantomData,
+        })
+    }
+
+    /// Which pairs are neighbours, without the skin.
+    pub fn reach(&self) -> Reach {
+        self.reach
+    }
+    /// Thickness of the skin (m).
+    pub fn skin(&self) -> f64 {
+        self.skin
+    }
+    /// The neighbours of point `i` and some farther away, in ascending order.
+    ///
+    /// # Panics
+    /// No such point at the last update.
+    #[inline]
+    pub fn of(&self, i: usize) -> &[u32] {
+        self.lists.of(i)
+    }
+    /// The lists of all points.
+    pub fn lists(&self) -> &NeighbourLists {
+        &self.lists
+    }
+    /// How many searches were made.
+    pub fn searches(&self) -> u64 {
+        self.searches
+    }
+    /// Search at the next update, whatever the points do.
+    pub fn forget(&mut self) {
+        self.valid = false;
+    }
+    /// Empty lists of so many points, until the next update, which searches: for points that cannot be used.
+    pub fn clear(&mut self, points: usize) {
+        self.valid = false;
+        self.lists.clear(points);
+    }
+
+    /// Search again if the lists may miss a pair. Says whether it did.
+    ///
+    /// # Errors
+    /// As [`NeighbourSearch::neighbours_into`] and [`NeighbourSearch::new`]; all lists are then empty, and the next update
+    /// searches.
+    pub fn update(&mut self, points: &Points<'_, D>, team: &Team) -> Result<bool, SearchError> {
+        if self.hold((0..points.len()).map(|i| (points.positions()[i], points.radius(i)))) {
+            return Ok(false);
+        }
+        self.searches += 1;
+        self.valid = false;
+        let wide = self.reach.widened(self.skin);
+        let found = S::new(points, wide).and_then(|search| search.neighbours_into(team, &mut self.lists));
+        if let Err(refused) = found {
+            self.clear(points.len());
+            return Err(refused);
+        }
+        self.searched_at.clear();
+        self.searched_at.extend_from_slice(points.positions());
+        self.radii.clear();
+        self.radii.extend((0..points.len()).map(|i| points.radius(i)));
+        self.valid = true;
+        Ok(true)
+    }
+
+    /// Do the lists miss no pair of points that are now at these positions with these radii (m)? To ask without copying; an
+    /// [`update`](VerletLists::update) asks by itself.
+    pub fn hold(&self, points: impl ExactSizeIterator<Item = ([f64; D], f64)>) -> bool {
+        let (half, slope) = (0.5 * self.skin, self.reach.slope());
+        self.valid
+            && self.searched_at.len() == points.len()
+            && points.zip(&self.searched_at).zip(&self.radii).all(|(((x, radius), before), old)| {
+                let left = half - slope * (radius - old).max(0.0);
+                left >= 0.0 && distance_squared(&x, before) <= left * left
+            })
+    }
+}
