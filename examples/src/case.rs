@@ -2,20 +2,21 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::Duration;
 
-use clap::{Args, Parser, ValueEnum};
+use clap::{ArgMatches, Args, Command, FromArgMatches, Parser, ValueEnum};
 use mpm_core::geometry::GeometryError;
-use mpm_core::observe::{Ledger, ObserveError, RunError, RunSummary};
+use mpm_core::observe::{Ledger, ObserveError};
 use mpm_core::output::{OutputError, write_whole};
 use mpm_core::parallel::{Team, TeamError};
-use mpm_core::step::SceneError;
-use mpm_core::step::control::ControlError;
-use mpm_core::{Float, Mpm};
+use mpm_core::scene::control::ControlError;
+use mpm_core::{CheckpointError, RunError, RunSummary, SceneError, Solver};
 use mpm_materials::ParameterError;
 use serde::Serialize;
 
 use crate::check::{Check, NotJudged, shown};
 use crate::machine;
+use crate::restart::{Options, Restart};
 
 /// How fine a case is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -55,7 +56,17 @@ pub struct Common {
     /// Print the result as one JSON object on the last line
     #[arg(long)]
     pub json: bool,
+    /// Seconds by the clock between two checkpoints of a simulation, DIR/SIMULATION.checkpoint; 0: one after every step
+    #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = within(0.0, 1.0e6))]
+    pub checkpoint: f64,
+    /// Resume the simulation that this checkpoint is of; needs the options of the run that wrote it but for threads, out, json,
+    /// checkpoint. The other simulations of the case run again. All results are as without the interruption
+    #[arg(long, value_name = "FILE")]
+    pub resume: Option<PathBuf>,
 }
+
+/// Options that a run may be resumed with others of: no result depends on them.
+const OF_NO_RESULT: [&str; 7] = ["threads", "out", "json", "checkpoint", "resume", "help", "version"];
 
 impl Common {
     /// The number of threads to use.
@@ -73,6 +84,15 @@ impl Common {
         std::fs::create_dir_all(&folder)
             .map_err(|source| CaseError::File { path: folder.clone(), source })?;
         Ok(folder)
+    }
+
+    /// Checkpoints of the case `name` with these options, in its folder, and the one that is resumed.
+    ///
+    /// # Errors
+    /// A folder that cannot be made; a checkpoint that cannot be resumed from.
+    pub fn restart(&self, name: &str, options: Options) -> Result<Restart, CaseError> {
+        let every = Duration::from_secs_f64(self.checkpoint);
+        Restart::new(name, options, &self.folder(name)?, every, self.resume.as_deref())
     }
 }
 
@@ -105,6 +125,14 @@ pub enum CaseError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A checkpoint that cannot be resumed from.
+    #[error("--resume {}: {source}", path.display())]
+    Resume {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: CheckpointError,
+    },
     /// The result as JSON.
     #[error("cannot write the result as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -121,24 +149,6 @@ impl From<TeamError> for CaseError {
 
 impl From<ControlError> for CaseError {
     fn from(e: ControlError) -> Self {
-        CaseError::Other(e.to_string())
-    }
-}
-
-impl From<pcmm::SceneError> for CaseError {
-    fn from(e: pcmm::SceneError) -> Self {
-        CaseError::Other(e.to_string())
-    }
-}
-
-impl From<pcmm::BodyError> for CaseError {
-    fn from(e: pcmm::BodyError) -> Self {
-        CaseError::Other(e.to_string())
-    }
-}
-
-impl From<pcmm::StepError> for CaseError {
-    fn from(e: pcmm::StepError) -> Self {
         CaseError::Other(e.to_string())
     }
 }
@@ -181,14 +191,14 @@ pub struct Totals {
 impl Totals {
     /// Of one run, its errors the worst that a ledger saw.
     #[must_use]
-    pub fn of<T: Float, const D: usize>(mpm: &Mpm<D, T>, run: &RunSummary, ledger: &Ledger) -> Totals {
+    pub fn of(solver: &dyn Solver, run: &RunSummary, ledger: &Ledger) -> Totals {
         Totals {
-            particles: mpm.particles(),
+            particles: solver.bodies().iter().map(|body| body.len()).sum(),
             steps: run.steps,
-            simulated_seconds: mpm.time(),
+            simulated_seconds: solver.time(),
             wall_seconds: run.wall_seconds,
             updates: run.updates,
-            bytes: mpm.bytes(),
+            bytes: solver.bytes(),
             energy_error: ledger.worst_energy_error(),
             momentum_error: ledger.worst_momentum_error(),
         }
@@ -427,14 +437,43 @@ pub fn peak_memory() -> Option<usize> {
     Some(1024 * kilobytes)
 }
 
-/// Run a case with the options of the command line, in huge pages where there are any; errors go to the standard error
+/// Run a program with the options of the command line, in huge pages where there are any; errors go to the standard error
 /// stream.
 pub fn start<O: Parser>(run: impl FnOnce(&O) -> Result<ExitCode, CaseError>) -> ExitCode {
     machine::into_huge_pages();
-    run(&O::parse()).unwrap_or_else(|e| {
-        eprintln!("error: {e}");
+    told(run(&O::parse()))
+}
+
+/// The same for a case, whose options hold [`Common`] and whose simulations can be resumed.
+pub fn start_case<O: Parser>(run: impl FnOnce(&O, &Restart) -> Result<ExitCode, CaseError>) -> ExitCode {
+    machine::into_huge_pages();
+    let mut command = O::command();
+    let matches = command.clone().get_matches();
+    let (name, given) = (command.get_name().to_string(), given(&command, &matches));
+    let parsed = O::from_arg_matches(&matches).and_then(|options| {
+        let common = Common::from_arg_matches(&matches)?;
+        Ok((options, common))
+    });
+    let (options, common) = parsed.unwrap_or_else(|error| error.format(&mut command).exit());
+    told(common.restart(&name, given).and_then(|restart| run(&options, &restart)))
+}
+
+fn told(ended: Result<ExitCode, CaseError>) -> ExitCode {
+    ended.unwrap_or_else(|error| {
+        eprintln!("error: {error}");
         ExitCode::FAILURE
     })
+}
+
+/// The options that results depend on, as they were given or are by default.
+fn given(command: &Command, matches: &ArgMatches) -> Options {
+    let of = |argument: &clap::Arg| {
+        let name = argument.get_long().filter(|name| !OF_NO_RESULT.contains(name))?;
+        let values = matches.try_get_raw(argument.get_id().as_str()).ok()??;
+        let values: Vec<_> = values.map(|v| v.to_string_lossy()).collect();
+        Some((format!("--{name}"), values.join(",")))
+    };
+    command.get_arguments().filter_map(of).collect()
 }
 
 #[cfg(test)]

@@ -35,10 +35,10 @@ mod detection;
 mod heap;
 mod law;
 pub mod machine;
-pub mod march;
 pub mod methods;
 mod ogive;
 pub mod peers;
+mod restart;
 pub mod throughput;
 
 pub use case::{CaseError, Common, Report, Resolution, Totals, largest, within, worst};
@@ -47,3 +47,4 @@ pub use detection::{Detection, Detector, Normals};
 pub use heap::Heap;
 pub use law::Law;
 pub use ogive::Ogive;
+pub use restart::{Restart, Simulation};

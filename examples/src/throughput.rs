@@ -265,7 +265,7 @@ pub fn timed<T: Float>(job: &Job, mut mpm: Mpm<3, T>) -> Result<Measured, CaseEr
     }
     let seconds = clock.elapsed().as_secs_f64();
     let grid_seconds = seconds - (mpm.particle_seconds() - at_particles);
-    let (after, given) = (mpm.totals(), mpm.ledger());
+    let (after, given) = (mpm.totals(), mpm.exchange());
     let lost = |d: usize| after.momentum[d] - before.momentum[d] - given.impulse[d] - given.dropped[d];
     let drift = crate::largest((0..3).map(|d| lost(d).abs()));
     let energy = |t: &mpm_core::Totals| t.kinetic + t.internal;

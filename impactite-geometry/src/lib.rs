@@ -5,7 +5,7 @@
 //! within reach of each other.
 //!
 //! ```
-//! use impactite_geometry::{Cuboid, Cylinder, Filling, Lattice, Shape, fill};
+//! use impactite_geometry::{Compose, Cuboid, Cylinder, Filling, Lattice, fill};
 //! // A plate of 26.3 mm with a bore of 10 mm, in metres.
 //! let plate = Cuboid::new([-0.05, -0.05, 0.0], [0.05, 0.05, 0.0263])?;
 //! let bore = Cylinder::new([0.0, 0.0, -0.01], [0.0, 0.0, 1.0], 0.05, 0.005)?;
@@ -18,6 +18,7 @@
 
 mod bounds;
 mod combine;
+mod compose;
 mod error;
 mod lattice;
 mod mesh;
@@ -35,6 +36,7 @@ mod vector;
 
 pub use bounds::Bounds;
 pub use combine::{Difference, Intersection, Union};
+pub use compose::Compose;
 pub use error::GeometryError;
 pub use lattice::Lattice;
 pub use mesh::TriangleMesh;

@@ -1,13 +1,8 @@
-//! What a shape is, and how shapes combine.
+//! What a shape is.
 
 use std::sync::Arc;
 
-use nalgebra::Rotation;
-
 use super::bounds::Bounds;
-use super::combine::{Difference, Intersection, Union};
-use super::error::GeometryError;
-use super::transform::{Rotated, Scaled, Translated};
 
 /// A solid in D dimensions, given by its signed distance. Coordinates in metres.
 ///
@@ -88,58 +83,6 @@ pub trait Shape<const D: usize>: Send + Sync {
                 i += 1;
             }
         }
-    }
-
-    /// What is in this shape or in `other`.
-    fn or<B: Shape<D>>(self, other: B) -> Union<Self, B>
-    where
-        Self: Sized,
-    {
-        Union::new(self, other)
-    }
-    /// What is in this shape and in `other`.
-    fn and<B: Shape<D>>(self, other: B) -> Intersection<Self, B>
-    where
-        Self: Sized,
-    {
-        Intersection::new(self, other)
-    }
-    /// What is in this shape but not in `other`.
-    fn minus<B: Shape<D>>(self, other: B) -> Difference<Self, B>
-    where
-        Self: Sized,
-    {
-        Difference::new(self, other)
-    }
-    /// The shape moved by `offset` (m).
-    ///
-    /// # Errors
-    /// [`GeometryError::Parameter`] unless the offset is finite.
-    fn translated(self, offset: [f64; D]) -> Result<Translated<Self, D>, GeometryError>
-    where
-        Self: Sized,
-    {
-        Translated::new(self, offset)
-    }
-    /// The shape rotated about the point `pivot` (m).
-    ///
-    /// # Errors
-    /// [`GeometryError::Parameter`] unless the rotation is one (orthogonal, finite) and the pivot finite.
-    fn rotated(self, rotation: Rotation<f64, D>, pivot: [f64; D]) -> Result<Rotated<Self, D>, GeometryError>
-    where
-        Self: Sized,
-    {
-        Rotated::new(self, rotation, pivot)
-    }
-    /// The shape made `factor` times as large, the point `pivot` (m) staying where it is.
-    ///
-    /// # Errors
-    /// [`GeometryError::Parameter`] unless the factor is positive and all is finite.
-    fn scaled(self, factor: f64, pivot: [f64; D]) -> Result<Scaled<Self, D>, GeometryError>
-    where
-        Self: Sized,
-    {
-        Scaled::new(self, factor, pivot)
     }
 }
 

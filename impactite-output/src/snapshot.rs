@@ -28,7 +28,7 @@ pub enum FieldValues {
     /// A vector `[x, y, z]` a particle; z is 0 in two dimensions.
     Vector(Vec<[f64; 3]>),
     /// A symmetric tensor `[xx, yy, zz, yz, xz, xy]` a particle (the order of
-    /// [`Sym3`](mpm_materials::tensor::Sym3), true components, shear not doubled).
+    /// `Sym3` of mpm-materials, true components, shear not doubled).
     Tensor(Vec<[f64; 6]>),
 }
 

@@ -96,12 +96,18 @@ impl VtkSeries {
     /// # Errors
     /// A file that cannot be written; the series as it was before stays valid.
     pub fn write(&mut self, snapshot: &Snapshot) -> Result<PathBuf, OutputError> {
-        let file = format!("{}_{:06}.vtp", self.name, self.frames.len());
+        let file = self.frame(self.frames.len());
         let path = self.folder.join(&file);
         write_vtp(&path, snapshot, self.options)?;
         self.frames.push((snapshot.time(), file));
         write_whole(self.pvd(), self.index())?;
         Ok(path)
+    }
+
+    /// Go on with a series whose frames of these times (s) were written before.
+    pub fn go_on(&mut self, times: &[f64]) {
+        let frame = |(k, &time): (usize, &f64)| (time, self.frame(k));
+        self.frames = times.iter().enumerate().map(frame).collect();
     }
 
     /// The path of the `.pvd` file.
@@ -114,6 +120,10 @@ impl VtkSeries {
     #[must_use]
     pub fn frames(&self) -> usize {
         self.frames.len()
+    }
+
+    fn frame(&self, number: usize) -> String {
+        format!("{}_{number:06}.vtp", self.name)
     }
 
     fn index(&self) -> String {

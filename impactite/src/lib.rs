@@ -27,7 +27,8 @@
 //! | [`materials`] | constitutive laws, equations of state, failure; the driver of a single point | `mpm-materials` |
 //! | [`contact`] | detectors, normals and laws of contact | `mpm-contact` |
 //! | [`geometry`] | shapes, lattices, seeding, triangle meshes, neighbour search | `impactite-geometry` |
-//! | [`observe`], [`watch`] | observers; balances of energy and momentum, and warnings | `mpm-core` |
+//! | [`scene`] | what every method shares: bodies, `Solver`, run loop, balances, checkpoints | `impactite-scene` |
+//! | [`observe`], [`watch`] | observers; warnings of energy and momentum that nothing explains | `impactite-scene` |
 //! | [`output`] | ParaView files, pictures, charts, histories | `impactite-output` |
 //! | [`parallel`] | vector instructions and threads | `impactite-simd` |
 //!
@@ -42,10 +43,11 @@
 
 pub use impactite_geometry as geometry;
 pub use impactite_output as output;
+pub use impactite_scene as scene;
+pub use impactite_scene::{observe, watch};
 pub use impactite_simd as parallel;
 pub use mpm_contact as contact;
 pub use mpm_core as mpm;
-pub use mpm_core::{observe, watch};
 pub use mpm_materials as materials;
 pub use pcmm;
 
@@ -54,12 +56,12 @@ pub use pcmm;
 /// The particle-contact method is not in it, since its method and its scene have names of their own in `impactite::pcmm`.
 pub mod prelude {
     pub use crate::contact::{
-        Adhesion, Approach, Coulomb, Frictionless, Gradients, GridContact, Pairs, Penalty, Regression,
-        SeparatingPlane, Stick, SurfaceDistance,
+        Adhesion, Approach, Coulomb, Frictionless, Gradients, Pairs, Penalty, Regression, SeparatingPlane,
+        SlipWeakening, Stick, SurfaceDistance,
     };
     pub use crate::geometry::{
-        Ball, Cuboid, Cylinder, Disc, Filling, Frustum, HalfSpace, Implicit, Lattice, OgiveRod, Polygon,
-        Ring, Seeds, Shape, Shell, Sphere, TriangleMesh, Tube, fill, rings,
+        Ball, Compose, Cuboid, Cylinder, Disc, Filling, Frustum, HalfSpace, Implicit, Lattice, OgiveRod,
+        Polygon, Ring, Seeds, Shape, Shell, Sphere, TriangleMesh, Tube, fill, rings,
     };
     pub use crate::materials::{
         AdiabaticJohnsonCook, BulkViscosity, CohesiveSpall, CrackBand, Detonation, DruckerPrager, Elastic,
@@ -70,13 +72,17 @@ pub mod prelude {
     };
     pub use crate::mpm::{
         Aflip, Apic, Axisymmetric, Blend, BlockGrid, Boundary, BoundaryModified, CpGimp, Cpdi, Cpdi2,
-        CubicBSpline, Deformable, DenseGrid, FieldForce, Flip, Fmpm, FullSpace, Gimp, IntoKernels, Kernels,
-        Linear, Merging, Method, Mls, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Rest, Rigid, Side,
-        Splitting, Team, TimeControl, Traction, Twist, Usf, Usl, Watch,
+        CubicBSpline, Deformable, DenseGrid, FieldForce, Flip, Fmpm, FullSpace, Gimp, GridContact,
+        IntoKernels, Kernels, Linear, Merging, Method, Mls, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline,
+        Rest, Rigid, Side, Splitting, Team, TimeControl, Traction, Twist, Usf, Usl, Watch,
     };
     pub use crate::observe::{
-        HistoryCsv, Ledger, Moment, ObserveError, Observer, Pace, Pictures, Probe, Probes, Progress,
-        Quantity, VtkSeries,
+        HistoryCsv, Ledger, ObserveError, Observer, Pace, Pictures, Probe, Probes, Progress, Quantity,
+        RunView, VtkSeries,
+    };
+    pub use crate::scene::{
+        Archive, Body, CheckpointError, Run, RunError, RunSummary, SceneError, Solver, StepError, Stopped,
+        Totals,
     };
 }
 

@@ -1,21 +1,14 @@
-//! What every law and detector must do, as tests that one line applies to any of them, ours or yours. Behind the
-//! feature `conformance`.
+//! What every law must do, and every method in which bodies collide, as tests that one line applies to any of them, ours or
+//! yours. Behind the feature `conformance`. Detectors are tested by a method: `mpm_core::conformance::detector`.
 //!
 //! ```
 //! use mpm_contact::{Coulomb, Frictionless, conformance};
 //! conformance::law(&Frictionless)?;
 //! conformance::law(&Coulomb::new(0.3).unwrap())?;
-//! conformance::detector(mpm_contact::Approach::<mpm_contact::Gradients>::default)?;
 //! # Ok::<(), mpm_contact::conformance::Broken>(())
 //! ```
 
-use mpm_core::geometry::{Ball, Filling, Lattice, fill};
-use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, Team, TimeControl};
-use mpm_materials::{Moduli, NeoHookean};
-
-use crate::detect::ContactDetector;
-use crate::law::{Contact, ContactLaw, Coulomb, Pairs};
-use crate::meet::GridContact;
+use crate::law::{Contact, ContactLaw, Outcome, Remembers};
 use crate::vector::{difference, dot, length, sum, times};
 
 /// A property that does not hold.
@@ -48,26 +41,63 @@ fn vector(seed: &mut u64) -> [f64; 3] {
 const ROUND_OFF: f64 = 1e-13;
 
 /// The law is symmetric in the bodies, sees relative velocities alone, turns with space, does not pull (unless
-/// it says so), leaves no approach beyond rounding, never adds energy, and holds for a body of infinite mass. One that
-/// springs instead stops two bodies that run into each other, and they part with at most the energy that they had.
+/// it says so), leaves no approach beyond rounding, never adds energy, and holds for a body of infinite mass; and all that after a
+/// history of contacts, if it remembers some. One that springs instead stops two bodies that run into each other, and they
+/// part with at most the energy that they had.
 ///
 /// # Errors
 /// The first property that does not hold.
 pub fn law(law: &impl ContactLaw<f64>) -> Result<(), Broken> {
     let mut seed = 0x9e37_79b9_7f4a_7c15_u64;
-    for _ in 0..1000 {
+    let longest = if law.remembers() == Remembers::Nothing { 1 } else { 4 };
+    for case in 0..1000 {
         let normal = vector(&mut seed);
         let normal = times(normal, 1.0 / length(normal));
-        let contact = Contact { normal, gap: Some(-1e-3), area: random(&mut seed).abs() };
+        let area = random(&mut seed).abs();
         let masses = [0, 1].map(|_| 10.0_f64.powf(6.0 * random(&mut seed)));
         let masses = [masses[0], if random(&mut seed) > 0.8 { f64::INFINITY } else { masses[1] }];
-        let velocities = [vector(&mut seed), vector(&mut seed)];
-        one_contact(law, contact, masses, velocities, &mut seed)?;
+        let history: Vec<_> = (0..1 + case % longest)
+            .map(|_| {
+                let velocities = [vector(&mut seed), vector(&mut seed)];
+                Contact { gap: Some(-1e-3), area, ..Contact::new(normal, masses, velocities, 1e-3) }
+            })
+            .collect();
+        one_history(law, &history, vector(&mut seed))?;
         if law.springs() {
-            bounce(law, normal, masses, velocities)?;
+            bounce(law, normal, masses, history[0].velocities)?;
         }
     }
     Ok(())
+}
+
+/// A contact that goes on: what its law remembers.
+struct Kept<'a, L> {
+    law: &'a L,
+    slip: f64,
+    memory: Vec<f64>,
+}
+
+impl<'a, L: ContactLaw<f64>> Kept<'a, L> {
+    fn new(law: &'a L) -> Self {
+        let own = law.remembers().numbers().saturating_sub(1);
+        Kept { law, slip: 0.0, memory: vec![0.0; own] }
+    }
+
+    /// The impulse of a step, and the velocities after it.
+    fn step(&mut self, contact: Contact<'_, f64>) -> ([f64; 3], [[f64; 3]; 2]) {
+        let before = self.memory.clone();
+        let slip = if self.law.remembers() == Remembers::Nothing { 0.0 } else { self.slip };
+        let contact = Contact { slip, memory: &before, ..contact };
+        let impulse = self.law.impulse(&contact);
+        let ([v, w], [m, n]) = (contact.velocities, contact.masses);
+        let after = [difference(v, times(impulse, 1.0 / m)), sum(w, times(impulse, 1.0 / n))];
+        let relative = difference(after[0], after[1]);
+        let across = difference(relative, times(contact.normal, dot(relative, contact.normal)));
+        let slid = times(across, contact.dt);
+        self.slip += length(slid);
+        self.law.advance(&contact, &Outcome { impulse, slid }, &mut self.memory);
+        (impulse, after)
+    }
 }
 
 /// Two bodies run into each other, in steps so short beside the spring's period that their length does not show.
@@ -84,15 +114,15 @@ fn bounce(
     }
     let mass = 1.0 / (1.0 / masses[0] + 1.0 / masses[1]);
     let energy = |v: [f64; 3], w: [f64; 3]| 0.5 * mass * dot(difference(v, w), difference(v, w));
-    let overlap = Contact { normal, gap: Some(-1.0), area: 1.0 };
-    let push = dot(law.impulse(&overlap, masses, [[0.0; 3]; 2], 1e-12), normal) / (mass * 1e-12);
+    let overlap =
+        Contact { gap: Some(-1.0), area: 1.0, ..Contact::new(normal, masses, [[0.0; 3]; 2], 1e-12) };
+    let push = dot(Kept::new(law).step(overlap).0, normal) / (mass * 1e-12);
     require(push > 0.0, "a push on bodies that overlap", || format!("{push} per mass"))?;
     let (begun, dt, mut gap) = (energy(v, w), 1e-3 / push.sqrt(), 0.0);
+    let mut kept = Kept::new(law);
     for _ in 0..100_000 {
-        let contact = Contact { normal, gap: Some(gap), area: 1.0 };
-        let impulse = law.impulse(&contact, masses, [v, w], dt);
-        v = difference(v, times(impulse, 1.0 / masses[0]));
-        w = sum(w, times(impulse, 1.0 / masses[1]));
+        let contact = Contact { gap: Some(gap), area: 1.0, ..Contact::new(normal, masses, [v, w], dt) };
+        [v, w] = kept.step(contact).1;
         gap -= closing(v, w) * dt;
         if gap >= 0.0 {
             break;
@@ -103,43 +133,52 @@ fn bounce(
     require(energy(v, w) <= begun * (1.0 + 1e-3), "no energy gained", show)
 }
 
-fn one_contact(
+/// Steps of a contact, the last of which is looked at; and the same seen otherwise.
+fn one_history(
     law: &impl ContactLaw<f64>,
-    contact: Contact<f64>,
-    masses: [f64; 2],
-    velocities: [[f64; 3]; 2],
-    seed: &mut u64,
+    history: &[Contact<'_, f64>],
+    drift: [f64; 3],
 ) -> Result<(), Broken> {
-    let dt = 1e-3;
-    let impulse = law.impulse(&contact, masses, velocities, dt);
-    let show =
-        || format!("impulse {impulse:?} for {contact:?}, masses {masses:?}, velocities {velocities:?}");
-    require(impulse.iter().all(|x| x.is_finite()), "a finite impulse", show)?;
+    let Some(&contact) = history.last() else { return Ok(()) };
+    let Contact { masses, velocities: [v, w], .. } = contact;
+    let seen = |change: &dyn Fn(Contact<'static, f64>) -> Contact<'static, f64>| {
+        let mut kept = Kept::new(law);
+        let mut last = ([0.0; 3], [[0.0; 3]; 2]);
+        for step in history {
+            last = kept.step(change(Contact { memory: &[], ..*step }));
+        }
+        (last, kept)
+    };
+    let ((impulse, [v_after, w_after]), kept) = seen(&|contact| contact);
+    let show = || format!("impulse {impulse:?} for {contact:?} after {} contacts", history.len() - 1);
+    let finite = impulse.iter().chain(&kept.memory).all(|x| x.is_finite());
+    require(finite, "a finite impulse and memory", show)?;
+    // Each contact of a history adds its round-off, which what is remembered may multiply.
+    let round_off = ROUND_OFF * if history.len() > 1 { 100.0 } else { 1.0 };
     let scale = masses[0].min(masses[1]) * 4.0;
-    let near = |a: [f64; 3], b: [f64; 3]| length(difference(a, b)) <= ROUND_OFF * scale;
+    let near = |a: [f64; 3], b: [f64; 3]| length(difference(a, b)) <= round_off * scale;
 
-    let turned = Contact { normal: times(contact.normal, -1.0), ..contact };
-    let [m, n] = masses;
-    let [v, w] = velocities;
-    let other = law.impulse(&turned, [n, m], [w, v], dt);
-    require(near(other, times(impulse, -1.0)), "symmetry in the bodies", show)?;
-
-    let drift = vector(seed);
-    let moving = law.impulse(&contact, masses, [sum(v, drift), sum(w, drift)], dt);
-    require(near(moving, impulse), "no influence of a common velocity", show)?;
-
+    let exchanged = |c: Contact<'static, f64>| {
+        let ([m, n], [v, w]) = (c.masses, c.velocities);
+        Contact { normal: times(c.normal, -1.0), masses: [n, m], velocities: [w, v], ..c }
+    };
+    require(near(seen(&exchanged).0.0, times(impulse, -1.0)), "symmetry in the bodies", show)?;
+    let moving = |c: Contact<'static, f64>| Contact { velocities: c.velocities.map(|v| sum(v, drift)), ..c };
+    require(near(seen(&moving).0.0, impulse), "no influence of a common velocity", show)?;
     let permute = |[x, y, z]: [f64; 3]| [y, -z, -x];
-    let rotated = Contact { normal: permute(contact.normal), ..contact };
-    let rotated = law.impulse(&rotated, masses, [permute(v), permute(w)], dt);
-    require(near(rotated, permute(impulse)), "turning with space", show)?;
+    let rotated = |c: Contact<'static, f64>| Contact {
+        normal: permute(c.normal),
+        velocities: c.velocities.map(permute),
+        ..c
+    };
+    require(near(seen(&rotated).0.0, permute(impulse)), "turning with space", show)?;
 
     let along = dot(impulse, contact.normal);
     require(law.pulls() || along >= -ROUND_OFF * scale, "no pull", show)?;
-    let after =
-        difference(difference(v, times(impulse, 1.0 / masses[0])), sum(w, times(impulse, 1.0 / masses[1])));
     if law.springs() {
         return Ok(());
     }
+    let after = difference(v_after, w_after);
     require(dot(after, contact.normal) <= ROUND_OFF * 8.0, "no approach left", show)?;
     let mean = times(sum(after, difference(v, w)), 0.5);
     require(dot(impulse, mean) >= -ROUND_OFF * scale, "no energy gained", show)
@@ -207,64 +246,4 @@ fn pushes([normal, impulse]: &[[f64; 3]; 2]) -> Result<(), Broken> {
     require(along > 0.0, "no pull", show)?;
     let across = length(difference(*impulse, times(*normal, along)));
     require(across <= (FRICTION + ROUND_OFF.sqrt()) * along, "the friction cone", show)
-}
-
-/// The properties of [`collision`] for the material point method with the detector that `make` makes.
-///
-/// # Errors
-/// The first property that does not hold.
-pub fn detector<S: ContactDetector<f64, 2>>(make: impl Fn() -> S) -> Result<(), Broken> {
-    let friction = Coulomb::new(FRICTION).map_err(|e| stop(e.to_string()))?;
-    detector_and_law(make, &friction)
-}
-
-/// The same with a law of the friction coefficient [`FRICTION`].
-///
-/// # Errors
-/// The first property that does not hold.
-pub fn detector_and_law<S: ContactDetector<f64, 2>>(
-    make: impl Fn() -> S,
-    law: &(impl ContactLaw<f64> + Clone),
-) -> Result<(), Broken> {
-    collision(|order, threads| run(make(), law.clone(), order, threads))
-}
-
-fn stop(why: String) -> Broken {
-    Broken { property: "a run", detail: why }
-}
-
-fn run<S: ContactDetector<f64, 2>>(
-    detector: S,
-    law: impl ContactLaw<f64>,
-    order: &[usize],
-    threads: usize,
-) -> Result<Collision, Broken> {
-    let lattice = Lattice::new([0.0; 2], 0.05).map_err(|e| stop(e.to_string()))?;
-    let moduli = Moduli::young_poisson(1.0e6, 0.3).map_err(|e| stop(e.to_string()))?;
-    let rubber = NeoHookean::new(1000.0, moduli).map_err(|e| stop(e.to_string()))?;
-    let contact = GridContact::new(detector, Pairs::new(law));
-    let method = Method::new(Linear, Flip, Musl, PlaneStrain);
-    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), contact);
-    for &n in order {
-        let (centre, velocity) = disc(n, order.len());
-        let ball = Ball::new(centre, DISC).map_err(|e| stop(e.to_string()))?;
-        let seeds = fill(&ball, &lattice, 2, &Filling::new()).map_err(|e| stop(e.to_string()))?;
-        mpm.add(&format!("disc {n}"), rubber, &seeds, |_| velocity).map_err(|e| stop(e.to_string()))?;
-    }
-    mpm.set_team(Team::new(threads).map_err(|e| stop(e.to_string()))?);
-    mpm.set_time_control(TimeControl::Fixed(2.5e-4)).map_err(|e| stop(e.to_string()))?;
-    let start = mpm.totals();
-    let mut all = Collision::default();
-    for _ in 0..80 {
-        mpm.step().map_err(|e| stop(e.to_string()))?;
-        let drift = length(difference(mpm.totals().momentum, start.momentum));
-        all.drift = all.drift.max(drift / start.momentum_scale);
-        all.contacts.extend(mpm.contact_nodes().iter().map(|n| [n.normal, n.impulse]));
-    }
-    for body in mpm.bodies() {
-        let mut list = vec![[0.0; 3]; body.len()];
-        body.for_each(&mut |p| list[p.number] = p.position);
-        all.positions.push(list);
-    }
-    Ok(all)
 }

@@ -1,11 +1,10 @@
 //! Do two bodies touch at a node?
 
-use mpm_core::parallel::Float;
-use mpm_core::step::survey::Survey;
+use impactite_simd::Float;
 use mpm_materials::{Check, ParameterError};
 
-use crate::normal::{Gradients, Nodal, NormalRule, each};
-use crate::places::Places;
+use crate::normal::{Gradients, Nodal, NormalRule};
+use crate::places::{Places, SurfaceQuantity, each_place};
 use crate::separate::SeparatingPlane;
 use crate::vector::times;
 
@@ -87,10 +86,10 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Co
     ) -> u64 {
         let mut sums: [Nodal<[T; 3]>; 2] = [[[T::of(0.0); 3]; 64]; 2];
         for side in 0..2 {
-            at.survey(pair[side], Survey::Traction, nodes, normals, &mut sums[side]);
+            at.surface_quantity(pair[side], SurfaceQuantity::Traction, nodes, normals, &mut sums[side]);
         }
         let touches = |n: &usize| sums[0][*n][0] + sums[1][*n][0] <= T::of(0.0);
-        each(nodes).filter(touches).fold(0, |bits, n| bits | 1 << n)
+        each_place(nodes).filter(touches).fold(0, |bits, n| bits | 1 << n)
     }
 }
 
@@ -113,12 +112,12 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Co
 pub struct SurfaceDistance<N = SeparatingPlane> {
     normals: N,
     threshold: f64,
-    what: Survey,
+    what: SurfaceQuantity,
 }
 impl Default for SurfaceDistance {
     /// Half sizes, threshold zero, normals of the separating plane, locally.
     fn default() -> Self {
-        SurfaceDistance { normals: SeparatingPlane, threshold: 0.0, what: Survey::LocalReach }
+        SurfaceDistance { normals: SeparatingPlane, threshold: 0.0, what: SurfaceQuantity::LocalReach }
     }
 }
 impl<N> SurfaceDistance<N> {
@@ -129,7 +128,7 @@ impl<N> SurfaceDistance<N> {
     /// A threshold that is not finite.
     pub fn new(normals: N, threshold: f64) -> Result<Self, ParameterError> {
         let threshold = Check("surface distance").that(true, "threshold", threshold, "finite")?;
-        Ok(SurfaceDistance { normals, threshold, what: Survey::Reach })
+        Ok(SurfaceDistance { normals, threshold, what: SurfaceQuantity::Reach })
     }
     /// The form without half sizes: in contact where particle centres are closer than `lambda` cells along the
     /// normal; 0.5 in \[Zhang2017\].
@@ -138,13 +137,13 @@ impl<N> SurfaceDistance<N> {
     /// A lambda that is not positive.
     pub fn between_centres(normals: N, lambda: f64) -> Result<Self, ParameterError> {
         let threshold = Check("surface distance").positive("lambda", lambda)?;
-        Ok(SurfaceDistance { normals, threshold, what: Survey::CentreReach })
+        Ok(SurfaceDistance { normals, threshold, what: SurfaceQuantity::CentreReach })
     }
     /// Measure surfaces at particles' half sizes, and only by particles whose centres lie within half a cell of the
     /// line through the node along the normal; by all particles around the node where there is none of one of the bodies.
     #[must_use]
     pub fn locally(mut self) -> Self {
-        self.what = Survey::LocalReach;
+        self.what = SurfaceQuantity::LocalReach;
         self
     }
 }
@@ -164,23 +163,10 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Su
         normals: &Nodal<[T; 3]>,
         gaps: &mut Nodal<Option<T>>,
     ) -> u64 {
-        let far = T::of(-1e30);
-        let mut reach: [Nodal<[T; 3]>; 2] = [[[far; 3]; 64]; 2];
-        let mut opposite = *normals;
-        each(nodes).for_each(|n| opposite[n] = times(normals[n], T::of(-1.0)));
-        let mut ask = |what, nodes| {
-            at.survey(pair[0], what, nodes, normals, &mut reach[0]);
-            at.survey(pair[1], what, nodes, &opposite, &mut reach[1]);
-            let missed = |n: &usize| reach.iter().any(|r| r[*n][0] <= far);
-            each(nodes).filter(missed).fold(0, |bits, n| bits | 1 << n)
-        };
-        let missed = ask(self.what, nodes);
-        if missed != 0 && self.what == Survey::LocalReach {
-            ask(Survey::Reach, missed);
-        }
+        let reach = distances(at, self.what, pair, nodes, normals);
         let threshold = T::of(self.threshold * at.spacing());
         let mut touching = 0;
-        for n in each(nodes) {
+        for n in each_place(nodes) {
             let gap = -(reach[0][n][0] + reach[1][n][0]);
             gaps[n] = Some(gap);
             if gap <= threshold {
@@ -189,4 +175,30 @@ impl<T: Float, const D: usize, N: NormalRule<T, D>> ContactDetector<T, D> for Su
         }
         touching
     }
+}
+
+/// How far the surfaces of both fields of a pair reach beyond places, towards the other along the normals, m, in the first components:
+/// by all particles around the place where none of a body is near the line that [`SurfaceQuantity::LocalReach`] looks along.
+pub(crate) fn distances<T: Float, const D: usize>(
+    at: &dyn Places<T, D>,
+    what: SurfaceQuantity,
+    pair: [usize; 2],
+    nodes: u64,
+    normals: &Nodal<[T; 3]>,
+) -> [Nodal<[T; 3]>; 2] {
+    let far = T::of(-1e30);
+    let mut reach: [Nodal<[T; 3]>; 2] = [[[far; 3]; 64]; 2];
+    let mut opposite = *normals;
+    each_place(nodes).for_each(|n| opposite[n] = times(normals[n], T::of(-1.0)));
+    let mut ask = |what, nodes| {
+        at.surface_quantity(pair[0], what, nodes, normals, &mut reach[0]);
+        at.surface_quantity(pair[1], what, nodes, &opposite, &mut reach[1]);
+        let missed = |n: &usize| reach.iter().any(|r| r[*n][0] <= far);
+        each_place(nodes).filter(missed).fold(0, |bits, n| bits | 1 << n)
+    };
+    let missed = ask(what, nodes);
+    if missed != 0 && what == SurfaceQuantity::LocalReach {
+        ask(SurfaceQuantity::Reach, missed);
+    }
+    reach
 }

@@ -2,31 +2,162 @@
 
 use std::sync::Arc;
 
-use mpm_materials::{Check, ParameterError, Real};
+use mpm_materials::Real;
 
 use crate::vector::{difference, dot, length, sum, times};
 
-/// Two bodies that touch: at a node of the grid, or as a pair of particles.
+/// Two bodies that touch, at a node of a grid or as a pair of particles, as their law sees them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contact<T> {
+pub struct Contact<'a, T> {
+    /// The bodies, by number in the order they are added to the scene, from 0; the smaller first.
+    pub bodies: [usize; 2],
+    /// Where they touch, m: the node, or half way between the particles.
+    pub position: [f64; 3],
+    /// Time at the start of the step, s.
+    pub time: f64,
+    /// Time step, s.
+    pub dt: T,
     /// Unit normal, from the first body to the second.
     pub normal: [T; 3],
     /// Distance of the surfaces along it, m, where it is measured; negative if they overlap.
     pub gap: Option<T>,
     /// Area that the contact stands for, m^2; zero if the law does not ask ([`ContactLaw::needs_area`]).
     pub area: T,
+    /// Masses that meet, kg: of the nodes or particles; infinite for a body of prescribed motion. Where several pairs share a mass, the
+    /// part that this one has of it.
+    pub masses: [T; 2],
+    /// Trial velocities, m/s: those that the bodies would have at the end of the step without this contact.
+    pub velocities: [[T; 3]; 2],
+    /// How far the bodies slid along each other here before this step, m, since they touch; zero if the law does not remember it
+    /// ([`ContactLaw::remembers`]).
+    pub slip: T,
+    /// The law's own numbers of this contact at the start of the step; empty if it remembers none.
+    pub memory: &'a [f64],
 }
 
-/// A law of contact, without memory.
+impl<T: Real> Contact<'_, T> {
+    /// The first contact of bodies 0 and 1, at the origin, without gap, area or memory.
+    pub fn new(normal: [T; 3], masses: [T; 2], velocities: [[T; 3]; 2], dt: T) -> Self {
+        let (bodies, position, time) = ([0, 1], [0.0; 3], 0.0);
+        let (gap, area, slip, memory) = (None, T::of(0.0), T::of(0.0), &[][..]);
+        Contact { bodies, position, time, dt, normal, gap, area, masses, velocities, slip, memory }
+    }
+    /// Trial velocity of the first body relative to the second, m/s.
+    pub fn relative_velocity(&self) -> [T; 3] {
+        difference(self.velocities[0], self.velocities[1])
+    }
+    /// How fast the bodies close, m/s; negative where they part.
+    pub fn approach(&self) -> T {
+        dot(self.relative_velocity(), self.normal)
+    }
+    /// m_r m_s / (m_r + m_s), kg, which also holds for an infinite mass.
+    pub fn reduced_mass(&self) -> T {
+        let (one, [r, s]): (T, _) = (T::of(1.0), self.masses);
+        one / (one / r + one / s)
+    }
+    /// The impulse that slows the bodies down by `approach` along the normal, and their slip by at most `limit`, both in m/s: of friction
+    /// mu, `limit` is mu times `approach`.
+    pub fn braking(&self, approach: T, limit: T) -> [T; 3] {
+        let (normal, relative) = (self.normal, self.relative_velocity());
+        let slip = difference(relative, times(normal, dot(relative, normal)));
+        let speed = length(slip);
+        let share = if speed > limit { limit / speed } else { T::of(1.0) };
+        times(sum(times(normal, approach), times(slip, share)), self.reduced_mass())
+    }
+}
+
+/// What a step did to a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Outcome<T> {
+    /// Impulse on the second body, N s; zero where they touch and do not press.
+    pub impulse: [T; 3],
+    /// How far the first body slid along the second in the step, m: its relative velocity at the end of the step across the normal,
+    /// times the step.
+    pub slid: [T; 3],
+}
+
+/// What a law remembers of a contact from step to step: numbers that are zero when two bodies begin to touch, last while they do, and
+/// are forgotten when they let go. They are part of checkpoints, and the same bits for any number of threads.
+///
+/// *On a grid contacts are at nodes, and bodies move through them.* What a node remembers of a pair of bodies lasts while the detector
+/// finds that they touch there, whether they press or not (with a detector of gaps: to within the thousandth of a cell by which it
+/// looks ahead, so that rattling does not clear it). It moves with the mean of both velocities, from node to nearest node. A
+/// node where they begin to touch takes the mean of the nearest nodes, among its 3^D - 1 neighbours, where they touched a step ago, and
+/// only where there is none does it begin with zeros. So memory follows a patch through the grid, whichever of the bodies moves:
+/// exactly what is uniform over the patch, as the slip of a block; a pattern along it to within half a cell, if it is wider than some
+/// cells and the bodies do not turn. It is the contact that remembers, and neither surface: with bodies that slide by much
+/// more than a cell a pattern belongs to none of both. A patch that grows hands what its rim remembers to what is new in it,
+/// since growth cannot be told from motion. Numbers that are parts of a vector are not turned with the bodies. Bodies that are
+/// put to rest forget.
+///
+/// The crate `pcmm` keeps no memory, and refuses laws that ask for it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Remembers {
+    /// Nothing, at no cost.
+    #[default]
+    Nothing,
+    /// [`Contact::slip`].
+    Slip,
+    /// [`Contact::slip`], and so many numbers of its own, [`Contact::memory`].
+    SlipAnd(usize),
+}
+
+impl Remembers {
+    /// How many numbers these are, with the slip.
+    #[must_use]
+    pub fn numbers(self) -> usize {
+        match self {
+            Remembers::Nothing => 0,
+            Remembers::Slip => 1,
+            Remembers::SlipAnd(own) => 1 + own,
+        }
+    }
+}
+
+/// A law of contact: the impulse between two bodies that touch, from what they are and, for laws with memory, from what they did.
 ///
 /// ```
 /// use mpm_contact::{Contact, ContactLaw, Coulomb};
 /// let law = Coulomb::new(0.5)?;
-/// let contact = Contact { normal: [1.0, 0.0, 0.0], gap: None, area: 0.0 };
 /// // The first body, 1 kg, runs into the second, 3 kg, at 2 m/s, and slides along it at 9 m/s.
-/// let impulse = law.impulse(&contact, [1.0, 3.0], [[2.0, 9.0, 0.0], [0.0; 3]], 1.0e-3);
-/// assert_eq!(impulse, [1.5, 0.75, 0.0]);
+/// let contact = Contact::new([1.0, 0.0, 0.0], [1.0, 3.0], [[2.0, 9.0, 0.0], [0.0; 3]], 1.0e-3);
+/// assert_eq!(law.impulse(&contact), [1.5, 0.75, 0.0]);
 /// # Ok::<(), mpm_materials::ParameterError>(())
+/// ```
+///
+/// A law of one's own: friction that wears off with the work it does.
+///
+/// ```
+/// use mpm_contact::vector::dot;
+/// use mpm_contact::{Contact, ContactLaw, Outcome, Remembers};
+///
+/// /// mu = mu_0 / (1 + work of friction on an area / scale).
+/// #[derive(Clone, Debug)]
+/// struct Polishing {
+///     friction: f64,
+///     /// J/m^2.
+///     scale: f64,
+/// }
+/// impl ContactLaw<f64> for Polishing {
+///     fn remembers(&self) -> Remembers {
+///         Remembers::SlipAnd(1) // the work, J/m^2
+///     }
+///     fn needs_area(&self) -> bool {
+///         true
+///     }
+///     fn impulse(&self, contact: &Contact<f64>) -> [f64; 3] {
+///         let mu = self.friction / (1.0 + contact.memory[0] / self.scale);
+///         let approach = contact.approach();
+///         if approach > 0.0 { contact.braking(approach, mu * approach) } else { [0.0; 3] }
+///     }
+///     fn advance(&self, contact: &Contact<f64>, outcome: &Outcome<f64>, memory: &mut [f64]) {
+///         if contact.area > 0.0 {
+///             memory[0] += dot(outcome.impulse, outcome.slid) / (contact.dt * contact.area);
+///         }
+///     }
+/// }
+/// # #[cfg(feature = "conformance")]
+/// mpm_contact::conformance::law(&Polishing { friction: 0.3, scale: 1.0 }).unwrap();
 /// ```
 pub trait ContactLaw<T: Real>: std::fmt::Debug + Send + Sync + 'static {
     /// Does it hold bodies that move apart back?
@@ -41,207 +172,16 @@ pub trait ContactLaw<T: Real>: std::fmt::Debug + Send + Sync + 'static {
     fn needs_area(&self) -> bool {
         false
     }
-    /// Impulse on the second body, N s; the first gets its opposite. From the masses, kg (infinite for a body
-    /// of prescribed motion), and the trial velocities, m/s, of two bodies that touch: those they would have
-    /// after `dt` seconds without contact. Exchanging the bodies and turning the normal must turn the impulse.
-    fn impulse(&self, contact: &Contact<T>, masses: [T; 2], velocities: [[T; 3]; 2], dt: T) -> [T; 3];
-}
-
-/// m_r m_s / (m_r + m_s), which also holds for an infinite mass.
-fn reduced<T: Real>([r, s]: [T; 2]) -> T {
-    let one: T = T::of(1.0);
-    one / (one / r + one / s)
-}
-
-/// Bodies that push along the normal and slide freely:
-/// J = \[(m_s p_r - m_r p_s) . n / (m_r + m_s)\] n if positive (eq. 11 of \[Zhang2017\]).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Frictionless;
-impl<T: Real> ContactLaw<T> for Frictionless {
-    fn impulse(&self, contact: &Contact<T>, masses: [T; 2], [r, s]: [[T; 3]; 2], _dt: T) -> [T; 3] {
-        let approach = dot(difference(r, s), contact.normal);
-        times(contact.normal, reduced(masses) * approach.max(T::of(0.0)))
+    /// What of a contact it remembers.
+    fn remembers(&self) -> Remembers {
+        Remembers::Nothing
     }
-}
-
-/// Coulomb friction: the tangential impulse stops the slip unless that takes more than mu times the normal one.
-/// Both are those of the whole step, the impulsive part of closing included; printed (13) - (15) of \[Ma2010\]
-/// leave that out of the limit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coulomb<T> {
-    friction: T,
-}
-impl<T: Real> Coulomb<T> {
-    /// Friction coefficient mu.
-    ///
-    /// # Errors
-    /// A coefficient that is negative or not finite.
-    pub fn new(friction: T) -> Result<Self, ParameterError> {
-        let friction = Check("Coulomb friction").that(
-            friction >= T::of(0.0),
-            "coefficient mu",
-            friction,
-            "not negative",
-        )?;
-        Ok(Coulomb { friction })
-    }
-}
-impl<T: Real> ContactLaw<T> for Coulomb<T> {
-    fn impulse(&self, contact: &Contact<T>, masses: [T; 2], [r, s]: [[T; 3]; 2], _dt: T) -> [T; 3] {
-        let relative = difference(r, s);
-        let approach = dot(relative, contact.normal);
-        if approach > T::of(0.0) {
-            slide(contact.normal, relative, approach, self.friction * approach, reduced(masses))
-        } else {
-            [T::of(0.0); 3]
-        }
-    }
-}
-
-/// `mass` times `approach` along the normal and at most `limit` against the slip.
-fn slide<T: Real>(normal: [T; 3], relative: [T; 3], approach: T, limit: T, mass: T) -> [T; 3] {
-    let slip = difference(relative, times(normal, dot(relative, normal)));
-    let speed = length(slip);
-    let share = if speed > limit { limit / speed } else { T::of(1.0) };
-    times(sum(times(normal, approach), times(slip, share)), mass)
-}
-
-/// Penalty: surfaces that overlap by delta push each other apart as a spring on the masses m of the contact would,
-/// J_n = m omega^2 \[delta + (1/e^2 - 1) min(delta, v_n / omega)\] dt, v_n the closing velocity where they close: a spring that
-/// is stiffer while it is pressed, so that a part 1 - e^2 of the energy is lost. With Coulomb friction.
-///
-/// A node that only stops what closes loses what its mass brings along, once for every node that comes into contact: discs
-/// of 8 cells lose a tenth of their energy in an impact. A spring gives it back. In return surfaces overlap by
-/// about v_n / omega, and a joint passes a wave on later, by 2 / omega. What omega should be is a number of c / h, c the wave speed, m/s,
-/// and h the cell, m ([`Penalty::of_cells`]): 0.9 with e = 0.8 is a fair choice, and e = 0.9 may gain a per cent
-/// (book, "Contact laws against the cases"). For bodies that collide; for bodies that roll, and joints under load,
-/// [`Coulomb`] is better.
-///
-/// What the spring holds is in no body's energy: a sixth of that of discs of 8 cells while they are pressed together.
-///
-/// Needs a detector that measures gaps, best along normals of the [`crate::SeparatingPlane`]: along gradients of mass overlaps may be
-/// cells off at the rim of a contact. Where none is measured it acts as [`Coulomb`]. In steps longer than e / omega the
-/// spring is one of e / dt.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Penalty<T> {
-    frequency: T,
-    restitution: T,
-    friction: Coulomb<T>,
-}
-impl<T: Real> Penalty<T> {
-    /// `number` times c / h as the frequency, for the wave speed c of the bodies, m/s, and cells of h, m; else as of [`Penalty::new`].
-    ///
-    /// # Errors
-    /// A number outside 0.1 to 2: softer springs let bodies through each other; a wave speed or cell that is not positive; else as of
-    /// [`Penalty::new`].
-    pub fn of_cells(
-        number: T,
-        [wave_speed, spacing]: [T; 2],
-        restitution: T,
-        friction: T,
-    ) -> Result<Self, ParameterError> {
-        let check = Check("penalty contact");
-        let allowed = (T::of(0.1)..=T::of(2.0)).contains(&number);
-        let number = check.that(allowed, "frequency over c / h", number, "0.1 to 2")?;
-        let wave_speed = check.positive("wave speed", wave_speed)?;
-        let frequency = number * wave_speed / check.positive("spacing", spacing)?;
-        Self::new(frequency, restitution, friction)
-    }
-    /// Angular frequency omega, rad/s (not a number of c / h: [`Penalty::of_cells`]), restitution e of two masses that meet, and coefficient of friction.
-    ///
-    /// # Errors
-    /// A frequency that is not positive, a restitution not in 0.1 to 1, a coefficient that is negative.
-    pub fn new(frequency: T, restitution: T, friction: T) -> Result<Self, ParameterError> {
-        let check = Check("penalty contact");
-        let allowed = (T::of(0.1)..=T::of(1.0)).contains(&restitution);
-        Ok(Penalty {
-            frequency: check.positive("frequency omega", frequency)?,
-            restitution: check.that(allowed, "restitution e", restitution, "0.1 to 1")?,
-            friction: Coulomb::new(friction)?,
-        })
-    }
-}
-impl<T: Real> ContactLaw<T> for Penalty<T> {
-    fn springs(&self) -> bool {
-        true
-    }
-    fn impulse(&self, contact: &Contact<T>, masses: [T; 2], [r, s]: [[T; 3]; 2], dt: T) -> [T; 3] {
-        let Some(gap) = contact.gap else {
-            return self.friction.impulse(contact, masses, [r, s], dt);
-        };
-        let (zero, one) = (T::of(0.0), T::of(1.0));
-        if gap >= zero {
-            return [zero; 3];
-        }
-        let relative = difference(r, s);
-        let closing = dot(relative, contact.normal).max(zero);
-        let frequency = self.frequency.min(self.restitution / dt);
-        let stiffer = one / (self.restitution * self.restitution) - one;
-        let pressed = -gap + stiffer * (closing / frequency).min(-gap);
-        let push = frequency * frequency * pressed * dt;
-        slide(contact.normal, relative, push, self.friction.friction * push, reduced(masses))
-    }
-}
-
-/// Bodies that are glued: one velocity where they meet, pulled or pushed, at every node where the detector says they
-/// touch: with [`crate::Approach`] that is what one velocity field does. A distance test with the threshold zero
-/// lets go as soon as a gap opens.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Stick;
-impl<T: Real> ContactLaw<T> for Stick {
-    fn pulls(&self) -> bool {
-        true
-    }
-    fn impulse(&self, _contact: &Contact<T>, masses: [T; 2], [r, s]: [[T; 3]; 2], _dt: T) -> [T; 3] {
-        times(difference(r, s), reduced(masses))
-    }
-}
-
-/// Bodies that stick up to a strength: glued while the traction stays below, (t_n / strength)^2 +
-/// (t_t / shear strength)^2 <= 1 (only t_t counts in compression); beyond it, Coulomb friction. Without memory:
-/// surfaces that touch again stick again. As with [`Stick`], the detector must see a touch where a small
-/// gap opens.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Adhesion<T> {
-    strength: T,
-    shear: T,
-    beyond: Coulomb<T>,
-}
-impl<T: Real> Adhesion<T> {
-    /// Tensile and shear strength, Pa, and the friction coefficient once they are passed.
-    ///
-    /// # Errors
-    /// A strength that is not positive, a coefficient that is negative.
-    pub fn new(strength: T, shear: T, friction: T) -> Result<Self, ParameterError> {
-        let check = Check("adhesion");
-        Ok(Adhesion {
-            strength: check.positive("tensile strength", strength)?,
-            shear: check.positive("shear strength", shear)?,
-            beyond: Coulomb::new(friction)?,
-        })
-    }
-}
-impl<T: Real> ContactLaw<T> for Adhesion<T> {
-    fn pulls(&self) -> bool {
-        true
-    }
-    fn needs_area(&self) -> bool {
-        true
-    }
-    fn impulse(&self, contact: &Contact<T>, masses: [T; 2], velocities: [[T; 3]; 2], dt: T) -> [T; 3] {
-        let glued = Stick.impulse(contact, masses, velocities, dt);
-        let along = dot(glued, contact.normal);
-        let across = length(difference(glued, times(contact.normal, along)));
-        let pull = (-along).max(T::of(0.0));
-        // t / strength <= 1 times area and step, so that an area of zero holds nothing.
-        let (a, b) = (pull * self.shear, across * self.strength);
-        let capacity = self.strength * self.shear * contact.area * dt;
-        if a * a + b * b <= capacity * capacity {
-            glued
-        } else {
-            self.beyond.impulse(contact, masses, velocities, dt)
-        }
-    }
+    /// Impulse on the second body, N s; the first gets its opposite. Where pairs depend on each other it is asked many times a step, with
+    /// the same memory. Exchanging the bodies and turning the normal must turn the impulse.
+    fn impulse(&self, contact: &Contact<'_, T>) -> [T; 3];
+    /// Bring its own numbers to the end of the step, once a step while the bodies touch, whether they press or not: `memory` is
+    /// [`Contact::memory`] at first. The slip is followed without this.
+    fn advance(&self, _contact: &Contact<'_, T>, _outcome: &Outcome<T>, _memory: &mut [f64]) {}
 }
 
 /// The law of every pair of bodies: a default, and exceptions.
@@ -275,5 +215,10 @@ impl<T: Real> Pairs<T> {
         let bodies = [one.min(other), one.max(other)];
         let found = self.table.iter().find(|entry| entry.0 == bodies);
         found.map_or(self.default.as_ref(), |entry| entry.1.as_ref())
+    }
+    /// How many numbers a contact keeps from step to step, of the law that keeps most: [`Remembers::numbers`].
+    pub fn remembered_numbers(&self) -> usize {
+        let all = self.table.iter().map(|entry| &entry.1).chain([&self.default]);
+        all.map(|law| law.remembers().numbers()).max().unwrap_or(0)
     }
 }

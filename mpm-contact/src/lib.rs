@@ -2,14 +2,13 @@
 //!
 //! | part | choices |
 //! |---|---|
-//! | [`ContactDetector`] | [`Approach`], [`Compression`], [`SurfaceDistance`], [`Regression`] |
+//! | [`ContactDetector`] | [`Approach`], [`Compression`], [`SurfaceDistance`], [`Regression`]; [`EachPair`] of one's own [`PairDetector`] |
 //! | [`NormalRule`] | [`SeparatingPlane`]; [`Gradients`] by mass or volume: collinear, difference, one body's own; [`Regression`] |
-//! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`Stick`], [`Adhesion`], [`Penalty`]; a table of [`Pairs`] |
+//! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`SlipWeakening`], [`Stick`], [`Adhesion`], [`Penalty`]; a table of [`Pairs`] |
 //!
-//! [`GridContact`] makes a contact algorithm of them for [`mpm_core::Mpm::with_contact`]. Every body then has
-//! velocities of its own at the nodes of the blocks that others reach, too, and only there. Detectors, normals and laws
-//! see [`Places`], and so serve the pairs of particles of the crate `pcmm` as well. Any number of bodies
-//! may meet at a node; every impulse acts on two bodies with opposite signs.
+//! No method is known here: detectors, normals and laws see [`Places`], which a grid has at its nodes (`mpm_core::GridContact`) and a
+//! method without grid at its pairs of particles (the crate `pcmm`). Any number of bodies may touch at a place; every
+//! impulse acts on two bodies with opposite signs ([`relax`]).
 //!
 //! Units are SI; normals point from the first body of a pair to the second; a gap is negative where bodies overlap.
 //! `REFERENCES.md` of the repository explains the keys in square brackets.
@@ -17,25 +16,29 @@
 //! # Features
 //! - `conformance`: tests for detectors and laws written elsewhere.
 
+mod bonds;
 #[cfg(feature = "conformance")]
 pub mod conformance;
-mod couple;
 mod detect;
+mod friction;
 mod law;
-mod meet;
 mod normal;
+mod pair_detector;
+mod penalty;
 mod places;
 mod regression;
 mod relax;
 mod separate;
-mod solve;
-mod vector;
+pub mod vector;
 
+pub use bonds::{Adhesion, Stick};
 pub use detect::{Approach, Compression, ContactDetector, Criterion, SurfaceDistance};
-pub use law::{Adhesion, Contact, ContactLaw, Coulomb, Frictionless, Pairs, Penalty, Stick};
-pub use meet::GridContact;
+pub use friction::{Coulomb, Frictionless, SlipWeakening};
+pub use law::{Contact, ContactLaw, Outcome, Pairs, Remembers};
 pub use normal::{Choice, Gradients, Memory, Nodal, NormalRule, Weight};
-pub use places::Places;
+pub use pair_detector::{EachPair, PairDetector, SurfacePair};
+pub use penalty::Penalty;
+pub use places::{NearPoint, Places, SurfaceQuantity, each_place};
 pub use regression::Regression;
 pub use relax::{Iterate, relax};
 pub use separate::SeparatingPlane;

@@ -1,9 +1,8 @@
 //! Normals at the nodes that bodies share.
 
-use mpm_core::parallel::Float;
-use mpm_core::step::survey::Survey;
+use impactite_simd::Float;
 
-use crate::places::Places;
+use crate::places::{Places, SurfaceQuantity, each_place};
 use crate::vector::{difference, times, unit};
 
 /// What detectors may remember while they look at one block: cleared for every block, kept in memory.
@@ -102,20 +101,11 @@ fn rank(nodes: u64, node: usize) -> usize {
     (nodes & ((1 << node) - 1)).count_ones() as usize
 }
 
-/// Nodes of a set, in order.
-pub(crate) fn each(mut nodes: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let node = nodes.trailing_zeros() as usize;
-        nodes &= nodes.wrapping_sub(1);
-        (node < 64).then_some(node)
-    })
-}
-
 impl<T: Float, const D: usize> NormalRule<T, D> for Gradients {
     fn prepare(&self, at: &dyn Places<T, D>, memory: &mut Memory<'_, T>) {
         let what = match self.weight {
-            Weight::Mass => Survey::MassGradient,
-            Weight::Volume => Survey::VolumeGradient,
+            Weight::Mass => SurfaceQuantity::MassGradient,
+            Weight::Volume => SurfaceQuantity::VolumeGradient,
         };
         let zero = T::of(0.0);
         let mut out: Nodal<[T; 3]> = [[zero; 3]; 64];
@@ -123,9 +113,9 @@ impl<T: Float, const D: usize> NormalRule<T, D> for Gradients {
             if nodes == 0 {
                 continue;
             }
-            each(nodes).for_each(|n| out[n] = [zero; 3]);
-            at.survey(field, what, nodes, &[], &mut out);
-            memory.numbers.extend(each(nodes).map(|n| [out[n][0], out[n][1], out[n][2], zero]));
+            each_place(nodes).for_each(|n| out[n] = [zero; 3]);
+            at.surface_quantity(field, what, nodes, &[], &mut out);
+            memory.numbers.extend(each_place(nodes).map(|n| [out[n][0], out[n][1], out[n][2], zero]));
         }
     }
 
@@ -140,7 +130,7 @@ impl<T: Float, const D: usize> NormalRule<T, D> for Gradients {
         let start = pair.map(|f| memory.nodes[..f].iter().map(|s| s.count_ones() as usize).sum::<usize>());
         let bodies = pair.map(|f| at.body(f));
         let mut have = 0;
-        for node in each(nodes) {
+        for node in each_place(nodes) {
             let mut gradients = [[T::of(0.0); 3]; 2];
             for side in 0..2 {
                 let [x, y, z, _] = memory.numbers[start[side] + rank(memory.nodes[pair[side]], node)];

@@ -1,10 +1,40 @@
-//! Where two bodies may meet, whatever the method.
+//! Where two bodies may touch, whatever the method.
 
-use mpm_core::parallel::Float;
-use mpm_core::step::contact::SharedNodes;
-use mpm_core::step::survey::{Near, Survey};
+use impactite_simd::Float;
 
-/// Up to 64 places where bodies may meet, by number: nodes of a block of the grid ([`SharedNodes`]), or pairs of particles
+/// What detectors and normals ask of a body's surface at a place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceQuantity {
+    /// sum_p m_p grad N_ip, kg/m; it points out of the body \[Zhang2017\].
+    MassGradient,
+    /// sum_p V_p grad N_ip, m^2; likewise \[BardenhagenGuilkey2001\].
+    VolumeGradient,
+    /// max_p [(x_p - x_i) . n + l_p], m, with n the place's normal and l_p the particle's half size: how far the
+    /// surface reaches beyond the place along n (eq. 5 of \[Ma2010\]). First component; start from a large
+    /// negative number.
+    Reach,
+    /// [`SurfaceQuantity::Reach`] of the particles whose centres lie within half a cell of the line through the place along
+    /// its normal: how far the surface reaches there, and not where it bulges beside it.
+    LocalReach,
+    /// [`SurfaceQuantity::Reach`] without l_p: how far the centres reach.
+    CentreReach,
+    /// sum_p N_ip m_p n . sigma_p . n, Pa kg: over the mass at the place the normal traction
+    /// \[BardenhagenGuilkey2001\], tension positive. First component.
+    Traction,
+}
+
+/// A particle near places of contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearPoint<T> {
+    /// Its position less that of the first place (of a block of nodes: its first node), m.
+    pub offset: [T; 3],
+    /// Its half sizes, m.
+    pub half: [T; 3],
+    /// Its mass, kg.
+    pub mass: T,
+}
+
+/// Up to 64 places where bodies may touch, by number: nodes of a block of a grid, or pairs of particles
 /// of a method without grid. Normal rules and detectors ask nothing else, and so serve all of them.
 ///
 /// Bodies are *fields* here, numbered from 0 among those at these places.
@@ -19,27 +49,34 @@ pub trait Places<T: Float, const D: usize> {
     }
     /// Where place `n` is, m.
     fn position(&self, n: usize) -> [f64; D];
-    /// Ask a field about some places, a bit each: vectors are added to `out`, lengths replace smaller ones there. With
-    /// pairs of particles the field is there with one particle, and sums over particles p are over the elements at it.
-    fn survey(&self, field: usize, what: Survey, places: u64, normals: &[[T; 3]], out: &mut [[T; 3]]);
+    /// Mass of a field at a place, kg; infinite if the body's motion is prescribed.
+    fn mass(&self, field: usize, n: usize) -> T;
+    /// Its trial velocity there, m/s: the one at the end of the step without contact.
+    fn velocity(&self, field: usize, n: usize) -> [T; 3];
+    /// A quantity of a field's surface at some places, a bit each, with the normals of those that need one: vectors are added to
+    /// `out`, lengths replace smaller ones there. With pairs of particles the field is there with one particle, and sums over
+    /// particles p are over the elements at it.
+    fn surface_quantity(
+        &self,
+        field: usize,
+        quantity: SurfaceQuantity,
+        places: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    );
     /// Call `visit` for every particle of a field near some places, a bit each, with those of them that it is near to.
-    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &Near<T>));
+    fn near_points(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>));
 }
 
-impl<T: Float, const D: usize> Places<T, D> for SharedNodes<'_, T, D> {
-    fn body(&self, field: usize) -> usize {
-        SharedNodes::body(self, field)
-    }
-    fn spacing(&self) -> f64 {
-        SharedNodes::spacing(self)
-    }
-    fn position(&self, n: usize) -> [f64; D] {
-        SharedNodes::position(self, n)
-    }
-    fn survey(&self, field: usize, what: Survey, places: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
-        SharedNodes::survey(self, field, what, places, normals, out);
-    }
-    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &Near<T>)) {
-        SharedNodes::near(self, field, places, visit);
-    }
+/// The places of a set, a bit each, in order.
+///
+/// ```
+/// assert!(mpm_contact::each_place(0b1010).eq([1, 3]));
+/// ```
+pub fn each_place(mut places: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = places.trailing_zeros() as usize;
+        places &= places.wrapping_sub(1);
+        (place < 64).then_some(place)
+    })
 }

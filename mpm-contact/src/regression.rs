@@ -2,11 +2,11 @@
 
 use std::cell::RefCell;
 
-use mpm_core::parallel::Float;
+use impactite_simd::Float;
 
 use crate::detect::{ContactDetector, Criterion};
-use crate::normal::{Memory, Nodal, NormalRule, each};
-use crate::places::Places;
+use crate::normal::{Memory, Nodal, NormalRule};
+use crate::places::{Places, each_place};
 use crate::vector::{dot, unit};
 
 /// The plane that best tells the particles of two bodies near a node apart \[Nairn2020\]; its direction is the normal,
@@ -52,9 +52,9 @@ fn with_points<T: Float, const D: usize, R>(
         let per_cell = 1.0 / at.spacing();
         for (field, class) in pair.into_iter().zip([-1.0, 1.0]) {
             let origin = at.position(0);
-            at.near(field, nodes, &mut |nodes, near| {
+            at.near_points(field, nodes, &mut |nodes, near| {
                 let cells = |v: [T; 3]| v.map(|c| c.to_double() * per_cell);
-                for node in each(nodes) {
+                for node in each_place(nodes) {
                     let place = at.position(node);
                     let mut x = cells(near.offset);
                     for d in 0..D {
@@ -110,7 +110,7 @@ impl<T: Float, const D: usize> ContactDetector<T, D> for Regression {
         normals: &Nodal<[T; 3]>,
         gaps: &mut Nodal<Option<T>>,
     ) -> u64 {
-        each(nodes).for_each(|n| gaps[n] = None);
+        each_place(nodes).for_each(|n| gaps[n] = None);
         with_points(at, pair, nodes, |points| {
             let mut touching = 0;
             for points in points.chunk_by(|a, b| a.node == b.node) {

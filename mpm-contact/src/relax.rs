@@ -6,7 +6,7 @@
 //! is exact and no law is broken however far the iteration came; and since all pairs see the same velocities, numbering matters
 //! only to rounding.
 
-use mpm_core::parallel::Float;
+use impactite_simd::Float;
 
 use crate::vector::{difference, dot, length, sum, times};
 

@@ -2,10 +2,10 @@
 
 use std::cell::RefCell;
 
-use mpm_core::parallel::Float;
+use impactite_simd::Float;
 
-use crate::normal::{Gradients, Memory, Nodal, NormalRule, each};
-use crate::places::Places;
+use crate::normal::{Gradients, Memory, Nodal, NormalRule};
+use crate::places::{Places, each_place};
 use crate::vector::{difference, dot, sum, times, unit};
 
 /// The plane between the particles of two bodies near a node that is farthest from both: the separating hyperplane of widest
@@ -131,7 +131,7 @@ impl<T: Float, const D: usize> NormalRule<T, D> for SeparatingPlane {
                 let (all, runs) = (&mut work.all[side], &mut work.runs[side]);
                 all.clear();
                 runs.clear();
-                at.near(pair[side], nodes, &mut |nodes, near| {
+                at.near_points(pair[side], nodes, &mut |nodes, near| {
                     let start = all.len();
                     all.push(near.offset.map(|x| x.to_double() * per_cell));
                     match runs.last_mut().filter(|r| r.nodes == nodes) {
@@ -141,7 +141,7 @@ impl<T: Float, const D: usize> NormalRule<T, D> for SeparatingPlane {
                 });
             }
             let mut have = 0;
-            for node in each(nodes) {
+            for node in each_place(nodes) {
                 for side in 0..2 {
                     work.near[side].choose(&work.all[side], &work.runs[side], node);
                 }

@@ -1,19 +1,24 @@
-//! Vectors of three numbers.
+//! Vectors of three numbers, for laws and detectors.
 
 use mpm_materials::Real;
 
+/// a . b.
 pub fn dot<T: Real>(a: [T; 3], b: [T; 3]) -> T {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
+/// a + b.
 pub fn sum<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
+/// a - b.
 pub fn difference<T: Real>(a: [T; 3], b: [T; 3]) -> [T; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
+/// f a.
 pub fn times<T: Real>(a: [T; 3], f: T) -> [T; 3] {
     [a[0] * f, a[1] * f, a[2] * f]
 }
+/// |a|.
 pub fn length<T: Real>(a: [T; 3]) -> T {
     dot(a, a).sqrt()
 }

@@ -9,8 +9,9 @@
 use crate::grid::GridStorage;
 use crate::method::{IntoKernels, Kernels};
 use crate::parallel::Float;
+use crate::scheme::Allows;
 use crate::shape::FixedDomain;
-use crate::transfer::{Allows, Suits};
+use crate::transfer::Suits;
 
 /// The implementation that counts.
 #[derive(Clone, Copy, Debug)]

@@ -28,6 +28,7 @@
 //! | [`method`], [`shape`], [`transfer`], [`scheme`], [`embedding`], [`frame`], [`dilatation`] | the parts of a method, and which go together |
 //! | [`step`] | the solver, the stages of a step, the time step |
 //! | [`particles`], [`grid`] | where particles and nodes are kept |
+//! | [`contact`] | contact between bodies at the nodes they share |
 //! | [`boundary`] | conditions and loads |
 //! | [`geometry`] | shapes, and particles seeded from them |
 //! | [`memory`] | how much of it one call may ask for |
@@ -43,34 +44,37 @@
 //! - `mesh` (default): bodies from STL and OBJ files.
 //! - `conformance`: tests for shape functions, transfers, grids and methods written elsewhere.
 
-pub mod boundary;
 mod combine;
 #[cfg(feature = "conformance")]
 pub mod conformance;
+pub mod contact;
 pub mod dilatation;
 pub mod dim;
-pub mod embedding;
 pub mod frame;
 pub mod grid;
 mod library;
 pub mod method;
-pub mod observe;
 pub mod particles;
 pub mod scheme;
 pub mod shape;
 pub mod step;
 pub mod transfer;
-pub mod watch;
 
 pub use impactite_geometry as geometry;
 pub use impactite_output as output;
+pub use impactite_scene as scene;
+pub use impactite_scene::{
+    Account, Archive, Axisymmetric, Body, Boundary, Cause, CheckpointError, Condition, ContactPoint,
+    Embedding, Exchange, Finding, FullSpace, GainCause, PairContact, PlaneStrain, PointKind, PointView, Run,
+    RunError, RunSummary, SceneError, Side, Solver, StepError, Stopped, TimeControl, Totals, Warning, Watch,
+};
+pub use impactite_scene::{boundary, condition, embedding, observe, watch};
 pub use impactite_simd as parallel;
 pub use impactite_simd::memory;
 
-pub use boundary::{Boundary, Side};
+pub use contact::{Contact, GridContact, OneField};
 pub use dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 pub use dim::Dim;
-pub use embedding::{Axisymmetric, Embedding, FullSpace, PlaneStrain};
 pub use frame::{Frame, TotalLagrangian, UpdatedLagrangian};
 pub use grid::{BlockGrid, DenseGrid, DenseGridError, GridStorage};
 pub use memory::MemoryError;
@@ -83,9 +87,7 @@ pub use shape::{
 };
 pub use step::Scalar;
 pub use step::{
-    Balance, Body, CheckpointError, Contact, Deformable, Facts, FieldForce, Footprint, Frequency, MergeBook,
-    Merging, Mpm, NodeWeight, OneField, Particle, Rest, Rested, Rigid, RigidState, SplitBook, Splitting,
-    StepError, Stopped, TimeControl, Totals, Traction, Twist,
+    Balance, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, MergeBook, Merging, Mpm,
+    NodeWeight, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, Traction, Twist,
 };
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};
-pub use watch::{Account, Finding, GainCause, Warning, Watch};

@@ -1,6 +1,5 @@
 //! The methods whose kernels are compiled here, once, for all programs.
 
-use crate::embedding::{Axisymmetric, FullSpace, PlaneStrain};
 use crate::frame::TotalLagrangian;
 use crate::method::{IntoKernels, Kernels, Method};
 use crate::scheme::{Musl, Usl};
@@ -8,6 +7,7 @@ use crate::shape::{CpGimp, Linear, QuadraticBSpline};
 use crate::step::Scalar;
 use crate::step::kernels::kernels;
 use crate::transfer::{Aflip, Apic, Blend, Flip, Mls};
+use impactite_scene::embedding::{Axisymmetric, FullSpace, PlaneStrain};
 
 macro_rules! compiled {
     ($t:ty, $d:literal: $($m:ty),+ $(,)?) => {$(

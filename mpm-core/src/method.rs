@@ -7,14 +7,15 @@ use mpm_materials::Real;
 
 use crate::combine::{InReference, OnShape, WithTransfer};
 use crate::dilatation::{Dilatation, MeanDilatation, OwnDilatation};
-use crate::embedding::Embedding;
 use crate::frame::{Frame, Holds, TotalLagrangian, UpdatedLagrangian};
 use crate::parallel::Float;
+use crate::scheme::Allows;
 use crate::scheme::{Musl, StressUpdate, Usl};
 use crate::shape::{Linear, QuadraticBSpline, ShapeFunction};
 use crate::step::kernels::{Facts, MethodKernels, kernels};
 use crate::step::{Scalar, Work};
-use crate::transfer::{Aflip, Allows, Apic, Flip, Suits, Transfer};
+use crate::transfer::{Aflip, Apic, Flip, Suits, Transfer};
+use impactite_scene::embedding::Embedding;
 
 /// The ingredients of a material point method, chosen at compile time.
 ///

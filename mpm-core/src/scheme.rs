@@ -9,10 +9,10 @@
 //! | MUSL | velocity; map momentum again | strain, stress, move; map mass, momentum, force |
 //! | USF | strain, stress; map force | velocity, move; map mass, momentum |
 
-use crate::embedding::{AnySpace, Embedding};
 use crate::frame::{Frame, UpdatedLagrangian};
 use crate::parallel::{Real, Vectors};
-use crate::transfer::{AnyTransfer, Held, Transfer};
+use crate::transfer::{Aflip, AnyTransfer, Apic, Blend, Flip, Fmpm, Held, Pic, Transfer};
+use impactite_scene::embedding::{AnySpace, Embedding};
 
 /// What one pass over the particles does, in this order.
 #[derive(Clone, Copy, Debug)]
@@ -203,3 +203,20 @@ impl StressUpdate for Usf {
     type First = UsfStress;
     type Second = UsfAdvance;
 }
+
+/// Which transfers a stress-update order can be used with: USL with all, MUSL with those that filter no velocity, USF with those that
+/// map force and momentum apart. A transfer of one's own goes with USL, and with others by `impl Allows<Mine> for Musl {}`.
+#[diagnostic::on_unimplemented(
+    message = "the stress update `{Self}` cannot be combined with the transfer `{X}`",
+    note = "`Usl` goes with every transfer, `Musl` with `Flip` and `Blend`, `Usf` with all but `Mls`"
+)]
+pub trait Allows<X> {}
+impl Allows<Flip> for Musl {}
+impl<T> Allows<Blend<T>> for Musl {}
+impl<X> Allows<X> for Usl {}
+impl Allows<Flip> for Usf {}
+impl Allows<Pic> for Usf {}
+impl Allows<Apic> for Usf {}
+impl<T> Allows<Blend<T>> for Usf {}
+impl<T> Allows<Aflip<T>> for Usf {}
+impl<const K: usize> Allows<Fmpm<K>> for Usf {}

@@ -2,7 +2,6 @@
 
 use mpm_materials::{Lane, Real, Wide};
 
-use crate::scheme::{Musl, Usf, Usl};
 use crate::shape::AffineShape;
 
 /// Grid-to-particle rule for the velocity.
@@ -215,23 +214,6 @@ impl<T: Real> Transfer<T> for AnyTransfer {
         old
     }
 }
-
-/// Which transfers a stress-update order can be used with: USL with all, MUSL with those that filter no velocity, USF with those that
-/// map force and momentum apart. A transfer of one's own goes with USL, and with others by `impl Allows<Mine> for Musl {}`.
-#[diagnostic::on_unimplemented(
-    message = "the stress update `{Self}` cannot be combined with the transfer `{X}`",
-    note = "`Usl` goes with every transfer, `Musl` with `Flip` and `Blend`, `Usf` with all but `Mls`"
-)]
-pub trait Allows<X> {}
-impl Allows<Flip> for Musl {}
-impl<T> Allows<Blend<T>> for Musl {}
-impl<X> Allows<X> for Usl {}
-impl Allows<Flip> for Usf {}
-impl Allows<Pic> for Usf {}
-impl Allows<Apic> for Usf {}
-impl<T> Allows<Blend<T>> for Usf {}
-impl<T> Allows<Aflip<T>> for Usf {}
-impl<const K: usize> Allows<Fmpm<K>> for Usf {}
 
 /// Which shape functions a transfer can be used with: those with an affine velocity field need an [`AffineShape`], the others take any.
 /// A transfer of one's own goes with a shape function by `impl Suits<Mine> for Gimp {}`.

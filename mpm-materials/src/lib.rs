@@ -44,14 +44,14 @@ pub use failure::{
 pub use fluid::{Bingham, Fluid, FluidState, Inviscid, Newtonian};
 pub use ground::{Geomaterial, Ground, GroundState};
 pub use impactite_simd::lane::{self, Lane, Mask, Real, Wide};
-pub use material::{AnyLaw, Compiled, CompiledHere, IntoMaterial, Material, MaySplit};
+pub use material::{AnyLaw, Compiled, IntoMaterial, Material, MaySplit};
 pub use parameter::{Check, ParameterError};
 pub use point::{
-    Breakdown, Constitutive, Fault, Kinematics, Nothing, Pair, Sink, Source, State, Update, lane_of, named,
-    pointwise, spread,
+    Breakdown, CompiledHere, Constitutive, Fault, Increments, Kinematics, Nothing, Pair, Sink, Source, State,
+    Update, lane_of, named, pointwise, spread,
 };
 pub use porous::{Porous, PorousState};
-pub use rate::{HughesWinget, Increments, ObjectiveRate, SmallRotation};
+pub use rate::{HughesWinget, ObjectiveRate, SmallRotation};
 pub use solid::{Solid, SolidState};
 pub use strength::{
     Adiabatic, AdiabaticJohnsonCook, Borvik, Cone, CowperSymonds, DruckerPrager, Elastic, Heat,

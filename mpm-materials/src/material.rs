@@ -40,7 +40,7 @@ use std::sync::Arc;
 use impactite_simd::{Arch, Float, Kernel, Lane, Mask, Pack, RowPair, Vectors};
 
 use crate::capability::Stretches;
-use crate::point::{Breakdown, Constitutive, Fault, Kinematics, Sink, Source, State, flatten};
+use crate::point::{Breakdown, CompiledHere, Constitutive, Fault, Kinematics, Sink, Source, State, flatten};
 use crate::tensor::{Mat3, Sym3};
 
 /// A place in a list of groups that none takes.
@@ -259,10 +259,6 @@ impl<T: Float> IntoMaterial<T> for Arc<dyn Material<T>> {
         self
     }
 }
-
-/// A law whose kernels are compiled where it is used: [`Constitutive::compiled`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CompiledHere<C>(pub(crate) C);
 
 impl<T: Float, C: Constitutive<T>> IntoMaterial<T> for CompiledHere<C> {
     type Law = C;

@@ -3,8 +3,6 @@
 use std::fmt;
 
 use crate::lane::{Lane, Mask, Real};
-use crate::material::CompiledHere;
-use crate::rate::Increments;
 use crate::tensor::{Mat3, Sym3};
 
 /// How a point moves during one step.
@@ -608,3 +606,18 @@ pub fn named<L: Lane, S: State<L>>(state: &S, name: &str) -> Option<L> {
     let at = names.iter().position(|n| n == name)?;
     flatten(state).get(at).copied()
 }
+
+/// Strain, spin and change of volume of a step.
+#[derive(Clone, Copy, Debug)]
+pub struct Increments<L> {
+    /// Strain increment, dimensionless.
+    pub strain: Sym3<L>,
+    /// Axial vector of the spin increment W, dimensionless: `W x = spin cross x`.
+    pub spin: [L; 3],
+    /// Change of volume, det(I + X): [`Kinematics::volume_factor`].
+    pub volume_factor: L,
+}
+
+/// A law whose kernels are compiled where it is used: [`Constitutive::compiled`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CompiledHere<C>(pub(crate) C);

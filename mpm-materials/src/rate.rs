@@ -1,19 +1,8 @@
 //! Objective rates: what of a step's motion is strain, and how a stress turns with the material.
 
 use crate::lane::Lane;
-use crate::point::Kinematics;
+use crate::point::{Increments, Kinematics};
 use crate::tensor::{Mat3, Sym3};
-
-/// Strain, spin and change of volume of a step.
-#[derive(Clone, Copy, Debug)]
-pub struct Increments<L> {
-    /// Strain increment, dimensionless.
-    pub strain: Sym3<L>,
-    /// Axial vector of the spin increment W, dimensionless: `W x = spin cross x`.
-    pub spin: [L; 3],
-    /// Change of volume, det(I + X): [`Kinematics::volume_factor`].
-    pub volume_factor: L,
-}
 
 /// Parts the motion of a step into strain and rotation, and turns a symmetric tensor with the latter.
 ///

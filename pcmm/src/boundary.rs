@@ -1,98 +1,80 @@
 //! Boundary conditions on particles.
 
-use mpm_core::{Boundary, Side};
+use impactite_scene::boundary::{BodyForce, BoundaryError, rub};
+use impactite_scene::{Boundary, Condition, Exchange, Place, Reaction, SceneError};
 
-use crate::particles::{Particle, SceneError};
+use crate::particles::Particle;
 
-/// What the boundaries gave to the particles, summed over a run.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Given {
-    /// Impulse, kg m/s.
-    pub impulse: [f64; 3],
-    /// Work, J: impulse times the mean of the particle's velocities before and after the step. It contains what
-    /// particles lose that a wall stops.
-    pub work: f64,
-    /// Kinetic energy lost in plastic impacts of particles on walls, J, already counted in `work`: there work is less
-    /// than impulse times the velocity of the wall.
-    pub lost: f64,
-}
-
-impl Given {
-    /// The sum.
-    #[must_use]
-    pub fn plus(mut self, o: &Given) -> Given {
-        for d in 0..3 {
-            self.impulse[d] += o.impulse[d];
-        }
-        self.work += o.work;
-        self.lost += o.lost;
-        self
-    }
-}
-
-/// Refuse what cannot be. The conditions are those of `mpm-core`, read for particles:
+/// Refuse what cannot be. The conditions are those of all methods, read for particles:
 ///
-/// - a wall keeps the centres of particles in front of it and only pushes;
+/// - a wall keeps the centres of particles in front of it and only pushes, rough ones with friction on what they push;
 /// - a plane of symmetry takes the velocity across it from particles on it, and stops those that would cross it;
-/// - fixed and prescribed velocities hold for the particles that are then behind the plane, or in the region.
+/// - fixed and prescribed velocities hold for the particles that are then behind the plane, or in the region;
+/// - absorbing planes act on the particles whose surface is on them, up to half a radius;
+/// - particles know no periodic planes: elements are made of places in space, not of images.
 pub(crate) fn check<const D: usize>(boundary: &Boundary<D>) -> Result<(), SceneError> {
-    let refuse = |field, value, allowed| Err(SceneError::Boundary { field, value, allowed });
-    let (axis, at, velocity) = match *boundary {
-        Boundary::Symmetry { axis, at, .. } | Boundary::Fixed { axis, at, .. } => (axis, at, 0.0),
-        Boundary::Wall { axis, at, velocity, .. } => (axis, at, velocity),
-        Boundary::Prescribed { .. } => return Ok(()),
-    };
-    if axis >= D {
-        return refuse("axis", axis as f64, "below the dimension");
-    }
-    for (field, value) in [("at", at), ("velocity", velocity)] {
-        if !value.is_finite() {
-            return refuse(field, value, "finite");
+    Condition::check(boundary)?;
+    match *boundary {
+        Boundary::Periodic { axis, .. } => {
+            let why = "in the particle-contact method; take planes of symmetry, or the material point method";
+            Err(BoundaryError::Periodic { axis, why }.into())
         }
-    }
-    Ok(())
-}
-
-/// +1 if the material lies above the plane, else -1.
-fn sign(side: Side) -> f64 {
-    match side {
-        Side::Above => 1.0,
-        Side::Below => -1.0,
+        _ => Ok(()),
     }
 }
 
 /// Make the velocity with which a particle moves through the step from `time` by `dt` obey. It had the velocity
-/// `start` before forces acted.
+/// `start` before forces acted. The surface of the body lies `surface` radii beyond the centres of its outermost particles.
 pub(crate) fn constrain<const D: usize>(
     boundary: &Boundary<D>,
     p: &mut Particle<D>,
-    start: &[f64; D],
-    time: f64,
-    dt: f64,
-    given: &mut Given,
+    (start, surface): (&[f64; D], f64),
+    (time, dt): (f64, f64),
+    given: &mut Exchange,
 ) {
     let before = p.velocity;
     match *boundary {
         Boundary::Symmetry { axis, at, side } => {
-            let height = (p.position[axis] - at) * sign(side);
+            let height = (p.position[axis] - at) * side.sign();
             // On the plane up to the rounding of lattices.
             if height <= 1e-6 * p.radius {
                 p.velocity[axis] = 0.0;
-            } else if height + p.velocity[axis] * sign(side) * dt < 0.0 {
-                p.velocity[axis] = -height * sign(side) / dt;
+            } else if height + p.velocity[axis] * side.sign() * dt < 0.0 {
+                p.velocity[axis] = -height * side.sign() / dt;
             }
         }
         Boundary::Wall { axis, at, side, velocity } => {
             let wall = at + velocity * (time + dt);
-            let height = (p.position[axis] + p.velocity[axis] * dt - wall) * sign(side);
+            let height = (p.position[axis] + p.velocity[axis] * dt - wall) * side.sign();
             if height < 0.0 {
                 p.velocity[axis] = (wall - p.position[axis]) / dt;
                 let impulse = p.mass * (p.velocity[axis] - before[axis]);
-                given.lost += impulse * (velocity - 0.5 * (p.velocity[axis] + start[axis]));
+                let lost = impulse * (velocity - 0.5 * (p.velocity[axis] + start[axis]));
+                given.impacts += lost;
+                given.work += lost;
             }
         }
+        Boundary::FrictionWall { axis, at, side, velocity, friction } => {
+            let wall = at + velocity[axis] * (time + dt);
+            let height = (p.position[axis] + p.velocity[axis] * dt - wall) * side.sign();
+            if height < 0.0 {
+                p.velocity[axis] = (wall - p.position[axis]) / dt;
+                let push = p.mass * (p.velocity[axis] - before[axis]);
+                let mut reaction =
+                    rub(&at_particle(p, start, surface, (time, dt)), axis, velocity, friction * push.abs());
+                (reaction.impulse[axis], reaction.velocity[axis]) = (push, velocity[axis]);
+                apply(&reaction, p, (start, before), given);
+                return;
+            }
+        }
+        Boundary::Absorbing { .. } | Boundary::Own(_) => {
+            let reaction = boundary.react(&at_particle(p, start, surface, (time, dt)));
+            apply(&reaction, p, (start, before), given);
+            return;
+        }
+        Boundary::Periodic { .. } => {}
         Boundary::Fixed { axis, at, side } => {
-            if (p.position[axis] - at) * sign(side) <= 1e-6 * p.radius {
+            if (p.position[axis] - at) * side.sign() <= 1e-6 * p.radius {
                 p.velocity = [0.0; D];
             }
         }
@@ -113,4 +95,65 @@ pub(crate) fn constrain<const D: usize>(
         // Force and reaction act together from the start of the step to its end.
         given.work += 0.5 * impulse * (p.velocity[d] + start[d]);
     }
+}
+
+/// A particle as a condition sees it.
+fn at_particle<const D: usize>(
+    p: &Particle<D>,
+    start: &[f64; D],
+    surface: f64,
+    (time, dt): (f64, f64),
+) -> Place<D> {
+    Place {
+        position: p.position,
+        mass: p.mass,
+        depth: p.radius * (1.0 + surface),
+        tolerance: p.radius * (0.5 + surface),
+        start: Some(*start),
+        trial: p.velocity,
+        time,
+        dt,
+    }
+}
+
+/// Give a particle that had the velocity `before` what a condition does to it. What it loses beyond work and heat, stopped by what holds
+/// it, is that of an impact.
+fn apply<const D: usize>(
+    reaction: &Reaction<D>,
+    p: &mut Particle<D>,
+    (start, before): (&[f64; D], [f64; D]),
+    given: &mut Exchange,
+) {
+    let mut taken = reaction.work() - reaction.heat;
+    for d in 0..D {
+        p.velocity[d] = before[d] + reaction.impulse[d] / p.mass;
+        given.impulse[d] += reaction.impulse[d];
+        taken -= 0.5 * reaction.impulse[d] * (p.velocity[d] + start[d]);
+    }
+    given.work += reaction.work();
+    given.friction += reaction.heat;
+    given.impacts += taken;
+}
+
+/// Refuse a body force or prescribed velocities that are no numbers in the step from `time`, s.
+pub(crate) fn check_conditions<const D: usize>(
+    body_force: Option<&BodyForce<D>>,
+    boundaries: &[Boundary<D>],
+    time: f64,
+    dt: f64,
+) -> Result<(), SceneError> {
+    let check = |what: &dyn Fn() -> String, values: &[f64], time: f64| {
+        let wrong = values.iter().find(|x| !x.is_finite());
+        wrong.map_or(Ok(()), |&value| Err(SceneError::NotFinite { what: what(), value, time }))
+    };
+    if let Some(force) = body_force {
+        check(&|| "body force".into(), &force(time), time)?;
+    }
+    for (n, boundary) in boundaries.iter().enumerate() {
+        if let Boundary::Prescribed { velocity, .. } = boundary {
+            let prescribed = velocity(time + dt).map(|v| v.unwrap_or_default());
+            check(&|| format!("velocity prescribed by boundary {n}"), &prescribed, time + dt)?;
+        }
+    }
+    Ok(())
 }

@@ -2,7 +2,7 @@
 
 use std::sync::OnceLock;
 
-use mpm_core::Float;
+use impactite_simd::Float;
 
 /// Elements of a batch: what one task computes. A multiple of the lanes of every vector.
 pub(crate) const BATCH: usize = 256;

@@ -1,12 +1,12 @@
 //! Particle-contact meshfree method \[Feng2014\]: particles in contact define triangles (in space, tetrahedra);
 //! continuum mechanics is done in these, and as contacts change, distorted elements are deleted and new ones made.
 //!
-//! Laws are those of [`mpm_materials`], embeddings, shapes, boundary conditions, threads and output those of
-//! [`mpm_core`].
+//! Laws are those of [`mpm_materials`]; embeddings, boundary conditions, the run loop, observers and checkpoints those of
+//! [`impactite_scene`]: a [`Pcmm`] and a scene of [`Bodies`] is a [`Solver`](impactite_scene::Solver).
 //!
 //! ```
-//! use mpm_core::geometry::{Cuboid, Lattice};
-//! use mpm_core::{Boundary, PlaneStrain, Side};
+//! use impactite_geometry::{Cuboid, Lattice};
+//! use impactite_scene::{Boundary, PlaneStrain, Side, Solver};
 //! use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
 //! use pcmm::{LocalDelaunay, Masses, Method, Packing, Pcmm};
 //!
@@ -22,7 +22,7 @@
 //! let mut bar = Pcmm::new(method, steel, &packing, |_| [0.0, -50.0], Masses::FromElements)?;
 //! bar.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
 //! bar.run_until(0.2e-6)?;
-//! assert!(bar.given().impulse[1] > 0.0);
+//! assert!(bar.exchange().impulse[1] > 0.0);
 //! # Ok(())
 //! # }
 //! ```
@@ -58,12 +58,12 @@
 //! laws of `mpm-contact`. Within a body what touches is welded: particles of it that come together make elements, whatever
 //! piece they came from. Masses and radii of particles never change.
 
+mod audit;
 mod boundary;
 mod contact;
 mod elements;
 mod inheritance;
 mod kinematics;
-mod ledger;
 mod method;
 mod particles;
 mod pieces;
@@ -74,17 +74,16 @@ mod solver;
 mod step;
 mod sweep;
 mod tessellation;
+mod view;
 
-pub use boundary::Given;
-pub use contact::{Bodies, BodyError, Encounter, PairContact, RigidWall};
+pub use audit::{Audit, Coverage, Lot};
+pub use contact::{Bodies, PairOfParticles, RigidWall};
 pub use elements::Incidence;
 pub use inheritance::{Inheritance, Newborn, OverlapWeighted, Parent, ParticleMean, Taken};
 pub use kinematics::{Configuration, Dilatation, EndOfStep, NoRotation, OfElement, OfParticles, StartOfStep};
-pub use ledger::{Audit, Lot, Totals};
 pub use method::{Composition, Method};
-pub use particles::{Packing, Particle, SceneError};
+pub use particles::{Packing, Particle};
 pub use pieces::pieces;
 pub use search::Neighbours;
 pub use solver::{Masses, Pcmm, SMALL};
-pub use step::StepError;
 pub use tessellation::{AzimuthFan, Flaw, Limits, LocalDelaunay, Revision, Tessellation, View};

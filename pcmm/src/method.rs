@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use mpm_core::Embedding;
+use impactite_scene::Embedding;
 
 use crate::inheritance::{Inheritance, OverlapWeighted, ParticleMean};
 use crate::kinematics::{Configuration, Dilatation, EndOfStep, OfElement, OfParticles, StartOfStep};

@@ -1,6 +1,8 @@
 //! Particles, and how they are refused.
 
-use mpm_core::geometry::{Lattice, Seeds, Shape};
+use impactite_geometry::{Lattice, Seeds, Shape};
+use impactite_scene::SceneError;
+use impactite_scene::error::parameter;
 
 /// A particle: a place, a velocity, a mass and a radius of contact. Strain, stress and history live in the elements
 /// between particles.
@@ -55,7 +57,7 @@ impl<const D: usize> Packing<D> {
         }
         let sites = counts.iter().fold(1.0, |n, &c| n * c as f64);
         if sites >= MOST {
-            return Err(SceneError::Particles { particles: sites as usize });
+            return Err(too_many(sites as usize));
         }
         let mut positions = Vec::new();
         for site in 0..sites as i64 {
@@ -93,8 +95,11 @@ impl<const D: usize> Packing<D> {
     /// Refuse what cannot be.
     pub(crate) fn check(&self) -> Result<(), SceneError> {
         let particles = self.positions.len();
-        if particles == 0 || particles as f64 >= MOST {
-            return Err(SceneError::Particles { particles });
+        if particles == 0 {
+            return Err(SceneError::Empty(BODY.into()));
+        }
+        if particles as f64 >= MOST {
+            return Err(too_many(particles));
         }
         let lengths = [("radii", self.radii.len(), false), ("volumes", self.volumes.len(), true)];
         for (field, found, may_lack) in lengths {
@@ -118,6 +123,13 @@ impl<const D: usize> Packing<D> {
     }
 }
 
+/// What a body is called that has no name.
+pub(crate) const BODY: &str = "body";
+
+fn too_many(count: usize) -> SceneError {
+    SceneError::TooMany { body: BODY.into(), count, most: MOST as usize - 1 }
+}
+
 /// Refuse a number of a particle unless `holds`.
 pub(crate) fn number(
     holds: bool,
@@ -126,103 +138,6 @@ pub(crate) fn number(
     value: f64,
     allowed: &'static str,
 ) -> Result<(), SceneError> {
-    if holds { Ok(()) } else { Err(SceneError::Number { field, particle, value, allowed }) }
-}
-
-/// A scene that cannot be.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum SceneError {
-    /// None, or more than can be numbered.
-    #[error("particles = {particles} is not allowed; it must be at least 1 and below 2^29")]
-    Particles {
-        /// How many were given.
-        particles: usize,
-    },
-    /// A list of the wrong length.
-    #[error("{field}: {found} values are not allowed; there must be one a particle, {particles}")]
-    Length {
-        /// Which list.
-        field: &'static str,
-        /// Its length.
-        found: usize,
-        /// The number of particles.
-        particles: usize,
-    },
-    /// A number of a particle.
-    #[error("particle {particle}: {field} = {value} is not allowed; it must be {allowed}")]
-    Number {
-        /// Which number.
-        field: &'static str,
-        /// Whose.
-        particle: usize,
-        /// Its value.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// A parameter of a part of the method.
-    #[error("{owner}: {field} = {value} is not allowed; it must be {allowed}")]
-    Parameter {
-        /// The part.
-        owner: &'static str,
-        /// The parameter.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// A particle that belongs to no element and has no volume of its own has no mass.
-    #[error(
-        "particle {particle} at {position:?} m has no mass: it belongs to no element; \
-         widen the tolerance of contact or give volumes"
-    )]
-    NoMass {
-        /// Which.
-        particle: usize,
-        /// Where, m.
-        position: Vec<f64>,
-    },
-    /// A law whose density is not positive.
-    #[error("law `{law}`: density = {density} kg/m^3 is not allowed; it must be positive and finite")]
-    Density {
-        /// The law.
-        law: &'static str,
-        /// Its density.
-        density: f64,
-    },
-    /// States of another law.
-    #[error("states of ({there}) are not those of the law {law}")]
-    OtherState {
-        /// The law.
-        law: &'static str,
-        /// The numbers of the states given.
-        there: String,
-    },
-    /// A boundary.
-    #[error("boundary {field} = {value} is not allowed; it must be {allowed}")]
-    Boundary {
-        /// Which number.
-        field: &'static str,
-        /// Its value.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-}
-
-/// Refuse a parameter unless `holds`.
-pub(crate) fn parameter(
-    holds: bool,
-    owner: &'static str,
-    field: &'static str,
-    value: f64,
-    allowed: &'static str,
-) -> Result<f64, SceneError> {
-    if holds && value.is_finite() {
-        Ok(value)
-    } else {
-        Err(SceneError::Parameter { owner, field, value, allowed })
-    }
+    let body = || BODY.to_string();
+    if holds { Ok(()) } else { Err(SceneError::Seed { body: body(), field, particle, value, allowed }) }
 }

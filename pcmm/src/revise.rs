@@ -1,6 +1,6 @@
 //! Deletion, search, creation: the second half of the flow chart of \[Feng2014\].
 
-use mpm_core::Embedding;
+use impactite_scene::{Embedding, SceneError, StepError, Stopped};
 
 use crate::elements::Elements;
 use crate::inheritance::{Inheritance, Newborn, Parent};
@@ -12,8 +12,15 @@ use crate::tessellation::{Revision, Tessellation, View, corners};
 impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// Search, delete, create, inherit, and book what was added and removed. Steps do this by themselves every
     /// [`Pcmm::set_revision_interval`] steps.
-    pub fn revise(&mut self) {
+    ///
+    /// # Errors
+    /// Particles that no search can use.
+    pub fn revise(&mut self) -> Result<(), StepError> {
         self.neighbours.update(&self.particles, &self.team);
+        if let Some(refused) = self.neighbours.refused() {
+            let refused = SceneError::Search(refused.clone());
+            return Err(self.clock.stopped(Stopped::Scene(refused)));
+        }
         let view = View {
             particles: &self.particles,
             neighbours: &self.neighbours,
@@ -29,6 +36,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             self.make_room();
             self.forces_of_states();
         }
+        Ok(())
     }
 
     fn nodes_of(&self, e: usize) -> &[u32] {
@@ -55,23 +63,31 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         }
     }
 
-    /// The mean of the states of the elements at particle `n`; without elements it keeps the last one.
-    pub(crate) fn remember_at(&mut self, n: usize) {
+    /// Keep the mean of the states of the elements at particle `n`.
+    fn remember_at(&mut self, n: usize) {
+        let mut mean = vec![0.0; self.virgin.len()];
+        self.mean_state(n, &mut mean, &mut Vec::new());
+        self.memory[n * mean.len()..(n + 1) * mean.len()].copy_from_slice(&mean);
+    }
+
+    /// The mean of the states of the elements at particle `n`, or what it had last where it has none; `scratch` is memory.
+    pub(crate) fn mean_state(&self, n: usize, mean: &mut [f64], scratch: &mut Vec<f64>) {
         let numbers = self.virgin.len();
-        let (mut sum, mut state) = (vec![0.0; numbers], vec![0.0; numbers]);
+        scratch.resize(numbers, 0.0);
+        mean.fill(0.0);
         let mut weight = 0.0;
         for &at in self.elements.incidence.of(n) {
             let e = at as usize / (D + 1);
-            self.elements.read(e, &mut state);
+            self.elements.read(e, scratch);
             weight += self.elements.reference[e];
             for k in 0..numbers {
-                sum[k] += self.elements.reference[e] * state[k];
+                mean[k] += self.elements.reference[e] * scratch[k];
             }
         }
         if weight > 0.0 {
-            for k in 0..numbers {
-                self.memory[n * numbers + k] = sum[k] / weight;
-            }
+            mean.iter_mut().for_each(|x| *x /= weight);
+        } else {
+            mean.copy_from_slice(&self.memory[n * numbers..(n + 1) * numbers]);
         }
     }
 

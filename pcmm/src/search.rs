@@ -1,13 +1,13 @@
 //! Who touches whom, kept over steps by a skin.
 
-use mpm_core::Team;
-use mpm_core::geometry::search::{Points, Reach, SearchError, VerletLists};
+use impactite_geometry::search::{Points, Reach, SearchError, VerletLists};
+use impactite_simd::Team;
 
 use crate::particles::Particle;
 
 /// The particles within contact range of each, plus a skin: distance <= R_i + R_j + tolerance + skin.
 ///
-/// Found by cells, O(N) \[Feng2014\] ([`SortedCells`](mpm_core::geometry::search::SortedCells)). The lists stay valid until
+/// Found by cells, O(N) \[Feng2014\] ([`SortedCells`](impactite_geometry::search::SortedCells)). The lists stay valid until
 /// some particle has moved half the skin. Every list is in ascending order, so that it does not depend on where the cells
 /// lie.
 #[derive(Clone, Debug)]
@@ -33,6 +33,13 @@ impl<const D: usize> Neighbours<D> {
     /// The neighbours of particle `i`, in ascending order; some may be up to two skins out of range.
     pub fn of(&self, i: usize) -> &[u32] {
         self.lists.as_ref().map_or(&[], |lists| lists.of(i))
+    }
+
+    /// The lists are no longer of these particles.
+    pub fn forget(&mut self) {
+        if let Ok(lists) = &mut self.lists {
+            lists.forget();
+        }
     }
 
     /// How many searches were made.

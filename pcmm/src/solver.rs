@@ -2,22 +2,29 @@
 
 use std::sync::{Arc, Mutex, OnceLock};
 
-use mpm_core::boundary::BodyForce;
-use mpm_core::step::control::ControlError;
-use mpm_core::{Boundary, Embedding, Team, TimeControl};
+use impactite_scene::boundary::BodyForce;
+use impactite_scene::constants::over;
+use impactite_scene::control::ControlError;
+use impactite_scene::watch::{Look, Watcher};
+use impactite_scene::{
+    Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, Finding,
+    GainCause, SceneError, Solver, StepError, Stopped, TimeControl, Warning, Watch,
+};
+use impactite_simd::Team;
 use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
-use crate::boundary::{Given, check};
+use crate::audit::Audit;
+use crate::boundary::{check, check_conditions};
 use crate::elements::{Elements, Incidence};
 use crate::kinematics::Dilatation;
-use crate::ledger::Audit;
 use crate::method::Composition;
-use crate::particles::{Packing, Particle, SceneError, number, parameter};
+use crate::particles::{BODY, Packing, Particle, number};
 use crate::search::Neighbours;
 use crate::simplex::{mean_radius, volume};
 use crate::sweep::Waiting;
 use crate::tessellation::{Tessellation, View, corners};
+use impactite_scene::error::parameter;
 
 /// Where the masses of particles come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,12 +70,14 @@ pub struct Pcmm<const D: usize, M> {
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
     pub(crate) every: u64,
-    pub(crate) time: f64,
-    pub(crate) steps: u64,
-    pub(crate) last: Option<f64>,
+    pub(crate) clock: Clock,
+    pub(crate) name: String,
     /// Largest wave speed over altitude, or speed over diameter, 1/s.
     pub(crate) rate: f64,
-    pub(crate) given: Given,
+    /// What boundaries and the body force gave to the particles.
+    pub(crate) exchange: Exchange,
+    watcher: Watcher,
+    stopped_by: Option<StepError>,
     pub(crate) audit: Audit,
     /// Memory of each thread for elements on their way through their law.
     pub(crate) waiting: Arc<Vec<Mutex<Waiting>>>,
@@ -197,15 +206,16 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             team: Team::one(),
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
             every: 1,
-            time: 0.0,
-            steps: 0,
-            last: None,
+            clock: Clock::default(),
+            name: BODY.into(),
             rate: 0.0,
-            given: Given::default(),
+            exchange: Exchange::default(),
+            watcher: Watcher::default(),
+            stopped_by: None,
             audit: Audit::default(),
             waiting: Arc::new(vec![Mutex::default()]),
         };
-        solver.first_elements();
+        solver.first_elements()?;
         solver.weigh(masses, &packing.volumes)?;
         for p in &solver.particles {
             let square: f64 = p.velocity.iter().map(|v| v * v).sum();
@@ -216,9 +226,12 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     }
 
     /// Virgin elements, at reference density.
-    fn first_elements(&mut self) {
+    fn first_elements(&mut self) -> Result<(), SceneError> {
         let none = Incidence::of_elements(&[], self.particles.len());
         self.neighbours.update(&self.particles, &self.team);
+        if let Some(refused) = self.neighbours.refused() {
+            return Err(SceneError::Search(refused.clone()));
+        }
         let view = View {
             particles: &self.particles,
             neighbours: &self.neighbours,
@@ -234,6 +247,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         let states = self.virgin.repeat(reference.len());
         self.elements = Elements::assemble(nodes, reference, &states, &self.virgin, self.particles.len());
         self.make_room();
+        Ok(())
     }
 
     /// Masses of particles, and reference volumes of elements that go with them.
@@ -271,7 +285,9 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         for (n, p) in self.particles.iter_mut().enumerate() {
             p.mass = density * covered[n];
             if !(p.mass > 0.0 && p.mass.is_finite()) {
-                return Err(SceneError::NoMass { particle: n, position: p.position.to_vec() });
+                let why = "it belongs to no element; widen the tolerance of contact or give volumes";
+                let (body, position) = (BODY.into(), p.position.to_vec());
+                return Err(SceneError::NoMass { body, particle: n, position, why });
             }
         }
         Ok(())
@@ -287,6 +303,21 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             let weight = |n| incidence.of(n).iter().map(|&at| reference[at as usize / (D + 1)]).sum::<f64>();
             self.weights = (0..self.particles.len()).map(weight).collect();
         }
+    }
+
+    /// Call the body so, in messages and files.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    pub fn set_watch(&mut self, watch: Watch) {
+        if let Some(StepError { what: Stopped::Watch(_), .. }) = self.stopped_by {
+            self.stopped_by = None;
+        }
+        self.watcher.set(watch);
     }
 
     /// Run on these threads. Results are the same bits for any number. Below [`SMALL`] particles one thread is faster
@@ -319,10 +350,12 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     /// Add a condition: a wall keeps the centres of particles in front of it and only pushes; a plane of symmetry takes
     /// the velocity across it from particles on it; fixed and prescribed velocities hold for the particles that are
-    /// then behind the plane, or in the region. Conditions act in the order they were added.
+    /// then behind the plane, or in the region; a rough wall rubs on what it pushes; an absorbing plane or a condition of one's own acts
+    /// on the particles whose surface is there up to half a radius, of which it takes `depth` for the thickness. Conditions act in the order they were added.
     ///
     /// # Errors
-    /// An axis that is not there, a position or velocity that is not finite.
+    /// An axis that is not there, a position or velocity that is not finite, numbers that a condition refuses; periodic planes, which
+    /// particles do not know.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         check(&boundary)?;
         self.boundaries.push(boundary);
@@ -396,15 +429,11 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     }
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
-        self.time
+        self.clock.time
     }
     /// Steps made.
     pub fn steps(&self) -> u64 {
-        self.steps
-    }
-    /// What boundaries gave to the particles since the start.
-    pub fn given(&self) -> Given {
-        self.given
+        self.clock.steps
     }
     /// What revisions did since the start.
     pub fn audit(&self) -> &Audit {
@@ -414,11 +443,184 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     pub fn searches(&self) -> u64 {
         self.neighbours.searches()
     }
-    /// Bytes of memory, by its own count.
-    pub fn bytes(&self) -> usize {
-        self.elements.bytes()
-            + self.particles.len() * size_of::<Particle<D>>()
-            + self.forces.capacity() * size_of::<[f64; D]>()
-            + self.memory.capacity() * size_of::<f64>()
+
+    /// What the body is made of and what changes in a run, to a file or from one: as [`Solver::archive`], but for the watch.
+    pub(crate) fn archive_body(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let name = self.name.clone();
+        let of = |what: &str| format!("{what} of body `{name}`");
+        file.same(&of("method"), &self.method.describe())?;
+        file.same(&of("tessellation"), &format!("{:?}", self.method.tessellation()))?;
+        file.same(&of("law"), self.material.name())?;
+        file.same(&of("constants of the law"), &self.material.constants())?;
+        file.same(&of("number of particles"), &self.particles.len().to_string())?;
+        file.same(&of("steps between revisions"), &self.every.to_string())?;
+        self.clock.archive(file)?;
+        let times = [0.0, self.clock.time];
+        let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
+        file.same(&of("body force"), &force.unwrap_or_default())?;
+        file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
+        for (n, boundary) in self.boundaries.iter().enumerate() {
+            file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
+        }
+        for Particle { position, velocity, mass, radius } in &mut self.particles {
+            file.reals(position.iter_mut().chain(velocity).chain([mass, radius]))?;
+        }
+        self.archive_elements(file)?;
+        file.reals(&mut self.memory)?;
+        file.list(&mut self.stores, &[0.0; 2], |file, store| file.reals(store))?;
+        file.reals([&mut self.rate, &mut self.surface])?;
+        self.exchange.archive(file)?;
+        self.audit.archive(file)
+    }
+
+    fn archive_elements(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let particles = self.particles.len();
+        let mut nodes = self.elements.nodes.clone();
+        let mut reference = self.elements.reference.clone();
+        file.list(&mut nodes, &0, |file, n| file.index(n, particles))?;
+        file.list(&mut reference, &0.0, Archive::real)?;
+        if nodes.len() != reference.len() * (D + 1) {
+            return Err(file.damaged("elements without corners"));
+        }
+        let numbers = self.virgin.len();
+        let mut states = vec![0.0; reference.len() * numbers];
+        if file.reads() {
+            file.reals(&mut states)?;
+            self.elements = Elements::assemble(nodes, reference, &states, &self.virgin, particles);
+            self.make_room();
+            self.neighbours.forget();
+        } else {
+            for (e, state) in states.chunks_exact_mut(numbers).enumerate() {
+                self.elements.read(e, state);
+            }
+            file.reals(&mut states)?;
+        }
+        file.reals(self.forces.iter_mut().flatten())
+    }
+
+    /// The speed that a particle or a wave crosses half a particle with in a Courant step, m/s.
+    pub(crate) fn speed(&self) -> f64 {
+        let smallest = self.particles.iter().fold(f64::INFINITY, |m, p| m.min(p.radius));
+        self.rate * 2.0 * smallest
+    }
+
+    fn look(&mut self) -> Result<(), StepError> {
+        let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
+        let at = look_at(&clock, &exchange, self.speed());
+        let bodies: [&dyn Body; 1] = [self];
+        let (broken, gain) = (broken(&bodies), gain(&bodies));
+        let mut watcher = std::mem::take(&mut self.watcher);
+        let looked = watcher.look(&totals, M::Embedding::HOOP, &at, || broken, gain);
+        self.watcher = watcher;
+        looked
+    }
+
+    fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
+        let dt = self.clock.step_within(self.next_time_step(), left)?;
+        let (time, force) = (self.clock.time, self.body_force.as_ref());
+        let checked = check_conditions(force, &self.boundaries, time, dt);
+        checked.map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
+        if self.watcher.opens() {
+            let (totals, exchange) = (self.totals(), Solver::exchange(self));
+            self.watcher.open(self.clock.steps, &totals, &exchange, M::Embedding::HOOP);
+        }
+        self.step(dt)?;
+        if self.watcher.due(self.clock.steps).is_some() {
+            self.look()?;
+        }
+        Ok(dt)
+    }
+}
+
+/// What a look at particles sees beside the balance.
+pub(crate) fn look_at<'a>(clock: &'a Clock, exchange: &'a Exchange, speed: f64) -> Look<'a> {
+    let loss = "by contacts that closed, the printed volumes of elements, or elements that were made anew; what keeps more: \
+                `Method::consistent`, and smaller particles";
+    Look { clock, exchange, rounding: f64::EPSILON, speed, energy: true, loss }
+}
+
+/// The body with a number that is not finite.
+pub(crate) fn broken(bodies: &[&dyn Body]) -> String {
+    let broken = bodies.iter().find(|b| !b.totals().is_finite());
+    broken.map(|b| b.name().to_string()).unwrap_or_default()
+}
+
+/// What is said of an energy gain: it is most likely where the fastest particle is.
+pub(crate) fn gain(bodies: &[&dyn Body]) -> impl FnOnce(f64, f64) -> Finding + use<> {
+    let (mut fastest, mut position, mut body) = (-1.0, [0.0; 3], String::new());
+    for one in bodies {
+        one.for_each(&mut |p| {
+            let square: f64 = p.velocity.iter().map(|v| v * v).sum();
+            if square > fastest {
+                (fastest, position) = (square, p.position);
+                body = one.name().to_string();
+            }
+        });
+    }
+    let cause = GainCause::Other(
+        "the particles there are the fastest; take `Method::consistent`, a smaller Courant factor, or revise more often",
+    );
+    move |share, joules| Finding::EnergyGain { share, joules, body, position, cause }
+}
+
+/// A body alone.
+impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
+    fn method(&self) -> String {
+        format!("particle-contact method: {}", self.method.describe())
+    }
+    fn dimensions(&self) -> usize {
+        D
+    }
+    fn axisymmetric(&self) -> bool {
+        M::Embedding::HOOP
+    }
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
+    }
+    fn stable_step(&mut self) -> Result<f64, StepError> {
+        Ok(self.next_time_step())
+    }
+    fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
+        if let Some(error) = &self.stopped_by {
+            return Err(error.clone());
+        }
+        let made = self.make_step(left);
+        // What the clock refuses does not stop the run.
+        self.stopped_by = made.as_ref().err().filter(|e| !matches!(e.what, Stopped::Clock { .. })).cloned();
+        made
+    }
+    fn set_team(&mut self, team: Team) {
+        Pcmm::set_team(self, team);
+    }
+    fn bodies(&self) -> Vec<&dyn Body> {
+        vec![self]
+    }
+    /// What boundaries and the body force gave to the particles since the start, and what revisions made of nothing.
+    fn exchange(&self) -> Exchange {
+        Exchange { conversion: self.audit.energy_added(), ..self.exchange }
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.archive_body(file)?;
+        self.watcher.archive(file)
+    }
+    fn stopped_by(&self) -> Option<&StepError> {
+        self.stopped_by.as_ref()
+    }
+    fn look_at_the_end(&mut self) -> Result<(), StepError> {
+        if self.stopped_by.is_some() || !self.watcher.due_at_the_end(self.clock.steps) {
+            return Ok(());
+        }
+        let looked = self.look();
+        self.stopped_by = looked.as_ref().err().cloned();
+        looked
+    }
+    fn warnings(&self) -> &[Warning] {
+        self.watcher.warnings()
+    }
+    fn account(&self) -> Account {
+        self.watcher.account(&self.totals(), &Solver::exchange(self), M::Embedding::HOOP)
     }
 }

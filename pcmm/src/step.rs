@@ -1,10 +1,10 @@
 //! A step: the stages in the order of the flow chart of \[Feng2014\].
 
-use mpm_core::Boundary;
-use mpm_core::boundary::BodyForce;
-use mpm_materials::Breakdown;
+use impactite_scene::boundary::BodyForce;
+use impactite_scene::{Boundary, Cause, Exchange, PointKind, Solver, StepError, Stopped};
 
-use crate::boundary::{Given, constrain};
+use crate::boundary::constrain;
+use crate::contact::wide;
 use crate::elements::{BATCH, Batch, Elements, Incidence};
 use crate::kinematics::Dilatation;
 use crate::method::Composition;
@@ -16,72 +16,10 @@ use crate::tessellation::corners;
 /// Particles a task moves.
 const CHUNK: usize = 512;
 
-/// A step that could not be made. The solver must not be stepped on.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StepError {
-    /// An element's law broke down.
-    #[error(
-        "step {step}, t = {time:.6e} s: element {element} of particles {particles:?} at {position:?} m: \
-         law `{law}`: {cause}"
-    )]
-    Law {
-        /// The step.
-        step: u64,
-        /// Time at its end, s.
-        time: f64,
-        /// The element.
-        element: usize,
-        /// Its particles.
-        particles: Vec<u32>,
-        /// Its centroid, m.
-        position: Vec<f64>,
-        /// The law.
-        law: &'static str,
-        /// Why.
-        cause: Breakdown,
-    },
-    /// A particle's velocity is not a finite number.
-    #[error(
-        "step {step}, t = {time:.6e} s: particle {particle} at {position:?} m: its velocity {velocity:?} m/s is \
-         not finite"
-    )]
-    Velocity {
-        /// The step.
-        step: u64,
-        /// Time at its end, s.
-        time: f64,
-        /// The particle.
-        particle: usize,
-        /// Where it was, m.
-        position: Vec<f64>,
-        /// Its velocity, m/s.
-        velocity: Vec<f64>,
-    },
-    /// The time step has no finite, positive size.
-    #[error("step {step}, t = {time:.6e} s: a time step of {dt} s is not possible")]
-    TimeStep {
-        /// The step.
-        step: u64,
-        /// Time at its start, s.
-        time: f64,
-        /// The time step, s.
-        dt: f64,
-    },
-    /// An end that cannot be reached.
-    #[error("end = {end} s is not allowed; it must be finite and not before the time reached, {time} s")]
-    End {
-        /// The end given, s.
-        end: f64,
-        /// Simulated time, s.
-        time: f64,
-    },
-}
-
 /// What moving the particles of a chunk found.
 #[derive(Clone, Copy, Debug, Default)]
 struct Moved {
-    given: Given,
+    given: Exchange,
     /// Largest speed over diameter, 1/s.
     rate: f64,
     trouble: Option<usize>,
@@ -90,7 +28,7 @@ struct Moved {
 impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// One step of size `dt`. Forces are those of the elements as the last step left them, so the paper's cycle is
     /// entered at its step 11; its steps 1 to 10 follow on the new positions.
-    fn step(&mut self, dt: f64) -> Result<(), StepError> {
+    pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
         self.move_particles(dt)?;
         self.finish(dt)
     }
@@ -98,12 +36,10 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// Steps 1 to 10 on the new positions, and the revision when it is due.
     pub(crate) fn finish(&mut self, dt: f64) -> Result<(), StepError> {
         self.strain_elements(dt)?;
-        if (self.steps + 1).is_multiple_of(self.every) {
-            self.revise();
+        if (self.clock.steps + 1).is_multiple_of(self.every) {
+            self.revise()?;
         }
-        self.time += dt;
-        self.steps += 1;
-        self.last = Some(dt);
+        self.clock.advance(dt);
         Ok(())
     }
 
@@ -114,7 +50,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             motion.accelerate(n, p);
             motion.advance(n, p, &start, found);
         });
-        self.take(&chunks, dt)
+        self.take(&chunks)
     }
 
     /// The first half of step 11: new velocities.
@@ -125,7 +61,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// Its second half: boundaries, new positions, of particles that had the velocities `start` before forces acted.
     pub(crate) fn advance(&mut self, dt: f64, start: &[[f64; D]]) -> Result<(), StepError> {
         let chunks = self.each_particle(dt, |motion, n, p, found| motion.advance(n, p, &start[n], found));
-        self.take(&chunks, dt)
+        self.take(&chunks)
     }
 
     fn each_particle(
@@ -137,8 +73,9 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             incidence: &self.elements.incidence,
             forces: &self.forces,
             boundaries: &self.boundaries,
-            acceleration: self.body_force.as_ref().map_or([0.0; D], |f: &BodyForce<D>| f(self.time)),
-            time: self.time,
+            acceleration: self.body_force.as_ref().map_or([0.0; D], |f: &BodyForce<D>| f(self.clock.time)),
+            surface: self.surface,
+            time: self.clock.time,
             dt,
         };
         let mut chunks = vec![Moved::default(); self.particles.len().div_ceil(CHUNK)];
@@ -151,20 +88,15 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     }
 
     /// What moving the particles found.
-    fn take(&mut self, chunks: &[Moved], dt: f64) -> Result<(), StepError> {
+    fn take(&mut self, chunks: &[Moved]) -> Result<(), StepError> {
         self.rate = 0.0;
         for found in chunks {
-            self.given = self.given.plus(&found.given);
+            self.exchange.add(&found.given);
             self.rate = self.rate.max(found.rate);
             if let Some(particle) = found.trouble {
                 let p = &self.particles[particle];
-                return Err(StepError::Velocity {
-                    step: self.steps,
-                    time: self.time + dt,
-                    particle,
-                    position: p.position.to_vec(),
-                    velocity: p.velocity.to_vec(),
-                });
+                let position = wide(&p.position);
+                return Err(self.broken(PointKind::Particle, particle, position, Cause::Velocity));
             }
         }
         Ok(())
@@ -176,12 +108,12 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             self.sweep(Pass::Stretch, dt);
             self.average();
             self.sweep(Pass::Stress, dt);
-            self.sound(dt)?;
+            self.sound()?;
             self.average();
             self.sweep(Pass::Force, dt);
         } else {
             self.sweep(Pass::Stress, dt);
-            self.sound(dt)?;
+            self.sound()?;
         }
         self.take_rates();
         Ok(())
@@ -204,25 +136,26 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     }
 
     /// The first element whose law broke down, if any.
-    fn sound(&self, dt: f64) -> Result<(), StepError> {
+    fn sound(&self) -> Result<(), StepError> {
         for (b, batch) in self.elements.batches.iter().enumerate() {
             if let Some((at, cause)) = batch.report.trouble {
                 let element = b * BATCH + at;
                 let nodes = &self.elements.nodes[element * (D + 1)..(element + 1) * (D + 1)];
                 let x = corners(&self.particles, nodes);
-                let centre = |d: usize| x[..=D].iter().map(|c| c[d]).sum::<f64>() / (D + 1) as f64;
-                return Err(StepError::Law {
-                    step: self.steps,
-                    time: self.time + dt,
-                    element,
-                    particles: nodes.to_vec(),
-                    position: (0..D).map(centre).collect(),
-                    law: self.material.name(),
-                    cause,
-                });
+                let mut centre = [0.0; 3];
+                for d in 0..D {
+                    centre[d] = x[..=D].iter().map(|c| c[d]).sum::<f64>() / (D + 1) as f64;
+                }
+                return Err(self.broken(PointKind::Element, element, centre, Cause::Law(cause)));
             }
         }
         Ok(())
+    }
+
+    /// What stops the body at one of its points.
+    fn broken(&self, kind: PointKind, number: usize, position: [f64; 3], cause: Cause) -> StepError {
+        let (body, law) = (self.name.clone(), self.material.name());
+        self.clock.stopped(Stopped::Point { kind, body, number, position, law, cause })
     }
 
     /// One pass over all elements.
@@ -265,54 +198,15 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     /// The size of the next step by the time control, s.
     pub fn next_time_step(&self) -> f64 {
-        self.control.next(self.rate, self.last)
-    }
-
-    /// One step, not beyond `end` (s). The last two steps before it share what is left.
-    ///
-    /// # Errors
-    /// An end before the time reached, an element whose law breaks down, a velocity that is not finite.
-    pub fn step_towards(&mut self, end: f64) -> Result<(), StepError> {
-        let left = end - self.time;
-        if !(left >= 0.0 && end.is_finite()) {
-            return Err(StepError::End { end, time: self.time });
-        }
-        let dt = self.next_time_step();
-        // Without elements and motion nothing limits the step. Rounding must not leave a last step of nothing.
-        let dt = if dt >= left * (1.0 - 1e-9) { left } else { dt.min(0.5 * left) };
-        if !(dt >= 0.0 && dt.is_finite()) {
-            return Err(StepError::TimeStep { step: self.steps, time: self.time, dt });
-        }
-        if dt > 0.0 {
-            self.step(dt)?;
-        }
-        if dt == left {
-            self.time = end;
-        }
-        Ok(())
+        self.control.next(self.rate, self.clock.last)
     }
 
     /// Step until `end` (s), which is met exactly.
     ///
     /// # Errors
-    /// As [`Pcmm::step_towards`].
+    /// As [`Solver::run_until`].
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
-        if !(end.is_finite() && end >= self.time) {
-            return Err(StepError::End { end, time: self.time });
-        }
-        while self.time < end {
-            let before = self.time;
-            self.step_towards(end)?;
-            // Such a step would be made for ever.
-            if self.time == before {
-                return Err(StepError::TimeStep {
-                    step: self.steps,
-                    time: self.time,
-                    dt: self.next_time_step(),
-                });
-            }
-        }
-        Ok(())
+        Solver::run_until(self, end)
     }
 }
 
@@ -322,6 +216,8 @@ struct Motion<'a, const D: usize> {
     forces: &'a [[f64; D]],
     boundaries: &'a [Boundary<D>],
     acceleration: [f64; D],
+    /// How far the surface lies beyond centres, in radii.
+    surface: f64,
     time: f64,
     dt: f64,
 }
@@ -344,10 +240,13 @@ impl<const D: usize> Motion<'_, D> {
     #[inline]
     fn advance(&self, n: usize, p: &mut Particle<D>, start: &[f64; D], found: &mut Moved) {
         for boundary in self.boundaries {
-            constrain(boundary, p, start, self.time, self.dt, &mut found.given);
+            constrain(boundary, p, (start, self.surface), (self.time, self.dt), &mut found.given);
         }
         let mut square = 0.0;
         for d in 0..D {
+            let impulse = self.dt * p.mass * self.acceleration[d];
+            found.given.load[d] += impulse;
+            found.given.work += impulse * 0.5 * (start[d] + p.velocity[d]);
             p.position[d] += self.dt * p.velocity[d];
             square += p.velocity[d] * p.velocity[d];
         }

@@ -2,8 +2,8 @@
 
 use std::marker::PhantomData;
 
-use mpm_core::Embedding;
-use mpm_core::parallel::{Arch, Float, Kernel, Pack, Vectors};
+use impactite_scene::Embedding;
+use impactite_simd::{Arch, Float, Kernel, Pack, Vectors};
 use mpm_materials::material::{Deformation, Length, Material, Motion, Response, States, StatesMut};
 use mpm_materials::{Breakdown, Lane, Mask, Mat3, Sym3};
 

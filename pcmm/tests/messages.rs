@@ -7,15 +7,15 @@ use std::time::SystemTime;
 
 /// A body in line 7, and what is done with it.
 const PROGRAM: &str = r#"#![allow(unused)]
-use mpm_core::{Axisymmetric, FullSpace, PlaneStrain};
+use impactite_scene::{Axisymmetric, FullSpace, PlaneStrain};
 use mpm_materials::NeoHookean;
 use pcmm::*;
 fn run(law: NeoHookean<f64>, packing: &Packing<$dimensions>, delaunay: LocalDelaunay) -> Result<(), Box<dyn std::error::Error>> {
     let method = Method::consistent($space, delaunay);
     let mut bar = Pcmm::new(method, law, packing, |_| [0.0; $dimensions], Masses::FromElements)?;
-    bar.set_time_control(mpm_core::TimeControl::Fixed(1.0))?;
+    bar.set_time_control(impactite_scene::TimeControl::Fixed(1.0))?;
     bar.run_until(1.0)?;
-    println!("{:?}", bar.given());
+    println!("{:?}", bar.audit());
     Ok(())
 }
 "#;
@@ -43,7 +43,7 @@ fn checked(space: &str, dimensions: usize) -> String {
     std::fs::write(&source, program).expect("written");
     let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
     rustc.args(["--edition=2024", "--crate-type=lib", "--emit=metadata", "--color=never"]);
-    for name in ["mpm_core", "mpm_materials", "pcmm"] {
+    for name in ["impactite_scene", "mpm_materials", "pcmm"] {
         rustc.arg("--extern").arg(format!("{name}={}", library(folder, name).display()));
     }
     rustc.arg("-L").arg(format!("dependency={}", folder.display()));

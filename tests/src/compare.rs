@@ -2,7 +2,7 @@
 
 use mpm_core::parallel::Float;
 use mpm_core::{
-    BlockGrid, Composition, Dilatation, Frame, GridStorage, IntoKernels, Mpm, OneField, Particle,
+    BlockGrid, Composition, Dilatation, Frame, GridStorage, IntoKernels, Mpm, OneField, PointView,
     ShapeFunction, TimeControl, Watch,
 };
 use mpm_materials::{Constitutive, IntoMaterial};
@@ -11,10 +11,10 @@ use crate::reference::{Order, Point, Reference, Rule};
 use crate::scene::{Scene, YOUNG};
 
 /// All particles of all bodies, by body and number.
-pub fn particles<T: Float, const D: usize>(mpm: &Mpm<D, T>) -> Vec<Vec<Particle>> {
+pub fn particles<T: Float, const D: usize>(mpm: &Mpm<D, T>) -> Vec<Vec<PointView>> {
     let mut bodies = Vec::new();
     for body in mpm.bodies() {
-        let list = body.particles();
+        let list = body.points();
         for (n, p) in list.iter().enumerate() {
             assert_eq!(p.number, n, "particle numbers of body `{}` have a gap or a repetition", body.name());
         }
@@ -94,7 +94,7 @@ pub fn plain<const D: usize, S: ShapeFunction<f64, D>>(
 
 /// How far the two are apart.
 pub fn difference<const D: usize>(
-    fast: &[Vec<Particle>],
+    fast: &[Vec<PointView>],
     plain: &[Point<D>],
     stresses: &[[f64; 6]],
     spacing: f64,

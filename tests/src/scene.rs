@@ -190,7 +190,39 @@ pub fn bar<const D: usize>() -> Scene<D> {
     }
 }
 
-/// The same seen from a moving train: bar and wall fall at 3 m/s more.
+/// A block that slides and tumbles over a rough floor, which moves, into a rough wall.
+pub fn slide<const D: usize>() -> Scene<D> {
+    let lattice = lattice::<D>();
+    let cells = if D == 2 { [5; D] } else { [3; D] };
+    let seeds = block(&lattice, [1; D], cells, 2, 0.5);
+    let (c, corner) = (wave_speed(), lattice.node([1; D]));
+    let velocity = move |x: [f64; D]| {
+        let mut v = [0.0; D];
+        v[0] = c * (-0.1 + 0.5 * (x[D - 1] - corner[D - 1]));
+        v[D - 1] = c * (-0.1 - 0.3 * (x[0] - corner[0]));
+        v
+    };
+    let mut moving = [0.0; D];
+    (moving[0], moving[D - 1]) = (0.03 * c, 0.01 * c);
+    let rough = |axis, velocity, friction| {
+        let at = corner[axis] - 0.013;
+        Boundary::FrictionWall { axis, at, side: Side::Above, velocity, friction }
+    };
+    let mut gravity = [0.0; D];
+    (gravity[0], gravity[D - 1]) = (-0.2, -0.8);
+    Scene {
+        name: "slide",
+        lattice,
+        bodies: vec![(seeds, Box::new(velocity))],
+        boundaries: vec![rough(D - 1, moving, 0.4), rough(0, [0.0; D], 0.7)],
+        gravity,
+        dt: 0.2 * 0.1 / c,
+        steps: 60,
+        space: Space::Cartesian,
+    }
+}
+
+/// The bar seen from a moving train: bar and wall fall at 3 m/s more.
 pub fn train<const D: usize>() -> Scene<D> {
     let mut scene = bar::<D>();
     scene.name = "train";

@@ -6,15 +6,15 @@ use std::sync::Arc;
 use impactite_tests::compare::{fast, particles, surround};
 use impactite_tests::scene::{self, block, lattice, metal, rubber, wave_speed};
 use mpm_core::geometry::{Ball, Filling, Lattice, fill};
-use mpm_core::step::{Contact, SceneError};
 use mpm_core::{
     Apic, Blend, BlockGrid, Composition, Deformable, Flip, FullSpace, GridStorage, IntoKernels, Linear,
-    Method, Mpm, Musl, OneField, Particle, PlaneStrain, QuadraticBSpline, Usl,
+    Method, Mpm, Musl, OneField, PlaneStrain, PointView, QuadraticBSpline, Usl,
 };
+use mpm_core::{Contact, SceneError};
 use mpm_materials::{Constitutive, IntoMaterial, JohnsonCook, Material, MieGruneisen, Solid, library};
 
 /// Particles of the block of the scene `flow`, after its steps, of a law with this speed of sound.
-fn flown<const D: usize, M, C>(method: M, law: C, sound: f64, inlined: bool) -> Vec<Particle>
+fn flown<const D: usize, M, C>(method: M, law: C, sound: f64, inlined: bool) -> Vec<PointView>
 where
     M: Composition<f64, D> + IntoKernels<f64, D>,
     C: Constitutive<f64> + IntoMaterial<f64, Law = C>,
@@ -37,7 +37,7 @@ where
     particles(&mpm).remove(0)
 }
 
-fn bits(particles: &[Particle]) -> Vec<u64> {
+fn bits(particles: &[PointView]) -> Vec<u64> {
     let mut list = vec![];
     for p in particles {
         let numbers = p.position.iter().chain(&p.velocity).chain(&p.stress).chain(&p.state);
@@ -47,7 +47,7 @@ fn bits(particles: &[Particle]) -> Vec<u64> {
 }
 
 /// The largest stress of any component.
-fn strongest(particles: &[Particle]) -> f64 {
+fn strongest(particles: &[PointView]) -> f64 {
     particles.iter().flat_map(|p| p.stress).fold(0.0, |most, s| most.max(s.abs()))
 }
 

@@ -27,13 +27,13 @@ macro_rules! table {
 }
 
 table! {
-    linear_flip_musl: Linear, Flip, Rule::Flip, Musl, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    linear_flip_musl: Linear, Flip, Rule::Flip, Musl, [scene::flow(), scene::slide(), scene::bar(), scene::collision()], rubber();
     gimp_flip_usl: Gimp, Flip, Rule::Flip, Usl, .compiled(), [scene::flow(), scene::bar(), scene::collision()], metal();
     cpgimp_flip_usf: CpGimp, Flip, Rule::Flip, Usf, .compiled(), [scene::flow(), scene::bar()], rubber();
     cpdi_flip_usl: Cpdi, Flip, Rule::Flip, Usl, .compiled(), [scene::flow()], rubber();
     cpdi2_flip_musl: Cpdi2, Flip, Rule::Flip, Musl, .compiled(), [scene::flow()], rubber();
-    quadratic_aflip_usl: QuadraticBSpline, Aflip::default(), Rule::Aflip(0.01), Usl, [scene::flow(), scene::bar()], metal();
-    quadratic_mls_usl: QuadraticBSpline, Mls, Rule::Mls, Usl, [scene::flow(), scene::bar(), scene::collision()], rubber();
+    quadratic_aflip_usl: QuadraticBSpline, Aflip::default(), Rule::Aflip(0.01), Usl, [scene::flow(), scene::slide(), scene::bar()], metal();
+    quadratic_mls_usl: QuadraticBSpline, Mls, Rule::Mls, Usl, [scene::flow(), scene::slide(), scene::bar(), scene::collision()], rubber();
     quadratic_fmpm2_usl: QuadraticBSpline, Fmpm::<2>, Rule::Fmpm(2), Usl, .compiled(), [scene::flow(), scene::bar()], metal();
-    cubic_apic_usf: CubicBSpline, Apic, Rule::Apic, Usf, .compiled(), [scene::flow(), scene::bar()], rubber();
+    cubic_apic_usf: CubicBSpline, Apic, Rule::Apic, Usf, .compiled(), [scene::flow(), scene::slide(), scene::bar()], rubber();
 }

@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use examples::throughput::lattice_points;
 use examples::{CaseError, Ogive};
-use mpm_contact::{Coulomb, Gradients, GridContact, Pairs, SurfaceDistance};
+use mpm_contact::{Coulomb, Gradients, Pairs, SurfaceDistance};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
-    BlockGrid, Boundary, Contact, DenseGrid, Flip, FullSpace, GridStorage, IntoKernels, Linear, Method, Mpm,
-    Musl, Side, TimeControl,
+    BlockGrid, Boundary, Contact, DenseGrid, Flip, FullSpace, GridContact, GridStorage, IntoKernels, Linear,
+    Method, Mpm, Musl, Side, TimeControl,
 };
 use mpm_materials::{IntoMaterial, LinearElastic, Moduli, library};
 

@@ -4,7 +4,8 @@
 use std::time::Instant;
 
 use clap::Parser;
-use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
+use mpm_core::Solver as _;
+use mpm_core::geometry::{Ball, Compose, Cuboid, Filling, Lattice, fill};
 use mpm_core::{Axisymmetric, Boundary, PlaneStrain, Side, Team, TimeControl};
 use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid, TensilePressure, library};
 use pcmm::{Composition, LocalDelaunay, Masses, Method, Neighbours, Packing, Pcmm};
@@ -85,7 +86,7 @@ fn measure<M: Composition<2>>(
             lists.update(body.particles(), &team);
             searches += clock.elapsed().as_secs_f64();
             let clock = Instant::now();
-            body.revise();
+            body.revise()?;
             revisions += clock.elapsed().as_secs_f64();
         }
     }

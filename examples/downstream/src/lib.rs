@@ -1,8 +1,9 @@
-//! A law and a shape function that the framework does not have.
+//! A law, a shape function and a method that the framework does not have.
 //!
 //! Kernels of both are compiled here, and so not again with every change of a program that has them.
 
 pub mod choose;
+pub mod peridynamics;
 pub mod tent;
 pub mod viscoelastic;
 

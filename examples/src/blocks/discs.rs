@@ -4,10 +4,10 @@ use std::path::Path;
 
 use mpm_core::geometry::Lattice;
 use mpm_core::output::Snapshot;
-use mpm_core::{BlockGrid, IntoKernels, Mpm};
+use mpm_core::{Archive, BlockGrid, CheckpointError, IntoKernels, Mpm, Solver};
 
 use crate::blocks::circles::{Part, disc};
-use crate::blocks::scene::{Asked, Watch, rubber, run, velocity, wave};
+use crate::blocks::scene::{Seen, Task, Watch, rubber, run, velocity, wave};
 use crate::{CaseError, Detection, Law, Totals};
 
 /// Radius, m.
@@ -45,9 +45,10 @@ pub fn touch() -> f64 {
 pub fn collide<M: IntoKernels<f64, 2>>(
     method: M,
     h: f64,
-    asked: Asked,
+    task: impl Into<Task>,
     frames: Option<(&Path, &str)>,
 ) -> Result<Collision, CaseError> {
+    let Task { asked, simulation } = task.into();
     let lattice = Lattice::new([0.0; 2], h)?;
     let best = (Detection::Plane, Law::Penalty);
     let contact = asked.touch(0.0, best, [wave(1000.0, 1000.0, 0.3), h])?;
@@ -56,15 +57,30 @@ pub fn collide<M: IntoKernels<f64, 2>>(
         let seeds = disc([at; 2], RADIUS, 0.5 * h, Part::Whole);
         mpm.add(name, rubber(1000.0, 1000.0, 0.3, 0.0)?, &seeds, |_| [v; 2])?;
     }
-    let (mut onset, mut before, mut rows) = (f64::NAN, 0.0, Vec::new());
+    let mut history = History { onset: f64::NAN, before: 0.0, rows: Vec::new() };
     let watch = Watch { series: frames, ..Watch::STEPS };
-    let totals = run(&mut mpm, END, watch, |now| {
-        if onset.is_nan() && now.contacts().iter().any(|p| p.nodes > 0) {
-            onset = before;
+    let totals = run(&mut mpm, END, watch, simulation, &mut history, |seen, now| {
+        if seen.onset.is_nan() && now.contacts().iter().any(|p| p.places > 0) {
+            seen.onset = seen.before;
         }
-        before = now.time();
+        seen.before = now.time();
         let t = now.totals();
-        rows.push([now.time(), t.kinetic, t.internal, velocity(now, 0)[0]]);
+        seen.rows.push([now.time(), t.kinetic, t.internal, velocity(now, 0)[0]]);
     })?;
+    let History { rows, onset, .. } = history;
     Ok(Collision { rows, end: mpm.snapshot()?, onset, totals })
+}
+
+/// As in [`Collision`], and the time of the step before, s.
+struct History {
+    onset: f64,
+    before: f64,
+    rows: Vec<[f64; 4]>,
+}
+
+impl Seen for History {
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.reals([&mut self.onset, &mut self.before])?;
+        file.list(&mut self.rows, &[0.0; 4], |file, row| file.reals(row))
+    }
 }

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use mpm_core::geometry::Lattice;
-use mpm_core::observe::Moment;
-use mpm_core::{BlockGrid, Boundary, IntoKernels, Mpm, Side};
+use mpm_core::observe::RunView;
+use mpm_core::{Archive, BlockGrid, Boundary, CheckpointError, IntoKernels, Mpm, Side};
 
 use crate::blocks::circles::{Part, disc};
-use crate::blocks::scene::{Asked, Watch, rubber, run, wave};
+use crate::blocks::scene::{Seen, Task, Watch, rubber, run, wave};
 use crate::{CaseError, Detection, Law, Totals};
 
 /// Radius, m.
@@ -26,7 +26,7 @@ pub const CURVATURE: f64 = 0.5 * RADIUS;
 const NEAR_THE_TOP: f64 = 0.95;
 
 /// A moment of an impact.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     /// s.
     pub time: f64,
@@ -87,9 +87,10 @@ pub fn collide<M: IntoKernels<f64, 2>>(
     part: Part,
     h: f64,
     speed: f64,
-    asked: Asked,
+    task: impl Into<Task>,
     threads: usize,
 ) -> Result<(Vec<Row>, Totals), CaseError> {
+    let Task { asked, simulation } = task.into();
     let lattice = Lattice::new([0.0; 2], h)?;
     // Balls curve away from the nodes beside the contact: only what is on a node's own line counts.
     let best = (Detection::Plane, Law::Coulomb);
@@ -105,30 +106,46 @@ pub fn collide<M: IntoKernels<f64, 2>>(
     // Half a plane, or a radian of the whole; the square of the width over the second moment of Hertz's pressure.
     let (whole, square) = if part == Part::Ball { (2.0 * PI, 2.5) } else { (2.0, 4.0) };
     let end = 1.1 * duration(part, speed);
-    let (mut start, mut rows) = (f64::NAN, Vec::new());
+    let mut history = History { start: f64::NAN, rows: Vec::new() };
     let watch = Watch { every: end / 400.0, threads, series: None };
-    let totals = run(&mut mpm, end, watch, |now| {
+    let totals = run(&mut mpm, end, watch, simulation, &mut history, |seen, now| {
         let apart = centre(now, 1) - centre(now, 0);
-        if start.is_nan() {
-            start = apart;
+        if seen.start.is_nan() {
+            seen.start = apart;
         }
         let (mut sum, mut second) = (0.0, 0.0);
-        for node in now.contact_nodes() {
+        for node in now.contact_points() {
             let (x, impulse) = (node.position[0], node.impulse[1]);
             sum += impulse;
             second += impulse * x * x;
         }
         // Quadratic splines add a quarter of a cell squared to the second moment of what they spread.
         let spread = (second / sum - 0.25 * h * h).max(0.0);
-        rows.push(Row {
+        seen.rows.push(Row {
             time: now.time(),
-            approach: start - apart,
+            approach: seen.start - apart,
             force: whole * now.contacts().iter().map(|p| p.force[1]).sum::<f64>(),
             width: (square * spread).sqrt(),
             momentum: (now.totals().momentum[1] / now.totals().momentum_scale).abs(),
         });
     })?;
-    Ok((rows, totals))
+    Ok((history.rows, totals))
+}
+
+/// Distance of the centres of mass at the start, m, and what came after.
+struct History {
+    start: f64,
+    rows: Vec<Row>,
+}
+
+impl Seen for History {
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.real(&mut self.start)?;
+        file.list(&mut self.rows, &Row::default(), |file, row| {
+            let Row { time, approach, force, width, momentum } = row;
+            file.reals([time, approach, force, width, momentum])
+        })
+    }
 }
 
 /// How long bodies stay in contact, s: balls after Hertz, cylinders by a bound found in runs.
@@ -144,7 +161,7 @@ fn duration(part: Part, speed: f64) -> f64 {
 }
 
 /// Height of a body's centre of mass, m.
-fn centre(now: &Moment<'_, f64, 2>, body: usize) -> f64 {
+fn centre(now: &RunView<'_>, body: usize) -> f64 {
     let (mut sum, mut mass) = (0.0, 0.0);
     if let Some(body) = now.bodies().get(body) {
         body.for_each(&mut |p| {

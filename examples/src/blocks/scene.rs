@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use mpm_contact::{Gradients, GridContact};
-use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, VtkSeries};
-use mpm_core::{Mpm, Team};
+use mpm_contact::Gradients;
+use mpm_core::GridContact;
+use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, RunView, VtkSeries};
+use mpm_core::{Archive, CheckpointError, Mpm, PointView, Team};
 use mpm_materials::{BulkViscosity, Elastic, HughesWinget, LinearDensity, NoFailure, Solid};
 
-use crate::{CaseError, Detection, Detector, Law, Totals};
+use crate::{CaseError, Detection, Detector, Law, Simulation, Totals};
 
 /// Linear elastic, with bulk viscosity.
 pub type Rubber = Solid<Elastic<f64>, LinearDensity<f64>, NoFailure, BulkViscosity<f64>, HughesWinget>;
@@ -47,6 +48,27 @@ impl Asked {
     }
 }
 
+/// What is asked of a scene, and the simulation of a case that it is: without checkpoints if it is none.
+pub struct Task {
+    /// What is asked.
+    pub asked: Asked,
+    /// What runs it.
+    pub simulation: Simulation,
+}
+
+impl Asked {
+    /// In this simulation.
+    pub fn in_simulation(self, simulation: Simulation) -> Task {
+        Task { asked: self, simulation }
+    }
+}
+
+impl From<Asked> for Task {
+    fn from(asked: Asked) -> Self {
+        asked.in_simulation(Simulation::alone())
+    }
+}
+
 /// Speed of pressure waves, m/s, from density, kg/m^3, Young's modulus, Pa, and Poisson's ratio.
 pub fn wave(density: f64, young: f64, poisson: f64) -> f64 {
     (young * (1.0 - poisson) / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) / density).sqrt()
@@ -68,46 +90,68 @@ impl Watch<'_> {
     pub const STEPS: Watch<'static> = Watch { every: 0.0, threads: 1, series: None };
 }
 
-/// Run until `end` (s) and look now and then.
-pub fn run(
+/// What is seen of a run.
+pub trait Seen {
+    /// To a checkpoint, or from one.
+    ///
+    /// # Errors
+    /// The file.
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
+}
+
+/// Run until `end` (s), look now and then, and keep what is `seen`.
+///
+/// # Errors
+/// A step that breaks, files that cannot be written.
+pub fn run<S: Seen>(
     mpm: &mut Mpm<2>,
     end: f64,
     watch: Watch<'_>,
-    look: impl FnMut(&Moment<'_, f64, 2>),
+    mut simulation: Simulation,
+    seen: &mut S,
+    look: impl FnMut(&mut S, &RunView<'_>),
 ) -> Result<Totals, CaseError> {
     mpm.set_team(Team::new(watch.threads)?);
     let mut ledger = Ledger::new(Pace::interval(end / 200.0)?);
     let pace = if watch.every > 0.0 { Pace::interval(watch.every)? } else { Pace::every_step() };
-    let mut eye = Eye(pace, look);
-    let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut eye];
+    let mut eye = Eye { pace, seen, look };
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut eye];
     let mut series;
     if let Some((folder, name)) = watch.series {
         series = VtkSeries::create(folder.join("paraview"), name, Pace::interval(end / 40.0)?)?;
         observers.push(&mut series);
     }
-    let summary = mpm.run_observed(end, &mut observers)?;
-    Ok(Totals::of(mpm, &summary, &ledger))
+    simulation.until(mpm, observers, end)?;
+    Ok(Totals::of(mpm, &simulation.summary(), &ledger))
 }
 
-struct Eye<F>(Pace, F);
-impl<F: FnMut(&Moment<'_, f64, 2>)> Observer<f64, 2> for Eye<F> {
+struct Eye<'a, S, F> {
+    pace: Pace,
+    seen: &'a mut S,
+    look: F,
+}
+
+impl<S: Seen, F: FnMut(&mut S, &RunView<'_>)> Observer for Eye<'_, S, F> {
     fn pace(&mut self) -> &mut Pace {
-        &mut self.0
+        &mut self.pace
     }
-    fn observe(&mut self, now: &Moment<'_, f64, 2>) -> Result<(), ObserveError> {
-        (self.1)(now);
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        (self.look)(self.seen, now);
         Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.seen.archive(file)
     }
 }
 
 /// Velocity of a body's centre of mass, m/s.
-pub fn velocity(now: &Moment<'_, f64, 2>, body: usize) -> [f64; 2] {
+pub fn velocity(now: &RunView<'_>, body: usize) -> [f64; 2] {
     let totals = now.bodies().get(body).map(|b| b.totals()).unwrap_or_default();
     [totals.momentum[0] / totals.mass, totals.momentum[1] / totals.mass]
 }
 
 /// Mean of something over the particles of all bodies that are in a range of x, m.
-pub fn mean(now: &Moment<'_, f64, 2>, range: [f64; 2], read: fn(&mpm_core::Particle) -> f64) -> f64 {
+pub fn mean(now: &RunView<'_>, range: [f64; 2], read: fn(&PointView) -> f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
     for body in now.bodies() {
         body.for_each(&mut |p| {

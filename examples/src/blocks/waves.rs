@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
-use mpm_core::observe::Moment;
-use mpm_core::{BlockGrid, Boundary, Deformable, IntoKernels, Mpm, Side, Traction};
+use mpm_core::observe::RunView;
+use mpm_core::{Archive, BlockGrid, Boundary, CheckpointError, Deformable, IntoKernels, Mpm, Side, Traction};
 
-use crate::blocks::scene::{Asked, Watch, mean, rubber, run, velocity};
+use crate::blocks::scene::{Asked, Seen, Task, Watch, mean, rubber, run, velocity};
 use crate::{CaseError, Detection, Law, Totals};
 
 /// Density, kg/m^3.
@@ -76,8 +76,9 @@ pub fn strike<M: IntoKernels<f64, 2>>(
     cells: u32,
     [ratio, second]: [f64; 2],
     viscosity: f64,
-    asked: Asked,
+    task: impl Into<Task>,
 ) -> Result<Struck, CaseError> {
+    let Task { asked, simulation } = task.into();
     let h = LENGTH / f64::from(cells);
     let (mut mpm, lattice) = strip(method, h, asked)?;
     let young = DENSITY * WAVE * WAVE;
@@ -88,27 +89,42 @@ pub fn strike<M: IntoKernels<f64, 2>>(
     let joint = SPEED * impedance[0] / (impedance[0] + impedance[1]);
     let stress = -impedance[1] * joint;
     let when = 0.8 * LENGTH / WAVE;
-    let (mut plateau, mut last, mut rows) = ([f64::NAN; 2], 0.0, Vec::new());
-    let (mut error, mut overshoot) = (f64::NAN, f64::NAN);
+    let mut history = History { plateau: [f64::NAN; 2], profile: [f64::NAN; 2], last: 0.0, rows: Vec::new() };
     let area = 2.0 * h;
-    let totals = run(&mut mpm, 3.5 * LENGTH / WAVE, Watch::STEPS, |now| {
+    let totals = run(&mut mpm, 3.5 * LENGTH / WAVE, Watch::STEPS, simulation, &mut history, |seen, now| {
         let force = now.contacts().iter().map(|p| p.force[0]).sum::<f64>() / area;
         if force > 0.5 * stress.abs() {
-            last = now.time();
+            seen.last = now.time();
         }
         if now.time() <= when {
             let near = [-0.4 * LENGTH, 0.4 * LENGTH];
-            plateau = [mean(now, near, |p| p.velocity[0]), mean(now, near, |p| p.stress[0])];
-        } else if error.is_nan() {
-            [error, overshoot] = profile(now, joint);
+            seen.plateau = [mean(now, near, |p| p.velocity[0]), mean(now, near, |p| p.stress[0])];
+        } else if seen.profile[0].is_nan() {
+            seen.profile = profile(now, joint);
         }
-        rows.push([now.time(), velocity(now, 0)[0], velocity(now, 1)[0], force]);
+        seen.rows.push([now.time(), velocity(now, 0)[0], velocity(now, 1)[0], force]);
     })?;
+    let History { plateau, profile: [error, overshoot], last, rows } = history;
     Ok(Struck { joint, stress, plateau, error, overshoot, last, rows, totals })
 }
 
+/// As in [`Struck`]; the profile is error and overshoot.
+struct History {
+    plateau: [f64; 2],
+    profile: [f64; 2],
+    last: f64,
+    rows: Vec<[f64; 4]>,
+}
+
+impl Seen for History {
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.reals(self.plateau.iter_mut().chain(&mut self.profile).chain([&mut self.last]))?;
+        file.list(&mut self.rows, &[0.0; 4], |file, row| file.reals(row))
+    }
+}
+
 /// Error and overshoot of the velocities, as of [`Struck`].
-fn profile(now: &Moment<'_, f64, 2>, joint: f64) -> [f64; 2] {
+fn profile(now: &RunView<'_>, joint: f64) -> [f64; 2] {
     // Waves run through the material; the first bar moved until then.
     let (way, t) = (WAVE * now.time(), now.time());
     let (mut off, mut volume, mut fastest) = (0.0, 0.0, 0.0_f64);
@@ -148,8 +164,9 @@ pub fn pressed<M: IntoKernels<f64, 2>>(
     cells: u32,
     joined: bool,
     pulse: f64,
-    asked: Asked,
+    task: impl Into<Task>,
 ) -> Result<(Vec<Row>, Totals), CaseError> {
+    let Task { asked, simulation } = task.into();
     let h = 0.5 * LENGTH / f64::from(cells / 2);
     let (mut mpm, lattice) = strip(method, h, asked)?;
     mpm.bound(Boundary::Fixed { axis: 0, at: LENGTH, side: Side::Below })?;
@@ -174,17 +191,25 @@ pub fn pressed<M: IntoKernels<f64, 2>>(
         mpm.add_body(Deformable::new("left", law()?, &piece(&lattice, 0.0, middle)?).with_traction(load))?;
         mpm.add("right", law()?, &piece(&lattice, middle, LENGTH)?, |_| [0.0; 2])?;
     }
-    let mut rows = Vec::new();
+    let mut history = Pulse(Vec::new());
     let end = RAMP + 1.15 * LENGTH / WAVE;
-    let totals = run(&mut mpm, end, Watch::STEPS, |now| {
+    let totals = run(&mut mpm, end, Watch::STEPS, simulation, &mut history, |seen, now| {
         if now.time() >= RAMP {
             let at = |x: f64| [x - 2.0 * h, x + 2.0 * h];
             let of = |x: f64| [mean(now, at(x), |p| p.velocity[0]), mean(now, at(x), |p| p.stress[0])];
             let (a, b) = (of(0.25 * LENGTH), of(0.75 * LENGTH));
-            rows.push([now.time() - RAMP, a[0], b[0], a[1], b[1]]);
+            seen.0.push([now.time() - RAMP, a[0], b[0], a[1], b[1]]);
         }
     })?;
-    Ok((rows, totals))
+    Ok((history.0, totals))
+}
+
+struct Pulse(Vec<Row>);
+
+impl Seen for Pulse {
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.0, &[0.0; 5], |file, row| file.reals(row))
+    }
 }
 
 /// The largest change of a column from where it starts, in the direction of `sign`.

@@ -1,6 +1,13 @@
 //! Where there is matter: the density of balls, what it hides, and the surface that it has.
 
-use super::particles::{Ball, dot3};
+use super::colour::Rgb;
+
+/// A particle to be drawn.
+pub(super) struct Ball {
+    pub(super) x: [f64; 3],
+    pub(super) radius: f64,
+    pub(super) colour: Rgb,
+}
 
 /// The density of balls on a coarse lattice.
 pub(super) struct Matter {
@@ -275,4 +282,8 @@ fn erode(kept: &mut [bool], stride: usize) {
         }
         start += stride;
     }
+}
+
+pub(super) fn dot3(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

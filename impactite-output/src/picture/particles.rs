@@ -10,7 +10,7 @@ use super::axis::{FAINT, INK, PAPER};
 use super::camera::{Camera, Cut, Mirror, dot, sub};
 use super::canvas::{Pen, Picture};
 use super::colour::{Rgb, hex};
-use super::matter::Matter;
+use super::matter::{Ball, Matter, dot3};
 use super::quantity::{Quantity, colours_of};
 
 /// A picture of particles in space, in colour by a field or by body.
@@ -307,13 +307,6 @@ fn revolved(snapshot: &Snapshot, degrees: f64, quantity: Option<&Quantity>) -> R
     Ok(turned)
 }
 
-/// A particle to be drawn.
-pub(super) struct Ball {
-    pub(super) x: [f64; 3],
-    pub(super) radius: f64,
-    colour: Rgb,
-}
-
 /// Samples a pixel side.
 const FINE: usize = 2;
 
@@ -561,10 +554,6 @@ fn shade(
             }
         }
     }
-}
-
-pub(super) fn dot3(a: [f32; 3], b: [f32; 3]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn normalised(a: [f32; 3]) -> [f32; 3] {

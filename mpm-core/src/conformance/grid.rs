@@ -10,8 +10,9 @@ use crate::grid::{BlockGrid, GridStorage, Node};
 use crate::method::Method;
 use crate::scheme::Usl;
 use crate::shape::QuadraticBSpline;
-use crate::step::{Mpm, Particle, Scalar, TimeControl};
+use crate::step::{Mpm, Scalar};
 use crate::transfer::Flip;
+use impactite_scene::{PointView, TimeControl};
 
 /// The grid keeps its contract: blocks it was asked for are found where `blocks` says they are, with 4^D nodes
 /// each, zero after a change, kept when nothing changes; and a scene gives the same bits as on a
@@ -23,7 +24,7 @@ pub fn grid<G, const D: usize>(make: impl Fn(Lattice<D>) -> G) -> Result<(), Bro
 where
     G: GridStorage<f64, D> + 'static,
     f64: Scalar<D>,
-    Embedded<D>: crate::embedding::Embedding<D>,
+    Embedded<D>: impactite_scene::embedding::Embedding<D>,
     QuadraticBSpline: crate::shape::ShapeFunction<f64, D>,
 {
     let name = std::any::type_name::<G>();
@@ -78,10 +79,10 @@ where
 /// The embedding of a plain scene in `D` dimensions.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Embedded<const D: usize>;
-impl crate::embedding::Embedding<2> for Embedded<2> {
+impl impactite_scene::embedding::Embedding<2> for Embedded<2> {
     const NAME: &'static str = "plane strain";
 }
-impl crate::embedding::Embedding<3> for Embedded<3> {
+impl impactite_scene::embedding::Embedding<3> for Embedded<3> {
     const NAME: &'static str = "3D";
 }
 
@@ -116,10 +117,10 @@ fn check_blocks<G: GridStorage<f64, D>, const D: usize>(
 }
 
 /// A block that flies through several blocks of nodes, with negative indices on its way.
-fn run<const D: usize>(name: &str, grid: Box<dyn GridStorage<f64, D>>) -> Result<Vec<Particle>, Broken>
+fn run<const D: usize>(name: &str, grid: Box<dyn GridStorage<f64, D>>) -> Result<Vec<PointView>, Broken>
 where
     f64: Scalar<D>,
-    Embedded<D>: crate::embedding::Embedding<D>,
+    Embedded<D>: impactite_scene::embedding::Embedding<D>,
     QuadraticBSpline: crate::shape::ShapeFunction<f64, D>,
 {
     let stop = |e: String| broken(name, "a run", e);
@@ -131,5 +132,5 @@ where
     for _ in 0..60 {
         mpm.step().map_err(|e| stop(e.to_string()))?;
     }
-    Ok(mpm.bodies()[0].particles())
+    Ok(mpm.bodies()[0].points())
 }

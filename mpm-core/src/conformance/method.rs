@@ -5,14 +5,16 @@ use mpm_materials::{Constitutive, Kinematics, Lane, LinearElastic, Moduli, Sym3,
 
 use super::{Broken, within};
 use crate::dim::Stencil;
-use crate::embedding::{Embedding, PlaneStrain};
 use crate::geometry::{Lattice, Seeds};
 use crate::grid::DenseGrid;
 use crate::method::{Composition, IntoKernels, Method};
+use crate::scheme::Allows;
 use crate::scheme::Usl;
 use crate::shape::{QuadraticBSpline, ShapeFunction, bin_centre, node_offset};
-use crate::step::{Mpm, TimeControl};
-use crate::transfer::{Allows, Suits, Transfer};
+use crate::step::Mpm;
+use crate::transfer::{Suits, Transfer};
+use impactite_scene::TimeControl;
+use impactite_scene::embedding::{Embedding, PlaneStrain};
 
 /// Young's modulus 1, density 1, Poisson's ratio 0.25, and a stress at rest.
 #[derive(Clone, Debug)]

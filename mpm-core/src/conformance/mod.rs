@@ -1,4 +1,4 @@
-//! What every shape function, transfer, grid and composed method must do, as tests that one line applies to
+//! What every shape function, transfer, grid, composed method and contact detector must do, as tests that one line applies to
 //! any of them, ours or yours. Behind the feature `conformance`.
 //!
 //! ```
@@ -10,10 +10,12 @@
 //! ```
 //! Each line becomes a `#[test]`. The functions can also be called; they return what was [`Broken`] first.
 
+mod contact;
 mod grid;
 mod method;
 mod shape;
 
+pub use contact::{detector, detector_and_law};
 pub use grid::grid;
 pub use method::{method, transfer};
 pub use shape::{affine_shape, convected, shape_function, smooth};

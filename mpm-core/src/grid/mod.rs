@@ -46,7 +46,7 @@ pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
     /// # Errors
     /// The first block that this grid cannot hold.
     fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid>;
-    /// Have `count` nodes, where bodies share blocks ([`crate::step::Contact`]): each has its own there, though not all
+    /// Have `count` nodes, where bodies share blocks ([`crate::Contact`]): each has its own there, though not all
     /// of the block's.
     fn arrange_nodes(&mut self, count: usize);
     /// Coordinates of the blocks, in the order of storage.
@@ -96,12 +96,4 @@ impl<T: Float, const D: usize> GridStorage<T, D> for Box<dyn GridStorage<T, D>> 
     }
 }
 
-/// A particle came to where the grid has no nodes.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("the grid has no block {coordinates:?}; {hint}")]
-pub struct OutsideGrid {
-    /// Coordinates of the block, in units of four cells.
-    pub coordinates: Vec<i32>,
-    /// What to do.
-    pub hint: &'static str,
-}
+pub use impactite_scene::error::OutsideGrid;

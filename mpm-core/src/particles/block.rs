@@ -6,8 +6,8 @@ use super::{Columns, Masses};
 use crate::dim::{BLOCK, block_nodes};
 use crate::parallel::{Float, Pack, Whereabouts, prefetch_fours_from, prefetch_from};
 use crate::step::RowsMut;
-use crate::step::checkpoint::{Archive, CheckpointError};
-use crate::step::rest::Stilled;
+use crate::step::rest::TakenMotion;
+use impactite_scene::{Archive, CheckpointError};
 
 /// No group.
 const NONE: u32 = u32::MAX;
@@ -325,8 +325,8 @@ impl<T: Float, const D: usize> Block<T, D> {
     }
 
     /// Momentum, kg m/s, and kinetic energy, J, of the particles, in the order of the groups.
-    pub fn motion(&self, masses: Masses<T>) -> Stilled {
-        let mut sum = Stilled::default();
+    pub fn motion(&self, masses: Masses<T>) -> TakenMotion {
+        let mut sum = TakenMotion::default();
         for bin in 0..self.runs.len() {
             let mut next = self.last_group(bin);
             while let Some((group, here)) = next {

@@ -15,10 +15,10 @@
 
 use mpm_materials::{Lane, Mat3};
 
-use super::scatter::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, RECORDS, Records, SpreadOf, times_offset};
+use super::spread::{AFFINE, DIRECT, FORCE, MOMENTUM, Maps, RECORDS, Records, SpreadOf, times_offset};
 use crate::dim::{Array, Stencil};
 use crate::parallel::{Arch, Band, Float, Quad, through_memory};
-use crate::shape::{Weights, node_offset};
+use crate::shape::node_offset;
 
 /// The moments of the forces of one cell. The bits of the place are the axes: x, y, xy, z, xz, yz, xyz from 1 on.
 pub(super) struct Moments<Q: Lane, E: Stencil>(E::Nodes<Q>);
@@ -149,21 +149,6 @@ const fn nodes_of<E: Stencil>() -> usize {
 #[inline(always)]
 const fn place<E: Stencil>(n: usize) -> usize {
     ((n >> 2) * E::TILE + (n >> 1 & 1)) * E::TILE + (n & 1)
-}
-
-/// Weights on all nodes of a cell, of those along the axes.
-#[inline(always)]
-pub(super) fn on_cell<P: Lane, E: Stencil>([x, y, z]: &[Weights<P, E>; 3]) -> E::Nodes<P> {
-    let mut weights = E::Nodes::<P>::filled(P::zero());
-    for k in 0..E::LAYERS {
-        for j in 0..E::NODES {
-            let yz = if E::LAYERS == 1 { y.value[j] } else { y.value[j] * z.value[k] };
-            for i in 0..E::NODES {
-                weights[(k * E::NODES + j) * E::NODES + i] = x.value[i] * yz;
-            }
-        }
-    }
-    weights
 }
 
 /// Component `c` of the vector in the records of a cell's nodes, in tile order, at particles with these weights.

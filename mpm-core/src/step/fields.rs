@@ -1,12 +1,12 @@
 //! Which node blocks there are, and whose they are: the local multi-mesh of \[Ma2010\] 1.5.
 //!
 //! A block of nodes that the particles of one body reach belongs to that body. Where several bodies reach the
-//! same block, and the scene's [`Contact`](super::Contact) keeps them apart, each has a **field block** of its
+//! same block, and the scene's [`Contact`](crate::Contact) keeps them apart, each has a **field block** of its
 //! own: the first body the grid's block, the others blocks behind the grid's. Particles read and write their
 //! body's block as if they were alone; only the contact stages know that there are others. A field block holds the
 //! nodes that the body's particles reach, if they are few ([`Layout`]).
 
-use super::body::Body;
+use super::body::GridBody;
 use super::layout::{Layout, whole_block};
 use super::rigid::RigidState;
 use crate::dim::block_nodes;
@@ -109,7 +109,7 @@ impl<const D: usize> Fields<D> {
     pub(super) fn arrange<T: Float>(
         &mut self,
         grid: &mut dyn GridStorage<T, D>,
-        bodies: &mut [Box<dyn Body<T, D>>],
+        bodies: &mut [Box<dyn GridBody<T, D>>],
         separate: bool,
         ahead: bool,
         team: &Team,
@@ -124,11 +124,11 @@ impl<const D: usize> Fields<D> {
         while known < claims.len() {
             let new = std::mem::replace(&mut known, claims.len())..claims.len();
             for (number, body) in bodies.iter_mut().enumerate() {
-                let met = body.rests_at().is_some_and(|at| {
+                let met = body.deactivated_blocks().is_some_and(|at| {
                     claims[new.clone()].iter().any(|claim| at.binary_search(&claim.coordinates).is_ok())
                 });
                 if met {
-                    body.wake(team);
+                    body.reactivate(team);
                     body.presence_mut().claims(number as u32, ahead, claims);
                 }
             }
@@ -146,7 +146,7 @@ impl<const D: usize> Fields<D> {
     pub(super) fn settle<T: Float>(
         &mut self,
         grid: &mut dyn GridStorage<T, D>,
-        bodies: &mut [Box<dyn Body<T, D>>],
+        bodies: &mut [Box<dyn GridBody<T, D>>],
         separate: bool,
     ) -> Result<(), OutsideGrid> {
         let claims = std::mem::take(&mut self.claims);
@@ -222,7 +222,7 @@ impl<const D: usize> Fields<D> {
     fn link<T: Float>(
         &mut self,
         grid: &dyn GridStorage<T, D>,
-        bodies: &mut [Box<dyn Body<T, D>>],
+        bodies: &mut [Box<dyn GridBody<T, D>>],
         separate: bool,
     ) {
         let (mut places, mut found) = (std::mem::take(&mut self.places), std::mem::take(&mut self.found));
@@ -313,7 +313,7 @@ impl<const D: usize> Fields<D> {
         self.givers(block).iter().find(|g| g.body == body).map(|g| g.local as usize)
     }
     /// Is there a field that no particle of its body reaches any more?
-    pub(super) fn outdated<T: Float>(&self, bodies: &[Box<dyn Body<T, D>>]) -> bool {
+    pub(super) fn outdated<T: Float>(&self, bodies: &[Box<dyn GridBody<T, D>>]) -> bool {
         self.members.iter().any(|m| !bodies[m.body as usize].presence().reaches(m.local as usize))
     }
     /// Bytes of its memory.

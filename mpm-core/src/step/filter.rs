@@ -4,11 +4,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::footprint::NodeWeight;
 use super::particle_body::ParticleBody;
-use super::scene::SceneError;
 use super::solver::Mpm;
 use crate::dim::block_nodes;
 use crate::parallel::{Float, Team};
 use crate::particles::{Block, Columns, Place};
+use impactite_scene::error::SceneError;
 
 /// Steps of the singular value decomposition of a cell; more than it ever takes.
 const MOST_STEPS: usize = 1000;
@@ -104,9 +104,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// The filter at the end of a step.
     pub(super) fn filter(&mut self) {
         let Some(every) = self.filter else { return };
-        if self.steps.is_multiple_of(every) {
+        if self.clock.steps.is_multiple_of(every) {
             let team = &self.team;
-            let lost: f64 = self.bodies.iter_mut().map(|body| body.filter(team)).sum();
+            let lost: f64 =
+                self.bodies.iter_mut().filter_map(|body| Some(body.free_velocities()?.filter(team))).sum();
             self.ledger.work -= lost;
         }
     }

@@ -1,4 +1,4 @@
-//! A sharp bound of the highest frequency, for the time step.
+//! Gershgorin's bound of the highest frequency, for the time step.
 
 use super::nodes::{free_directions, mass_cutoff};
 use super::rest::Sums;
@@ -53,7 +53,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let mut square = 0.0f64;
         for (node, row) in rows.iter() {
             let x = lattice.node(node.map(i64::from));
-            let free = free_directions(&self.conditions, &x, self.time, lattice.spacing(), 0.0);
+            let free = free_directions(&self.conditions, &x, self.clock.time, lattice.spacing(), 0.0);
             if row.mass > cutoff && free[..D].contains(&true) {
                 square = larger(square, row.sum / row.mass);
             }
@@ -63,7 +63,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// One over the longest step that [`Frequency`] allows, 1/s: sqrt(2) / omega with USL, 2 / omega with MUSL and USF;
     /// in the updated frame no particle further than half a cell.
-    pub(super) fn sharp_rate(&self) -> f64 {
+    pub(super) fn gershgorin_rate(&self) -> f64 {
         let Frequency { bound, speed } = self.frequency_bound();
         let rate = bound / if self.facts().symplectic() { 2.0 } else { 2.0f64.sqrt() };
         let crossing = if self.facts().total { 0.0 } else { 2.0 * speed / self.grid.lattice().spacing() };

@@ -7,7 +7,7 @@
 use mpm_materials::material::{Deformation, NO_GROUP, PairOutput, Response};
 use mpm_materials::{Breakdown, Mat3, Sym3};
 
-use super::scatter::MAX_LANES;
+use super::spread::MAX_LANES;
 use crate::parallel::{Float, Pack, RowPair};
 use crate::particles::Members;
 

@@ -5,11 +5,11 @@
 
 use mpm_materials::Lane;
 
-use super::cell::on_cell;
 use super::layout::Nodes;
 use super::load::LoadRows;
 use super::migrate::place_of;
-use super::scatter::{Maps, along_axes};
+use super::spread::on_cell;
+use super::spread::{Maps, along_axes};
 use super::sweep::{Common, Slot};
 use super::tile::{Reads, TileIn, rows_of, tile_corner, tile_nodes};
 use crate::dim::{Array, Stencil, block_nodes};

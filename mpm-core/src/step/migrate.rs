@@ -3,18 +3,20 @@
 
 use mpm_materials::Lane;
 
-use super::cell::{Moments, add_particle, on_cell};
-use super::scatter::{
+use super::cell::{Moments, add_particle};
+use super::splitting::Splitter;
+use super::spread::on_cell;
+use super::spread::{
     AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, along_axes, times_offset,
 };
-use super::splitting::Splitter;
-use super::sweep::{Cause, Common, Report, Trouble};
+use super::sweep::{Common, Report, Trouble};
 use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
 use crate::dim::{BLOCK, Stencil, neighbours};
 use crate::parallel::{Arch, Float, Kernel, Quad, Vectors};
 use crate::particles::{Block, Columns, Members, Outbox, Place, Sent};
 use crate::shape::domain::{MOST_NUMBERS, table};
 use crate::shape::{ShapeFunction, node_offset};
+use impactite_scene::Cause;
 
 /// Who leaves groups of a bin that go through a pass together, by bits of lanes.
 pub(super) struct Leaving<'a, T: Float> {
@@ -54,7 +56,7 @@ impl<T: Float> Movers<T> {
 
 /// The numbers of a particle's records that go with it when it leaves its bin: not those that are zero, nor G_dc beside G_cd,
 /// nor mass and momentum, where they are those of the particle itself.
-pub(crate) struct Luggage {
+pub(crate) struct MigrationPayload {
     /// By kind of record and place in it.
     numbers: [(u8, u8); MOST_LUGGAGE],
     count: usize,
@@ -62,21 +64,21 @@ pub(crate) struct Luggage {
 /// Momentum, hoop force and load, affine part, force.
 const MOST_LUGGAGE: usize = 3 + 3 + 9 + 6;
 
-impl Luggage {
+impl MigrationPayload {
     /// Of the particles in a pass that maps this; may they be cut in two?
     #[inline(always)]
     pub(super) fn of<const D: usize>(maps: Maps, splits: bool) -> Self {
         // What is cut in two gives each half of what the whole would map.
         let plain = !maps.has_affine() && !splits;
-        let mut luggage = Luggage { numbers: [(0, 0); MOST_LUGGAGE], count: 0 };
+        let mut payload = MigrationPayload { numbers: [(0, 0); MOST_LUGGAGE], count: 0 };
         for kind in 0..RECORDS {
             let from = kind.saturating_sub(FORCE);
             for c in from..if maps.uses::<D>(kind) && !(kind == MOMENTUM && plain) { D } else { 0 } {
-                luggage.numbers[luggage.count] = (kind as u8, c as u8 + 1);
-                luggage.count += 1;
+                payload.numbers[payload.count] = (kind as u8, c as u8 + 1);
+                payload.count += 1;
             }
         }
-        luggage
+        payload
     }
 
     /// How many numbers that are.
@@ -123,7 +125,7 @@ pub(super) fn send_away<T: Float, const D: usize>(
     Movers { out, within, moving }: &mut Movers<T>,
     report: &mut Report<T>,
     leaving: Leaving<'_, T>,
-    (records, maps, luggage): (&mut Records<T>, Maps, &Luggage),
+    (records, maps, payload): (&mut Records<T>, Maps, &MigrationPayload),
 ) {
     let Leaving { bin, members, gone, cut: Cut { long, splitter, gradient } } = leaving;
     let columns = block.particle_numbers();
@@ -153,7 +155,7 @@ pub(super) fn send_away<T: Float, const D: usize>(
         if long >> lane & 1 == 0 || address.far {
             address.turn::<D>(&mut own, maps);
             let (numbers, packed) = address.room::<D>(out, within).split_at_mut(columns);
-            luggage.pack(&own, packed);
+            payload.pack(&own, packed);
             block.take(bin, place, numbers);
             address.shift::<D>(numbers);
             continue;
@@ -175,7 +177,7 @@ pub(super) fn send_away<T: Float, const D: usize>(
             let address = Address::of::<D>(&xi, bin);
             address.turn::<D>(&mut own, maps);
             let (numbers, packed) = address.room::<D>(out, within).split_at_mut(columns);
-            luggage.pack(&own, packed);
+            payload.pack(&own, packed);
             numbers.copy_from_slice(child);
             address.shift::<D>(numbers);
         }
@@ -314,7 +316,7 @@ pub(super) struct Arrivals<'a, T: Float, const D: usize, S> {
     pub(super) from: (&'a Outbox<T>, Sent, usize),
     pub(super) common: &'a Common<T>,
     /// What the pass maps, and what went with them of it.
-    pub(super) mapped: (Maps, &'a Luggage),
+    pub(super) mapped: (Maps, &'a MigrationPayload),
 }
 
 impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for Arrivals<'_, T, D, S> {
@@ -324,14 +326,14 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for Arrivals<'_
     #[inline(always)]
     fn run<A: Arch<T>>(self) {
         let Arrivals { shape, block, sums: (tile, rows), from: (outbox, sent, to), common, mapped } = self;
-        let (maps, luggage) = mapped;
+        let (maps, payload) = mapped;
         let columns = block.particle_numbers();
         for (bin, numbers) in outbox.going(sent, to) {
             block.push(bin, &numbers[..columns]);
             let more = rows_of::<S::Extent, D>(1 << bin) & !*rows;
             clear_rows::<T, D, S::Extent>(tile, more, maps);
             *rows |= more;
-            let own = luggage.unpack::<T, D>(numbers, common.masses.of(numbers), maps);
+            let own = payload.unpack::<T, D>(numbers, common.masses.of(numbers), maps);
             let corner = tile_corner::<S::Extent, D>(bin);
             let (first, second) = tile.split_at_mut(tile_nodes::<S::Extent>(D));
             if maps.moments::<S::Extent>() {

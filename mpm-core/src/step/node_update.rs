@@ -2,33 +2,63 @@
 
 use mpm_materials::Lane;
 
-use super::nodes::NodeLedger;
-use super::walls::Walls;
+use super::walls::{Wall, Walls};
 use crate::grid::Node;
 use crate::parallel::{Arch, Float, Kernel, Quad};
+use impactite_scene::boundary::rub;
+use impactite_scene::{Exchange, Place};
+
+/// A node as conditions that react see it: its velocities at the start of the step, if they are known, and at the end, m/s.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trial {
+    pub(super) mass: f64,
+    pub(super) start: Option<[f64; 3]>,
+    pub(super) dt: f64,
+    /// Are only velocities asked for that hold the node, before forces act?
+    pub(super) only_held: bool,
+}
+
+/// The boundaries as a node meets them, beside the walls.
+pub(super) trait Around {
+    /// Make a velocity obey those that prescribe it, at a time. Does any apply there?
+    fn constrain(&self, v: &mut [f64; 3], time: f64) -> bool;
+    /// What those do that react to a velocity: it changes, and what is done is booked. Does any?
+    fn react(&mut self, trial: &Trial, v: &mut [f64; 3], takes: f64, ledger: &mut Exchange) -> bool;
+    /// The directions in which those hold the node in this step.
+    fn held(&self) -> [bool; 3];
+}
+
+/// None.
+pub(super) struct Nothing;
+
+impl Around for Nothing {
+    fn constrain(&self, _: &mut [f64; 3], _: f64) -> bool {
+        false
+    }
+    fn react(&mut self, _: &Trial, _: &mut [f64; 3], _: f64, _: &mut Exchange) -> bool {
+        false
+    }
+    fn held(&self) -> [bool; 3] {
+        [false; 3]
+    }
+}
 
 /// What a stage makes of a node.
 pub(super) trait NodeUpdate<T>: Sync {
-    /// Does it find out which nodes press on walls?
+    /// Does it find out which nodes press on walls, and which are held?
     const PRESSES: bool = false;
 
-    /// `constrain` makes a velocity obey the other boundaries at a time and says whether any applies there.
-    fn update(
-        &self,
-        node: &mut Node<T>,
-        walls: &mut Walls,
-        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
-        ledger: &mut NodeLedger,
-    );
+    /// Change the node as the boundaries around it allow.
+    fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange);
 
     /// The same, bit for bit, of nodes that no boundary reaches.
-    fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
+    fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut Exchange) {
         one_by_one(self, nodes, ledger);
     }
 }
 
-fn one_by_one<T>(update: &(impl NodeUpdate<T> + ?Sized), nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
-    nodes.iter_mut().for_each(|node| update.update(node, &mut Walls::default(), &|_, _| false, ledger));
+fn one_by_one<T>(update: &(impl NodeUpdate<T> + ?Sized), nodes: &mut [Node<T>], ledger: &mut Exchange) {
+    nodes.iter_mut().for_each(|node| update.update(node, &mut Walls::default(), &mut Nothing, ledger));
 }
 
 /// Only the sums.
@@ -36,14 +66,7 @@ pub(super) struct Leave;
 
 impl<T> NodeUpdate<T> for Leave {
     #[inline(always)]
-    fn update(
-        &self,
-        _: &mut Node<T>,
-        _: &mut Walls,
-        _: &impl Fn(&mut [f64; 3], f64) -> bool,
-        _: &mut NodeLedger,
-    ) {
-    }
+    fn update(&self, _: &mut Node<T>, _: &mut Walls, _: &mut impl Around, _: &mut Exchange) {}
 }
 
 /// Momentum over mass.
@@ -53,13 +76,7 @@ pub(super) struct MeanVelocities<T, const D: usize> {
 
 impl<T: Float, const D: usize> NodeUpdate<T> for MeanVelocities<T, D> {
     #[inline(always)]
-    fn update(
-        &self,
-        node: &mut Node<T>,
-        _: &mut Walls,
-        _: &impl Fn(&mut [f64; 3], f64) -> bool,
-        _: &mut NodeLedger,
-    ) {
+    fn update(&self, node: &mut Node<T>, _: &mut Walls, _: &mut impl Around, _: &mut Exchange) {
         let mass = node.first[0];
         let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
         (0..D).for_each(|d| node.first[d + 1] *= per_mass);
@@ -70,23 +87,18 @@ pub(super) struct Velocities<T, const D: usize> {
     pub(super) cutoff: T,
     pub(super) time: f64,
     pub(super) takes: T,
+    pub(super) dt: T,
 }
 
 impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
     const PRESSES: bool = true;
 
     #[inline(always)]
-    fn update(
-        &self,
-        node: &mut Node<T>,
-        walls: &mut Walls,
-        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
-        ledger: &mut NodeLedger,
-    ) {
+    fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange) {
         let mass = node.first[0];
         if mass <= self.cutoff {
             drop_momentum::<T, D>(node, ledger, T::default());
-            walls.iter_mut().for_each(|wall| wall.pressed = false);
+            walls.iter_mut().for_each(Wall::let_go);
             return;
         }
         let per_mass = T::of(1.0) / mass;
@@ -105,9 +117,22 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
                 node.first[d + 1] = T::of(wall.velocity);
                 v[d] = node.first[d + 1].to_double();
             }
+            // A node that stuck sticks until its forces are known.
+            wall.sticks &= wall.pressed;
+            for d in wall.along::<D>().filter(|_| wall.sticks) {
+                let impulse = (self.takes * mass).to_double() * (wall.drag[d] - v[d]);
+                ledger.impulse[d] += impulse;
+                ledger.work += impulse * wall.drag[d];
+                node.first[d + 1] = T::of(wall.drag[d]);
+                v[d] = node.first[d + 1].to_double();
+            }
+        }
+        let trial = Trial { mass: mass.to_double(), start: None, dt: self.dt.to_double(), only_held: true };
+        if around.react(&trial, &mut v, self.takes.to_double(), ledger) {
+            (0..D).for_each(|d| node.first[d + 1] = T::of(v[d]));
         }
         let free = v;
-        if constrain(&mut v, self.time) {
+        if around.constrain(&mut v, self.time) {
             for d in 0..D {
                 let impulse = (self.takes * mass).to_double() * (v[d] - free[d]);
                 ledger.impulse[d] += impulse;
@@ -134,17 +159,11 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
     const PRESSES: bool = true;
 
     #[inline(always)]
-    fn update(
-        &self,
-        node: &mut Node<T>,
-        walls: &mut Walls,
-        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
-        ledger: &mut NodeLedger,
-    ) {
+    fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange) {
         let (mass, dt) = (node.first[0], self.dt);
         if mass <= self.cutoff {
             drop_momentum::<T, D>(node, ledger, dt);
-            walls.iter_mut().for_each(|wall| wall.pressed = false);
+            walls.iter_mut().for_each(Wall::let_go);
             return;
         }
         let per_mass = T::of(1.0) / mass;
@@ -175,14 +194,31 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
             if wall.pressed {
                 let velocity = T::of(wall.velocity);
                 let impulse = (mass * (self.takes * (velocity - old[d]) - (new[d] - old[d]))).to_double();
+                wall.pushes(impulse);
                 ledger.impulse[d] += impulse;
                 ledger.work += impulse * wall.velocity;
                 (old[d], new[d]) = (velocity, velocity);
                 (node.first[d + 1], node.second[d + 1]) = (velocity, T::default());
             }
         }
+        for wall in walls.iter_mut() {
+            if wall.rubs() {
+                self.rub(wall, node, &mut old, &mut new, ledger);
+            } else {
+                wall.sticks = false;
+            }
+        }
         let mut v = new.map(T::to_double);
-        if constrain(&mut v, self.end) {
+        let start = self.forces.then(|| old.map(T::to_double));
+        let trial = Trial { mass: mass.to_double(), start, dt: dt.to_double(), only_held: false };
+        if around.react(&trial, &mut v, 1.0, ledger) {
+            let per_dt = T::of(1.0) / dt;
+            for d in 0..D {
+                (new[d], node.first[d + 1]) = (T::of(v[d]), T::of(v[d]));
+                node.second[d + 1] = (new[d] - old[d]) * per_dt;
+            }
+        }
+        if around.constrain(&mut v, self.end) {
             let per_dt = T::of(1.0) / dt;
             for d in 0..D {
                 let impulse = mass.to_double() * (v[d] - new[d].to_double());
@@ -201,7 +237,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
         }
     }
 
-    fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut NodeLedger) {
+    fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut Exchange) {
         let Integrate { cutoff, dt, gravity, damping, from_velocity, .. } = *self;
         if gravity.is_none() && damping == 0.0 && !from_velocity {
             T::dispatch(IntegrateFree::<T, D> { cutoff, dt, nodes, ledger });
@@ -216,7 +252,7 @@ struct IntegrateFree<'a, T, const D: usize> {
     cutoff: T,
     dt: T,
     nodes: &'a mut [Node<T>],
-    ledger: &'a mut NodeLedger,
+    ledger: &'a mut Exchange,
 }
 
 impl<T: Float, const D: usize> Kernel<T> for IntegrateFree<'_, T, D> {
@@ -242,6 +278,61 @@ impl<T: Float, const D: usize> Kernel<T> for IntegrateFree<'_, T, D> {
 }
 
 impl<T: Float, const D: usize> Integrate<T, D> {
+    /// Friction of a rough wall on a node that presses on it, whose velocities along it were `old` and would be `new`, m/s.
+    #[inline(never)]
+    fn rub(
+        &self,
+        wall: &mut Wall,
+        node: &mut Node<T>,
+        old: &mut [T; 3],
+        new: &mut [T; 3],
+        ledger: &mut Exchange,
+    ) {
+        let (mass, limit) = (node.first[0], wall.limit());
+        let drag = wall.drag.map(T::of);
+        if wall.sticks {
+            let mut impulse = [0.0; 3];
+            for d in wall.along::<D>() {
+                let holds = mass * (self.takes * (drag[d] - old[d]) - (new[d] - old[d]));
+                impulse[d] = holds.to_double();
+            }
+            wall.sticks = impulse.iter().map(|j| j * j).sum::<f64>().sqrt() <= limit;
+            if wall.sticks {
+                for d in wall.along::<D>() {
+                    ledger.impulse[d] += impulse[d];
+                    ledger.work += impulse[d] * wall.drag[d];
+                    (old[d], new[d]) = (drag[d], drag[d]);
+                    (node.first[d + 1], node.second[d + 1]) = (drag[d], T::default());
+                }
+                return;
+            }
+        }
+        let of = |v: &[T; 3]| std::array::from_fn::<f64, D, _>(|d| v[d].to_double());
+        let place = Place {
+            position: [0.0; D],
+            mass: mass.to_double(),
+            depth: 0.0,
+            tolerance: 0.0,
+            start: self.forces.then(|| of(old)),
+            trial: of(new),
+            time: self.end - self.dt.to_double(),
+            dt: self.dt.to_double(),
+        };
+        let velocity = std::array::from_fn(|d| wall.drag[d]);
+        let reaction = rub(&place, wall.axis, velocity, limit);
+        wall.sticks = wall.along::<D>().all(|d| reaction.held[d]);
+        ledger.friction += reaction.heat;
+        let per_dt = T::of(1.0) / self.dt;
+        let after = place.after(&reaction.impulse);
+        for d in wall.along::<D>() {
+            ledger.impulse[d] += reaction.impulse[d];
+            ledger.work += reaction.impulse[d] * wall.drag[d];
+            new[d] = if wall.sticks { drag[d] } else { T::of(after[d]) };
+            node.first[d + 1] = new[d];
+            node.second[d + 1] = (new[d] - old[d]) * per_dt;
+        }
+    }
+
     /// What local damping adds to the acceleration `a` of a node that moves with `v`: alpha |a| against v.
     fn damped(&self, a: T, v: T) -> T {
         let against = if v == T::default() { 0.0 } else { -v.to_double().signum() };
@@ -260,8 +351,8 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
         &self,
         node: &mut Node<T>,
         walls: &mut Walls,
-        constrain: &impl Fn(&mut [f64; 3], f64) -> bool,
-        _ledger: &mut NodeLedger,
+        around: &mut impl Around,
+        _ledger: &mut Exchange,
     ) {
         let mass = node.first[0];
         let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
@@ -273,15 +364,25 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
         for wall in walls.iter().filter(|wall| wall.pressed) {
             node.second[wall.axis + 1] = T::of(wall.velocity);
             v[wall.axis] = node.second[wall.axis + 1].to_double();
+            for d in wall.along::<D>().filter(|_| wall.sticks) {
+                node.second[d + 1] = T::of(wall.drag[d]);
+                v[d] = node.second[d + 1].to_double();
+            }
         }
-        if mass > self.cutoff && constrain(&mut v, self.end) {
+        // What a condition holds moves as it made it move.
+        let held = around.held();
+        for d in (0..D).filter(|d| held[*d]) {
+            node.second[d + 1] = node.first[d + 1];
+            v[d] = node.second[d + 1].to_double();
+        }
+        if mass > self.cutoff && around.constrain(&mut v, self.end) {
             for d in 0..D {
                 node.second[d + 1] = T::of(v[d]);
             }
         }
     }
 
-    fn update_free(&self, nodes: &mut [Node<T>], _ledger: &mut NodeLedger) {
+    fn update_free(&self, nodes: &mut [Node<T>], _ledger: &mut Exchange) {
         T::dispatch(RemapFree { cutoff: self.cutoff, nodes });
     }
 }
@@ -306,7 +407,7 @@ impl<T: Float> Kernel<T> for RemapFree<'_, T> {
 }
 
 /// A node too light to divide by: its momentum leaves with a note.
-fn drop_momentum<T: Float, const D: usize>(node: &mut Node<T>, ledger: &mut NodeLedger, dt: T) {
+fn drop_momentum<T: Float, const D: usize>(node: &mut Node<T>, ledger: &mut Exchange, dt: T) {
     for d in 0..D {
         ledger.dropped[d] += (node.first[d + 1] + dt * node.second[d + 1]).to_double();
         node.first[d + 1] = T::default();
@@ -338,8 +439,8 @@ mod tests {
             plain.iter_mut().for_each(|n| (n.first[3], n.second[3]) = (T::default(), T::default()));
         }
         let mut fast = plain.clone();
-        let [mut of_plain, mut of_fast] = [NodeLedger::default(); 2];
-        plain.iter_mut().for_each(|n| update.update(n, &mut Walls::default(), &|_, _| false, &mut of_plain));
+        let [mut of_plain, mut of_fast] = [Exchange::default(); 2];
+        plain.iter_mut().for_each(|n| update.update(n, &mut Walls::default(), &mut Nothing, &mut of_plain));
         update.update_free(&mut fast, &mut of_fast);
         for (n, (plain, fast)) in plain.iter().zip(&fast).enumerate() {
             assert_eq!((plain.first, plain.second), (fast.first, fast.second), "node {n}");

@@ -1,76 +1,44 @@
 //! The grid stages: sums of the tiles, momentum update, boundaries, re-mapped velocities.
 
-use crate::boundary::{BodyForce, Boundary, Plane};
 use crate::dim::{BLOCK, block_nodes};
 use crate::geometry::Lattice;
 use crate::grid::{GridStorage, Node};
 use crate::parallel::{Float, Team};
+use impactite_scene::boundary::{BodyForce, Boundary, Plane};
+use impactite_scene::{Condition, Exchange, Place};
 
-use super::body::Body;
+use super::body::GridBody;
 use super::fields::Fields;
 use super::layout::{Layout, Piece};
-use super::node_update::{Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Velocities};
+use super::node_update::{Around, Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Trial, Velocities};
 use super::planes::Planes;
 use super::rigid::RigidState;
 use super::rigid_body::{self, rigid_of};
 use super::tile::Sums;
-use super::walls::{Pressed, Walls};
+use super::walls::{Nodes, Walls};
 
-/// What the grid stages of a step took from or gave to the momentum, a block of nodes.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NodeLedger {
-    /// Impulse of the boundaries on the material, N s.
-    pub impulse: [f64; 3],
-    /// Impulse of body forces, N s.
-    pub load: [f64; 3],
-    /// Work of boundaries (impulse times the boundary's velocity: none where it rests) and of body forces on
-    /// the material, J.
-    pub work: f64,
-    /// Momentum at nodes too light to carry it, dropped, kg m/s.
-    pub dropped: [f64; 3],
-    /// Work of friction between bodies that slide, J: heat that no particle gets.
-    pub friction: f64,
-    /// Kinetic energy of the nodes that contact took beside that, J: where bodies meet, a node's velocities
-    /// become one at once. Light nodes, whose velocities forces tear apart in every step, are counted in every
-    /// step, so that this is more than what the particles lose.
-    pub contact: f64,
-    /// Kinetic energy of the motion within particles that came to light when they were split
-    /// ([`Splitting`](super::Splitting)), J.
-    pub split: f64,
-}
-
-impl NodeLedger {
-    /// Add another one.
-    pub fn add(&mut self, o: &NodeLedger) {
-        for d in 0..3 {
-            self.impulse[d] += o.impulse[d];
-            self.load[d] += o.load[d];
-            self.dropped[d] += o.dropped[d];
-        }
-        self.work += o.work;
-        self.friction += o.friction;
-        self.contact += o.contact;
-        self.split += o.split;
+/// Add a part of what became of a node.
+fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
+    for d in 0..3 {
+        sum.impulse[d] += share * o.impulse[d];
+        sum.load[d] += share * o.load[d];
+        sum.dropped[d] += share * o.dropped[d];
     }
-
-    /// Add a part of what became of a node.
-    fn add_share(&mut self, share: f64, o: &NodeLedger) {
-        for d in 0..3 {
-            self.impulse[d] += share * o.impulse[d];
-            self.load[d] += share * o.load[d];
-            self.dropped[d] += share * o.dropped[d];
-        }
-        self.work += share * o.work;
-    }
+    sum.work += share * o.work;
+    sum.friction += share * o.friction;
 }
 
 /// What is kept of a block of nodes beside the nodes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BlockBooks {
     /// What its stages took or gave in a step.
-    pub ledger: NodeLedger,
-    /// Those that press on walls, from step to step.
-    pub pressed: Pressed,
+    pub ledger: Exchange,
+    /// Those that press on walls, by the axis of the wall; from step to step.
+    pub pressed: Nodes,
+    /// Those of them that stick there.
+    pub stuck: Nodes,
+    /// Those that conditions hold in this step that react, by direction.
+    pub held: Nodes,
 }
 
 /// The conditions that act on the nodes of a scene.
@@ -96,7 +64,7 @@ pub struct Stage<'a, T: Float, const D: usize> {
     /// The grid.
     pub grid: &'a mut dyn GridStorage<T, D>,
     /// Its bodies.
-    pub bodies: &'a [Box<dyn Body<T, D>>],
+    pub bodies: &'a [Box<dyn GridBody<T, D>>],
     /// Its node blocks, by body where they are kept apart.
     pub fields: &'a Fields<D>,
     /// Threads.
@@ -106,7 +74,7 @@ pub struct Stage<'a, T: Float, const D: usize> {
     /// Books, one a block.
     pub books: &'a mut Vec<BlockBooks>,
     /// What is of no block alone: so that sums do not depend on which block is the first.
-    pub together: &'a mut NodeLedger,
+    pub together: &'a mut Exchange,
     /// Time at the start of the step, s.
     pub time: f64,
     /// Mass below which a node carries no momentum, kg.
@@ -152,8 +120,8 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let (bodies, fields) = (self.bodies, self.fields);
         if sums == Sums::All {
             self.books.resize(fields.len(), BlockBooks::default());
-            self.books.iter_mut().for_each(|books| books.ledger = NodeLedger::default());
-            *self.together = NodeLedger::default();
+            self.books.iter_mut().for_each(|books| books.ledger = Exchange::default());
+            *self.together = Exchange::default();
         }
         let constraints = constraints!(self);
         let at_once = self.planes.is_empty();
@@ -192,7 +160,10 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         };
         let ordinary = bodies.iter().all(|body| body.in_reference().is_none() && body.rigid().is_none());
         let moves = |node: u32| if ordinary { all } else { elsewhere(node) };
-        let impulse = self.planes.fold(self.grid.nodes_mut(), sums, &moves, self.cutoff);
+        let impulse = {
+            let spacing = self.grid.lattice().spacing();
+            self.planes.fold(self.grid.nodes_mut(), sums, &moves, (self.cutoff, spacing))
+        };
         for d in 0..3 {
             self.together.impulse[d] += impulse[d];
         }
@@ -214,8 +185,8 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
 
     /// Sum momentum; velocity, with boundaries, into the first record (USF).
     pub fn velocities(&mut self) {
-        let (cutoff, time, takes) = (self.cutoff, self.time, self.takes);
-        self.collect_and(Sums::All, &Velocities::<T, D> { cutoff, time, takes });
+        let (cutoff, time, takes, dt) = (self.cutoff, self.time, self.takes, self.dt);
+        self.collect_and(Sums::All, &Velocities::<T, D> { cutoff, time, takes, dt });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
@@ -224,8 +195,8 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         self.collect_and(Sums::All, &MeanVelocities::<T, D> { cutoff: self.cutoff });
         self.planes.extrapolate(self.grid.nodes_mut());
         // Nothing has happened yet.
-        self.books.iter_mut().for_each(|books| books.ledger = NodeLedger::default());
-        *self.together = NodeLedger::default();
+        self.books.iter_mut().for_each(|books| books.ledger = Exchange::default());
+        *self.together = Exchange::default();
     }
 
     /// Sum momentum and force, or force alone beside the velocities there are; momentum update (eq. 8 of
@@ -283,7 +254,9 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                 let share = own.share(i, node).unwrap_or(whole);
                 for d in 0..D {
                     let next = term[d] - node.second[d + 1] / mass;
-                    let free = free[d] && !books.pressed.has(d, n);
+                    let BlockBooks { pressed, stuck, held, .. } = &*books;
+                    let held = pressed.has(d, n) || stuck.has_beside(d, n) || held.has(d, n);
+                    let free = free[d] && !held;
                     term[d] = if free { next } else { T::default() };
                     if !free {
                         books.ledger.impulse[d] -= share * (mass * next).to_double();
@@ -334,7 +307,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
 
 /// The sums of what bodies map to a block.
 fn sum_up<T: Float, const D: usize>(
-    bodies: &[Box<dyn Body<T, D>>],
+    bodies: &[Box<dyn GridBody<T, D>>],
     fields: &Fields<D>,
     block: usize,
     sums: Sums,
@@ -353,7 +326,7 @@ fn sum_up<T: Float, const D: usize>(
 
 /// Where the block is a rigid body's: give its nodes the body's velocities. Are they complete then?
 fn carry<T: Float, const D: usize>(
-    bodies: &[Box<dyn Body<T, D>>],
+    bodies: &[Box<dyn GridBody<T, D>>],
     fields: &Fields<D>,
     constraints: &Constraints<'_, T, D>,
     block: usize,
@@ -371,7 +344,7 @@ struct Constraints<'a, T: Float, const D: usize> {
     /// Beside these, nodes stand for their images, too: what happens to them is booked by their own mass.
     planes: &'a Planes<T>,
     layout: &'a Layout,
-    bodies: &'a [Box<dyn Body<T, D>>],
+    bodies: &'a [Box<dyn GridBody<T, D>>],
     fields: &'a Fields<D>,
     lattice: Lattice<D>,
     blocks: &'a [[i32; D]],
@@ -390,14 +363,14 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         nodes: &mut Piece<'_, Node<T>>,
         books: &mut BlockBooks,
     ) {
-        let BlockBooks { ledger, pressed } = books;
+        let BlockBooks { ledger, pressed, stuck, held } = books;
         let spacing = self.lattice.spacing();
         let (reach, tolerance) = (2.0 * spacing, 1e-6 * spacing);
         let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
         let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, self.time, reach);
         if !self.boundaries.iter().any(|b| reaches(&b)) {
             if U::PRESSES {
-                *pressed = Pressed::default();
+                (*pressed, *stuck, *held) = Default::default();
             }
             update.update_free(nodes.items, ledger);
             return;
@@ -408,40 +381,153 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         let near = || self.boundaries.iter().filter(reaches);
         let mut walls = if unstressed { Walls::default() } else { Walls::of(near(), self.time) };
         let apart = !walls.is_empty();
-        let others = |b: &&Boundary<D>| !(apart && matches!(b, Boundary::Wall { .. }));
-        let before = *pressed;
+        let reacts = |b: &&Boundary<D>| b.reacts() && !(apart && b.is_wall());
+        let reacting = near().any(|b| reacts(&b));
+        let (before, held_before) = ([*pressed, *stuck], *held);
         if U::PRESSES {
-            *pressed = Pressed::default();
+            (*pressed, *stuck, *held) = Default::default();
         }
         let mirrors = self.planes.copied();
         let own = self.planes.own_masses(self.layout.start(block), nodes.items.len());
         for (i, (n, node)) in nodes.numbered().enumerate() {
             let x = place.node(n);
             walls.look_at(n, &x, &before, tolerance);
-            let constrain = |v: &mut [f64; 3], time: f64| {
-                let before = *v;
-                for b in self.boundaries.iter().filter(reaches).filter(others) {
-                    b.constrain(&x, v, time, tolerance, self.copies);
-                }
-                *v != before
+            let share = own.share(i, node);
+            let copy = share.is_none() && place.is_copy(n, mirrors);
+            let held_now = std::array::from_fn(|d| held_before.has(d, n));
+            let mut around = AtNode {
+                of: self,
+                place: &place,
+                x,
+                at: self.layout.start(block) + i,
+                apart,
+                reacting,
+                image: if reacting { place.image(n, mirrors) } else { [false; 3] },
+                held: if U::PRESSES { [false; 3] } else { held_now },
             };
-            if let Some(share) = own.share(i, node) {
-                let mut all = NodeLedger::default();
-                update.update(node, &mut walls, &constrain, &mut all);
-                ledger.add_share(share, &all);
-            } else if place.is_copy(n, mirrors) {
-                update.update(node, &mut walls, &constrain, &mut NodeLedger::default());
+            if let Some(share) = share {
+                let mut all = Exchange::default();
+                update.update(node, &mut walls, &mut around, &mut all);
+                add_share(ledger, share, &all);
+            } else if copy {
+                update.update(node, &mut walls, &mut around, &mut Exchange::default());
             } else {
-                update.update(node, &mut walls, &constrain, ledger);
+                update.update(node, &mut walls, &mut around, ledger);
             }
             if U::PRESSES {
-                walls.iter().filter(|wall| wall.pressed).for_each(|wall| pressed.set(wall.axis, n, true));
+                for wall in walls.iter().filter(|wall| wall.pressed) {
+                    pressed.set(wall.axis, n, true);
+                    stuck.set(wall.axis, n, wall.sticks);
+                }
+                (0..D).filter(|d| around.held[*d]).for_each(|d| held.set(d, n, true));
             }
         }
     }
 }
 
-/// Directions in which no boundary holds the node, walls that only push aside.
+/// The boundaries as seen from a node.
+struct AtNode<'a, T: Float, const D: usize> {
+    of: &'a Constraints<'a, T, D>,
+    place: &'a BlockPlace<D>,
+    /// Where the node is, m.
+    x: [f64; D],
+    /// Its place among all.
+    at: usize,
+    /// Are walls told apart from the others?
+    apart: bool,
+    /// Does any condition react in this block?
+    reacting: bool,
+    /// The axes along which the node is the mirror image of one in front of a plane of symmetry.
+    image: [bool; 3],
+    /// The directions in which conditions that react hold the node.
+    held: [bool; 3],
+}
+
+impl<T: Float, const D: usize> AtNode<'_, T, D> {
+    /// The boundaries that reach the block, by their places.
+    fn near(&self) -> impl Iterator<Item = (usize, &Boundary<D>)> {
+        let (low, high) = (&self.place.low, &self.place.high);
+        let (time, reach) = (self.of.time, 2.0 * self.of.lattice.spacing());
+        let all = self.of.boundaries.iter().enumerate();
+        all.filter(move |(_, b)| b.reaches(low, high, time, reach) && !(self.apart && b.is_wall()))
+    }
+    /// The place of the node, or of the one that it is the image of, and the signs of its vectors there.
+    fn place(&self) -> ([f64; D], [f64; D]) {
+        let (mut x, mut sign) = (self.x, [1.0; D]);
+        for m in self.of.planes.copied().iter().filter(|m| self.image[m.axis]) {
+            let (origin, h) = (self.of.lattice.origin()[m.axis], self.of.lattice.spacing());
+            let plane = origin + f64::from(m.node) * h;
+            if (x[m.axis] - plane) * f64::from(m.sign) < 0.0 {
+                x[m.axis] = 2.0 * plane - x[m.axis];
+                sign[m.axis] = -1.0;
+            }
+        }
+        (x, sign)
+    }
+}
+
+impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
+    #[inline]
+    fn constrain(&self, v: &mut [f64; 3], time: f64) -> bool {
+        let before = *v;
+        let tolerance = 1e-6 * self.of.lattice.spacing();
+        for (_, b) in self.near() {
+            b.constrain(&self.x, v, time, tolerance, self.of.copies);
+        }
+        *v != before
+    }
+
+    fn react(&mut self, trial: &Trial, v: &mut [f64; 3], takes: f64, ledger: &mut Exchange) -> bool {
+        if !self.reacting {
+            return false;
+        }
+        let (position, sign) = self.place();
+        let spacing = self.of.lattice.spacing();
+        let (mut any, mut held) = (false, self.held);
+        for (n, b) in self.near().filter(|(_, b)| b.reacts()) {
+            let (mut depth, mut tolerance) = (0.5 * spacing, 1e-6 * spacing);
+            if b.surface().is_some() {
+                let Some(share) = self.of.planes.depth(self.at, n) else { continue };
+                (depth, tolerance) = (share, 1.5 * spacing);
+            }
+            let reaction = b.react(&Place {
+                position,
+                mass: trial.mass,
+                depth,
+                tolerance,
+                start: trial.start.map(|start| std::array::from_fn(|d| sign[d] * start[d])),
+                trial: std::array::from_fn(|d| sign[d] * v[d]),
+                time: self.of.time,
+                dt: trial.dt,
+            });
+            if reaction.is_none() {
+                continue;
+            }
+            any = true;
+            ledger.friction += if trial.only_held { 0.0 } else { reaction.heat };
+            for d in (0..D).filter(|d| !trial.only_held || reaction.held[*d]) {
+                let impulse = sign[d] * reaction.impulse[d];
+                ledger.impulse[d] += takes * impulse;
+                ledger.work += takes * reaction.impulse[d] * reaction.velocity[d];
+                held[d] |= reaction.held[d];
+                // To the bit, so that a place that is held stays.
+                v[d] = if reaction.held[d] {
+                    sign[d] * reaction.velocity[d]
+                } else {
+                    v[d] + impulse / trial.mass
+                };
+            }
+        }
+        self.held = held;
+        any
+    }
+
+    fn held(&self) -> [bool; 3] {
+        self.held
+    }
+}
+
+/// Directions in which no boundary holds the node, walls that only push and conditions that react aside.
 pub(super) fn free_directions<const D: usize>(
     conditions: &Conditions<D>,
     x: &[f64; D],
@@ -454,7 +540,7 @@ pub(super) fn free_directions<const D: usize>(
     for probe in [1e30, -1e30] {
         let before = [probe; 3];
         let mut v = before;
-        for b in conditions.boundaries.iter().filter(|b| !matches!(b, Boundary::Wall { .. })) {
+        for b in conditions.boundaries.iter().filter(|b| !b.is_wall()) {
             b.constrain(x, &mut v, time, 1e-6 * spacing, copies);
         }
         for d in 0..3 {
@@ -490,6 +576,14 @@ impl<const D: usize> BlockPlace<D> {
             let index = self.first[m.axis] + (n / BLOCK.pow(m.axis as u32) % BLOCK) as i32;
             (index - m.node) * m.sign < 0
         })
+    }
+    /// The axes of the planes that a node lies behind.
+    fn image(&self, n: usize, mirrors: &[Plane]) -> [bool; 3] {
+        let mut image = [false; 3];
+        for m in mirrors {
+            image[m.axis] |= self.is_copy(n, std::slice::from_ref(m));
+        }
+        image
     }
     pub(super) fn node(&self, n: usize) -> [f64; D] {
         let mut x = self.origin;

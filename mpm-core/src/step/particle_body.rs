@@ -2,10 +2,12 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use mpm_contact::{NearPoint, SurfaceQuantity};
 use mpm_materials::{Breakdown, Material};
 
-use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
-use super::checkpoint::{Archive, CheckpointError, Constant};
+use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
+use super::capability::{Deactivation, Division, FreeVelocities};
+use super::deactivation::Deactivated;
 use super::fields::Claim;
 use super::footprint::Footprint;
 use super::kernels::{Facts, MethodKernels};
@@ -13,21 +15,24 @@ use super::layout::{Layout, Nodes};
 use super::load::{Loading, Loads};
 use super::loads::LoadTask;
 use super::merging::MergeBook;
-use super::migrate::{Domains, Luggage};
-use super::reference_body::Shade;
-use super::rest::Stilled;
-use super::resting::Resting;
-use super::scene::SceneError;
+use super::migrate::{Domains, MigrationPayload};
+use super::proxy::ProxyState;
+use super::rest::TakenMotion;
 use super::splitting::{SplitBook, Splitter, Splitting};
-use super::survey::{Near, Survey};
-use super::sweep::{Cause, Common, Outline, Report, Scratch, Slot, Task, Trouble};
+use super::sweep::{Common, Outline, Report, Scratch, Slot, Task, Trouble};
 use super::tile::Sums;
 use super::total;
+use super::wrap::Wrap;
 use crate::dim::{block_nodes, centre, neighbours};
 use crate::geometry::Lattice;
 use crate::grid::Node;
 use crate::parallel::{AlignedRecords, Float, Team, prefetch_from};
 use crate::particles::{Block, Columns, Masses, Outbox, Place, Sent};
+use impactite_scene::Cause;
+use impactite_scene::archive::{Archive, CheckpointError};
+use impactite_scene::constants::Constant;
+use impactite_scene::error::SceneError;
+use impactite_scene::{Body, PointView, Totals};
 
 /// A body of particles.
 pub struct ParticleBody<T: Float, const D: usize> {
@@ -84,8 +89,10 @@ pub struct ParticleBody<T: Float, const D: usize> {
     pub(super) dummy: Arc<[T]>,
     /// Does the law bear shear and tension?
     pub(super) coheres: bool,
+    /// Where its blocks are found beyond periodic planes.
+    pub(super) wrap: Wrap<D>,
     /// While it rests.
-    pub(super) resting: Option<Resting<T, D>>,
+    pub(super) resting: Option<Deactivated<T, D>>,
 }
 
 pub(super) const NONE: u32 = u32::MAX;
@@ -133,7 +140,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         for slot in &mut self.slots {
             let c = slot.block.coordinates;
             for (n, around) in slot.slots_around.iter_mut().enumerate() {
-                let place = index.binary_search_by_key(&shifted(&c, &offset(n)), |entry| entry.0);
+                let beside = self.wrap.block(shifted(&c, &offset(n)));
+                let place = index.binary_search_by_key(&beside, |entry| entry.0);
                 *around = place.map_or(NONE, |place| index[place].1);
             }
         }
@@ -273,8 +281,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             }
         }
         self.have_scratch(team);
-        let luggage = Luggage::of::<D>(self.kernels.maps(which), self.splitter.is_on()).count();
-        self.outboxes.iter_mut().for_each(|outbox| outbox.clear(self.columns.count() + luggage));
+        let payload = MigrationPayload::of::<D>(self.kernels.maps(which), self.splitter.is_on()).count();
+        self.outboxes.iter_mut().for_each(|outbox| outbox.clear(self.columns.count() + payload));
         self.hand_outboxes();
         let common = &self.common(dt);
         let (material, kernels, dummy) = (&*self.material, &*self.kernels, &self.dummy[..]);
@@ -353,7 +361,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             &self.common(Steps { this: T::default(), next: T::default(), adapt: false, force_time: 0.0 });
         let (kernels, sent, outboxes) = (&*self.kernels, &self.sent, &self.outboxes);
         let maps = kernels.maps(which);
-        let luggage = &Luggage::of::<D>(maps, self.splitter.is_on());
+        let payload = &MigrationPayload::of::<D>(maps, self.splitter.is_on());
         team.each(&mut self.slots, |_, slot| {
             let Slot { block, tile, rows, slots_around, .. } = slot;
             for (from, &s) in slots_around.iter().enumerate() {
@@ -364,7 +372,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 {
                     let outbox = &outboxes[sent.outbox as usize];
                     let sums = (tile.all_mut(), &mut *rows);
-                    kernels.shape().take_in(block, sums, (outbox, *sent, to), common, (maps, luggage));
+                    kernels.shape().take_in(block, sums, (outbox, *sent, to), common, (maps, payload));
                 }
             }
             block.tidy();
@@ -401,7 +409,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 let to = directions.trailing_zeros() as usize;
                 directions &= directions - 1;
                 if slot.slots_around[to] == NONE {
-                    wanted.push(shifted(&slot.block.coordinates, &offset(to)));
+                    wanted.push(self.wrap.block(shifted(&slot.block.coordinates, &offset(to))));
                 }
             }
         }
@@ -445,8 +453,8 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.facts().tile_nodes(D) * self.facts().records()
     }
 
-    pub(super) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> Particle {
-        let mut p = Particle::default();
+    pub(super) fn particle(&self, block: &Block<T, D>, bin: usize, at: Place) -> PointView {
+        let mut p = PointView::default();
         self.read_particle(block, bin, at, &mut Vec::new(), &mut p);
         p
     }
@@ -458,7 +466,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         bin: usize,
         at: Place,
         numbers: &mut Vec<T>,
-        p: &mut Particle,
+        p: &mut PointView,
     ) {
         numbers.clear();
         block.read(at, numbers);
@@ -544,7 +552,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
 impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
     fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
-        if !self.rests() {
+        if !self.is_deactivated() {
             self.expect(ahead);
             self.claim_blocks(number, list);
         }
@@ -556,7 +564,7 @@ impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
         self.reaches_block(block)
     }
     fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
-        if self.rests() {
+        if self.is_deactivated() {
             (self.nodes_around, self.contributors) = (Vec::new(), Vec::new());
         } else {
             self.link_blocks(find, places);
@@ -576,29 +584,74 @@ impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
         let two = facts.records() == 2 && !facts.before_forces;
         self.kernels.shape().add_tiles(nodes, &self.slots, around, sums, two);
     }
-    fn survey(&self, block: usize, what: Survey, nodes: u64, normals: &[[T; 3]], out: &mut [[T; 3]]) {
-        self.survey_nodes(block, what, nodes, normals, out);
+    fn surface_quantity(
+        &self,
+        block: usize,
+        what: SurfaceQuantity,
+        nodes: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        self.surface_quantity_of(block, what, nodes, normals, out);
     }
-    fn near(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &Near<T>)) {
-        self.visit_near(block, nodes, visit);
+    fn near_points(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
+        self.visit_near_points(block, nodes, visit);
     }
 }
 
-impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
+impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
     fn name(&self) -> &str {
         &self.name
     }
     fn law(&self) -> &'static str {
         self.material.name()
     }
-    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
-        self.constants_at(times)
-    }
     fn len(&self) -> usize {
         self.slots.iter().map(|s| s.block.len()).sum()
     }
     fn state_names(&self) -> Vec<String> {
         self.columns.state_names().to_vec()
+    }
+    fn totals(&self) -> Totals {
+        let parts = self.in_place().map(|slot| self.totals_of(slot));
+        parts.fold(Totals::default(), |sum, part| sum.plus(&part))
+    }
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        let (mut numbers, mut p) = (Vec::new(), PointView::default());
+        for slot in self.in_place() {
+            for (bin, at) in slot.block.places() {
+                self.read_particle(&slot.block, bin, at, &mut numbers, &mut p);
+                visit(&p);
+            }
+        }
+    }
+    fn bytes(&self) -> usize {
+        let slot = |s: &Slot<T, D>| {
+            s.block.bytes()
+                + s.tile.bytes()
+                + s.slots_around.len() * size_of::<u32>()
+                + size_of::<Slot<T, D>>()
+        };
+        let own = |s: &Mutex<Scratch<T>>| s.lock().unwrap_or_else(PoisonError::into_inner).bytes();
+        self.slots.iter().chain(&self.spare).map(slot).sum::<usize>()
+            + self.index.capacity() * size_of::<([i32; D], u32)>()
+            + self.wanted.capacity() * size_of::<[i32; D]>()
+            + self.links.capacity() * size_of::<(u32, u32, u8)>()
+            + self.sent.capacity() * size_of::<Sent>()
+            + self.outboxes.iter().map(Outbox::bytes).sum::<usize>()
+            + self.scratch.iter().map(own).sum::<usize>()
+            + self.outlines.capacity() * size_of::<Outline>()
+            + self.starts.capacity() * size_of::<[f64; D]>()
+            + self.powers.capacity() * size_of::<T>()
+            + self.forces.capacity() * size_of::<[f64; 3]>()
+            + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
+            + self.resting.as_ref().map_or(0, Deactivated::bytes)
+    }
+}
+
+impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
+        self.constants_at(times)
     }
     fn embedding(&self) -> &'static str {
         self.facts().embedding
@@ -615,15 +668,20 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
     fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
         self
     }
-
-    fn let_rest(&mut self, longest: T, team: &Team) -> Result<(), SceneError> {
-        self.lie_down(longest, team)
+    fn deactivation(&self) -> Option<&dyn Deactivation<T, D>> {
+        Some(self)
     }
-    fn wake(&mut self, team: &Team) {
-        self.stand_up(team);
+    fn deactivation_mut(&mut self) -> Option<&mut dyn Deactivation<T, D>> {
+        Some(self)
     }
-    fn rests_at(&self) -> Option<&[[i32; D]]> {
-        self.resting.as_ref().map(Resting::blocks)
+    fn division(&self) -> Option<&dyn Division> {
+        Some(self)
+    }
+    fn division_mut(&mut self) -> Option<&mut dyn Division> {
+        Some(self)
+    }
+    fn free_velocities(&mut self) -> Option<&mut dyn FreeVelocities> {
+        Some(self)
     }
 
     fn rate(&self, spacing: f64) -> T {
@@ -648,7 +706,6 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
         }
         fastest / T::of(spacing)
     }
-
     fn pass(
         &mut self,
         which: Which,
@@ -670,18 +727,11 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
         }
         self.sweep(which, nodes, dt, team)
     }
-
     fn loading(&self) -> Loading {
         self.loading
     }
-
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
-        !self.rests() && self.locate_after(which, prune, team)
-    }
-
-    fn totals(&self) -> Totals {
-        let parts = self.in_place().map(|slot| self.totals_of(slot));
-        parts.fold(Totals::default(), |sum, part| sum.plus(&part))
+        !self.is_deactivated() && self.locate_after(which, prune, team)
     }
     fn totals_on(&self, team: &Team, parts: &mut Vec<Totals>) -> Totals {
         parts.clear();
@@ -692,61 +742,52 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
     fn coheres(&self) -> bool {
         self.coheres
     }
-
-    fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
-        let (mut numbers, mut p) = (Vec::new(), Particle::default());
-        for slot in self.in_place() {
-            for (bin, at) in slot.block.places() {
-                self.read_particle(&slot.block, bin, at, &mut numbers, &mut p);
-                visit(&p);
-            }
-        }
-    }
-
     fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
         self.show_velocities(visit);
     }
-    fn cast(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
-        self.cast_shadow(numbers, shapes);
-    }
-    fn bytes(&self) -> usize {
-        let slot = |s: &Slot<T, D>| {
-            s.block.bytes()
-                + s.tile.bytes()
-                + s.slots_around.len() * size_of::<u32>()
-                + size_of::<Slot<T, D>>()
-        };
-        let own = |s: &Mutex<Scratch<T>>| s.lock().unwrap_or_else(PoisonError::into_inner).bytes();
-        self.slots.iter().chain(&self.spare).map(slot).sum::<usize>()
-            + self.index.capacity() * size_of::<([i32; D], u32)>()
-            + self.wanted.capacity() * size_of::<[i32; D]>()
-            + self.links.capacity() * size_of::<(u32, u32, u8)>()
-            + self.sent.capacity() * size_of::<Sent>()
-            + self.outboxes.iter().map(Outbox::bytes).sum::<usize>()
-            + self.scratch.iter().map(own).sum::<usize>()
-            + self.outlines.capacity() * size_of::<Outline>()
-            + self.starts.capacity() * size_of::<[f64; D]>()
-            + self.powers.capacity() * size_of::<T>()
-            + self.forces.capacity() * size_of::<[f64; 3]>()
-            + (self.contributors.capacity() + self.nodes_around.capacity()) * size_of::<u32>()
-            + self.resting.as_ref().map_or(0, Resting::bytes)
+    fn export_states(&self, numbers: &mut Vec<T>, shapes: &mut [ProxyState]) {
+        self.export_states(numbers, shapes);
     }
     fn particle_bytes(&self) -> usize {
         self.columns.bytes::<T>()
     }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.exchange_particles(file)
+    }
+    fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        self.show_footprints(time, visit);
+    }
+}
+
+const _: () = assert!(block_nodes(3) <= u8::MAX as usize + 1, "bins are numbered by bytes");
+
+impl<T: Float, const D: usize> Deactivation<T, D> for ParticleBody<T, D> {
+    fn deactivate(&mut self, longest: T, team: &Team) -> Result<(), SceneError> {
+        self.deactivate_particles(longest, team)
+    }
+    fn reactivate(&mut self, team: &Team) {
+        self.reactivate_particles(team);
+    }
+    fn blocks(&self) -> Option<&[[i32; D]]> {
+        self.resting.as_ref().map(Deactivated::blocks)
+    }
+}
+
+impl<T: Float, const D: usize> Division for ParticleBody<T, D> {
     fn splits(&self) -> SplitBook {
         self.splits
     }
     fn merges(&self) -> Option<MergeBook> {
         self.splitting?.merging().map(|_| self.merges)
     }
-
-    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        self.exchange_particles(file)
+    fn merge(&mut self, steps: u64, team: &Team) -> bool {
+        self.merge_cells(steps, team)
     }
+}
 
-    fn still(&mut self) -> Stilled {
-        let mut sum = Stilled::default();
+impl<T: Float, const D: usize> FreeVelocities for ParticleBody<T, D> {
+    fn stop_motion(&mut self) -> TakenMotion {
+        let mut sum = TakenMotion::default();
         for &(_, slot) in &self.index {
             let slot = &mut self.slots[slot as usize];
             let part = slot.block.motion(self.masses);
@@ -759,14 +800,6 @@ impl<T: Float, const D: usize> Body<T, D> for ParticleBody<T, D> {
         sum
     }
     fn filter(&mut self, team: &Team) -> f64 {
-        if self.rests() { 0.0 } else { self.filter_cells(team) }
-    }
-    fn merge(&mut self, steps: u64, team: &Team) -> bool {
-        self.merge_cells(steps, team)
-    }
-    fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
-        self.show_footprints(time, visit);
+        if self.is_deactivated() { 0.0 } else { self.filter_cells(team) }
     }
 }
-
-const _: () = assert!(block_nodes(3) <= u8::MAX as usize + 1, "bins are numbered by bytes");

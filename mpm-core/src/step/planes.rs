@@ -3,10 +3,10 @@
 
 use super::fields::Fields;
 use super::tile::Sums;
-use crate::boundary::{Boundary, Plane};
 use crate::dim::{BLOCK, block_nodes};
 use crate::grid::{GridStorage, Node};
 use crate::parallel::Float;
+use impactite_scene::boundary::{Boundary, Plane};
 
 /// Places among the nodes of one in front of a plane, one on it and one behind it. [`NOWHERE`] where there is none.
 type Column = [u32; 3];
@@ -34,6 +34,12 @@ pub struct Planes<T> {
     edges: Vec<Columns>,
     /// The nodes in front of and behind planes of symmetry, each once.
     beside: Vec<Beside<T>>,
+    /// The surfaces of conditions that push on them, each with the place of its condition.
+    surfaces: Vec<(usize, Columns)>,
+    /// Shares of a surface that nodes in front of, on and behind it have.
+    shares: [f64; 3],
+    /// Nodes with a share of a surface: node, condition, and the thickness that its mass stands for, m. Sorted.
+    depths: Vec<(u32, u32, f64)>,
 }
 
 /// A node in front of or behind a plane of symmetry.
@@ -56,19 +62,23 @@ impl<T> Default for Planes<T> {
             slices: Vec::new(),
             edges: Vec::new(),
             beside: Vec::new(),
+            surfaces: Vec::new(),
+            shares: [0.0, 1.0, 0.0],
+            depths: Vec::new(),
         }
     }
 }
 
 impl<T: Float> Planes<T> {
     /// Find the nodes. `wide`: do stencils reach behind a plane that particles touch? `modified`: is what lies
-    /// behind walls and fixed planes extrapolated?
+    /// behind walls and fixed planes extrapolated? `shares`: those of a plane that the nodes in front of, on and behind it have.
     pub fn arrange<const D: usize>(
         &mut self,
         grid: &dyn GridStorage<T, D>,
         fields: &Fields<D>,
         boundaries: &[Boundary<D>],
         [wide, modified]: [bool; 2],
+        shares: [f64; 3],
     ) {
         let lattice = *grid.lattice();
         let with_columns = |plane| Columns { plane, columns: columns(grid, fields, plane) };
@@ -93,6 +103,11 @@ impl<T: Float> Planes<T> {
         let closed = |m: &Plane| mirrors.iter().any(|o| o.axis == m.axis && o.node == m.node + m.sign);
         let slices = (0..mirrors.len()).filter(|&i| closed(&mirrors[i])).collect();
         self.slices = slices;
+        self.shares = shares;
+        self.surfaces.clear();
+        for (n, boundary) in boundaries.iter().enumerate() {
+            self.surfaces.extend(boundary.surface_on(&lattice).map(|plane| (n, with_columns(plane))));
+        }
         self.edges.clear();
         if wide && modified {
             self.edges.extend(boundaries.iter().filter_map(|b| b.edge(&lattice)).map(with_columns));
@@ -101,7 +116,34 @@ impl<T: Float> Planes<T> {
 
     /// Is nothing folded?
     pub fn is_empty(&self) -> bool {
-        self.symmetries.is_empty() && self.edges.is_empty()
+        self.symmetries.is_empty() && self.edges.is_empty() && self.surfaces.is_empty()
+    }
+
+    /// The thickness that a node's mass stands for at the surface of a condition, by the places of both, m; none without a share.
+    pub(super) fn depth(&self, node: usize, condition: usize) -> Option<f64> {
+        let key = (node as u32, condition as u32);
+        let found = self.depths.binary_search_by_key(&key, |&(node, condition, _)| (node, condition)).ok()?;
+        Some(self.depths[found].2)
+    }
+
+    /// Share out the surfaces of conditions. The mass of a node on one is that of half a cell in front of it, whatever the shape function;
+    /// so much of the surface is its own, and its neighbours' across the plane.
+    fn share_surfaces(&mut self, nodes: &[Node<T>], spacing: f64) {
+        let Planes { surfaces, shares, depths, .. } = self;
+        depths.clear();
+        for (condition, Columns { columns, .. }) in surfaces.iter() {
+            for column in columns.iter().filter(|c| c[1] != NOWHERE) {
+                let on = nodes[column[1] as usize].first[0].to_double();
+                for (&node, &share) in
+                    column.iter().zip(&*shares).filter(|(n, s)| **n != NOWHERE && **s > 0.0)
+                {
+                    let mass = nodes[node as usize].first[0].to_double();
+                    let depth = 0.5 * spacing * mass / (share * on);
+                    depths.push((node, *condition as u32, depth));
+                }
+            }
+        }
+        depths.sort_unstable_by_key(|&(node, condition, _)| (node, condition));
     }
 
     /// The planes of symmetry.
@@ -122,7 +164,7 @@ impl<T: Float> Planes<T> {
         nodes: &mut [Node<T>],
         sums: Sums,
         moves: &impl Fn(u32) -> [T; 2],
-        cutoff: T,
+        (cutoff, spacing): (T, f64),
     ) -> [f64; 3] {
         let mut impulse = [0.0; 3];
         for Columns { plane, columns } in &self.symmetries {
@@ -155,6 +197,9 @@ impl<T: Float> Planes<T> {
         }
         for column in self.edges.iter().flat_map(|e| &e.columns) {
             fold_extrapolated(nodes, *column, sums);
+        }
+        if sums == Sums::All && !self.surfaces.is_empty() {
+            self.share_surfaces(nodes, spacing);
         }
         impulse
     }
@@ -237,7 +282,10 @@ impl<T: Float> Planes<T> {
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
         let columns = self.symmetries.iter().chain(&self.edges).map(|c| c.columns.capacity()).sum::<usize>();
-        columns * size_of::<Column>() + self.beside.capacity() * size_of::<Beside<T>>()
+        let surfaces = self.surfaces.iter().map(|(_, c)| c.columns.capacity()).sum::<usize>();
+        (columns + surfaces) * size_of::<Column>()
+            + self.depths.capacity() * size_of::<(u32, u32, f64)>()
+            + self.beside.capacity() * size_of::<Beside<T>>()
     }
 }
 

@@ -3,7 +3,7 @@
 use super::fields::Claim;
 use super::layout::Layout;
 use super::particle_body::{NONE, ParticleBody, offset, shifted};
-use super::survey::{beside, nodes_of};
+use super::surface_quantity::{beside, nodes_of};
 use crate::dim::neighbours;
 use crate::parallel::Float;
 
@@ -49,7 +49,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             for (n, &around) in slot.slots_around.iter().enumerate() {
                 let o = offset::<D>(n);
                 if around == NONE && beside::<D>(&o, slot.block.occupied()) != 0 {
-                    wanted.push(shifted(&slot.block.coordinates, &o));
+                    wanted.push(self.wrap.block(shifted(&slot.block.coordinates, &o)));
                 }
             }
         }
@@ -82,7 +82,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 if count == 2 && o.iter().any(|&x| x < 0) {
                     continue;
                 }
-                let coordinates = shifted(&slot.block.coordinates, &o);
+                let coordinates = self.wrap.block(shifted(&slot.block.coordinates, &o));
                 let reached = nodes_of::<D>(count, &o, slot.linked);
                 list.push(Claim { coordinates, body: number, reached });
             }
@@ -95,7 +95,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.nodes_around.clear();
         for (s, slot) in self.slots.iter().enumerate() {
             for n in 0..neighbours(D) {
-                let found = find(&shifted(&slot.block.coordinates, &offset(n)));
+                let found = find(&self.wrap.block(shifted(&slot.block.coordinates, &offset(n))));
                 let block = found.map_or(NONE, |b| b as u32);
                 self.nodes_around.push(block);
                 if block != NONE {

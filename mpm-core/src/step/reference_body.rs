@@ -1,6 +1,6 @@
 //! Bodies that are mapped in their reference configuration and meet others on the grid of the current one.
 //!
-//! Such a body is a scene of its own, on a grid in its reference configuration, and has a **shadow** in the scene that
+//! Such a body is a scene of its own, on a grid in its reference configuration, and has a **proxy** in the scene that
 //! it was added to: as many particles of the same masses, without stress, which hold its place among the others. A step
 //! is
 //!
@@ -17,75 +17,52 @@
 //! seven or left a third of it.)
 //!
 //! A push comes back to its node smoothed twice, in part. A law that stops what closes, as Coulomb does, stops a part, and again
-//! in the next step: bodies sink into each other a little, and lose energy. A spring ([`Penalty`] of `mpm-contact`) pushes
+//! in the next step: bodies sink into each other a little, and lose energy. A spring ([`Penalty`](mpm_contact::Penalty)) pushes
 //! until they stop, and gives back what it took.
-//!
-//! [`Penalty`]: https://docs.rs/mpm-contact
 
 use std::sync::Arc;
 
-use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
-use super::checkpoint::{Archive, CheckpointError, Constant};
-use super::control::TimeControl;
+use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
 use super::footprint::Footprint;
 use super::kernels::MethodKernels;
 use super::layout::Nodes;
 use super::load::{Loading, Loads};
 use super::node_update::Leave;
-use super::nodes::{BlockPlace, NodeLedger, Stage, free_directions};
+use super::nodes::{BlockPlace, Stage, free_directions};
 use super::particle_body::ParticleBody;
-use super::rest::Stilled;
+use super::proxy::{InReference, ProxyState};
 use super::rigid_body::Undeformed;
-use super::scene::SceneError;
-use super::solver::{Mpm, StepError, Stopped};
+use super::solver::Mpm;
 use super::tile::Sums;
 use crate::dim::block_nodes;
 use crate::geometry::Lattice;
 use crate::grid::Node;
 use crate::parallel::{Float, Team};
 use crate::particles::{Columns, Place};
-
-/// A body whose own forces act on another grid than that of the scene.
-pub trait InReference<T: Float, const D: usize>: Send + Sync {
-    /// Move the nodes' velocities by the body's own forces over `dt`, s, and map those of the particles to the scene's nodes.
-    ///
-    /// # Errors
-    /// A particle that cannot go on.
-    fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped>;
-    /// Take what the scene's nodes gave, deform and move. Returns the largest rate seen, 1/s, as [`Body::pass`] does.
-    ///
-    /// # Errors
-    /// As [`InReference::open`].
-    fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped>;
-    /// What boundaries and loads of its own gave to the body since the start.
-    fn given(&self) -> NodeLedger;
-}
+use impactite_scene::Exchange;
+use impactite_scene::archive::{Archive, CheckpointError};
+use impactite_scene::constants::Constant;
+use impactite_scene::control::TimeControl;
+use impactite_scene::error::SceneError;
+use impactite_scene::{Body, PointView, Totals};
+use impactite_scene::{PointKind, StepError, Stopped};
 
 /// The body of a scene of its own, in another one.
 struct ReferenceBody<T: Float, const D: usize> {
     scene: Mpm<D, T>,
-    /// Its shadow there.
-    shadow: ParticleBody<T, D>,
+    /// Its proxy there.
+    proxy: ParticleBody<T, D>,
     /// By number: velocity that a particle moves with, then what the scene's nodes add to it, m/s.
     velocities: Vec<[T; 3]>,
     /// Of the nodes, m/s^2.
     accelerations: Vec<[T; 4]>,
     /// By number.
-    shapes: Vec<Shade>,
+    shapes: Vec<ProxyState>,
     /// Numbers of a particle at work.
     numbers: Vec<T>,
     rate: T,
     /// The pass of the scene in which particles take what nodes got.
     returns: Which,
-}
-
-/// A particle as its shadow has it.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Shade {
-    /// Position, m.
-    position: [f64; 3],
-    /// Half edges of its domain, m, as in [`Particle`].
-    half_edges: [[f64; 3]; 3],
 }
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
@@ -113,7 +90,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     /// [`Body::cast`].
-    pub(super) fn cast_shadow(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
+    pub(super) fn export_states(&self, numbers: &mut Vec<T>, shapes: &mut [ProxyState]) {
         let (centre, h, origin) = (self.bin_centre(), self.lattice.spacing(), self.lattice.origin());
         for slot in &self.slots {
             for bin in 0..block_nodes(D) {
@@ -131,7 +108,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                         }
                         position[d] = origin[d] + h * x;
                     }
-                    *shape = Shade { position, half_edges: self.half_edges(numbers) };
+                    *shape = ProxyState { position, half_edges: self.half_edges(numbers) };
                 }
             }
         }
@@ -140,7 +117,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Place the particles, by number, where a pass [`Follow`] finds them, and give them their domains.
-    fn aim(&mut self, shapes: &[Shade], team: &Team) {
+    fn update_proxy(&mut self, shapes: &[ProxyState], team: &Team) {
         let (centre, domain) = (self.bin_centre(), self.facts().domain);
         let (columns, lattice) = (&self.columns, &self.lattice);
         let h = lattice.spacing();
@@ -173,7 +150,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     /// Particles where those of `body` are, with as much mass; all else is to come.
-    fn shade(&mut self, body: &dyn Body<T, D>) {
+    fn shade(&mut self, body: &dyn GridBody<T, D>) {
         let mut index = std::collections::BTreeMap::new();
         let mut numbers = self.dummy.to_vec();
         self.lightest = body.lightest();
@@ -204,13 +181,14 @@ impl<T: Float, const D: usize> ReferenceBody<T, D> {
         });
         let law = Arc::new(Undeformed { density: T::of(mass / volume) });
         let none = (Loads::default(), None);
-        let mut shadow = ParticleBody::empty(own.name(), law, kernels, lattice, &own.half_size(), none);
-        shadow.shade(&**own);
-        let (velocities, shapes) = (vec![[T::default(); 3]; own.len()], vec![Shade::default(); own.len()]);
+        let mut proxy = ParticleBody::empty(own.name(), law, kernels, lattice, &own.half_size(), none);
+        proxy.shade(&**own);
+        let (velocities, shapes) =
+            (vec![[T::default(); 3]; own.len()], vec![ProxyState::default(); own.len()]);
         let (numbers, rate) = (Vec::new(), T::default());
         let mut body = ReferenceBody {
             scene,
-            shadow,
+            proxy,
             velocities,
             accelerations: Vec::new(),
             shapes,
@@ -218,19 +196,19 @@ impl<T: Float, const D: usize> ReferenceBody<T, D> {
             rate,
             returns,
         };
-        body.scene.bodies[0].cast(&mut body.numbers, &mut body.shapes);
-        body.shadow.aim(&body.shapes, &Team::one());
+        body.scene.bodies[0].export_states(&mut body.numbers, &mut body.shapes);
+        body.proxy.update_proxy(&body.shapes, &Team::one());
         body
     }
 
-    fn own(&self) -> &dyn Body<T, D> {
+    fn own(&self) -> &dyn GridBody<T, D> {
         &*self.scene.bodies[0]
     }
 
     fn trouble(&self, trouble: BodyTrouble) -> Stopped {
         let BodyTrouble { particle, position, cause } = trouble;
         let (body, law) = (self.own().name().to_string(), self.own().law());
-        Stopped::Particle { body, particle, position, law, cause }
+        Stopped::Point { kind: PointKind::Particle, body, number: particle, position, law, cause }
     }
 }
 
@@ -239,15 +217,15 @@ impl<T: Float, const D: usize> InReference<T, D> for ReferenceBody<T, D> {
         self.scene.set_team(team.clone());
         self.scene.accelerate(dt, &mut self.velocities, &mut self.accelerations).map_err(|e| e.what)?;
         let velocities = &self.velocities;
-        self.shadow.each_velocity(&mut |number, v| *v = velocities[number]);
+        self.proxy.each_velocity(&mut |number, v| *v = velocities[number]);
         let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0 };
-        self.shadow.pass(Which::Map, nodes, steps, team).map_err(|t| self.trouble(t))?;
+        self.proxy.pass(Which::Map, nodes, steps, team).map_err(|t| self.trouble(t))?;
         Ok(())
     }
 
     fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped> {
         let (pushes, mut pushed) = (&mut self.velocities, false);
-        self.shadow.each_velocity(&mut |number, v| {
+        self.proxy.each_velocity(&mut |number, v| {
             let push = &mut pushes[number];
             for d in 0..D {
                 push[d] = v[d] - push[d];
@@ -256,34 +234,52 @@ impl<T: Float, const D: usize> InReference<T, D> for ReferenceBody<T, D> {
         });
         self.scene.push(pushed.then_some(pushes), &self.accelerations, dt).map_err(|e| e.what)?;
         self.scene.deform(dt).map_err(|e| e.what)?;
-        self.scene.bodies[0].cast(&mut self.numbers, &mut self.shapes);
-        self.shadow.aim(&self.shapes, team);
+        self.scene.bodies[0].export_states(&mut self.numbers, &mut self.shapes);
+        self.proxy.update_proxy(&self.shapes, team);
         let steps = Steps { this: T::default(), next: T::default(), adapt: true, force_time: 0.0 };
-        let followed = self.shadow.sweep(Which::Follow, nodes, steps, team).map_err(|t| self.trouble(t))?;
+        let followed = self.proxy.sweep(Which::Follow, nodes, steps, team).map_err(|t| self.trouble(t))?;
         self.rate = followed.max(self.scene.rate);
         Ok(self.rate)
     }
 
-    fn given(&self) -> NodeLedger {
-        self.scene.ledger()
+    fn given(&self) -> Exchange {
+        self.scene.exchange()
     }
 }
 
-impl<T: Float, const D: usize> Body<T, D> for ReferenceBody<T, D> {
+impl<T: Float, const D: usize> Body for ReferenceBody<T, D> {
     fn name(&self) -> &str {
         self.own().name()
     }
     fn law(&self) -> &'static str {
         self.own().law()
     }
-    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
-        self.own().constants(times)
-    }
     fn len(&self) -> usize {
         self.own().len()
     }
     fn state_names(&self) -> Vec<String> {
         self.own().state_names()
+    }
+    fn totals(&self) -> Totals {
+        self.own().totals()
+    }
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.own().for_each(visit);
+    }
+    fn bytes(&self) -> usize {
+        self.scene.bytes()
+            + self.proxy.bytes()
+            + self.velocities.capacity() * size_of::<[T; 3]>()
+            + self.accelerations.capacity() * size_of::<[T; 4]>()
+            + self.shapes.capacity() * size_of::<ProxyState>()
+            + self.numbers.capacity() * size_of::<T>()
+            + size_of::<Self>()
+    }
+}
+
+impl<T: Float, const D: usize> GridBody<T, D> for ReferenceBody<T, D> {
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
+        self.own().constants(times)
     }
     fn embedding(&self) -> &'static str {
         self.own().embedding()
@@ -292,13 +288,13 @@ impl<T: Float, const D: usize> Body<T, D> for ReferenceBody<T, D> {
         self.own().half_size()
     }
     fn lightest(&self) -> T {
-        self.shadow.lightest()
+        self.proxy.lightest()
     }
     fn presence(&self) -> &dyn Presence<T, D> {
-        &self.shadow
+        &self.proxy
     }
     fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
-        &mut self.shadow
+        &mut self.proxy
     }
     fn in_reference(&self) -> Option<&dyn InReference<T, D>> {
         Some(self)
@@ -306,17 +302,10 @@ impl<T: Float, const D: usize> Body<T, D> for ReferenceBody<T, D> {
     fn in_reference_mut(&mut self) -> Option<&mut dyn InReference<T, D>> {
         Some(self)
     }
-    fn let_rest(&mut self, _: T, _: &Team) -> Result<(), SceneError> {
-        Err(SceneError::Disturbed { body: self.name().into(), what: "its reference configuration".into() })
-    }
-    fn wake(&mut self, _: &Team) {}
-    fn rests_at(&self) -> Option<&[[i32; D]]> {
-        None
-    }
     fn rate(&self, spacing: f64) -> T {
-        self.own().rate(self.scene.grid.lattice().spacing()).max(self.shadow.rate(spacing))
+        self.own().rate(self.scene.grid.lattice().spacing()).max(self.proxy.rate(spacing))
     }
-    /// Of the shadow, which has no stress: velocities in the first pass, all else when the scene's stages are done.
+    /// Of the proxy, which has no stress: velocities in the first pass, all else when the scene's stages are done.
     fn pass(
         &mut self,
         which: Which,
@@ -325,7 +314,7 @@ impl<T: Float, const D: usize> Body<T, D> for ReferenceBody<T, D> {
         team: &Team,
     ) -> Result<T, BodyTrouble> {
         if which == self.returns {
-            self.shadow.pass(Which::First, nodes, Steps { adapt: false, ..dt }, team)?;
+            self.proxy.pass(Which::First, nodes, Steps { adapt: false, ..dt }, team)?;
         }
         Ok(self.rate)
     }
@@ -333,49 +322,27 @@ impl<T: Float, const D: usize> Body<T, D> for ReferenceBody<T, D> {
         Loading::default()
     }
     fn locate(&mut self, _: Which, prune: bool, team: &Team) -> bool {
-        self.shadow.locate_after(Which::Follow, prune, team)
-    }
-    fn totals(&self) -> Totals {
-        self.own().totals()
+        self.proxy.locate_after(Which::Follow, prune, team)
     }
     fn totals_on(&self, team: &Team, parts: &mut Vec<Totals>) -> Totals {
         self.own().totals_on(team, parts)
     }
-    fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
-        self.own().for_each(visit);
-    }
     fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
         self.scene.bodies[0].each_velocity(visit);
     }
-    fn cast(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
-        self.own().cast(numbers, shapes);
-    }
-    fn bytes(&self) -> usize {
-        self.scene.bytes()
-            + self.shadow.bytes()
-            + self.velocities.capacity() * size_of::<[T; 3]>()
-            + self.accelerations.capacity() * size_of::<[T; 4]>()
-            + self.shapes.capacity() * size_of::<Shade>()
-            + self.numbers.capacity() * size_of::<T>()
-            + size_of::<Self>()
+    fn export_states(&self, numbers: &mut Vec<T>, shapes: &mut [ProxyState]) {
+        self.own().export_states(numbers, shapes);
     }
     fn particle_bytes(&self) -> usize {
-        self.own().particle_bytes() + self.shadow.particle_bytes()
+        self.own().particle_bytes() + self.proxy.particle_bytes()
     }
-    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        self.scene.exchange(file)?;
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.scene.archive_here(file)?;
         file.numbers([&mut self.rate])?;
-        self.shadow.exchange(file)
-    }
-    /// None: kinetic damping is refused beside such a body.
-    fn still(&mut self) -> Stilled {
-        Stilled::default()
-    }
-    fn filter(&mut self, _: &Team) -> f64 {
-        0.0
+        self.proxy.archive(file)
     }
     fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
-        self.shadow.footprints(time, visit);
+        self.proxy.footprints(time, visit);
     }
 }
 
@@ -508,18 +475,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// forces of the other scene act there; of those of this one, walls and fixed planes hold the body, while planes of symmetry
     /// are needed in both. The grids may have different cells.
     ///
-    /// Let it meet others by springs: `Penalty` of `mpm-contact`. Laws that stop what closes, and walls, make it sink in a little
+    /// Let it meet others by springs: [`mpm_contact::Penalty`]. Laws that stop what closes, and walls, make it sink in a little
     /// and lose energy, discs up to two thirds of it (book, "Bodies in their reference configuration"); a rigid plate is a better wall.
     ///
     /// ```
     /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
-    /// # use mpm_core::step::contact::{Contact, Found, Scratch, SharedNodes};
+    /// # use mpm_core::contact::{Contact, BlockContacts, Scratch, SharedNodes};
     /// # use mpm_materials::{LinearElastic, Moduli};
     /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
     /// # #[derive(Debug)]
     /// # struct AnyContact;
     /// # impl Contact<f64, 2> for AnyContact {
-    /// #     fn impulses(&self, _: &SharedNodes<'_, f64, 2>, _: &mut Found<f64>, _: &mut Scratch<f64>) {}
+    /// #     fn impulses(&self, _: &SharedNodes<'_, f64, 2>, _: &mut BlockContacts<f64>, _: &mut Scratch<f64>) {}
     /// # }
     /// let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
     /// let (fine, coarse) = (Lattice::new([0.0; 2], 0.1)?, Lattice::new([0.0; 2], 0.125)?);
@@ -566,21 +533,24 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if own.embedding() != here {
             return Err(SceneError::OtherSpace { body: name, there: own.embedding(), here });
         }
-        if scene.steps > 0 || scene.time != self.time {
-            return Err(SceneError::Clock { time: scene.time, steps: scene.steps });
+        if scene.clock.steps > 0 || scene.clock.time != self.clock.time {
+            return Err(SceneError::Clock { time: scene.clock.time, steps: scene.clock.steps });
         }
         let refuse = |what| Err(SceneError::BesideReference { body: name.clone(), what });
-        if scene.calm.is_some() || self.calm.is_some() {
+        if scene.kinetic_damping.is_some() || self.kinetic_damping.is_some() {
             return refuse("kinetic damping");
         }
         if scene.filter.is_some() || self.filter.is_some() {
             return refuse("a null-space filter");
         }
-        if self.bodies.iter().any(|b| b.merges().is_some()) {
+        if self.bodies.iter().any(|b| b.division().is_some_and(|b| b.merges().is_some())) {
             return refuse("merging");
         }
         if self.conditions.gravity.is_some() {
             return refuse("a body force of the scene");
+        }
+        if !(self.wrap()?.is_none() && scene.wrap()?.is_none()) {
+            return refuse("periodic planes");
         }
         if matches!(self.control, TimeControl::Gershgorin { .. }) {
             return refuse("`TimeControl::Gershgorin`");

@@ -5,23 +5,25 @@ use std::sync::Arc;
 use mpm_materials::Material;
 use mpm_materials::material::{Described, Motion, PairOutput, Response, States, StatesMut};
 
-use super::body::{Body, BodyTrouble, Particle, Presence, Steps, Totals, Which};
-use super::checkpoint::{Archive, CheckpointError, Constant};
+use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
 use super::fields::Fields;
 use super::footprint::Footprint;
 use super::kernels::MethodKernels;
 use super::layout::{Nodes, Piece, numbers};
 use super::load::{Loading, Loads};
-use super::nodes::{BlockPlace, NodeLedger, Stage};
+use super::nodes::{BlockPlace, Stage};
 use super::particle_body::ParticleBody;
-use super::reference_body::Shade;
-use super::rest::Stilled;
+use super::proxy::ProxyState;
 use super::rigid::{Rigid, RigidState};
-use super::scene::SceneError;
 use super::tile::Sums;
 use crate::geometry::{Lattice, Seeds};
 use crate::grid::Node;
 use crate::parallel::{Float, Team};
+use impactite_scene::Exchange;
+use impactite_scene::archive::{Archive, CheckpointError};
+use impactite_scene::constants::Constant;
+use impactite_scene::error::SceneError;
+use impactite_scene::{Body, PointView, Totals};
 
 /// Matter that never deforms: no stress, no waves.
 #[derive(Clone, Copy, Debug)]
@@ -113,21 +115,51 @@ impl<T: Float, const D: usize> RigidBody<T, D> {
     }
 }
 
-impl<T: Float, const D: usize> Body<T, D> for RigidBody<T, D> {
+impl<T: Float, const D: usize> Body for RigidBody<T, D> {
     fn name(&self) -> &str {
         self.particles.name()
     }
     fn law(&self) -> &'static str {
         self.particles.law()
     }
-    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
-        self.state.constants_at(times)
-    }
     fn len(&self) -> usize {
         self.particles.len()
     }
     fn state_names(&self) -> Vec<String> {
         Vec::new()
+    }
+    /// Of the body, not of its particles; nothing but their number if its motion is prescribed.
+    fn totals(&self) -> Totals {
+        let particles = self.len();
+        if self.state.is_prescribed() {
+            return Totals { particles, ..Totals::default() };
+        }
+        let (state, mut totals) = (&self.state, self.particles.totals());
+        let ([x, y, z], [u, v, w]) = (state.centre(), state.velocity());
+        let (moment, own) = ([y * w - z * v, z * u - x * w, x * v - y * u], state.angular_momentum());
+        totals.mass = state.mass();
+        for d in 0..3 {
+            totals.momentum[d] = state.mass() * state.velocity()[d];
+            totals.angular_momentum[d] = state.mass() * moment[d] + own[d];
+        }
+        totals.kinetic = state.kinetic();
+        totals.internal = 0.0;
+        totals
+    }
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.particles.for_each(&mut |p| {
+            let x = std::array::from_fn(|d| p.position[d]);
+            visit(&PointView { velocity: self.state.velocity_at(&x), ..p.clone() });
+        });
+    }
+    fn bytes(&self) -> usize {
+        self.particles.bytes() + size_of::<Self>()
+    }
+}
+
+impl<T: Float, const D: usize> GridBody<T, D> for RigidBody<T, D> {
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
+        self.state.constants_at(times)
     }
     fn embedding(&self) -> &'static str {
         self.particles.embedding()
@@ -150,13 +182,6 @@ impl<T: Float, const D: usize> Body<T, D> for RigidBody<T, D> {
     fn rigid_mut(&mut self) -> Option<&mut RigidState<D>> {
         Some(&mut self.state)
     }
-    fn let_rest(&mut self, _: T, _: &Team) -> Result<(), SceneError> {
-        Err(SceneError::Disturbed { body: self.name().into(), what: "its being rigid".into() })
-    }
-    fn wake(&mut self, _: &Team) {}
-    fn rests_at(&self) -> Option<&[[i32; D]]> {
-        None
-    }
     fn rate(&self, spacing: f64) -> T {
         self.particles.rate(spacing)
     }
@@ -175,52 +200,18 @@ impl<T: Float, const D: usize> Body<T, D> for RigidBody<T, D> {
     fn locate(&mut self, which: Which, prune: bool, team: &Team) -> bool {
         self.particles.locate(which, prune, team)
     }
-    /// Of the body, not of its particles; nothing but their number if its motion is prescribed.
-    fn totals(&self) -> Totals {
-        let particles = self.len();
-        if self.state.is_prescribed() {
-            return Totals { particles, ..Totals::default() };
-        }
-        let (state, mut totals) = (&self.state, self.particles.totals());
-        let ([x, y, z], [u, v, w]) = (state.centre(), state.velocity());
-        let (moment, own) = ([y * w - z * v, z * u - x * w, x * v - y * u], state.angular_momentum());
-        totals.mass = state.mass();
-        for d in 0..3 {
-            totals.momentum[d] = state.mass() * state.velocity()[d];
-            totals.angular_momentum[d] = state.mass() * moment[d] + own[d];
-        }
-        totals.kinetic = state.kinetic();
-        totals.internal = 0.0;
-        totals
-    }
-    fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
-        self.particles.for_each(&mut |p| {
-            let x = std::array::from_fn(|d| p.position[d]);
-            visit(&Particle { velocity: self.state.velocity_at(&x), ..p.clone() });
-        });
-    }
     fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
         self.particles.each_velocity(visit);
     }
-    fn cast(&self, numbers: &mut Vec<T>, shapes: &mut [Shade]) {
-        self.particles.cast(numbers, shapes);
-    }
-    fn bytes(&self) -> usize {
-        self.particles.bytes() + size_of::<Self>()
+    fn export_states(&self, numbers: &mut Vec<T>, shapes: &mut [ProxyState]) {
+        self.particles.export_states(numbers, shapes);
     }
     fn particle_bytes(&self) -> usize {
         self.particles.particle_bytes()
     }
-    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.particles.exchange_particles(file)?;
         self.state.exchange(file)
-    }
-    /// None: a body of prescribed motion is not stopped.
-    fn still(&mut self) -> Stilled {
-        Stilled::default()
-    }
-    fn filter(&mut self, _: &Team) -> f64 {
-        0.0
     }
     fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         self.particles.footprints(time, &mut |p| visit(&Footprint { rigid: true, ..*p }));
@@ -229,7 +220,7 @@ impl<T: Float, const D: usize> Body<T, D> for RigidBody<T, D> {
 
 /// The rigid body whose block this is.
 pub(super) fn rigid_of<'a, T: Float, const D: usize>(
-    bodies: &'a [Box<dyn Body<T, D>>],
+    bodies: &'a [Box<dyn GridBody<T, D>>],
     fields: &Fields<D>,
     block: usize,
 ) -> Option<&'a RigidState<D>> {
@@ -336,7 +327,7 @@ pub(super) fn book<const D: usize>(
     body: &RigidState<D>,
     x: &[f64; D],
     impulse: &[f64; 3],
-    ledger: &mut NodeLedger,
+    ledger: &mut Exchange,
 ) {
     let velocity = body.mean_velocity(x);
     for d in 0..D {

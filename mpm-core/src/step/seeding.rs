@@ -7,17 +7,17 @@ use mpm_materials::material::{Deformation, Length, Motion, Response, StatesMut};
 use mpm_materials::point::flatten;
 use mpm_materials::{Constitutive, IntoMaterial, Material, MaySplit};
 
-use super::body::Body;
+use super::body::GridBody;
 use super::kernels::MethodKernels;
 use super::load::{FieldForce, Loading, Loads, Traction};
 use super::merging::MergeBook;
 use super::particle_body::ParticleBody;
 use super::rigid::Rigid;
 use super::rigid_body::RigidBody;
-use super::scene::SceneError;
 use super::solver::Mpm;
 use super::splitting::{SplitBook, Splitter, Splitting};
 use super::total;
+use super::wrap::Wrap;
 use crate::dim::BLOCK;
 use crate::geometry::{Lattice, Seeds};
 use crate::method::{Composition, IntoKernels};
@@ -25,6 +25,8 @@ use crate::parallel::Float;
 use crate::particles::{Columns, Masses, split};
 use crate::shape::Domain;
 use crate::shape::domain::MOST_NUMBERS;
+use impactite_scene::Boundary;
+use impactite_scene::error::SceneError;
 
 /// A velocity by position, m and m/s.
 type Velocity<'a, const D: usize> = dyn Fn([f64; D]) -> [f64; D] + 'a;
@@ -216,6 +218,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             merges: MergeBook::default(),
             starts: Vec::new(),
             dummy: dummy.into(),
+            wrap: Wrap::default(),
             resting: None,
         }
     }
@@ -298,6 +301,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             stride *= BLOCK;
             numbers[Columns::position() + d] = T::of(u - nearest);
         }
+        let block = self.wrap.block(block);
         let slot = *index.entry(block).or_insert_with(|| {
             self.slots.push(self.empty_slot(block));
             self.slots.len() - 1
@@ -343,7 +347,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     /// Take the particles of a body of this law over.
-    fn adopt(&mut self, body: &dyn Body<T, D>) {
+    fn adopt(&mut self, body: &dyn GridBody<T, D>) {
         let h = self.lattice.spacing();
         let (mut masses, mut last) = (Vec::with_capacity(body.len()), 0);
         body.for_each(&mut |p| {
@@ -433,7 +437,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.check_seeds(name, seeds)?;
         self.check_numbers(name, seeds, &|_| [0.0; D])?;
-        if self.calm.is_some() && !rigid.is_prescribed() {
+        if self.kinetic_damping.is_some() && !rigid.is_prescribed() {
             return Err(SceneError::RestOfFree(name.into()));
         }
         let body = RigidBody::<T, D>::new(name, rigid, self.kernels.clone(), *self.grid.lattice(), seeds)?;
@@ -548,6 +552,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         let (lattice, more) = (*self.grid.lattice(), (loads, splitting));
         let mut body = ParticleBody::<T, D>::empty(&name, material, kernels, lattice, &seeds.half_size, more);
+        body.wrap = self.wrap()?;
         if let Some(splitter) = splitter {
             let (domain, mass) = (body.columns.domains(), body.columns.mass());
             let area = body.loads.rows(body.columns.load()).area;
@@ -557,7 +562,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.enter(&name, Box::new(body))
     }
 
-    pub(super) fn enter(&mut self, name: &str, body: Box<dyn Body<T, D>>) -> Result<(), SceneError> {
+    pub(super) fn enter(&mut self, name: &str, body: Box<dyn GridBody<T, D>>) -> Result<(), SceneError> {
         self.check_name(name)?;
         self.bodies.push(body);
         self.mapped = false;
@@ -643,6 +648,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let behind =
                 self.conditions.boundaries.iter().find_map(|b| self.behind_symmetry(b, name, particle, x));
             behind.map_or(Ok(()), Err)?;
+            for boundary in &self.conditions.boundaries {
+                if let Boundary::Periodic { axis, low, high } = *boundary
+                    && !(low..=high).contains(&x[axis])
+                {
+                    return refuse("position", x[axis], "between the periodic planes");
+                }
+            }
             if let Some(&v) = velocity(*x).iter().find(|v| !v.is_finite()) {
                 return refuse("velocity", v, "finite");
             }
@@ -693,14 +705,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// # Errors
     /// A method in the reference configuration, since that would be another one; another law; other coordinates (plane, of
     /// revolution); particles that were larger at the start than a cell of this grid, that are outside it or behind the axis.
-    pub fn take_over(&mut self, law: impl IntoMaterial<T>, body: &dyn Body<T, D>) -> Result<(), SceneError> {
+    pub fn take_over(
+        &mut self,
+        law: impl IntoMaterial<T>,
+        body: &dyn GridBody<T, D>,
+    ) -> Result<(), SceneError> {
         self.work.adopt(self, law.into_material(), body)
     }
 
     pub(super) fn adopt_here(
         &mut self,
         law: Arc<dyn Material<T>>,
-        body: &dyn Body<T, D>,
+        body: &dyn GridBody<T, D>,
     ) -> Result<(), SceneError> {
         self.check_method()?;
         self.check_frame("taking a body over", "its reference configuration would be another one")?;
@@ -721,6 +737,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let lattice = *self.grid.lattice();
         let (kernels, none) = (self.kernels.clone(), (Loads::default(), None));
         let mut taken = ParticleBody::<T, D>::empty(name, law, kernels, lattice, &body.half_size(), none);
+        taken.wrap = self.wrap()?;
         let mut behind = None;
         body.for_each(&mut |p| {
             let x = std::array::from_fn(|d| p.position[d]);
@@ -738,10 +755,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// # Errors
     /// A time that is not finite, or steps made.
     pub fn set_time(&mut self, time: f64) -> Result<(), SceneError> {
-        if !time.is_finite() || self.steps > 0 {
-            return Err(SceneError::Clock { time, steps: self.steps });
+        if !time.is_finite() || self.clock.steps > 0 {
+            return Err(SceneError::Clock { time, steps: self.clock.steps });
         }
-        self.time = time;
+        self.clock.time = time;
         self.mapped = false;
         Ok(())
     }

@@ -3,24 +3,26 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::body::{Body, BodyTrouble, Steps, Totals, Which};
-use super::contact::{Contact, ContactNode, Meeting, OneField, PairContact};
-use super::control::TimeControl;
-use super::encounters::Encounters;
+use impactite_scene::error::{SceneError, StepError, Stopped};
+use impactite_scene::{
+    Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, PointKind, Solver,
+    TimeControl, Totals, Warning,
+};
+
+use super::body::{BodyTrouble, GridBody, Steps, Which};
+use super::contact::{Contact, ContactPhase, ContactState, OneField};
 use super::fields::Fields;
 use super::kernels::{Facts, MethodKernels};
 use super::layout::Nodes;
 use super::load::Loading;
-use super::look::Looks;
-use super::nodes::{BlockBooks, Conditions, NodeLedger, Stage, mass_cutoff};
+use super::looks::Looks;
+use super::nodes::{BlockBooks, Conditions, Stage, mass_cutoff};
 use super::planes::Planes;
-use super::rest::Calm;
+use super::rest::KineticDamping;
 use super::rigid::Wrong;
-use super::scene::SceneError;
-use super::sweep::Cause;
 use super::work::Work;
+use super::wrap::Wrap;
 
-use crate::boundary::{Boundary, Side};
 use crate::combine::GridFor;
 use crate::dim::BLOCK;
 use crate::grid::{GridStorage, OutsideGrid};
@@ -28,78 +30,12 @@ use crate::grid::{GridStorage, OutsideGrid};
 use crate::method::IntoKernels;
 use crate::method::Kernels;
 use crate::parallel::{Float, Team};
-use crate::watch::Finding;
-
-/// A step that could not be made. The run stands where the step broke off.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("step {step} at t = {time:.6e} s: {what}")]
-pub struct StepError {
-    /// Number of the step.
-    pub step: u64,
-    /// Time at its start, s.
-    pub time: f64,
-    /// What stopped it.
-    pub what: Stopped,
-}
-
-/// What stops a step.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Stopped {
-    /// A particle cannot go on.
-    #[error("particle {particle} of body `{body}` (law: {law}) near {position:?} m: {cause}")]
-    Particle {
-        /// Its body.
-        body: String,
-        /// Its number.
-        particle: usize,
-        /// Its position, m.
-        position: [f64; 3],
-        /// The body's law.
-        law: &'static str,
-        /// What happened.
-        cause: Cause,
-    },
-    /// A particle came to where the grid has no nodes.
-    #[error("particle {particle} of body `{body}` (law: {law}) at {position:?} m leaves the grid: {outside}")]
-    Outside {
-        /// Its body.
-        body: String,
-        /// Its number.
-        particle: usize,
-        /// Its position, m.
-        position: [f64; 3],
-        /// The body's law.
-        law: &'static str,
-        /// Which nodes there are none of.
-        outside: Box<OutsideGrid>,
-    },
-    /// A rigid body is told to move as none can, or the scene became one that cannot be.
-    #[error(transparent)]
-    Scene(SceneError),
-    /// A time that the clock cannot follow.
-    #[error("{field} = {value:e} s is not allowed; it must be {allowed} (now t = {now:e} s)")]
-    Clock {
-        /// What was given.
-        field: &'static str,
-        /// Its value, s.
-        value: f64,
-        /// What is allowed, in words.
-        allowed: &'static str,
-        /// The time reached, s.
-        now: f64,
-    },
-    /// The wave speeds give no usable time step.
-    #[error("the time step became {0} s; a wave speed is infinite, zero or not a number")]
-    NoTimeStep(f64),
-    /// The step was made, but the run is no longer to be trusted ([`crate::watch`]).
-    #[error("{0}")]
-    Watch(Box<Finding>),
-}
+use impactite_scene::boundary::{Boundary, BoundaryError, Side};
 
 /// Material point method: bodies of particles on a background grid.
 ///
 /// A scene is of one type, whatever method ([`crate::Method`]), grid, contact and laws it is made of. Bodies may have different
-/// laws; with [`OneField`] they move in one velocity field, that is, they stick where they meet.
+/// laws; with [`OneField`] they move in one velocity field, that is, they stick where they touch.
 pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) work: &'static dyn Work<T, D>,
     pub(super) kernels: Arc<dyn MethodKernels<T, D>>,
@@ -107,19 +43,18 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) contact: Arc<dyn Contact<T, D>>,
     /// Where on the grid each body's nodes are.
     pub(super) fields: Fields<D>,
-    pub(super) encounters: Encounters<T>,
-    pub(super) bodies: Vec<Box<dyn Body<T, D>>>,
+    pub(super) contact_state: ContactState<T>,
+    pub(super) bodies: Vec<Box<dyn GridBody<T, D>>>,
     pub(super) conditions: Conditions<D>,
     pub(super) control: TimeControl,
-    /// The last sharp rate, 1/s, and the step it was found at.
-    pub(super) sharp: Option<(u64, f64)>,
+    /// The last Gershgorin rate, 1/s, and the step it was found at.
+    pub(super) gershgorin: Option<(u64, f64)>,
     /// Kinetic damping, if asked for.
-    pub(super) calm: Option<Calm>,
+    pub(super) kinetic_damping: Option<KineticDamping>,
     /// Steps between null-space filters, if asked for.
     pub(super) filter: Option<u64>,
     pub(super) team: Team,
-    pub(super) time: f64,
-    pub(super) steps: u64,
+    pub(super) clock: Clock,
     /// What the bodies' last pass came to, and whether their blocks changed after it.
     passed: Vec<Result<T, BodyTrouble>>,
     /// Time spent at particles so far.
@@ -128,7 +63,6 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     /// The step after which blocks were arranged last, and whether with a look ahead.
     pub(super) arranged: u64,
     pub(super) ahead: bool,
-    pub(super) last_dt: Option<f64>,
     /// The step that impulses on the grid are for, s.
     pub(super) planned: T,
     /// Largest (c + |v|) / h of the particles, 1/s.
@@ -140,8 +74,8 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     /// Of each block of nodes.
     pub(super) books: Vec<BlockBooks>,
     /// What no block of nodes gave or took alone, in a step.
-    together: NodeLedger,
-    pub(super) ledger: NodeLedger,
+    together: Exchange,
+    pub(super) ledger: Exchange,
     /// The surface loads on the grid.
     pub(super) acting: Loading,
     /// Terms of the FMPM series, one a node; empty for other transfers.
@@ -168,7 +102,7 @@ macro_rules! stage {
             conditions: &$mpm.conditions,
             books: &mut $mpm.books,
             together: &mut $mpm.together,
-            time: $mpm.time,
+            time: $mpm.clock.time,
             cutoff: lightest * mass_cutoff::<T>(),
             lightest,
             wide: $mpm.kernels.facts().wide(),
@@ -192,8 +126,6 @@ const PRUNE_AHEAD: u64 = 128;
 /// look ahead: that takes memory, and about as long as a step.
 const OFTEN: u64 = 16;
 const FEW: usize = 32;
-/// Times are the same that differ by less than this part of them.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl<const D: usize> Mpm<D> {
     /// An empty scene in double precision, of any method ([`IntoKernels`]) and grid ([`GridStorage`]) of the same dimensions, whose bodies
@@ -214,7 +146,7 @@ impl<const D: usize> Mpm<D> {
         Mpm::with_contact(method, grid, OneField)
     }
 
-    /// An empty scene in double precision whose bodies will meet by this contact algorithm.
+    /// An empty scene in double precision whose bodies act on each other by this contact algorithm.
     pub fn with_contact<M>(
         method: M,
         grid: impl GridFor<M, f64, D> + 'static,
@@ -240,36 +172,34 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         contact: Arc<dyn Contact<T, D>>,
     ) -> Self {
         let Kernels { kernels, work } = method;
-        let control = TimeControl::default_for(kernels.facts());
+        let control = kernels.facts().time_control();
         Mpm {
             work,
             kernels,
             grid,
             contact,
             fields: Fields::default(),
-            encounters: Encounters::default(),
+            contact_state: ContactState::default(),
             bodies: Vec::new(),
             conditions: Conditions { boundaries: Vec::new(), gravity: None, damping: 0.0 },
             control,
-            sharp: None,
-            calm: None,
+            gershgorin: None,
+            kinetic_damping: None,
             filter: None,
             team: Team::one(),
-            time: 0.0,
-            steps: 0,
+            clock: Clock::default(),
             passed: Vec::new(),
             at_particles: Duration::ZERO,
             changed: Vec::new(),
             arranged: 0,
             ahead: false,
-            last_dt: None,
             planned: T::default(),
             rate: T::default(),
             stopped_by: None,
             mapped: false,
             books: Vec::new(),
-            together: NodeLedger::default(),
-            ledger: NodeLedger::default(),
+            together: Exchange::default(),
+            ledger: Exchange::default(),
             acting: Loading::default(),
             terms: Vec::new(),
             planes: Planes::default(),
@@ -298,15 +228,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Add a boundary condition; conditions act in the order they were added.
     ///
     /// # Errors
-    /// An axis that does not exist, a symmetry plane between nodes or with particles behind it, numbers that are not finite.
+    /// An axis that does not exist, a symmetry or absorbing plane between nodes, a symmetry plane with particles behind it, numbers that are
+    /// not finite or that a condition refuses; walls in the reference configuration; periodic planes whose distance is no whole number of
+    /// blocks of four cells, beside another plane across their axis, with bodies there already or kept apart, or along a radius.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         self.work.bound(self, boundary)
     }
 
     pub(super) fn bound_here(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
         boundary.check(self.grid.lattice())?;
-        if self.facts().total && matches!(boundary, Boundary::Wall { .. }) {
-            return Err(crate::boundary::BoundaryError::WallInReference.into());
+        self.check_periodic(&boundary)?;
+        if self.facts().total && boundary.is_wall() {
+            return Err(BoundaryError::WallInReference.into());
         }
         for body in &self.bodies {
             let mut behind = None;
@@ -318,6 +251,30 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.conditions.boundaries.push(boundary);
         self.arrange_planes();
+        Ok(())
+    }
+
+    /// Where blocks are found beyond periodic planes.
+    pub(super) fn wrap(&self) -> Result<Wrap<D>, SceneError> {
+        Ok(Wrap::of(&self.conditions.boundaries, self.grid.lattice())?)
+    }
+
+    /// Refuse periodic planes that cannot be with the scene, and planes that cannot be with them.
+    fn check_periodic(&self, boundary: &Boundary<D>) -> Result<(), SceneError> {
+        let mut all = self.conditions.boundaries.clone();
+        all.push(boundary.clone());
+        Wrap::of(&all, self.grid.lattice())?;
+        let Boundary::Periodic { axis, .. } = *boundary else { return Ok(()) };
+        let refuse = |why| Err(BoundaryError::Periodic { axis, why }.into());
+        if !self.bodies.is_empty() {
+            return refuse("once there are bodies; they must be given before");
+        }
+        if self.contact.separates() {
+            return refuse("where bodies are kept apart; the scene must be of one field");
+        }
+        if self.facts().hoop && axis == 0 {
+            return refuse("along the radius; they must lie across the axis of revolution");
+        }
         Ok(())
     }
 
@@ -371,8 +328,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.check_references("`TimeControl::Gershgorin`")?;
         }
         self.control = control;
-        self.sharp = None;
-        self.last_dt = None;
+        self.gershgorin = None;
+        self.clock.last = None;
         self.mapped = false;
         Ok(())
     }
@@ -411,7 +368,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(error.clone());
         }
         if left.is_nan() || left <= 0.0 {
-            return Err(self.refused("step_at_most: left", left, "positive; infinite for no limit"));
+            return Err(self.clock.refused("step_at_most: left", left, "positive; infinite for no limit"));
         }
         if self.bodies.is_empty() {
             return Err(self.stopped(Stopped::Scene(SceneError::NoBodies)));
@@ -423,12 +380,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     fn stages(&mut self, left: f64) -> Result<T, StepError> {
         self.open_books();
-        self.wake_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
+        self.reactivate_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
-        if self.time + dt.to_double() == self.time {
+        if self.clock.time + dt.to_double() == self.clock.time {
             let allowed = "long enough to move the clock: let it start at an earlier time (`Mpm::set_time`)";
-            return Err(self.refused("time step", dt.to_double(), allowed));
+            return Err(self.clock.refused("time step", dt.to_double(), allowed));
         }
         self.check_conditions(dt.to_double()).map_err(|error| self.stopped(Stopped::Scene(error)))?;
         self.plan_rigid(dt)?;
@@ -436,32 +393,32 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let (before_forces, remap) = (self.facts().before_forces, self.facts().remap);
         if before_forces {
             self.stage(dt).velocities(); // iii: eqs. 2, 3; boundaries
-            self.meet(Meeting::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
+            self.apply_contact(ContactPhase::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
-            self.part(dt);
+            self.undo_contact_correction(dt);
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
-            self.meet(Meeting::Trial, dt); // vii: eqs. 11 - 15
+            self.apply_contact(ContactPhase::Trial, dt); // vii: eqs. 11 - 15
             self.move_rigid(dt)?;
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
         } else {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
-            self.meet(Meeting::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
+            self.apply_contact(ContactPhase::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.move_rigid(dt)?;
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if remap {
                 self.stage(dt).remap_velocities(dt); // x: eq. 3 again
-                self.meet(Meeting::Remapped, dt); // x, if the contact algorithm wants it
+                self.apply_contact(ContactPhase::Remapped, dt); // x, if the contact algorithm wants it
                 self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
             }
         }
 
         self.advance_references(dt)?;
         self.close_step(dt)?;
-        self.tend();
+        self.apply_between_step_operations();
         self.look_if_due()?;
         Ok(dt)
     }
@@ -473,11 +430,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             wrong.map_or(Ok(()), |&value| Err(SceneError::NotFinite { what: what(), value, time }))
         };
         if let Some(gravity) = &self.conditions.gravity {
-            check(&|| "body force".into(), &gravity(self.time), self.time)?;
+            check(&|| "body force".into(), &gravity(self.clock.time), self.clock.time)?;
         }
         for (n, boundary) in self.conditions.boundaries.iter().enumerate() {
             let Boundary::Prescribed { velocity, .. } = boundary else { continue };
-            for time in [self.time, self.time + dt] {
+            for time in [self.clock.time, self.clock.time + dt] {
                 let prescribed = velocity(time).map(|v| v.unwrap_or_default());
                 check(&|| format!("velocity prescribed by boundary {n}"), &prescribed, time)?;
             }
@@ -498,10 +455,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.acting = self.loading();
         self.ledger.work += self.acting.power * dt.to_double();
-        self.ledger.split = self.bodies.iter().map(|b| b.splits().kinetic).sum();
+        self.ledger.conversion =
+            self.bodies.iter().filter_map(|b| Some(b.division()?.splits().kinetic)).sum();
         let last = self.facts().last_pass();
-        let age = self.steps - self.arranged;
-        let prune = if self.ahead { age >= PRUNE_AHEAD } else { self.steps % PRUNE_EVERY == PRUNE_EVERY - 1 };
+        let age = self.clock.steps - self.arranged;
+        let prune =
+            if self.ahead { age >= PRUNE_AHEAD } else { self.clock.steps % PRUNE_EVERY == PRUNE_EVERY - 1 };
         let team = &self.team;
         self.changed.resize(self.bodies.len(), false);
         let clock = Instant::now();
@@ -514,21 +473,19 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.ahead = self.contact.separates() && age < OFTEN && self.particles() < FEW * self.blocks();
             self.arrange().map_err(|outside| self.stopped(self.who_left(outside)))?;
         }
-        self.time += dt.to_double();
-        self.steps += 1;
-        self.last_dt = Some(dt.to_double());
+        self.clock.advance(dt.to_double());
         Ok(())
     }
 
-    /// Let the bodies meet at the nodes they share.
-    fn meet(&mut self, meeting: Meeting, dt: T) {
-        if !self.contact.separates() || (meeting != Meeting::Trial && !self.contact.corrects_strain()) {
+    /// Let the bodies act on each other at the nodes they share.
+    fn apply_contact(&mut self, phase: ContactPhase, dt: T) {
+        if !self.contact.separates() || (phase != ContactPhase::Trial && !self.contact.corrects_strain()) {
             return;
         }
-        let mut encounters = std::mem::take(&mut self.encounters);
+        let mut contact_state = std::mem::take(&mut self.contact_state);
         let contact = &*self.contact;
-        stage!(self, dt).meet(contact, meeting, &mut encounters);
-        self.encounters = encounters;
+        stage!(self, dt).apply_contact(contact, phase, &mut contact_state);
+        self.contact_state = contact_state;
     }
 
     /// Plan how bodies of prescribed motion move.
@@ -538,7 +495,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let name = self.bodies[body].name().to_string();
             let planned = self.bodies[body]
                 .rigid_mut()
-                .map_or(Ok(()), |state| state.plan(&name, self.time, dt.to_double(), hoop));
+                .map_or(Ok(()), |state| state.plan(&name, self.clock.time, dt.to_double(), hoop));
             planned.map_err(|error| self.stopped(Stopped::Scene(error)))?;
         }
         Ok(())
@@ -597,12 +554,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// Take contact back from the momentum that the stress update of USF saw.
-    fn part(&mut self, dt: T) {
+    fn undo_contact_correction(&mut self, dt: T) {
         if !self.contact.separates() || !self.contact.corrects_strain() {
             return;
         }
-        let encounters = &self.encounters;
-        stage!(self, dt).part(encounters);
+        let contact_state = &self.contact_state;
+        stage!(self, dt).undo_contact_correction(contact_state);
     }
 
     /// Do particles reach node blocks where their body has no field, or (asked with `prune`) none any more where
@@ -672,7 +629,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let adapt = matches!(self.control, TimeControl::Courant { .. });
         // Forces act in the step that follows the map; those of USF in this one.
         let usf = self.facts().before_forces && which == Which::First;
-        let force_time = self.time + if usf { 0.0 } else { dt.to_double() };
+        let force_time = self.clock.time + if usf { 0.0 } else { dt.to_double() };
         let dt = Steps { this: dt, next: self.planned, adapt, force_time };
         let nodes = Nodes { all: self.grid.nodes(), layout: self.fields.layout() };
         let team = &self.team;
@@ -692,7 +649,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                         body.locate(which, false, &self.team);
                     }
                     let (body, law) = (self.bodies[b].name().to_string(), self.bodies[b].law());
-                    return Err(self.stopped(Stopped::Particle { body, particle, position, law, cause }));
+                    return Err(self.stopped(Stopped::Point {
+                        kind: PointKind::Particle,
+                        body,
+                        number: particle,
+                        position,
+                        law,
+                        cause,
+                    }));
                 }
             }
         }
@@ -708,7 +672,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return self.plan(left);
         }
         let dt = self.planned;
-        self.last_dt = Some(dt.to_double());
+        self.clock.last = Some(dt.to_double());
         let then = left - dt.to_double();
         self.planned = self.plan(if then > 1e-9 * left.abs() { then } else { f64::INFINITY })?;
         Ok(dt)
@@ -717,15 +681,25 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn plan(&mut self, left: f64) -> Result<T, StepError> {
         let mut rate = self.rate.to_double();
         if let TimeControl::Gershgorin { every, .. } = self.control {
-            let known = self.sharp.filter(|(step, _)| self.steps < step + every);
-            let (step, sharp) = known.unwrap_or_else(|| (self.steps, self.sharp_rate()));
-            (self.sharp, rate) = (Some((step, sharp)), sharp);
+            let known = self.gershgorin.filter(|(step, _)| self.clock.steps < step + every);
+            let (step, sharp) = known.unwrap_or_else(|| (self.clock.steps, self.gershgorin_rate()));
+            (self.gershgorin, rate) = (Some((step, sharp)), sharp);
         }
-        let dt = self.control.next(rate, self.last_dt);
+        let dt = self.control.next(rate, self.clock.last);
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(self.stopped(Stopped::NoTimeStep(dt)));
         }
         Ok(T::of(dt.min(left)))
+    }
+
+    /// The size of the next step, s.
+    pub(super) fn stable_step_here(&mut self) -> Result<f64, StepError> {
+        self.map_particles(f64::INFINITY)?;
+        if self.facts().maps_together {
+            Ok(self.planned.to_double())
+        } else {
+            Ok(self.plan(f64::INFINITY)?.to_double())
+        }
     }
 
     pub(super) fn stage(&mut self, dt: T) -> Stage<'_, T, D> {
@@ -737,16 +711,33 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let separate = self.contact.separates();
         let pressed = self.pressed();
         self.fields.arrange(&mut *self.grid, &mut self.bodies, separate, self.ahead, &self.team)?;
-        self.encounters.arrange(&self.fields, self.bodies.len());
+        self.contact_state.arrange(&self.fields, self.bodies.len());
         self.press(&pressed);
-        self.arranged = self.steps;
+        self.arranged = self.clock.steps;
         self.arrange_planes();
         Ok(())
     }
 
     pub(super) fn arrange_planes(&mut self) {
         let reach = [self.facts().wide(), self.facts().boundary_modified];
-        self.planes.arrange(&*self.grid, &self.fields, &self.conditions.boundaries, reach);
+        let shares = self.surface_shares();
+        self.planes.arrange(&*self.grid, &self.fields, &self.conditions.boundaries, reach, shares);
+    }
+
+    /// What a traction on a plane of nodes gives to the nodes in front of, on and behind it: the weights of a point there.
+    fn surface_shares(&self) -> [f64; 3] {
+        let facts = self.facts();
+        if !facts.wide() || facts.domain.convects() {
+            return [0.0, 1.0, 0.0];
+        }
+        // The domain of a particle is no part of the surface: of weights with one the limit without it, hats.
+        let (point, none) = (T::of(1e-3), 1e-2);
+        let xi = T::of(if facts.nodes.is_multiple_of(2) { -0.5 } else { 0.0 });
+        let [weights, _] = self.kernels.shape().weights(xi, point);
+        let shares: [f64; 3] = std::array::from_fn(|n| weights[n].to_double());
+        let shares = shares.map(|share| if share > none { share } else { 0.0 });
+        let sum: f64 = shares.iter().sum();
+        shares.map(|share| share / sum)
     }
 
     /// The particle nearest to a block of nodes that the grid has not: the one that asks for it.
@@ -773,7 +764,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     pub(super) fn stopped(&self, what: Stopped) -> StepError {
-        StepError { step: self.steps + 1, time: self.time, what }
+        self.clock.stopped(what)
     }
 
     /// Step until `end`, s; the last step is shortened to arrive there.
@@ -781,13 +772,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// # Errors
     /// As [`Mpm::step`]; an end that is not finite, or before the time reached.
     pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
-        if !end.is_finite() || self.is_past(end) {
-            return Err(self.refused("end", end, "finite and not before the time reached"));
-        }
-        while !self.reached(end) {
-            self.step_towards(end)?;
-        }
-        self.work.look_at_the_end(self)
+        Solver::run_until(self, end)
     }
 
     /// Make one step, shortened if it would go beyond `end`, s, which is then met exactly.
@@ -795,34 +780,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// # Errors
     /// As [`Mpm::step`]; an end that is not finite, or that is [reached](Mpm::reached).
     pub fn step_towards(&mut self, end: f64) -> Result<T, StepError> {
-        if !end.is_finite() || self.reached(end) {
-            return Err(self.refused("end", end, "finite and later than the time reached"));
-        }
-        let last = self.last_dt;
-        let dt = self.step_at_most(end - self.time)?;
-        // What is left may be the rounding of a step in the precision of the particles.
-        let rounding = 4.0 * (T::default_epsilon() * dt).to_double();
-        if self.reached(end) || end - self.time <= rounding {
-            self.time = end;
-            // A step cut short to arrive says nothing about the next one.
-            self.last_dt = last.or(self.last_dt);
-        }
-        Ok(dt)
+        Solver::step_towards(self, end).map(T::of)
     }
 
     /// Has the time come to `end`, s, or is what is left less than the rounding of either? Never for an end that is not a number.
     pub fn reached(&self, end: f64) -> bool {
-        end - self.time <= ROUNDING * end.abs().max(self.time.abs())
-    }
-
-    /// Is `end`, s, before the time reached, by more than rounding?
-    pub(crate) fn is_past(&self, end: f64) -> bool {
-        self.time - end > ROUNDING * end.abs().max(self.time.abs())
-    }
-
-    /// What a clock cannot follow. The run may go on.
-    fn refused(&self, field: &'static str, value: f64, allowed: &'static str) -> StepError {
-        self.stopped(Stopped::Clock { field, value, allowed, now: self.time })
+        self.clock.reached(end)
     }
 
     /// Wall-clock time, s, that steps spent at particles so far: in passes over them and bringing them to their bins. What is
@@ -833,14 +796,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
-        self.time
+        self.clock.time
     }
     /// Steps made.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.clock.steps
     }
     /// The bodies.
-    pub fn bodies(&self) -> &[Box<dyn Body<T, D>>] {
+    pub fn bodies(&self) -> &[Box<dyn GridBody<T, D>>] {
         &self.bodies
     }
     /// The grid.
@@ -860,7 +823,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.bodies.iter().map(|b| b.totals()).fold(Totals::default(), |a, b| a.plus(&b))
     }
     /// What boundaries and loads gave to the material since the start.
-    pub fn ledger(&self) -> NodeLedger {
+    pub fn exchange(&self) -> Exchange {
         let mut sum = self.ledger;
         let own = self.bodies.iter().filter_map(|b| b.in_reference());
         own.for_each(|body| sum.add(&body.given()));
@@ -873,19 +836,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// The pairs of bodies that were ever in contact: force, nodes and gap in the last step, energy since the
     /// start.
     pub fn contacts(&self) -> &[PairContact] {
-        self.encounters.pairs()
+        self.contact_state.pairs()
     }
     /// The nodes in contact in the last step, with gap, normal and impulse.
-    pub fn contact_nodes(&self) -> Vec<ContactNode> {
-        self.encounters.nodes(self.grid.lattice())
-    }
-    /// What its work is handed to.
-    pub(crate) fn work(&self) -> &'static dyn Work<T, D> {
-        self.work
-    }
-    /// What contact keeps.
-    pub(crate) fn encounters(&self) -> &Encounters<T> {
-        &self.encounters
+    pub fn contact_points(&self) -> Vec<ContactPoint> {
+        self.contact_state.nodes(self.grid.lattice())
     }
     /// Bytes of particles, grid and all scratch.
     pub fn bytes(&self) -> usize {
@@ -895,7 +850,71 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             + self.terms.capacity() * size_of::<[T; 3]>()
             + self.planes.bytes()
             + self.fields.bytes()
-            + self.encounters.bytes()
+            + self.contact_state.bytes()
             + self.looks.bytes()
+    }
+}
+
+/// What the run loop, observers and checkpoints need of it.
+impl<const D: usize, T: Float> Solver for Mpm<D, T> {
+    fn method(&self) -> String {
+        self.facts().description.clone()
+    }
+    fn dimensions(&self) -> usize {
+        D
+    }
+    fn axisymmetric(&self) -> bool {
+        self.facts().hoop
+    }
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
+    }
+    fn stable_step(&mut self) -> Result<f64, StepError> {
+        self.work.stable_step(self)
+    }
+    fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
+        Mpm::step_at_most(self, left).map(|dt| dt.to_double())
+    }
+    fn set_team(&mut self, team: Team) {
+        Mpm::set_team(self, team);
+    }
+    fn bodies(&self) -> Vec<&dyn Body> {
+        self.bodies.iter().map(|body| &**body as &dyn Body).collect()
+    }
+    fn exchange(&self) -> Exchange {
+        Mpm::exchange(self)
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.work.archive(self, file)
+    }
+    fn stopped_by(&self) -> Option<&StepError> {
+        self.stopped_by.as_ref()
+    }
+    fn look_at_the_end(&mut self) -> Result<(), StepError> {
+        self.work.look_at_the_end(self)
+    }
+    fn warnings(&self) -> &[Warning] {
+        Mpm::warnings(self)
+    }
+    fn account(&self) -> Account {
+        Mpm::account(self)
+    }
+    fn contacts(&self) -> Vec<PairContact> {
+        self.contact_state.pairs().to_vec()
+    }
+    fn contact_points(&self) -> Vec<ContactPoint> {
+        Mpm::contact_points(self)
+    }
+    fn moving_points(&self) -> usize {
+        self.moving_particles()
+    }
+    fn bytes(&self) -> usize {
+        Mpm::bytes(self)
+    }
+    fn clock_rounding(&self, dt: f64) -> f64 {
+        4.0 * T::default_epsilon().to_double() * dt
     }
 }

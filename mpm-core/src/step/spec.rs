@@ -2,14 +2,14 @@
 
 use std::marker::PhantomData;
 
-use super::scatter::Maps;
-use crate::embedding::Embedding;
+use super::spread::Maps;
 use crate::frame::Frame;
 use crate::method::Composition;
 use crate::parallel::{Float, Vectors};
 use crate::scheme::{Pass, PassKind};
 use crate::shape::ShapeFunction;
 use crate::transfer::Transfer;
+use impactite_scene::embedding::Embedding;
 
 /// A pass, with what it needs to know of its method.
 pub(super) trait Spec<T: Float, const D: usize>: Send + Sync + 'static {

@@ -8,7 +8,7 @@ use mpm_materials::{Check, Material, ParameterError};
 use nalgebra::{Matrix3, Vector3};
 
 use super::merging::Merging;
-use super::scatter::MAX_LANES;
+use super::spread::MAX_LANES;
 use crate::parallel::Float;
 use crate::particles::Columns;
 

@@ -5,15 +5,15 @@ use std::marker::PhantomData;
 
 use mpm_materials::{Lane, Mask, Mat3, Sym3};
 
-use super::cell::{Moments, from_cell, on_cell};
+use super::cell::{Moments, from_cell};
 use super::convect::Moved;
 use super::gather::{Gathered, Sampler, Wanted};
 use super::rows::RowsMut;
-use super::scatter::{
-    AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, Records, Room, SpreadOf, along_axes, scatter,
-};
+use super::scatter::scatter;
 use super::spec::{ExtentOf, Spec};
-use super::sweep::{Cause, Common};
+use super::spread::on_cell;
+use super::spread::{AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, Records, Room, SpreadOf, along_axes};
+use super::sweep::Common;
 use super::tile::{Reads, Stencilled};
 use super::total;
 use crate::dim::{Array, BLOCK, Stencil};
@@ -23,6 +23,7 @@ use crate::scheme::{Nodal, Pass};
 use crate::shape::ShapeFunction;
 use crate::shape::domain::MOST_NUMBERS;
 use crate::transfer::Transfer;
+use impactite_scene::Cause;
 
 /// What stages of a pass hand on of a group.
 #[derive(Clone, Copy)]
@@ -537,7 +538,7 @@ fn gather<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
     sampler.gather::<T, S, D>(nodes, c, wanted)
 }
 
-/// [`super::scatter::Spread::place`].
+/// [`super::spread::Spread::place`].
 #[inline(always)]
 fn place<T: Float, const D: usize, A: Arch<T>, S: ShapeFunction<T, D>>(
     spread: &mut SpreadOf<T, A, S::Extent>,

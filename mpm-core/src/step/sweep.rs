@@ -5,6 +5,7 @@
 //! sums go to the block's own output tile. No other block writes it, so that threads never meet; the grid
 //! adds the tiles up in a fixed order ([`super::nodes`]).
 
+use impactite_scene::Cause;
 use std::marker::PhantomData;
 
 use mpm_materials::material::{Length, Material, Motion, States, StatesMut};
@@ -15,11 +16,11 @@ use super::kernels::ShapeKernels;
 use super::law_batch::{ForLaw, LawBatch};
 use super::layout::Nodes;
 use super::mean;
-use super::migrate::{Cut, Domains, Leaving, Luggage, Movers, send_away};
+use super::migrate::{Cut, Domains, Leaving, MigrationPayload, Movers, send_away};
 use super::rows::RowsMut;
-use super::scatter::{MAX_LANES, Maps, Records, SpreadOf};
 use super::spec::{ExtentOf, Spec};
 use super::splitting::Splitter;
+use super::spread::{MAX_LANES, Maps, Records, SpreadOf};
 use super::stage::{Bin, Found, Stage, Stages, centre_x, give_moments};
 use super::tile::{Reads, Stencilled, TileIn, clear_rows, rows_of, tile_corner, tile_nodes};
 use crate::dim::{Stencil, block_nodes, neighbours};
@@ -182,20 +183,6 @@ pub struct Trouble {
     pub cause: Cause,
 }
 
-/// What happens to particles.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum Cause {
-    /// Its law broke down.
-    #[error("{0}")]
-    Law(mpm_materials::Breakdown),
-    /// It would move further than one cell in a step, or its velocity is not a number.
-    #[error("it would move more than one cell in the step, or its velocity is not a finite number")]
-    TooFast,
-    /// Its domain has a corner of no angle, or of more than a straight one.
-    #[error("its domain is turned inside out")]
-    InsideOut,
-}
-
 /// The numbers every block of a body shares in a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Common<T> {
@@ -254,7 +241,7 @@ struct Setting<'a> {
     mass_row: Option<usize>,
     reads: Reads,
     maps: Maps,
-    luggage: &'a Luggage,
+    payload: &'a MigrationPayload,
 }
 
 impl<T: Float, const D: usize> Task<'_, T, D> {
@@ -270,7 +257,7 @@ impl<T: Float, const D: usize> Task<'_, T, D> {
         *rows = rows_of::<E, D>(block.occupied());
         clear_rows::<T, D, E>(tile.all_mut(), *rows, setting.maps);
         *self.sent = Sent::default();
-        movers.within.clear(block.particle_numbers() + setting.luggage.count());
+        movers.within.clear(block.particle_numbers() + setting.payload.count());
         *report = Report::default();
         if block.is_empty() {
             return false;
@@ -391,9 +378,9 @@ where
         // Rows at work, and what lies apart of them.
         let at_work = if does.has_law() || does.moves { task.common.domains.column } else { states };
         let mass_row = task.common.masses.row().filter(|row| *row >= at_work);
-        let luggage = Luggage::of::<D>(maps, task.common.splitter.is_on());
+        let payload = MigrationPayload::of::<D>(maps, task.common.splitter.is_on());
         let setting =
-            Setting { at_work, mass_row, reads: Stages::<T, D, P, A>::READS, maps, luggage: &luggage };
+            Setting { at_work, mass_row, reads: Stages::<T, D, P, A>::READS, maps, payload: &payload };
         let mut task = task;
         if !task.prepare::<ExtentOf<P, T, D>>(&setting, A::Batch::GROUPS) {
             return;
@@ -515,7 +502,7 @@ where
                             Stages::<T, D, P, A>::part(stage, long, &mut records);
                             let cut = Cut { long, splitter: &common.splitter, gradient: &gradient };
                             let leaving = Leaving { bin: number, members: part.members, gone, cut };
-                            send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &luggage));
+                            send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &payload));
                             groups = block.groups(least);
                         }
                         let (tiles, room) = ([&mut *first, &mut *second], (&mut records, &mut spread));
@@ -585,7 +572,7 @@ where
                         Stages::<T, D, P, A>::part(stage, long, &mut records);
                         let cut = Cut { long, splitter: &common.splitter, gradient: &gradient };
                         let leaving = Leaving { bin: number, members: entry.members, gone, cut };
-                        send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &luggage));
+                        send_away::<T, D>(block, movers, report, leaving, (&mut records, maps, &payload));
                         groups = block.groups(least);
                     }
                     let (tiles, room) = ([&mut *first, &mut *second], (&mut records, &mut spread));
@@ -607,7 +594,7 @@ where
                     (&mut tile[..], rows),
                     (&movers.within, stayed, here),
                     common,
-                    (maps, &luggage),
+                    (maps, &payload),
                 );
             }
             *sent = movers.out.since(sent_before, *thread);

@@ -8,7 +8,7 @@ use mpm_materials::Lane;
 
 use super::gather::to_coefficients;
 use super::layout::{Nodes, numbers, rank};
-use super::scatter::Maps;
+use super::spread::Maps;
 use super::sweep::Slot;
 use crate::dim::{Array, BLOCK, Stencil, block_nodes};
 use crate::grid::Node;

@@ -6,12 +6,15 @@
 //! that is compressed. So the wall does no work but that of its own motion. (A wall that stops trial velocities step by step does
 //! work J . (v- + v+) / 2 on nodes that part at the start of a step and close at its end, and FLIP keeps it: a bounce off it gave up to
 //! twice the energy.)
+//!
+//! On a rough wall a node that presses sticks from the step in which friction can stop its slip to that in which the force along the wall
+//! is more than friction bears: while it sticks it is a node on a fixed plane, as above. Else friction is an impulse against the slip.
 
 use super::solver::Mpm;
-use crate::boundary::{Boundary, Side};
 use crate::parallel::Float;
+use impactite_scene::boundary::{Boundary, Side};
 
-use super::checkpoint::{Archive, CheckpointError};
+use impactite_scene::archive::{Archive, CheckpointError};
 
 /// A wall that nodes of a block may be behind.
 #[derive(Clone, Copy, Debug, Default)]
@@ -24,10 +27,18 @@ pub(super) struct Wall {
     at: f64,
     /// Its velocity along the axis, m/s.
     pub(super) velocity: f64,
+    /// Its velocity, m/s, of which friction sees what is along the wall.
+    pub(super) drag: [f64; 3],
+    /// Its coefficient of friction, zero if it is smooth.
+    pub(super) friction: f64,
     /// Is the node that is looked at on or behind it?
     here: bool,
     /// Does that node press on it?
     pub(super) pressed: bool,
+    /// Does it stick to it?
+    pub(super) sticks: bool,
+    /// The impulse that pushes the node off, N s.
+    pub(super) push: f64,
 }
 
 impl Wall {
@@ -38,6 +49,27 @@ impl Wall {
     /// Does a force that accelerates a node so, m/s^2, push it onto the wall?
     pub(super) fn is_pushed(&self, acceleration: f64) -> bool {
         acceleration * self.sign < 0.0
+    }
+    /// Note the impulse of a step, N s.
+    pub(super) fn pushes(&mut self, impulse: f64) {
+        self.push = impulse * self.sign;
+    }
+    /// May friction act?
+    pub(super) fn rubs(&self) -> bool {
+        self.pressed && self.friction > 0.0
+    }
+    /// The most that it is in a step, N s.
+    pub(super) fn limit(&self) -> f64 {
+        self.friction * self.push.max(0.0)
+    }
+    /// The directions along it.
+    pub(super) fn along<const D: usize>(&self) -> impl Iterator<Item = usize> + use<D> {
+        let axis = self.axis;
+        (0..D).filter(move |d| *d != axis)
+    }
+    /// The node does not press any more.
+    pub(super) fn let_go(&mut self) {
+        (self.pressed, self.sticks) = (false, false);
     }
 }
 
@@ -56,9 +88,18 @@ impl Walls {
     ) -> Self {
         let mut walls = Walls::default();
         for boundary in boundaries {
-            let Boundary::Wall { axis, at, side, velocity } = *boundary else { continue };
+            let (axis, at, side, velocity, drag, friction) = match *boundary {
+                Boundary::Wall { axis, at, side, velocity } => (axis, at, side, velocity, [0.0; 3], 0.0),
+                Boundary::FrictionWall { axis, at, side, velocity, friction } => {
+                    let mut drag = [0.0; 3];
+                    drag[..D].copy_from_slice(&velocity);
+                    (axis, at, side, velocity[axis], drag, friction)
+                }
+                _ => continue,
+            };
             let sign = if side == Side::Above { 1.0 } else { -1.0 };
-            let wall = Wall { axis, sign, at: at + velocity * time, velocity, here: false, pressed: false };
+            let at = at + velocity * time;
+            let wall = Wall { axis, sign, at, velocity, drag, friction, ..Wall::default() };
             let known = walls.list[..walls.count].iter_mut().find(|w| w.axis == axis && w.sign == sign);
             match known {
                 Some(known) if (wall.at - known.at) * sign <= 0.0 => {}
@@ -74,17 +115,18 @@ impl Walls {
     pub(super) fn is_empty(&self) -> bool {
         self.count == 0
     }
-    /// Look at the node `n` of the block, at `x`, which pressed on those of `pressed`.
+    /// Look at the node `n` of the block, at `x`, which pressed on and stuck to those of `before`.
     pub(super) fn look_at<const D: usize>(
         &mut self,
         n: usize,
         x: &[f64; D],
-        pressed: &Pressed,
+        [pressed, stuck]: &[Nodes; 2],
         tolerance: f64,
     ) {
         for wall in &mut self.list[..self.count] {
             wall.here = (x[wall.axis] - wall.at) * wall.sign <= tolerance;
             wall.pressed = wall.here && pressed.has(wall.axis, n);
+            wall.sticks = wall.pressed && stuck.has(wall.axis, n);
         }
     }
     /// Those that the node is on or behind.
@@ -97,40 +139,44 @@ impl Walls {
     }
 }
 
-/// The nodes of a block that press on walls, a bit each, by the axis of the wall.
+/// Nodes of a block, a bit each, by an axis: that of a wall they press on, or one along which they are held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Pressed([u64; 3]);
+pub struct Nodes([u64; 3]);
 
-impl Pressed {
+impl Nodes {
     pub(super) fn has(&self, axis: usize, node: usize) -> bool {
         self.0[axis] >> node & 1 != 0
     }
-    pub(super) fn set(&mut self, axis: usize, node: usize, presses: bool) {
-        self.0[axis] = self.0[axis] & !(1 << node) | u64::from(presses) << node;
+    pub(super) fn set(&mut self, axis: usize, node: usize, is: bool) {
+        self.0[axis] = self.0[axis] & !(1 << node) | u64::from(is) << node;
+    }
+    /// Is a node noted for another axis than this?
+    pub(super) fn has_beside(&self, axis: usize, node: usize) -> bool {
+        (0..3).any(|a| a != axis && self.has(a, node))
     }
 }
 
-/// Nodes of a block that press on walls, and whose they are.
+/// Nodes of a block that press on walls, those that stick there, and whose they are.
 #[derive(Clone, Debug)]
 pub(super) struct PressedAt<const D: usize> {
     at: [i32; D],
     owner: u32,
-    nodes: Pressed,
+    nodes: [Nodes; 2],
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Which nodes press on walls, by place: before blocks are arranged anew.
     pub(super) fn pressed(&self) -> Vec<PressedAt<D>> {
-        if !self.conditions.boundaries.iter().any(|b| matches!(b, Boundary::Wall { .. })) {
+        if !self.conditions.boundaries.iter().any(Boundary::is_wall) {
             return Vec::new();
         }
         let blocks = self.fields.coordinates().iter().zip(&self.books).enumerate();
-        let pressed = blocks.filter(|(_, (_, books))| books.pressed != Pressed::default());
+        let pressed = blocks.filter(|(_, (_, books))| books.pressed != Nodes::default());
         pressed
             .map(|(block, (at, books))| PressedAt {
                 at: *at,
                 owner: self.fields.owner(block),
-                nodes: books.pressed,
+                nodes: [books.pressed, books.stuck],
             })
             .collect()
     }
@@ -141,7 +187,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.books.resize_with(self.fields.len(), Default::default);
         for PressedAt { at, owner, nodes } in pressed {
             if let Some(block) = self.fields.find(&*self.grid, at, *owner) {
-                self.books[block].pressed = *nodes;
+                let books = &mut self.books[block];
+                [books.pressed, books.stuck] = *nodes;
             }
         }
     }
@@ -149,13 +196,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// In a checkpoint, after the blocks.
     pub(super) fn exchange_pressed(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let mut pressed = self.pressed();
-        let blank = PressedAt { at: [0; D], owner: 0, nodes: Pressed::default() };
+        let blank = PressedAt { at: [0; D], owner: 0, nodes: [Nodes::default(); 2] };
         file.list(&mut pressed, &blank, |file, PressedAt { at, owner, nodes }| {
             at.iter_mut().try_for_each(|c| file.integer(c))?;
             let mut word = u64::from(*owner);
             file.word(&mut word)?;
             *owner = u32::try_from(word).map_err(|_| file.damaged(format!("{word:#x} is no body")))?;
-            nodes.0.iter_mut().try_for_each(|set| file.word(set))
+            nodes.iter_mut().flat_map(|n| &mut n.0).try_for_each(|set| file.word(set))
         })?;
         if file.reads() {
             self.press(&pressed);

@@ -4,25 +4,22 @@
 //! [`Mpm`] is generic. So its larger methods hand their work to a [`Work`], an object that each scene has from its method
 //! ([`crate::Kernels`]); there are four, those of [`Scalar`].
 
-use std::path::Path;
 use std::sync::Arc;
 
 use mpm_materials::material::Material;
 
-use super::body::Body;
-use super::checkpoint::CheckpointError;
+use super::body::GridBody;
 use super::footprint::Footprint;
 use super::frequency::Frequency;
 use super::rest::{Balance, Rest, Rested};
 use super::rigid::Rigid;
-use super::scene::SceneError;
 use super::seeding::Prepared;
-use super::solver::{Mpm, StepError};
-use crate::boundary::Boundary;
+use super::solver::Mpm;
 use crate::geometry::Seeds;
-use crate::observe::{Moment, Observer, RunError, RunSummary};
-use crate::output::{OutputError, Snapshot};
 use crate::parallel::Float;
+use impactite_scene::boundary::Boundary;
+use impactite_scene::error::SceneError;
+use impactite_scene::{Archive, CheckpointError, StepError};
 
 /// A number that solvers in `D` dimensions are compiled for: `f64` and, with the feature `single`, `f32`; in two and three dimensions.
 #[diagnostic::on_unimplemented(
@@ -40,16 +37,11 @@ macro_rules! works {
         /// What the methods of [`Mpm`] of the same names do.
         pub trait Work<T: Float, const D: usize>: Sync {
             $($(#[$doc])* fn $name(&self, mpm: works!(self T $($self)+), $($arg: $type),*) -> $out;)*
-            /// [`Moment::snapshot`].
-            fn snapshot(&self, now: &Moment<'_, T, D>) -> Result<Snapshot, OutputError>;
         }
         impl<T: Float, const D: usize> Work<T, D> for Once {
             $(fn $name(&self, mpm: works!(self T $($self)+), $($arg: $type),*) -> $out {
                 mpm.$here($($arg),*)
             })*
-            fn snapshot(&self, now: &Moment<'_, T, D>) -> Result<Snapshot, OutputError> {
-                now.gathered()
-            }
         }
     };
     (self T mut mpm) => { &mut Mpm<D, T> };
@@ -61,16 +53,15 @@ struct Once;
 works! {
     step_at_most(&mut mpm, left: f64) -> Result<T, StepError> = step_at_most_here;
     look_at_the_end(&mut mpm,) -> Result<(), StepError> = look_at_the_end_here;
-    run_observed(&mut mpm, end: f64, observers: &mut [&mut dyn Observer<T, D>]) -> Result<RunSummary, RunError> = run_observed_here;
     run_to_rest(&mut mpm, rest: &Rest, end: f64) -> Result<Rested, StepError> = run_to_rest_here;
     insert(&mut mpm, body: Prepared<'_, T, D>) -> Result<(), SceneError> = insert_here;
     add_rigid(&mut mpm, name: &str, rigid: &Rigid<D>, seeds: &Seeds<D>) -> Result<(), SceneError> = add_rigid_here;
-    adopt(&mut mpm, law: Arc<dyn Material<T>>, body: &dyn Body<T, D>) -> Result<(), SceneError> = adopt_here;
+    adopt(&mut mpm, law: Arc<dyn Material<T>>, body: &dyn GridBody<T, D>) -> Result<(), SceneError> = adopt_here;
     add_total_lagrangian(&mut mpm, scene: Mpm<D, T>) -> Result<(), SceneError> = add_total_lagrangian_here;
-    let_rest(&mut mpm, bodies: &[&str]) -> Result<(), SceneError> = let_rest_here;
+    deactivate(&mut mpm, bodies: &[&str]) -> Result<(), SceneError> = deactivate_here;
     bound(&mut mpm, boundary: Boundary<D>) -> Result<(), SceneError> = bound_here;
-    save(&mut mpm, path: &Path) -> Result<(), CheckpointError> = save_here;
-    resume(&mut mpm, path: &Path) -> Result<(), CheckpointError> = resume_here;
+    archive(&mut mpm, file: &mut Archive) -> Result<(), CheckpointError> = archive_here;
+    stable_step(&mut mpm,) -> Result<f64, StepError> = stable_step_here;
     balance(&mpm,) -> Balance = balance_here;
     frequency_bound(&mpm,) -> Frequency = frequency_bound_here;
     for_each_footprint(&mpm, visit: &mut dyn FnMut(&Footprint<'_, D>)) -> () = for_each_footprint_here;

@@ -1,16 +1,17 @@
 //! A body of a scene, whatever its law and method.
 
-use mpm_core::output::{OutputError, Snapshot};
-use mpm_core::{Boundary, Embedding, Side, Team};
+use impactite_scene::{
+    Archive, Body, Boundary, CheckpointError, Embedding, Exchange, SceneError, Side, Solver, StepError,
+};
+use impactite_simd::Team;
 use mpm_materials::Sym3;
 
-use crate::boundary::Given;
-use crate::ledger::{Audit, Totals};
+use crate::audit::{Audit, Coverage};
+use crate::boundary::check_conditions;
 use crate::method::Composition;
 use crate::particles::Particle;
 use crate::simplex::{measure, slopes};
 use crate::solver::Pcmm;
-use crate::step::StepError;
 use crate::tessellation::corners;
 
 /// The surface of a body at a particle.
@@ -38,7 +39,7 @@ impl Facing {
 
 /// What a scene of several bodies asks of one. A step is [`Part::accelerate`], impulses between bodies,
 /// [`Part::advance`], [`Part::finish`].
-pub(crate) trait Part<const D: usize>: Send + Sync {
+pub(crate) trait Part<const D: usize>: Body + Send + Sync {
     fn particles(&self) -> &[Particle<D>];
     fn push(&mut self, n: usize, impulse: &[f64; 3]);
     fn accelerate(&mut self, dt: f64, start: &mut Vec<[f64; D]>);
@@ -52,14 +53,17 @@ pub(crate) trait Part<const D: usize>: Send + Sync {
     fn around(&self, n: usize, visit: &mut dyn FnMut(usize));
     /// How far the surface lies beyond the centre of a particle, m.
     fn beyond(&self, n: usize) -> f64;
-    fn totals(&self) -> Totals;
+    fn axisymmetric(&self) -> bool;
     fn audit(&self) -> Audit;
-    fn given(&self) -> Given;
+    fn coverage(&self) -> Coverage;
+    fn exchange(&self) -> Exchange;
+    fn check(&self, dt: f64) -> Result<(), SceneError>;
+    fn speed(&self) -> f64;
     fn elements(&self) -> usize;
     fn element_nodes(&self) -> &[u32];
     fn describe(&self) -> String;
-    fn bytes(&self) -> usize;
-    fn snapshot(&mut self) -> Result<Snapshot, OutputError>;
+    fn rename(&mut self, name: String);
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
 }
 
 impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
@@ -164,14 +168,23 @@ impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
     fn beyond(&self, n: usize) -> f64 {
         self.surface * self.particles[n].radius
     }
-    fn totals(&self) -> Totals {
-        Pcmm::totals(self)
+    fn axisymmetric(&self) -> bool {
+        M::Embedding::HOOP
     }
     fn audit(&self) -> Audit {
         self.audit
     }
-    fn given(&self) -> Given {
-        self.given
+    fn coverage(&self) -> Coverage {
+        Pcmm::coverage(self)
+    }
+    fn exchange(&self) -> Exchange {
+        Solver::exchange(self)
+    }
+    fn check(&self, dt: f64) -> Result<(), SceneError> {
+        check_conditions(self.body_force.as_ref(), &self.boundaries, self.clock.time, dt)
+    }
+    fn speed(&self) -> f64 {
+        Pcmm::speed(self)
     }
     fn elements(&self) -> usize {
         self.elements.len()
@@ -182,10 +195,10 @@ impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
     fn describe(&self) -> String {
         self.method.describe()
     }
-    fn bytes(&self) -> usize {
-        Pcmm::bytes(self)
+    fn rename(&mut self, name: String) {
+        self.name = name;
     }
-    fn snapshot(&mut self) -> Result<Snapshot, OutputError> {
-        Pcmm::snapshot(self)
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.archive_body(file)
     }
 }

@@ -1,6 +1,7 @@
 //! Pairs of particles of different bodies that may touch.
 
-use mpm_core::geometry::search::{FARTHEST, NeighbourSearch, Points, Reach, SortedCells};
+use impactite_geometry::search::{FARTHEST, NeighbourSearch, Points, Reach, SortedCells};
+use impactite_scene::Body;
 
 use crate::contact::body::Part;
 use crate::contact::wall::RigidWall;
@@ -33,11 +34,17 @@ pub(crate) struct Candidates {
 
 /// A body or a wall.
 pub(crate) enum Member<const D: usize> {
-    Body { name: String, part: Box<dyn Part<D>>, start: Vec<[f64; D]> },
+    Body { part: Box<dyn Part<D>>, start: Vec<[f64; D]> },
     Wall { wall: RigidWall<D> },
 }
 
 impl<const D: usize> Member<D> {
+    pub fn body(&self) -> &dyn Body {
+        match self {
+            Member::Body { part, .. } => &**part,
+            Member::Wall { wall } => wall,
+        }
+    }
     pub fn part(&self) -> Option<&dyn Part<D>> {
         match self {
             Member::Body { part, .. } => Some(part.as_ref()),

@@ -20,7 +20,7 @@ const SAME_WAY: f64 = 0.7;
 
 /// Two particles, or a particle and a wall, in contact in the last step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairContact {
+pub struct PairOfParticles {
     /// The bodies, by number; the smaller first.
     pub bodies: [usize; 2],
     /// Their particles; of a wall 0.
@@ -212,7 +212,7 @@ fn touching<const D: usize, S: ContactDetector<f64, D>>(
 /// What contact did in a step.
 #[derive(Debug, Default)]
 pub(crate) struct Met {
-    pub contacts: Vec<PairContact>,
+    pub contacts: Vec<PairOfParticles>,
     /// Impulse of walls on bodies, N s, and its work with their velocities, J.
     pub impulse: [f64; 3],
     pub work: f64,
@@ -225,6 +225,7 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
     laws: &Pairs<f64>,
     spacing: f64,
     candidates: &[[Place; 2]],
+    time: f64,
     dt: f64,
 ) -> Met {
     let found = touching(members, detector, spacing, &facing(members, candidates));
@@ -250,7 +251,7 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
         let mut seen = [new_a, new_b];
         if !law.pulls() && !law.springs() {
             // Where they part already an impulse would drive them on: they may end with the opposite of that at most
-            // (mpm-contact, `meet.rs`).
+            // (as on the grid, `mpm_core::GridContact`).
             let parting = dot(&difference(&old_b, &old_a), normal).max(0.0);
             for d in 0..3 {
                 seen[0][d] -= parting * normal[d];
@@ -260,16 +261,19 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
             if s.mass.is_infinite() { f64::INFINITY } else { dot(&s.facing.area, &s.facing.area).sqrt() }
         };
         let area = if law.needs_area() { extent(a).min(extent(b)) } else { 0.0 };
-        touches.push(Touch {
-            law,
-            contact: Contact { normal: *normal, gap: *gap, area },
-            movers: [number(&a.place), number(&b.place)],
-            masses: [a.mass, b.mass],
-            velocities: seen,
-            impulse: [0.0; 3],
-        });
+        let (x, y) = (wide(&a.position), wide(&b.position));
+        let contact = Contact {
+            bodies: [a.place.body as usize, b.place.body as usize],
+            position: std::array::from_fn(|d| 0.5 * (x[d] + y[d])),
+            time,
+            gap: *gap,
+            area,
+            // Laws that remember contacts find every one new.
+            ..Contact::new(*normal, [a.mass, b.mass], seen, dt)
+        };
+        touches.push(Touch { law, contact, movers: [number(&a.place), number(&b.place)], impulse: [0.0; 3] });
     }
-    solve(&mut touches, movers.len(), dt);
+    solve(&mut touches, movers.len());
     let sums = gather(&touches, movers.len(), touches.iter().map(|t| t.impulse));
     let mut met = Met::default();
     for (touch, Touching { pair, normal, gap }) in touches.iter().zip(&found) {
@@ -301,7 +305,7 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
             }
         }
         let (x, y) = (wide(&a.position), wide(&b.position));
-        met.contacts.push(PairContact {
+        met.contacts.push(PairOfParticles {
             bodies: [a.place.body as usize, b.place.body as usize],
             particles: [a.place.particle as usize, b.place.particle as usize],
             position: std::array::from_fn(|d| 0.5 * (x[d] + y[d])),

@@ -7,48 +7,26 @@ mod places;
 mod solve;
 mod wall;
 
+use impactite_scene::control::ControlError;
+use impactite_scene::watch::Watcher;
+use impactite_scene::{
+    Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, SceneError, Solver,
+    StepError, Stopped, TimeControl, Totals, Warning, Watch,
+};
+use impactite_simd::Team;
 use mpm_contact::{ContactDetector, Pairs};
-use mpm_core::output::{FieldValues, OutputError, ParticleSize, Snapshot};
-use mpm_core::step::control::ControlError;
-use mpm_core::{Team, TimeControl};
 
-use crate::boundary::Given;
-use crate::ledger::{Audit, Totals};
+use crate::audit::{Audit, Coverage};
 use crate::method::Composition;
 use crate::particles::Particle;
-use crate::solver::{COURANT, Pcmm};
-use crate::step::StepError;
+use crate::solver::{COURANT, Pcmm, broken, gain, look_at};
 use body::Part;
 use candidates::{Candidates, Member};
 use meet::meet;
 
-pub use meet::PairContact;
+pub use meet::PairOfParticles;
 pub use wall::RigidWall;
-
-/// A step of several bodies that could not be made. The scene must not be stepped on.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("body `{body}`: {cause}")]
-pub struct BodyError {
-    /// The body's name; of the whole scene, `scene`.
-    pub body: String,
-    /// What broke in it.
-    pub cause: StepError,
-}
-
-/// What a pair of bodies did to each other.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Encounter {
-    /// The bodies, by number; the smaller first.
-    pub bodies: [usize; 2],
-    /// Force on the second body, N, mean of the last step; the first feels its opposite.
-    pub force: [f64; 3],
-    /// Pairs of particles in contact in the last step.
-    pub pairs: usize,
-    /// Energy dissipated by friction since the start, J.
-    pub friction: f64,
-    /// Kinetic energy of colliding particles taken beside that since the start, J.
-    pub taken: f64,
-}
+pub(crate) use wall::wide;
 
 /// Bodies that meet: any number of [`Pcmm`] solvers of any laws and methods, which take their steps together, and rigid
 /// walls. A scene of one body needs none of this, and pays nothing for it.
@@ -61,8 +39,8 @@ pub struct Encounter {
 ///
 /// ```
 /// use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
-/// use mpm_core::geometry::{Cuboid, Lattice};
-/// use mpm_core::PlaneStrain;
+/// use impactite_geometry::{Cuboid, Lattice};
+/// use impactite_scene::PlaneStrain;
 /// use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
 /// use pcmm::{Bodies, LocalDelaunay, Masses, Method, Packing, Pcmm};
 ///
@@ -94,12 +72,13 @@ pub struct Bodies<const D: usize, S> {
     control: TimeControl,
     team: Team,
     spacing: f64,
-    time: f64,
-    steps: u64,
-    last: Option<f64>,
-    contacts: Vec<PairContact>,
-    encounters: Vec<Encounter>,
-    walls: Given,
+    clock: Clock,
+    contacts: Vec<PairOfParticles>,
+    pairs: Vec<PairContact>,
+    /// What moving walls gave.
+    walls: Exchange,
+    watcher: Watcher,
+    stopped_by: Option<StepError>,
 }
 
 impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
@@ -113,12 +92,12 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
             team: Team::one(),
             spacing: 0.0,
-            time: 0.0,
-            steps: 0,
-            last: None,
+            clock: Clock::default(),
             contacts: Vec::new(),
-            encounters: Vec::new(),
-            walls: Given::default(),
+            pairs: Vec::new(),
+            walls: Exchange::default(),
+            watcher: Watcher::default(),
+            stopped_by: None,
         }
     }
 
@@ -127,17 +106,20 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     pub fn add<M: Composition<D>>(&mut self, name: impl Into<String>, body: Pcmm<D, M>) -> usize {
         let mut part: Box<dyn Part<D>> = Box::new(body);
         part.set_team(self.team.clone());
-        self.join(Member::Body { name: name.into(), part, start: Vec::new() })
+        part.rename(name.into());
+        self.join(Member::Body { part, start: Vec::new() })
     }
 
     /// Add a rigid wall. Returns its number, which is one among those of the bodies.
-    pub fn add_wall(&mut self, wall: RigidWall<D>) -> usize {
+    pub fn add_wall(&mut self, mut wall: RigidWall<D>) -> usize {
+        wall.rename(format!("wall {}", self.members.len()));
         self.join(Member::Wall { wall })
     }
 
     fn join(&mut self, member: Member<D>) -> usize {
         self.members.push(member);
         self.candidates.forget();
+        self.watcher.reopen();
         let (mut sum, mut count) = (0.0, 0usize);
         for part in self.members.iter().filter_map(Member::part) {
             sum += part.particles().iter().map(|p| 2.0 * p.radius).sum::<f64>();
@@ -169,69 +151,69 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
 
     /// The size of the next step by the time control, s.
     pub fn next_time_step(&self) -> f64 {
-        let rate = self.parts().map(|(_, part)| part.rate()).fold(0.0, f64::max);
-        self.control.next(rate, self.last)
+        let rate = self.parts().map(|part| part.rate()).fold(0.0, f64::max);
+        self.control.next(rate, self.clock.last)
     }
 
-    /// One step, not beyond `end` (s). The last two steps before it share what is left.
-    ///
-    /// # Errors
-    /// An end before the time reached, an element whose law breaks down, a velocity that is not finite.
-    pub fn step_towards(&mut self, end: f64) -> Result<(), BodyError> {
-        let whole = |cause| BodyError { body: "scene".into(), cause };
-        let left = end - self.time;
-        if !(left >= 0.0 && end.is_finite()) {
-            return Err(whole(StepError::End { end, time: self.time }));
+    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    pub fn set_watch(&mut self, watch: Watch) {
+        if let Some(StepError { what: Stopped::Watch(_), .. }) = self.stopped_by {
+            self.stopped_by = None;
         }
-        let dt = self.next_time_step();
-        let dt = if dt >= left * (1.0 - 1e-9) { left } else { dt.min(0.5 * left) };
-        if !(dt >= 0.0 && dt.is_finite()) {
-            return Err(whole(StepError::TimeStep { step: self.steps, time: self.time, dt }));
-        }
-        if dt > 0.0 {
-            self.step(dt)?;
-        }
-        if dt == left {
-            self.time = end;
-        }
-        Ok(())
+        self.watcher.set(watch);
     }
 
     /// Step until `end` (s), which is met exactly.
     ///
     /// # Errors
-    /// As [`Bodies::step_towards`].
-    pub fn run_until(&mut self, end: f64) -> Result<(), BodyError> {
-        if !(end.is_finite() && end >= self.time) {
-            let cause = StepError::End { end, time: self.time };
-            return Err(BodyError { body: "scene".into(), cause });
+    /// As [`Solver::run_until`].
+    pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
+        Solver::run_until(self, end)
+    }
+
+    fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
+        if self.members.is_empty() {
+            return Err(self.clock.stopped(Stopped::Scene(SceneError::NoBodies)));
         }
-        while self.time < end {
-            let before = self.time;
-            self.step_towards(end)?;
-            // Such a step would be made for ever.
-            if self.time == before {
-                return Err(BodyError {
-                    body: "scene".into(),
-                    cause: StepError::TimeStep {
-                        step: self.steps,
-                        time: self.time,
-                        dt: self.next_time_step(),
-                    },
-                });
-            }
+        if self.laws.remembered_numbers() > 0 {
+            let what = "a contact law that remembers".to_string();
+            let why =
+                "pairs of particles keep nothing from step to step: take a law without memory (`Coulomb`)";
+            let refused = SceneError::NotWith { what, method: "the particle-contact method".into(), why };
+            return Err(self.clock.stopped(Stopped::Scene(refused)));
         }
-        Ok(())
+        let dt = self.clock.step_within(self.next_time_step(), left)?;
+        let checked = self.parts().try_for_each(|part| part.check(dt));
+        checked.map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
+        if self.watcher.opens() {
+            let (totals, exchange) = (self.totals(), self.exchange());
+            self.watcher.open(self.clock.steps, &totals, &exchange, self.axisymmetric());
+        }
+        self.step(dt)?;
+        if self.watcher.due(self.clock.steps).is_some() {
+            self.look()?;
+        }
+        Ok(dt)
+    }
+
+    fn look(&mut self) -> Result<(), StepError> {
+        let (totals, exchange, clock) = (self.totals(), self.exchange(), self.clock);
+        let speed = self.parts().map(Part::speed).fold(0.0, f64::max);
+        let at = look_at(&clock, &exchange, speed);
+        let bodies = self.bodies();
+        let (broken, gain) = (broken(&bodies), gain(&bodies));
+        let axisymmetric = self.axisymmetric();
+        self.watcher.look(&totals, axisymmetric, &at, || broken, gain)
     }
 
     /// Forces and trial velocities; impulses between bodies; boundaries and positions; elements.
-    fn step(&mut self, dt: f64) -> Result<(), BodyError> {
+    fn step(&mut self, dt: f64) -> Result<(), StepError> {
         for member in &mut self.members {
             if let Member::Body { part, start, .. } = member {
                 part.accelerate(dt, start);
             }
         }
-        self.exchange(dt);
+        self.make_contact(dt);
         let mut fastest = 0.0f64;
         for member in &mut self.members {
             match member {
@@ -239,64 +221,66 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
                     wall.advance(dt);
                     fastest = fastest.max(wall.speed());
                 }
-                Member::Body { name, part, start } => {
-                    let named = |cause| BodyError { body: name.clone(), cause };
-                    part.advance(dt, start).map_err(named)?;
+                Member::Body { part, start } => {
+                    part.advance(dt, start)?;
                     let square = |p: &Particle<D>| p.velocity.iter().map(|v| v * v).sum::<f64>();
                     fastest = part.particles().iter().map(square).fold(fastest * fastest, f64::max).sqrt();
-                    part.finish(dt).map_err(named)?;
+                    part.finish(dt)?;
                 }
             }
         }
         self.candidates.moved(fastest * dt);
-        self.time += dt;
-        self.steps += 1;
-        self.last = Some(dt);
+        self.clock.advance(dt);
         Ok(())
     }
 
-    fn exchange(&mut self, dt: f64) {
+    fn make_contact(&mut self, dt: f64) {
         let candidates = self.candidates.update(&self.members);
-        let met = meet(&mut self.members, &self.detector, &self.laws, self.spacing, candidates, dt);
+        let met = meet(
+            &mut self.members,
+            &self.detector,
+            &self.laws,
+            self.spacing,
+            candidates,
+            self.clock.time,
+            dt,
+        );
         for d in 0..3 {
             self.walls.impulse[d] += met.impulse[d];
         }
         self.walls.work += met.work;
-        for pair in &mut self.encounters {
-            (pair.force, pair.pairs) = ([0.0; 3], 0);
+        for pair in &mut self.pairs {
+            (pair.force, pair.places, pair.gap) = ([0.0; 3], 0, None);
         }
         for contact in &met.contacts {
             let bodies = contact.bodies;
-            let place = self.encounters.binary_search_by_key(&bodies, |p| p.bodies).unwrap_or_else(|place| {
-                let new = Encounter { bodies, force: [0.0; 3], pairs: 0, friction: 0.0, taken: 0.0 };
-                self.encounters.insert(place, new);
+            let place = self.pairs.binary_search_by_key(&bodies, |p| p.bodies).unwrap_or_else(|place| {
+                self.pairs.insert(place, PairContact::new(bodies));
                 place
             });
-            let pair = &mut self.encounters[place];
+            let pair = &mut self.pairs[place];
             for d in 0..3 {
                 pair.force[d] += contact.impulse[d] / dt;
             }
-            pair.pairs += 1;
+            pair.places += 1;
+            pair.gap = contact.gap.map(|gap| pair.gap.map_or(gap, |least| least.min(gap))).or(pair.gap);
             pair.friction += contact.friction;
             pair.taken += contact.taken;
         }
         self.contacts = met.contacts;
     }
 
-    fn parts(&self) -> impl Iterator<Item = (&str, &dyn Part<D>)> {
-        self.members.iter().filter_map(|m| match m {
-            Member::Body { name, part, .. } => Some((name.as_str(), part.as_ref())),
-            Member::Wall { .. } => None,
-        })
+    fn parts(&self) -> impl Iterator<Item = &dyn Part<D>> {
+        self.members.iter().filter_map(Member::part)
     }
 
     /// Simulated time, s.
     pub fn time(&self) -> f64 {
-        self.time
+        self.clock.time
     }
     /// Steps made.
     pub fn steps(&self) -> u64 {
-        self.steps
+        self.clock.steps
     }
     /// The particles of a body; none of a wall.
     pub fn particles(&self, body: usize) -> &[Particle<D>] {
@@ -308,101 +292,128 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     }
     /// Sums over a body; `None` of a wall.
     pub fn totals_of(&self, body: usize) -> Option<Totals> {
-        self.members.get(body)?.part().map(Part::totals)
+        self.members.get(body)?.part().map(|part| part.totals())
     }
-    /// Sums over all bodies.
-    pub fn totals(&self) -> Totals {
-        self.parts().fold(Totals::default(), |sum, (_, part)| sum.plus(&part.totals()))
+    /// How the elements of all bodies cover their particles.
+    pub fn coverage(&self) -> Coverage {
+        self.parts().fold(Coverage::default(), |sum, part| sum.plus(&part.coverage()))
     }
     /// What revisions did to all bodies.
     pub fn audit(&self) -> Audit {
-        self.parts().fold(Audit::default(), |sum, (_, part)| sum.plus(&part.audit()))
-    }
-    /// What boundaries and walls gave to the bodies since the start. Of walls, `work` is that of their motion; what
-    /// particles lose on them is in [`Bodies::encounters`].
-    pub fn given(&self) -> Given {
-        self.parts().fold(self.walls, |sum, (_, part)| sum.plus(&part.given()))
-    }
-    /// The pairs of bodies that were ever in contact, by number.
-    pub fn encounters(&self) -> &[Encounter] {
-        &self.encounters
+        self.parts().fold(Audit::default(), |sum, part| sum.plus(&part.audit()))
     }
     /// The pairs of particles in contact in the last step.
-    pub fn contacts(&self) -> &[PairContact] {
+    pub fn particles_in_contact(&self) -> &[PairOfParticles] {
         &self.contacts
-    }
-    /// Energy that contact took since the start, J: friction, and what colliding particles lose.
-    pub fn taken(&self) -> f64 {
-        self.encounters.iter().map(|e| e.friction + e.taken).sum()
     }
     /// Elements of all bodies.
     pub fn elements(&self) -> usize {
-        self.parts().map(|(_, part)| part.elements()).sum()
+        self.parts().map(|part| part.elements()).sum()
     }
     /// Searches for pairs of particles of different bodies.
     pub fn searches(&self) -> u64 {
         self.candidates.searches
     }
-    /// Bytes of memory of the bodies, by their own count.
-    pub fn bytes(&self) -> usize {
-        self.parts().map(|(_, part)| part.bytes()).sum()
-    }
-    /// A line a body that names its method.
-    pub fn describe(&self) -> String {
-        self.parts().map(|(name, part)| format!("{name}: {}\n", part.describe())).collect()
-    }
-
-    /// This instant for pictures and files: the particles of all bodies, body by body, with every field that all bodies
-    /// have.
-    ///
-    /// # Errors
-    /// A law with names that cannot be written.
-    pub fn snapshot(&mut self) -> Result<Snapshot, OutputError> {
-        let mut parts = Vec::new();
-        for (number, member) in self.members.iter_mut().enumerate() {
-            if let Member::Body { part, .. } = member {
-                parts.push((number as u32, part.snapshot()?));
-            }
-        }
-        let (mut positions, mut sizes, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
-        for (number, part) in &parts {
-            positions.extend_from_slice(part.positions());
-            sizes.extend((0..part.len()).map(|i| part.size_of(i)));
-            bodies.extend(std::iter::repeat_n(*number, part.len()));
-        }
-        let mut all = Snapshot::new(D, self.time, self.steps, positions, ParticleSize::Each(sizes))?
-            .with_bodies(bodies)?;
-        let Some((_, first)) = parts.first() else { return Ok(all) };
-        for (name, values) in first.fields() {
-            let same: Vec<&FieldValues> = parts
-                .iter()
-                .filter_map(|(_, p)| p.fields().find(|(other, _)| *other == name).map(|(_, v)| v))
-                .collect();
-            if same.len() == parts.len()
-                && let Some(joined) = join(values, &same)
-            {
-                all = all.with_field(name, joined)?;
-            }
-        }
-        Ok(all)
-    }
 }
 
-/// One field of several bodies, if they are of one kind.
-fn join(kind: &FieldValues, parts: &[&FieldValues]) -> Option<FieldValues> {
-    macro_rules! all {
-        ($variant:ident) => {{
-            let mut list = Vec::new();
-            for part in parts {
-                let FieldValues::$variant(values) = part else { return None };
-                list.extend_from_slice(values);
-            }
-            Some(FieldValues::$variant(list))
-        }};
+impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
+    /// A line a body.
+    fn method(&self) -> String {
+        let of = |part: &dyn Part<D>| format!("; {}: {}", part.name(), part.describe());
+        format!("particle-contact method{}", self.parts().map(of).collect::<String>())
     }
-    match kind {
-        FieldValues::Scalar(_) => all!(Scalar),
-        FieldValues::Vector(_) => all!(Vector),
-        FieldValues::Tensor(_) => all!(Tensor),
+    fn dimensions(&self) -> usize {
+        D
+    }
+    fn axisymmetric(&self) -> bool {
+        self.parts().any(Part::axisymmetric)
+    }
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
+    }
+    fn stable_step(&mut self) -> Result<f64, StepError> {
+        Ok(self.next_time_step())
+    }
+    fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
+        if let Some(error) = &self.stopped_by {
+            return Err(error.clone());
+        }
+        let made = self.make_step(left);
+        // What the clock refuses does not stop the run.
+        self.stopped_by = made.as_ref().err().filter(|e| !matches!(e.what, Stopped::Clock { .. })).cloned();
+        made
+    }
+    fn set_team(&mut self, team: Team) {
+        Bodies::set_team(self, team);
+    }
+    fn bodies(&self) -> Vec<&dyn Body> {
+        self.members.iter().map(Member::body).collect()
+    }
+    /// What boundaries and walls gave to the bodies since the start, and what contact took.
+    fn exchange(&self) -> Exchange {
+        let mut sum = self.parts().fold(self.walls, |sum, part| sum.plus(&part.exchange()));
+        for pair in &self.pairs {
+            sum.friction += pair.friction;
+            sum.impacts += pair.taken;
+        }
+        sum
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.same("number of bodies and walls", &self.members.len().to_string())?;
+        file.same("contact", &format!("{:?}, {:?}", self.detector, self.laws))?;
+        self.clock.archive(file)?;
+        for member in &mut self.members {
+            match member {
+                Member::Body { part, .. } => {
+                    file.same("name of a body", part.name())?;
+                    part.archive(file)?;
+                }
+                Member::Wall { wall } => wall.archive(file)?,
+            }
+        }
+        file.list(&mut self.pairs, &PairContact::new([0; 2]), |file, pair| {
+            let PairContact { bodies, force, places, gap, friction, taken } = pair;
+            bodies.iter_mut().try_for_each(|b| file.count(b))?;
+            file.reals(force)?;
+            file.count(places)?;
+            file.option(gap, Archive::real)?;
+            file.reals([friction, taken])
+        })?;
+        if file.reads() {
+            self.candidates.forget();
+            self.contacts.clear();
+        }
+        self.walls.archive(file)?;
+        self.watcher.archive(file)
+    }
+    fn stopped_by(&self) -> Option<&StepError> {
+        self.stopped_by.as_ref()
+    }
+    fn look_at_the_end(&mut self) -> Result<(), StepError> {
+        if self.stopped_by.is_some() || !self.watcher.due_at_the_end(self.clock.steps) {
+            return Ok(());
+        }
+        let looked = self.look();
+        self.stopped_by = looked.as_ref().err().cloned();
+        looked
+    }
+    fn warnings(&self) -> &[Warning] {
+        self.watcher.warnings()
+    }
+    fn account(&self) -> Account {
+        self.watcher.account(&self.totals(), &self.exchange(), self.axisymmetric())
+    }
+    fn contacts(&self) -> Vec<PairContact> {
+        self.pairs.clone()
+    }
+    fn contact_points(&self) -> Vec<ContactPoint> {
+        let point = |pair: &PairOfParticles| {
+            let PairOfParticles { position, bodies, normal, gap, impulse, .. } = *pair;
+            ContactPoint { position, bodies, normal, gap, impulse }
+        };
+        self.contacts.iter().map(point).collect()
     }
 }

@@ -1,7 +1,6 @@
 //! Pairs of particles as detectors and rules for normals see them.
 
-use mpm_contact::Places;
-use mpm_core::step::survey::{Near, Survey};
+use mpm_contact::{NearPoint, Places, SurfaceQuantity, each_place};
 
 use crate::contact::body::{Facing, Part};
 use crate::contact::candidates::{Member, Place};
@@ -47,11 +46,6 @@ fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The places that have a bit.
-fn each(places: u64) -> impl Iterator<Item = usize> {
-    (0..64).filter(move |n| places & (1 << n) != 0)
-}
-
 impl<'a, const D: usize> PairPlaces<'a, D> {
     fn part(&self, side: &Side<D>) -> Option<&'a dyn Part<D>> {
         self.members[side.place.body as usize].part()
@@ -77,20 +71,37 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
         middle
     }
 
-    fn survey(&self, field: usize, what: Survey, places: u64, normals: &[[f64; 3]], out: &mut [[f64; 3]]) {
-        for n in each(places) {
+    fn mass(&self, field: usize, n: usize) -> f64 {
+        self.pairs[n].sides[field].mass
+    }
+    fn velocity(&self, field: usize, n: usize) -> [f64; 3] {
+        let place = self.pairs[n].sides[field].place;
+        match &self.members[place.body as usize] {
+            Member::Body { part, .. } => wide(&part.particles()[place.particle as usize].velocity),
+            Member::Wall { wall } => wall.velocity(),
+        }
+    }
+    fn surface_quantity(
+        &self,
+        field: usize,
+        quantity: SurfaceQuantity,
+        places: u64,
+        normals: &[[f64; 3]],
+        out: &mut [[f64; 3]],
+    ) {
+        for n in each_place(places) {
             let side = &self.pairs[n].sides[field];
-            let vector = match what {
-                Survey::MassGradient => side.facing.mass,
-                Survey::VolumeGradient => side.facing.area,
-                Survey::Reach | Survey::LocalReach | Survey::CentreReach => {
+            let vector = match quantity {
+                SurfaceQuantity::MassGradient => side.facing.mass,
+                SurfaceQuantity::VolumeGradient => side.facing.area,
+                SurfaceQuantity::Reach | SurfaceQuantity::LocalReach | SurfaceQuantity::CentreReach => {
                     let (x, at) = (wide(&side.position), wide(&self.position(n)));
                     let along = dot(&[x[0] - at[0], x[1] - at[1], x[2] - at[2]], &normals[n]);
-                    let half = if what == Survey::CentreReach { 0.0 } else { side.beyond };
+                    let half = if quantity == SurfaceQuantity::CentreReach { 0.0 } else { side.beyond };
                     out[n][0] = out[n][0].max(along + half);
                     continue;
                 }
-                Survey::Traction => {
+                SurfaceQuantity::Traction => {
                     let particle = side.place.particle as usize;
                     if let Some(part) = self.part(side) {
                         out[n][0] += side.mass * part.traction(particle, &normals[n]);
@@ -105,15 +116,15 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
     }
 
     /// The particle of the pair and those it shares elements with; of a wall, the foot of the other side.
-    fn near(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &Near<f64>)) {
+    fn near_points(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &NearPoint<f64>)) {
         let origin = self.position(0);
-        for n in each(places) {
+        for n in each_place(places) {
             let side = &self.pairs[n].sides[field];
             let mut show = |x: &[f64; D], mass: f64, half: f64| {
                 let offset: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] - origin[d] } else { 0.0 });
                 let mut halves = [0.0; 3];
                 halves[..D].fill(half);
-                visit(1 << n, &Near { offset, half: halves, mass });
+                visit(1 << n, &NearPoint { offset, half: halves, mass });
             };
             match self.part(side) {
                 None => show(&side.position, side.mass, side.beyond),

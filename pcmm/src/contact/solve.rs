@@ -8,18 +8,16 @@ const FOUND: f64 = 1e-9;
 /// Two particles that touch.
 pub(crate) struct Touch<'a> {
     pub law: &'a dyn ContactLaw<f64>,
-    pub contact: Contact<f64>,
+    /// Masses and trial velocities without any impulse among it.
+    pub contact: Contact<'a, f64>,
     /// Who moves: numbers from 0 without gaps.
     pub movers: [usize; 2],
-    pub masses: [f64; 2],
-    /// That the law sees, without any impulse.
-    pub velocities: [[f64; 3]; 2],
     /// On the second.
     pub impulse: [f64; 3],
 }
 
 /// Find the impulses of pairs among `movers` movers.
-pub(crate) fn solve(touches: &mut [Touch<'_>], movers: usize, dt: f64) {
+pub(crate) fn solve(touches: &mut [Touch<'_>], movers: usize) {
     let mut shares = vec![0.0; movers];
     for touch in touches.iter() {
         for m in touch.movers {
@@ -30,15 +28,16 @@ pub(crate) fn solve(touches: &mut [Touch<'_>], movers: usize, dt: f64) {
     relax(&mut impulses, FOUND, |all| {
         let sums = gather(touches, movers, all.iter().map(|[_, ahead, _]| *ahead));
         for (touch, [_, ahead, next]) in touches.iter().zip(all) {
-            let (mut split, mut free) = (touch.masses, touch.velocities);
+            let Contact { masses, velocities, .. } = touch.contact;
+            let (mut split, mut free) = (masses, velocities);
             for (side, sign) in [(0, 1.0), (1, -1.0)] {
-                let (m, mass) = (touch.movers[side], touch.masses[side]);
+                let (m, mass) = (touch.movers[side], masses[side]);
                 split[side] = mass / shares[m];
                 for d in 0..3 {
                     free[side][d] += (sums[m][d] + sign * shares[m] * ahead[d]) / mass;
                 }
             }
-            *next = touch.law.impulse(&touch.contact, split, free, dt);
+            *next = touch.law.impulse(&Contact { masses: split, velocities: free, ..touch.contact });
         }
     });
     touches.iter_mut().zip(&impulses).for_each(|(touch, [impulse, ..])| touch.impulse = *impulse);

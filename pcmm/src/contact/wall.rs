@@ -1,15 +1,18 @@
 //! Rigid planes.
 
-use crate::particles::{SceneError, parameter};
+use impactite_scene::error::parameter;
+use impactite_scene::{Archive, Body, CheckpointError, PointView, SceneError, Totals};
 
 /// A rigid half space that moves as prescribed and meets bodies by the laws of the scene, friction included.
 ///
-/// [`mpm_core::Boundary::Wall`] is the cheaper wall: frictionless, across an axis, it holds back the centres of particles.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// [`impactite_scene::Boundary::Wall`] and [`impactite_scene::Boundary::FrictionWall`] are the cheaper walls: across an axis, they hold back the
+/// centres of particles.
+#[derive(Clone, Debug, PartialEq)]
 pub struct RigidWall<const D: usize> {
     point: [f64; D],
     normal: [f64; D],
     velocity: [f64; D],
+    name: String,
 }
 
 impl<const D: usize> RigidWall<D> {
@@ -24,7 +27,7 @@ impl<const D: usize> RigidWall<D> {
             parameter(x.is_finite(), owner, "point", x, "finite")?;
         }
         parameter(length > 0.0, owner, "length of the normal", length, "positive and finite")?;
-        Ok(RigidWall { point, normal: normal.map(|n| n / length), velocity: [0.0; D] })
+        Ok(RigidWall { point, normal: normal.map(|n| n / length), velocity: [0.0; D], name: String::new() })
     }
 
     /// With a constant velocity, m/s; along the wall it drags what it touches by friction.
@@ -36,6 +39,17 @@ impl<const D: usize> RigidWall<D> {
             parameter(v.is_finite(), "rigid wall", "velocity", v, "finite")?;
         }
         Ok(RigidWall { velocity, ..self })
+    }
+
+    pub(crate) fn rename(&mut self, name: String) {
+        self.name = name;
+    }
+
+    /// Where it is, to a file or from one; what it is, to be compared.
+    pub(crate) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let (normal, velocity) = (self.normal, self.velocity);
+        file.same(&self.name, &format!("normal {normal:?}, velocity {velocity:?} m/s"))?;
+        file.reals(&mut self.point)
     }
 
     /// Height of a place above it, m.
@@ -57,6 +71,29 @@ impl<const D: usize> RigidWall<D> {
     }
     pub(crate) fn speed(&self) -> f64 {
         self.velocity.iter().map(|v| v * v).sum::<f64>().sqrt()
+    }
+}
+
+/// A body without points.
+impl<const D: usize> Body for RigidWall<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn law(&self) -> &'static str {
+        ""
+    }
+    fn len(&self) -> usize {
+        0
+    }
+    fn state_names(&self) -> Vec<String> {
+        Vec::new()
+    }
+    fn totals(&self) -> Totals {
+        Totals::default()
+    }
+    fn for_each(&self, _: &mut dyn FnMut(&PointView)) {}
+    fn bytes(&self) -> usize {
+        size_of::<Self>()
     }
 }
 

@@ -1,8 +1,10 @@
 //! A tessellation without double cover.
 
 use super::{Inspected, Limits, Revision, Tessellation, View, corners, inspect, orient, sorted};
-use crate::particles::{Particle, SceneError, parameter};
+use crate::particles::Particle;
 use crate::simplex::{Corners, angles, circumsphere, distance_squared, measure, overlap};
+use impactite_scene::SceneError;
+use impactite_scene::error::parameter;
 
 /// Shear of the coordinates in which spheres are tested, so that lattices are not degenerate: a square is cut along
 /// one diagonal, a cube into six tetrahedra around one (Freudenthal's), everywhere the same. Edges of a cube must meet at

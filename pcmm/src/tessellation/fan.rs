@@ -1,8 +1,8 @@
 //! Triangles in the fans of particles, as printed.
 
 use super::{Limits, Revision, Tessellation, View, inspect, orient, sorted};
-use crate::particles::SceneError;
 use crate::simplex::distance_squared;
+use impactite_scene::SceneError;
 
 /// The triangles of \[Feng2014\] section 2, as printed (two dimensions).
 ///

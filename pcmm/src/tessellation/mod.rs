@@ -5,15 +5,17 @@ mod fan;
 
 use std::sync::OnceLock;
 
-use mpm_core::Team;
+use impactite_simd::Team;
 
 pub use delaunay::LocalDelaunay;
 pub use fan::AzimuthFan;
 
 use crate::elements::Incidence;
-use crate::particles::{Particle, SceneError, parameter};
+use crate::particles::Particle;
 use crate::search::Neighbours;
 use crate::simplex::{Corners, angles, distance_squared, measure};
+use impactite_scene::SceneError;
+use impactite_scene::error::parameter;
 
 /// What a strategy may look at.
 #[derive(Debug)]
@@ -125,7 +127,7 @@ impl Revision {
 }
 
 /// Makes and unmakes elements.
-pub trait Tessellation<const D: usize>: Clone + Send + Sync + 'static {
+pub trait Tessellation<const D: usize>: std::fmt::Debug + Clone + Send + Sync + 'static {
     /// The name in tables and messages.
     const NAME: &'static str;
     /// Particles closer than R_i + R_j + reach are neighbours (delta of \[Feng2014\]), m.

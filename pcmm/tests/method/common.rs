@@ -1,7 +1,7 @@
 //! Scenes, and the method once more, plainly: every pair is looked at, every element is a loop. Never made fast.
 
-use mpm_core::Embedding;
-use mpm_core::geometry::{Cuboid, Lattice};
+use impactite_geometry::{Cuboid, Lattice};
+use impactite_scene::Embedding;
 use mpm_materials::{
     Constitutive, Elastic, HughesWinget, JohnsonCook, Kinematics, Mat3, MieGruneisen, Moduli, Solid,
 };

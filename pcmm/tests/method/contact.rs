@@ -1,13 +1,15 @@
 //! Contact between bodies: the properties that grid contact has, and exact solutions.
 
 use crate::common::{block, steel};
+use impactite_geometry::{Ball, Filling, Lattice, fill};
+use impactite_scene::Solver as _;
+use impactite_scene::{Boundary, PlaneStrain, Side, TimeControl};
+use impactite_simd::Team;
 use mpm_contact::conformance::{Broken, Collision, DISC, FRICTION, collision, disc};
 use mpm_contact::{
     Adhesion, Approach, Choice, Compression, ContactDetector, Coulomb, Frictionless, Gradients, Pairs,
     Regression, Stick, SurfaceDistance, Weight,
 };
-use mpm_core::geometry::{Ball, Filling, Lattice, fill};
-use mpm_core::{Boundary, PlaneStrain, Side, Team, TimeControl};
 use mpm_materials::{Constitutive, Elastic, LogarithmicBulk, Moduli, Solid};
 use pcmm::{Bodies, LocalDelaunay, Masses, Method, Packing, Pcmm, RigidWall};
 
@@ -58,10 +60,10 @@ where
         scene.step_towards(1.0).unwrap();
         let drift = difference(scene.totals().momentum, start.momentum);
         seen.drift = seen.drift.max(drift / start.momentum_scale);
-        seen.contacts.extend(scene.contacts().iter().map(|c| [c.normal, c.impulse]));
+        seen.contacts.extend(scene.contact_points().iter().map(|c| [c.normal, c.impulse]));
     }
     // Contact takes energy, and what is left is kinetic and elastic.
-    let (end, taken) = (scene.totals(), scene.taken());
+    let (end, taken) = (scene.totals(), scene.exchange().impacts);
     assert!(taken > 0.0 && taken < 0.2 * start.kinetic, "{taken} of {}", start.kinetic);
     let error = (end.kinetic + end.internal + taken) / start.kinetic - 1.0;
     seen.positions = (0..order.len())
@@ -118,7 +120,7 @@ fn equal_bars_exchange_their_velocities() {
     let mut parted = f64::NAN;
     while scene.time() < 3.0 * length / wave {
         scene.step_towards(3.0 * length / wave).unwrap();
-        if !scene.contacts().is_empty() {
+        if !scene.contact_points().is_empty() {
             parted = scene.time();
         }
     }
@@ -138,10 +140,10 @@ fn equal_bars_exchange_their_velocities() {
     );
     // Fronts are a few spacings wide.
     assert!((parted / (2.0 * length / wave) - 1.0).abs() < 0.05, "{parted}");
-    let energy = (end.kinetic + end.internal + scene.taken()) / start.kinetic - 1.0;
+    let energy = (end.kinetic + end.internal + scene.exchange().impacts) / start.kinetic - 1.0;
     assert!(energy.abs() < 2e-3, "{energy}");
     // The ends, half a spacing of 200 each, meet inelastically, and again in the ringing after.
-    assert!(scene.taken() < 0.01 * start.kinetic, "{}", scene.taken() / start.kinetic);
+    assert!(scene.exchange().impacts < 0.01 * start.kinetic, "{}", scene.exchange().impacts / start.kinetic);
 }
 
 /// A block on a wall that is inclined: it sticks, or slides with g (sin - mu cos).
@@ -158,7 +160,7 @@ fn incline(friction: f64, degrees: f64) -> (f64, f64) {
     let start = scene.totals();
     let end = 0.1;
     scene.run_until(end).unwrap();
-    let (now, given) = (scene.totals(), scene.given());
+    let (now, given) = (scene.totals(), scene.exchange());
     // Gravity and the wall give all momentum.
     let weight = [now.mass * g * s * end, -now.mass * g * c * end];
     for d in 0..2 {
@@ -195,8 +197,8 @@ fn a_moving_wall_does_work() {
     let now = scene.totals();
     // mu g t.
     assert!((now.momentum[0] / now.mass - 0.2).abs() < 0.01, "{}", now.momentum[0] / now.mass);
-    let work = scene.given().work;
-    let friction: f64 = scene.encounters().iter().map(|e| e.friction).sum();
+    let work = scene.exchange().work;
+    let friction: f64 = scene.contacts().iter().map(|e| e.friction).sum();
     // Force mu m g: over 3 m/s t from the wall, over mu g t^2 / 2 to the block.
     let force = 0.2 * now.mass * 10.0;
     assert!((work / (force * 0.3) - 1.0).abs() < 0.02, "{work} {}", force * 0.3);
@@ -268,7 +270,7 @@ fn bodies_have_laws_and_methods_of_their_own() {
     scene.run_until(2.0e-5).unwrap();
     let end = scene.totals();
     assert!(difference(end.momentum, start.momentum) < 1e-13 * start.momentum_scale);
-    assert!(scene.encounters().len() == 1 && scene.totals_of(1).unwrap().momentum[0] > 0.0);
+    assert!(scene.contacts().len() == 1 && scene.totals_of(1).unwrap().momentum[0] > 0.0);
     assert!(scene.snapshot().unwrap().scalar("pressure").unwrap().len() == 2 * 49);
 }
 
@@ -284,8 +286,8 @@ fn walls_are_refused_by_name() {
 /// the faces, and both bounce.
 #[test]
 fn faces_meet_in_space_and_around_an_axis() {
-    use mpm_core::geometry::Cuboid;
-    use mpm_core::{Axisymmetric, FullSpace};
+    use impactite_geometry::Cuboid;
+    use impactite_scene::{Axisymmetric, FullSpace};
     let h = 1.0e-3;
     let moduli = Moduli::young_poisson(206e9, 0.3).unwrap();
     let law =
@@ -317,7 +319,7 @@ fn face_to_face<const D: usize>(mut scene: Bodies<D, SurfaceDistance>, axis: usi
     let mut met = 0;
     while scene.time() < 3.0e-6 {
         scene.step_towards(3.0e-6).unwrap();
-        for contact in scene.contacts() {
+        for contact in scene.contact_points() {
             met += 1;
             // In space one or two triangles of each face meet at a corner of a cube of six tetrahedra, so that the normals
             // of two cubes are not mirror images at their rims (35 degrees at worst); within faces they are.
@@ -334,7 +336,7 @@ fn face_to_face<const D: usize>(mut scene: Bodies<D, SurfaceDistance>, axis: usi
     for (body, sign) in [(0, -1.0), (1, 1.0)] {
         assert!(scene.totals_of(body).unwrap().momentum[axis] * sign > 0.0);
     }
-    let energy = (end.kinetic + end.internal + scene.taken()) / start.kinetic - 1.0;
+    let energy = (end.kinetic + end.internal + scene.exchange().impacts) / start.kinetic - 1.0;
     // 2 % with half of the limiting step; first order in it.
     assert!(energy.abs() < 6e-3, "{energy}");
 }
@@ -355,7 +357,7 @@ fn what_is_inside_a_body_meets_it() {
     assert!(chip.momentum[0] < 0.5 * chip.mass * speed, "{}", chip.momentum[0] / chip.mass);
     let drift = difference(scene.totals().momentum, start.momentum) / start.momentum_scale;
     assert!(drift < 1e-12, "{drift}");
-    assert!(scene.contacts().is_empty() || scene.taken() > 0.0);
+    assert!(scene.contact_points().is_empty() || scene.exchange().impacts > 0.0);
 }
 
 #[test]

@@ -3,7 +3,9 @@
 #![allow(missing_docs)]
 
 mod common;
+mod conditions;
 mod contact;
 mod errors;
 mod properties;
 mod reference;
+mod solver;

@@ -1,8 +1,10 @@
 //! The solver against the plain method, and equal bits for any number of threads.
 
 use crate::common::{Plain, block, copper, every_pair, random, steel};
-use mpm_core::geometry::{Cuboid, Lattice};
-use mpm_core::{Axisymmetric, Boundary, FullSpace, PlaneStrain, Side, Team, TimeControl};
+use impactite_geometry::{Cuboid, Lattice};
+use impactite_scene::Solver as _;
+use impactite_scene::{Axisymmetric, Boundary, FullSpace, PlaneStrain, Side, TimeControl};
+use impactite_simd::Team;
 use mpm_materials::Constitutive;
 use pcmm::{
     AzimuthFan, Composition, EndOfStep, LocalDelaunay, Masses, Method, Neighbours, OfElement, OfParticles,
@@ -162,7 +164,7 @@ fn bits(threads: usize, printed: bool) -> Vec<u64> {
             .map(f64::to_bits)
             .collect();
         list.extend(bar.element_nodes().iter().map(|&n| u64::from(n)));
-        list.extend([bar.totals().internal.to_bits(), bar.given().impulse[1].to_bits()]);
+        list.extend([bar.totals().internal.to_bits(), bar.exchange().impulse[1].to_bits()]);
         list
     }
     if printed {

@@ -86,8 +86,7 @@ impl Touch {
     /// Its name.
     pub fn key(self) -> Key {
         let scheme = Scheme::moving(self.kernel(), Velocity::FlipMusl).name();
-        let control =
-            TimeControl::default_for(Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels().facts());
+        let control = Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels().facts().time_control();
         let courant = match control {
             TimeControl::Courant { factor, .. } => factor,
             _ => f64::NAN,

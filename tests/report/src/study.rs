@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use mpm_contact::{Coulomb, Frictionless, GridContact, Pairs, SurfaceDistance};
-use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, Shape, fill};
+use mpm_contact::{Coulomb, Frictionless, Pairs, SurfaceDistance};
+use mpm_core::geometry::{Ball, Compose, Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, CpGimp, Flip, FullSpace, Linear, Method, Mpm, Musl, PlaneStrain,
-    QuadraticBSpline, Rigid, Scalar, Side, TimeControl, Twist, Watch,
+    Axisymmetric, BlockGrid, Boundary, CpGimp, Flip, FullSpace, GridContact, Linear, Method, Mpm, Musl,
+    PlaneStrain, QuadraticBSpline, Rigid, Scalar, Side, TimeControl, Twist, Watch,
 };
 use mpm_materials::failure::JohnsonCookDamage;
 use mpm_materials::{IntoMaterial, J2, LogarithmicBulk, Moduli, NeoHookean, Solid, library};
@@ -134,7 +134,7 @@ impl Study {
 
     /// Its name.
     pub fn key(self) -> Key {
-        let control = TimeControl::default_for(kernels!(self.way, PlaneStrain).facts());
+        let control = kernels!(self.way, PlaneStrain).facts().time_control();
         let TimeControl::Courant { factor, .. } = control else { unreachable!("the default of all methods") };
         let (problem, scheme) = (self.scene.name().into(), self.way.name().into());
         Key { problem, scheme, per_axis: 2, cells: self.cells, courant: factor }

@@ -1,8 +1,9 @@
 //! What scenes are put together from: h = 1 m, density 1 kg/m^3, E = 1 Pa and c = 1 m/s unless a scene says otherwise.
 
+use mpm_core::Mpm;
 use mpm_core::geometry::{Lattice, Seeds};
-use mpm_core::{Boundary, Particle, StepError, Stopped, TimeControl, Totals};
-use verification::machine::{Machine, machine};
+use mpm_core::{Boundary, PointView, StepError, Stopped, TimeControl, Totals};
+use verification::empty::empty_scene;
 use verification::problems::{box_of_planes, lattice, rubber};
 use verification::scene::block;
 use verification::{Kernel, Scheme, Velocity};
@@ -33,9 +34,9 @@ pub fn cells() -> Result<Lattice<2>, String> {
 }
 
 /// A solver of a scheme on unit cells, with fixed steps.
-pub fn solver(scheme: Scheme, dt: f64) -> Result<Box<dyn Machine>, String> {
-    let mut mpm = machine(scheme, cells()?).ok_or("no such composition")?;
-    mpm.control(TimeControl::Fixed(dt)).map_err(text)?;
+pub fn solver(scheme: Scheme, dt: f64) -> Result<Mpm<2>, String> {
+    let mut mpm = empty_scene(scheme, cells()?).ok_or("no such composition")?;
+    mpm.set_time_control(TimeControl::Fixed(dt)).map_err(text)?;
     Ok(mpm)
 }
 
@@ -54,20 +55,20 @@ pub fn bar(
     dt: f64,
     seeds: &Seeds<2>,
     velocity: &dyn Fn(f64) -> f64,
-) -> Result<Box<dyn Machine>, String> {
+) -> Result<Mpm<2>, String> {
     let mut mpm = solver(scheme, dt)?;
-    bound(&mut *mpm, box_of_planes(1..2, 0.0, 1.0))?;
-    mpm.add("bar", rubber(1.0, 1.0, 0.0)?, seeds, &|x| [velocity(x[0]), 0.0], None).map_err(text)?;
+    bound(&mut mpm, box_of_planes(1..2, 0.0, 1.0))?;
+    mpm.add("bar", rubber(1.0, 1.0, 0.0)?, seeds, |x| [velocity(x[0]), 0.0]).map_err(text)?;
     Ok(mpm)
 }
 
 /// Add boundaries.
-pub fn bound(mpm: &mut dyn Machine, list: Vec<Boundary<2>>) -> Result<(), String> {
+pub fn bound(mpm: &mut Mpm<2>, list: Vec<Boundary<2>>) -> Result<(), String> {
     list.into_iter().try_for_each(|b| mpm.bound(b)).map_err(text)
 }
 
 /// Make steps, and look after each with its number; what stopped them, if something did.
-pub fn steps(mpm: &mut dyn Machine, count: u64, mut look: impl FnMut(&dyn Machine, u64)) -> Option<Stop> {
+pub fn steps(mpm: &mut Mpm<2>, count: u64, mut look: impl FnMut(&Mpm<2>, u64)) -> Option<Stop> {
     for step in 1..=count {
         if let Err(error) = mpm.step() {
             return Some(Stop { step: error.step, what: error.to_string() });
@@ -78,21 +79,21 @@ pub fn steps(mpm: &mut dyn Machine, count: u64, mut look: impl FnMut(&dyn Machin
 }
 
 /// Make steps until one stops.
-pub fn until_stopped(mpm: &mut dyn Machine, count: u64) -> Option<StepError> {
+pub fn until_stopped(mpm: &mut Mpm<2>, count: u64) -> Option<StepError> {
     (0..count).find_map(|_| mpm.step().err())
 }
 
 /// Body, particle and position that a message names.
 pub fn named(error: &StepError) -> Option<(&str, usize, [f64; 3])> {
     match &error.what {
-        Stopped::Particle { body, particle, position, .. } => Some((body, *particle, *position)),
+        Stopped::Point { body, number, position, .. } => Some((body, *number, *position)),
         _ => None,
     }
 }
 
 /// All particles.
-pub fn particles(mpm: &dyn Machine) -> Vec<Particle> {
-    mpm.bodies().iter().flat_map(|body| body.particles()).collect()
+pub fn particles(mpm: &Mpm<2>) -> Vec<PointView> {
+    mpm.bodies().iter().flat_map(|body| body.points()).collect()
 }
 
 /// Kinetic energy of the particles as seen by their centre of mass, and internal energy, J.

@@ -3,9 +3,11 @@
 
 use impactite_tests::laws::Prestressed;
 use impactite_tests::scene::{YOUNG, block, rubber, wave_speed};
+use mpm_core::Run;
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::observe::{Ledger, Observer, Pace};
-use mpm_core::transfer::{Allows, Suits};
+use mpm_core::scheme::Allows;
+use mpm_core::transfer::Suits;
 use mpm_core::{
     Apic, Blend, BlockGrid, Boundary, Composition, CpGimp, CubicBSpline, Flip, Fmpm, FullSpace, IntoKernels,
     Linear, Method, Mpm, Musl, Pic, PlaneStrain, QuadraticBSpline, Side, TimeControl, Usf, Usl,
@@ -50,8 +52,8 @@ where
     let dt = 0.2 * H / wave_speed();
     mpm.set_time_control(TimeControl::Fixed(dt)).expect("time control");
     let mut ledger = Ledger::new(Pace::every_step());
-    let mut observers: [&mut dyn Observer<f64, D>; 1] = [&mut ledger];
-    mpm.run_observed(40.0 * dt, &mut observers).expect("run");
+    let observers: [&mut dyn Observer; 1] = [&mut ledger];
+    Run::new(&mut mpm).observe_all(observers).until(40.0 * dt).expect("run");
     ledger.worst_momentum_error()
 }
 

@@ -4,7 +4,7 @@
 
 use std::f64::consts::TAU;
 
-use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
+use mpm_core::geometry::{Ball, Compose, Cuboid, Filling, Lattice, fill};
 use mpm_core::{
     Aflip, Apic, BlockGrid, Boundary, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mls,
     Mpm, Musl, PlaneStrain, QuadraticBSpline, Side, Totals, Usf, Usl, Watch,

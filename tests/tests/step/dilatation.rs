@@ -7,7 +7,7 @@ use impactite_tests::scene::{self, block, metal, moduli, rubber};
 use mpm_core::geometry::Lattice;
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Cpdi, CubicBSpline, Flip, Fmpm, FullSpace, IntoKernels,
-    Linear, Method, Mls, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, Team, TimeControl, Usf,
+    Linear, Method, Mls, Mpm, Musl, PlaneStrain, PointView, QuadraticBSpline, Side, Team, TimeControl, Usf,
     Usl,
 };
 use mpm_materials::{Moduli, NeoHookean};
@@ -111,7 +111,7 @@ fn a_uniform_dilatation_is_not_changed() {
         mpm.set_time_control(TimeControl::Fixed(1e-4)).expect("time control");
         mpm.step().expect("step");
         // At the rims nodes do not hold the field.
-        let inside = |p: &&Particle| p.position.iter().all(|x| (x - 0.4).abs() < 0.15);
+        let inside = |p: &&PointView| p.position.iter().all(|x| (x - 0.4).abs() < 0.15);
         particles(&mpm)[0].iter().filter(inside).map(|p| p.stress).collect()
     }
     let method = Method::new(QuadraticBSpline, Flip, Musl, FullSpace);

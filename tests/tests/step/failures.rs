@@ -6,9 +6,9 @@ use impactite_tests::compare::{particles, plain};
 use impactite_tests::laws::Watched;
 use impactite_tests::reference::{Order, Rule};
 use impactite_tests::scene::{self, block, lattice, metal, seeds};
+use mpm_core::Cause;
+use mpm_core::SceneError;
 use mpm_core::geometry::Lattice;
-use mpm_core::step::SceneError;
-use mpm_core::step::sweep::Cause;
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Deformable, DenseGrid, FieldForce, Flip, Gimp, Linear,
     Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Side, Stopped, TimeControl, Usl,
@@ -81,7 +81,7 @@ fn the_broken_particle_is_named() {
         mpm.set_time_control(TimeControl::Fixed(scene.dt)).expect("time control");
         let stopped = (0..30).find_map(|_| mpm.step().err()).expect("it must break");
         assert_eq!(stopped.step, wanted, "{stopped}");
-        let Stopped::Particle { body, particle, position, law, cause } = &stopped.what else {
+        let Stopped::Point { body, number: particle, position, law, cause, .. } = &stopped.what else {
             panic!("{stopped}")
         };
         assert_eq!((body.as_str(), *law, *cause), ("second", "watched", Cause::Law(Breakdown::Law)));
@@ -112,7 +112,9 @@ fn the_runaway_is_named() {
         .expect("body");
         mpm.set_time_control(TimeControl::Fixed(1.0)).expect("time control");
         let stopped = mpm.step().expect_err("too fast");
-        let Stopped::Particle { particle, position, cause, .. } = &stopped.what else { panic!("{stopped}") };
+        let Stopped::Point { number: particle, position, cause, .. } = &stopped.what else {
+            panic!("{stopped}")
+        };
         assert_eq!((*particle, *cause, stopped.step), (runaway, Cause::TooFast, 1), "{stopped}");
         let near = if runaway == 0 { 0.5 } else { 3.5 };
         assert!((position[1] - near).abs() <= 1.0, "{stopped}");
@@ -129,7 +131,7 @@ fn too_large_a_time_step_is_found_out() {
     impactite_tests::compare::surround(&mut mpm, &scene);
     mpm.set_time_control(TimeControl::Fixed(20.0 * scene.dt)).expect("time control");
     let stopped = (0..50).find_map(|_| mpm.step().err()).expect("it must break");
-    assert!(matches!(stopped.what, Stopped::Particle { .. }), "{stopped}");
+    assert!(matches!(stopped.what, Stopped::Point { .. }), "{stopped}");
     for body in particles(&mpm) {
         for p in body {
             let all = p.stress.iter().chain(&p.position).chain(&p.velocity);
@@ -140,7 +142,7 @@ fn too_large_a_time_step_is_found_out() {
 
 fn named(e: &mpm_core::StepError) -> usize {
     match e.what {
-        Stopped::Particle { particle, .. } => particle,
+        Stopped::Point { number: particle, .. } => particle,
         _ => usize::MAX,
     }
 }
@@ -180,7 +182,7 @@ fn not_a_number_stops_in_the_same_step() {
         }
         assert!((5..=6).contains(&stopped.step), "{text}");
         // Where it was, not where a NaN would have it; and a volume that is not a number is not an inverted one.
-        let Stopped::Particle { position, cause, .. } = stopped.what else { panic!("{text}") };
+        let Stopped::Point { position, cause, .. } = stopped.what else { panic!("{text}") };
         assert!(position.iter().all(|x| x.is_finite()), "{text}");
         assert_ne!(cause, Cause::Law(Breakdown::InvertedVolume), "{text}");
     }

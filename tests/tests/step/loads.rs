@@ -38,7 +38,7 @@ fn pull_by<M: IntoKernels<f64, 3>>(
     mpm.add_body(Deformable::new("block", law, &seeds).with_traction(load)).unwrap();
     mpm.set_time_control(TimeControl::Fixed(0.02)).unwrap();
     mpm.run_until(2.0).unwrap();
-    let (totals, ledger) = (mpm.totals(), mpm.ledger());
+    let (totals, ledger) = (mpm.totals(), mpm.exchange());
     for d in 0..3 {
         let error = totals.momentum[d] - ledger.load[d];
         assert!(error.abs() < 1e-12 * totals.momentum_scale, "component {d}: momentum error {error:e}");
@@ -119,15 +119,12 @@ fn what_is_pulled_may_be_split_and_start_stressed() {
             let start = particles(&mpm).remove(0);
             // The remainder by the number of seeds is the seed that a particle comes from.
             let loaded = |mpm: &Mpm<3>| {
-                mpm.bodies()[0]
-                    .particles()
-                    .iter()
-                    .filter(|p| start[p.number % seeds].position[2] > 3.75)
-                    .count()
+                mpm.bodies()[0].points().iter().filter(|p| start[p.number % seeds].position[2] > 3.75).count()
             };
             assert_eq!(loaded(&mpm), 64);
             mpm.run_until(2.0).unwrap();
-            let (after, ledger, cuts) = (mpm.totals(), mpm.ledger(), mpm.bodies()[0].splits().cuts);
+            let (after, ledger, cuts) =
+                (mpm.totals(), mpm.exchange(), mpm.bodies()[0].division().expect("particles").splits().cuts);
             for d in 0..3 {
                 let error = after.momentum[d] - before.momentum[d] - ledger.load[d];
                 assert!(error.abs() < 1e-12 * after.momentum_scale, "{what}, component {d}: {error:e}");
@@ -158,9 +155,9 @@ fn splitting_that_is_not_reached_changes_nothing() {
             split.step().unwrap();
         }
         let name = &whole.facts().description;
-        assert_eq!(split.bodies()[0].splits().cuts, 0, "{name}");
-        assert!(whole.ledger().load[2] > 0.7, "{name}: no load");
-        assert_eq!(format!("{:?}", whole.ledger()), format!("{:?}", split.ledger()), "{name}");
+        assert_eq!(split.bodies()[0].division().expect("particles").splits().cuts, 0, "{name}");
+        assert!(whole.exchange().load[2] > 0.7, "{name}: no load");
+        assert_eq!(format!("{:?}", whole.exchange()), format!("{:?}", split.exchange()), "{name}");
         assert!(particles(&whole) == particles(&split), "{name}");
     }
     check(Method::new(Linear, Flip, Musl, FullSpace));
@@ -194,7 +191,7 @@ fn a_dragged_block_takes_the_prescribed_velocity() {
         }
     });
     assert!(dragged > 100);
-    let (totals, ledger) = (mpm.totals(), mpm.ledger());
+    let (totals, ledger) = (mpm.totals(), mpm.exchange());
     let given = totals.momentum[0] - ledger.impulse[0];
     assert!(given.abs() < 1e-12 * totals.momentum_scale, "momentum error {given:e}");
     assert!(ledger.work > 0.0);
@@ -222,7 +219,7 @@ fn a_damped_column_comes_to_rest() {
             mpm.step().unwrap();
             largest = largest.max(mpm.totals().kinetic);
         }
-        let (totals, ledger) = (mpm.totals(), mpm.ledger());
+        let (totals, ledger) = (mpm.totals(), mpm.exchange());
         for d in 0..2 {
             let error = totals.momentum[d] - ledger.load[d] - ledger.impulse[d];
             assert!(error.abs() < 1e-12 * gravity * 45.0, "{}: {error:e}", mpm.facts().description);
@@ -289,7 +286,7 @@ fn a_column_comes_to_rest_by_kinetic_damping() {
         let rested = mpm.run_to_rest(&Rest::new(1e-4, 1e-6, 4.0).unwrap(), 200.0).unwrap();
         println!("{name}: {rested:?} after {} s, {} stops", mpm.time(), mpm.stops());
         assert!(rested.reached && mpm.stops() > 0, "{name}: {rested:?}");
-        let (totals, ledger) = (mpm.totals(), mpm.ledger());
+        let (totals, ledger) = (mpm.totals(), mpm.exchange());
         for d in 0..2 {
             let error = totals.momentum[d] - ledger.load[d] - ledger.impulse[d];
             assert!(error.abs() < 1e-12 * gravity * 45.0, "{name}: {error:e}");
@@ -341,7 +338,7 @@ fn pulled_to_rest(dt: f64) -> f64 {
     let energy = rested.balance.internal;
     // The strain of 1e-3 changes lengths, and the corners of the loaded row are not stretched evenly.
     assert!((energy / exact - 1.0).abs() < 2e-3, "energy {energy:e} for {exact:e}");
-    let (totals, ledger) = (mpm.totals(), mpm.ledger());
+    let (totals, ledger) = (mpm.totals(), mpm.exchange());
     for d in 0..2 {
         let error = totals.momentum[d] - ledger.load[d] - ledger.impulse[d];
         // Of the impulse of the load over the time of the run.
@@ -365,7 +362,7 @@ fn ways_to_rest_do_not_depend_on_threads() {
             mpm.step().unwrap();
         }
         assert!(mpm.stops() > 0, "nothing was stopped");
-        (particles(&mpm), mpm.ledger().work.to_bits(), mpm.balance().unbalanced.to_bits())
+        (particles(&mpm), mpm.exchange().work.to_bits(), mpm.balance().unbalanced.to_bits())
     };
     let one = run(1);
     for threads in 2..=4 {
@@ -401,7 +398,7 @@ fn the_null_space_filter_takes_what_nodes_do_not_see() {
         for _ in 0..40 {
             mpm.step().unwrap();
         }
-        let (totals, ledger) = (mpm.totals(), mpm.ledger());
+        let (totals, ledger) = (mpm.totals(), mpm.exchange());
         let books = totals.kinetic + totals.internal - ledger.work - start;
         (particles(&mpm).remove(0), totals.kinetic, books, mpm)
     };
@@ -522,7 +519,7 @@ fn the_sharp_step_follows_the_bound() {
 #[test]
 fn ways_to_rest_that_cannot_be_are_refused() {
     let mut mpm = noisy(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain), 2);
-    let says = |error: mpm_core::step::SceneError, words: &str| {
+    let says = |error: mpm_core::SceneError, words: &str| {
         assert!(error.to_string().contains(words), "{error}");
     };
     says(mpm.set_kinetic_damping(true).unwrap_err(), "maps momentum and impulse together");

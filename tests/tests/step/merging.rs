@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use impactite_tests::scene::{Numbers, block};
+use mpm_core::SceneError;
 use mpm_core::geometry::{Cuboid, Lattice, Seeds};
-use mpm_core::step::SceneError;
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Cpdi, Deformable, Flip, FullSpace, IntoKernels, Linear,
-    Merging, Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Splitting, Team, TimeControl,
+    Merging, Method, Mpm, Musl, PlaneStrain, PointView, QuadraticBSpline, Splitting, Team, TimeControl,
     Totals, Usf, Usl,
 };
 use mpm_materials::eos::KeepEnergy;
@@ -28,8 +28,8 @@ fn soft(speed: f64) -> Solid<Elastic<f64>, LinearDensity<f64>> {
     )
 }
 
-fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<Particle> {
-    mpm.bodies()[0].particles()
+fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<PointView> {
+    mpm.bodies()[0].points()
 }
 
 /// Seeds beside their places, of unequal mass: four an axis and cell.
@@ -87,7 +87,7 @@ fn difference(a: &Totals, b: &Totals, reach: f64) -> f64 {
     worst.max((a.internal - b.internal).abs() / b.internal.abs())
 }
 
-fn sums<const D: usize>(particles: &[Particle]) -> (f64, f64, [f64; D]) {
+fn sums<const D: usize>(particles: &[PointView]) -> (f64, f64, [f64; D]) {
     let (mut volume, mut domains, mut centre) = (0.0, 0.0, [0.0; D]);
     for p in particles {
         volume += p.volume;
@@ -106,8 +106,8 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
 ) -> Result<(), TestCaseError> {
     let apart = one_step::<D, M>(method, motion, false);
     let merged = one_step::<D, M>(method, motion, true);
-    let book = merged.bodies()[0].merges().unwrap_or_default();
-    prop_assert_eq!(apart.bodies()[0].merges(), None);
+    let book = merged.bodies()[0].division().expect("particles").merges().unwrap_or_default();
+    prop_assert_eq!(apart.bodies()[0].division().expect("particles").merges(), None);
     prop_assert!(book.merges > 5, "{book:?}");
     prop_assert_eq!(merged.particles() + book.removed as usize, apart.particles());
     // Sums of a few hundred numbers, each rounded a few times.
@@ -127,7 +127,7 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     numbers.dedup();
     prop_assert_eq!(numbers.len(), after.len());
     // Nothing lighter than what splitting may make, and heavier particles only.
-    let lightest = |all: &[Particle]| all.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min);
+    let lightest = |all: &[PointView]| all.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min);
     prop_assert!(lightest(&after) >= lightest(&before));
     Ok(())
 }
@@ -198,7 +198,7 @@ fn strip<M: IntoKernels<f64, 2>>(method: M, merging: Option<Merging>, threads: u
 }
 
 /// Columns of cells along the strip without a particle, and most particles in a cell.
-fn cells(all: &[Particle]) -> (usize, usize) {
+fn cells(all: &[PointView]) -> (usize, usize) {
     let mut cells: Vec<[i64; 2]> =
         all.iter().map(|p| [0, 1].map(|d| (p.position[d] / H).floor() as i64)).collect();
     cells.sort_unstable();
@@ -221,7 +221,7 @@ fn closes_again<M: IntoKernels<f64, 2> + Copy>(method: M, above: usize) {
         mpm.run_until(f64::from(second)).expect("run");
         let all = particles(&mpm);
         let (empty, most) = cells(&all);
-        let book = mpm.bodies()[0].merges();
+        let book = mpm.bodies()[0].division().expect("particles").merges();
         println!("{} {second}: {} particles, {empty} {most}, {book:?}", mpm.facts().description, all.len());
         assert_eq!(empty, 0, "after {second} s");
         let mut numbers: Vec<usize> = all.iter().map(|p| p.number).collect();
@@ -275,7 +275,7 @@ fn what_flies_apart_keeps_momentum_and_energy() {
             mpm.step_towards(6.0).expect("step");
             most = most.max(mpm.particles());
         }
-        let (end, split) = (mpm.totals(), mpm.ledger().split);
+        let (end, split) = (mpm.totals(), mpm.exchange().conversion);
         // Round-off of some thousand steps.
         let scale = start.momentum_scale;
         for d in 0..2 {
@@ -284,7 +284,11 @@ fn what_flies_apart_keeps_momentum_and_energy() {
         assert!((end.mass / start.mass - 1.0).abs() < 1e-13);
         let energy = (end.kinetic + end.internal - split) / (start.kinetic + start.internal);
         let moment = (end.angular_momentum[2] - start.angular_momentum[2]) / (scale * LENGTH);
-        println!("{most} {}: {energy}, {moment:e}, {:?}", end.particles, mpm.bodies()[0].merges());
+        println!(
+            "{most} {}: {energy}, {moment:e}, {:?}",
+            end.particles,
+            mpm.bodies()[0].division().expect("particles").merges()
+        );
         (most, end.particles, energy, moment)
     };
     let apart = run(None);
@@ -301,7 +305,7 @@ fn merged_particles_do_not_depend_on_threads() {
     let run = |threads| {
         let mut mpm = strip(method, Some(Merging::above(4).expect("count")), threads);
         mpm.run_until(2.5).expect("run");
-        (particles(&mpm), mpm.bodies()[0].merges())
+        (particles(&mpm), mpm.bodies()[0].division().expect("particles").merges())
     };
     let one = run(1);
     assert!(one.1.is_some_and(|book| book.merges > 50), "{:?}", one.1);
@@ -319,7 +323,7 @@ fn resumed_runs_merge_alike() {
     let mut whole = scene();
     // 0.002 s a step: after a tenth one, when tiles are to be mapped again.
     whole.run_until(1.7).expect("run");
-    assert!(whole.bodies()[0].merges().is_some_and(|book| book.merges > 0));
+    assert!(whole.bodies()[0].division().expect("particles").merges().is_some_and(|book| book.merges > 0));
     whole.save(&path).expect("checkpoint");
     let resumed = scene().resumed(&path);
     let _ = std::fs::remove_file(&path);
@@ -328,7 +332,10 @@ fn resumed_runs_merge_alike() {
         mpm.run_until(2.1).expect("run");
     }
     assert_eq!(particles(&whole), particles(&resumed));
-    assert_eq!(whole.bodies()[0].merges(), resumed.bodies()[0].merges());
+    assert_eq!(
+        whole.bodies()[0].division().expect("particles").merges(),
+        resumed.bodies()[0].division().expect("particles").merges()
+    );
 }
 
 type StateOf<C> = <C as Constitutive<f64>>::State<f64>;

@@ -31,14 +31,14 @@ impl Drop for Scratch {
 
 /// Every particle, by its bits.
 fn seen<const D: usize>(mpm: &Mpm<D>) -> String {
-    let all: Vec<_> = mpm.bodies().iter().map(|b| b.particles()).collect();
+    let all: Vec<_> = mpm.bodies().iter().map(|b| b.points()).collect();
     format!("{} {:?} {all:?}", mpm.steps(), mpm.time())
 }
 
 /// All that a run can tell.
 fn told<const D: usize>(mpm: &Mpm<D>) -> String {
-    let splits: Vec<_> = mpm.bodies().iter().map(|b| b.splits()).collect();
-    format!("{} {:?} {:?} {splits:?} {}", seen(mpm), mpm.totals(), mpm.ledger(), mpm.stops())
+    let splits: Vec<_> = mpm.bodies().iter().map(|b| b.division().map(|b| b.splits())).collect();
+    format!("{} {:?} {:?} {splits:?} {}", seen(mpm), mpm.totals(), mpm.exchange(), mpm.stops())
 }
 
 fn advance<const D: usize>(mpm: &mut Mpm<D>) {
@@ -127,7 +127,7 @@ fn splitting() {
     };
     let mut started = scene();
     advance(&mut started);
-    assert!(started.bodies()[0].splits().cuts > 0, "nothing was split");
+    assert!(started.bodies()[0].division().expect("particles").splits().cuts > 0, "nothing was split");
     continues("splitting", scene);
 }
 
@@ -181,7 +181,7 @@ fn another_scene_is_refused() {
     let mut far = block(false, "block");
     far.run_until(6.0).expect("run");
     far.save(&file.0).expect("checkpoint");
-    assert!(matches!(small.resumed(&file.0), Err(CheckpointError::Outside(_))));
+    assert!(matches!(small.resumed(&file.0), Err(CheckpointError::NoRoom(_))));
 }
 
 #[test]
@@ -201,9 +201,7 @@ fn a_damaged_file_is_refused() {
         let error = damaged(&bytes);
         let named = matches!(
             error,
-            CheckpointError::Damaged { .. }
-                | CheckpointError::OtherScene { .. }
-                | CheckpointError::Outside(_)
+            CheckpointError::Damaged { .. } | CheckpointError::OtherScene { .. } | CheckpointError::NoRoom(_)
         );
         assert!(named, "byte {place}: {error}");
     }

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use impactite_tests::scene::{block, lattice, metal, rubber, wave_speed};
+use mpm_core::SceneError;
 use mpm_core::geometry::Cuboid;
-use mpm_core::step::SceneError;
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, Composition, CpGimp, Cpdi2, CubicBSpline, Deformable, DenseGrid,
     Embedding, FieldForce, Flip, Float, Fmpm, FullSpace, GridStorage, IntoKernels, Linear, Method, Mls, Mpm,
@@ -88,24 +88,28 @@ fn compare_with<T: Float, const D: usize>(
     let mut saved = Vec::new();
     for threads in [1, 2] {
         let (mut plain, mut resting) = (scene(), scene());
-        resting.let_rest(bodies).expect("bodies at rest");
+        resting.deactivate(bodies).expect("bodies at rest");
         resting.set_team(Team::new(threads).expect("threads"));
-        let start = resting.bodies()[1].particles();
+        let start = resting.bodies()[1].points();
         let (mut made, mut all) = (0, 0);
         let mut after = 0;
         for step in 0.. {
             assert!(step < 2000, "{what}: no hit");
             all += plain.particles();
             made += resting.moving_particles();
-            let rests = resting.bodies()[1].rests();
+            let rests = resting.bodies()[1].is_deactivated();
             let dt = plain.step().expect("step");
             assert!(resting.step().expect("step") == dt, "{what}: step {step}");
             if step == 0 {
                 let [own, all] = [&resting, &plain].map(|mpm| mpm.bytes());
                 assert!(own < all, "{what}: {own} bytes, {all} without rest");
             }
-            assert_eq!(format!("{:?}", plain.ledger()), format!("{:?}", resting.ledger()), "{what}: books");
-            if step % 10 == 0 || rests != resting.bodies()[1].rests() {
+            assert_eq!(
+                format!("{:?}", plain.exchange()),
+                format!("{:?}", resting.exchange()),
+                "{what}: books"
+            );
+            if step % 10 == 0 || rests != resting.bodies()[1].is_deactivated() {
                 assert_eq!(plain.totals(), resting.totals(), "{what}: step {step}");
             }
             after += usize::from(after > 0 || resting.bodies()[1].totals().kinetic > 0.0);
@@ -114,9 +118,12 @@ fn compare_with<T: Float, const D: usize>(
             }
         }
         for (a, b) in plain.bodies().iter().zip(resting.bodies()) {
-            assert!(a.particles() == b.particles(), "{what}: `{}` differs", a.name());
+            assert!(a.points() == b.points(), "{what}: `{}` differs", a.name());
         }
-        assert!(!resting.bodies()[1].rests() && resting.bodies()[1].particles() != start, "{what}: no hit");
+        assert!(
+            !resting.bodies()[1].is_deactivated() && resting.bodies()[1].points() != start,
+            "{what}: no hit"
+        );
         saved.push(1.0 - made as f64 / all as f64);
     }
     assert_eq!(saved[0], saved[1], "{what}: threads");
@@ -177,12 +184,14 @@ fn grids_speeds_and_steps() {
         mpm
     };
     let mut mpm = damped();
-    mpm.let_rest(&["plate"]).expect("rest");
+    mpm.deactivate(&["plate"]).expect("rest");
     let mut plain = damped();
     for _ in 0..30 {
         assert_eq!(mpm.step(), plain.step());
     }
-    assert!(mpm.bodies()[1].rests() && mpm.stops() == plain.stops() && mpm.totals() == plain.totals());
+    assert!(
+        mpm.bodies()[1].is_deactivated() && mpm.stops() == plain.stops() && mpm.totals() == plain.totals()
+    );
 }
 
 /// Single precision, and a metal with plasticity, an equation of state, heat and viscosity.
@@ -216,11 +225,11 @@ fn splitting() {
     };
     compare("splitting", 60, scene);
     let mut mpm = scene();
-    mpm.let_rest(&["plate"]).expect("rest");
+    mpm.deactivate(&["plate"]).expect("rest");
     for _ in 0..150 {
         mpm.step().expect("step");
     }
-    assert!(mpm.bodies()[1].splits().cuts > 0, "nothing was split");
+    assert!(mpm.bodies()[1].division().expect("particles").splits().cuts > 0, "nothing was split");
 }
 
 /// Two plates that touch: what wakes the first wakes the second.
@@ -235,7 +244,7 @@ fn neighbours_wake_together() {
     };
     // One beside another that is awake does not come to rest.
     let mut mpm = scene();
-    mpm.let_rest(&["plate"]).expect("rest");
+    mpm.deactivate(&["plate"]).expect("rest");
     assert_eq!(mpm.moving_particles(), mpm.particles());
     compare_with("neighbours", &["backing", "plate"], 40, scene);
 }
@@ -246,7 +255,7 @@ fn no_nodes_at_rest() {
     let method = Method::new(Linear, Flip, Musl, FullSpace);
     let mut mpm = Flight::at(0.5).scene::<f64, 3, _, _, _>(method, space(), rubber());
     let all = mpm.grid().nodes().len();
-    mpm.let_rest(&["plate"]).expect("rest");
+    mpm.deactivate(&["plate"]).expect("rest");
     let mut alone = Mpm::new(method, space());
     let projectile = block(&lattice(), [LOW; 3], [2; 3], 2, 0.6);
     alone.add("projectile", rubber(), &projectile, |_| [0.0; 3]).expect("projectile");
@@ -260,12 +269,12 @@ fn no_nodes_at_rest() {
         mpm
     };
     let (mut plain, mut resting) = (still(), still());
-    resting.let_rest(&["plate"]).expect("rest");
+    resting.deactivate(&["plate"]).expect("rest");
     assert!(resting.grid().nodes().is_empty() && resting.moving_particles() == 0);
     for _ in 0..5 {
         assert_eq!(plain.step(), resting.step());
     }
-    assert_eq!(plain.bodies()[0].particles(), resting.bodies()[0].particles());
+    assert_eq!(plain.bodies()[0].points(), resting.bodies()[0].points());
     assert_eq!(plain.time(), resting.time());
 }
 
@@ -277,12 +286,12 @@ fn checkpoints() {
     let scene = || Flight::at(0.5).scene::<f64, 2, _, _, _>(method, space(), rubber());
     let rested = || {
         let mut mpm = scene();
-        mpm.let_rest(&["plate"]).expect("rest");
+        mpm.deactivate(&["plate"]).expect("rest");
         mpm
     };
     let told = |mpm: &Mpm<2>| {
-        let all: Vec<_> = mpm.bodies().iter().map(|b| b.particles()).collect();
-        format!("{} {:?} {:?} {:?}", mpm.steps(), mpm.time(), mpm.ledger(), all)
+        let all: Vec<_> = mpm.bodies().iter().map(|b| b.points()).collect();
+        format!("{} {:?} {:?} {:?}", mpm.steps(), mpm.time(), mpm.exchange(), all)
     };
     let mut whole = scene();
     let mut run = rested();
@@ -291,14 +300,14 @@ fn checkpoints() {
             whole.step().expect("step");
             run.step().expect("step");
         }
-        assert_eq!(run.bodies()[1].rests(), rests);
+        assert_eq!(run.bodies()[1].is_deactivated(), rests);
         run.save(&file).expect("checkpoint");
         run = rested().resumed(&file).expect("the scene");
-        assert_eq!(run.bodies()[1].rests(), rests);
+        assert_eq!(run.bodies()[1].is_deactivated(), rests);
         assert!(told(&run) == told(&whole), "resting: {rests}");
         // A scene that was not told to let the plate rest takes over that it does.
         let other = scene().resumed(&file).expect("the scene");
-        assert_eq!(other.bodies()[1].rests(), rests);
+        assert_eq!(other.bodies()[1].is_deactivated(), rests);
     }
     for _ in 0..20 {
         whole.step().expect("step");
@@ -327,22 +336,22 @@ fn woken_by_the_scene() {
     for (n, (wakes, change)) in changes.into_iter().enumerate() {
         let scene = || Flight { planes: false, ..Flight::at(0.5) }.scene(method, space::<2>(), rubber());
         let (mut plain, mut resting) = (scene(), scene());
-        resting.let_rest(&["plate"]).expect("rest");
+        resting.deactivate(&["plate"]).expect("rest");
         for step in 0..30 {
             if step == 10 {
-                assert!(resting.bodies()[1].rests());
+                assert!(resting.bodies()[1].is_deactivated());
                 change(&mut plain);
                 change(&mut resting);
             }
             assert_eq!(plain.step(), resting.step(), "change {n}");
         }
-        assert_eq!(resting.bodies()[1].rests(), !wakes, "change {n}");
-        assert_eq!(plain.bodies()[1].particles(), resting.bodies()[1].particles(), "change {n}");
-        assert_eq!(format!("{:?}", plain.ledger()), format!("{:?}", resting.ledger()), "change {n}");
+        assert_eq!(resting.bodies()[1].is_deactivated(), !wakes, "change {n}");
+        assert_eq!(plain.bodies()[1].points(), resting.bodies()[1].points(), "change {n}");
+        assert_eq!(format!("{:?}", plain.exchange()), format!("{:?}", resting.exchange()), "change {n}");
         // And it is refused where it was there before.
         let mut later = scene();
         change(&mut later);
-        let refused = later.let_rest(&["plate"]);
+        let refused = later.deactivate(&["plate"]);
         assert_eq!(matches!(refused, Err(SceneError::Disturbed { .. })), wakes, "change {n}: {refused:?}");
         change(&mut later);
         later.step().expect("a scene that was refused goes on");
@@ -358,17 +367,17 @@ fn what_does_not_rest_is_refused() {
 
     let mut mpm = scene();
     mpm.add("plate", rubber(), &plate(), |_| [0.0; 2]).expect("body");
-    let none = message(mpm.let_rest(&["plat"]));
+    let none = message(mpm.deactivate(&["plat"]));
     assert_eq!(none, "body `plat` is not in the scene; it must be one of plate");
-    assert_eq!(mpm.let_rest(&["plate"]), Ok(()));
-    assert_eq!(mpm.let_rest(&["plate"]), Ok(()), "told twice");
+    assert_eq!(mpm.deactivate(&["plate"]), Ok(()));
+    assert_eq!(mpm.deactivate(&["plate"]), Ok(()), "told twice");
 
     // Where one is refused, all stay awake.
     let mut mpm = scene();
     mpm.add("still", rubber(), &block(&lattice(), [20; 2], [4; 2], 2, 0.0), |_| [0.0; 2]).expect("body");
     mpm.add("plate", rubber(), &plate(), |x| [0.0, if x[0] > 0.15 { 0.1 } else { 0.0 }]).expect("body");
-    let moving = message(mpm.let_rest(&["still", "plate"]));
-    assert!(!mpm.bodies()[0].rests());
+    let moving = message(mpm.deactivate(&["still", "plate"]));
+    assert!(!mpm.bodies()[0].is_deactivated());
     assert!(moving.contains("velocity of particle ") && moving.contains("= 0.1 is not"), "{moving}");
     mpm.step().expect("it goes on");
 
@@ -379,7 +388,7 @@ fn what_does_not_rest_is_refused() {
         state
     };
     mpm.add_body(Deformable::new("plate", metal(), &plate()).in_state(stressed)).expect("body");
-    let message_of = message(mpm.let_rest(&["plate"]));
+    let message_of = message(mpm.deactivate(&["plate"]));
     assert!(
         message_of.contains("stress of particle 0 = 0.0003 is not allowed; it must be zero"),
         "{message_of}"
@@ -388,7 +397,7 @@ fn what_does_not_rest_is_refused() {
     let mut mpm = scene();
     let field = FieldForce { acceleration: Arc::new(|_, _| [0.0; 2]) };
     mpm.add_body(Deformable::new("plate", rubber(), &plate()).with_field_force(field)).expect("body");
-    assert!(matches!(mpm.let_rest(&["plate"]), Err(SceneError::Disturbed { .. })));
+    assert!(matches!(mpm.deactivate(&["plate"]), Err(SceneError::Disturbed { .. })));
     mpm.step().expect("it goes on");
 
     // A charge stands still, too, but its time runs out.
@@ -399,10 +408,10 @@ fn what_does_not_rest_is_refused() {
         mpm
     };
     let (mut plain, mut mpm) = (scene(), scene());
-    let clock = message(mpm.let_rest(&["charge"]));
+    let clock = message(mpm.deactivate(&["charge"]));
     assert!(clock.contains("time_to_light of particle") && clock.contains("(0.001)"), "{clock}");
     for _ in 0..200 {
         assert_eq!(plain.step(), mpm.step());
     }
-    assert!(plain.totals().kinetic > 0.0 && plain.bodies()[0].particles() == mpm.bodies()[0].particles());
+    assert!(plain.totals().kinetic > 0.0 && plain.bodies()[0].points() == mpm.bodies()[0].points());
 }

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use impactite_tests::scene::block;
+use mpm_core::SceneError;
 use mpm_core::geometry::{Lattice, Seeds};
-use mpm_core::step::SceneError;
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Cpdi, Cpdi2, Deformable, Flip, FullSpace, IntoKernels,
-    Linear, Method, Mpm, Musl, OneField, Particle, PlaneStrain, QuadraticBSpline, Side, Splitting, Team,
+    Linear, Method, Mpm, Musl, OneField, PlaneStrain, PointView, QuadraticBSpline, Side, Splitting, Team,
     TimeControl, Totals, Usf, Usl,
 };
 use mpm_materials::{Constitutive, IntoMaterial, Material, Moduli, NeoHookean, Stretching};
@@ -15,8 +15,8 @@ use proptest::prelude::*;
 
 const H: f64 = 0.1;
 
-fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<Particle> {
-    mpm.bodies()[0].particles()
+fn particles<const D: usize>(mpm: &Mpm<D>) -> Vec<PointView> {
+    mpm.bodies()[0].points()
 }
 
 /// Neo-Hookean of 1000 kg/m^3 with this wave speed, m/s.
@@ -75,11 +75,11 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     let splitting = Splitting::at(1.05).expect("stretch");
     let whole = one_step::<D, M>(method, motion, None);
     let split = one_step::<D, M>(method, motion, Some(splitting));
-    let (cuts, seeds) = (split.bodies()[0].splits().cuts, whole.particles());
+    let (cuts, seeds) = (split.bodies()[0].division().expect("particles").splits().cuts, whole.particles());
     prop_assert_eq!(split.particles(), seeds + cuts as usize);
     // Sums of a few hundred numbers, each rounded a few times.
     let mut totals = split.totals();
-    let revealed = split.ledger().split;
+    let revealed = split.exchange().conversion;
     prop_assert!(revealed >= 0.0 && revealed < totals.kinetic);
     totals.kinetic -= revealed;
     let error = difference(&totals, &whole.totals(), 10.0 * H);
@@ -93,7 +93,7 @@ fn keeps_the_books<const D: usize, M: IntoKernels<f64, D> + Copy>(
     numbers.dedup();
     prop_assert_eq!(numbers.len(), children.len());
     for p in &parents {
-        let own: Vec<&Particle> = children.iter().filter(|c| c.number % seeds == p.number).collect();
+        let own: Vec<&PointView> = children.iter().filter(|c| c.number % seeds == p.number).collect();
         prop_assert_eq!(own.iter().map(|c| c.mass).sum::<f64>(), p.mass);
         for c in &own {
             prop_assert_eq!(&c.state[7..], &p.state[7..]);
@@ -194,10 +194,10 @@ fn strip(mpm: &Mpm<2>) -> (usize, f64, f64) {
     cells.dedup();
     let empty = 1 + cells[cells.len() - 1] - cells[0] - cells.len() as i64;
     let end = all.iter().map(|p| p.position[0]).fold(0.0, f64::max);
-    let all: Vec<Particle> = all.into_iter().filter(|p| p.position[0] < 0.9 * end).collect();
+    let all: Vec<PointView> = all.into_iter().filter(|p| p.position[0] < 0.9 * end).collect();
     let mass: f64 = all.iter().map(|p| p.mass).sum();
     // Plane and held at its sides: volume over that at the start is the stretch.
-    let stretch = |p: &Particle| p.volume * 1000.0 / p.mass;
+    let stretch = |p: &PointView| p.volume * 1000.0 / p.mass;
     let mean = all.iter().map(|p| p.mass * stretch(p)).sum::<f64>() / mass;
     let variance = all.iter().map(|p| p.mass * (stretch(p) - mean).powi(2)).sum::<f64>() / mass;
     (empty as usize, mean, variance.sqrt() / mean)

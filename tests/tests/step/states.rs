@@ -2,8 +2,8 @@
 
 use impactite_tests::compare::particles;
 use impactite_tests::scene::{DENSITY, block, rubber, wave_speed};
+use mpm_core::SceneError;
 use mpm_core::geometry::Lattice;
-use mpm_core::step::SceneError;
 use mpm_core::{
     BlockGrid, Boundary, Deformable, Flip, Gimp, Method, Mpm, Musl, PlaneStrain, Side, TimeControl,
 };

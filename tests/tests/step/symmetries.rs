@@ -8,7 +8,7 @@ use mpm_core::dim::{BLOCK, block_nodes};
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, CompiledHere, DenseGrid, Flip, FullSpace, Gimp, IntoKernels,
-    Linear, Method, Mpm, Musl, Particle, PlaneStrain, QuadraticBSpline, Side, Team, TimeControl, Usl,
+    Linear, Method, Mpm, Musl, PlaneStrain, PointView, QuadraticBSpline, Side, Team, TimeControl, Usl,
 };
 use mpm_materials::{Constitutive, Moduli, NeoHookean};
 
@@ -19,7 +19,7 @@ type Hat<E> = Method<Linear, Flip, Musl, E>;
 type Spline<E> = Method<QuadraticBSpline, Apic, Usl, E>;
 type Box2 = CompiledHere<Method<Gimp, Flip, Usl, PlaneStrain>>;
 
-fn run<const D: usize, M: IntoKernels<f64, D>>(method: M, scene: &Scene<D>) -> Vec<Particle> {
+fn run<const D: usize, M: IntoKernels<f64, D>>(method: M, scene: &Scene<D>) -> Vec<PointView> {
     let mut mpm = fast(method, BlockGrid::new(scene.lattice), scene, &rubber());
     for _ in 0..scene.steps {
         mpm.step().unwrap_or_else(|e| panic!("{}: {e}", scene.name));
@@ -29,8 +29,8 @@ fn run<const D: usize, M: IntoKernels<f64, D>>(method: M, scene: &Scene<D>) -> V
 
 /// `q` must be `p` with its vectors sent through `map` (a signed permutation), positions also through `place`.
 fn assert_mapped(
-    p: &Particle,
-    q: &Particle,
+    p: &PointView,
+    q: &PointView,
     map: impl Fn([f64; 3]) -> [f64; 3],
     place: impl Fn([f64; 3]) -> [f64; 3],
 ) {
@@ -217,7 +217,7 @@ fn impulse_of_a_symmetry_plane_is_booked() {
         for _ in 0..scene.steps {
             mpm.step().expect("step");
         }
-        let (after, ledger) = (mpm.totals(), mpm.ledger());
+        let (after, ledger) = (mpm.totals(), mpm.exchange());
         for d in 0..2 {
             let given = ledger.impulse[d] + ledger.load[d] + ledger.dropped[d];
             let error = (after.momentum[d] - before.momentum[d] - given).abs() / before.momentum_scale;

@@ -1,17 +1,17 @@
 //! A body that another scene takes over is what it was, and goes on as it would have.
 
 use impactite_tests::scene::{block, lattice, metal, rubber, wave_speed};
+use mpm_core::SceneError;
 use mpm_core::geometry::{Lattice, Seeds};
-use mpm_core::step::SceneError;
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, CpGimp, Cpdi2, DenseGrid, Flip, IntoKernels, Linear, Method, Mpm, Musl,
-    Particle, PlaneStrain, QuadraticBSpline, TimeControl, Usl,
+    PlaneStrain, PointView, QuadraticBSpline, TimeControl, Usl,
 };
 
 const H: f64 = 0.1;
 
-fn particles(mpm: &Mpm<2>) -> Vec<Particle> {
-    mpm.bodies()[0].particles()
+fn particles(mpm: &Mpm<2>) -> Vec<PointView> {
+    mpm.bodies()[0].points()
 }
 
 fn seeds() -> Seeds<2> {
@@ -47,7 +47,7 @@ fn all_of_it_is_kept() {
         to.set_time(from.time()).expect("time");
         assert_eq!((to.time(), to.steps()), (from.time(), 0));
         for (p, q) in particles(&from).iter().zip(&particles(&to)) {
-            let of = |p: &Particle| (p.number, p.velocity, p.mass, p.volume, p.stress, p.state.clone());
+            let of = |p: &PointView| (p.number, p.velocity, p.mass, p.volume, p.stress, p.state.clone());
             assert_eq!(of(p), of(q));
             for d in 0..2 {
                 assert!((p.position[d] - q.position[d]).abs() < 1e-15, "{p:?} {q:?}");

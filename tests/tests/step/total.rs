@@ -139,7 +139,7 @@ fn driven<M: Composition<f64, 2> + IntoKernels<f64, 2>>(method: M) {
     let before = mpm.totals();
     let found = run_both(&mut mpm, &mut reference, &scene);
     assert!(found.worst() < TOLERANCE, "{found:?}");
-    let (after, ledger) = (mpm.totals(), mpm.ledger());
+    let (after, ledger) = (mpm.totals(), mpm.exchange());
     for d in 0..2 {
         let gained = after.momentum[d] - before.momentum[d] - ledger.load[d];
         assert!(gained.abs() < 1e-12 * after.momentum_scale, "component {d}: momentum error {gained:e}");
@@ -191,7 +191,7 @@ fn the_step_shrinks_with_the_cells() {
     let squeezed = 1.0 - 1e3 * 6.666e-4;
     // In the middle; at the rim a lumped map does not reproduce the velocity.
     let all = particles(&mpm);
-    let middle = |p: &&mpm_core::Particle| (0..2).all(|d| (seeds.positions[p.number][d] - 0.2).abs() < 0.1);
+    let middle = |p: &&mpm_core::PointView| (0..2).all(|d| (seeds.positions[p.number][d] - 0.2).abs() < 0.1);
     let p = all[0].iter().find(middle).expect("a particle in the middle");
     assert!((p.state[0] - squeezed).abs() < 1e-9, "{p:?}");
     // rho c^2 = [lambda (1 - ln J) + 2 G] / J along x for a neo-Hookean point squeezed to J, of density rho0 / J; in

@@ -24,9 +24,9 @@
 //! Every composition is compiled once, here, for tests and for the package `report`.
 
 pub mod case;
+pub mod empty;
 pub mod fast;
 pub mod limit;
-pub mod machine;
 pub mod origin;
 pub mod problems;
 pub mod scene;

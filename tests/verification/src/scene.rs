@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::{
-    BlockGrid, Body, Boundary, Deformable, FieldForce, Footprint, Frequency, IntoKernels, Mpm, Particle,
+    BlockGrid, Boundary, Deformable, FieldForce, Footprint, Frequency, GridBody, IntoKernels, Mpm, PointView,
     TimeControl, Totals,
 };
 use mpm_materials::IntoMaterial;
@@ -47,13 +47,13 @@ pub struct Moment<'a, const D: usize> {
     pub velocity_time: f64,
     /// Where particles started, by number, m.
     pub starts: &'a [[f64; D]],
-    bodies: &'a [Box<dyn Body<f64, D>>],
+    bodies: &'a [Box<dyn GridBody<f64, D>>],
     frequency: &'a dyn Fn() -> Frequency,
 }
 
 impl<const D: usize> Moment<'_, D> {
     /// Call `visit` for every particle.
-    pub fn for_each(&self, visit: &mut dyn FnMut(&Particle)) {
+    pub fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         for body in self.bodies {
             body.for_each(visit);
         }

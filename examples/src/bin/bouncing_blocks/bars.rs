@@ -4,7 +4,7 @@ use std::path::Path;
 
 use examples::blocks::scene::Asked;
 use examples::blocks::waves::{LENGTH, PRELOAD, SPEED, Struck, WAVE, most, pressed, reflected, strike};
-use examples::{CaseError, Check, Totals, methods};
+use examples::{CaseError, Check, Restart, Totals, methods};
 use mpm_core::{Flip, Linear, Method, Musl, PlaneStrain};
 
 use crate::{Outcome, figures};
@@ -21,7 +21,7 @@ fn plain() -> Method<Linear, Flip, Musl, PlaneStrain> {
 }
 
 /// Equal bars, bars of different impedance, bars of different length.
-pub fn impact(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn impact(cells: u32, asked: Asked, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let (mut checks, mut totals, mut curves) = (Vec::new(), Totals::default(), Vec::new());
     for (name, ratio, second) in
         [("equal bars", 1.0, 1.0), ("second twice as heavy", 2.0, 1.0), ("second twice as long", 1.0, 2.0)]
@@ -29,7 +29,8 @@ pub fn impact(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseEr
         let h = LENGTH / f64::from(cells);
         // FLIP takes the strain from velocities that were mapped to particles and back, and smears fronts; FMPM undoes that
         // (book, "Bars, discs, Hertz: exact values").
-        let struck = strike(methods::linear_fmpm_usf(), cells, [ratio, second], VISCOSITY, asked)?;
+        let task = asked.in_simulation(restart.scene(format!("impact_{}", name.replace(' ', "_")))?);
+        let struck = strike(methods::linear_fmpm_usf(), cells, [ratio, second], VISCOSITY, task)?;
         totals = totals.plus(&struck.totals);
         let Struck { joint, stress, plateau, last, rows, .. } = struck;
         let end = rows.last().copied().unwrap_or([f64::NAN; 4]);
@@ -56,13 +57,14 @@ pub fn impact(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseEr
 }
 
 /// The same pulse through one piece and two.
-pub fn wave(cells: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn wave(cells: u32, asked: Asked, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let push = 0.5 * PRELOAD;
-    let (bonded, a) = pressed(plain(), cells, true, push, asked)?;
-    let (split, b) = pressed(plain(), cells, false, push, asked)?;
+    let task = |label: &str| Ok::<_, CaseError>(asked.in_simulation(restart.scene(label)?));
+    let (bonded, a) = pressed(plain(), cells, true, push, task("push_one_piece")?)?;
+    let (split, b) = pressed(plain(), cells, false, push, task("push_two_pieces")?)?;
     let pull = -2.0 * PRELOAD;
-    let (whole, c) = pressed(plain(), cells, true, pull, asked)?;
-    let (open, d) = pressed(plain(), cells, false, pull, asked)?;
+    let (whole, c) = pressed(plain(), cells, true, pull, task("pull_one_piece")?)?;
+    let (open, d) = pressed(plain(), cells, false, pull, task("pull_two_pieces")?)?;
     let totals = [b, c, d].iter().fold(a, |sum, t| sum.plus(t));
     let reflected = reflected(&bonded, &split, push);
     let source = "the bar of one piece, V9";

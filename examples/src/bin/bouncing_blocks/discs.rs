@@ -4,7 +4,7 @@ use std::path::Path;
 
 use examples::blocks::discs::{SPEED, closing, collide, touch};
 use examples::blocks::scene::Asked;
-use examples::{CaseError, Check, Totals};
+use examples::{CaseError, Check, Restart, Totals};
 use mpm_core::{Flip, Method, Musl, PlaneStrain, QuadraticBSpline};
 
 use crate::{Outcome, figures};
@@ -13,11 +13,12 @@ use crate::{Outcome, figures};
 const CELL: f64 = 0.05;
 
 /// With cells of 0.05 m over each of `finer`.
-pub fn all(finer: &[u32], asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn all(finer: &[u32], asked: Asked, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let method = || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
     let made = finer.iter().map(|&f| {
         let name = format!("discs_{f}");
-        Ok((f, collide(method(), CELL / f64::from(f), asked, Some((folder, &name)))?))
+        let task = asked.in_simulation(restart.scene(&name)?);
+        Ok((f, collide(method(), CELL / f64::from(f), task, Some((folder, &name)))?))
     });
     let collisions = made.collect::<Result<Vec<_>, CaseError>>()?;
     figures::discs(&collisions, folder)?;

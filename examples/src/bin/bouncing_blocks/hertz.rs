@@ -9,7 +9,7 @@ use examples::blocks::hertz::{
     CURVATURE, DENSITY, POISSON, RADIUS, Row, STIFFNESS, YOUNG, collide, lasts, mean, top,
 };
 use examples::blocks::scene::Asked;
-use examples::{CaseError, Check, worst};
+use examples::{CaseError, Check, Restart, worst};
 use mpm_core::{Axisymmetric, Flip, Method, Musl, PlaneStrain, QuadraticBSpline};
 
 use crate::{Outcome, figures};
@@ -23,12 +23,19 @@ pub struct Size {
 }
 
 /// Balls and cylinders.
-pub fn all(size: Size, asked: Asked, threads: usize, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn all(
+    size: Size,
+    asked: Asked,
+    threads: usize,
+    folder: &Path,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let h = RADIUS / f64::from(size.cells);
     let turned = Method::new(QuadraticBSpline, Flip, Musl, Axisymmetric);
     let plane = Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
-    let (balls, a) = collide(turned, Part::Ball, h, size.ball, asked, threads)?;
-    let (cylinders, b) = collide(plane, Part::Half, h, size.cylinder, asked, threads)?;
+    let task = |label: &str| Ok::<_, CaseError>(asked.in_simulation(restart.scene(label)?));
+    let (balls, a) = collide(turned, Part::Ball, h, size.ball, task("balls")?, threads)?;
+    let (cylinders, b) = collide(plane, Part::Half, h, size.cylinder, task("cylinders")?, threads)?;
     let (ball_top, cylinder_top) = (top(&balls), top(&cylinders));
     let radius = mean(ball_top, |r| r.width);
     let part = approach_over_hertz(radius / RADIUS, POISSON);

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Check, Detection, Law, Totals};
+use examples::{CaseError, Check, Detection, Law, Restart, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
-use mpm_core::{Blend, BlockGrid, Boundary, Linear, Method, Mpm, Musl, PlaneStrain, Side};
+use mpm_core::{
+    Archive, Blend, BlockGrid, Boundary, CheckpointError, Linear, Method, Mpm, Musl, PlaneStrain, Side,
+};
 
 use crate::{Outcome, figures};
-use examples::blocks::scene::{Asked, Watch, rubber, run, wave};
+use examples::blocks::scene::{Asked, Seen, Watch, rubber, run, wave};
 
 /// m/s^2.
 const GRAVITY: f64 = 10.0;
@@ -27,12 +29,12 @@ const STICK: f64 = 5.0;
 pub type Row = [f64; 3];
 
 /// Slide and stick.
-pub fn all(finer: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn all(finer: u32, asked: Asked, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = 0.1 / f64::from(finer);
     let (sin, cos) = (std::f64::consts::PI / 6.0).sin_cos();
     let friction = [0.3, 0.7];
-    let (slid, a) = one(h, friction[0], SLIDE, asked)?;
-    let (stuck, b) = one(h, friction[1], STICK, asked)?;
+    let (slid, a) = one(h, friction[0], SLIDE, asked, restart)?;
+    let (stuck, b) = one(h, friction[1], STICK, asked, restart)?;
     let rest = SLIDE - RAMP;
     let exact =
         GRAVITY * (sin - friction[0] * cos) * (0.5 * rest * rest + 0.5 * RAMP * rest + RAMP * RAMP / 6.0);
@@ -53,7 +55,13 @@ pub fn all(finer: u32, asked: Asked, folder: &Path) -> Result<Outcome, CaseError
     Ok(Outcome { checks, totals: a.plus(&b) })
 }
 
-fn one(h: f64, friction: f64, end: f64, asked: Asked) -> Result<(Vec<Row>, Totals), CaseError> {
+fn one(
+    h: f64,
+    friction: f64,
+    end: f64,
+    asked: Asked,
+    restart: &Restart,
+) -> Result<(Vec<Row>, Totals), CaseError> {
     let lattice = Lattice::new([0.0; 2], h)?;
     let damping = DAMPING * h / (YOUNG / DENSITY).sqrt();
     let method = Method::new(Linear, Blend::new(damping)?, Musl, PlaneStrain);
@@ -71,11 +79,12 @@ fn one(h: f64, friction: f64, end: f64, asked: Asked) -> Result<(Vec<Row>, Total
         [g * sin, -g * cos]
     });
     let particle = 0.5 * h;
-    let mut start = f64::NAN;
-    let mut rows = Vec::new();
-    let totals = run(&mut mpm, end, Watch { every: 2.0e-3, ..Watch::STEPS }, |now| {
+    let mut history = History { start: f64::NAN, rows: Vec::new() };
+    let watch = Watch { every: 2.0e-3, ..Watch::STEPS };
+    let simulation = restart.scene(format!("incline_{friction}"))?;
+    let totals = run(&mut mpm, end, watch, simulation, &mut history, |seen, now| {
         let (mut x, mut low, mut top, mut count) = (0.0, f64::INFINITY, f64::NEG_INFINITY, 0.0);
-        if let [floor, block] = now.bodies() {
+        if let [floor, block] = now.bodies()[..] {
             block.for_each(&mut |p| {
                 x += p.position[0];
                 count += 1.0;
@@ -84,10 +93,23 @@ fn one(h: f64, friction: f64, end: f64, asked: Asked) -> Result<(Vec<Row>, Total
             floor.for_each(&mut |p| top = top.max(p.position[1]));
         }
         x /= count;
-        if start.is_nan() {
-            start = x;
+        if seen.start.is_nan() {
+            seen.start = x;
         }
-        rows.push([now.time(), x - start, low - top - particle]);
+        seen.rows.push([now.time(), x - seen.start, low - top - particle]);
     })?;
-    Ok((rows, totals))
+    Ok((history.rows, totals))
+}
+
+/// Place of the block at the start, m, and what came after.
+struct History {
+    start: f64,
+    rows: Vec<Row>,
+}
+
+impl Seen for History {
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.real(&mut self.start)?;
+        file.list(&mut self.rows, &[0.0; 3], |file, row| file.reals(row))
+    }
 }

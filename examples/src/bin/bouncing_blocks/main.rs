@@ -12,7 +12,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
 use examples::blocks::scene::Asked;
-use examples::{CaseError, Check, Common, Detection, Law, Report, Totals, case};
+use examples::{CaseError, Check, Common, Detection, Law, Report, Restart, Totals, case};
 
 use serde::Serialize;
 
@@ -55,14 +55,14 @@ struct Outcome {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("bouncing_blocks")?;
     let (mut checks, mut totals) = (Vec::new(), Totals::default());
     for &scene in &options.scene {
-        let outcome = of(scene, options, &folder)?;
+        let outcome = of(scene, options, &folder, restart)?;
         totals = totals.plus(&outcome.totals);
         checks.extend(outcome.checks);
     }
@@ -72,21 +72,21 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         .finish(&options.common, &folder)
 }
 
-fn of(scene: Scene, options: &Options, folder: &Path) -> Result<Outcome, CaseError> {
+fn of(scene: Scene, options: &Options, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let resolution = options.common.resolution;
     let asked = Asked { detection: options.detection, law: options.law };
     match scene {
-        Scene::Impact => bars::impact(resolution.choose(100, 200, 400), asked, folder),
-        Scene::Wave => bars::wave(resolution.choose(100, 200, 400), asked, folder),
+        Scene::Impact => bars::impact(resolution.choose(100, 200, 400), asked, folder, restart),
+        Scene::Wave => bars::wave(resolution.choose(100, 200, 400), asked, folder, restart),
         Scene::Discs => {
             let finer: &[u32] = resolution.choose(&[1], &[1, 2, 4], &[1, 2, 4, 8]);
-            discs::all(finer, asked, folder)
+            discs::all(finer, asked, folder, restart)
         }
-        Scene::Incline => incline::all(resolution.choose(1, 1, 2), asked, folder),
+        Scene::Incline => incline::all(resolution.choose(1, 1, 2), asked, folder, restart),
         Scene::Hertz => {
             let size = |cells, ball, cylinder| hertz::Size { cells, ball, cylinder };
             let size = resolution.choose(size(40, 1e-2, 3e-2), size(64, 3e-3, 1.2e-2), size(128, 1e-3, 4e-3));
-            hertz::all(size, asked, options.common.threads(), folder)
+            hertz::all(size, asked, options.common.threads(), folder, restart)
         }
     }
 }

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case, within};
+use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
 use scene::Outcome;
 use setup::{Detection, HALF_WIDTH, Kernel, Model, Rod, SHOTS, Setup, THICKNESS};
@@ -87,10 +87,10 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("concrete_perforation")?;
     let resolution = options.common.resolution;
     let all = SHOTS.map(|s| s[0]).to_vec();
@@ -103,14 +103,14 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let mut outcomes = Vec::new();
     for speed in speeds {
         let setup = options.setup(speed, cells);
-        outcomes.push(shot(&setup, &folder, speed == fastest, options.frames)?);
+        outcomes.push(shot(&setup, &folder, speed == fastest, options.frames, restart)?);
     }
     let mut grids = options.convergence.clone().unwrap_or(resolution.choose(vec![], vec![16, 20], vec![]));
     grids.retain(|&n| n != cells);
     grids.sort_unstable();
     let mut others = Vec::new();
     for cells in grids {
-        others.push(shot(&options.setup(fastest, cells), &folder, false, false)?);
+        others.push(shot(&options.setup(fastest, cells), &folder, false, false, restart)?);
     }
 
     figures::curve(&outcomes)?.save(folder.join("curve.png"))?;
@@ -136,11 +136,17 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
 }
 
 /// One shot; pictures of the slab if it is to be shown.
-fn shot(setup: &Setup, folder: &Path, shown: bool, frames: bool) -> Result<Outcome, CaseError> {
+fn shot(
+    setup: &Setup,
+    folder: &Path,
+    shown: bool,
+    frames: bool,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     // Ways of the tip of a rod that is not slowed: in the slab, through most of it, and out.
     let ways = [0.3, 0.7, 1.2].map(|part| part * THICKNESS);
     let ways = if shown { &ways[..] } else { &[] };
-    let outcome = scene::shoot(setup, ways, (shown && frames).then_some(folder))?;
+    let outcome = scene::shoot(setup, ways, (shown && frames).then_some(folder), restart)?;
     figures::write(&outcome, folder)?;
     if shown {
         figures::cuts(&outcome)?.save(folder.join("cuts.png"))?;

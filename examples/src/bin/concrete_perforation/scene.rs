@@ -6,14 +6,15 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
-use examples::{CaseError, Normals, Totals};
-use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, SurfaceDistance, Weight};
+use examples::{CaseError, Normals, Restart, Totals};
+use mpm_contact::{Choice, Coulomb, Gradients, Pairs, SurfaceDistance, Weight};
+use mpm_core::GridContact;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
-use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
     Axisymmetric, Blend, BlockGrid, Boundary, CpGimp, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm,
-    Musl, Rigid, Side, Team, TimeControl,
+    Musl, Rigid, Side, Solver, Team, TimeControl,
 };
 use mpm_materials::{LinearElastic, Moduli, library};
 
@@ -55,10 +56,15 @@ impl Outcome {
 
 /// Shoot; snapshots at the given ways of a rod that is not slowed, m, and at the end, if there are any ways; and ParaView
 /// frames in a folder.
-pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
+pub fn shoot(
+    setup: &Setup,
+    ways: &[f64],
+    files: Option<&Path>,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let memory = setup.memory * setup.spacing() / SOUND;
     let blend = Blend::new(memory)?;
-    let task = Task { setup: *setup, ways, files };
+    let task = Task { setup: *setup, ways, files, restart };
     match (setup.model, setup.kernel) {
         (Model::Quarter, Kernel::Impact) => quarter(task, Method::impact(FullSpace).into_kernels()),
         (Model::Axisymmetric, Kernel::Impact) => revolved(task, Method::impact(Axisymmetric).into_kernels()),
@@ -82,6 +88,7 @@ struct Task<'a> {
     setup: Setup,
     ways: &'a [f64],
     files: Option<&'a Path>,
+    restart: &'a Restart,
 }
 
 /// Seeds of both bodies, planes of symmetry, and how a rigid rod is held between them.
@@ -117,7 +124,7 @@ fn run<const D: usize>(
     bodies: Bodies<D>,
     held: impl Fn(Rigid<D>) -> Rigid<D>,
 ) -> Result<Outcome, CaseError> {
-    let Task { setup, ways, files } = task;
+    let Task { setup, ways, files, restart } = task;
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
     let normals = match setup.detection {
         Detection::Gradients => Normals::Gradients(Gradients::default()),
@@ -158,8 +165,7 @@ fn run<const D: usize>(
         }
         None => None,
     };
-    let mut summary = RunSummary::default();
-    let mut snapshots = Vec::new();
+    let mut simulation = restart.scene(setup.name())?;
     // A rod that is still in the slab after eight times as long as at full speed stays there.
     let through = (ROD.length + THICKNESS) / setup.speed;
     let looks: Vec<f64> = ways.iter().map(|w| w / setup.speed).collect();
@@ -167,20 +173,20 @@ fn run<const D: usize>(
     ends.extend((0..360).map(|n| through * (0.5 + 0.02 * f64::from(n))));
     ends.sort_by(f64::total_cmp);
     for end in ends {
-        let mut observers: Vec<&mut dyn Observer<f64, D>> = vec![&mut track, &mut ledger, &mut bar];
-        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, D>));
-        let run = mpm.run_observed(end, &mut observers)?;
-        summary += run;
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
+        simulation.until(&mut mpm, observers, end)?;
         let over = track.through() || track.stopped();
         // The last one is of what is left of the slab.
         if looks.contains(&end) || (over && !looks.is_empty()) {
-            snapshots.push(mpm.snapshot()?);
+            simulation.keep(|| mpm.snapshot())?;
         }
         if over {
             break;
         }
     }
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let (through, ledger) = (track.through(), ledger.entries().to_vec());
+    let snapshots = simulation.into_snapshots();
     Ok(Outcome { setup, rows: track.rows, snapshots, through, totals, ledger })
 }

@@ -1,6 +1,7 @@
 //! Where the rod is and how fast.
 
-use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
+use mpm_core::{Archive, CheckpointError};
 
 use crate::setup::{ROD, Setup, THICKNESS};
 
@@ -57,18 +58,20 @@ impl Track {
     }
 }
 
-impl<const D: usize> Observer<f64, D> for Track {
+impl Observer for Track {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
 
-    fn observe(&mut self, now: &Moment<'_, f64, D>) -> Result<(), ObserveError> {
-        let [rod, slab] = now.bodies() else { return Ok(()) };
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let [rod, slab] = now.bodies()[..] else { return Ok(()) };
+        // The last one.
+        let axis = now.solver().dimensions() - 1;
         let (mut mass, mut z, mut v) = (0.0, 0.0, 0.0);
         rod.for_each(&mut |p| {
             mass += p.mass;
-            z += p.mass * p.position[D - 1];
-            v -= p.mass * p.velocity[D - 1];
+            z += p.mass * p.position[axis];
+            v -= p.mass * p.velocity[axis];
         });
         let (z, speed) = (z / mass, v / mass);
         let start = 0.25 * self.setup.spacing();
@@ -79,8 +82,8 @@ impl<const D: usize> Observer<f64, D> for Track {
         slab.for_each(&mut |p| {
             all += p.mass;
             damaged += if place.is_some_and(|d| p.state[d] >= 1.0) { p.mass } else { 0.0 };
-            let across = if D == 3 { p.position[0].hypot(p.position[1]) } else { p.position[0] };
-            let depth = ROD.radius_at(ROD.length - (p.position[D - 1] - tip)) - across;
+            let across = if axis == 2 { p.position[0].hypot(p.position[1]) } else { p.position[0] };
+            let depth = ROD.radius_at(ROD.length - (p.position[axis] - tip)) - across;
             inside += if depth > half { p.volume } else { 0.0 };
         });
         let whole = crate::setup::MASS;
@@ -91,5 +94,13 @@ impl<const D: usize> Observer<f64, D> for Track {
         let inside = inside * self.setup.copies();
         self.rows.push(Row { time: now.time(), speed, tip, force, damaged: damaged / all, inside });
         Ok(())
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.option(&mut self.arm, Archive::real)?;
+        file.list(&mut self.rows, &Row::default(), |file, row| {
+            let Row { time, speed, tip, force, damaged, inside } = row;
+            file.reals([time, speed, tip, force, damaged, inside])
+        })
     }
 }

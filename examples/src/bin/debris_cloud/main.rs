@@ -13,7 +13,7 @@ mod track;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case, within};
+use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
 use setup::{Cutting, HALF_WIDTH, Setup};
 
@@ -70,10 +70,10 @@ enum Particles {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("debris_cloud")?;
     let whole = Setup {
@@ -94,11 +94,11 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         Particles::None => vec![],
     };
 
-    let row = plane::row(&whole)?;
+    let row = plane::row(&whole, restart)?;
     figures::profile(&row)?.save(folder.join("plane.png"))?;
     let mut outcomes = Vec::new();
     for setup in &setups {
-        let outcome = scene::shoot(setup, options.frames.then_some(&folder))?;
+        let outcome = scene::shoot(setup, options.frames.then_some(&folder), restart)?;
         figures::write(&outcome, &folder)?;
         figures::cuts(&outcome)?.save(folder.join(format!("cloud_{}.png", setup.name())))?;
         outcomes.push(outcome);

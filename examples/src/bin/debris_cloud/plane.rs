@@ -1,9 +1,9 @@
 //! What plane waves say: the state behind the shock, measured on a row of cells as wide as those of the cloud, and how
 //! fast a free surface may fly.
 
-use examples::{CaseError, Totals};
+use examples::{CaseError, Restart, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
-use mpm_core::observe::{Ledger, Pace};
+use mpm_core::observe::{Ledger, Observer, Pace};
 use mpm_core::{BlockGrid, Boundary, Mpm, PlaneStrain, Side, TimeControl};
 use mpm_materials::eos::Terms;
 use mpm_materials::{Constitutive, Eos, Wide};
@@ -74,7 +74,7 @@ pub struct Row {
 }
 
 /// Lead on lead at the case's speed.
-pub fn row(setup: &Setup) -> Result<Row, CaseError> {
+pub fn row(setup: &Setup, restart: &Restart) -> Result<Row, CaseError> {
     let theory = shocked();
     let h = setup.spacing();
     let lattice = Lattice::new([0.0; 2], h)?;
@@ -93,7 +93,9 @@ pub fn row(setup: &Setup) -> Result<Row, CaseError> {
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     let end = 0.95 * CELLS * h / theory.front;
     let mut ledger = Ledger::new(Pace::interval(end / 50.0)?);
-    let summary = mpm.run_observed(end, &mut [&mut ledger])?;
+    let mut simulation = restart.scene("plane")?;
+    let observers: [&mut dyn Observer; 1] = [&mut ledger];
+    simulation.until(&mut mpm, observers, end)?;
 
     let (front, plane) = (theory.front * end, theory.particle * end);
     let mut points = Vec::new();
@@ -111,6 +113,6 @@ pub fn row(setup: &Setup) -> Result<Row, CaseError> {
         pressure,
         volume_ratio: mean(2),
         profile: points.iter().map(|p| [p[0] / front, p[1] / theory.pressure]).collect(),
-        totals: Totals::of(&mpm, &summary, &ledger),
+        totals: Totals::of(&mpm, &simulation.summary(), &ledger),
     })
 }

@@ -5,12 +5,12 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Totals};
-use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, Shape, fill};
-use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
+use examples::{CaseError, Restart, Totals};
+use mpm_core::geometry::{Ball, Compose, Cuboid, Filling, Lattice, Seeds, fill};
+use mpm_core::observe::{Ledger, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    BlockGrid, Boundary, Deformable, FullSpace, Mpm, Side, SplitBook, Splitting, Team, TimeControl,
+    BlockGrid, Boundary, Deformable, FullSpace, Mpm, Side, Solver, SplitBook, Splitting, Team, TimeControl,
 };
 use mpm_materials::{Constitutive, Stretching};
 
@@ -49,7 +49,7 @@ impl Outcome {
 }
 
 /// Shoot, with ParaView frames at the looks in a folder.
-pub fn shoot(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> {
+pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 3], setup.spacing())?;
     let mut mpm = Mpm::new(setup.method(FullSpace)?, BlockGrid::new(lattice));
     let quarter = Cuboid::new([-2.0 * RADIUS, 0.0, 0.0], [0.0, HALF_WIDTH, HALF_WIDTH])?;
@@ -88,33 +88,34 @@ pub fn shoot(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
         frames = Some(VtkSeries::create(folder.join("paraview"), setup.name(), pace)?);
     }
     let mut bar = Progress::new(setup.name());
-    let mut summary = RunSummary::default();
-    let mut snapshots = Vec::new();
+    let mut simulation = restart.scene(setup.name())?;
     for end in LOOKS {
-        let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
-        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
-        let run = mpm.run_observed(end, &mut observers)?;
-        summary += run;
-        snapshots.push(mpm.snapshot()?);
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
+        simulation.until(&mut mpm, observers, end)?;
+        simulation.keep(|| mpm.snapshot())?;
         track.pace = Pace::interval(HISTORY)?;
     }
     let mut cuts = SplitBook::default();
     for body in mpm.bodies() {
-        cuts.cuts += body.splits().cuts;
-        cuts.kinetic += body.splits().kinetic;
+        let Some(division) = body.division() else { continue };
+        cuts.cuts += division.splits().cuts;
+        cuts.kinetic += division.splits().kinetic;
     }
     let quarter_ball = std::f64::consts::PI / 3.0 * RADIUS.powi(3);
     let shapes = SHOCK[0] * (quarter_ball + THICKNESS * setup.half_width.powi(2));
     let end = mpm.totals().mass;
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
+    let snapshots = simulation.into_snapshots();
     Ok(Outcome {
         setup: *setup,
         rows: track.rows,
         parts: snapshots.last().map_or(Parts::default(), |s| parts(s, setup.spacing())),
-        snapshots,
         seeds,
         cuts,
         mass: [end / start.mass, end / shapes],
-        totals: Totals::of(&mpm, &summary, &ledger),
+        snapshots,
+        totals,
         energy: start.kinetic,
     })
 }

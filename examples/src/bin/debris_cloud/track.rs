@@ -1,7 +1,7 @@
 //! What is followed in time.
 
-use mpm_core::Float;
-use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
+use mpm_core::{Archive, CheckpointError};
 
 use crate::setup::{RADIUS, Setup, THICKNESS};
 
@@ -48,11 +48,11 @@ impl Track {
     }
 }
 
-impl<T: Float> Observer<T, 3> for Track {
+impl Observer for Track {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
-    fn observe(&mut self, now: &Moment<'_, T, 3>) -> Result<(), ObserveError> {
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let mut row = Row { time: now.time(), ..Row::default() };
         let mut at_gauge = 0.0;
         let mut rings = [0.0; RINGS];
@@ -90,5 +90,12 @@ impl<T: Float> Observer<T, 3> for Track {
         row.hole = inner as f64 * self.edge;
         self.rows.push(row);
         Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.rows, &Row::default(), |file, row| {
+            let Row { time, front, radius, back, mass, momentum, hole, pressure, particles } = row;
+            file.reals([time, front, radius, back, mass, momentum, hole, pressure])?;
+            file.count(particles)
+        })
     }
 }

@@ -7,7 +7,7 @@ mod scene;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, case};
+use examples::{CaseError, Check, Common, Report, Restart, case};
 
 use scene::{END, Outcome, PLATE, SHOCK, SPEED};
 
@@ -40,14 +40,15 @@ const ENERGY_TOLERANCE: f64 = 0.02;
 const ADDED_TOLERANCE: f64 = 0.02;
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("debris_cloud_2d")?;
     let layers = options.layers.unwrap_or(common.resolution.choose(6, 21, 21));
-    let outcome = scene::impact(PLATE[0] / f64::from(layers), common.threads(), &folder, options.frames)?;
+    let outcome =
+        scene::impact(PLATE[0] / f64::from(layers), common.threads(), &folder, options.frames, restart)?;
     figures::draw(&outcome, &folder)?;
     let audit = &outcome.audit;
     let settings = serde_json::json!({

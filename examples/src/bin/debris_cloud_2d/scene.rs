@@ -2,13 +2,17 @@
 
 use std::path::Path;
 
-use examples::march::{self, March};
-use examples::{CaseError, Totals};
-use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Shape, fill};
-use mpm_core::output::{History, Snapshot, VtkSeries};
-use mpm_core::{PlaneStrain, Team, TimeControl};
+use examples::{CaseError, Restart, Totals};
+use mpm_core::geometry::{Ball, Compose, Cuboid, Filling, Lattice, fill};
+use mpm_core::observe::{
+    HistoryCsv, Ledger, ObserveError, Observer, Pace, Progress, RunView, Snapshots, VtkSeries,
+};
+use mpm_core::output::Snapshot;
+use mpm_core::{Archive, CheckpointError, PlaneStrain, Team, TimeControl};
 use mpm_materials::{TensilePressure, library};
-use pcmm::{Audit, LocalDelaunay, Masses, Method, Packing, Particle, Pcmm};
+use pcmm::{
+    Audit, LocalDelaunay, Masses, Method, OfParticles, OverlapWeighted, Packing, Particle, Pcmm, StartOfStep,
+};
 
 /// Diameter of the disc, m.
 pub const DIAMETER: f64 = 2.0e-3;
@@ -30,6 +34,9 @@ const HISTORY: f64 = 0.01e-6;
 const EVERY: u64 = 2;
 /// Half width of the strip around the axis in which the shock is looked at, m.
 const STRIP: f64 = 0.2e-3;
+
+/// Disc and plate.
+type Scene = Pcmm<2, Method<PlaneStrain, LocalDelaunay, OverlapWeighted, StartOfStep, OfParticles>>;
 
 /// What came of the run.
 #[derive(Clone, Debug)]
@@ -62,7 +69,13 @@ pub struct Outcome {
 }
 
 /// The disc flies along x into the plate, whose front face is x = 0.
-pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Result<Outcome, CaseError> {
+pub fn impact(
+    spacing: f64,
+    threads: usize,
+    folder: &Path,
+    frames: u32,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let [linear, quadratic] = BULK_VISCOSITY;
     let law = library::aluminium_feng_2014()
         .with_failure(TensilePressure::new(SPALL)?)
@@ -93,43 +106,35 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
     let rear: Vec<usize> = (0..packing.positions.len())
         .filter(|&n| near_axis(&packing.positions[n]) && packing.positions[n][0] > PLATE[0] - spacing)
         .collect();
-    let mut highest = vec![0.0f64; middle.len()];
-    let mut arrival = f64::NAN;
+    let rear_place = rear.iter().map(|&n| packing.positions[n][0]).sum::<f64>() / rear.len() as f64;
     let columns =
         [("time", "s"), ("kinetic", "J"), ("internal", "J"), ("added by revisions", "J"), ("elements", "-")];
-    let mut csv = History::create(folder.join("history.csv"), columns)?;
-    let mut series = VtkSeries::create(folder.join("paraview"), "cloud")?;
     let start = scene.totals();
-    let mut shown = Vec::new();
-    let run = March { name: "debris cloud", particles: packing.positions.len(), end: END, history: HISTORY };
-    let (totals, broken) = run.run(
-        &mut scene,
-        |scene| {
-            let (now, added) = (scene.totals(), scene.audit().energy_added());
-            csv.push(&[scene.time(), now.kinetic, now.internal, added, scene.elements() as f64])?;
-            if scene.time() < PLATE[0] / SPEED {
-                let snapshot = scene.snapshot()?;
-                let pressure = snapshot.scalar("pressure")?;
-                for (most, &n) in highest.iter_mut().zip(&middle) {
-                    *most = most.max(pressure[n]);
-                }
-            }
-            Ok(march::errors(scene, &start, 0..2))
-        },
-        |scene| {
-            let speed = |&n: &usize| scene.particles()[n].velocity[0];
-            if arrival.is_nan() && rear.iter().map(speed).sum::<f64>() > 1000.0 * rear.len() as f64 {
-                arrival = scene.time();
-            }
-            if frames > 0 && scene.time() >= shown.len() as f64 * END / f64::from(frames) {
-                let snapshot = scene.snapshot()?;
-                series.write(&snapshot)?;
-                shown.push(snapshot);
-            }
-            Ok(END)
-        },
-    )?;
-    broken?;
+    let path = folder.join("history.csv");
+    let mut history = HistoryCsv::create(path, columns, Pace::interval(HISTORY)?, |now: &RunView<'_>| {
+        let elements = now.solver_as::<Scene>()?.elements() as f64;
+        let totals = now.totals();
+        Ok(vec![now.time(), totals.kinetic, totals.internal, now.exchange().conversion, elements])
+    })?;
+    let highest = vec![0.0; middle.len()];
+    let mut shock = Shock { pace: Pace::interval(HISTORY)?, middle, highest };
+    let mut arrival = Arrival { pace: Pace::every_step(), rear, time: f64::NAN };
+    let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    let mut bar = Progress::new("debris cloud");
+    let (mut shown, mut series) = (None, None);
+    if frames > 0 {
+        let pace = Pace::interval(END / f64::from(frames))?;
+        shown = Some(Snapshots::new(pace));
+        series = Some(VtkSeries::create(folder.join("paraview"), "cloud", pace)?);
+    }
+    let mut observers: Vec<&mut dyn Observer> =
+        vec![&mut history, &mut shock, &mut arrival, &mut ledger, &mut bar];
+    observers.extend(shown.iter_mut().map(|s| s as &mut dyn Observer));
+    observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
+    let mut simulation = restart.scene("cloud")?;
+    simulation.until(&mut scene, observers, END)?;
+    let totals = Totals::of(&scene, &simulation.summary(), &ledger);
+    let mut highest = shock.highest;
     highest.sort_by(f64::total_cmp);
     let particles = scene.particles();
     let through = particles.iter().filter(|p| p.position[0] > 2.0 * PLATE[0]);
@@ -141,8 +146,8 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
     }
     Ok(Outcome {
         shock: highest.get(highest.len() / 2).copied().unwrap_or(f64::NAN),
-        arrival,
-        rear: rear.iter().map(|&n| packing.positions[n][0]).sum::<f64>() / rear.len() as f64,
+        arrival: arrival.time,
+        rear: rear_place,
         front: particles
             .iter()
             .filter(|p| p.position[1].abs() < 0.25 * DIAMETER)
@@ -155,7 +160,59 @@ pub fn impact(spacing: f64, threads: usize, folder: &Path, frames: u32) -> Resul
         audit: *scene.audit(),
         start: start.kinetic,
         mass: start.mass / (SHOCK[0] * exact),
-        frames: shown,
+        frames: shown.map_or(Vec::new(), Snapshots::into_list),
         totals,
     })
+}
+
+/// The largest pressure that each of some particles had before a wave can come back to them.
+struct Shock {
+    pace: Pace,
+    middle: Vec<usize>,
+    /// Pa.
+    highest: Vec<f64>,
+}
+
+impl Observer for Shock {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        if now.time() < PLATE[0] / SPEED {
+            let snapshot = now.snapshot()?;
+            let pressure = snapshot.scalar("pressure")?;
+            for (most, &n) in self.highest.iter_mut().zip(&self.middle) {
+                *most = most.max(pressure[n]);
+            }
+        }
+        Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.reals(&mut self.highest)
+    }
+}
+
+/// When some particles moved at 1 km/s in the mean.
+struct Arrival {
+    pace: Pace,
+    rear: Vec<usize>,
+    /// s; not a number before.
+    time: f64,
+}
+
+impl Observer for Arrival {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let particles = now.solver_as::<Scene>()?.particles();
+        let speed: f64 = self.rear.iter().map(|&n| particles[n].velocity[0]).sum();
+        if self.time.is_nan() && speed > 1000.0 * self.rear.len() as f64 {
+            self.time = now.time();
+        }
+        Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.real(&mut self.time)
+    }
 }

@@ -7,7 +7,7 @@ mod scene;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::{CaseError, Check, Common, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Report, Resolution, Restart, Totals, case};
 
 use scene::{Entry, LENGTH, Outcome, SPEED, Setup, Which};
 
@@ -56,10 +56,10 @@ const MASS_TOLERANCE: f64 = 1e-12;
 const ENERGY_TOLERANCE: f64 = 0.005;
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("elastic_bar")?;
     let methods: &[Which] = match options.method {
@@ -74,7 +74,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     for &which in methods {
         let cells = if which == Which::Narrow { cells.min(4) } else { cells };
         let setup = Setup { which, cells, speed: SPEED, threads: common.threads() };
-        outcomes.push(scene::impact(&setup, &folder, options.frames)?);
+        outcomes.push(scene::impact(&setup, &folder, options.frames, restart)?);
     }
     figures::draw(&outcomes, &folder)?;
     let mut totals = Totals::default();

@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use clap::ValueEnum;
-use examples::march::{self, March};
-use examples::{CaseError, Totals};
+use examples::{CaseError, Restart, Totals};
 use mpm_core::geometry::{Cuboid, Lattice};
-use mpm_core::output::{History, VtkSeries};
+use mpm_core::observe::{HistoryCsv, Ledger, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::{Boundary, PlaneStrain, Side, Team};
 use mpm_materials::{Constitutive, Elastic, IntoMaterial, LogarithmicBulk, Moduli, Solid};
 use pcmm::{AzimuthFan, Composition, LocalDelaunay, Masses, Method, NoRotation, Packing, Pcmm};
@@ -98,7 +97,7 @@ pub struct Outcome {
 }
 
 /// Run the bar into the wall.
-pub fn impact(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseError> {
+pub fn impact(setup: &Setup, folder: &Path, frames: u32, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = setup.which.width() / f64::from(setup.cells);
     // The diagonals of the lattice touch: 0.414 h and a little more.
     let tolerance = 0.45 * h;
@@ -109,11 +108,11 @@ pub fn impact(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, Case
     match setup.which {
         Which::Printed => {
             let method = Method::printed(PlaneStrain, AzimuthFan::new(tolerance)?);
-            run(setup, method, steel.with_rate(NoRotation).compiled(), folder, frames)
+            run(setup, method, steel.with_rate(NoRotation).compiled(), folder, frames, restart)
         }
         Which::Consistent | Which::Narrow => {
             let method = Method::consistent(PlaneStrain, LocalDelaunay::new(tolerance, 2.0)?);
-            run(setup, method, steel, folder, frames)
+            run(setup, method, steel, folder, frames, restart)
         }
     }
 }
@@ -124,6 +123,7 @@ fn run<M: Composition<2>>(
     law: impl IntoMaterial<f64>,
     folder: &Path,
     frames: u32,
+    restart: &Restart,
 ) -> Result<Outcome, CaseError> {
     let h = setup.which.width() / f64::from(setup.cells);
     let shape = Cuboid::new([0.0; 2], [setup.which.width(), LENGTH])?;
@@ -136,49 +136,43 @@ fn run<M: Composition<2>>(
         .filter(|&n| (packing.positions[n][1] - 0.5 * LENGTH).abs() < 0.5 * h)
         .collect();
     let name = setup.which.name();
-    let mut csv = History::create(
-        folder.join(format!("history_{name}.csv")),
-        [
-            ("time", "s"),
-            ("middle velocity towards the wall", "m/s"),
-            ("kinetic energy", "-"),
-            ("internal energy", "-"),
-            ("stopped by the wall", "-"),
-        ],
-    )?;
-    let mut series = VtkSeries::create(folder.join("paraview"), name)?;
+    let columns = [
+        ("time", "s"),
+        ("middle velocity towards the wall", "m/s"),
+        ("kinetic energy", "-"),
+        ("internal energy", "-"),
+        ("stopped by the wall", "-"),
+    ];
     let start = bar.totals();
-    let mut history: Vec<Entry> = Vec::new();
-    let run = March {
-        name: &format!("{name:<12}"),
-        particles: packing.positions.len(),
-        end: END,
-        history: HISTORY,
+    let path = folder.join(format!("history_{name}.csv"));
+    let mut history = HistoryCsv::create(path, columns, Pace::interval(HISTORY)?, |now: &RunView<'_>| {
+        let particles = now.solver_as::<Pcmm<2, M>>()?.particles();
+        let velocities = middle.iter().map(|&n| -particles[n].velocity[1]);
+        Ok(vec![
+            now.time(),
+            velocities.sum::<f64>() / middle.len() as f64,
+            now.totals().kinetic / start.kinetic,
+            now.totals().internal / start.kinetic,
+            now.exchange().impacts / start.kinetic,
+        ])
+    })?;
+    let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    let mut progress = Progress::new(format!("{name:<12}"));
+    let mut series = None;
+    if frames > 0 {
+        let pace = Pace::interval(END / f64::from(frames))?;
+        series = Some(VtkSeries::create(folder.join("paraview"), name, pace)?);
+    }
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut history, &mut ledger, &mut progress];
+    observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
+    let mut simulation = restart.scene(name)?;
+    simulation.until(&mut bar, observers, END)?;
+    let totals = Totals::of(&bar, &simulation.summary(), &ledger);
+    let entry = |row: &Vec<f64>| match row[..] {
+        [time, middle, kinetic, internal, lost] => Some(Entry { time, middle, kinetic, internal, lost }),
+        _ => None,
     };
-    let (totals, broken) = run.run(
-        &mut bar,
-        |bar| {
-            let now = bar.totals();
-            let velocity = |&n: &usize| -bar.particles()[n].velocity[1];
-            let e = Entry {
-                time: bar.time(),
-                middle: middle.iter().map(velocity).sum::<f64>() / middle.len() as f64,
-                kinetic: now.kinetic / start.kinetic,
-                internal: now.internal / start.kinetic,
-                lost: bar.given().lost / start.kinetic,
-            };
-            csv.push(&[e.time, e.middle, e.kinetic, e.internal, e.lost])?;
-            history.push(e);
-            Ok(march::errors(bar, &start, 0..2))
-        },
-        |bar| {
-            if frames > 0 && bar.time() >= series.frames() as f64 * END / f64::from(frames) {
-                series.write(&bar.snapshot()?)?;
-            }
-            Ok(END)
-        },
-    )?;
-    broken?;
+    let history = history.rows().iter().filter_map(entry).collect();
     let mass = start.mass / (DENSITY * setup.which.width() * LENGTH);
     let deleted = bar.audit().removed.elements;
     Ok(Outcome { setup: *setup, history, totals, mass, deleted })

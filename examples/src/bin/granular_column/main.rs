@@ -7,7 +7,7 @@ mod scene;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case, within};
+use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
 use scene::{Outcome, Setup};
 
@@ -68,17 +68,17 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("granular_column")?;
     let setups = options.setups();
     let mut grids = Vec::new();
     for (n, setup) in setups.iter().enumerate() {
         let finest = n + 1 == setups.len();
         let files = (finest && options.frames).then_some(folder.as_path());
-        let outcome = scene::collapse(setup, &[0.8, 1.6, 2.4], files)?;
+        let outcome = scene::collapse(setup, &[0.8, 1.6, 2.4], files, restart)?;
         figures::write(&outcome, &folder)?;
         grids.push(outcome);
     }
@@ -86,11 +86,16 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let second = setups[setups.len().min(2) - 1];
     let mut columns = Vec::new();
     for &aspect in &aspects[1..] {
-        columns.push(scene::collapse(&Setup { aspect, ..second }, &[], None)?);
+        columns.push(scene::collapse(&Setup { aspect, ..second }, &[], None, restart)?);
     }
     // Columns of what the published fits are of.
     for aspect in aspects {
-        columns.push(scene::collapse(&Setup { aspect, friction: SAND.to_radians(), ..second }, &[], None)?);
+        columns.push(scene::collapse(
+            &Setup { aspect, friction: SAND.to_radians(), ..second },
+            &[],
+            None,
+            restart,
+        )?);
     }
     if let Some(finest) = grids.last() {
         figures::column(finest)?.save(folder.join("column.png"))?;

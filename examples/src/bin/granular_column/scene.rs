@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Heap, Totals, largest};
+use examples::{CaseError, Heap, Restart, Totals, largest};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
-use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
-use mpm_core::{Apic, BlockGrid, Boundary, Method, Mpm, PlaneStrain, QuadraticBSpline, Side, Team, Usl};
+use mpm_core::{
+    Apic, BlockGrid, Boundary, Method, Mpm, PlaneStrain, QuadraticBSpline, Side, Solver, Team, Usl,
+};
 use mpm_materials::strength::{Cone, DruckerPrager};
 use mpm_materials::{Ground, Moduli};
 use serde::Serialize;
@@ -100,7 +102,12 @@ fn heap(setup: &Setup, snapshot: &Snapshot) -> Heap {
 }
 
 /// Let the column go; snapshots at the given times over sqrt(height / g).
-pub fn collapse(setup: &Setup, times: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
+pub fn collapse(
+    setup: &Setup,
+    times: &[f64],
+    files: Option<&Path>,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let method = Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -125,22 +132,25 @@ pub fn collapse(setup: &Setup, times: &[f64], files: Option<&Path>) -> Result<Ou
         }
         None => None,
     };
-    let (mut summary, mut snapshots, mut fronts) = (RunSummary::default(), Vec::new(), Vec::new());
+    let mut simulation = restart.scene(setup.name())?;
+    let mut fronts = Vec::new();
     let steps = 100;
     for n in 1..=steps {
         let now = end * f64::from(n) / f64::from(steps);
-        let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
-        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 2>));
-        let run = mpm.run_observed(now, &mut observers)?;
-        summary += run;
-        let snapshot = mpm.snapshot()?;
-        fronts.push([now, heap(setup, &snapshot).front(0.5 * setup.width(), least(setup))]);
-        if times.get(snapshots.len()).is_some_and(|t| now >= t * setup.fall() * (1.0 - 1e-9)) || n == steps {
-            snapshots.push(snapshot);
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
+        simulation.until(&mut mpm, observers, now)?;
+        let front = |snapshot: &Snapshot| heap(setup, snapshot).front(0.5 * setup.width(), least(setup));
+        let [front] = simulation.note(|| Ok([front(&mpm.snapshot()?)]))?;
+        fronts.push([now, front]);
+        let look = times.get(simulation.snapshots().len());
+        if look.is_some_and(|t| now >= t * setup.fall() * (1.0 - 1e-9)) || n == steps {
+            simulation.keep(|| mpm.snapshot())?;
         }
     }
     let last = mpm.snapshot()?;
     let heap = heap(setup, &last);
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
+    let snapshots = simulation.into_snapshots();
     Ok(Outcome { setup: *setup, snapshots, fronts, heap, totals, ledger: ledger.entries().to_vec() })
 }

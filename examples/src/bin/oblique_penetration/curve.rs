@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use examples::CaseError;
+use examples::{CaseError, Restart};
 use mpm_core::output::History;
 
 use crate::estimate::Estimate;
@@ -26,14 +26,18 @@ pub struct Point {
 }
 
 /// Shoot at all speeds, at 0 degrees and at that of `setup`.
-pub fn shoot(setup: &Setup, folder: &Path) -> Result<(Vec<Point>, Vec<Outcome>), CaseError> {
+pub fn shoot(
+    setup: &Setup,
+    folder: &Path,
+    restart: &Restart,
+) -> Result<(Vec<Point>, Vec<Outcome>), CaseError> {
     let mut angles = vec![0.0, setup.angle];
     angles.dedup();
     let (mut points, mut outcomes) = (Vec::new(), Vec::new());
     for angle in angles {
         for speed in SPEEDS {
             let setup = Setup { angle, speed, ..*setup };
-            let outcome = scene::shoot(&setup, &[], None)?;
+            let outcome = scene::shoot(&setup, &[], None, restart)?;
             let residual = outcome.residual();
             points.push(Point { angle, speed, residual, estimate: Estimate::of(&setup)?.residual(speed) });
             outcomes.push(outcome);

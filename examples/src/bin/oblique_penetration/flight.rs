@@ -2,9 +2,9 @@
 
 use std::hash::{DefaultHasher, Hasher};
 
-use examples::{CaseError, Check};
+use examples::{CaseError, Check, Simulation};
 use mpm_core::Mpm;
-use mpm_core::observe::{Observer, RunSummary};
+use mpm_core::observe::{Ledger, Observer, Progress};
 use serde::Serialize;
 
 use crate::setup::Setup;
@@ -38,20 +38,26 @@ pub struct Flight {
 pub fn fly(
     setup: &Setup,
     mpm: &mut Mpm<3>,
-    observers: &mut [&mut dyn Observer<f64, 3>],
-) -> Result<(Flight, RunSummary), CaseError> {
-    let (mut summary, mut nodes, mut bytes) = (RunSummary::default(), [0; 2], [0; 2]);
+    ledger: &mut Ledger,
+    bar: &mut Progress,
+    simulation: &mut Simulation,
+) -> Result<Flight, CaseError> {
+    let (mut nodes, mut bytes) = ([0; 2], [0; 2]);
     for look in 1..=LOOKS {
         let end = setup.flight() / setup.speed * f64::from(look) / f64::from(LOOKS);
         let part = if 4 * look <= LOOKS { 0 } else { 1 };
         // In the last two thicknesses of the way the bodies come to share blocks, and a plate at rest wakes.
         if f64::from(LOOKS - look) * setup.stand_off > 2.0 * f64::from(LOOKS) {
-            nodes[part] = nodes[part].max(mpm.grid().nodes().len());
-            bytes[part] = bytes[part].max(mpm.bytes());
+            let [now, held] =
+                simulation.note(|| Ok([mpm.grid().nodes().len() as f64, mpm.bytes() as f64]))?;
+            nodes[part] = nodes[part].max(now as usize);
+            bytes[part] = bytes[part].max(held as usize);
         }
-        summary += mpm.run_observed(end, observers)?;
+        let observers: [&mut dyn Observer; 2] = [&mut *ledger, &mut *bar];
+        simulation.until(mpm, observers, end)?;
     }
-    let flight = Flight {
+    let summary = simulation.summary();
+    Ok(Flight {
         steps: summary.steps,
         wall_seconds: summary.wall_seconds,
         updates: summary.updates,
@@ -59,15 +65,14 @@ pub fn fly(
         nodes,
         bytes,
         fingerprint: String::new(),
-    };
-    Ok((flight, summary))
+    })
 }
 
 /// Of all particles.
 pub fn fingerprint(mpm: &Mpm<3>) -> String {
     let mut hash = DefaultHasher::new();
     for body in mpm.bodies() {
-        for p in body.particles() {
+        for p in body.points() {
             for x in p.position.iter().chain(&p.velocity).chain(&p.stress) {
                 // Zeros of both signs are one.
                 hash.write_u64((x + 0.0).to_bits());

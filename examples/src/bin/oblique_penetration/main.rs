@@ -16,7 +16,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Law, Report, Totals, case, within};
+use examples::{CaseError, Common, Law, Report, Restart, Totals, case, within};
 
 use scene::Outcome;
 use setup::{Criterion, Detection, Kernel, ROD, RodFrame, Setup};
@@ -121,18 +121,18 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("oblique_penetration")?;
     let setups = options.setups();
     let (outcomes, checks) = if options.curve {
-        let (points, outcomes) = curve::shoot(&setups[0], &folder)?;
+        let (points, outcomes) = curve::shoot(&setups[0], &folder, restart)?;
         figures::curve(&points)?.save(folder.join("curve.png"))?;
         (outcomes, checks::of_curve(&points, setups[0].cells))
     } else {
-        let outcomes = grids(&setups, &folder, options.frames)?;
+        let outcomes = grids(&setups, &folder, options.frames, restart)?;
         let checks = checks::of_grids(&outcomes)?;
         (outcomes, checks)
     };
@@ -148,7 +148,12 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
 }
 
 /// The same shot on grids that get finer; pictures of the finest.
-fn grids(setups: &[Setup], folder: &Path, frames: bool) -> Result<Vec<Outcome>, CaseError> {
+fn grids(
+    setups: &[Setup],
+    folder: &Path,
+    frames: bool,
+    restart: &Restart,
+) -> Result<Vec<Outcome>, CaseError> {
     let mut outcomes = Vec::new();
     for (n, setup) in setups.iter().enumerate() {
         let finest = n + 1 == setups.len();
@@ -156,7 +161,7 @@ fn grids(setups: &[Setup], folder: &Path, frames: bool) -> Result<Vec<Outcome>, 
         let ways = [0.4, 0.8, 1.2, 1.8, 2.6, 3.4].map(|part| part * setup.way());
         let ways = if finest { &ways[..] } else { &[] };
         let files = (finest && frames).then_some(folder);
-        let outcome = scene::shoot(setup, ways, files)?;
+        let outcome = scene::shoot(setup, ways, files, restart)?;
         figures::write(&outcome, folder)?;
         if finest {
             figures::cuts(&outcome)?.save(folder.join("cuts.png"))?;

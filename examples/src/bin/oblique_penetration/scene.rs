@@ -6,14 +6,15 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use examples::{CaseError, Normals, Totals};
-use mpm_contact::{Gradients, GridContact, SurfaceDistance};
+use examples::{CaseError, Normals, Restart, Totals};
+use mpm_contact::{Gradients, SurfaceDistance};
+use mpm_core::GridContact;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
-use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
     Blend, BlockGrid, Boundary, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm, Musl,
-    Side, Team, TimeControl,
+    Side, Solver, Team, TimeControl,
 };
 use mpm_materials::{Constitutive, LinearElastic, Moduli, Removed, library};
 
@@ -65,23 +66,28 @@ impl Outcome {
 }
 
 /// Shoot; snapshots at the given ways of a rod that is not slowed, m, and ParaView frames in a folder.
-pub fn shoot(setup: &Setup, ways: &[f64], files: Option<&Path>) -> Result<Outcome, CaseError> {
+pub fn shoot(
+    setup: &Setup,
+    ways: &[f64],
+    files: Option<&Path>,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let blend = Blend::new(setup.memory * setup.spacing() / SOUND)?;
     match setup.kernel {
-        Kernel::Impact => meet(setup, ways, files, Method::impact(FullSpace).into_kernels()),
-        Kernel::Hat => meet(setup, ways, files, Method::new(Linear, blend, Musl, FullSpace).into_kernels()),
+        Kernel::Impact => meet(setup, ways, (files, restart), Method::impact(FullSpace).into_kernels()),
+        Kernel::Hat => {
+            meet(setup, ways, (files, restart), Method::new(Linear, blend, Musl, FullSpace).into_kernels())
+        }
         Kernel::Cpgimp => {
-            meet(setup, ways, files, Method::new(CpGimp, blend, Musl, FullSpace).into_kernels())
+            meet(setup, ways, (files, restart), Method::new(CpGimp, blend, Musl, FullSpace).into_kernels())
         }
     }
 }
 
-fn meet(
-    setup: &Setup,
-    ways: &[f64],
-    files: Option<&Path>,
-    method: Kernels<f64, 3>,
-) -> Result<Outcome, CaseError> {
+/// Folder of frames, and checkpoints.
+type Files<'a> = (Option<&'a Path>, &'a Restart);
+
+fn meet(setup: &Setup, ways: &[f64], files: Files, method: Kernels<f64, 3>) -> Result<Outcome, CaseError> {
     let laws = setup.law.pairs(setup.friction, SOUND, setup.spacing())?;
     let gradients = SurfaceDistance::new(Normals::Gradients(Gradients::default()), 0.0)?;
     let grid = BlockGrid::new(Lattice::new([0.0; 3], setup.spacing())?);
@@ -125,7 +131,7 @@ fn add_rod_in_reference(mpm: &mut Mpm<3>, seeds: &Seeds<3>, velocity: [f64; 3]) 
 fn run(
     setup: &Setup,
     ways: &[f64],
-    files: Option<&Path>,
+    (files, restart): Files,
     mut mpm: Mpm<3>,
     add_rod: AddRod,
 ) -> Result<Outcome, CaseError> {
@@ -151,7 +157,7 @@ fn run(
     mpm.set_team(Team::new(setup.threads)?);
     let flies = setup.stand_off > 0.0;
     if flies && setup.rest {
-        mpm.let_rest(&["plate"])?;
+        mpm.deactivate(&["plate"])?;
     }
 
     let mut track = Track::new(Pace::interval(HISTORY)?, from_tail, setup);
@@ -167,29 +173,25 @@ fn run(
         }
         None => None,
     };
-    let mut summary = RunSummary::default();
-    let mut snapshots = Vec::new();
-    let mut occupied = Cells::new(h);
+    let mut simulation = restart.scene(setup.name())?;
+    let mut occupied = Cells::default();
     let mut flown = None;
     if flies {
-        let (flight, run) = flight::fly(setup, &mut mpm, &mut [&mut ledger, &mut bar])?;
-        summary += run;
-        flown = Some(flight);
+        flown = Some(flight::fly(setup, &mut mpm, &mut ledger, &mut bar, &mut simulation)?);
     }
-    let impact = mpm.time();
+    let [impact] = simulation.note(|| Ok([mpm.time()]))?;
     // A rod that is still in the plate after four times as long as at full speed stays there.
     let through = (ROD.length + setup.way()) / setup.speed;
     let mut ends: Vec<f64> = ways.iter().map(|w| w / setup.speed).collect();
     ends.extend((0..60).map(|n| through * (1.0 + 0.05 * f64::from(n))));
     ends.sort_by(f64::total_cmp);
     for end in ends {
-        let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
-        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
-        let run = mpm.run_observed(impact + end, &mut observers)?;
-        summary += run;
-        occupied.look(&mpm.moment());
-        if snapshots.len() < ways.len() {
-            snapshots.push(mpm.snapshot()?);
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
+        simulation.until(&mut mpm, observers, impact + end)?;
+        occupied.add(simulation.note(|| Ok(Cells::seen(&RunView::of(&mpm), h)))?);
+        if simulation.snapshots().len() < ways.len() {
+            simulation.keep(|| mpm.snapshot())?;
         }
         if track.over() {
             break;
@@ -198,8 +200,8 @@ fn run(
     if let Some(flight) = &mut flown {
         flight.fingerprint = flight::fingerprint(&mpm);
     }
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let ledger = ledger.entries().to_vec();
-    let cells = occupied.share();
+    let (cells, snapshots) = (occupied.share(), simulation.into_snapshots());
     Ok(Outcome { setup: *setup, rows: track.rows, snapshots, cells, totals, flight: flown, ledger })
 }

@@ -1,6 +1,7 @@
 //! Where the rod is, how fast and how it lies.
 
-use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
+use mpm_core::{Archive, CheckpointError};
 
 use crate::setup::{ROD, Setup, THICKNESS};
 
@@ -60,13 +61,13 @@ impl Track {
     }
 }
 
-impl Observer<f64, 3> for Track {
+impl Observer for Track {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
 
-    fn observe(&mut self, now: &Moment<'_, f64, 3>) -> Result<(), ObserveError> {
-        let [rod, plate] = now.bodies() else { return Ok(()) };
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let [rod, plate] = now.bodies()[..] else { return Ok(()) };
         let (mut mass, mut x, mut v, mut s) = (0.0, [0.0; 2], [0.0; 2], 0.0);
         rod.for_each(&mut |p| {
             mass += p.mass;
@@ -129,5 +130,15 @@ impl Observer<f64, 3> for Track {
             failed,
         });
         Ok(())
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.rows, &Row::default(), |file, row| {
+            let Row { time, velocity, pitch, tip, tail, carried, force, overlap, inside, failed } = row;
+            let pairs = velocity.iter_mut().chain(carried).chain(force);
+            file.reals(pairs.chain([time, pitch, tip, tail, overlap]))?;
+            file.count(inside)?;
+            file.count(failed)
+        })
     }
 }

@@ -6,7 +6,7 @@ mod scenes;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, Totals, case};
+use examples::{CaseError, Check, Common, Report, Restart, Totals, case};
 use mpm_core::output::picture::{ColourMap, FieldPicture, Panels, Quantity};
 
 use scenes::{Outcome, Parts};
@@ -54,10 +54,10 @@ const PRINTED: [(&str, u32, &str); 9] = [
 const AREA_TOLERANCE: f64 = 1e-9;
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("pcmm_distortion")?;
     let seeds = options.seeds.unwrap_or(common.resolution.choose(2, 10, 100));
@@ -71,28 +71,28 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     };
     for (parts, name) in PARTS {
         let mut list = List { parts, name, cells, checks: Vec::new() };
-        let bar = scenes::fast_bar(parts, cells)?;
+        let bar = scenes::fast_bar(parts, cells, restart)?;
         note(&bar);
         list.body("bar at 500 m/s", &bar);
         list.gate("bar at 500 m/s: mass in elements / at the start", bar.covered, 1.0, COVER_TOLERANCE);
         ends.push((format!("{name}: bar at 500 m/s"), bar.snapshot));
-        let flow = scenes::shear_flow(parts, cells)?;
+        let flow = scenes::shear_flow(parts, cells, restart)?;
         note(&flow);
         list.body("shear flow", &flow);
         list.gate("shear flow: mass in elements / at the start", flow.covered, 1.0, COVER_TOLERANCE);
         ends.push((format!("{name}: sheared by 4"), flow.snapshot));
-        let (disc, turned) = scenes::spinning_disc(parts, cells)?;
+        let (disc, turned) = scenes::spinning_disc(parts, cells, restart)?;
         note(&disc);
         list.body("spinning disc", &disc);
         list.gate("spinning disc: deviators off those turned", turned, 0.0, TURNED_TOLERANCE);
-        let (strip, parted) = scenes::stretch(parts, cells)?;
+        let (strip, parted) = scenes::stretch(parts, cells, restart)?;
         note(&strip);
         list.least("strip: stretch at which it parts, or at the end", parted, 2.0);
         list.gate("strip: mass in elements / at the start", strip.covered, 1.0, COVER_TOLERANCE);
         ends.push((format!("{name}: stretched by {parted:.2}"), strip.snapshot));
         let mut worst = [0.0f64; 6];
         for seed in 0..seeds {
-            let (outcome, cover) = scenes::random_packing(parts, u64::from(seed))?;
+            let (outcome, cover) = scenes::random_packing(parts, u64::from(seed), restart)?;
             note(&outcome);
             let found = [
                 cover.holes,

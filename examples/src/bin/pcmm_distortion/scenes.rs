@@ -1,9 +1,10 @@
 //! Scenes in which elements are distorted until they are unmade, for any parts of the method.
 
-use examples::CaseError;
+use examples::{CaseError, Restart, Simulation};
 use mpm_core::geometry::{Cuboid, Lattice};
+use mpm_core::observe::{Ledger, Observer, Pace};
 use mpm_core::output::Snapshot;
-use mpm_core::{Boundary, PlaneStrain, Side};
+use mpm_core::{Boundary, PlaneStrain, RunError, Side, Solver};
 use mpm_materials::{
     Constitutive, Elastic, IntoMaterial, JohnsonCook, LogarithmicBulk, MieGruneisen, Moduli, ObjectiveRate,
     Solid, Sym3,
@@ -20,6 +21,16 @@ pub enum Parts {
     Consistent,
 }
 
+impl Parts {
+    /// Of a simulation of this body.
+    fn label(self, body: &str) -> String {
+        match self {
+            Parts::Printed => format!("{body}_printed"),
+            Parts::Consistent => format!("{body}_ours"),
+        }
+    }
+}
+
 /// What is left of a body.
 #[derive(Clone, Debug)]
 pub struct Outcome {
@@ -27,11 +38,11 @@ pub struct Outcome {
     pub reached: f64,
     /// What broke.
     pub broke: Option<String>,
-    /// Change of momentum but for what boundaries gave, over the sum of m |v| at the start.
+    /// Change of momentum but for what boundaries gave, over the largest sum of m |v|; the largest.
     pub momentum: f64,
-    /// Energy that neither boundaries nor revisions explain, over the kinetic energy at the start; the largest.
+    /// Energy that neither boundaries nor revisions explain, over the largest energy; the largest.
     pub energy: f64,
-    /// Energy that revisions made of nothing, likewise.
+    /// Energy that revisions made of nothing, over the kinetic energy at the start.
     pub added: f64,
     /// Mass in elements over that at the start.
     pub covered: f64,
@@ -54,33 +65,27 @@ fn copper() -> Solid<JohnsonCook<f64>, MieGruneisen<f64>> {
     Solid::new(JohnsonCook::copper_taylor(), MieGruneisen::copper())
 }
 
-/// Step a body to its end, and look after it on the way.
-fn watch<M: Composition<2>>(body: &mut Pcmm<2, M>, end: f64) -> Result<Outcome, CaseError> {
-    let start = body.totals();
-    let scale = start.kinetic;
-    let (mut energy, mut momentum) = (0.0f64, 0.0f64);
-    let mut broke = None;
-    while body.time() < end {
-        if let Err(e) = body.step_towards(end) {
-            broke = Some(e.to_string());
-            break;
-        }
-        let (now, given, audit) = (body.totals(), body.given(), body.audit());
-        let unexplained = now.kinetic + now.internal - given.work - audit.energy_added();
-        let error = unexplained / scale - (start.kinetic + start.internal) / scale;
-        if error.abs() > energy.abs() {
-            energy = error;
-        }
-        let missing = (0..2).map(|d| (now.momentum[d] - start.momentum[d] - given.impulse[d]).powi(2));
-        momentum = momentum.max(missing.sum::<f64>().sqrt() / start.momentum_scale);
-    }
+/// Run a body to its end, and look after it in every step.
+fn watch<M: Composition<2>>(
+    body: &mut Pcmm<2, M>,
+    end: f64,
+    simulation: &mut Simulation,
+) -> Result<Outcome, CaseError> {
+    let (start, covered) = (body.totals(), body.coverage().mass);
+    let mut ledger = Ledger::new(Pace::every_step());
+    let observers: [&mut dyn Observer; 1] = [&mut ledger];
+    let broke = match simulation.until(body, observers, end) {
+        Ok(()) => None,
+        Err(RunError::Step(error)) => Some(error.to_string()),
+        Err(error) => return Err(error.into()),
+    };
     Ok(Outcome {
         reached: body.time() / end,
         broke,
-        momentum,
-        energy,
-        added: body.audit().energy_added() / scale,
-        covered: body.totals().covered / start.covered,
+        momentum: ledger.worst_momentum_error(),
+        energy: ledger.worst_energy_error(),
+        added: body.audit().energy_added() / start.kinetic,
+        covered: body.coverage().mass / covered,
         steps: body.steps(),
         snapshot: body.snapshot()?,
     })
@@ -109,18 +114,18 @@ fn block(size: [f64; 2], h: f64) -> Result<Packing<2>, CaseError> {
 }
 
 /// The elastic bar of case 1, 1 mm x 20 mm, at ten times its speed: 500 m/s on a rigid wall, for 9 microseconds.
-pub fn fast_bar(parts: Parts, cells: u32) -> Result<Outcome, CaseError> {
+pub fn fast_bar(parts: Parts, cells: u32, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = 1.0e-3 / f64::from(cells);
     let packing = block([1.0e-3, 20.0e-3], h)?;
     with_parts!(parts, h, 2.0, steel()?, |method, law| {
         let mut bar = Pcmm::new(method, law, &packing, |_| [0.0, -500.0], Masses::FromElements)?;
         bar.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
-        watch(&mut bar, 9.0e-6)
+        watch(&mut bar, 9.0e-6, &mut restart.scene(parts.label("bar"))?)
     })
 }
 
 /// A block of copper, 10 spacings a side, is sheared by 4 in 20 microseconds; sides free.
-pub fn shear_flow(parts: Parts, cells: u32) -> Result<Outcome, CaseError> {
+pub fn shear_flow(parts: Parts, cells: u32, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = 1.0e-2 / f64::from(cells);
     let packing = block([1.0e-2; 2], h)?;
     let rate = 2.0e5;
@@ -134,7 +139,7 @@ pub fn shear_flow(parts: Parts, cells: u32) -> Result<Outcome, CaseError> {
                 velocity: std::sync::Arc::new(move |_| [Some(v), Some(0.0), None]),
             })?;
         }
-        watch(&mut body, 4.0 / rate)
+        watch(&mut body, 4.0 / rate, &mut restart.scene(parts.label("shear"))?)
     })
 }
 
@@ -156,7 +161,7 @@ impl mpm_core::geometry::Shape<2> for Strip {
 
 /// A disc of steel with residual stress in balance spins by one turn and a quarter: the outcome, and how far the deviators of its
 /// elements are from those turned, over their size.
-pub fn spinning_disc(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseError> {
+pub fn spinning_disc(parts: Parts, cells: u32, restart: &Restart) -> Result<(Outcome, f64), CaseError> {
     let h = 1.0e-2 / f64::from(cells);
     // Rings, so that the edge is one.
     let mut positions = vec![[0.0; 2]];
@@ -170,7 +175,14 @@ pub fn spinning_disc(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseErr
     let packing = Packing::of_spheres(positions, radii);
     let omega = 2.0e3;
     let spin = |[x, y]: [f64; 2]| [-omega * y, omega * x];
-    with_parts!(parts, h, 2.0, steel()?, |method, law| disc(method, law, &packing, spin, omega))
+    with_parts!(parts, h, 2.0, steel()?, |method, law| disc(
+        method,
+        law,
+        &packing,
+        spin,
+        omega,
+        restart.scene(parts.label("disc"))?
+    ))
 }
 
 fn disc<R: ObjectiveRate, M: Composition<2>>(
@@ -179,6 +191,7 @@ fn disc<R: ObjectiveRate, M: Composition<2>>(
     packing: &Packing<2>,
     spin: impl Fn([f64; 2]) -> [f64; 2],
     omega: f64,
+    mut simulation: Simulation,
 ) -> Result<(Outcome, f64), CaseError> {
     let radius: f64 = 1.0e-2;
     // In balance, d(r sigma_r)/dr = sigma_t, without traction at R; the same after any rotation.
@@ -199,7 +212,7 @@ fn disc<R: ObjectiveRate, M: Composition<2>>(
         state
     })?;
     let turns = 1.25;
-    let outcome = watch(&mut body, turns * std::f64::consts::TAU / omega)?;
+    let outcome = watch(&mut body, turns * std::f64::consts::TAU / omega, &mut simulation)?;
     let (mut off, mut size) = (0.0, 0.0);
     for (e, nodes) in body.element_nodes().chunks_exact(3).enumerate() {
         let mut centre = [0.0; 2];
@@ -219,26 +232,33 @@ fn disc<R: ObjectiveRate, M: Composition<2>>(
 
 /// A copper strip, 20 mm x 5 mm, whose particles start with the velocities of a stretch at a constant rate: the outcome and
 /// the stretch of the whole when its matter first falls into two, or at the end.
-pub fn stretch(parts: Parts, cells: u32) -> Result<(Outcome, f64), CaseError> {
+pub fn stretch(parts: Parts, cells: u32, restart: &Restart) -> Result<(Outcome, f64), CaseError> {
     let h = 0.5e-2 / f64::from(cells);
     let packing = block([2.0e-2, 0.5e-2], h)?;
     let (rate, most) = (5.0e4, 5.0);
     with_parts!(parts, h, 20.0, copper(), |method, law| {
         let speed = |[x, _]: [f64; 2]| [rate * (x - 1.0e-2), 0.0];
         let mut body = Pcmm::new(method, law, &packing, speed, Masses::FromElements)?;
+        let mut simulation = restart.scene(parts.label("strip"))?;
         for step in 1..=40 {
             let free = (most - 1.0) * f64::from(step) / 40.0;
-            if body.run_until(free / rate).is_err() || has_parted(&body) {
+            let broke = match simulation.until(&mut body, [], free / rate) {
+                Ok(()) => false,
+                Err(RunError::Step(_)) => true,
+                Err(error) => return Err(error.into()),
+            };
+            let [parted] = simulation.note(|| Ok([f64::from(u8::from(has_parted(&body)))]))?;
+            if broke || parted > 0.0 {
                 break;
             }
         }
         let places = || body.particles().iter().map(|p| p.position[0]);
         let parted = (places().fold(f64::MIN, f64::max) - places().fold(f64::MAX, f64::min)) / 2.0e-2;
         let start = body.time();
-        let mut outcome = watch(&mut body, start.max(1e-9))?;
+        let mut outcome = watch(&mut body, start.max(1e-9), &mut simulation)?;
         outcome.reached = 1.0;
-        let end = body.totals();
-        outcome.covered = end.covered / (8930.0 * 1.0e-4 * if parts == Parts::Printed { 2.0 } else { 1.0 });
+        outcome.covered =
+            body.coverage().mass / (8930.0 * 1.0e-4 * if parts == Parts::Printed { 2.0 } else { 1.0 });
         Ok((outcome, parted))
     })
 }
@@ -259,17 +279,19 @@ pub struct Cover {
 
 /// Circles thrown at random (radii from 0.015 to 0.03) into a unit square: how they are covered, and what a copper body
 /// of them does that hits a wall at 200 m/s until the wave has crossed it.
-pub fn random_packing(parts: Parts, seed: u64) -> Result<(Outcome, Cover), CaseError> {
+pub fn random_packing(parts: Parts, seed: u64, restart: &Restart) -> Result<(Outcome, Cover), CaseError> {
     let packing = thrown(seed);
+    let simulation = restart.scene(parts.label(&format!("packing_{seed}")))?;
     // The widest gap of such packings is near two of the largest radii.
     let delta = 0.06;
     match parts {
         Parts::Printed => {
             let method = Method::printed(PlaneStrain, AzimuthFan::new(delta)?);
-            packed(method, copper().with_rate(NoRotation).compiled(), &packing)
+            packed(method, copper().with_rate(NoRotation).compiled(), &packing, simulation)
         }
         Parts::Consistent => {
-            packed(Method::consistent(PlaneStrain, LocalDelaunay::new(delta, 2.0)?), copper(), &packing)
+            let method = Method::consistent(PlaneStrain, LocalDelaunay::new(delta, 2.0)?);
+            packed(method, copper(), &packing, simulation)
         }
     }
 }
@@ -278,6 +300,7 @@ fn packed<M: Composition<2>>(
     method: M,
     law: impl IntoMaterial<f64>,
     packing: &Packing<2>,
+    mut simulation: Simulation,
 ) -> Result<(Outcome, Cover), CaseError> {
     let mut body = Pcmm::new(method, law, packing, |_| [0.0, -200.0], Masses::FromElements)?;
     let corners: Vec<[[f64; 2]; 4]> = body
@@ -300,7 +323,7 @@ fn packed<M: Composition<2>>(
     }
     let cover = Cover { holes: 1.0 - (covered - double) / 0.64, double: double / 0.64 };
     body.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
-    Ok((watch(&mut body, 2.5e-4)?, cover))
+    Ok((watch(&mut body, 2.5e-4, &mut simulation)?, cover))
 }
 
 /// A number in [0, 1) from a seed and a place.

@@ -14,7 +14,7 @@ mod spall;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case, within};
+use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
 use plates::Files;
 use shock::{Impact, Setup};
@@ -56,16 +56,16 @@ const REFINED: (&str, f64) = ("copper", 1000.0);
 const GRIDS: [u32; 3] = [1, 2, 4];
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("plate_impact")?;
     let cells = options.cells.unwrap_or(common.resolution.choose(150, 300, 1000));
     let flyer_cells = options.flyer_cells.unwrap_or(common.resolution.choose(25, 100, 200));
     let viscosity = [options.linear_viscosity, options.quadratic_viscosity];
-    let files = |name: String, frames: u32| Files { folder: &folder, name, frames };
+    let files = |name: String, frames: u32| Files { folder: &folder, name, frames, restart };
 
     let metals = metals::all();
     let mut shocks: Vec<Box<dyn FnOnce() -> Result<Impact, CaseError> + Send + '_>> = Vec::new();

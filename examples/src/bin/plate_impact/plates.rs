@@ -7,7 +7,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use examples::{CaseError, Totals};
+use examples::{CaseError, Restart, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Probe, ProbeRow, Probes, Quantity, VtkSeries};
 use mpm_core::{Blend, BlockGrid, Boundary, CpGimp, Method, Mpm, Musl, PlaneStrain, Side, TimeControl};
@@ -90,6 +90,8 @@ pub struct Files<'a> {
     pub name: String,
     /// Frames for ParaView.
     pub frames: u32,
+    /// For checkpoints.
+    pub restart: &'a Restart,
 }
 
 /// Let the flyer, x < 0, run into the target, both of one metal.
@@ -118,11 +120,12 @@ pub fn collide(law: Arc<dyn Material<f64>>, plates: &Plates, files: Files) -> Re
     let mut series = None;
     if files.frames > 0 {
         let pace = Pace::interval(end / f64::from(files.frames))?;
-        series = Some(VtkSeries::create(files.folder.join("paraview"), files.name, pace)?);
+        series = Some(VtkSeries::create(files.folder.join("paraview"), files.name.clone(), pace)?);
     }
-    let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut probes, &mut ledger];
-    observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer<f64, 2>));
-    let summary = mpm.run_observed(end, &mut observers)?;
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut probes, &mut ledger];
+    observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
+    let mut simulation = files.restart.scene(files.name)?;
+    simulation.until(&mut mpm, observers, end)?;
 
     let body = &mpm.bodies()[0];
     let names = body.state_names();
@@ -142,7 +145,7 @@ pub fn collide(law: Arc<dyn Material<f64>>, plates: &Plates, files: Files) -> Re
         });
     });
     points.sort_by(|a, b| a.x.total_cmp(&b.x));
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     Ok(Outcome { gauges: histories(&cells, probes.rows()), target: points, totals })
 }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Detection, Report, case, within};
+use examples::{CaseError, Check, Common, Detection, Report, Restart, case, within};
 use mpm_core::observe::{Pace, VtkSeries};
 use mpm_core::output::History;
 
@@ -82,17 +82,17 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("pressed_balls")?;
     let setup = options.setup();
     let (checks, totals, faces) = if options.compare {
         let (checks, totals) = compare::compare(&setup, options.rounds)?;
         (checks, totals, None)
     } else {
-        let outcome = scene::press(&setup, series(options, &setup, &folder)?)?;
+        let outcome = scene::press(&setup, series(options, &setup, &folder)?, restart)?;
         let chain = ALUMINIUM.chain(setup.balls as usize, setup.pressure, setup.end());
         figures::waves(&setup, &outcome)?.save(folder.join("waves.png"))?;
         figures::reaction(&outcome, &chain)?.save(folder.join("reaction.png"))?;

@@ -3,14 +3,15 @@
 use std::sync::Arc;
 
 use clap::ValueEnum;
-use examples::{CaseError, Detection, Totals};
-use mpm_contact::{Coulomb, Gradients, GridContact, Pairs};
+use examples::{CaseError, Detection, Restart, Totals};
+use mpm_contact::{Coulomb, Gradients, Pairs};
+use mpm_core::GridContact;
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, fill};
-use mpm_core::observe::{Ledger, Moment, ObserveError, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Blend, BlockGrid, Boundary, Contact, Deformable, FullSpace, Linear, Method, Mpm, Musl, OneField, Side,
-    Team, Traction,
+    Archive, Blend, BlockGrid, Boundary, CheckpointError, Contact, Deformable, FullSpace, Linear, Method,
+    Mpm, Musl, OneField, Side, Solver, Team, Traction,
 };
 use mpm_materials::{Moduli, NeoHookean};
 use serde::Serialize;
@@ -130,26 +131,30 @@ const MOMENTS: [f64; 6] = [0.5, 1.0, 1.5, 2.5, 4.0, 6.0];
 pub const END: f64 = 40.0;
 
 /// Press, with snapshots at [`MOMENTS`].
-pub fn press(setup: &Setup, files: Option<VtkSeries>) -> Result<Outcome, CaseError> {
+pub fn press(setup: &Setup, files: Option<VtkSeries>, restart: &Restart) -> Result<Outcome, CaseError> {
     match setup.contact {
-        Switch::On => run(setup, files, pack(setup, contact(setup)?)?),
-        Switch::Off => run(setup, files, pack(setup, OneField)?),
+        Switch::On => run(setup, files, pack(setup, contact(setup)?)?, restart),
+        Switch::Off => run(setup, files, pack(setup, OneField)?, restart),
     }
 }
 
-fn run(setup: &Setup, mut files: Option<VtkSeries>, mut mpm: Mpm<3>) -> Result<Outcome, CaseError> {
+fn run(
+    setup: &Setup,
+    mut files: Option<VtkSeries>,
+    mut mpm: Mpm<3>,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let mut ground =
         Ground { pace: Pace::every_step(), load: setup.load(), last: [0.0; 2], rows: vec![], faces: 0 };
     let mut ledger = Ledger::new(Pace::interval(setup.end() / 20.0)?);
     let mut bar = Progress::new("pressed balls");
-    let (mut summary, mut snapshots) = (RunSummary::default(), Vec::new());
+    let mut simulation = restart.scene("balls")?;
     for moment in MOMENTS.into_iter().chain([END]) {
-        let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut ground, &mut ledger, &mut bar];
-        observers.extend(files.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
-        let run = mpm.run_observed(moment * setup.transit(), &mut observers)?;
-        summary += run;
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut ground, &mut ledger, &mut bar];
+        observers.extend(files.as_mut().map(|f| f as &mut dyn Observer));
+        simulation.until(&mut mpm, observers, moment * setup.transit())?;
         if moment < END {
-            snapshots.push(mpm.snapshot()?);
+            simulation.keep(|| mpm.snapshot())?;
         }
     }
     let last = ledger.entries().last().copied().unwrap_or_default();
@@ -160,8 +165,9 @@ fn run(setup: &Setup, mut files: Option<VtkSeries>, mut mpm: Mpm<3>) -> Result<O
             .map(|e| e.energy_error)
             .fold(f64::NEG_INFINITY, |a, b| if b.is_nan() || b > a { b } else { a }),
         momentum_error: last.momentum_error,
-        ..Totals::of(&mpm, &summary, &ledger)
+        ..Totals::of(&mpm, &simulation.summary(), &ledger)
     };
+    let snapshots = simulation.into_snapshots();
     Ok(Outcome { reaction: ground.rows, snapshots, faces: ground.faces, totals })
 }
 
@@ -175,19 +181,25 @@ struct Ground {
     faces: usize,
 }
 
-impl Observer<f64, 3> for Ground {
+impl Observer for Ground {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
 
-    fn observe(&mut self, now: &Moment<'_, f64, 3>) -> Result<(), ObserveError> {
-        let impulse = now.ledger().impulse[2];
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let impulse = now.exchange().impulse[2];
         if now.time() > self.last[0] {
             let force = (impulse - self.last[1]) / (now.time() - self.last[0]);
             self.rows.push([now.time(), force / self.load]);
         }
         self.last = [now.time(), impulse];
-        self.faces = self.faces.max(now.contacts().iter().filter(|c| c.nodes > 0).count());
+        self.faces = self.faces.max(now.contacts().iter().filter(|c| c.places > 0).count());
         Ok(())
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.reals(&mut self.last)?;
+        file.list(&mut self.rows, &[0.0; 2], |file, row| file.reals(row))?;
+        file.count(&mut self.faces)
     }
 }

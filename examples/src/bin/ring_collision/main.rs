@@ -13,7 +13,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Detection, Law, Report, Resolution, Totals, case, within};
+use examples::{CaseError, Check, Common, Detection, Law, Report, Resolution, Restart, Totals, case, within};
 
 use scene::Outcome;
 use setup::{Kernel, Scheme, Seeding, Setup};
@@ -105,12 +105,12 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("ring_collision")?;
-    let (close, sweep) = collide(options, &folder)?;
+    let (close, sweep) = collide(options, &folder, restart)?;
     let runs = close.iter().chain(sweep.iter().filter(|o| o.setup.factor != options.factor));
     let totals = runs.fold(Totals::default(), |sum, o| sum.plus(&o.totals));
     figures::draw(&close, &sweep, &folder)?;
@@ -134,7 +134,11 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
 }
 
 /// The runs that are looked at closely, and those over the time factor at the coarsest cell, in order of factors.
-fn collide(options: &Options, folder: &Path) -> Result<(Vec<Outcome>, Vec<Outcome>), CaseError> {
+fn collide(
+    options: &Options,
+    folder: &Path,
+    restart: &Restart,
+) -> Result<(Vec<Outcome>, Vec<Outcome>), CaseError> {
     let (cells, methods) = (options.cells(), options.methods());
     let mut setups = Vec::new();
     for &cell in &cells {
@@ -149,7 +153,7 @@ fn collide(options: &Options, folder: &Path) -> Result<(Vec<Outcome>, Vec<Outcom
             setups.push((options.setup(method, cells[0], factor), Look::Ledger));
         }
     }
-    let mut close = scene::collide_all(&setups, folder, options.common.threads())?;
+    let mut close = scene::collide_all(&setups, folder, options.common.threads(), restart)?;
     let mut sweep = close.split_off(cells.len() * methods.len());
     close.reverse();
     sweep.extend(close.iter().take(methods.len()).cloned());

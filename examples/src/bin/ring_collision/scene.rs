@@ -3,13 +3,15 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use examples::{CaseError, Totals, largest, methods, worst};
-use mpm_contact::{Gradients, GridContact};
+use examples::{CaseError, Restart, Simulation, Totals, largest, methods, worst};
+use mpm_contact::Gradients;
+use mpm_core::GridContact;
 use mpm_core::geometry::{Filling, Lattice, Ring, Seeds, fill};
-use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, RunError, RunSummary, VtkSeries};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, RunView, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    BlockGrid, CpGimp, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl, PlaneStrain, Team, TimeControl,
+    BlockGrid, CpGimp, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl, PlaneStrain, RunError,
+    RunSummary, Team, TimeControl,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
@@ -108,12 +110,13 @@ pub fn collide_all(
     setups: &[(Setup, Look)],
     folder: &Path,
     workers: usize,
+    restart: &Restart,
 ) -> Result<Vec<Outcome>, CaseError> {
     let next = AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();
         while let Some((setup, look)) = setups.get(next.fetch_add(1, Ordering::Relaxed)) {
-            done.push((*setup, *look, collide(setup, *look, folder)));
+            done.push((*setup, *look, collide(setup, *look, folder, restart)));
         }
         done
     };
@@ -134,17 +137,24 @@ pub fn collide_all(
 }
 
 /// Let the rings collide.
-fn collide(setup: &Setup, look: Look, folder: &Path) -> Result<Outcome, CaseError> {
+fn collide(setup: &Setup, look: Look, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let method = match (setup.kernel, setup.scheme) {
         (Kernel::Linear, Scheme::Usf) => methods::linear_usf(),
         (Kernel::Linear, Scheme::Musl) => Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels(),
         (Kernel::Cpgimp, Scheme::Usf) => methods::cpgimp_usf(),
         (Kernel::Cpgimp, Scheme::Musl) => Method::new(CpGimp, Flip, Musl, PlaneStrain).into_kernels(),
     };
-    run(setup, (look, folder), method)
+    // All that tells it from the other runs.
+    let label = format!("{}_{}_{}", setup.name(), setup.factor, look.name());
+    run(setup, (look, folder), method, restart.scene(label)?)
 }
 
-fn run(setup: &Setup, (look, folder): (Look, &Path), method: Kernels<f64, 2>) -> Result<Outcome, CaseError> {
+fn run(
+    setup: &Setup,
+    (look, folder): (Look, &Path),
+    method: Kernels<f64, 2>,
+    mut simulation: Simulation,
+) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.cell)?;
     let law = NeoHookean::new(DENSITY, Moduli::bulk_shear(MODULI[0], MODULI[1])?)?;
     let fast = ((MODULI[0] + MODULI[1] * 4.0 / 3.0) / DENSITY).sqrt();
@@ -165,21 +175,21 @@ fn run(setup: &Setup, (look, folder): (Look, &Path), method: Kernels<f64, 2>) ->
     let start = THICKNESS * mpm.totals().kinetic;
     let mut ledger = Ledger::new(Pace::interval(END / 350.0)?);
     let mut watch = Watch::new(surfaces, look)?;
-    let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut watch];
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut watch];
     let mut series;
     if look == Look::Closely {
         series = VtkSeries::create(folder.join("paraview"), setup.name(), Pace::interval(END / 35.0)?)?;
         observers.push(&mut series);
     }
-    let (summary, stopped) = match mpm.run_observed(END, &mut observers) {
-        Ok(summary) => (summary, None),
+    let (summary, stopped) = match simulation.until(&mut mpm, observers, END) {
+        Ok(()) => (simulation.summary(), None),
         Err(e @ (RunError::Observe { .. } | RunError::Step(_))) => {
             (RunSummary::default(), Some(e.to_string()))
         }
         Err(e) => return Err(e.into()),
     };
     let entries = ledger.entries();
-    let velocity = velocities(&mpm.moment());
+    let velocity = velocities(&RunView::of(&mpm));
     let energy = |e: &LedgerEntry| THICKNESS * (e.kinetic + e.internal) / start - 1.0;
     Ok(Outcome {
         setup: *setup,

@@ -7,8 +7,8 @@
 
 use std::f64::consts::FRAC_PI_2;
 
+use mpm_core::Body;
 use mpm_core::geometry::Seeds;
-use mpm_core::step::Body;
 
 use crate::scene::OUTER;
 
@@ -47,7 +47,7 @@ impl Surface {
     }
 
     /// The polygon now, m. `body` keeps its deformation gradient.
-    pub fn now(&self, body: &dyn Body<f64, 2>) -> Vec<[f64; 2]> {
+    pub fn now(&self, body: &dyn Body) -> Vec<[f64; 2]> {
         let names = body.state_names();
         let at = |name: &str| names.iter().position(|n| n == name);
         let f = ["deformation_xx", "deformation_xy", "deformation_yx", "deformation_yy"].map(at);

@@ -1,13 +1,14 @@
 //! What is seen of a run: surfaces, force, energy.
 
-use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
 use mpm_core::output::Snapshot;
+use mpm_core::{Archive, CheckpointError};
 
 use crate::scene::{GAP, PICTURES, THICKNESS, TOO_MUCH};
 use crate::surface::{Surface, closest};
 
 /// A moment of a run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Row {
     /// s.
     pub time: f64,
@@ -32,8 +33,18 @@ pub enum Look {
     Ledger,
 }
 
+impl Look {
+    /// In names of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Look::Closely => "closely",
+            Look::Ledger => "ledger",
+        }
+    }
+}
+
 /// Velocities of the centres of mass along x, m/s.
-pub fn velocities(now: &Moment<'_, f64, 2>) -> [f64; 2] {
+pub fn velocities(now: &RunView<'_>) -> [f64; 2] {
     let of = |n: usize| now.bodies().get(n).map(|b| b.totals()).map_or(f64::NAN, |t| t.momentum[0] / t.mass);
     [of(0), of(1)]
 }
@@ -83,7 +94,7 @@ impl Watch {
     }
 
     /// Note a step with contact; the step found it where the rings were at its start.
-    fn note_contact(&mut self, now: &Moment<'_, f64, 2>) {
+    fn note_contact(&mut self, now: &RunView<'_>) {
         if self.onset.is_nan() {
             self.onset = self.gap;
             self.contact[0] = now.time();
@@ -92,16 +103,16 @@ impl Watch {
     }
 }
 
-impl Observer<f64, 2> for Watch {
+impl Observer for Watch {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
-    fn observe(&mut self, now: &Moment<'_, f64, 2>) -> Result<(), ObserveError> {
-        if now.contacts().iter().any(|p| p.nodes > 0) {
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        if now.contacts().iter().any(|p| p.places > 0) {
             self.note_contact(now);
         }
         let about_to_touch = self.onset.is_nan() && self.gap < 0.3 * GAP;
-        if self.look == Look::Closely && !about_to_touch && now.step() % 8 != 0 {
+        if self.look == Look::Closely && !about_to_touch && !now.step().is_multiple_of(8) {
             return Ok(());
         }
         let totals = now.totals();
@@ -109,8 +120,7 @@ impl Observer<f64, 2> for Watch {
         if self.look == Look::Ledger {
             return Ok(());
         }
-        let polygons: Vec<_> =
-            self.surfaces.iter().zip(now.bodies()).map(|(s, b)| s.now(b.as_ref())).collect();
+        let polygons: Vec<_> = self.surfaces.iter().zip(now.bodies()).map(|(s, b)| s.now(b)).collect();
         let [left, right] = &polygons[..] else { return Ok(()) };
         self.gap = closest(left, right);
         if PICTURES.get(self.snapshots.len()).is_some_and(|t| now.time() >= *t) {
@@ -126,5 +136,14 @@ impl Observer<f64, 2> for Watch {
             internal: THICKNESS * totals.internal,
         });
         Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.rows, &Row::default(), |file, row| {
+            let Row { time, gap, force, velocity, kinetic, internal } = row;
+            file.reals([time, gap, force, kinetic, internal].into_iter().chain(velocity))
+        })?;
+        file.snapshots(&mut self.snapshots)?;
+        file.reals([&mut self.onset, &mut self.gap].into_iter().chain(&mut self.contact))?;
+        file.option(&mut self.energy, Archive::real)
     }
 }

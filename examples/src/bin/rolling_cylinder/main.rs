@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Detection, Law, Report, Resolution, Totals, case, within};
+use examples::{CaseError, Check, Common, Detection, Law, Report, Resolution, Restart, Totals, case, within};
 use mpm_core::output::History;
 
 use exact::{Course, Cylinder, Incline};
@@ -89,17 +89,17 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("rolling_cylinder")?;
     let (mut checks, mut totals) = (Vec::new(), Totals::default());
     for dimensions in (2..=3).filter(|&d| options.dimensions.is_none_or(|only| only == d)) {
         let mut mains = Vec::new();
         for &friction in &options.friction {
             let setup = options.setup(friction, dimensions, options.detection, options.cells(dimensions));
-            let outcome = scene::roll(&setup, Some(&folder))?;
+            let outcome = scene::roll(&setup, Some(&folder), restart)?;
             write(&outcome, &folder)?;
             totals = totals.plus(&outcome.totals);
             checks.extend(checks_of(&outcome, options.common.resolution));
@@ -108,7 +108,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         figures::cylinder(&mains)?.save(folder.join(format!("cylinder_{dimensions}d.png")))?;
         figures::histories(&mains)?.save(folder.join(format!("histories_{dimensions}d.png")))?;
         if dimensions == 2 && !options.alone {
-            checks.extend(spacings::compare(options, &mains, &folder)?);
+            checks.extend(spacings::compare(options, &mains, &folder, restart)?);
         }
     }
     let settings = serde_json::json!({

@@ -9,14 +9,15 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
-use examples::{CaseError, Detection, Law, Totals};
-use mpm_contact::{Gradients, GridContact};
+use examples::{CaseError, Detection, Law, Restart, Totals};
+use mpm_contact::Gradients;
+use mpm_core::GridContact;
 use mpm_core::geometry::{Cuboid, Filling, GeometryError, Lattice, Seeds, fill, rings};
-use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::observe::{Ledger, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    BlockGrid, Boundary, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, Side, Team,
-    Watch,
+    BlockGrid, Boundary, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, Side, Solver,
+    Team, Watch,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
@@ -117,11 +118,11 @@ impl Outcome {
 }
 
 /// Let the cylinder go; with a folder, write ParaView files there.
-pub fn roll(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> {
+pub fn roll(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     if setup.dimensions == 3 {
-        run::<3>(setup, files, Method::new(Linear, Flip, Musl, FullSpace))
+        run::<3>(setup, files, Method::new(Linear, Flip, Musl, FullSpace), restart)
     } else {
-        run::<2>(setup, files, Method::new(Linear, Flip, Musl, PlaneStrain))
+        run::<2>(setup, files, Method::new(Linear, Flip, Musl, PlaneStrain), restart)
     }
 }
 
@@ -156,6 +157,7 @@ fn run<const D: usize>(
     setup: &Setup,
     files: Option<&Path>,
     method: impl IntoKernels<f64, D>,
+    restart: &Restart,
 ) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let friction = setup.law.pairs(setup.incline.friction, WAVE * setup.stiffness.sqrt(), h)?;
@@ -196,19 +198,17 @@ fn run<const D: usize>(
     };
     // Energy and momentum are those on the incline.
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
-    let mut summary = RunSummary::default();
-    let mut snapshots = Vec::new();
+    let mut simulation = restart.scene(setup.name())?;
     for part in 0..=FRAMES {
         let end = if part == 0 { LAYING } else { zero + setup.end * f64::from(part) / f64::from(FRAMES) };
-        let mut observers: Vec<&mut dyn Observer<f64, D>> = vec![&mut track, &mut bar];
-        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, D>));
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
         if part > 0 {
             observers.push(&mut ledger);
         }
-        let run = mpm.run_observed(end, &mut observers)?;
-        summary += run;
+        simulation.until(&mut mpm, observers, end)?;
         if part > 0 {
-            snapshots.push(mpm.snapshot()?);
+            simulation.keep(|| mpm.snapshot())?;
         }
     }
     // At the end, where the momentum that errors are measured by is that of a cylinder that rolls.
@@ -216,9 +216,9 @@ fn run<const D: usize>(
     let totals = Totals {
         energy_error: last.energy_error,
         momentum_error: last.momentum_error,
-        ..Totals::of(&mpm, &summary, &ledger)
+        ..Totals::of(&mpm, &simulation.summary(), &ledger)
     };
-    Ok(Outcome { setup: *setup, rows: track.rows, snapshots, totals })
+    Ok(Outcome { setup: *setup, rows: track.rows, snapshots: simulation.into_snapshots(), totals })
 }
 
 /// Moments of the picture.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Check, Detection, case};
+use examples::{CaseError, Check, Detection, Restart, case};
 use mpm_core::output::History;
 
 use crate::scene::{self, Outcome};
@@ -10,7 +10,12 @@ use crate::{Options, errors, figures, gap};
 
 /// Repeat the runs with the other detections and at three spacings; a table, a file and a picture, and a check a
 /// coefficient of friction.
-pub fn compare(options: &Options, mains: &[Outcome], folder: &Path) -> Result<Vec<Check>, CaseError> {
+pub fn compare(
+    options: &Options,
+    mains: &[Outcome],
+    folder: &Path,
+    restart: &Restart,
+) -> Result<Vec<Check>, CaseError> {
     let few = &[Detection::Local, Detection::Approach][..];
     let all = &[Detection::Local, Detection::Distance, Detection::Approach];
     let detections = options.common.resolution.choose(few, all, all);
@@ -19,7 +24,10 @@ pub fn compare(options: &Options, mains: &[Outcome], folder: &Path) -> Result<Ve
         for &detection in detections {
             for cells in [options.cells(2) / 4, options.cells(2) / 2, options.cells(2)] {
                 let setup = options.setup(main.setup.incline.friction, 2, detection, cells.max(2));
-                outcomes.push(if setup == main.setup { main.clone() } else { scene::roll(&setup, None)? });
+                outcomes.push(match setup == main.setup {
+                    true => main.clone(),
+                    false => scene::roll(&setup, None, restart)?,
+                });
             }
         }
     }

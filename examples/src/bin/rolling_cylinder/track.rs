@@ -1,6 +1,7 @@
 //! Where the cylinder is, and how fast.
 
-use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
+use mpm_core::{Archive, CheckpointError};
 
 use crate::scene::START;
 
@@ -43,13 +44,13 @@ impl Track {
     }
 }
 
-impl<const D: usize> Observer<f64, D> for Track {
+impl Observer for Track {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
 
-    fn observe(&mut self, now: &Moment<'_, f64, D>) -> Result<(), ObserveError> {
-        let [plane, cylinder] = now.bodies() else { return Ok(()) };
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let [plane, cylinder] = now.bodies()[..] else { return Ok(()) };
         // First and second moments about the start, from which those about the centre follow.
         let (mut mass, mut place, mut momentum) = (0.0, [0.0; 2], [0.0; 2]);
         let (mut turning, mut inertia, mut lowest) = (0.0, 0.0, f64::INFINITY);
@@ -74,7 +75,7 @@ impl<const D: usize> Observer<f64, D> for Track {
                 top = top.max(p.position[1] + 0.25 * self.spacing);
             }
         });
-        let met = now.contacts().first();
+        let met = now.contacts().first().copied();
         self.rows.push(Row {
             time: now.time() - self.zero,
             way: x,
@@ -83,8 +84,16 @@ impl<const D: usize> Observer<f64, D> for Track {
             spin: turning / inertia,
             gap: lowest - top,
             force: met.map_or([0.0; 2], |c| [c.force[0], c.force[1]]),
-            nodes: met.map_or(0, |c| c.nodes),
+            nodes: met.map_or(0, |c| c.places),
         });
         Ok(())
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.rows, &Row::default(), |file, row| {
+            let Row { time, way, height, speed, spin, gap, force, nodes } = row;
+            file.reals([time, way, height, speed, spin, gap].into_iter().chain(force))?;
+            file.count(nodes)
+        })
     }
 }

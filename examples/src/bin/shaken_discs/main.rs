@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Detection, Report, case, within};
+use examples::{CaseError, Check, Common, Detection, Report, Restart, case, within};
 use mpm_core::output::History;
 
 use scene::{Outcome, SETTLING, Setup};
@@ -61,10 +61,10 @@ const GROWTH: f64 = 1e-9;
 const MOMENTUM_TOLERANCE: f64 = 1e-10;
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("shaken_discs")?;
     let resolution = options.common.resolution;
     let setup = Setup {
@@ -79,7 +79,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         shaking: options.shaking.unwrap_or(resolution.choose(0.2, 3.5, 12.3)),
         threads: options.common.threads(),
     };
-    let outcome = scene::shake(&setup, &folder)?;
+    let outcome = scene::shake(&setup, &folder, restart)?;
     write(&outcome, &folder)?;
     figures::pile(&outcome)?.save(folder.join("discs.png"))?;
     figures::histories(&outcome)?.save(folder.join("histories.png"))?;

@@ -9,12 +9,15 @@
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use examples::{CaseError, Detection, Totals};
-use mpm_contact::{Choice, Coulomb, Gradients, GridContact, Pairs, Weight};
-use mpm_core::geometry::{Cuboid, Filling, Lattice, Shape, fill, rings};
-use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
+use examples::{CaseError, Detection, Restart, Totals};
+use mpm_contact::{Choice, Coulomb, Gradients, Pairs, Weight};
+use mpm_core::GridContact;
+use mpm_core::geometry::{Compose, Cuboid, Filling, Lattice, fill, rings};
+use mpm_core::observe::{Ledger, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
-use mpm_core::{Apic, BlockGrid, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid, Team, Twist, Usl};
+use mpm_core::{
+    Apic, BlockGrid, Method, Mpm, PlaneStrain, QuadraticBSpline, Rigid, Solver, Team, Twist, Usl,
+};
 use mpm_materials::{Moduli, NeoHookean};
 
 use crate::layout::{LARGE, Layout, RADIUS};
@@ -78,7 +81,7 @@ pub struct Outcome {
 }
 
 /// Shake.
-pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
+pub fn shake(setup: &Setup, folder: &Path, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let layout = Layout::new(setup.large, setup.small);
     let lattice = Lattice::new([0.0; 2], h)?;
@@ -109,17 +112,22 @@ pub fn shake(setup: &Setup, folder: &Path) -> Result<Outcome, CaseError> {
         .with_csv(folder.join("ledger.csv"))?;
     let mut bar = Progress::new("shaken_discs");
     let mut frames = VtkSeries::create(folder.join("paraview"), "discs", Pace::interval(end / 40.0)?)?;
-    let mut summary = RunSummary::default();
-    let mut snapshots = Vec::new();
+    let mut simulation = restart.scene("discs")?;
     for frame in 0..FRAMES {
         let until = SETTLING + setup.shaking * f64::from(frame) / f64::from(FRAMES - 1);
-        let mut observers: [&mut dyn Observer<f64, 2>; 4] = [&mut watch, &mut ledger, &mut bar, &mut frames];
-        let run = mpm.run_observed(until, &mut observers)?;
-        summary += run;
-        snapshots.push(mpm.snapshot()?);
+        let observers: [&mut dyn Observer; 4] = [&mut watch, &mut ledger, &mut bar, &mut frames];
+        simulation.until(&mut mpm, observers, until)?;
+        simulation.keep(|| mpm.snapshot())?;
     }
-    let totals = Totals::of(&mpm, &summary, &ledger);
-    Ok(Outcome { setup: *setup, layout, rows: watch.rows, snapshots, growth: growth(&ledger), totals })
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
+    Ok(Outcome {
+        setup: *setup,
+        layout,
+        rows: watch.rows,
+        snapshots: simulation.into_snapshots(),
+        growth: growth(&ledger),
+        totals,
+    })
 }
 
 /// The most that kinetic + internal - work rose from a moment to a later one, over the largest energy. What friction

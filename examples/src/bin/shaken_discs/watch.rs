@@ -1,6 +1,7 @@
 //! Where the discs are.
 
-use mpm_core::observe::{Moment, ObserveError, Observer, Pace};
+use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
+use mpm_core::{Archive, CheckpointError};
 
 use crate::layout::Layout;
 use crate::scene::MATERIAL;
@@ -99,12 +100,12 @@ impl Cloud {
     }
 }
 
-impl Observer<f64, 2> for Watch {
+impl Observer for Watch {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
 
-    fn observe(&mut self, now: &Moment<'_, f64, 2>) -> Result<(), ObserveError> {
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let mut discs = Vec::with_capacity(self.radii.len());
         for body in &now.bodies()[1..] {
             let (mut mass, mut place) = (0.0, [0.0; 2]);
@@ -130,5 +131,13 @@ impl Observer<f64, 2> for Watch {
             particles: discs.iter().map(|d| d.particles.len()).sum(),
         });
         Ok(())
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.rows, &Row::default(), |file, row| {
+            let Row { time, heights, overlap, pair, kinetic, particles } = row;
+            file.reals([time, overlap, kinetic].into_iter().chain(heights))?;
+            pair.iter_mut().chain([particles]).try_for_each(|n| file.count(n))
+        })
     }
 }

@@ -10,7 +10,7 @@ mod setup;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case, within};
+use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
 use bishop::Strength;
 use checks::Failure;
@@ -43,10 +43,10 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("slope_failure")?;
     let resolution = options.common.resolution;
     let mut spacings = options.spacing.clone();
@@ -63,7 +63,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let (mut slides, mut slips) = (Vec::new(), Vec::new());
     for (n, &spacing) in spacings.iter().enumerate() {
         let files = (n + 1 == spacings.len() && options.frames).then_some(folder.as_path());
-        let outcome = scene::slide(&as_it_is(spacing), &[2.0, 8.0], false, files)?;
+        let outcome = scene::slide(&as_it_is(spacing), &[2.0, 8.0], false, files, restart)?;
         let slip = scene::slip(&outcome)?;
         figures::write(&outcome, &slip, &folder)?;
         slides.push(outcome);
@@ -81,7 +81,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let mut failure = None;
     if spacing > 0.0 {
         let slow = Setup { ramp: 3.0, end: 10.0, ..as_it_is(spacing) };
-        let (bracket, runs) = reduce(&slow)?;
+        let (bracket, runs) = reduce(&slow, restart)?;
         // Flow without dilatancy slips where its strength is that of Davis: tan = sin(phi), c cos(phi).
         let sine = strength.tangent / (1.0 + strength.tangent.powi(2)).sqrt();
         let cosine = sine / strength.tangent;
@@ -106,12 +106,12 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
 }
 
 /// Slopes of strength divided by what is looked for, by bisection to two hundredths.
-fn reduce(slow: &Setup) -> Result<(Failure, Vec<Outcome>), CaseError> {
+fn reduce(slow: &Setup, restart: &Restart) -> Result<(Failure, Vec<Outcome>), CaseError> {
     let (mut stands, mut fails) = (0.4, 1.6);
     let mut runs = Vec::new();
     while fails - stands > 0.02 {
         let reduction = 0.5 * (stands + fails);
-        let outcome = scene::slide(&Setup { reduction, ..*slow }, &[], true, None)?;
+        let outcome = scene::slide(&Setup { reduction, ..*slow }, &[], true, None, restart)?;
         if outcome.failed() {
             fails = reduction;
         } else {

@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Totals};
+use examples::{CaseError, Restart, Totals};
 use mpm_core::geometry::{Filling, Lattice, Polygon, fill};
-use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary, VtkSeries};
+use mpm_core::observe::{Ledger, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
-use mpm_core::{Apic, BlockGrid, Boundary, Method, Mpm, PlaneStrain, QuadraticBSpline, Side, Team, Usl};
+use mpm_core::{
+    Apic, BlockGrid, Boundary, Method, Mpm, PlaneStrain, QuadraticBSpline, Side, Solver, Team, Usl,
+};
 
 use crate::setup::{BASE, CREST, FAR, GRAVITY, HEIGHT, SHOULDER, Setup, TOE};
 
@@ -54,6 +56,7 @@ pub fn slide(
     looks: &[f64],
     until_failed: bool,
     files: Option<&Path>,
+    restart: &Restart,
 ) -> Result<Outcome, CaseError> {
     let h = setup.spacing;
     let lattice = Lattice::new([0.0, BASE], h)?;
@@ -85,26 +88,29 @@ pub fn slide(
         }
         None => None,
     };
-    let (mut summary, mut snapshots, mut history) = (RunSummary::default(), Vec::new(), Vec::new());
+    let mut simulation = restart.scene(format!("{}_{}", setup.name(), setup.reduction))?;
+    let mut history = Vec::new();
     let steps = 150;
     for n in 1..=steps {
         let now = setup.end * f64::from(n) / f64::from(steps);
-        let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
-        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 2>));
-        let run = mpm.run_observed(now, &mut observers)?;
-        summary += run;
-        let (mut most, mut front) = (0.0_f64, TOE);
-        mpm.bodies()[0].for_each(&mut |p| {
-            let moved = way(p.position, seeds.positions[p.number]);
-            most = most.max(moved);
-            if moved > FAILED {
-                front = front.max(p.position[0]);
-            }
-        });
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
+        simulation.until(&mut mpm, observers, now)?;
+        let [most, front] = simulation.note(|| {
+            let (mut most, mut front) = (0.0_f64, TOE);
+            mpm.bodies()[0].for_each(&mut |p| {
+                let moved = way(p.position, seeds.positions[p.number]);
+                most = most.max(moved);
+                if moved > FAILED {
+                    front = front.max(p.position[0]);
+                }
+            });
+            Ok([most, front])
+        })?;
         history.push([now, most, front]);
         let over = n == steps || (until_failed && most > FAILED);
-        if over || looks.get(snapshots.len()).is_some_and(|look| most > *look) {
-            snapshots.push(with_ways(&mpm.snapshot()?, &seeds.positions)?);
+        if over || looks.get(simulation.snapshots().len()).is_some_and(|look| most > *look) {
+            simulation.keep(|| with_ways(&mpm.snapshot()?, &seeds.positions))?;
         }
         if over {
             break;
@@ -112,8 +118,9 @@ pub fn slide(
     }
     let mut volume = 0.0;
     mpm.bodies()[0].for_each(&mut |p| volume += p.volume);
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let area = volume / seeds.measure();
+    let snapshots = simulation.into_snapshots();
     Ok(Outcome { setup: *setup, start: seeds.positions, snapshots, history, area, totals })
 }
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use examples::{CaseError, case};
+use examples::{CaseError, Restart, case};
 use mpm_core::output::History;
 use mpm_core::output::picture::{Axis, Chart, Marker, Panels, Series, Stroke};
 
@@ -22,7 +22,12 @@ const SIZES: [(&str, Read); 3] =
     [("length", |s| s.length), ("foot diameter", |s| s.foot), ("diameter at 0.2 L0", |s| s.waist)];
 
 /// Run all methods at all spacings; print, write and draw the sizes.
-pub fn study(options: &Options, constants: Constants, folder: &Path) -> Result<(), CaseError> {
+pub fn study(
+    options: &Options,
+    constants: Constants,
+    folder: &Path,
+    restart: &Restart,
+) -> Result<(), CaseError> {
     let space = options.model == WhichModel::Quarter;
     let model = if space { Model::Quarter } else { Model::Axisymmetric };
     let all: &[u32] = options.common.resolution.choose(&[3, 5, 8], &[5, 10, 20], &[5, 10, 20, 40]);
@@ -30,7 +35,8 @@ pub fn study(options: &Options, constants: Constants, folder: &Path) -> Result<(
     for (scheme, _, _) in SCHEMES {
         for &cells in all {
             let setup = Setup { model, constants, scheme, cells, threads: options.common.threads() };
-            outcomes.push(scene::impact(&setup, None)?);
+            let label = format!("convergence_{}_{}_{cells}", setup.name(), scheme.name());
+            outcomes.push(scene::impact(&setup, None, restart.scene(label)?)?);
         }
     }
     println!("\nConvergence, {} model, {} constants\n\n{}", model.name(), constants.name(), table(&outcomes));

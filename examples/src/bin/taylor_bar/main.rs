@@ -12,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::{CaseError, Check, Common, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Report, Resolution, Restart, Totals, case};
 
 use scene::{Constants, END, Files, Model, Outcome, SPEED, Scheme, Setup};
 use shape::Sizes;
@@ -126,15 +126,15 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let folder = options.common.folder("taylor_bar")?;
     let mut checks = Vec::new();
     let mut totals = Totals::default();
     for &constants in options.constants() {
-        let outcomes = impacts(options, constants, &folder)?;
+        let outcomes = impacts(options, constants, &folder, restart)?;
         for outcome in &outcomes {
             totals = totals.plus(&outcome.totals);
             checks.extend(checks_of(outcome, options.common.resolution));
@@ -144,10 +144,10 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         }
         figures::draw(&outcomes, &folder)?;
     }
-    checks.push(flight(options, &mut totals)?);
+    checks.push(flight(options, &mut totals, restart)?);
     if options.convergence {
         for &constants in options.constants() {
-            convergence::study(options, constants, &folder)?;
+            convergence::study(options, constants, &folder, restart)?;
         }
     }
     Report::new("taylor_bar", options.common.resolution, settings(options), &totals, checks)
@@ -155,9 +155,17 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
 }
 
 /// One set of constants with all models.
-fn impacts(options: &Options, constants: Constants, folder: &Path) -> Result<Vec<Outcome>, CaseError> {
+fn impacts(
+    options: &Options,
+    constants: Constants,
+    folder: &Path,
+    restart: &Restart,
+) -> Result<Vec<Outcome>, CaseError> {
     let files = Files { folder, frames: options.frames };
-    let run = |&model: &Model| scene::impact(&options.setup(model, constants), Some(files));
+    let run = |&model: &Model| {
+        let setup = options.setup(model, constants);
+        scene::impact(&setup, Some(files), restart.scene(setup.name())?)
+    };
     options.models().iter().map(run).collect()
 }
 
@@ -215,10 +223,10 @@ fn agreement(space: &Outcome, flat: &Outcome) -> Vec<Check> {
 }
 
 /// Momentum without a wall.
-fn flight(options: &Options, totals: &mut Totals) -> Result<Check, CaseError> {
+fn flight(options: &Options, totals: &mut Totals, restart: &Restart) -> Result<Check, CaseError> {
     let mut setup = options.setup(options.models()[0], options.constants()[0]);
     setup.cells = setup.cells.min(FLIGHT_CELLS);
-    let error = scene::free_flight(&setup)?;
+    let error = scene::free_flight(&setup, restart.scene("free_flight")?)?;
     totals.momentum_error = totals.momentum_error.max(error);
     let name = format!("{}: momentum error in free flight", setup.model.name());
     Ok(Check::gate(name, error, "-", 0.0, MOMENTUM_TOLERANCE, "conservation"))

@@ -4,13 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use clap::ValueEnum;
-use examples::{CaseError, Totals, methods};
-use mpm_core::geometry::{Cuboid, Cylinder, Filling, Lattice, Seeds, Shape, fill};
-use mpm_core::observe::{HistoryCsv, Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
+use examples::{CaseError, Simulation, Totals, methods};
+use mpm_core::geometry::{Compose, Cuboid, Cylinder, Filling, Lattice, Seeds, fill};
+use mpm_core::observe::{HistoryCsv, Ledger, LedgerEntry, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
     Apic, Axisymmetric, BlockGrid, Boundary, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method,
-    Mpm, Musl, QuadraticBSpline, Side, Team, Usl,
+    Mpm, Musl, QuadraticBSpline, Side, Solver, Team, Usl,
 };
 use mpm_materials::{IntoMaterial, JohnsonCook, Material, MieGruneisen, Solid};
 use serde::Serialize;
@@ -127,14 +127,14 @@ pub struct Outcome {
 }
 
 /// Run the bar into the wall.
-pub fn impact(setup: &Setup, files: Option<Files>) -> Result<Outcome, CaseError> {
-    with_scheme(setup, Task::Impact(files))
+pub fn impact(setup: &Setup, files: Option<Files>, simulation: Simulation) -> Result<Outcome, CaseError> {
+    with_scheme(setup, Task::Impact(files), simulation)
 }
 
 /// Fly the whole bar, stretching and spinning, without a wall, in space or axisymmetrically (without spin);
 /// returns the momentum error.
-pub fn free_flight(setup: &Setup) -> Result<f64, CaseError> {
-    Ok(with_scheme(setup, Task::FreeFlight)?.totals.momentum_error)
+pub fn free_flight(setup: &Setup, simulation: Simulation) -> Result<f64, CaseError> {
+    Ok(with_scheme(setup, Task::FreeFlight, simulation)?.totals.momentum_error)
 }
 
 #[derive(Clone, Copy)]
@@ -143,7 +143,7 @@ enum Task<'a> {
     FreeFlight,
 }
 
-fn with_scheme(setup: &Setup, task: Task) -> Result<Outcome, CaseError> {
+fn with_scheme(setup: &Setup, task: Task, simulation: Simulation) -> Result<Outcome, CaseError> {
     let [linear, quadratic] = BULK_VISCOSITY;
     let eos = MieGruneisen::copper();
     let law = match setup.constants {
@@ -157,8 +157,8 @@ fn with_scheme(setup: &Setup, task: Task) -> Result<Outcome, CaseError> {
         }
     };
     match setup.model {
-        Model::Quarter => in_space(setup, task, scheme_in_space(setup.scheme), law),
-        Model::Axisymmetric => axisymmetric(setup, task, scheme_revolved(setup.scheme), law),
+        Model::Quarter => in_space(setup, task, scheme_in_space(setup.scheme), law, simulation),
+        Model::Axisymmetric => axisymmetric(setup, task, scheme_revolved(setup.scheme), law, simulation),
     }
 }
 
@@ -186,6 +186,7 @@ fn in_space(
     task: Task,
     method: Kernels<f64, 3>,
     law: Arc<dyn Material<f64>>,
+    simulation: Simulation,
 ) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 3], setup.spacing())?;
     let bar = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], LENGTH, RADIUS)?;
@@ -208,7 +209,7 @@ fn in_space(
             })?;
         }
     }
-    run(setup, task, mpm, &seeds)
+    run(setup, task, mpm, &seeds, simulation)
 }
 
 /// Radius and height, with the axis r = 0 and the wall z = 0.
@@ -217,6 +218,7 @@ fn axisymmetric(
     task: Task,
     method: Kernels<f64, 2>,
     law: Arc<dyn Material<f64>>,
+    simulation: Simulation,
 ) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
     let bar = Cuboid::new([0.0; 2], [RADIUS, LENGTH])?;
@@ -232,7 +234,7 @@ fn axisymmetric(
             mpm.add("bar", law, &seeds, |[_, z]| [0.0, -SPEED + 40.0 * z / LENGTH])?;
         }
     }
-    run(setup, task, mpm, &seeds)
+    run(setup, task, mpm, &seeds, simulation)
 }
 
 /// Run with observers, and measure the bar.
@@ -241,11 +243,12 @@ fn run<const D: usize>(
     task: Task,
     mut mpm: Mpm<D>,
     seeds: &Seeds<D>,
+    mut simulation: Simulation,
 ) -> Result<Outcome, CaseError> {
     mpm.set_team(Team::new(setup.threads)?);
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
     let mut bar = Progress::new(format!("{:<22}", setup.name()));
-    let mut extra: Vec<Box<dyn Observer<f64, D> + '_>> = Vec::new();
+    let mut extra: Vec<Box<dyn Observer + '_>> = Vec::new();
     let end = match task {
         Task::Impact(Some(files)) => {
             ledger = ledger.with_csv(files.folder.join(format!("ledger_{}.csv", setup.name())))?;
@@ -255,14 +258,13 @@ fn run<const D: usize>(
         Task::Impact(None) => END,
         Task::FreeFlight => 0.1 * END,
     };
-    let mut observers: Vec<&mut dyn Observer<f64, D>> = vec![&mut ledger, &mut bar];
-    observers.extend(extra.iter_mut().map(|o| &mut **o as &mut dyn Observer<f64, D>));
-    let summary = mpm.run_observed(end, &mut observers)?;
-    drop(observers);
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut bar];
+    observers.extend(extra.iter_mut().map(|o| &mut **o as &mut dyn Observer));
+    simulation.until(&mut mpm, observers, end)?;
     drop(extra);
-    let outline = Outline::of(&mpm.moment(), seeds, setup.spacing());
+    let outline = Outline::of(&RunView::of(&mpm), seeds, setup.spacing());
     let sizes = outline.sizes();
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let (ledger, snapshot) = (ledger.entries().to_vec(), mpm.snapshot()?);
     Ok(Outcome { setup: *setup, sizes, outline, ledger, snapshot, totals })
 }
@@ -272,19 +274,19 @@ fn files_of<'a, const D: usize>(
     setup: &Setup,
     files: Files,
     seeds: &'a Seeds<D>,
-) -> Result<Vec<Box<dyn Observer<f64, D> + 'a>>, CaseError> {
+) -> Result<Vec<Box<dyn Observer + 'a>>, CaseError> {
     let spacing = setup.spacing();
     let columns = [("time", "s"), ("length", "m"), ("foot diameter", "m"), ("diameter at 0.2 L0", "m")];
     let sizes = HistoryCsv::create(
         files.folder.join(format!("sizes_{}.csv", setup.name())),
         columns,
         Pace::interval(HISTORY)?,
-        move |now: &mpm_core::observe::Moment<'_, f64, D>| {
+        move |now: &RunView<'_>| {
             let s = Outline::of(now, seeds, spacing).sizes();
             Ok(vec![now.time(), s.length, s.foot, s.waist])
         },
     )?;
-    let mut observers: Vec<Box<dyn Observer<f64, D> + 'a>> = vec![Box::new(sizes)];
+    let mut observers: Vec<Box<dyn Observer + 'a>> = vec![Box::new(sizes)];
     if files.frames > 0 {
         let pace = Pace::interval(END / f64::from(files.frames))?;
         observers.push(Box::new(VtkSeries::create(files.folder.join("paraview"), setup.name(), pace)?));

@@ -8,7 +8,7 @@
 //! and z0 = L.
 
 use mpm_core::geometry::Seeds;
-use mpm_core::observe::Moment;
+use mpm_core::observe::RunView;
 
 use crate::scene::{LENGTH, RADIUS};
 
@@ -76,7 +76,7 @@ impl Fit {
 
 impl Outline {
     /// The outline now, of a bar seeded with two particles per cell of edge `spacing` (m) along each axis.
-    pub fn of<const D: usize>(now: &Moment<'_, f64, D>, seeds: &Seeds<D>, spacing: f64) -> Outline {
+    pub fn of<const D: usize>(now: &RunView<'_>, seeds: &Seeds<D>, spacing: f64) -> Outline {
         let step = 0.5 * spacing;
         let place = |x: &[f64]| if D == 3 { (x[0].hypot(x[1]), x[2]) } else { (x[0], x[1]) };
         let mut fits = vec![Fit::default(); (LENGTH / step).round() as usize];

@@ -9,7 +9,7 @@ mod scene;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, Resolution, Totals, case};
+use examples::{CaseError, Check, Common, Report, Resolution, Restart, Totals, case};
 
 use scene::{END, Files, Outcome, Parts, SPEED, Setup, Space};
 
@@ -115,15 +115,15 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("taylor_copper")?;
     let (mut totals, mut checks, mut bars) = (Totals::default(), Vec::new(), Vec::new());
     for setup in options.setups() {
-        let outcome = scene::impact(&setup, Files { folder: &folder, frames: options.frames })?;
+        let outcome = scene::impact(&setup, Files { folder: &folder, frames: options.frames, restart })?;
         totals = totals.plus(&Totals { energy_error: 0.0, ..outcome.totals });
         checks.extend(checks_of(&outcome));
         bars.push(outcome);
@@ -131,7 +131,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let mut beside = Vec::new();
     if !options.only_ours {
         for space in [Space::Axisymmetric, Space::PlaneStrain] {
-            let outcome = mpm::impact(space, STANDARD, options.beside(), common.threads())?;
+            let outcome = mpm::impact(space, STANDARD, options.beside(), common.threads(), restart)?;
             totals = totals.plus(&outcome.totals);
             checks.extend(checks_beside(&outcome, options.beside()));
             beside.push(outcome);

@@ -1,11 +1,11 @@
 //! The same bar by the material point method.
 
-use examples::{CaseError, Totals};
+use examples::{CaseError, Restart, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, IntoKernels, Kernels, Method, Mpm, PlaneStrain, Side, Team,
+    Axisymmetric, BlockGrid, Boundary, IntoKernels, Kernels, Method, Mpm, PlaneStrain, Side, Solver, Team,
 };
 use mpm_materials::Solid;
 
@@ -22,15 +22,21 @@ pub struct Outcome {
 }
 
 /// Run the bar into the wall with `cells` cells on the radius: [`Method::impact`], two particles a cell and axis.
-pub fn impact(space: Space, hardening: f64, cells: u32, threads: usize) -> Result<Outcome, CaseError> {
+pub fn impact(
+    space: Space,
+    hardening: f64,
+    cells: u32,
+    threads: usize,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     match space {
         Space::PlaneStrain => {
             let method = Method::impact(PlaneStrain).into_kernels();
-            run(space, method, Filling::new(), hardening, cells, threads)
+            run(space, method, Filling::new(), hardening, cells, threads, restart)
         }
         Space::Axisymmetric | Space::Quarter => {
             let method = Method::impact(Axisymmetric).into_kernels();
-            run(space, method, Filling::new().axisymmetric(), hardening, cells, threads)
+            run(space, method, Filling::new().axisymmetric(), hardening, cells, threads, restart)
         }
     }
 }
@@ -42,6 +48,7 @@ fn run(
     hardening: f64,
     cells: u32,
     threads: usize,
+    restart: &Restart,
 ) -> Result<Outcome, CaseError> {
     let lattice = Lattice::new([0.0; 2], RADIUS / f64::from(cells))?;
     let seeds = fill(&Cuboid::new([0.0; 2], [RADIUS, LENGTH])?, &lattice, 2, &filling)?;
@@ -54,12 +61,13 @@ fn run(
     mpm.set_team(Team::new(threads)?);
     let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
     let mut bar = Progress::new("mpm".to_string());
-    let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
-    let summary = mpm.run_observed(END, &mut observers)?;
+    let observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut bar];
+    let mut simulation = restart.scene(format!("mpm_{}", space.name()))?;
+    simulation.until(&mut mpm, observers, END)?;
     let snapshot = mpm.snapshot()?;
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let mut places = vec![[f64::NAN; 2]; seeds.len()];
-    for body in mpm.moment().bodies() {
+    for body in mpm.bodies() {
         body.for_each(&mut |p| {
             if let Some(place) = places.get_mut(p.number) {
                 *place = [p.position[0], p.position[1]];

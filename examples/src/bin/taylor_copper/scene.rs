@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use examples::march::{self, March};
-use examples::{CaseError, Totals};
+use examples::{CaseError, Restart, Totals};
 use mpm_core::geometry::{Cuboid, Lattice};
-use mpm_core::output::{History, Snapshot, VtkSeries};
-use mpm_core::{Axisymmetric, Boundary, Embedding, FullSpace, PlaneStrain, Side, Team};
+use mpm_core::observe::{HistoryCsv, Ledger, Observer, Pace, Progress, RunView, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{Axisymmetric, Boundary, Embedding, FullSpace, PlaneStrain, RunError, Side, Solver, Team};
 use mpm_materials::{
     Adiabatic, Constitutive, Heat, IntoMaterial, JohnsonCook, Logarithmic, MieGruneisen, SmoothLogarithmic,
     Solid,
@@ -38,6 +38,17 @@ pub enum Space {
     Axisymmetric,
     /// A quarter of the bar in three dimensions.
     Quarter,
+}
+
+impl Space {
+    /// As in the names of files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Space::PlaneStrain => "plane_strain",
+            Space::Axisymmetric => "axisymmetric",
+            Space::Quarter => "quarter",
+        }
+    }
 }
 
 /// Which parts of the method.
@@ -97,6 +108,7 @@ pub struct Outcome {
 pub struct Files<'a> {
     pub folder: &'a Path,
     pub frames: u32,
+    pub restart: &'a Restart,
 }
 
 /// Copper as in the table of the paper, but for B and what it does not print (heat capacity, melting temperature): the
@@ -202,7 +214,7 @@ fn run<const D: usize, M: Composition<D>>(
     law: impl IntoMaterial<f64>,
     packing: &Packing<D>,
     planes: usize,
-    Files { folder, frames }: Files,
+    Files { folder, frames, restart }: Files,
 ) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let axis = D - 1;
@@ -241,36 +253,40 @@ fn run<const D: usize, M: Composition<D>>(
         ("energy added by revisions", "J"),
         ("mass of elements", "kg"),
     ];
-    let mut csv = History::create(folder.join(format!("history_{}.csv", setup.name)), columns)?;
-    let mut series = VtkSeries::create(folder.join("paraview"), setup.name)?;
-    let start = bar.totals();
-    let name = format!("{:<28}", setup.name);
-    let run = March { name: &name, particles: packing.positions.len(), end: END, history: HISTORY };
-    let (totals, broken) = run.run(
-        &mut bar,
-        |bar| {
-            let (now, [length, radius]) = (bar.totals(), sizes(bar));
-            csv.push(&[
-                bar.time(),
-                length,
-                radius,
-                now.kinetic,
-                now.internal,
-                bar.given().work,
-                bar.audit().energy_added(),
-                now.covered,
-            ])?;
-            Ok(march::errors(bar, &start, axis..D))
-        },
-        |bar| {
-            if frames > 0 && bar.time() >= series.frames() as f64 * END / f64::from(frames) {
-                series.write(&bar.snapshot()?)?;
-            }
-            Ok(END)
-        },
-    )?;
-    let broke = broken.err().map(|e| e.to_string());
-    let covered = bar.totals().covered / start.covered;
+    let (start, covered) = (bar.totals(), bar.coverage().mass);
+    let path = folder.join(format!("history_{}.csv", setup.name));
+    let mut history = HistoryCsv::create(path, columns, Pace::interval(HISTORY)?, |now: &RunView<'_>| {
+        let bar = now.solver_as::<Pcmm<D, M>>()?;
+        let [length, radius] = sizes(bar);
+        Ok(vec![
+            now.time(),
+            length,
+            radius,
+            now.totals().kinetic,
+            now.totals().internal,
+            now.exchange().work,
+            bar.audit().energy_added(),
+            bar.coverage().mass,
+        ])
+    })?;
+    let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    let mut progress = Progress::new(format!("{:<28}", setup.name));
+    let mut series = None;
+    if frames > 0 {
+        let pace = Pace::interval(END / f64::from(frames))?;
+        series = Some(VtkSeries::create(folder.join("paraview"), setup.name, pace)?);
+    }
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut history, &mut ledger, &mut progress];
+    observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
+    // What breaks the method as printed is a result.
+    let mut simulation = restart.scene(setup.name)?;
+    let broke = match simulation.until(&mut bar, observers, END) {
+        Ok(()) => None,
+        Err(RunError::Step(error)) => Some(error.to_string()),
+        Err(error) => return Err(error.into()),
+    };
+    let totals = Totals::of(&bar, &simulation.summary(), &ledger);
+    let covered = bar.coverage().mass / covered;
     Ok(Outcome {
         setup: *setup,
         sizes: sizes(&bar),

@@ -10,7 +10,7 @@ mod setup;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Totals, case, within};
+use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
 use setup::{Form, Setup};
 
@@ -55,10 +55,10 @@ const CUBE_END: f64 = 6.0e-6;
 const ZONES: usize = 400;
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("tnt_cased")?;
     let cylinder = Setup {
@@ -79,7 +79,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     let mut totals = Totals::default();
     let mut seconds = Vec::new();
     for setup in [cylinder, cube] {
-        let outcome = scene::burst(&setup, options.frames.then_some(&folder))?;
+        let outcome = scene::burst(&setup, options.frames.then_some(&folder), restart)?;
         let file = |what: &str| folder.join(format!("{what}_{}.png", setup.name()));
         figures::write(&outcome, &folder)?;
         figures::sections(&outcome)?.save(file("section"))?;

@@ -5,14 +5,13 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Totals};
-use mpm_core::geometry::{Cuboid, Cylinder, Filling, Lattice, Seeds, Shape, Tube, fill};
-use mpm_core::observe::{
-    Ledger, LedgerEntry, Moment, ObserveError, Observer, Pace, Progress, RunSummary, VtkSeries,
-};
+use examples::{CaseError, Restart, Totals};
+use mpm_core::geometry::{Compose, Cuboid, Cylinder, Filling, Lattice, Seeds, Tube, fill};
+use mpm_core::observe::{Ledger, LedgerEntry, ObserveError, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Blend, BlockGrid, Boundary, CpGimp, Deformable, FullSpace, Method, Mpm, Musl, Side, Team, TimeControl,
+    Archive, Blend, BlockGrid, Boundary, CheckpointError, CpGimp, Deformable, FullSpace, Method, Mpm, Musl,
+    Side, Solver, Team, TimeControl,
 };
 use mpm_materials::{Constitutive, Detonation, Explosive, library};
 
@@ -49,11 +48,11 @@ struct Track {
     rows: Vec<Row>,
 }
 
-impl Observer<f64, 3> for Track {
+impl Observer for Track {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
-    fn observe(&mut self, now: &Moment<'_, f64, 3>) -> Result<(), ObserveError> {
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let mut row = Row { time: now.time(), range: [0.0, f64::INFINITY], ..Row::default() };
         let mut mass = 0.0;
         let mut sectors = [[0.0; 2]; SECTORS];
@@ -82,6 +81,12 @@ impl Observer<f64, 3> for Track {
         row.radius /= mass;
         self.rows.push(row);
         Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.rows, &Row::default(), |file, row| {
+            let Row { time, speed, range, radius, kinetic } = row;
+            file.reals([time, speed, radius].into_iter().chain(range).chain(kinetic))
+        })
     }
 }
 
@@ -129,7 +134,7 @@ fn seeds(setup: &Setup, lattice: &Lattice<3>) -> Result<[Seeds<3>; 2], CaseError
 }
 
 /// Light the charge and let the case fly.
-pub fn burst(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> {
+pub fn burst(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let lattice = Lattice::new([0.0; 3], h)?;
     let [linear, quadratic] = setup.viscosity;
@@ -168,14 +173,12 @@ pub fn burst(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
         frames = Some(VtkSeries::create(folder.join("paraview"), setup.name(), pace)?);
     }
     let mut bar = Progress::new(setup.name());
-    let mut summary = RunSummary::default();
-    let mut snapshots = Vec::new();
+    let mut simulation = restart.scene(setup.name())?;
     for part in LOOKS {
-        let mut observers: Vec<&mut dyn Observer<f64, 3>> = vec![&mut track, &mut ledger, &mut bar];
-        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer<f64, 3>));
-        let run = mpm.run_observed(part * setup.end, &mut observers)?;
-        summary += run;
-        snapshots.push(mpm.snapshot()?);
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
+        observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
+        simulation.until(&mut mpm, observers, part * setup.end)?;
+        simulation.keep(|| mpm.snapshot())?;
     }
     let outer = CHARGE + CASE;
     let quarter = std::f64::consts::FRAC_PI_4 * h;
@@ -187,10 +190,10 @@ pub fn burst(setup: &Setup, files: Option<&Path>) -> Result<Outcome, CaseError> 
     Ok(Outcome {
         setup: *setup,
         rows: track.rows,
-        snapshots,
         masses,
         chemical: crate::setup::CHEMICAL * gas.measure(),
         books: ledger.entries().last().copied().unwrap_or_default(),
-        totals: Totals::of(&mpm, &summary, &ledger),
+        totals: Totals::of(&mpm, &simulation.summary(), &ledger),
+        snapshots: simulation.into_snapshots(),
     })
 }

@@ -9,7 +9,7 @@ mod taylor_wave;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Check, Common, Report, case, within};
+use examples::{CaseError, Check, Common, Report, Restart, case, within};
 
 use scene::{LENGTH, Outcome, Setup};
 use taylor_wave::CHAPMAN_JOUGUET;
@@ -51,10 +51,10 @@ const ENERGY_TOLERANCE: f64 = 0.01;
 const MOMENTUM_TOLERANCE: f64 = 1e-12;
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("tnt_slab")?;
     let setup = Setup {
@@ -64,7 +64,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
         time_factor: options.time_factor,
         threads: common.threads(),
     };
-    let outcome = scene::burn(&setup, &folder, options.frames)?;
+    let outcome = scene::burn(&setup, &folder, options.frames, restart)?;
     figures::draw(&outcome, &folder)?;
     let settings = serde_json::json!({
         "cells": setup.cells,

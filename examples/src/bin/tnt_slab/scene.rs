@@ -6,7 +6,7 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Totals};
+use examples::{CaseError, Restart, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Probe, ProbeRow, Probes, Progress, Quantity, VtkSeries};
 use mpm_core::{
@@ -106,7 +106,7 @@ pub struct Outcome {
 }
 
 /// Light the slab at the wall x = 0 and let it burn.
-pub fn burn(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseError> {
+pub fn burn(setup: &Setup, folder: &Path, frames: u32, restart: &Restart) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let lattice = Lattice::new([0.0; 2], h)?;
     let seeds = fill(&Cuboid::new([0.0; 2], [LENGTH, ROWS * h])?, &lattice, 2, &Filling::new())?;
@@ -142,9 +142,10 @@ pub fn burn(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseEr
         let pace = Pace::interval(END / f64::from(frames))?;
         series = Some(VtkSeries::create(folder.join("paraview"), "slab", pace)?);
     }
-    let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut probes, &mut ledger, &mut progress];
-    observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer<f64, 2>));
-    let summary = mpm.run_observed(END, &mut observers)?;
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut probes, &mut ledger, &mut progress];
+    observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
+    let mut simulation = restart.scene("slab")?;
+    simulation.until(&mut mpm, observers, END)?;
 
     let mut profile = Vec::new();
     mpm.bodies()[0].for_each(&mut |p| {
@@ -153,7 +154,7 @@ pub fn burn(setup: &Setup, folder: &Path, frames: u32) -> Result<Outcome, CaseEr
     });
     profile.sort_by(|a, b| a.x.total_cmp(&b.x));
     let exact = TaylorWave::of(&Jwl::tnt());
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let mut first = 0;
     let gauges = cells.iter().map(|cell| {
         let own = first..first + cell.len();

@@ -1,23 +1,29 @@
 //! By the material point method.
 
-use examples::{CaseError, Totals};
-use mpm_contact::{Coulomb, GridContact, Pairs, SurfaceDistance};
-use mpm_core::observe::{Ledger, Observer, Pace, Progress, RunSummary};
+use examples::{CaseError, Restart, Totals};
+use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
+use mpm_core::GridContact;
+use mpm_core::observe::{Ledger, Observer, Pace, Progress};
 use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, CpGimp, Flip, IntoKernels, Method, Mpm, Musl, PlaneStrain, Side, Team,
+    Axisymmetric, BlockGrid, Boundary, CpGimp, Flip, IntoKernels, Method, Mpm, Musl, PlaneStrain, Side,
+    Solver, Team,
 };
 
 use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, celled};
 
 /// Shoot with cpGIMP, MUSL and FLIP: with hats metal that flows round the axis locks until a particle breaks down.
-pub fn shoot(setup: &Setup) -> Result<Outcome, CaseError> {
+pub fn shoot(setup: &Setup, restart: &Restart) -> Result<Outcome, CaseError> {
     match setup.space {
-        Space::PlaneStrain => with_method(setup, Method::new(CpGimp, Flip, Musl, PlaneStrain)),
-        Space::Axisymmetric => with_method(setup, Method::new(CpGimp, Flip, Musl, Axisymmetric)),
+        Space::PlaneStrain => with_method(setup, Method::new(CpGimp, Flip, Musl, PlaneStrain), restart),
+        Space::Axisymmetric => with_method(setup, Method::new(CpGimp, Flip, Musl, Axisymmetric), restart),
     }
 }
 
-fn with_method(setup: &Setup, method: impl IntoKernels<f64, 2>) -> Result<Outcome, CaseError> {
+fn with_method(
+    setup: &Setup,
+    method: impl IntoKernels<f64, 2>,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let (space, threads) = (setup.space, setup.threads);
     let (lattice, seeds) = celled(space, setup.spacing)?;
     let contact = GridContact::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(setup.friction)?));
@@ -35,27 +41,30 @@ fn with_method(setup: &Setup, method: impl IntoKernels<f64, 2>) -> Result<Outcom
     let start = mpm.totals();
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
     let mut bar = Progress::new("material points".to_string());
-    let mut summary = RunSummary::default();
-    let (mut history, mut frames) = (Vec::new(), Vec::new());
+    let mut simulation = restart.scene(format!("mpm_{}", space.name()))?;
+    let mut history = Vec::new();
     for entry in 0..=(END / HISTORY).round() as usize {
         let time = entry as f64 * HISTORY;
         if entry > 0 {
-            let mut observers: Vec<&mut dyn Observer<f64, 2>> = vec![&mut ledger, &mut bar];
-            let run = mpm.run_observed(time, &mut observers)?;
-            summary += run;
+            let observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut bar];
+            simulation.until(&mut mpm, observers, time)?;
         }
-        let mut tip = f64::MIN;
-        let bullet = mpm.bodies()[0].totals();
-        mpm.bodies()[0].for_each(&mut |p| tip = tip.max(p.position[space.axis()] + 0.25 * lattice.spacing()));
-        let now = mpm.totals();
-        let energies = [now.kinetic, now.internal, start.kinetic - now.kinetic - now.internal];
-        let speed = bullet.momentum[space.axis()] / bullet.mass;
+        let [tip, speed, kinetic, internal] = simulation.note(|| {
+            let mut tip = f64::MIN;
+            let bullet = mpm.bodies()[0].totals();
+            let surface = 0.25 * lattice.spacing();
+            mpm.bodies()[0].for_each(&mut |p| tip = tip.max(p.position[space.axis()] + surface));
+            let now = mpm.totals();
+            Ok([tip, bullet.momentum[space.axis()] / bullet.mass, now.kinetic, now.internal])
+        })?;
+        let energies = [kinetic, internal, start.kinetic - kinetic - internal];
         history.push(Entry { time, tip, speed, energies: energies.map(|e| e / start.kinetic) });
-        if frames.len() < MOMENTS.len() && time >= MOMENTS[frames.len()] * (1.0 - 1e-9) {
-            frames.push(mpm.snapshot()?);
+        if MOMENTS.get(simulation.snapshots().len()).is_some_and(|moment| time >= moment * (1.0 - 1e-9)) {
+            simulation.keep(|| mpm.snapshot())?;
         }
     }
-    let totals = Totals::of(&mpm, &summary, &ledger);
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
+    let frames = simulation.into_snapshots();
     let mass = start.mass / setup.mass();
     Ok(Outcome { method: "mpm", space, history, frames, mass, added: None, totals })
 }

@@ -10,7 +10,7 @@ mod scene;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::{CaseError, Check, Common, Report, Totals, case, within};
+use examples::{CaseError, Check, Common, Report, Restart, Totals, case, within};
 
 use scene::{BULLET, END, MOMENTS, Outcome, PAPER_AREA, SPEED, Setup, Space};
 
@@ -59,10 +59,10 @@ const ADDED_TOLERANCE: f64 = 0.02;
 const ENERGY_TOLERANCE: f64 = 0.06;
 
 fn main() -> ExitCode {
-    case::start(run)
+    case::start_case(run)
 }
 
-fn run(options: &Options) -> Result<ExitCode, CaseError> {
+fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let common = &options.common;
     let folder = common.folder("tungsten_bullet")?;
     let refine = options.refine.unwrap_or(common.resolution.choose(0.5, 1.0, 2.0));
@@ -73,10 +73,10 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
     for &space in &options.space {
         let setup = Setup { space, metals, spacing, friction: options.friction, threads: common.threads() };
         if options.method != Methods::Mpm {
-            outcomes.push(particles::shoot(&setup)?);
+            outcomes.push(particles::shoot(&setup, restart)?);
         }
         if options.method != Methods::Pcmm {
-            outcomes.push(grid::shoot(&setup)?);
+            outcomes.push(grid::shoot(&setup, restart)?);
         }
     }
     for outcome in &outcomes {

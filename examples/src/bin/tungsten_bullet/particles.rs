@@ -1,12 +1,17 @@
 //! By the particle-contact meshfree method.
 
-use examples::CaseError;
-use examples::march::March;
+use examples::{CaseError, Restart, Totals};
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
-use mpm_core::{Axisymmetric, Boundary, Embedding, PlaneStrain, Side, Team, TimeControl};
+use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, Progress, RunView};
+use mpm_core::{
+    Archive, Axisymmetric, Boundary, CheckpointError, Embedding, PlaneStrain, Side, Solver, Team, TimeControl,
+};
 use pcmm::{Bodies, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm, pieces};
 
 use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, packed};
+
+/// Bullet and target.
+type Scene = Bodies<2, SurfaceDistance>;
 
 /// Steps between two revisions.
 const EVERY: u64 = 2;
@@ -23,17 +28,21 @@ fn tessellation(spacing: f64) -> Result<LocalDelaunay, CaseError> {
 }
 
 /// Shoot.
-pub fn shoot(setup: &Setup) -> Result<Outcome, CaseError> {
+pub fn shoot(setup: &Setup, restart: &Restart) -> Result<Outcome, CaseError> {
     match setup.space {
-        Space::PlaneStrain => with_embedding(setup, PlaneStrain),
-        Space::Axisymmetric => with_embedding(setup, Axisymmetric),
+        Space::PlaneStrain => with_embedding(setup, PlaneStrain, restart),
+        Space::Axisymmetric => with_embedding(setup, Axisymmetric, restart),
     }
 }
 
-fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcome, CaseError> {
+fn with_embedding<E: Embedding<2>>(
+    setup: &Setup,
+    embedding: E,
+    restart: &Restart,
+) -> Result<Outcome, CaseError> {
     let (space, threads) = (setup.space, setup.threads);
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
-    let mut scene = Bodies::<2, _>::new(SurfaceDistance::default(), laws);
+    let mut scene = Scene::new(SurfaceDistance::default(), laws);
     let seeds = packed(space, setup.spacing, JITTER)?;
     let names = ["bullet", "target"];
     for (b, (law, seeds)) in setup.metals.into_iter().zip(&seeds).enumerate() {
@@ -51,45 +60,59 @@ fn with_embedding<E: Embedding<2>>(setup: &Setup, embedding: E) -> Result<Outcom
     scene.set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 })?;
 
     let start = scene.totals();
-    let particles = seeds.iter().map(|s| s.len()).sum();
-    let (mut history, mut frames) = (Vec::new(), Vec::new());
-    let run = March { name: "particle contacts", particles, end: END, history: HISTORY };
-    let (totals, broken) = run.run(
-        &mut scene,
-        |scene| {
-            let (now, added) = (scene.totals(), scene.audit().energy_added());
-            let taken = scene.taken() - added;
-            let all = (now.kinetic + now.internal + taken) / start.kinetic;
-            // Around an axis, the momentum across it is not one.
-            let axes = match space {
-                Space::PlaneStrain => 0..2,
-                Space::Axisymmetric => 1..2,
-            };
-            let missing = axes.map(|d| (now.momentum[d] - start.momentum[d]).powi(2)).sum::<f64>().sqrt();
-            let particles = scene.particles(0);
-            let reach =
-                |n: &u32| particles[*n as usize].position[space.axis()] + particles[*n as usize].radius;
-            // Of the largest piece that hangs together: others may fly ahead.
-            let corners = scene.element_nodes(0);
-            let pieces = pieces::<2>(corners, particles.len());
-            let bullet = pieces.iter().take(1).flatten().flat_map(|&e| &corners[3 * e as usize..][..3]);
-            let tip = bullet.map(reach).fold(f64::MIN, f64::max);
-            let bullet = scene.totals_of(0).unwrap_or_default();
-            let speed = bullet.momentum[space.axis()] / bullet.mass;
-            let energies = [now.kinetic, now.internal, taken].map(|e| e / start.kinetic);
-            history.push(Entry { time: scene.time(), tip, speed, energies });
-            Ok([all - 1.0, missing / start.momentum_scale])
-        },
-        |scene| {
-            if frames.len() < MOMENTS.len() && scene.time() >= MOMENTS[frames.len()] {
-                frames.push(scene.snapshot()?);
-            }
-            // Pictures are of their moments.
-            Ok(MOMENTS.get(frames.len()).copied().unwrap_or(END))
-        },
-    )?;
-    broken?;
+    let mut tip = Tip { pace: Pace::interval(HISTORY)?, space, start: start.kinetic, history: Vec::new() };
+    let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    let mut bar = Progress::new("particle contacts");
+    let mut simulation = restart.scene(format!("pcmm_{}", space.name()))?;
+    // Pictures are of their moments.
+    for end in MOMENTS.into_iter().chain([END]) {
+        let observers: [&mut dyn Observer; 3] = [&mut tip, &mut ledger, &mut bar];
+        simulation.until(&mut scene, observers, end)?;
+        if end < END {
+            simulation.keep(|| scene.snapshot())?;
+        }
+    }
+    let totals = Totals::of(&scene, &simulation.summary(), &ledger);
+    let frames = simulation.into_snapshots();
     let added = Some(scene.audit().energy_added() / start.kinetic);
     let mass = start.mass / setup.mass();
-    Ok(Outcome { method: "pcmm", space, history, frames, mass, added, totals })
+    Ok(Outcome { method: "pcmm", space, history: tip.history, frames, mass, added, totals })
+}
+
+/// Follows the bullet.
+struct Tip {
+    pace: Pace,
+    space: Space,
+    /// Kinetic energy at the start, J.
+    start: f64,
+    history: Vec<Entry>,
+}
+
+impl Observer for Tip {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let scene = now.solver_as::<Scene>()?;
+        let (axis, particles, corners) = (self.space.axis(), scene.particles(0), scene.element_nodes(0));
+        // Of the largest piece that hangs together: others may fly ahead.
+        let pieces = pieces::<2>(corners, particles.len());
+        let bullet = pieces.iter().take(1).flatten().flat_map(|&e| &corners[3 * e as usize..][..3]);
+        let reach = |n: &u32| particles[*n as usize].position[axis] + particles[*n as usize].radius;
+        let bullet_totals = scene.totals_of(0).unwrap_or_default();
+        let given = now.exchange();
+        let taken = given.friction + given.impacts - given.conversion;
+        self.history.push(Entry {
+            time: now.time(),
+            tip: bullet.map(reach).fold(f64::MIN, f64::max),
+            speed: bullet_totals.momentum[axis] / bullet_totals.mass,
+            energies: [now.totals().kinetic, now.totals().internal, taken].map(|e| e / self.start),
+        });
+        Ok(())
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.history, &Entry::default(), |file, entry| entry.archive(file))
+    }
 }

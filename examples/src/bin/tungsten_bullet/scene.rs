@@ -6,6 +6,7 @@ use clap::ValueEnum;
 use examples::{CaseError, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::output::{History, Snapshot};
+use mpm_core::{Archive, CheckpointError};
 use mpm_materials::{
     Adiabatic, Constitutive, Heat, JohnsonCook, Logarithmic, MieGruneisen, Solid, TensilePressure, library,
 };
@@ -175,7 +176,7 @@ pub fn celled(space: Space, spacing: f64) -> Result<(Lattice<2>, [Seeds<2>; 2]),
 }
 
 /// A moment of the history.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Entry {
     /// s.
     pub time: f64,
@@ -186,6 +187,14 @@ pub struct Entry {
     pub speed: f64,
     /// Kinetic and internal energy, and what contact and revisions took, over the kinetic energy at the start.
     pub energies: [f64; 3],
+}
+
+impl Entry {
+    /// To a checkpoint, or from one.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let Entry { time, tip, speed, energies } = self;
+        file.reals([time, tip, speed].into_iter().chain(energies))
+    }
 }
 
 /// What came of a run.

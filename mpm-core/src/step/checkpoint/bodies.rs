@@ -2,17 +2,13 @@
 
 use nalgebra::Matrix3;
 
-use super::{Archive, CheckpointError};
 use crate::parallel::Float;
-use crate::step::Totals;
 use crate::step::load::Loading;
-use crate::step::look::Looks;
 use crate::step::merging::MergeBook;
-use crate::step::nodes::NodeLedger;
 use crate::step::particle_body::ParticleBody;
 use crate::step::rigid::{RigidState, Step};
 use crate::step::splitting::SplitBook;
-use crate::watch::Books;
+use impactite_scene::{Archive, CheckpointError};
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Particles, and what they mapped.
@@ -106,38 +102,5 @@ impl Loading {
     pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
         let Loading { force, power } = self;
         force.iter_mut().chain([power])
-    }
-}
-
-impl NodeLedger {
-    /// All of it.
-    pub(super) fn numbers_mut(&mut self) -> impl Iterator<Item = &mut f64> {
-        let NodeLedger { impulse, load, work, dropped, friction, contact, split } = self;
-        impulse.iter_mut().chain(load).chain(dropped).chain([work, friction, contact, split])
-    }
-}
-
-impl Totals {
-    fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        let Totals { particles, mass, momentum, angular_momentum, momentum_scale, kinetic, internal } = self;
-        file.count(particles)?;
-        let rest = [mass, momentum_scale, kinetic, internal];
-        file.reals(rest.into_iter().chain(momentum).chain(angular_momentum))
-    }
-}
-
-impl<const D: usize> Looks<D> {
-    /// The books and what was found so far; warnings begin anew.
-    pub(super) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        file.option(&mut self.books.start, |file, (totals, given)| {
-            totals.exchange(file)?;
-            file.reals(given.numbers_mut())
-        })?;
-        let Books { energy_scale, momentum_scale, .. } = &mut self.books;
-        file.reals([energy_scale, momentum_scale, &mut self.lowest, &mut self.scale])?;
-        file.option(&mut self.first, Archive::word)?;
-        file.word(&mut self.last)?;
-        file.reals(&mut self.gains)?;
-        file.list(&mut self.parts, &0, Archive::word)
     }
 }

@@ -1,43 +1,14 @@
 //! What a scene is made of, in words, for a checkpoint to compare: constants as types show them (`Debug`), functions of time and
 //! place by what they give at some.
 
-use std::fmt::Debug;
+use impactite_scene::constants::{Constant, over, region};
+use impactite_scene::{Archive, CheckpointError, Condition};
 
-use super::{Archive, CheckpointError};
-use crate::boundary::Boundary;
-use crate::geometry::Shape;
 use crate::parallel::Float;
 use crate::step::load::Loads;
 use crate::step::particle_body::ParticleBody;
 use crate::step::rigid::RigidState;
 use crate::step::solver::Mpm;
-
-/// What is compared, and what it is.
-pub type Constant = (String, String);
-
-/// A region by its bounds and how deep their corners and their middle are.
-fn region<const D: usize>(shape: &dyn Shape<D>) -> String {
-    let bounds = shape.bounds();
-    let middle: [f64; D] = std::array::from_fn(|d| 0.5 * (bounds.min[d] + bounds.max[d]));
-    let depths = [bounds.min, middle, bounds.max].map(|x| shape.signed_distance(x));
-    format!("within {:?} .. {:?} m, {depths:?} m from its surface", bounds.min, bounds.max)
-}
-
-/// A function of time by what it gives at the start and now.
-fn over<X: Debug>(times: [f64; 2], of: impl Fn(f64) -> X) -> String {
-    format!("{:?}", times.map(of))
-}
-
-impl<const D: usize> Boundary<D> {
-    fn constants(&self, times: [f64; 2]) -> String {
-        match self {
-            Boundary::Prescribed { region: shape, velocity } => {
-                format!("Prescribed({}, {} m/s)", region(&**shape), over(times, |t| velocity(t)))
-            }
-            other => format!("{other:?}"),
-        }
-    }
-}
 
 impl<const D: usize> Loads<D> {
     fn constants(&self, at: &[f64; D], times: [f64; 2]) -> String {
@@ -81,7 +52,7 @@ impl<const D: usize> RigidState<D> {
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// See that the file is of a scene with these laws, loads, boundaries and contact. After the clock.
     pub(super) fn compare_constants(&self, file: &mut Archive) -> Result<(), CheckpointError> {
-        let times = [0.0, self.time];
+        let times = [0.0, self.clock.time];
         file.same("contact", &format!("{:?}", self.contact))?;
         let gravity = self.conditions.gravity.as_ref().map(|g| over(times, |t| g(t)));
         file.same("body force at the start and now", &gravity.unwrap_or_default())?;

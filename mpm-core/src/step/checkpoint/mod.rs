@@ -6,57 +6,17 @@
 //! time control and watch may be others. The resumed run makes the steps of the other one, bit for bit, with any number of threads
 //! and any grid.
 
-mod archive;
 mod bodies;
 mod constants;
-mod meetings;
+mod contact;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-pub use archive::Archive;
-pub use constants::Constant;
+use impactite_scene::{Archive, CheckpointError, Solver};
 
-use super::rest::Calm;
-use super::solver::{Mpm, StepError};
-use crate::grid::OutsideGrid;
-use crate::output::OutputError;
+use super::rest::KineticDamping;
+use super::solver::Mpm;
 use crate::parallel::Float;
-
-/// A checkpoint that could not be written, or a scene that it could not be read into.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum CheckpointError {
-    /// The operating system refused a file.
-    #[error(transparent)]
-    File(#[from] OutputError),
-    /// A file that is none, or not whole.
-    #[error("`{}` is no checkpoint that can be read: {why}", path.display())]
-    Damaged {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        why: String,
-    },
-    /// The scene is not the one that was saved.
-    #[error("the checkpoint is of another scene: {what} is `{saved}` there and `{here}` here")]
-    OtherScene {
-        /// What differs.
-        what: String,
-        /// What it is in the checkpoint.
-        saved: String,
-        /// What it is in the scene.
-        here: String,
-    },
-    /// The grid of the scene has no room for it.
-    #[error(transparent)]
-    Outside(#[from] OutsideGrid),
-    /// A run that was stopped cannot go on.
-    #[error("a run that was stopped is not saved: {0}")]
-    Stopped(StepError),
-}
-
-/// How files begin.
-const TITLE: &str = "impactite checkpoint 6";
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Write a checkpoint to the file `path`, which is the old one or the new one at any time, never half
@@ -65,16 +25,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// # Errors
     /// A path that is no regular file; a file that cannot be written; a run that was stopped. Then the old one stays.
     pub fn save(&mut self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
-        self.work.save(self, path.as_ref())
-    }
-
-    pub(super) fn save_here(&mut self, path: &Path) -> Result<(), CheckpointError> {
-        if let Some(error) = &self.stopped_by {
-            return Err(CheckpointError::Stopped(error.clone()));
-        }
-        let mut file = Archive::create(path)?;
-        self.exchange(&mut file)?;
-        file.close()
+        Solver::save(self, path.as_ref())
     }
 
     /// This scene, set up as the one that was saved to `path` was at its start, as it stood when it was saved. The time
@@ -110,59 +61,50 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// what they give at the start and at the time of the checkpoint), loads, bodies, the constants of their laws or sizes of their
     /// particles; a grid with too little room.
     pub fn resumed(mut self, path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
-        self.work.resume(&mut self, path.as_ref())?;
+        Solver::resume(&mut self, path.as_ref())?;
         Ok(self)
     }
 
-    pub(super) fn resume_here(&mut self, path: &Path) -> Result<(), CheckpointError> {
-        let mut file = Archive::open(path)?;
-        self.exchange(&mut file)?;
-        file.close()
-    }
-
-    pub(super) fn exchange(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+    pub(super) fn archive_here(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.recognise(file)?;
-        file.real(&mut self.time)?;
+        self.clock.archive(file)?;
         self.compare_constants(file)?;
-        file.word(&mut self.steps)?;
-        file.option(&mut self.last_dt, Archive::real)?;
         file.numbers([&mut self.planned, &mut self.rate])?;
-        file.option(&mut self.sharp, |file, (step, rate)| {
+        file.option(&mut self.gershgorin, |file, (step, rate)| {
             file.word(step)?;
             file.real(rate)
         })?;
-        file.option(&mut self.calm, |file, Calm { most, now, stops }| {
+        file.option(&mut self.kinetic_damping, |file, KineticDamping { most, now, stops }| {
             file.reals([most, now])?;
             file.word(stops)
         })?;
         file.flag(&mut self.mapped)?;
-        file.reals(self.ledger.numbers_mut())?;
+        self.ledger.archive(file)?;
         file.reals(self.acting.numbers_mut())?;
         for body in &mut self.bodies {
-            body.exchange(file)?;
+            body.archive(file)?;
         }
-        self.looks.exchange(file)?;
+        self.looks.watcher.archive(file)?;
+        file.list(&mut self.looks.parts, &0, Archive::word)?;
 
         file.word(&mut self.arranged)?;
         file.flag(&mut self.ahead)?;
         self.fields.exchange(file, self.bodies.len())?;
         if file.reads() {
-            self.fields.settle(&mut *self.grid, &mut self.bodies, self.contact.separates())?;
-            self.encounters.arrange(&self.fields, self.bodies.len());
+            let settled = self.fields.settle(&mut *self.grid, &mut self.bodies, self.contact.separates());
+            settled.map_err(|outside| CheckpointError::NoRoom(outside.to_string()))?;
+            self.contact_state.arrange(&self.fields, self.bodies.len());
             self.arrange_planes();
         }
         self.exchange_pressed(file)?;
-        self.encounters.exchange(file, &self.fields)
+        self.contact_state.exchange(file, &self.fields, self.contact.remembers())
     }
 
     /// See that the file is of a scene like this one.
     fn recognise(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        file.same("kind of file", TITLE)?;
-        file.same("method", &self.kernels.facts().description)?;
-        file.same("dimension", &D.to_string())?;
         file.same("bytes of a number", &size_of::<T>().to_string())?;
         file.same("lattice", &format!("{:?}", self.grid.lattice()))?;
-        file.same("kinetic damping", if self.calm.is_some() { "on" } else { "off" })?;
+        file.same("kinetic damping", if self.kinetic_damping.is_some() { "on" } else { "off" })?;
         file.same("null-space filter", &format!("{:?}", self.filter))?;
         file.same("number of bodies", &self.bodies.len().to_string())?;
         for (n, body) in self.bodies.iter().enumerate() {

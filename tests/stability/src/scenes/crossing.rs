@@ -128,7 +128,7 @@ impl Flight {
         let mut mpm = bar(self.scheme, dt, &seeds, &velocity)?;
         let count = self.periods * period;
         let mut means = Means::new(count, self.periods);
-        let stop = steps(&mut *mpm, count, |now, step| means.add(step, energy(&now.totals())));
+        let stop = steps(&mut mpm, count, |now, step| means.add(step, energy(&now.totals())));
         let made = stop.as_ref().map_or(count, |s| s.step - 1);
         Ok(Measured::new(means.change().abs(), made).stopped(stop))
     }
@@ -201,14 +201,14 @@ pub fn thin() -> Scene {
             let kept = |x: &[f64; 2]| x[1] < 0.5;
             seeds.volumes.truncate(seeds.positions.iter().filter(|x| kept(x)).count());
             seeds.positions.retain(kept);
-            let mut mpm = verification::machine::machine(scheme, cells()?).ok_or("no such composition")?;
+            let mut mpm = verification::empty::empty_scene(scheme, cells()?).ok_or("no such composition")?;
             let dt = 0.3;
-            mpm.control(TimeControl::Fixed(dt)).map_err(text)?;
+            mpm.set_time_control(TimeControl::Fixed(dt)).map_err(text)?;
             let velocity = move |x: [f64; 2]| [0.01 * (PI * x[0] / length).cos(), 0.05];
-            mpm.add("strip", rubber(1.0, 1.0, 0.0)?, &seeds, &velocity, None).map_err(text)?;
+            mpm.add("strip", rubber(1.0, 1.0, 0.0)?, &seeds, velocity).map_err(text)?;
             let count = (10.0 * 2.0 * length / dt).round() as u64;
             let mut means = Means::new(count, 10);
-            let stop = steps(&mut *mpm, count, |now, step| means.add(step, energy(&now.totals())));
+            let stop = steps(&mut mpm, count, |now, step| means.add(step, energy(&now.totals())));
             let made = stop.as_ref().map_or(count, |s| s.step - 1);
             Ok(Measured::new(means.change().abs(), made).stopped(stop))
         }

@@ -1,10 +1,11 @@
 //! Bodies crushed to a twentieth.
 
+use mpm_core::Mpm;
 use mpm_core::geometry::{Lattice, Seeds};
-use mpm_core::{Boundary, Side, TimeControl};
+use mpm_core::{Boundary, Deformable, Side, TimeControl};
 use mpm_materials::{Fluid, IdealGas, Nothing};
 use verification::Scheme;
-use verification::machine::{GasState, Machine, gas_machine, machine};
+use verification::empty::{GasState, empty_gas_scene, empty_scene};
 use verification::problems::{box_of_planes, rubber};
 
 use crate::stage::{
@@ -23,14 +24,14 @@ fn bar() -> Result<(Lattice<2>, Seeds<2>), String> {
     Ok((cells()?, row_of_cells(LENGTH, 2, 0.0)?))
 }
 
-fn surround(mpm: &mut dyn Machine, control: TimeControl) -> Result<(), String> {
+fn surround(mpm: &mut Mpm<2>, control: TimeControl) -> Result<(), String> {
     bound(mpm, vec![Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }])?;
     bound(mpm, box_of_planes(1..2, 0.0, 1.0))?;
-    mpm.control(control).map_err(text)
+    mpm.set_time_control(control).map_err(text)
 }
 
 /// Mean error of the stress of the inner half, which no wave from the free end reaches.
-fn crush(mpm: &mut dyn Machine, starts: &[[f64; 2]], exact: impl Fn(f64) -> f64) -> Measured {
+fn crush(mpm: &mut Mpm<2>, starts: &[[f64; 2]], exact: impl Fn(f64) -> f64) -> Measured {
     let end = (1.0 - LEAST) / RATE;
     let mut made = 0;
     while mpm.time() < end {
@@ -57,11 +58,11 @@ pub fn rubber_crush() -> Scene {
     fn trial(scheme: Scheme, control: TimeControl) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let (lattice, seeds) = bar()?;
-            let mut mpm = machine(scheme, lattice).ok_or("no such composition")?;
-            surround(&mut *mpm, control)?;
-            mpm.add("bar", rubber(1.0, 1.0, 0.0)?, &seeds, &|x| [-RATE * x[0], 0.0], None).map_err(text)?;
+            let mut mpm = empty_scene(scheme, lattice).ok_or("no such composition")?;
+            surround(&mut mpm, control)?;
+            mpm.add("bar", rubber(1.0, 1.0, 0.0)?, &seeds, |x| [-RATE * x[0], 0.0]).map_err(text)?;
             // sigma = G (F^2 - 1) / F with G = 1/2.
-            Ok(crush(&mut *mpm, &seeds.positions, |f| 0.5 * (f * f - 1.0) / f))
+            Ok(crush(&mut mpm, &seeds.positions, |f| 0.5 * (f * f - 1.0) / f))
         }
     }
     Scene {
@@ -87,8 +88,8 @@ pub fn gas_crush() -> Scene {
     fn trial(scheme: Scheme, control: TimeControl) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let (lattice, seeds) = bar()?;
-            let mut mpm = gas_machine(scheme, lattice).ok_or("no such composition")?;
-            surround(&mut *mpm, control)?;
+            let mut mpm = empty_gas_scene(scheme, lattice).ok_or("no such composition")?;
+            surround(&mut mpm, control)?;
             // Speed of sound 1 at the start.
             let (gamma, pressure) = (1.4, 1.0 / 1.4);
             let gas = IdealGas::new(1.0, gamma, pressure).map_err(text)?;
@@ -100,8 +101,9 @@ pub fn gas_crush() -> Scene {
                 viscous_stress: Nothing,
                 viscous_pressure: 0.0,
             };
-            mpm.add_gas("gas", law, &seeds, &|x| [-RATE * x[0], 0.0], &state).map_err(text)?;
-            Ok(crush(&mut *mpm, &seeds.positions, |j| -pressure * j.powf(-gamma)))
+            mpm.add_body(Deformable::new("gas", law, &seeds).moving(|x| [-RATE * x[0], 0.0]).in_state(state))
+                .map_err(text)?;
+            Ok(crush(&mut mpm, &seeds.positions, |j| -pressure * j.powf(-gamma)))
         }
     }
     Scene {

@@ -1,9 +1,9 @@
 //! Strong shocks.
 
-use mpm_core::{Boundary, Side, TimeControl};
+use mpm_core::{Boundary, Deformable, Side, TimeControl};
 use mpm_materials::{Fluid, IdealGas, Nothing};
 use verification::Scheme;
-use verification::machine::{GasState, gas_machine};
+use verification::empty::{GasState, empty_gas_scene};
 use verification::problems::{box_of_planes, lattice};
 use verification::scene::{block, worse};
 
@@ -59,18 +59,19 @@ fn run(asked: Asked, shock: Shock, scheme: Scheme, q: (f64, f64)) -> Result<Meas
     let gas = IdealGas::new(1.0, shock.gamma, shock.behind / shock.density).map_err(text)?;
     let law = Fluid::new(gas).with_bulk_viscosity(q.0, q.1).map_err(text)?;
     let seeds = block(&lattice, [0; 2], [cells, 1], 2);
-    let mut mpm = gas_machine(scheme, lattice).ok_or("no such composition")?;
+    let mut mpm = empty_gas_scene(scheme, lattice).ok_or("no such composition")?;
     let energy = shock.pressure / (shock.gamma - 1.0);
     let state =
         |_: [f64; 2]| GasState { volume_ratio: 1.0, energy, viscous_stress: Nothing, viscous_pressure: 0.0 };
-    mpm.add_gas("gas", law, &seeds, &|_| [-1.0, 0.0], &state).map_err(text)?;
-    bound(&mut *mpm, vec![Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }])?;
-    bound(&mut *mpm, box_of_planes(1..2, 0.0, h))?;
+    mpm.add_body(Deformable::new("gas", law, &seeds).moving(|_| [-1.0, 0.0]).in_state(state))
+        .map_err(text)?;
+    bound(&mut mpm, vec![Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }])?;
+    bound(&mut mpm, box_of_planes(1..2, 0.0, h))?;
     let start = mpm.totals();
     let (end, dt) = (0.6, 0.2 * h);
-    mpm.control(TimeControl::Fixed(dt)).map_err(text)?;
+    mpm.set_time_control(TimeControl::Fixed(dt)).map_err(text)?;
     let count = (end / dt).round() as u64;
-    let stop = steps(&mut *mpm, count, |_, _| {});
+    let stop = steps(&mut mpm, count, |_, _| {});
     if stop.is_some() {
         return Ok(Measured::new(f64::NAN, count).stopped(stop));
     }
@@ -78,7 +79,7 @@ fn run(asked: Asked, shock: Shock, scheme: Scheme, q: (f64, f64)) -> Result<Meas
     let lost = (t.kinetic + t.internal - start.kinetic - start.internal) / start.kinetic;
     let front = shock.speed * end;
     let (mut density, mut n, mut most, mut heat, mut first) = (0.0, 0.0, 0.0f64, 0.0, 0.0);
-    for p in particles(&*mpm) {
+    for p in particles(&mpm) {
         let x = p.position[0];
         let pressure = p.pressure();
         if x > 0.3 * front && x < 0.8 * front {

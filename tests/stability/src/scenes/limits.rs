@@ -26,7 +26,7 @@ pub fn cut_cell() -> Scene {
             let period = 5 * (2.0 * length / dt) as u64;
             let start = energy(&mpm.totals());
             let (mut sum, mut most) = (0.0, 0.0f64);
-            let stop = steps(&mut *mpm, count, |now, step| {
+            let stop = steps(&mut mpm, count, |now, step| {
                 sum += energy(&now.totals());
                 if step % period == 0 {
                     most = most.max(sum / period as f64 / start);
@@ -136,7 +136,7 @@ pub fn predicted() -> Scene {
             let mut mpm = bar(ul(kernel, FlipMusl), dt, &seeds, &velocity)?;
             let start = energy(&mpm.totals());
             let mut most = 0.0f64;
-            let stop = steps(&mut *mpm, 2000, |now, _| most = most.max(energy(&now.totals())));
+            let stop = steps(&mut mpm, 2000, |now, _| most = most.max(energy(&now.totals())));
             let made = stop.as_ref().map_or(2000, |s| s.step - 1);
             Ok(Measured::new((most / start).sqrt(), made).stopped(stop))
         }
@@ -177,7 +177,7 @@ pub fn factors() -> Scene {
             let period = (2.0 * length / courant).round() as u64;
             let mut mpm = bar(scheme, courant, &seeds, &|x| 1e-4 * (PI * (x - 0.1) / length).cos())?;
             let mut means = Means::new(5 * period, 5);
-            let stop = steps(&mut *mpm, 5 * period, |now, step| means.add(step, energy(&now.totals())));
+            let stop = steps(&mut mpm, 5 * period, |now, step| means.add(step, energy(&now.totals())));
             let made = stop.as_ref().map_or(5 * period, |s| s.step - 1);
             Ok(Measured::new(means.change().abs(), made).stopped(stop))
         }

@@ -5,7 +5,7 @@ use mpm_core::{
     TimeControl, UpdatedLagrangian,
 };
 use verification::Scheme;
-use verification::machine::{Machine, machine};
+use verification::empty::empty_scene;
 use verification::problems::rubber;
 use verification::scene::block;
 
@@ -59,7 +59,7 @@ fn frequency(nu: f64) -> f64 {
 }
 
 /// Momentum of the first mode.
-fn projection(mpm: &dyn Machine, starts: &[[f64; 2]]) -> f64 {
+fn projection(mpm: &Mpm<2>, starts: &[[f64; 2]]) -> f64 {
     let mut sum = 0.0;
     for p in particles(mpm) {
         sum += p.mass * p.velocity[1] * shape(starts[p.number][0] / LENGTH as f64);
@@ -78,7 +78,7 @@ struct Swing {
 }
 
 /// Root mean square of what is left of the pressure, in the inner half, when a y w''(x) is fitted to it by a, over that of the pressure.
-fn noise(mpm: &dyn Machine, starts: &[[f64; 2]]) -> f64 {
+fn noise(mpm: &Mpm<2>, starts: &[[f64; 2]]) -> f64 {
     let d = 1e-3;
     let bend = |x: f64| (shape(x + d) - 2.0 * shape(x) + shape(x - d)) / (d * d);
     let mut points = Vec::new();
@@ -95,16 +95,16 @@ fn noise(mpm: &dyn Machine, starts: &[[f64; 2]]) -> f64 {
 }
 
 /// A solver, or why there is none.
-type Made = Result<Box<dyn Machine>, String>;
+type Made = Result<Mpm<2>, String>;
 
 /// A solver of a scheme in which every particle has its own dilatation.
 fn own(scheme: Scheme) -> impl Fn() -> Made {
-    move || machine(scheme, cells()?).ok_or("no such composition".into())
+    move || empty_scene(scheme, cells()?).ok_or("no such composition".into())
 }
 
 /// A solver in which laws see the mean of a cell.
 fn mean<M: IntoKernels<f64, 2> + Copy>(method: M) -> impl Fn() -> Made {
-    move || Ok(Box::new(Mpm::new(method, BlockGrid::new(cells()?))))
+    move || Ok(Mpm::new(method, BlockGrid::new(cells()?)))
 }
 
 /// FLIP and MUSL with the mean of a cell.
@@ -113,14 +113,14 @@ fn flip_musl<S>(shape: S) -> Method<S, Flip, Musl, PlaneStrain, UpdatedLagrangia
 }
 
 /// Bend the beam, from its greatest speed to its greatest deflection.
-fn swing(mut mpm: Box<dyn Machine>, nu: f64) -> Result<Swing, String> {
+fn swing(mut mpm: Mpm<2>, nu: f64) -> Result<Swing, String> {
     let seeds = block(&cells()?, [0; 2], [LENGTH, THICK], 2);
     // Fastest wave at E = rho = 1.
     let fastest = ((1.0 - nu) / ((1.0 + nu) * (1.0 - 2.0 * nu))).sqrt();
     let dt = 0.4 / fastest;
-    mpm.control(TimeControl::Fixed(dt)).map_err(text)?;
+    mpm.set_time_control(TimeControl::Fixed(dt)).map_err(text)?;
     let velocity = |x: [f64; 2]| [0.0, 1e-5 * shape(x[0] / LENGTH as f64)];
-    mpm.add("beam", rubber(1.0, 1.0, nu)?, &seeds, &velocity, None).map_err(text)?;
+    mpm.add("beam", rubber(1.0, 1.0, nu)?, &seeds, velocity).map_err(text)?;
     let quarter = 0.5 * std::f64::consts::PI / frequency(nu);
     let mut swing = Swing { stiffness: 0.0, noise: f64::NAN, steps: 0, stop: None };
     let mut last = 1.0;
@@ -131,11 +131,11 @@ fn swing(mut mpm: Box<dyn Machine>, nu: f64) -> Result<Swing, String> {
             return Ok(swing);
         }
         swing.steps += 1;
-        let value = projection(&*mpm, &seeds.positions);
+        let value = projection(&mpm, &seeds.positions);
         if value <= 0.0 {
             let t = mpm.time() - dt * value / (value - last);
             swing.stiffness = (quarter / t).powi(2);
-            swing.noise = noise(&*mpm, &seeds.positions);
+            swing.noise = noise(&mpm, &seeds.positions);
             break;
         }
         last = value;

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
+use mpm_core::Mpm;
 use verification::Scheme;
-use verification::machine::Machine;
 
 use crate::stage::{
     ApicUsl, Cubic, FlipMusl, FlipUsl, Fmpm4Usl, Gimp, Linear, Means, Quadratic, bar, energy, row_of_cells,
@@ -26,7 +26,7 @@ pub const SPEED: f64 = 1e-3;
 ///
 /// # Errors
 /// A scheme that does not exist.
-pub fn swinging_bar(scheme: Scheme) -> Result<Box<dyn Machine>, String> {
+pub fn swinging_bar(scheme: Scheme) -> Result<Mpm<2>, String> {
     let seeds = row_of_cells(LENGTH as usize, 2, 0.0)?;
     bar(scheme, STEP, &seeds, &|x| SPEED * (PI * x / LENGTH).cos())
 }
@@ -40,7 +40,7 @@ pub fn vibration() -> Scene {
             let periods = (count as f64 * STEP / (2.0 * LENGTH)) as u64;
             let mut means = Means::new(count, periods);
             let mut drift = 0.0f64;
-            let stop = steps(&mut *mpm, count, |now, step| {
+            let stop = steps(&mut mpm, count, |now, step| {
                 let t = now.totals();
                 means.add(step, energy(&t));
                 drift = drift.max(t.momentum[0].abs() / (t.mass * SPEED));

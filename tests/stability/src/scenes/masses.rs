@@ -1,9 +1,10 @@
 //! Nodes of almost no mass, and bodies of very different stiffness and density joined to one.
 
+use mpm_core::Mpm;
 use mpm_core::geometry::Seeds;
 use mpm_core::{Boundary, Side, TimeControl};
 use verification::Scheme;
-use verification::machine::{Machine, machine};
+use verification::empty::empty_scene;
 use verification::problems::{box_of_planes, rubber};
 use verification::scene::block;
 
@@ -24,7 +25,7 @@ pub fn tiny() -> Scene {
                 let mut mpm = bar(scheme, 0.3, &seeds, &|x| 0.01 * (2.0 + x.sin()))?;
                 let start = mpm.totals();
                 let mut most = 0.0f64;
-                let stop = steps(&mut *mpm, 1000, |now, _| {
+                let stop = steps(&mut mpm, 1000, |now, _| {
                     let t = now.totals();
                     let error = (t.momentum[0] - start.momentum[0]).abs() / start.momentum_scale;
                     most = if error > most || error.is_nan() { error } else { most };
@@ -94,7 +95,7 @@ impl Pair {
     }
 
     /// The worse of the error of a quarter of the period over 2 % and of the change of energy over 1 %.
-    fn swing(&self, mpm: &mut dyn Machine, wanted: f64) -> Result<Measured, String> {
+    fn swing(&self, mpm: &mut Mpm<2>, wanted: f64) -> Result<Measured, String> {
         let [inner, outer] = self.seeds()?;
         bound(mpm, vec![Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }])?;
         bound(mpm, box_of_planes(1..2, 0.0, 1.0))?;
@@ -102,11 +103,11 @@ impl Pair {
         for (n, seeds) in [inner, outer].iter().enumerate() {
             let law = rubber(self.density[n], self.young[n], 0.0)?;
             let name = ["inner", "outer"][n];
-            mpm.add(name, law, seeds, &|x| [1e-5 * mode(x[0]), 0.0], None).map_err(text)?;
+            mpm.add(name, law, seeds, |x| [1e-5 * mode(x[0]), 0.0]).map_err(text)?;
         }
         let start = mpm.totals();
         let energy = start.kinetic + start.internal;
-        let outer = |mpm: &dyn Machine| mpm.bodies()[1].totals().momentum[0];
+        let outer = |mpm: &Mpm<2>| mpm.bodies()[1].totals().momentum[0];
         let (mut crossing, mut last, mut made) = (None, outer(mpm), 0);
         let quarter = 0.5 * std::f64::consts::PI / wanted;
         while crossing.is_none() && mpm.time() < 2.0 * quarter {
@@ -143,11 +144,11 @@ pub fn stiff_and_soft() -> Scene {
         move |size| {
             let ratio: f64 = if size == Size::Fast { 1e4 } else { 1e6 };
             let pair = Pair { cells: [1, 11], density: [1.0; 2], young: [ratio, 1.0] };
-            let mut mpm = machine(scheme, cells()?).ok_or("no such composition")?;
+            let mut mpm = empty_scene(scheme, cells()?).ok_or("no such composition")?;
             let average = (ratio.sqrt() + 11.0) / 12.0;
             let control = if mean { TimeControl::Fixed(0.4 / average) } else { ADAPTED };
-            mpm.control(control).map_err(text)?;
-            pair.swing(&mut *mpm, pair.frequency())
+            mpm.set_time_control(control).map_err(text)?;
+            pair.swing(&mut mpm, pair.frequency())
         }
     }
     Scene {
@@ -177,7 +178,7 @@ pub fn light_and_heavy() -> Scene {
             let pair = Pair { cells: [10, 2], density: [1.0, ratio], young: [1.0; 2] };
             let other = Pair { cells: [10, 2], density: [1.0, claimed], young: [1.0; 2] };
             let mut mpm = solver(scheme, 0.4)?;
-            pair.swing(&mut *mpm, other.frequency())
+            pair.swing(&mut mpm, other.frequency())
         }
     }
     Scene {

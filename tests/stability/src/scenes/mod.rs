@@ -60,11 +60,11 @@ pub const ELSEWHERE: [(&str, &str, &str); 6] = [
     (
         "T6",
         "a closing gap: bodies meet where their surfaces are",
-        "`mpm-contact/tests/contact/onset.rs`, case `ring_collision`",
+        "`mpm-core/tests/contact/onset.rs`, case `ring_collision`",
     ),
     ("T7", "impact and rebound of equal bars", "case `bouncing_blocks`"),
-    ("T8", "a light layer under a heavy block, 1e5 steps", "`mpm-contact/tests/contact/rest.rs`"),
-    ("T18", "a pile at rest, 1e5 steps", "`mpm-contact/tests/contact/rest.rs`, case `shaken_discs`"),
+    ("T8", "a light layer under a heavy block, 1e5 steps", "`mpm-core/tests/contact/rest.rs`"),
+    ("T18", "a pile at rest, 1e5 steps", "`mpm-core/tests/contact/rest.rs`, case `shaken_discs`"),
     ("T25", "spall of a plate", "case `plate_impact`"),
     (
         "T30",

@@ -35,7 +35,7 @@ fn noise_left(scheme: Scheme, drift: f64, count: u64) -> Result<Measured, String
     let mut mpm = bar(scheme, 0.3, &seeds, &velocity)?;
     let start = energy(&mpm.totals());
     let (mut sum, mut counted) = (0.0, 0.0);
-    let stop = steps(&mut *mpm, count, |now, step| {
+    let stop = steps(&mut mpm, count, |now, step| {
         // Mean of the last tenth, so that no phase of a swing decides.
         if step > count - count / 10 {
             sum += energy(&now.totals());
@@ -100,13 +100,13 @@ fn checkerboard(scheme: Scheme, per_axis: usize) -> Result<Measured, String> {
     let sign = |x: [f64; 2]| if (x[0].floor() + x[1].floor()) as i64 % 2 == 0 { 1.0 } else { -1.0 };
     let dt = 0.3;
     let mut mpm = solver(scheme, dt)?;
-    crate::stage::bound(&mut *mpm, box_of_planes(0..2, 0.0, side as f64))?;
+    crate::stage::bound(&mut mpm, box_of_planes(0..2, 0.0, side as f64))?;
     let rubber = verification::problems::rubber(1.0, 1.0, 0.3)?;
-    mpm.add("block", rubber, &seeds, &|x| [1e-4 * sign(x), 0.0], None).map_err(text)?;
+    mpm.add("block", rubber, &seeds, |x| [1e-4 * sign(x), 0.0]).map_err(text)?;
     let count = (2.0 * side as f64 / dt).round() as u64;
-    let stop = steps(&mut *mpm, count, |_, _| {});
+    let stop = steps(&mut mpm, count, |_, _| {});
     let (mut left, mut all) = (0.0, 0.0);
-    for p in particles(&*mpm) {
+    for p in particles(&mpm) {
         let start = seeds.positions[p.number];
         left += p.velocity[0] * sign(start);
         all += 1e-4;

@@ -3,12 +3,13 @@
 use std::f64::consts::PI;
 
 use mpm_core::geometry::{Ball, Filling, Seeds, fill};
-use mpm_core::{Apic, BlockGrid, Body, Method, Mpm, Pic, PlaneStrain, QuadraticBSpline, TimeControl, Usl};
+use mpm_core::{
+    Apic, BlockGrid, GridBody, Method, Mpm, Pic, PlaneStrain, QuadraticBSpline, TimeControl, Usl,
+};
 use mpm_materials::{
     Constitutive, IntoMaterial, J2, LinearElastic, LogarithmicBulk, Moduli, SmallRotation, Solid, Sym3,
 };
 use verification::Scheme;
-use verification::machine::Machine;
 use verification::problems::rubber;
 
 use crate::stage::{
@@ -37,8 +38,8 @@ fn count(turns: f64) -> u64 {
 
 /// Change of the particles' angular momentum from the mean of the first half turn to that of the last: means, because the disc breathes, and
 /// with it the share (h/R)^2 that the affine matrices of APIC hold.
-fn spin(mpm: &mut dyn Machine, turns: f64) -> Result<Measured, String> {
-    mpm.add("disc", rubber(1.0, 1.0, 0.3)?, &round()?, &turning, None).map_err(text)?;
+fn spin(mpm: &mut Mpm<2>, turns: f64) -> Result<Measured, String> {
+    mpm.add("disc", rubber(1.0, 1.0, 0.3)?, &round()?, turning).map_err(text)?;
     let all = count(turns);
     let mut means = Means::new(all, (2.0 * turns) as u64);
     let stop = steps(mpm, all, |now, step| means.add(step, now.totals().angular_momentum[2]));
@@ -56,7 +57,7 @@ pub fn disc() -> Scene {
         if size == Size::Fast { 2.0 } else { 20.0 }
     }
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
-        move |size| spin(&mut *solver(scheme, DT)?, all(size))
+        move |size| spin(&mut solver(scheme, DT)?, all(size))
     }
     let pic = |size| {
         let method = Method::new(QuadraticBSpline, Pic, Usl, PlaneStrain).compiled();
@@ -107,7 +108,7 @@ fn turn(law: impl IntoMaterial<f64>, turns: f64) -> Result<Turned, String> {
     let mut mpm = Mpm::new(method, BlockGrid::new(cells()?));
     mpm.add("disc", law, &round()?, turning).map_err(text)?;
     mpm.set_time_control(TimeControl::Fixed(DT)).map_err(text)?;
-    let radius = |bodies: &[Box<dyn Body<f64, 2>>]| {
+    let radius = |bodies: &[Box<dyn GridBody<f64, 2>>]| {
         let (mut squares, mut n) = (0.0, 0.0);
         bodies[0].for_each(&mut |p| {
             squares += p.position[0].powi(2) + p.position[1].powi(2);

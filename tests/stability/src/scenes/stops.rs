@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use mpm_core::{
-    BlockGrid, DenseGrid, Flip, GridStorage, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Stopped,
-    TimeControl,
+    BlockGrid, Deformable, DenseGrid, FieldForce, Flip, GridStorage, Method, Mpm, Musl, PlaneStrain,
+    QuadraticBSpline, Stopped, TimeControl,
 };
 use verification::Scheme;
-use verification::machine::machine;
+use verification::empty::empty_scene;
 use verification::problems::rubber;
 use verification::scene::block;
 
@@ -32,7 +32,7 @@ pub fn inverted() -> Scene {
             let middle = 4.5;
             let v = move |x: f64| if x < middle { speed } else { -speed };
             let mut mpm = bar(scheme, 0.3, &seeds, &v)?;
-            let Some(error) = until_stopped(&mut *mpm, 3) else { return Ok(said(false, 3, None)) };
+            let Some(error) = until_stopped(&mut mpm, 3) else { return Ok(said(false, 3, None)) };
             let near = named(&error).is_some_and(|(body, _, x)| body == "bar" && (x[0] - middle).abs() < 2.0);
             let cause = error.to_string().contains("inverted") || error.to_string().contains("volume");
             Ok(said(near && cause, error.step, Some(error.to_string())))
@@ -71,8 +71,13 @@ pub fn not_a_number() -> Scene {
                     },
                 );
             let law = rubber(1.0, 1.0, 0.3)?;
-            mpm.add("block", law, &seeds, &|x| [0.01 * x[1].sin(), 0.0], Some(drive)).map_err(text)?;
-            let Some(error) = until_stopped(&mut *mpm, 110) else { return Ok(said(false, 110, None)) };
+            mpm.add_body(
+                Deformable::new("block", law, &seeds)
+                    .moving(|x| [0.01 * x[1].sin(), 0.0])
+                    .with_field_force(FieldForce { acceleration: drive }),
+            )
+            .map_err(text)?;
+            let Some(error) = until_stopped(&mut mpm, 110) else { return Ok(said(false, 110, None)) };
             // Over the nodes of the one to the nodes of the other, and half a cell where the centre of a bin is named.
             let reach = 0.5 + scheme.kernel.nodes(1) as f64;
             let near = named(&error).is_some_and(|(body, _, x)| {
@@ -160,10 +165,10 @@ pub fn debris() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let seeds = block(&cells()?, [-2; 2], [4; 2], 2);
-            let mut mpm = machine(scheme, cells()?).ok_or("no such composition")?;
-            mpm.control(TimeControl::Courant { factor: 0.4, growth: 1.1 }).map_err(text)?;
+            let mut mpm = empty_scene(scheme, cells()?).ok_or("no such composition")?;
+            mpm.set_time_control(TimeControl::Courant { factor: 0.4, growth: 1.1 }).map_err(text)?;
             let law = rubber(1.0, 1e-8, 0.3)?;
-            mpm.add("debris", law, &seeds, &|x| [1e4 * (x[0] + 0.5), 1e4 * x[1]], None).map_err(text)?;
+            mpm.add("debris", law, &seeds, |x| [1e4 * (x[0] + 0.5), 1e4 * x[1]]).map_err(text)?;
             let start = mpm.totals();
             let mut worst = 0.0f64;
             for step in 0..2000 {

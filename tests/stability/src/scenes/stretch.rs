@@ -9,7 +9,7 @@ use mpm_core::{
 use mpm_materials::Mat3;
 use mpm_materials::elastic::HyperelasticState;
 use verification::Scheme;
-use verification::machine::{Machine, machine};
+use verification::empty::empty_scene;
 use verification::problems::{box_of_planes, rubber};
 use verification::scene::block;
 
@@ -21,7 +21,7 @@ use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
 /// Root of the mean square of the relative error of the stress, of particles that start in the inner 80 % of a bar about 0. (The
 /// coefficient of variation alone would not do: beads that no longer stretch are all alike.)
-fn error(mpm: &dyn Machine, starts: &[[f64; 2]], half: f64, exact: f64) -> f64 {
+fn error(mpm: &Mpm<2>, starts: &[[f64; 2]], half: f64, exact: f64) -> f64 {
     let (mut n, mut squares) = (0.0, 0.0);
     for p in particles(mpm) {
         if starts[p.number][0].abs() < 0.8 * half {
@@ -42,12 +42,12 @@ pub fn beads() -> Scene {
                 x[0] += 0.13;
             }
             let mut mpm = solver(scheme, dt)?;
-            crate::stage::bound(&mut *mpm, box_of_planes(1..2, 0.0, 1.0))?;
+            crate::stage::bound(&mut mpm, box_of_planes(1..2, 0.0, 1.0))?;
             // So soft that its stress changes no velocity: the exact motion is x = X (1 + rate t).
-            mpm.add("strip", rubber(1.0, 1e-8, 0.0)?, &seeds, &|x| [rate * x[0], 0.0], None).map_err(text)?;
+            mpm.add("strip", rubber(1.0, 1e-8, 0.0)?, &seeds, |x| [rate * x[0], 0.0]).map_err(text)?;
             let count = ((most - 1.0) / (rate * dt)).round() as u64;
             let (mut last, mut since) = (0.0, None);
-            let stop = steps(&mut *mpm, count, |now, step| {
+            let stop = steps(&mut mpm, count, |now, step| {
                 let stretch = 1.0 + rate * dt * step as f64;
                 // sigma = G (F^2 - 1) / F.
                 let exact = 0.5e-8 * (stretch * stretch - 1.0) / stretch;
@@ -108,14 +108,13 @@ pub fn drop_out() -> Scene {
         move |_| {
             let (rate, dt, half, most) = (0.05, 0.3, 8i64, 3.0);
             let seeds = block(&cells()?, [-half; 2], [2 * half as usize; 2], per_axis);
-            let mut mpm = machine(ul(Quadratic, ApicUsl), cells()?).ok_or("no such composition")?;
-            mpm.control(TimeControl::Fixed(dt)).map_err(text)?;
-            mpm.add("patch", rubber(1.0, 1e-8, 0.0)?, &seeds, &|x| x.map(|x| rate * x), None)
-                .map_err(text)?;
+            let mut mpm = empty_scene(ul(Quadratic, ApicUsl), cells()?).ok_or("no such composition")?;
+            mpm.set_time_control(TimeControl::Fixed(dt)).map_err(text)?;
+            mpm.add("patch", rubber(1.0, 1e-8, 0.0)?, &seeds, |x| x.map(|x| rate * x)).map_err(text)?;
             let count = ((most - 1.0) / (rate * dt)).round() as u64;
-            let stop = steps(&mut *mpm, count, |_, _| {});
+            let stop = steps(&mut mpm, count, |_, _| {});
             let mut held = BTreeSet::new();
-            for p in particles(&*mpm) {
+            for p in particles(&mpm) {
                 held.insert([0, 1].map(|d| p.position[d].floor() as i64));
             }
             // Cells well inside what the patch should cover by now.

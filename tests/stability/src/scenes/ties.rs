@@ -2,7 +2,7 @@
 
 use mpm_core::geometry::Seeds;
 use mpm_core::{
-    Apic, BlockGrid, Deformable, Flip, IntoKernels, Linear as Hat, Method, Mpm, Musl, Particle, PlaneStrain,
+    Apic, BlockGrid, Deformable, Flip, IntoKernels, Linear as Hat, Method, Mpm, Musl, PlaneStrain, PointView,
     QuadraticBSpline, Team, TimeControl, Usl,
 };
 use mpm_materials::Mat3;
@@ -114,20 +114,20 @@ fn bits(scheme: Scheme, kick: f64) -> Result<Measured, String> {
     let mut ends: Vec<Vec<u64>> = Vec::new();
     for threads in [1, 2, 3] {
         let mut mpm = solver(scheme, 0.3)?;
-        mpm.team(Team::new(threads).map_err(text)?);
+        mpm.set_team(Team::new(threads).map_err(text)?);
         let seeds = block(&cells()?, [-6; 2], [12; 2], 2);
         let kick = if threads == 1 { 0.0 } else { kick };
         let v = |x: [f64; 2]| [0.3 - 0.02 * x[1] + kick, 0.1 + 0.02 * x[0]];
-        mpm.add("block", rubber(1.0, 1.0, 0.3)?, &seeds, &v, None).map_err(text)?;
+        mpm.add("block", rubber(1.0, 1.0, 0.3)?, &seeds, v).map_err(text)?;
         for _ in 0..100 {
             if let Err(e) = mpm.step() {
                 let stop = Stop { step: e.step, what: e.to_string() };
                 return Ok(Measured::new(f64::NAN, e.step - 1).stopped(Some(stop)));
             }
         }
-        let mut list = particles(&*mpm);
+        let mut list = particles(&mpm);
         list.sort_by_key(|p| p.number);
-        let numbers = |p: &Particle| {
+        let numbers = |p: &PointView| {
             p.position.iter().chain(&p.velocity).chain(&p.stress).map(|x| x.to_bits()).collect::<Vec<_>>()
         };
         ends.push(list.iter().flat_map(numbers).collect());

@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-use mpm_core::{PlaneStrain, TimeControl};
+use mpm_core::{Deformable, PlaneStrain, TimeControl};
 use mpm_materials::fluid::FluidState;
 use mpm_materials::{Constitutive, Fluid, IdealGas, Newtonian, Nothing, Tait};
 
 use crate::case::{Case, Outcome};
-use crate::machine::{gas_machine, gas_schemes};
+use crate::empty::{empty_gas_scene, gas_schemes};
 use crate::problems::{box_of_planes, lattice};
 use crate::scene::{Ended, Moment, Norm, Run, Scene, block};
 use crate::scheme::{Kernel, Scheme, Velocity, kernels};
@@ -57,13 +57,14 @@ fn tube(case: &Case, viscous: bool) -> Result<(Ended, Profile), String> {
     let (linear, quadratic) = if viscous { (0.5, 2.0) } else { (0.0, 0.0) };
     let law = Fluid::new(gas).with_bulk_viscosity(linear, quadratic).map_err(|e| e.to_string())?;
     let seeds = block(&lattice, [0; 2], [case.cells, 1], case.per_axis);
-    let mut mpm = gas_machine(case.scheme, lattice).ok_or("Sod's tube is not run by this scheme")?;
+    let mut mpm = empty_gas_scene(case.scheme, lattice).ok_or("Sod's tube is not run by this scheme")?;
     // One gas: on the right at an eighth of the density and a tenth of the pressure, p = 0.4 e / J.
     let state = |x: [f64; 2]| {
         let (volume_ratio, energy) = if x[0] < 0.5 { (1.0, 2.5) } else { (8.0, 2.0) };
         FluidState { volume_ratio, energy, viscous_stress: Nothing, viscous_pressure: 0.0 }
     };
-    mpm.add_gas("gas", law, &seeds, &|_| [0.0; 2], &state).map_err(|e| e.to_string())?;
+    mpm.add_body(Deformable::new("gas", law, &seeds).moving(|_| [0.0; 2]).in_state(state))
+        .map_err(|e| e.to_string())?;
     let mut boundaries = box_of_planes(0..1, 0.0, 1.0);
     boundaries.extend(box_of_planes(1..2, 0.0, h));
     for boundary in boundaries {
@@ -71,7 +72,7 @@ fn tube(case: &Case, viscous: bool) -> Result<(Ended, Profile), String> {
     }
     // The fastest signal is that of the shock.
     let steps = (END * 2.0 / (case.courant * h)).ceil() as u64;
-    mpm.control(TimeControl::Fixed(END / steps as f64)).map_err(|e| e.to_string())?;
+    mpm.set_time_control(TimeControl::Fixed(END / steps as f64)).map_err(|e| e.to_string())?;
     let mut work = Work { particles: seeds.positions.len() as u64, ..Work::default() };
     let mut profile = Profile::default();
     let watch = Stopwatch::start();

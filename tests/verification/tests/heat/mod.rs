@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use mpm_core::Run;
 use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::observe::{Ledger, Pace};
 use mpm_core::{
-    BlockGrid, Body, Boundary, Deformable, Flip, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, Side,
-    TimeControl,
+    BlockGrid, Boundary, Deformable, Flip, GridBody, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain,
+    Side, TimeControl,
 };
 use mpm_materials::strength::{Adiabatic, Heat};
 use mpm_materials::{Constitutive, Elastic, IntoMaterial, JohnsonCook, MieGruneisen, Solid};
@@ -48,7 +49,7 @@ fn bar<C: Constitutive<f64>>(
 }
 
 /// A number of the state of all particles.
-fn all(body: &dyn Body<f64, 2>, name: &str) -> Vec<f64> {
+fn all(body: &dyn GridBody<f64, 2>, name: &str) -> Vec<f64> {
     let names = body.state_names();
     let at = names.iter().position(|n| n.ends_with(name)).unwrap_or_else(|| panic!("{name} of {names:?}"));
     let mut list = Vec::new();
@@ -76,7 +77,7 @@ fn v24_plastic_work_heats() {
     let velocity = Arc::new(move |_: f64| [Some(-speed), None, None]);
     mpm.bound(Boundary::Prescribed { region: Arc::new(end), velocity }).expect("end");
     let mut ledger = Ledger::new(Pace::every_step());
-    mpm.run_observed(0.1 / speed, &mut [&mut ledger]).expect("run");
+    Run::new(&mut mpm).observe(&mut ledger).until(0.1 / speed).expect("run");
 
     let (onset, now) = ((-yielding / (2.0 * SHEAR)).exp(), 0.9);
     let exact = part * 2.0 / 3.0 * yielding * (onset - now) / (DENSITY * HEAT_CAPACITY);
@@ -122,7 +123,7 @@ fn v24_heat_expands_a_bar() {
     let last = 2 * CELLS - 1;
     let start = 1.0 - 0.25 * h;
     for n in 1..=periods * steps {
-        free.run_observed(f64::from(n) * dt, &mut [&mut ledger]).expect("run");
+        Run::new(&mut free).observe(&mut ledger).until(f64::from(n) * dt).expect("run");
         free.bodies()[0].for_each(&mut |p| {
             if p.number % (2 * CELLS) == last {
                 sum += (p.position[0] - start) / start;

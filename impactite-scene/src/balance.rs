@@ -1,0 +1,186 @@
+//! Balances: what a scene had, has and was given, and energy and momentum that nothing accounts for.
+
+use crate::archive::{Archive, CheckpointError};
+use crate::body::Totals;
+
+/// What a scene exchanged with what is outside of its points since the start of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Exchange {
+    /// Impulse of the boundaries on the material, N s.
+    pub impulse: [f64; 3],
+    /// Impulse of body forces and loads, N s.
+    pub load: [f64; 3],
+    /// Work on the material, J: of boundaries (impulse times the velocity of the boundary: none where that rests), loads and body forces.
+    pub work: f64,
+    /// Momentum that was dropped, kg m/s: at nodes of a grid too light to carry it.
+    pub dropped: [f64; 3],
+    /// Work of friction, J, between bodies and on walls: heat that no point gets.
+    pub friction: f64,
+    /// Kinetic energy that impulses between points, or of points on walls, took beside friction, J: plastic impacts of points.
+    pub impacts: f64,
+    /// Energy that came with points split, merged, made or removed, J.
+    pub conversion: f64,
+    /// Kinetic energy of nodes of a grid that contact took beside friction, J, where forces tear their velocities apart in every
+    /// step and contact joins them: more than what the points lose, and so in no balance.
+    pub node_contact: f64,
+}
+
+impl Exchange {
+    /// Add another one.
+    pub fn add(&mut self, o: &Exchange) {
+        for d in 0..3 {
+            self.impulse[d] += o.impulse[d];
+            self.load[d] += o.load[d];
+            self.dropped[d] += o.dropped[d];
+        }
+        self.work += o.work;
+        self.friction += o.friction;
+        self.impacts += o.impacts;
+        self.conversion += o.conversion;
+        self.node_contact += o.node_contact;
+    }
+
+    /// The sum with another one.
+    #[must_use]
+    pub fn plus(mut self, o: &Exchange) -> Exchange {
+        self.add(o);
+        self
+    }
+
+    /// To a file, or from one.
+    ///
+    /// # Errors
+    /// The file.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let Exchange { impulse, load, work, dropped, friction, impacts, conversion, node_contact } = self;
+        let vectors = impulse.iter_mut().chain(load).chain(dropped);
+        file.reals(vectors.chain([work, friction, impacts, conversion, node_contact]))
+    }
+}
+
+impl Totals {
+    /// To a file, or from one.
+    ///
+    /// # Errors
+    /// The file.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let Totals { particles, mass, momentum, angular_momentum, momentum_scale, kinetic, internal } = self;
+        file.count(particles)?;
+        let rest = [mass, momentum_scale, kinetic, internal];
+        file.reals(rest.into_iter().chain(momentum).chain(angular_momentum))
+    }
+}
+
+/// The books of a run since their first entry.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Books {
+    start: Option<(Totals, Exchange)>,
+    /// The largest kinetic energy, or sum of kinetic and internal energy, so far, J.
+    energy_scale: f64,
+    /// The largest sum of m |v| so far, kg m/s.
+    momentum_scale: f64,
+}
+
+/// The books at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Account {
+    /// Kinetic energy of the particles and free rigid bodies, J.
+    pub kinetic: f64,
+    /// Internal energy, plastic work and heat included, J.
+    pub internal: f64,
+    /// Work that boundaries, loads and body forces did on the material since the first entry, J. What local and kinetic damping and the
+    /// null-space filter take is in it.
+    pub work: f64,
+    /// Work of friction between bodies and on walls since the first entry, J: heat that no particle gets.
+    pub friction: f64,
+    /// Kinetic energy that plastic impacts of points took since the first entry, J.
+    pub impacts: f64,
+    /// Energy that came with points split, merged, made or removed since the first entry, J.
+    pub conversion: f64,
+    /// Change since the first entry of kinetic + internal - work + friction + impacts - conversion, J: what nothing explains. Negative: the
+    /// method lost energy, as transfers with a filter (PIC, APIC) and contacts that close do.
+    pub unexplained: f64,
+    /// Momentum that nothing explains, kg m/s: the change since the first entry less the impulses of boundaries, loads and body
+    /// forces and what was dropped at nodes too light. In axisymmetric scenes along the axis only: hoop stresses push outwards.
+    pub momentum: [f64; 3],
+    /// The largest kinetic energy, or sum of kinetic and internal energy, so far, J.
+    pub energy_scale: f64,
+    /// The largest sum of m |v| so far, kg m/s.
+    pub momentum_scale: f64,
+}
+
+impl Account {
+    /// `unexplained` over `energy_scale`.
+    #[must_use]
+    pub fn energy_error(&self) -> f64 {
+        share(self.unexplained, self.energy_scale)
+    }
+    /// Amount of the momentum that nothing explains, kg m/s.
+    #[must_use]
+    pub fn missing(&self) -> f64 {
+        self.momentum.iter().map(|p| p * p).sum::<f64>().sqrt()
+    }
+}
+
+impl Books {
+    /// Enter what there is and what was given since the start of the run. The first entry opens the books.
+    pub fn enter(&mut self, now: &Totals, given: &Exchange, axisymmetric: bool) -> Account {
+        let (first, before) = *self.start.get_or_insert((*now, *given));
+        let [work, friction] = [given.work - before.work, given.friction - before.friction];
+        let [impacts, conversion] = [given.impacts - before.impacts, given.conversion - before.conversion];
+        // An explosive's energies are opposite: their sum says nothing about their size.
+        self.energy_scale = self.energy_scale.max((now.kinetic + now.internal).abs()).max(now.kinetic);
+        self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
+        let mut momentum = [0.0; 3];
+        for d in if axisymmetric { 1..2 } else { 0..3 } {
+            let impulses = given.impulse[d] - before.impulse[d] + (given.load[d] - before.load[d]);
+            momentum[d] =
+                now.momentum[d] - first.momentum[d] - impulses - (given.dropped[d] - before.dropped[d]);
+        }
+        Account {
+            kinetic: now.kinetic,
+            internal: now.internal,
+            work,
+            friction,
+            impacts,
+            conversion,
+            unexplained: now.kinetic + now.internal - work + friction + impacts
+                - conversion
+                - first.kinetic
+                - first.internal,
+            momentum,
+            energy_scale: self.energy_scale,
+            momentum_scale: self.momentum_scale,
+        }
+    }
+
+    /// Mass at the first entry, kg.
+    #[must_use]
+    pub fn mass(&self) -> f64 {
+        self.start.map_or(0.0, |(totals, _)| totals.mass)
+    }
+
+    /// The largest energy so far, J, and the largest sum of m |v|, kg m/s.
+    #[must_use]
+    pub fn scales(&self) -> [f64; 2] {
+        [self.energy_scale, self.momentum_scale]
+    }
+
+    /// To a file, or from one.
+    ///
+    /// # Errors
+    /// The file.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.option(&mut self.start, |file, (totals, given)| {
+            totals.archive(file)?;
+            given.archive(file)
+        })?;
+        file.reals([&mut self.energy_scale, &mut self.momentum_scale])
+    }
+}
+
+/// `error / scale`. 0 / 0 is 0: nothing is missing of nothing.
+#[must_use]
+pub fn share(error: f64, scale: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / scale }
+}

@@ -1,0 +1,148 @@
+//! Bodies as the run loop and observers see them, whatever their method.
+
+/// Sums over the points of a body or a scene. Per radian in axisymmetric scenes, per metre of depth in plane strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Points that carry mass.
+    pub particles: usize,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Momentum, kg m/s.
+    pub momentum: [f64; 3],
+    /// Angular momentum about the origin, kg m^2/s.
+    pub angular_momentum: [f64; 3],
+    /// Sum of m |v|, kg m/s: the scale for errors of the momentum.
+    pub momentum_scale: f64,
+    /// Kinetic energy, J.
+    pub kinetic: f64,
+    /// Internal energy, plastic work and heat included, J.
+    pub internal: f64,
+}
+
+impl Totals {
+    /// Sum with another body's.
+    #[must_use]
+    pub fn plus(mut self, o: &Totals) -> Totals {
+        self.particles += o.particles;
+        self.mass += o.mass;
+        for d in 0..3 {
+            self.momentum[d] += o.momentum[d];
+            self.angular_momentum[d] += o.angular_momentum[d];
+        }
+        self.momentum_scale += o.momentum_scale;
+        self.kinetic += o.kinetic;
+        self.internal += o.internal;
+        self
+    }
+
+    /// Add a point of this mass (kg), position (m) and velocity (m/s); its internal energy is added apart.
+    pub fn add_point(&mut self, mass: f64, position: &[f64], velocity: &[f64]) {
+        let (mut x, mut v) = ([0.0; 3], [0.0; 3]);
+        x[..position.len()].copy_from_slice(position);
+        v[..velocity.len()].copy_from_slice(velocity);
+        let square: f64 = v.iter().map(|c| c * c).sum();
+        self.particles += 1;
+        self.mass += mass;
+        self.kinetic += 0.5 * mass * square;
+        self.momentum_scale += mass * square.sqrt();
+        for d in 0..3 {
+            let (i, j) = ((d + 1) % 3, (d + 2) % 3);
+            self.momentum[d] += mass * v[d];
+            self.angular_momentum[d] += mass * (x[i] * v[j] - x[j] * v[i]);
+        }
+    }
+
+    /// Are energies and momentum finite numbers?
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        (self.kinetic + self.internal + self.momentum_scale).is_finite()
+    }
+}
+
+/// A point of a body (a particle, or a node of elements) as others see it, in SI units.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PointView {
+    /// Its number in the body, which stays the same over a run.
+    pub number: usize,
+    /// Position, m.
+    pub position: [f64; 3],
+    /// Velocity, m/s.
+    pub velocity: [f64; 3],
+    /// Mass, kg.
+    pub mass: f64,
+    /// Volume, m^3 (per radian or metre of depth in two dimensions).
+    pub volume: f64,
+    /// How wide it is drawn, m, where its volume does not say it.
+    pub width: Option<f64>,
+    /// Half edges of its domain, m, where it has one: of the box along the axes that it started with, stretched (cpGIMP), sheared
+    /// and turned (CPDI, and all in the reference configuration) as its method has it.
+    pub half_edges: [[f64; 3]; 3],
+    /// Cauchy stress xx, yy, zz, yz, xz, xy, Pa.
+    pub stress: [f64; 6],
+    /// Is it within the range of the data of its law? False of one so dense that its equation of state is continued.
+    pub in_range: bool,
+    /// Has it failed ([`mpm_materials::Constitutive::failed`])?
+    pub failed: bool,
+    /// The law's state, by [`Body::state_names`].
+    pub state: Vec<f64>,
+}
+
+impl PointView {
+    /// Pressure, compression positive: -tr(sigma) / 3, Pa.
+    #[must_use]
+    pub fn pressure(&self) -> f64 {
+        -(self.stress[0] + self.stress[1] + self.stress[2]) / 3.0
+    }
+
+    /// Von Mises equivalent stress, Pa.
+    #[must_use]
+    pub fn von_mises(&self) -> f64 {
+        let (s, mean) = (&self.stress, -self.pressure());
+        let d = [s[0] - mean, s[1] - mean, s[2] - mean];
+        let square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+        let shear = s[3] * s[3] + s[4] * s[4] + s[5] * s[5];
+        (1.5 * (square + 2.0 * shear)).sqrt()
+    }
+
+    /// How wide it is drawn, m: the edge of a cube (square in two dimensions, at its radius where those are (r, z)) of its volume,
+    /// or its own [`PointView::width`].
+    #[must_use]
+    pub fn drawn_width(&self, dimensions: usize, axisymmetric: bool) -> f64 {
+        let size = match (self.width, dimensions, axisymmetric) {
+            (Some(width), ..) => width,
+            (None, 3, _) => self.volume.cbrt(),
+            (None, _, true) => (self.volume / self.position[0]).sqrt(),
+            (None, _, false) => self.volume.sqrt(),
+        };
+        if size.is_finite() && size > 0.0 { size } else { f64::MIN_POSITIVE }
+    }
+}
+
+/// A body of any method, as the run loop and observers see it.
+pub trait Body {
+    /// Its name, which no other body of the scene has.
+    fn name(&self) -> &str;
+    /// Its law's name; empty without one.
+    fn law(&self) -> &'static str;
+    /// How many points it has; none of a wall.
+    fn len(&self) -> usize;
+    /// Has it no points?
+    fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+    /// Names of the numbers in [`PointView::state`].
+    fn state_names(&self) -> Vec<String>;
+    /// Sums over its points.
+    fn totals(&self) -> Totals;
+    /// Call `visit` for every point, in an order that depends on nothing but the scene.
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView));
+    /// All points, by number.
+    fn points(&self) -> Vec<PointView> {
+        let mut all = Vec::with_capacity(self.len());
+        self.for_each(&mut |p| all.push(p.clone()));
+        all.sort_by_key(|p| p.number);
+        all
+    }
+    /// Bytes of memory held, scratch included.
+    fn bytes(&self) -> usize;
+}

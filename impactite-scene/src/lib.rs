@@ -1,0 +1,53 @@
+//! What every method of computational mechanics shares.
+//!
+//! A method (`mpm-core`, `pcmm`, one's own) brings its physics and implements [`Solver`]; from here it has
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`solver`] | what a method must say of itself, and what every solver can do with that |
+//! | [`body`], [`contact`] | bodies, their points and their contacts as others see them |
+//! | [`run`] | the run loop, with observers, checkpoints and restart |
+//! | [`observe`] | histories, balances, probes, ParaView series, pictures, progress |
+//! | [`clock`], [`control`] | simulated time, and how the time step is chosen |
+//! | [`balance`], [`watch`] | balances of mass, momentum and energy, and what stops or warns |
+//! | [`archive`], [`constants`] | checkpoints |
+//! | [`boundary`], [`condition`], [`embedding`] | conditions, one's own among them, and how a problem in `D` dimensions lies in space |
+//! | [`error`] | what scenes are refused for and what stops steps |
+//!
+//! Units are SI. Stress is tension-positive, pressure compression-positive; symmetric tensors are listed xx, yy, zz, yz, xz, xy.
+
+pub mod archive;
+pub mod balance;
+pub mod body;
+pub mod boundary;
+pub mod clock;
+pub mod condition;
+#[cfg(feature = "conformance")]
+pub mod conformance;
+pub mod constants;
+pub mod contact;
+pub mod control;
+pub mod embedding;
+pub mod error;
+mod finding;
+pub mod observe;
+pub mod run;
+mod snapshot;
+pub mod solver;
+mod summary;
+pub mod watch;
+
+pub use archive::{Archive, CheckpointError};
+pub use balance::{Account, Exchange};
+pub use body::{Body, PointView, Totals};
+pub use boundary::{Boundary, Side};
+pub use clock::Clock;
+pub use condition::{Condition, Place, Reaction};
+pub use contact::{ContactPoint, PairContact};
+pub use control::TimeControl;
+pub use embedding::{Axisymmetric, Embedding, FullSpace, PlaneStrain};
+pub use error::{Cause, PointKind, SceneError, StepError, Stopped};
+pub use run::{Run, RunError};
+pub use solver::Solver;
+pub use summary::RunSummary;
+pub use watch::{Finding, GainCause, Warning, Watch};

@@ -1,0 +1,189 @@
+//! Energy and momentum, and how well they are conserved.
+
+use std::path::Path;
+
+use super::{ObserveError, Observer, Pace, RunView};
+use crate::archive::{Archive, CheckpointError};
+use crate::balance::{Account, Books, share};
+use impactite_output::{History, OutputError};
+
+/// Energy and momentum at one moment. Per radian in axisymmetric scenes, per metre of depth in plane strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct LedgerEntry {
+    /// Time, s.
+    pub time: f64,
+    /// Steps made.
+    pub step: u64,
+    /// Kinetic energy of the particles, J.
+    pub kinetic: f64,
+    /// Internal energy, plastic work and heat included, J.
+    pub internal: f64,
+    /// Work that boundaries and body forces did on the material since the first entry, J.
+    pub work: f64,
+    /// Work of friction between bodies since the first entry, J.
+    pub friction: f64,
+    /// Kinetic energy that plastic impacts of points took since the first entry, J.
+    pub impacts: f64,
+    /// Energy that came with points split, merged, made or removed since the first entry, J.
+    pub conversion: f64,
+    /// kinetic + internal - work + friction + impacts - conversion, J: constant if energy is conserved.
+    pub total: f64,
+    /// Change of `total` since the first entry, relative to the largest kinetic energy, or sum of kinetic and
+    /// internal energy, so far. Negative: the method lost energy.
+    pub energy_error: f64,
+    /// Momentum, kg m/s.
+    pub momentum: [f64; 3],
+    /// |p - p0 - impulse of boundaries - impulse of body forces - dropped| over the largest sum of m |v| so
+    /// far. In axisymmetric scenes along the axis only: hoop stresses push outwards.
+    pub momentum_error: f64,
+}
+
+impl LedgerEntry {
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let LedgerEntry { time, step, kinetic, internal, work, friction, impacts, conversion, total, .. } =
+            self;
+        file.word(step)?;
+        file.reals([time, kinetic, internal, work, friction, impacts, conversion, total])?;
+        file.reals([&mut self.energy_error, &mut self.momentum_error])?;
+        file.reals(&mut self.momentum)
+    }
+}
+
+/// Keeps the energy and momentum of a run and, if asked, writes them as CSV.
+///
+/// ```
+/// use impactite_scene::observe::{Ledger, Pace};
+/// let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
+/// // Run::new(&mut scene).observe(&mut ledger).until(80.0e-6)?;
+/// assert!(ledger.worst_energy_error() < 0.01);
+/// # Ok::<(), impactite_scene::observe::ObserveError>(())
+/// ```
+pub struct Ledger {
+    pace: Pace,
+    file: Option<History>,
+    books: Books,
+    /// The most momentum missing so far, kg m/s; NaN from the first look that found that.
+    worst_missing: f64,
+    entries: Vec<LedgerEntry>,
+}
+
+const COLUMNS: [(&str, &str); 12] = [
+    ("time", "s"),
+    ("step", "-"),
+    ("kinetic energy", "J"),
+    ("internal energy", "J"),
+    ("work on the material", "J"),
+    ("friction", "J"),
+    ("total", "J"),
+    ("energy error", "-"),
+    ("momentum x", "kg m/s"),
+    ("momentum y", "kg m/s"),
+    ("momentum z", "kg m/s"),
+    ("momentum error", "-"),
+];
+
+impl Ledger {
+    /// Look at this pace.
+    #[must_use]
+    pub fn new(pace: Pace) -> Self {
+        Ledger { pace, file: None, books: Books::default(), worst_missing: 0.0, entries: Vec::new() }
+    }
+
+    /// Also write a CSV file at `path`.
+    ///
+    /// # Errors
+    /// A file that cannot be created.
+    pub fn with_csv(mut self, path: impl AsRef<Path>) -> Result<Self, ObserveError> {
+        self.file = Some(History::create(path, COLUMNS)?);
+        Ok(self)
+    }
+
+    /// What was seen, in order of time.
+    #[must_use]
+    pub fn entries(&self) -> &[LedgerEntry] {
+        &self.entries
+    }
+
+    /// The change of the total energy that is largest by amount, with its sign, over the scale of the whole run.
+    #[must_use]
+    pub fn worst_energy_error(&self) -> f64 {
+        let first = self.entries.first().map_or(0.0, |e| e.total);
+        let errors = self.entries.iter().map(|e| share(e.total - first, self.books.scales()[0]));
+        errors.fold(0.0, |worst: f64, e| if e.is_nan() || e.abs() > worst.abs() { e } else { worst })
+    }
+
+    /// The largest momentum error, over the scale of the whole run.
+    #[must_use]
+    pub fn worst_momentum_error(&self) -> f64 {
+        share(self.worst_missing, self.books.scales()[1])
+    }
+
+    fn entry(&mut self, now: &RunView<'_>) -> LedgerEntry {
+        let totals = now.totals();
+        let account = self.books.enter(totals, &now.exchange(), now.axisymmetric());
+        let lost = account.missing();
+        if lost.is_nan() || lost > self.worst_missing {
+            self.worst_missing = lost;
+        }
+        let Account { kinetic, internal, work, friction, impacts, conversion, .. } = account;
+        LedgerEntry {
+            time: now.time(),
+            step: now.step(),
+            kinetic,
+            internal,
+            work,
+            friction,
+            impacts,
+            conversion,
+            total: kinetic + internal - work + friction + impacts - conversion,
+            energy_error: account.energy_error(),
+            momentum: totals.momentum,
+            momentum_error: share(lost, account.momentum_scale),
+        }
+    }
+}
+
+impl Observer for Ledger {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let e = self.entry(now);
+        self.entries.push(e);
+        Ok(self.write(&e)?)
+    }
+    fn archive(&mut self, archive: &mut Archive) -> Result<(), CheckpointError> {
+        self.books.archive(archive)?;
+        archive.real(&mut self.worst_missing)?;
+        archive.list(&mut self.entries, &LedgerEntry::default(), |archive, e| e.archive(archive))?;
+        if archive.reads() {
+            let entries = self.entries.clone();
+            entries.iter().try_for_each(|e| self.write(e))?;
+        }
+        Ok(())
+    }
+}
+
+impl Ledger {
+    fn write(&mut self, e: &LedgerEntry) -> Result<(), OutputError> {
+        if let Some(file) = &mut self.file {
+            let [x, y, z] = e.momentum;
+            let step = e.step as f64;
+            file.push(&[
+                e.time,
+                step,
+                e.kinetic,
+                e.internal,
+                e.work,
+                e.friction,
+                e.total,
+                e.energy_error,
+                x,
+                y,
+                z,
+                e.momentum_error,
+            ])?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,173 @@
+//! Frames: ParaView files and pictures.
+
+use std::path::{Path, PathBuf};
+
+use crate::archive::{Archive, CheckpointError};
+
+use super::{ObserveError, Observer, Pace, RunView};
+use impactite_output::picture::Picture;
+use impactite_output::{self as output, OutputError, Snapshot, VtkOptions};
+
+/// Writes a ParaView series, all bodies in one frame, with the fields of [`RunView::snapshot`].
+pub struct VtkSeries {
+    pace: Pace,
+    series: output::VtkSeries,
+    times: Vec<f64>,
+}
+
+impl VtkSeries {
+    /// Frames `NAME_000000.vtp`, ... and `NAME.pvd` in `folder`, which is created if it does not exist.
+    ///
+    /// # Errors
+    /// A name that cannot be a file name, or a folder that cannot be created.
+    pub fn create(
+        folder: impl AsRef<Path>,
+        name: impl Into<String>,
+        pace: Pace,
+    ) -> Result<Self, ObserveError> {
+        Ok(VtkSeries { pace, series: output::VtkSeries::create(folder, name)?, times: Vec::new() })
+    }
+
+    /// Write frames so.
+    #[must_use]
+    pub fn with_options(self, options: VtkOptions) -> Self {
+        VtkSeries { series: self.series.with_options(options), ..self }
+    }
+
+    /// The path of the `.pvd` file.
+    #[must_use]
+    pub fn pvd(&self) -> PathBuf {
+        self.series.pvd()
+    }
+
+    /// How many frames were written.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.series.frames()
+    }
+}
+
+impl Observer for VtkSeries {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        self.series.write(&now.snapshot()?)?;
+        self.times.push(now.time());
+        Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.times, &0.0, Archive::real)?;
+        if file.reads() {
+            self.series.go_on(&self.times);
+        }
+        Ok(())
+    }
+}
+
+/// Draws a picture at each look and saves it as `NAME_000000.png`, ...
+///
+/// ```
+/// use impactite_scene::observe::{Pace, Pictures};
+/// use impactite_output::picture::{ParticlePicture, Quantity};
+/// # let folder = std::env::temp_dir().join("impactite-doc-pictures");
+/// let pictures = Pictures::create(&folder, "bar", Pace::interval(5.0e-6)?, |snapshot| {
+///     ParticlePicture::new(800, 600).colour_by(Quantity::scalar("plastic_strain")).draw(snapshot)
+/// })?;
+/// # Ok::<(), impactite_scene::observe::ObserveError>(())
+/// ```
+pub struct Pictures<F> {
+    pace: Pace,
+    folder: PathBuf,
+    name: String,
+    draw: F,
+    frames: usize,
+}
+
+impl<F> Pictures<F>
+where
+    F: FnMut(&Snapshot) -> Result<Picture, OutputError>,
+{
+    /// Pictures in `folder`, which is created if it does not exist, drawn by `draw`.
+    ///
+    /// # Errors
+    /// A name that is empty or holds a path separator, or a folder that cannot be created.
+    pub fn create(
+        folder: impl AsRef<Path>,
+        name: impl Into<String>,
+        pace: Pace,
+        draw: F,
+    ) -> Result<Self, ObserveError> {
+        let (folder, name) = (folder.as_ref().to_path_buf(), name.into());
+        output::check_name("a series", &name)?;
+        if name.contains(['/', '\\']) {
+            let why = "it must hold no path separator; the folder is given apart";
+            return Err(OutputError::Name { what: "a series", name, why }.into());
+        }
+        std::fs::create_dir_all(&folder).map_err(OutputError::file("create", &folder))?;
+        Ok(Pictures { pace, folder, name, draw, frames: 0 })
+    }
+
+    /// How many pictures were drawn.
+    #[must_use]
+    pub fn frames(&self) -> usize {
+        self.frames
+    }
+}
+
+impl<F> Observer for Pictures<F>
+where
+    F: FnMut(&Snapshot) -> Result<Picture, OutputError>,
+{
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let picture = (self.draw)(&now.snapshot()?)?;
+        picture.save(self.folder.join(format!("{}_{:06}.png", self.name, self.frames)))?;
+        self.frames += 1;
+        Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.count(&mut self.frames)
+    }
+}
+
+/// Keeps snapshots, with the fields of [`RunView::snapshot`].
+pub struct Snapshots {
+    pace: Pace,
+    list: Vec<Snapshot>,
+}
+
+impl Snapshots {
+    /// At this pace.
+    #[must_use]
+    pub fn new(pace: Pace) -> Self {
+        Snapshots { pace, list: Vec::new() }
+    }
+
+    /// Those taken so far, in order of time.
+    #[must_use]
+    pub fn list(&self) -> &[Snapshot] {
+        &self.list
+    }
+
+    /// All, to be kept after the run.
+    #[must_use]
+    pub fn into_list(self) -> Vec<Snapshot> {
+        self.list
+    }
+}
+
+impl Observer for Snapshots {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        self.list.push(now.snapshot()?);
+        Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.snapshots(&mut self.list)
+    }
+}

@@ -1,0 +1,211 @@
+//! Snapshots of scenes.
+
+use impactite_output::{FieldValues, OutputError, ParticleSize, Snapshot};
+
+use crate::archive::{Archive, CheckpointError};
+use crate::body::{Body, PointView};
+use crate::clock::Clock;
+
+/// All points of all bodies.
+pub(crate) fn gather(
+    dimensions: usize,
+    axisymmetric: bool,
+    clock: &Clock,
+    bodies: &[&dyn Body],
+) -> Result<Snapshot, OutputError> {
+    let mut columns = Gathered::new(bodies);
+    for (index, body) in bodies.iter().enumerate() {
+        let places = columns.places(&body.state_names());
+        body.for_each(&mut |p| {
+            columns.push(index as u32, p, p.drawn_width(dimensions, axisymmetric), &places);
+        });
+    }
+    columns.into_snapshot(dimensions, clock.time, clock.steps)
+}
+
+impl Archive {
+    /// Snapshots, as they are.
+    ///
+    /// # Errors
+    /// The file.
+    pub fn snapshots(&mut self, list: &mut Vec<Snapshot>) -> Result<(), CheckpointError> {
+        let mut count = list.len();
+        self.count(&mut count)?;
+        if self.reads() {
+            list.clear();
+            for _ in 0..count {
+                let mut parts = Parts::default();
+                parts.archive(self)?;
+                list.push(parts.into_snapshot().map_err(|error| self.damaged(error.to_string()))?);
+            }
+            return Ok(());
+        }
+        list.iter().try_for_each(|snapshot| Parts::of(snapshot).archive(self))
+    }
+}
+
+/// What a snapshot is made of.
+#[derive(Default)]
+struct Parts {
+    dimension: usize,
+    time: f64,
+    step: u64,
+    positions: Vec<[f64; 3]>,
+    /// One for all, or one a point.
+    sizes: Vec<f64>,
+    uniform: bool,
+    bodies: Vec<u32>,
+    fields: Vec<(String, Field)>,
+}
+
+/// Columns of a field by the number of its components, of which one is not empty.
+#[derive(Clone, Default)]
+struct Field {
+    components: u64,
+    scalars: Vec<f64>,
+    vectors: Vec<[f64; 3]>,
+    tensors: Vec<[f64; 6]>,
+}
+
+impl Field {
+    fn of(values: &FieldValues) -> Self {
+        let blank = Field::default();
+        match values.clone() {
+            FieldValues::Scalar(scalars) => Field { components: 1, scalars, ..blank },
+            FieldValues::Vector(vectors) => Field { components: 3, vectors, ..blank },
+            FieldValues::Tensor(tensors) => Field { components: 6, tensors, ..blank },
+        }
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.word(&mut self.components)?;
+        file.list(&mut self.scalars, &0.0, Archive::real)?;
+        file.list(&mut self.vectors, &[0.0; 3], |file, v| file.reals(v))?;
+        file.list(&mut self.tensors, &[0.0; 6], |file, t| file.reals(t))
+    }
+
+    fn into_values(self) -> FieldValues {
+        match self.components {
+            1 => FieldValues::Scalar(self.scalars),
+            3 => FieldValues::Vector(self.vectors),
+            _ => FieldValues::Tensor(self.tensors),
+        }
+    }
+}
+
+impl Parts {
+    fn of(snapshot: &Snapshot) -> Self {
+        let (sizes, uniform) = match snapshot.size() {
+            ParticleSize::Uniform(size) => (vec![*size], true),
+            ParticleSize::Each(list) => (list.clone(), false),
+        };
+        Parts {
+            dimension: snapshot.dimension(),
+            time: snapshot.time(),
+            step: snapshot.step(),
+            positions: snapshot.positions().to_vec(),
+            sizes,
+            uniform,
+            bodies: snapshot.bodies().to_vec(),
+            fields: snapshot.fields().map(|(name, values)| (name.to_string(), Field::of(values))).collect(),
+        }
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.count(&mut self.dimension)?;
+        file.real(&mut self.time)?;
+        file.word(&mut self.step)?;
+        file.list(&mut self.positions, &[0.0; 3], |file, x| file.reals(x))?;
+        file.flag(&mut self.uniform)?;
+        file.list(&mut self.sizes, &0.0, Archive::real)?;
+        file.list(&mut self.bodies, &0, |file, body| file.index(body, usize::MAX))?;
+        file.list(&mut self.fields, &Default::default(), |file, (name, field)| {
+            file.text(name)?;
+            field.archive(file)
+        })
+    }
+
+    fn into_snapshot(self) -> Result<Snapshot, OutputError> {
+        let size = match (self.uniform, self.sizes.first()) {
+            (true, Some(size)) => ParticleSize::Uniform(*size),
+            _ => ParticleSize::Each(self.sizes),
+        };
+        let snapshot = Snapshot::new(self.dimension, self.time, self.step, self.positions, size)?;
+        let snapshot = snapshot.with_bodies(self.bodies)?;
+        let fields = self.fields.into_iter();
+        fields
+            .map(|(name, field)| (name, field.into_values()))
+            .try_fold(snapshot, |s, (n, v)| s.with_field(n, v))
+    }
+}
+
+/// Names that the snapshot gives itself.
+const TAKEN: [&str; 7] = ["velocity", "stress", "pressure", "von_mises", "particle", "body", "size"];
+
+/// Columns of a snapshot while it is gathered.
+#[derive(Default)]
+struct Gathered {
+    positions: Vec<[f64; 3]>,
+    sizes: Vec<f64>,
+    bodies: Vec<u32>,
+    velocity: Vec<[f64; 3]>,
+    stress: Vec<[f64; 6]>,
+    pressure: Vec<f64>,
+    von_mises: Vec<f64>,
+    particle: Vec<f64>,
+    names: Vec<String>,
+    state: Vec<Vec<f64>>,
+}
+
+impl Gathered {
+    fn new(bodies: &[&dyn Body]) -> Self {
+        let mut names: Vec<String> = Vec::new();
+        for name in bodies.iter().flat_map(|b| b.state_names()) {
+            if !is_stress(&name) && !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        Gathered { state: vec![Vec::new(); names.len()], names, ..Self::default() }
+    }
+
+    /// For every column, which number of a body's state fills it.
+    fn places(&self, body: &[String]) -> Vec<Option<usize>> {
+        self.names.iter().map(|name| body.iter().position(|n| n == name)).collect()
+    }
+
+    fn push(&mut self, body: u32, p: &PointView, size: f64, places: &[Option<usize>]) {
+        let (pressure, von_mises) = (p.pressure(), p.von_mises());
+        self.positions.push(p.position);
+        self.sizes.push(size);
+        self.bodies.push(body);
+        self.velocity.push(p.velocity);
+        self.stress.push(p.stress);
+        self.pressure.push(pressure);
+        self.von_mises.push(von_mises);
+        self.particle.push(p.number as f64);
+        for (column, place) in self.state.iter_mut().zip(places) {
+            column.push(place.and_then(|i| p.state.get(i).copied()).unwrap_or(f64::NAN));
+        }
+    }
+
+    fn into_snapshot(self, dimension: usize, time: f64, step: u64) -> Result<Snapshot, OutputError> {
+        let mut snapshot =
+            Snapshot::new(dimension, time, step, self.positions, ParticleSize::Each(self.sizes))?
+                .with_bodies(self.bodies)?
+                .with_vector("velocity", self.velocity)?
+                .with_tensor("stress", self.stress)?
+                .with_scalar("pressure", self.pressure)?
+                .with_scalar("von_mises", self.von_mises)?
+                .with_scalar("particle", self.particle)?;
+        for (name, column) in self.names.into_iter().zip(self.state) {
+            let name = if TAKEN.contains(&name.as_str()) { format!("state_{name}") } else { name };
+            snapshot = snapshot.with_field(name, FieldValues::Scalar(column))?;
+        }
+        Ok(snapshot)
+    }
+}
+
+/// Is it one of the six columns of a law's Cauchy stress?
+fn is_stress(name: &str) -> bool {
+    name.strip_prefix("stress_").is_some_and(|c| ["xx", "yy", "zz", "yz", "xz", "xy"].contains(&c))
+}

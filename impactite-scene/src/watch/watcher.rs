@@ -1,0 +1,234 @@
+//! Looks at the balances of a run.
+
+use super::Watch;
+use crate::archive::{Archive, CheckpointError};
+use crate::balance::{Account, Books, Exchange, share};
+use crate::body::Totals;
+use crate::clock::Clock;
+use crate::error::{StepError, Stopped};
+use crate::finding::{Finding, Warning};
+
+/// Looks at the bodies, among all looks.
+const BODIES_EVERY: u64 = 16;
+/// Steps after which a run is looked at the first times.
+const EARLY: [u64; 2] = [16, 64];
+/// A look at the end of a run is left out where one was made so few steps before.
+const LATELY: u64 = 16;
+/// Part of the speed of waves below which motion is noise that no balance is judged by.
+const NOISE: f64 = 1e-6;
+/// A run whose largest energy grew by more than this since the last look gathers energy from nothing.
+const GATHERS: f64 = 2.0;
+/// Share of all energy whose gain at one look is no swing.
+const EXPLODES: f64 = 0.5;
+
+/// What a solver has to have its run watched: balances, and what was found.
+#[derive(Clone, Debug, Default)]
+pub struct Watcher {
+    watch: Watch,
+    books: Books,
+    /// The lowest unexplained energy so far, J.
+    lowest: f64,
+    /// Steps at the first look and the last; none before the first.
+    first: Option<u64>,
+    last: u64,
+    /// Gains that the last looks found, over the scale, the youngest first.
+    gains: [f64; 3],
+    warnings: Vec<Warning>,
+    /// The scale that energy was judged by at the last look, J.
+    scale: f64,
+}
+
+/// What a look sees beside the balance.
+#[derive(Clone, Copy, Debug)]
+pub struct Look<'a> {
+    /// Time and steps.
+    pub clock: &'a Clock,
+    /// What was exchanged since the start.
+    pub exchange: &'a Exchange,
+    /// The relative rounding error of a number of the points.
+    pub rounding: f64,
+    /// The speed of waves and points, m/s.
+    pub speed: f64,
+    /// Is the energy to be judged?
+    pub energy: bool,
+    /// Where energy that is lost most likely went, and what keeps more.
+    pub loss: &'static str,
+}
+
+impl Watcher {
+    /// Choose what is watched over.
+    pub fn set(&mut self, watch: Watch) {
+        self.watch = watch;
+        self.gains = [0.0; 3];
+    }
+    /// What is watched over.
+    #[must_use]
+    pub fn watch(&self) -> &Watch {
+        &self.watch
+    }
+    /// What the run warned of so far.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+    /// The balance if there is `now` and `exchange` was given.
+    #[must_use]
+    pub fn account(&self, now: &Totals, exchange: &Exchange, axisymmetric: bool) -> Account {
+        let mut books = self.books;
+        books.enter(now, exchange, axisymmetric)
+    }
+    /// Open the balance anew with the next step, as bodies came.
+    pub fn reopen(&mut self) {
+        *self =
+            Watcher { watch: self.watch, warnings: std::mem::take(&mut self.warnings), ..Watcher::default() };
+    }
+
+    /// Before a step: is it the first of a run that is watched, so that [`Watcher::open`] is due?
+    #[must_use]
+    pub fn opens(&self) -> bool {
+        self.first.is_none() && !self.watch.is_off()
+    }
+    /// Open the balance with what there is.
+    pub fn open(&mut self, steps: u64, now: &Totals, exchange: &Exchange, axisymmetric: bool) {
+        self.first = Some(steps);
+        self.last = steps;
+        self.books.enter(now, exchange, axisymmetric);
+    }
+    /// After a step: is a look due, and one at the bodies with it?
+    #[must_use]
+    pub fn due(&self, steps: u64) -> Option<bool> {
+        let (every, made) = (self.watch.every, steps - self.first?);
+        let due = made.is_multiple_of(every) || EARLY.contains(&made);
+        due.then(|| made.is_multiple_of(every.saturating_mul(BODIES_EVERY)))
+    }
+    /// At the end of a run: is a look due?
+    #[must_use]
+    pub fn due_at_the_end(&self, steps: u64) -> bool {
+        self.first.is_some() && !self.watch.is_off() && steps >= self.last + LATELY
+    }
+    /// Are bodies to be looked at?
+    #[must_use]
+    pub fn sees_bodies(&self) -> bool {
+        self.watch.bodies
+    }
+
+    /// Look: enter the totals `now`, and judge momentum and energy. `broken` names a body with numbers that are not finite, `explain`
+    /// makes a finding of an energy gain: its share of the largest energy, and J.
+    ///
+    /// # Errors
+    /// A finding that stops the run.
+    pub fn look(
+        &mut self,
+        now: &Totals,
+        axisymmetric: bool,
+        at: &Look<'_>,
+        broken: impl FnOnce() -> String,
+        explain: impl FnOnce(f64, f64) -> Finding,
+    ) -> Result<(), StepError> {
+        self.last = at.clock.steps;
+        let account = self.books.enter(now, at.exchange, axisymmetric);
+        self.look_at_momentum(&account, at, broken)?;
+        self.look_at_energy(&account, at, explain)
+    }
+
+    fn look_at_momentum(
+        &mut self,
+        account: &Account,
+        at: &Look<'_>,
+        broken: impl FnOnce() -> String,
+    ) -> Result<(), StepError> {
+        let missing = account.missing();
+        if !(account.kinetic + account.internal + missing).is_finite() {
+            return self.found(at.clock, Finding::NotFinite { body: broken() }, true);
+        }
+        let given = at.exchange;
+        let impulses = [given.impulse, given.load].iter().flatten().map(|p| p * p).sum::<f64>().sqrt();
+        // Inner forces round, too: as if what is stored were in motion.
+        let stored = (2.0 * self.books.mass() * account.energy_scale).sqrt();
+        let missed = share(missing, account.momentum_scale.max(impulses).max(stored));
+        let limit = self.watch.momentum.unwrap_or(at.rounding.sqrt());
+        if missed > limit {
+            let finding = Finding::Momentum { share: missed, momentum: account.momentum };
+            return self.found(at.clock, finding, true);
+        }
+        Ok(())
+    }
+
+    fn look_at_energy(
+        &mut self,
+        account: &Account,
+        at: &Look<'_>,
+        explain: impl FnOnce(f64, f64) -> Finding,
+    ) -> Result<(), StepError> {
+        if !at.energy {
+            return Ok(());
+        }
+        let speed = NOISE * at.speed;
+        let least = 0.5 * self.books.mass() * speed * speed;
+        self.lowest = self.lowest.min(account.unexplained);
+        let scale = account.energy_scale.max(account.work.abs()).max(account.friction.abs());
+        // While a run gathers energy from nothing, half a step of it is much of it.
+        let grows = scale > GATHERS * std::mem::replace(&mut self.scale, scale);
+        if scale < least {
+            return Ok(());
+        }
+        let joules = account.unexplained - self.lowest;
+        let (gain, loss) = (share(joules, scale), share(-account.unexplained, scale));
+        if grows && gain < EXPLODES {
+            return Ok(());
+        }
+        let [last, one_before, _] = self.gains;
+        self.gains = [gain, last, one_before];
+        // Kinetic and internal energy belong to times half a step apart, so that one look alone may show a swing.
+        let stops = gain.min(last) > self.watch.stop_gain || gain > EXPLODES;
+        let gain_that_lasts = gain.min(last).min(one_before);
+        let warns = gain_that_lasts > self.watch.warn_gain;
+        if (stops && self.watch.stops) || (warns && !self.knows(|f| matches!(f, Finding::EnergyGain { .. })))
+        {
+            let finding = explain(gain, joules);
+            self.found(at.clock, finding, stops)?;
+        }
+        if loss > self.watch.warn_loss && !self.knows(|f| matches!(f, Finding::EnergyLoss { .. })) {
+            let finding = Finding::EnergyLoss { share: loss, joules: -account.unexplained, remedy: at.loss };
+            self.found(at.clock, finding, false)?;
+        }
+        Ok(())
+    }
+
+    fn knows(&self, which: impl Fn(&Finding) -> bool) -> bool {
+        self.warnings.iter().any(|w| which(&w.finding))
+    }
+
+    /// Warn of what was found, unless something the `same` was found before.
+    pub fn warn_once(&mut self, clock: &Clock, finding: Finding, same: impl Fn(&Finding) -> bool) {
+        if !self.knows(same) {
+            self.warnings.push(Warning { step: clock.steps, time: clock.time, finding });
+        }
+    }
+
+    /// Stop for what was found, if it is so bad and the watch may; else warn, once.
+    fn found(&mut self, clock: &Clock, finding: Finding, stops: bool) -> Result<(), StepError> {
+        if stops && self.watch.stops {
+            return Err(StepError {
+                step: clock.steps,
+                time: clock.time,
+                what: Stopped::Watch(Box::new(finding)),
+            });
+        }
+        let kind = std::mem::discriminant(&finding);
+        self.warn_once(clock, finding, |f| std::mem::discriminant(f) == kind);
+        Ok(())
+    }
+
+    /// Balances and what was found so far, to a file or from one; warnings begin anew.
+    ///
+    /// # Errors
+    /// The file.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.books.archive(file)?;
+        file.reals([&mut self.lowest, &mut self.scale])?;
+        file.option(&mut self.first, Archive::word)?;
+        file.word(&mut self.last)?;
+        file.reals(&mut self.gains)
+    }
+}

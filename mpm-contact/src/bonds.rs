@@ -1,0 +1,64 @@
+//! Bodies that are glued.
+
+use mpm_materials::{Check, ParameterError, Real};
+
+use crate::friction::Coulomb;
+use crate::law::{Contact, ContactLaw};
+use crate::vector::{difference, dot, length, times};
+
+/// Bodies that are glued: one velocity where they meet, pulled or pushed, at every node where the detector says they
+/// touch: with [`crate::Approach`] that is what one velocity field does. A distance test with the threshold zero
+/// lets go as soon as a gap opens.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Stick;
+impl<T: Real> ContactLaw<T> for Stick {
+    fn pulls(&self) -> bool {
+        true
+    }
+    fn impulse(&self, contact: &Contact<'_, T>) -> [T; 3] {
+        times(contact.relative_velocity(), contact.reduced_mass())
+    }
+}
+
+/// Bodies that stick up to a strength: glued while the traction stays below, (t_n / strength)^2 +
+/// (t_t / shear strength)^2 <= 1 (only t_t counts in compression); beyond it, Coulomb friction. Without memory:
+/// surfaces that touch again stick again. As with [`Stick`], the detector must see a touch where a small
+/// gap opens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Adhesion<T> {
+    strength: T,
+    shear: T,
+    beyond: Coulomb<T>,
+}
+impl<T: Real> Adhesion<T> {
+    /// Tensile and shear strength, Pa, and the friction coefficient once they are passed.
+    ///
+    /// # Errors
+    /// A strength that is not positive, a coefficient that is negative.
+    pub fn new(strength: T, shear: T, friction: T) -> Result<Self, ParameterError> {
+        let check = Check("adhesion");
+        Ok(Adhesion {
+            strength: check.positive("tensile strength", strength)?,
+            shear: check.positive("shear strength", shear)?,
+            beyond: Coulomb::new(friction)?,
+        })
+    }
+}
+impl<T: Real> ContactLaw<T> for Adhesion<T> {
+    fn pulls(&self) -> bool {
+        true
+    }
+    fn needs_area(&self) -> bool {
+        true
+    }
+    fn impulse(&self, contact: &Contact<'_, T>) -> [T; 3] {
+        let glued = Stick.impulse(contact);
+        let along = dot(glued, contact.normal);
+        let across = length(difference(glued, times(contact.normal, along)));
+        let pull = (-along).max(T::of(0.0));
+        // t / strength <= 1 times area and step, so that an area of zero holds nothing.
+        let (a, b) = (pull * self.shear, across * self.strength);
+        let capacity = self.strength * self.shear * contact.area * contact.dt;
+        if a * a + b * b <= capacity * capacity { glued } else { self.beyond.impulse(contact) }
+    }
+}

@@ -1,0 +1,229 @@
+//! What contact laws remember: numbers by pair of bodies and node, from step to step.
+//!
+//! A record lasts while the pair touches at its node. It moves with the mean of both velocities, from node to nearest node, so that all of a
+//! patch that moves as one change nodes in the same step; see [`mpm_contact::Remembers`]. Records are sorted by pair and place, looked
+//! up and never walked by tasks, and rewritten between stages: the bits depend neither on threads nor on blocks.
+
+use std::cmp::Ordering;
+use std::ops::Range;
+
+use super::BlockContacts;
+use crate::dim::BLOCK;
+use crate::parallel::Float;
+
+/// Numbers of a record before those of the law: how far it is from its node, m.
+pub(in crate::step) const OFFSET: usize = 3;
+
+/// A pair of bodies at a node of the lattice.
+pub(in crate::step) type Key = ([u32; 2], [i32; 3]);
+
+/// The records of a scene, and the numbers of each.
+#[derive(Clone, Debug, Default)]
+pub struct ContactMemory {
+    pub(in crate::step) width: usize,
+    /// Where the numbers of each begin.
+    pub(in crate::step) keys: Vec<(Key, usize)>,
+    pub(in crate::step) numbers: Vec<f64>,
+    /// Used while they are rewritten.
+    before: Vec<f64>,
+}
+
+/// What a block's touches remember at the start and at the end of a step: a record each, in their order; empty where no law remembers.
+#[derive(Clone, Debug, Default)]
+pub struct TouchMemory {
+    width: usize,
+    start: Vec<f64>,
+    end: Vec<f64>,
+}
+
+impl TouchMemory {
+    /// Room for so many touches, of laws that remember up to `numbers`.
+    pub(super) fn clear(&mut self, touches: usize, numbers: usize) {
+        self.width = if numbers == 0 { 0 } else { OFFSET + numbers };
+        self.start.clear();
+        self.start.resize(touches * self.width, 0.0);
+        self.end.clear();
+    }
+    /// The record of a touch, to be recalled.
+    pub(super) fn record_mut(&mut self, touch: usize) -> &mut [f64] {
+        &mut self.start[touch * self.width..][..self.width]
+    }
+    /// All is recalled; touches that nothing happens to end as they started.
+    pub(super) fn recalled(&mut self) {
+        self.end.clone_from(&self.start);
+    }
+    /// The numbers of a touch, by its place in [`BlockContacts::touches`], at the start of the step; empty where no law remembers.
+    pub fn start(&self, touch: usize) -> &[f64] {
+        self.start.get(self.numbers(touch)).unwrap_or_default()
+    }
+    /// Those at the start, and those at the end of the step, to be brought there.
+    pub fn start_and_end(&mut self, touch: usize) -> (&[f64], &mut [f64]) {
+        let numbers = self.numbers(touch);
+        (self.start.get(numbers.clone()).unwrap_or_default(), self.end.get_mut(numbers).unwrap_or_default())
+    }
+    /// Move what a touch remembers by a way, m.
+    pub fn carry(&mut self, touch: usize, way: [f64; 3]) {
+        let start = touch * self.width;
+        let offset = self.end.get_mut(start..start + OFFSET.min(self.width)).unwrap_or_default();
+        offset.iter_mut().zip(way).for_each(|(x, way)| *x += way);
+    }
+    fn numbers(&self, touch: usize) -> Range<usize> {
+        let start = touch * self.width;
+        start + OFFSET.min(self.width)..start + self.width
+    }
+    pub(super) fn bytes(&self) -> usize {
+        (self.start.capacity() + self.end.capacity()) * size_of::<f64>()
+    }
+}
+
+/// The node of a block by its number.
+pub(super) fn node_of(block: [i32; 3], node: usize) -> [i32; 3] {
+    [0, 1, 2].map(|d| block[d] * BLOCK as i32 + (node / BLOCK.pow(d as u32) % BLOCK) as i32)
+}
+
+impl ContactMemory {
+    fn record(&self, key: &Key) -> Option<&[f64]> {
+        let found = self.keys.binary_search_by(|entry| entry.0.cmp(key)).ok()?;
+        Some(&self.numbers[self.keys[found].1..][..self.width])
+    }
+
+    /// The record of a pair at a node; where there is none, the mean of the nearest ones at the nodes around it in `dimensions`. Where
+    /// there is none either, `record` stays as it is.
+    pub(super) fn recall(&self, bodies: [u32; 2], node: [i32; 3], dimensions: usize, record: &mut [f64]) {
+        if self.keys.is_empty() {
+            return;
+        }
+        if let Some(own) = self.record(&(bodies, node)) {
+            record.copy_from_slice(own);
+            return;
+        }
+        let depth = if dimensions == 3 { -1..=1 } else { 0..=0 };
+        for square in 1..=dimensions as i32 {
+            let mut count = 0.0;
+            for z in depth.clone() {
+                for y in -1..=1 {
+                    for x in -1..=1 {
+                        if x * x + y * y + z * z != square {
+                            continue;
+                        }
+                        let near = [node[0] + x, node[1] + y, node[2] + z];
+                        if let Some(other) = self.record(&(bodies, near)) {
+                            record.iter_mut().zip(other).for_each(|(sum, x)| *sum += x);
+                            count += 1.0;
+                        }
+                    }
+                }
+            }
+            if count > 0.0 {
+                record.iter_mut().for_each(|sum| *sum /= count);
+                return;
+            }
+        }
+    }
+
+    /// Keep what touches remember at the end of a step, of pairs whose laws do, for cells of `spacing`, m.
+    pub(super) fn keep<T: Float>(&mut self, found: &[BlockContacts<T>], spacing: f64) {
+        self.keys.clear();
+        self.numbers.clear();
+        for block in found {
+            let memory = &block.memory;
+            for (n, touch) in block.touches.iter().enumerate() {
+                let pair = &block.pairs[touch.pair as usize];
+                let Some(record) = memory.end.get(n * memory.width..(n + 1) * memory.width) else { continue };
+                if !pair.remembers || record.is_empty() {
+                    continue;
+                }
+                self.width = memory.width;
+                let mut node = node_of(block.block, touch.node as usize);
+                let start = self.numbers.len();
+                self.numbers.extend_from_slice(record);
+                for d in 0..OFFSET {
+                    let offset = &mut self.numbers[start + d];
+                    let cells = (*offset / spacing).round().clamp(-1.0, 1.0);
+                    node[d] += cells as i32;
+                    *offset -= cells * spacing;
+                }
+                self.keys.push(((pair.bodies, node), start));
+            }
+        }
+        // Of two that came to one node, the nearer one stays; of equally near ones, that of the first node.
+        let numbers = &self.numbers;
+        let away = |start: usize| numbers[start..][..OFFSET].iter().map(|x| x * x).sum::<f64>();
+        self.keys.sort_by(|a, b| {
+            a.0.cmp(&b.0).then_with(|| away(a.1).partial_cmp(&away(b.1)).unwrap_or(Ordering::Equal))
+        });
+        self.keys.dedup_by(|b, a| a.0 == b.0);
+        // In their order, so that a checkpoint says the same whatever the blocks are.
+        std::mem::swap(&mut self.numbers, &mut self.before);
+        self.numbers.clear();
+        for (_, start) in &mut self.keys {
+            let record = &self.before[*start..][..self.width];
+            *start = self.numbers.len();
+            self.numbers.extend_from_slice(record);
+        }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        self.keys.capacity() * size_of::<(Key, usize)>()
+            + (self.numbers.capacity() + self.before.capacity()) * size_of::<f64>()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::step::contact::{Pair, Touch};
+
+    const BODIES: [u32; 2] = [0, 2];
+
+    /// Touches at nodes of the block at the origin, each with an offset along x and a number.
+    fn kept(records: &[(u8, f64, f64)]) -> ContactMemory {
+        let mut found = BlockContacts::<f64>::default();
+        found.pairs.push(Pair { remembers: true, ..Pair::new([0, 1], BODIES) });
+        found.touches.extend(records.iter().map(|r| Touch { node: r.0, ..Touch::default() }));
+        found.memory.clear(records.len(), 1);
+        found.memory.recalled();
+        for (n, &(_, offset, number)) in records.iter().enumerate() {
+            found.memory.carry(n, [offset, 0.0, 0.0]);
+            found.memory.start_and_end(n).1[0] = number;
+        }
+        let mut memory = ContactMemory::default();
+        memory.keep(&[found], 0.1);
+        memory
+    }
+    fn at(memory: &ContactMemory, node: [i32; 3]) -> [f64; 2] {
+        let mut record = [0.0; OFFSET + 1];
+        memory.recall(BODIES, node, 2, &mut record);
+        [record[0], record[OFFSET]]
+    }
+
+    #[test]
+    fn new_nodes_take_the_nearest_ones() {
+        let memory = kept(&[(0, 0.0, 1.0), (1, 0.0, 2.0), (2, 0.0, 4.0)]);
+        assert_eq!(at(&memory, [1, 0, 0]), [0.0, 2.0], "its own");
+        assert_eq!(at(&memory, [3, 0, 0]), [0.0, 4.0], "beside");
+        assert_eq!(at(&memory, [1, 1, 0]), [0.0, 2.0], "below it, and not those aslant");
+        assert_eq!(at(&memory, [3, 1, 0]), [0.0, 4.0], "aslant, where there is no other");
+        assert_eq!(at(&memory, [1, 2, 0]), [0.0, 0.0], "a new contact");
+        let ends = kept(&[(0, 0.0, 1.0), (2, 0.0, 4.0)]);
+        assert_eq!(at(&ends, [1, 0, 0]), [0.0, 2.5], "between two");
+        let mut other = [0.0; OFFSET + 1];
+        memory.recall([0, 1], [1, 0, 0], 2, &mut other);
+        assert_eq!(other[OFFSET], 0.0, "another pair");
+    }
+
+    #[test]
+    fn records_move_to_the_nearest_node() {
+        let near = kept(&[(1, 0.04, 3.0)]);
+        assert_eq!(at(&near, [1, 0, 0]), [0.04, 3.0]);
+        let far = kept(&[(1, 0.06, 3.0), (2, 0.0, 5.0)]);
+        assert_eq!(at(&far, [1, 0, 0])[1], 5.0, "it has left, and its neighbour is near");
+        assert_eq!(at(&far, [2, 0, 0])[1], 5.0, "the nearer one of two stays");
+        let both = kept(&[(1, 0.06, 3.0), (2, 0.06, 5.0)]);
+        let [offset, number] = at(&both, [2, 0, 0]);
+        assert!((offset + 0.04).abs() < 1e-15 && number == 3.0);
+        assert_eq!(at(&both, [3, 0, 0])[1], 5.0);
+        // From the first block to the one before it.
+        assert_eq!(at(&kept(&[(0, -0.06, 7.0)]), [-1, 0, 0])[1], 7.0);
+    }
+}

@@ -1,0 +1,354 @@
+//! The nodes that bodies share, as a contact algorithm sees them.
+
+use impactite_scene::boundary::Plane;
+use mpm_contact::{NearPoint, Places, SurfaceQuantity};
+
+use super::memory::{ContactMemory, node_of};
+use super::{BlockContacts, ContactPhase};
+use crate::dim::{BLOCK, block_nodes};
+use crate::grid::Node;
+use crate::parallel::Float;
+use crate::step::body::GridBody;
+use crate::step::fields::{Fields, Member};
+use crate::step::layout::numbers;
+use crate::step::nodes::BlockPlace;
+use crate::step::rigid::RigidState;
+
+/// The nodes of a block that several bodies share, as a [`super::Contact`] sees them.
+pub struct SharedNodes<'a, T: Float, const D: usize> {
+    pub(super) nodes: &'a [Node<T>],
+    pub(super) members: &'a [Member],
+    pub(super) bodies: &'a [Box<dyn GridBody<T, D>>],
+    pub(super) fields: &'a Fields<D>,
+    pub(super) mirrors: &'a [Plane],
+    pub(super) wide: bool,
+    pub(super) place: BlockPlace<D>,
+    pub(super) coordinates: [i32; D],
+    pub(super) phase: ContactPhase,
+    pub(super) spacing: f64,
+    pub(super) rigid: bool,
+    pub(super) cutoff: T,
+    pub(super) dt: T,
+    pub(super) time: f64,
+    pub(super) memory: &'a ContactMemory,
+}
+
+/// Nodes of a block that are images of others, mirrored along some axes.
+#[derive(Clone, Copy)]
+struct Image<const D: usize> {
+    /// The block of the others.
+    at: [i32; D],
+    /// The images, a bit each.
+    nodes: u64,
+    axes: [Option<Mirrored>; D],
+}
+
+/// How nodes are mirrored along an axis.
+#[derive(Clone, Copy)]
+struct Mirrored {
+    /// How far the others are from their images, in places of a block.
+    by: i32,
+    /// Where the plane is, in nodes from the first one of the block.
+    plane: i32,
+}
+
+/// Nodes of a block, a bit each, of the layer at place `within` along the axis of a `stride`.
+fn layer_of(within: usize, stride: usize) -> u64 {
+    (0..64).filter(|n| n / stride % BLOCK == within).fold(0, |set, n| set | 1 << n)
+}
+
+impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
+    /// Number of fields.
+    pub fn fields(&self) -> usize {
+        self.members.len()
+    }
+    /// Number of a field's body; fields are in the order of bodies.
+    pub fn body(&self, field: usize) -> usize {
+        self.members[field].body as usize
+    }
+    /// Nodes in the block.
+    pub fn nodes(&self) -> usize {
+        block_nodes(D)
+    }
+    /// Nodes where the field has mass, a bit each.
+    pub fn occupied(&self, field: usize) -> u64 {
+        let block = self.members[field].block as usize;
+        let layout = self.fields.layout();
+        let mut bits = 0;
+        for (n, node) in numbers(layout.kept(block)).zip(layout.of(self.nodes, block)) {
+            bits |= u64::from(node.first[0] > self.cutoff) << n;
+        }
+        bits
+    }
+    /// Is any body of the scene rigid?
+    pub fn has_rigid(&self) -> bool {
+        self.rigid
+    }
+    /// Place and motion of the field's body, if it is rigid.
+    pub fn rigid(&self, field: usize) -> Option<&RigidState<D>> {
+        self.bodies[self.body(field)].rigid()
+    }
+    /// Does the field's body move as prescribed, whatever meets it? Two of them have nothing to give to each other.
+    pub fn is_prescribed(&self, field: usize) -> bool {
+        self.members[field].prescribed
+    }
+    /// Mass of a field at a node, kg: infinite if the body's motion is prescribed. Of a free rigid body, the share of its
+    /// mass that the node holds.
+    pub fn mass(&self, field: usize, node: usize) -> T {
+        if self.is_prescribed(field) { T::of(f64::INFINITY) } else { self.of(field, node).first[0] }
+    }
+    /// Its velocity there, m/s.
+    pub fn velocity(&self, field: usize, node: usize) -> [T; 3] {
+        let node = self.of(field, node);
+        let [_, x, y, z] = if self.phase == ContactPhase::Remapped { node.second } else { node.first };
+        [x, y, z]
+    }
+    /// Its velocity at the start of the step, m/s, before forces and contact; where momentum and impulse are
+    /// mapped together, that is not known, and this is the trial velocity.
+    pub fn old_velocity(&self, field: usize, node: usize) -> [T; 3] {
+        let mut v = self.velocity(field, node);
+        if self.phase == ContactPhase::Trial {
+            let a = self.of(field, node).second;
+            for d in 0..D {
+                v[d] -= a[d + 1] * self.dt;
+            }
+        }
+        v
+    }
+    /// Position of a node, m.
+    pub fn position(&self, node: usize) -> [f64; D] {
+        self.place.node(node)
+    }
+    /// Node spacing, m.
+    pub fn spacing(&self) -> f64 {
+        self.spacing
+    }
+    /// Time step, s.
+    pub fn dt(&self) -> T {
+        self.dt
+    }
+    /// Time at the start of the step, s.
+    pub fn time(&self) -> f64 {
+        self.time
+    }
+    /// Which velocities contact acts on.
+    pub fn phase(&self) -> ContactPhase {
+        self.phase
+    }
+    /// Is the node the image of another behind a plane of symmetry?
+    pub fn is_image(&self, node: usize) -> bool {
+        self.wide && self.place.is_copy(node, self.mirrors)
+    }
+
+    /// Recall what the touches of this block remember, of pairs that do ([`Pair::remembers`](super::Pair::remembers)), in
+    /// [`BlockContacts::memory`]; up to `numbers` each.
+    pub fn recall(&self, found: &mut BlockContacts<T>, numbers: usize) {
+        let BlockContacts { pairs, touches, memory, block, .. } = found;
+        memory.clear(touches.len(), numbers);
+        for (n, touch) in touches.iter().enumerate() {
+            let pair = &pairs[touch.pair as usize];
+            if pair.remembers {
+                let node = node_of(*block, touch.node as usize);
+                self.memory.recall(pair.bodies, node, D, memory.record_mut(n));
+            }
+        }
+        memory.recalled();
+    }
+
+    /// Ask a field's particles about some nodes, a bit each; see [`Presence::surface_quantity`](crate::step::body::Presence::surface_quantity). What lies beyond planes of
+    /// symmetry counts.
+    pub fn surface_quantity(
+        &self,
+        field: usize,
+        what: SurfaceQuantity,
+        nodes: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        let member = self.members[field];
+        let body = &self.bodies[member.body as usize];
+        body.presence().surface_quantity(member.local as usize, what, nodes, normals, out);
+        for mirror in self.mirrors {
+            self.mirror(mirror, member, what, nodes, normals, out);
+        }
+    }
+
+    /// Call `visit` for every particle of a field near some nodes, a bit each, with those of them that it has in its
+    /// stencil. What lies beyond planes of symmetry counts: particles come again as their mirror images.
+    pub fn near_points(&self, field: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
+        let member = self.members[field];
+        self.bodies[member.body as usize].presence().near_points(member.local as usize, nodes, visit);
+        let none = Image { at: self.coordinates, nodes, axes: [None; D] };
+        self.near_images(member, self.mirrors, &none, visit);
+    }
+
+    /// Particles near some nodes as images in one of `mirrors` or several, beside those that `so_far` was mirrored in.
+    fn near_images(
+        &self,
+        member: Member,
+        mirrors: &[Plane],
+        so_far: &Image<D>,
+        visit: &mut dyn FnMut(u64, &NearPoint<T>),
+    ) {
+        let block = BLOCK as i32;
+        for (next, mirror) in mirrors.iter().enumerate() {
+            let axis = mirror.axis;
+            if so_far.axes[axis].is_some() {
+                continue;
+            }
+            let stride = BLOCK.pow(axis as u32);
+            for layer in if self.wide { -1..=1 } else { 0..=0 } {
+                let index = mirror.node + layer;
+                if index.div_euclid(block) != self.coordinates[axis] {
+                    continue;
+                }
+                let within = index.rem_euclid(block) as usize;
+                let mine = layer_of(within, stride) & so_far.nodes;
+                if mine == 0 {
+                    continue;
+                }
+                let image = mirror.node - layer;
+                let mut here = *so_far;
+                here.nodes = mine;
+                here.at[axis] = image.div_euclid(block);
+                let by = (image.rem_euclid(block) - within as i32) * stride as i32;
+                here.axes[axis] = Some(Mirrored { by, plane: mirror.node - self.coordinates[axis] * block });
+                if let Some(local) = self.fields.local(&here.at, member.body) {
+                    self.near_mirrored(local, member, &here, visit);
+                }
+                self.near_images(member, &mirrors[next + 1..], &here, visit);
+            }
+        }
+    }
+
+    /// The particles near the images of some nodes, mirrored.
+    fn near_mirrored(
+        &self,
+        local: usize,
+        member: Member,
+        image: &Image<D>,
+        visit: &mut dyn FnMut(u64, &NearPoint<T>),
+    ) {
+        let by: i32 = image.axes.iter().flatten().map(|m| m.by).sum();
+        let moved = |set: u64, by: i32| if by < 0 { set >> -by } else { set << by };
+        let body = &self.bodies[member.body as usize];
+        body.presence().near_points(local, moved(image.nodes, by), &mut |nodes, near| {
+            let mut seen = *near;
+            for d in 0..D {
+                let blocks = f64::from((image.at[d] - self.coordinates[d]) * BLOCK as i32);
+                let here = near.offset[d] + T::of(blocks * self.spacing);
+                seen.offset[d] = match image.axes[d] {
+                    None => here,
+                    Some(m) => T::of(2.0 * f64::from(m.plane) * self.spacing) - here,
+                };
+            }
+            visit(moved(nodes, -by), &seen);
+        });
+    }
+
+    /// A node of a field; empty where the body has none.
+    fn of(&self, field: usize, node: usize) -> Node<T> {
+        let place = self.fields.layout().place(self.members[field].block as usize, node);
+        place.map_or_else(Node::default, |place| self.nodes[place])
+    }
+
+    /// Add what the mirror image of the body would say.
+    fn mirror(
+        &self,
+        mirror: &Plane,
+        member: Member,
+        what: SurfaceQuantity,
+        nodes: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        let (axis, block) = (mirror.axis, BLOCK as i32);
+        let stride = BLOCK.pow(axis as u32);
+        let vector = matches!(what, SurfaceQuantity::MassGradient | SurfaceQuantity::VolumeGradient);
+        let largest = matches!(
+            what,
+            SurfaceQuantity::Reach | SurfaceQuantity::LocalReach | SurfaceQuantity::CentreReach
+        );
+        for layer in -1..=1 {
+            let index = mirror.node + layer;
+            if index.div_euclid(block) != self.coordinates[axis] {
+                continue;
+            }
+            let within = index.rem_euclid(block) as usize;
+            let mine = (0..block_nodes(D)).filter(|n| n / stride % BLOCK == within && nodes & (1 << n) != 0);
+            if layer == 0 {
+                // Both halves of the body give the same along the plane and cancel across it.
+                if vector {
+                    mine.for_each(|n| out[n][axis] = T::default());
+                }
+                continue;
+            }
+            if !self.wide {
+                continue;
+            }
+            let image = mirror.node - layer;
+            let mut at = self.coordinates;
+            at[axis] = image.div_euclid(block);
+            let Some(local) = self.fields.local(&at, member.body) else { continue };
+            let there = |n: usize| n - within * stride + image.rem_euclid(block) as usize * stride;
+            let mut bits = 0;
+            let mut turned = [[T::default(); 3]; 64];
+            let mut found = [[T::default(); 3]; 64];
+            for n in mine.clone() {
+                bits |= 1 << there(n);
+                if let Some(normal) = normals.get(n) {
+                    turned[there(n)] = *normal;
+                    turned[there(n)][axis] = -normal[axis];
+                }
+                found[there(n)][0] = if largest { out[n][0] } else { T::default() };
+            }
+            self.bodies[member.body as usize]
+                .presence()
+                .surface_quantity(local, what, bits, &turned, &mut found);
+            for n in mine {
+                let mut image = found[there(n)];
+                if largest {
+                    out[n][0] = image[0];
+                    continue;
+                }
+                if vector {
+                    image[axis] = -image[axis];
+                }
+                for d in 0..3 {
+                    out[n][d] += image[d];
+                }
+            }
+        }
+    }
+}
+
+impl<T: Float, const D: usize> Places<T, D> for SharedNodes<'_, T, D> {
+    fn body(&self, field: usize) -> usize {
+        SharedNodes::body(self, field)
+    }
+    fn spacing(&self) -> f64 {
+        SharedNodes::spacing(self)
+    }
+    fn position(&self, n: usize) -> [f64; D] {
+        SharedNodes::position(self, n)
+    }
+    fn mass(&self, field: usize, n: usize) -> T {
+        SharedNodes::mass(self, field, n)
+    }
+    fn velocity(&self, field: usize, n: usize) -> [T; 3] {
+        SharedNodes::velocity(self, field, n)
+    }
+    fn surface_quantity(
+        &self,
+        field: usize,
+        quantity: SurfaceQuantity,
+        places: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        SharedNodes::surface_quantity(self, field, quantity, places, normals, out);
+    }
+    fn near_points(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
+        SharedNodes::near_points(self, field, places, visit);
+    }
+}

@@ -1,0 +1,214 @@
+//! The stage in which bodies act on each other.
+//!
+//! The step calls [`Stage::apply_contact`] where \[Ma2010\] 1.4 adjusts momenta and forces (iv, vii, x). It works in two
+//! parts. First every shared block, on its own, asks the scene's [`Contact`] for the impulses at its nodes; nodes
+//! are only read. Then every field block adds its own impulses to its nodes. No task writes what another reads, and
+//! all sums have a fixed order, so that results do not depend on threads.
+
+use super::{Contact, ContactPhase, ContactState, SharedNodes};
+use crate::parallel::Float;
+use crate::step::nodes::{BlockPlace, Stage};
+use crate::step::rigid::RigidState;
+use crate::step::rigid_body;
+
+impl<T: Float, const D: usize> Stage<'_, T, D> {
+    /// Let the bodies act on each other at the nodes they share: contact impulses on the velocities of `phase`, then
+    /// boundaries again where any acted.
+    pub(in crate::step) fn apply_contact(
+        &mut self,
+        contact: &dyn Contact<T, D>,
+        phase: ContactPhase,
+        contact_state: &mut ContactState<T>,
+    ) {
+        if !contact.separates() {
+            return;
+        }
+        let alone = self.fields.shared().is_empty();
+        if !alone {
+            self.planes.note_velocities(self.grid.nodes());
+            self.find_impulses(contact, phase, contact_state);
+            self.add_impulses(phase, contact_state);
+            self.copy_velocities(phase);
+        }
+        if phase == ContactPhase::Trial {
+            let [friction, taken] = contact_state.book(self.dt.to_double());
+            self.together.friction += friction;
+            self.together.node_contact += taken;
+            if contact.remembers() > 0 {
+                contact_state.remember(self.grid.lattice().spacing());
+            }
+            if !alone && contact.keeps(self.grid.lattice().spacing()) > 0.0 {
+                self.follow(contact_state);
+            }
+        }
+        if !alone {
+            self.planes.extrapolate(self.grid.nodes_mut());
+        }
+    }
+
+    /// Note how far bodies move in this step: no particle goes further than its fastest node. A node that holds less than
+    /// a particle moves it by its weight at most.
+    fn follow(&self, contact_state: &mut ContactState<T>) {
+        let (nodes, fields, cutoff) = (self.grid.nodes(), self.fields, self.cutoff);
+        let layout = fields.layout();
+        let (per_particle, one) = (T::of(1.0) / self.lightest, T::of(1.0));
+        self.team.each(contact_state.squares(fields.len()), |block, square| {
+            *square = T::default();
+            for node in layout.of(nodes, block).iter().filter(|n| n.first[0] > cutoff) {
+                let [mass, x, y, z] = node.first;
+                let weight = (mass * per_particle).min(one);
+                *square = square.max(weight * weight * (x * x + y * y + z * z));
+            }
+        });
+        contact_state.follow(|block| fields.owner(block), self.dt.to_double());
+    }
+
+    /// Bring the velocities behind planes of symmetry after those in front.
+    fn copy_velocities(&mut self, phase: ContactPhase) {
+        let (bodies, fields) = (self.bodies, self.fields);
+        let counts = |node: u32| {
+            let owner = fields.owner(fields.layout().block_of(node as usize)) as usize;
+            !bodies.get(owner).is_some_and(|body| body.rigid().is_some_and(RigidState::is_prescribed))
+        };
+        let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &counts);
+        if phase == ContactPhase::Trial {
+            (0..3).for_each(|d| self.together.impulse[d] += impulse[d]);
+        }
+    }
+
+    fn find_impulses(
+        &mut self,
+        contact: &dyn Contact<T, D>,
+        phase: ContactPhase,
+        contact_state: &mut ContactState<T>,
+    ) {
+        let lattice = *self.grid.lattice();
+        let mirrors = self.planes.mirrors();
+        let (fields, bodies, nodes) = (self.fields, self.bodies, self.grid.nodes());
+        let (wide, cutoff, dt, rigid) = (self.wide, self.cutoff, self.dt, self.rigid);
+        let time = self.time;
+        let (found, way, memory, scratch) = contact_state.open(self.team.threads());
+        let view = |s: usize| {
+            let coordinates = fields.shared()[s].coordinates;
+            SharedNodes {
+                nodes,
+                members: fields.members(s),
+                bodies,
+                fields,
+                mirrors,
+                wide,
+                place: BlockPlace::new(&lattice, &coordinates),
+                coordinates,
+                phase,
+                spacing: lattice.spacing(),
+                rigid,
+                cutoff,
+                dt,
+                time,
+                memory,
+            }
+        };
+        let keeps = contact.keeps(lattice.spacing());
+        self.team.each_with(found, scratch, |s, found, scratch| {
+            let at = view(s);
+            found.renew(way, keeps);
+            contact.impulses(&at, found, scratch);
+        });
+        if self.rigid {
+            let all: Vec<SharedNodes<'_, T, D>> = (0..fields.shared().len()).map(view).collect();
+            contact.couple(&all, found);
+        }
+    }
+
+    fn add_impulses(&mut self, phase: ContactPhase, contact_state: &ContactState<T>) {
+        let lattice = *self.grid.lattice();
+        let (bodies, fields, dt) = (self.bodies, self.fields, self.dt);
+        let (conditions, time) = (self.conditions, self.time);
+        let end = if phase == ContactPhase::Momentum { time } else { time + dt.to_double() };
+        let tolerance = 1e-6 * lattice.spacing();
+        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
+        let mirrors = self.planes.copied();
+        let per_dt = T::of(1.0) / dt;
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
+            let Some((shared, field)) = fields.field_of(block) else { return };
+            let found = &contact_state.found[shared];
+            if found.touches.is_empty() {
+                return;
+            }
+            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            if fields.members(shared)[field].prescribed {
+                let body = bodies[fields.owner(block) as usize].rigid();
+                let real = found.impulses(field);
+                let real = real.filter(|i| phase == ContactPhase::Trial && !place.is_copy(i.0, mirrors));
+                for ((node, impulse), body) in real.zip(body.into_iter().cycle()) {
+                    rigid_body::book(body, &place.node(node), &impulse.map(T::to_double), &mut books.ledger);
+                }
+                return;
+            }
+            for (n, impulse) in found.impulses(field).filter(|i| !place.is_copy(i.0, mirrors)) {
+                let Some(node) = nodes.get(n) else { continue };
+                let mass = node.first[0];
+                let mut change = [T::default(); 3];
+                let (mut v, mut before) = ([0.0; 3], [T::default(); 3]);
+                for d in 0..D {
+                    change[d] = impulse[d] / mass;
+                    before[d] = node.first[d + 1];
+                    let now = if phase == ContactPhase::Remapped { node.second } else { node.first };
+                    v[d] = (now[d + 1] + change[d]).to_double();
+                }
+                let free = v;
+                let x = place.node(n);
+                for b in &conditions.boundaries {
+                    b.constrain(&x, &mut v, end, tolerance, copies);
+                }
+                for d in 0..D {
+                    change[d] += T::of(v[d] - free[d]);
+                    if phase == ContactPhase::Remapped {
+                        node.second[d + 1] += change[d];
+                        continue;
+                    }
+                    node.first[d + 1] += change[d];
+                    if phase == ContactPhase::Momentum {
+                        continue;
+                    }
+                    node.second[d + 1] += change[d] * per_dt;
+                    // What is drawn off a wall by another body presses no longer.
+                    if T::of(v[d]) != before[d] {
+                        books.pressed.set(d, n, false);
+                    }
+                    if v[d] != free[d] {
+                        let impulse = mass.to_double() * (v[d] - free[d]);
+                        books.ledger.impulse[d] += impulse;
+                        books.ledger.work += impulse * v[d];
+                    }
+                }
+            }
+        });
+    }
+
+    /// Take back what contact gave to the mapped momentum for the stress update (USF): the trial velocities
+    /// start from the uncorrected ones, so that the friction limit of the step holds the whole impulse.
+    pub(in crate::step) fn undo_contact_correction(&mut self, contact_state: &ContactState<T>) {
+        let (fields, mirrors, lattice) = (self.fields, self.planes.copied(), *self.grid.lattice());
+        if fields.shared().is_empty() {
+            return;
+        }
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, _| {
+            let Some((shared, field)) = fields.field_of(block) else { return };
+            if fields.members(shared)[field].prescribed {
+                return;
+            }
+            let place = BlockPlace::new(&lattice, &fields.coordinates()[block]);
+            let front = |i: &(usize, [T; 3])| !place.is_copy(i.0, mirrors);
+            for (n, impulse) in contact_state.found[shared].impulses(field).filter(front) {
+                let Some(node) = nodes.get(n) else { continue };
+                for d in 0..D {
+                    node.first[d + 1] -= impulse[d] / node.first[0];
+                }
+            }
+        });
+        self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &|_| false);
+    }
+}

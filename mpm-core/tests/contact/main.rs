@@ -1,0 +1,23 @@
+//! Contact on the grid. One program, so that what all of them use is compiled once.
+
+#![allow(missing_docs)]
+
+mod bodies;
+mod common;
+#[cfg(feature = "conformance")]
+mod conformance;
+mod crowd;
+mod floors;
+mod hostile;
+mod keeping;
+mod memory;
+mod onset;
+mod random;
+mod reference;
+mod rest;
+mod restart;
+mod resting;
+mod rigid;
+mod sliding;
+mod stacked;
+mod symmetry;

@@ -1,0 +1,112 @@
+//! A body as others see it.
+
+use impactite_scene::{Body, Embedding, PointView, Totals};
+use mpm_materials::material::Described;
+
+use crate::audit::Coverage;
+use crate::method::Composition;
+use crate::particles::Particle;
+use crate::simplex::volume;
+use crate::solver::Pcmm;
+use crate::tessellation::corners;
+
+impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
+    /// Sums over particles and elements. Kinetic energy with the velocities of the particles, which are those of the middle of the last step; internal energy of the
+    /// elements, and what particles hold in store ([`Audit`](crate::Audit)).
+    pub fn totals(&self) -> Totals {
+        let mut sum = Totals::default();
+        for p in &self.particles {
+            sum.add_point(p.mass, &p.position, &p.velocity);
+        }
+        let mut state = vec![0.0; self.virgin.len()];
+        for e in 0..self.elements.len() {
+            self.elements.read(e, &mut state);
+            sum.internal += self.elements.reference[e] * self.energy_of(&state);
+        }
+        sum.internal += self.stored()[1];
+        sum
+    }
+    /// Bytes of memory, by its own count.
+    pub fn bytes(&self) -> usize {
+        self.elements.bytes()
+            + self.particles.len() * size_of::<Particle<D>>()
+            + self.forces.capacity() * size_of::<[f64; D]>()
+            + self.memory.capacity() * size_of::<f64>()
+    }
+
+    /// How the elements cover the particles.
+    pub fn coverage(&self) -> Coverage {
+        let mut sum = Coverage { stored: self.stored()[1], ..Coverage::default() };
+        for (e, nodes) in self.elements.nodes.chunks_exact(D + 1).enumerate() {
+            sum.mass += self.material.density() * self.elements.reference[e];
+            sum.volume += volume(&corners(&self.particles, nodes), M::Embedding::HOOP);
+        }
+        sum
+    }
+
+    /// The numbers of the state of element `e`, named by [`Body::state_names`]; `None` if there is none.
+    pub fn element_state(&self, e: usize) -> Option<Vec<f64>> {
+        if e >= self.elements.len() {
+            return None;
+        }
+        let mut numbers = vec![0.0; self.virgin.len()];
+        self.elements.read(e, &mut numbers);
+        Some(numbers)
+    }
+
+    /// What the law says of element `e`: stress, volume ratio, wave speed, energy; `None` if there is none.
+    pub fn describe_element(&self, e: usize) -> Option<Described<f64>> {
+        self.material.describe_point(&self.element_state(e)?)
+    }
+
+    /// The numbers that the states hold, at a particle: the mean over its elements, weighted by mass, or what it had
+    /// last. Named by [`Body::state_names`]; `None` if there is no such particle.
+    pub fn particle_state(&self, n: usize) -> Option<Vec<f64>> {
+        let mut state = vec![0.0; self.virgin.len()];
+        (n < self.particles.len()).then(|| {
+            self.mean_state(n, &mut state, &mut Vec::new());
+            state
+        })
+    }
+}
+
+impl<const D: usize, M: Composition<D>> Body for Pcmm<D, M> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn law(&self) -> &'static str {
+        self.material.name()
+    }
+    fn len(&self) -> usize {
+        self.particles.len()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.material.state_names()
+    }
+    fn totals(&self) -> Totals {
+        Pcmm::totals(self)
+    }
+    /// Particles in their order, with the mean of the states of their elements.
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        let (mut point, mut scratch) = (PointView::default(), Vec::new());
+        let density = self.material.density();
+        point.state.resize(self.virgin.len(), 0.0);
+        for (n, p) in self.particles.iter().enumerate() {
+            self.mean_state(n, &mut point.state, &mut scratch);
+            let said = self.material.describe_point(&point.state);
+            point.number = n;
+            point.position[..D].copy_from_slice(&p.position);
+            point.velocity[..D].copy_from_slice(&p.velocity);
+            point.mass = p.mass;
+            point.volume = p.mass / density * said.as_ref().map_or(1.0, |said| said.volume_ratio);
+            point.width = Some(2.0 * p.radius);
+            point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);
+            point.in_range = said.as_ref().is_none_or(|said| said.in_range);
+            point.failed = said.as_ref().is_some_and(|said| said.failed);
+            visit(&point);
+        }
+    }
+    fn bytes(&self) -> usize {
+        Pcmm::bytes(self)
+    }
+}
