@@ -7,6 +7,7 @@ use impactite_geometry::{Lattice, Shape};
 pub use crate::condition::{BoundaryError, Side};
 use crate::condition::{Condition, Place, Reaction, require};
 use crate::constants::{over, region};
+use crate::error::SceneError;
 
 /// A velocity over time: `[v_x, v_y, v_z]` in m/s at time t in s; `None` leaves a component free.
 pub type VelocityHistory = Arc<dyn Fn(f64) -> [Option<f64>; 3] + Send + Sync>;
@@ -491,3 +492,30 @@ fn behind(low: f64, high: f64, at: f64, side: Side, tolerance: f64) -> bool {
 
 /// An acceleration of all material, m/s^2, over time.
 pub type BodyForce<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
+
+/// Refuse a body force at `time`, s, and velocities prescribed at `times`, s, that are no numbers.
+///
+/// # Errors
+/// [`SceneError::NotFinite`].
+pub fn check_at<const D: usize>(
+    body_force: Option<&BodyForce<D>>,
+    boundaries: &[Boundary<D>],
+    time: f64,
+    times: &[f64],
+) -> Result<(), SceneError> {
+    let check = |what: &dyn Fn() -> String, values: &[f64], time: f64| {
+        let wrong = values.iter().find(|x| !x.is_finite());
+        wrong.map_or(Ok(()), |&value| Err(SceneError::NotFinite { what: what(), value, time }))
+    };
+    if let Some(force) = body_force {
+        check(&|| "body force".into(), &force(time), time)?;
+    }
+    for (n, boundary) in boundaries.iter().enumerate() {
+        let Boundary::Prescribed { velocity, .. } = boundary else { continue };
+        for &time in times {
+            let prescribed = velocity(time).map(|v| v.unwrap_or_default());
+            check(&|| format!("velocity prescribed by boundary {n}"), &prescribed, time)?;
+        }
+    }
+    Ok(())
+}

@@ -1,5 +1,7 @@
 //! What contact of bodies reports, whatever its method.
 
+use crate::archive::{Archive, CheckpointError};
+
 /// A place where two bodies act on each other: a node of a grid, a pair of particles, a particle at a facet.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
@@ -38,5 +40,18 @@ impl PairContact {
     #[must_use]
     pub fn new(bodies: [usize; 2]) -> Self {
         PairContact { bodies, force: [0.0; 3], places: 0, gap: None, friction: 0.0, taken: 0.0 }
+    }
+
+    /// To a file, or from one.
+    ///
+    /// # Errors
+    /// The file.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let PairContact { bodies, force, places, gap, friction, taken } = self;
+        bodies.iter_mut().try_for_each(|b| file.count(b))?;
+        file.reals(force)?;
+        file.count(places)?;
+        file.option(gap, Archive::real)?;
+        file.reals([friction, taken])
     }
 }

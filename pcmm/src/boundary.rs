@@ -1,6 +1,6 @@
 //! Boundary conditions on particles.
 
-use impactite_scene::boundary::{BodyForce, BoundaryError, rub};
+use impactite_scene::boundary::{BoundaryError, rub};
 use impactite_scene::{Boundary, Condition, Exchange, Place, Reaction, SceneError};
 
 use crate::particles::Particle;
@@ -133,27 +133,4 @@ fn apply<const D: usize>(
     given.work += reaction.work();
     given.friction += reaction.heat;
     given.impacts += taken;
-}
-
-/// Refuse a body force or prescribed velocities that are no numbers in the step from `time`, s.
-pub(crate) fn check_conditions<const D: usize>(
-    body_force: Option<&BodyForce<D>>,
-    boundaries: &[Boundary<D>],
-    time: f64,
-    dt: f64,
-) -> Result<(), SceneError> {
-    let check = |what: &dyn Fn() -> String, values: &[f64], time: f64| {
-        let wrong = values.iter().find(|x| !x.is_finite());
-        wrong.map_or(Ok(()), |&value| Err(SceneError::NotFinite { what: what(), value, time }))
-    };
-    if let Some(force) = body_force {
-        check(&|| "body force".into(), &force(time), time)?;
-    }
-    for (n, boundary) in boundaries.iter().enumerate() {
-        if let Boundary::Prescribed { velocity, .. } = boundary {
-            let prescribed = velocity(time + dt).map(|v| v.unwrap_or_default());
-            check(&|| format!("velocity prescribed by boundary {n}"), &prescribed, time + dt)?;
-        }
-    }
-    Ok(())
 }

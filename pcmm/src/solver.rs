@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, OnceLock};
 
 use impactite_scene::boundary::BodyForce;
+use impactite_scene::boundary::check_at;
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
 use impactite_scene::watch::{Look, Watcher};
@@ -15,7 +16,7 @@ use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
 use crate::audit::Audit;
-use crate::boundary::{check, check_conditions};
+use crate::boundary::check;
 use crate::elements::{Elements, Incidence};
 use crate::kinematics::Dilatation;
 use crate::method::Composition;
@@ -77,7 +78,6 @@ pub struct Pcmm<const D: usize, M> {
     /// What boundaries and the body force gave to the particles.
     pub(crate) exchange: Exchange,
     watcher: Watcher,
-    stopped_by: Option<StepError>,
     pub(crate) audit: Audit,
     /// Memory of each thread for elements on their way through their law.
     pub(crate) waiting: Arc<Vec<Mutex<Waiting>>>,
@@ -211,7 +211,6 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             rate: 0.0,
             exchange: Exchange::default(),
             watcher: Watcher::default(),
-            stopped_by: None,
             audit: Audit::default(),
             waiting: Arc::new(vec![Mutex::default()]),
         };
@@ -314,9 +313,6 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
     pub fn set_watch(&mut self, watch: Watch) {
-        if let Some(StepError { what: Stopped::Watch(_), .. }) = self.stopped_by {
-            self.stopped_by = None;
-        }
         self.watcher.set(watch);
     }
 
@@ -518,7 +514,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
         let dt = self.clock.step_within(self.next_time_step(), left)?;
         let (time, force) = (self.clock.time, self.body_force.as_ref());
-        let checked = check_conditions(force, &self.boundaries, time, dt);
+        let checked = check_at(force, &self.boundaries, time, &[time + dt]);
         checked.map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
         if self.watcher.opens() {
             let (totals, exchange) = (self.totals(), Solver::exchange(self));
@@ -584,13 +580,9 @@ impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
         Ok(self.next_time_step())
     }
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
-        if let Some(error) = &self.stopped_by {
-            return Err(error.clone());
-        }
+        self.watcher.may_go_on()?;
         let made = self.make_step(left);
-        // What the clock refuses does not stop the run.
-        self.stopped_by = made.as_ref().err().filter(|e| !matches!(e.what, Stopped::Clock { .. })).cloned();
-        made
+        self.watcher.note(made)
     }
     fn set_team(&mut self, team: Team) {
         Pcmm::set_team(self, team);
@@ -607,15 +599,14 @@ impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
         self.watcher.archive(file)
     }
     fn stopped_by(&self) -> Option<&StepError> {
-        self.stopped_by.as_ref()
+        self.watcher.stopped_by()
     }
     fn look_at_the_end(&mut self) -> Result<(), StepError> {
-        if self.stopped_by.is_some() || !self.watcher.due_at_the_end(self.clock.steps) {
+        if !self.watcher.due_at_the_end(self.clock.steps) {
             return Ok(());
         }
         let looked = self.look();
-        self.stopped_by = looked.as_ref().err().cloned();
-        looked
+        self.watcher.note(looked)
     }
     fn warnings(&self) -> &[Warning] {
         self.watcher.warnings()

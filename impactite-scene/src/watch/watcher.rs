@@ -36,6 +36,8 @@ pub struct Watcher {
     warnings: Vec<Warning>,
     /// The scale that energy was judged by at the last look, J.
     scale: f64,
+    /// What stopped the run.
+    stopped_by: Option<StepError>,
 }
 
 /// What a look sees beside the balance.
@@ -56,8 +58,11 @@ pub struct Look<'a> {
 }
 
 impl Watcher {
-    /// Choose what is watched over.
+    /// Choose what is watched over. A run that the watch stopped may go on after this.
     pub fn set(&mut self, watch: Watch) {
+        if let Some(StepError { what: Stopped::Watch(_), .. }) = self.stopped_by {
+            self.stopped_by = None;
+        }
         self.watch = watch;
         self.gains = [0.0; 3];
     }
@@ -79,8 +84,37 @@ impl Watcher {
     }
     /// Open the balance anew with the next step, as bodies came.
     pub fn reopen(&mut self) {
-        *self =
-            Watcher { watch: self.watch, warnings: std::mem::take(&mut self.warnings), ..Watcher::default() };
+        *self = Watcher {
+            watch: self.watch,
+            warnings: std::mem::take(&mut self.warnings),
+            stopped_by: self.stopped_by.take(),
+            ..Watcher::default()
+        };
+    }
+
+    /// What stopped the run, after which it makes no step.
+    #[must_use]
+    pub fn stopped_by(&self) -> Option<&StepError> {
+        self.stopped_by.as_ref()
+    }
+    /// Before a step: may one be made?
+    ///
+    /// # Errors
+    /// What stopped the run.
+    pub fn may_go_on(&self) -> Result<(), StepError> {
+        self.stopped_by.clone().map_or(Ok(()), Err)
+    }
+    /// Note what became of a step or a look. What the clock refuses does not stop the run.
+    ///
+    /// # Errors
+    /// Those of the step.
+    pub fn note<X>(&mut self, made: Result<X, StepError>) -> Result<X, StepError> {
+        if let Err(error) = &made
+            && !matches!(error.what, Stopped::Clock { .. })
+        {
+            self.stopped_by = Some(error.clone());
+        }
+        made
     }
 
     /// Before a step: is it the first of a run that is watched, so that [`Watcher::open`] is due?
@@ -104,7 +138,10 @@ impl Watcher {
     /// At the end of a run: is a look due?
     #[must_use]
     pub fn due_at_the_end(&self, steps: u64) -> bool {
-        self.first.is_some() && !self.watch.is_off() && steps >= self.last + LATELY
+        self.stopped_by.is_none()
+            && self.first.is_some()
+            && !self.watch.is_off()
+            && steps >= self.last + LATELY
     }
     /// Are bodies to be looked at?
     #[must_use]

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use impactite_scene::boundary::check_at;
 use impactite_scene::error::{SceneError, StepError, Stopped};
 use impactite_scene::{
     Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, PointKind, Solver,
@@ -425,21 +426,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Refuse loads and prescribed velocities that are no numbers in this step.
     fn check_conditions(&self, dt: f64) -> Result<(), SceneError> {
-        let check = |what: &dyn Fn() -> String, values: &[f64], time: f64| {
-            let wrong = values.iter().find(|x| !x.is_finite());
-            wrong.map_or(Ok(()), |&value| Err(SceneError::NotFinite { what: what(), value, time }))
-        };
-        if let Some(gravity) = &self.conditions.gravity {
-            check(&|| "body force".into(), &gravity(self.clock.time), self.clock.time)?;
-        }
-        for (n, boundary) in self.conditions.boundaries.iter().enumerate() {
-            let Boundary::Prescribed { velocity, .. } = boundary else { continue };
-            for time in [self.clock.time, self.clock.time + dt] {
-                let prescribed = velocity(time).map(|v| v.unwrap_or_default());
-                check(&|| format!("velocity prescribed by boundary {n}"), &prescribed, time)?;
-            }
-        }
-        Ok(())
+        let (time, conditions) = (self.clock.time, &self.conditions);
+        check_at(conditions.gravity.as_ref(), &conditions.boundaries, time, &[time, time + dt])
     }
 
     /// Book the step, bring particles to their new bins, define the new grid (xii, ii).

@@ -7,12 +7,12 @@ use impactite_simd::Team;
 use mpm_materials::Sym3;
 
 use crate::audit::{Audit, Coverage};
-use crate::boundary::check_conditions;
 use crate::method::Composition;
 use crate::particles::Particle;
 use crate::simplex::{measure, slopes};
 use crate::solver::Pcmm;
 use crate::tessellation::corners;
+use impactite_scene::boundary::check_at;
 
 /// The surface of a body at a particle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -181,7 +181,8 @@ impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
         Solver::exchange(self)
     }
     fn check(&self, dt: f64) -> Result<(), SceneError> {
-        check_conditions(self.body_force.as_ref(), &self.boundaries, self.clock.time, dt)
+        let time = self.clock.time;
+        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time + dt])
     }
     fn speed(&self) -> f64 {
         Pcmm::speed(self)

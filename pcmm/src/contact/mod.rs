@@ -78,7 +78,6 @@ pub struct Bodies<const D: usize, S> {
     /// What moving walls gave.
     walls: Exchange,
     watcher: Watcher,
-    stopped_by: Option<StepError>,
 }
 
 impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
@@ -97,7 +96,6 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
             pairs: Vec::new(),
             walls: Exchange::default(),
             watcher: Watcher::default(),
-            stopped_by: None,
         }
     }
 
@@ -157,9 +155,6 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
 
     /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
     pub fn set_watch(&mut self, watch: Watch) {
-        if let Some(StepError { what: Stopped::Watch(_), .. }) = self.stopped_by {
-            self.stopped_by = None;
-        }
         self.watcher.set(watch);
     }
 
@@ -338,13 +333,9 @@ impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
         Ok(self.next_time_step())
     }
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
-        if let Some(error) = &self.stopped_by {
-            return Err(error.clone());
-        }
+        self.watcher.may_go_on()?;
         let made = self.make_step(left);
-        // What the clock refuses does not stop the run.
-        self.stopped_by = made.as_ref().err().filter(|e| !matches!(e.what, Stopped::Clock { .. })).cloned();
-        made
+        self.watcher.note(made)
     }
     fn set_team(&mut self, team: Team) {
         Bodies::set_team(self, team);
@@ -374,14 +365,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
                 Member::Wall { wall } => wall.archive(file)?,
             }
         }
-        file.list(&mut self.pairs, &PairContact::new([0; 2]), |file, pair| {
-            let PairContact { bodies, force, places, gap, friction, taken } = pair;
-            bodies.iter_mut().try_for_each(|b| file.count(b))?;
-            file.reals(force)?;
-            file.count(places)?;
-            file.option(gap, Archive::real)?;
-            file.reals([friction, taken])
-        })?;
+        file.list(&mut self.pairs, &PairContact::new([0; 2]), |file, pair| pair.archive(file))?;
         if file.reads() {
             self.candidates.forget();
             self.contacts.clear();
@@ -390,15 +374,14 @@ impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
         self.watcher.archive(file)
     }
     fn stopped_by(&self) -> Option<&StepError> {
-        self.stopped_by.as_ref()
+        self.watcher.stopped_by()
     }
     fn look_at_the_end(&mut self) -> Result<(), StepError> {
-        if self.stopped_by.is_some() || !self.watcher.due_at_the_end(self.clock.steps) {
+        if !self.watcher.due_at_the_end(self.clock.steps) {
             return Ok(());
         }
         let looked = self.look();
-        self.stopped_by = looked.as_ref().err().cloned();
-        looked
+        self.watcher.note(looked)
     }
     fn warnings(&self) -> &[Warning] {
         self.watcher.warnings()

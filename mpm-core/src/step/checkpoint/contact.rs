@@ -43,14 +43,7 @@ impl<T: Float> ContactState<T> {
         if remembers > 0 {
             self.memory.exchange(file, remembers, bodies)?;
         }
-        file.list(&mut self.pairs, &PairContact::new([0; 2]), |file, pair| {
-            let PairContact { bodies, force, places, gap, friction, taken } = pair;
-            bodies.iter_mut().try_for_each(|b| file.count(b))?;
-            file.reals(force)?;
-            file.count(places)?;
-            file.option(gap, Archive::real)?;
-            file.reals([friction, taken])
-        })
+        file.list(&mut self.pairs, &PairContact::new([0; 2]), |file, pair| pair.archive(file))
     }
 }
 
