@@ -13,7 +13,7 @@ pub fn gimp_usl_in_space() -> Kernels<f64, 3> {
 pub fn gimp_usl_revolved() -> Kernels<f64, 2> {
     Method::new(Gimp, Flip, Usl, Axisymmetric).compiled().into_kernels()
 }
-/// Bilinear hats, USF, FLIP, in plane strain.
+/// Bilinear shape functions, USF, FLIP, in plane strain.
 pub fn linear_usf() -> Kernels<f64, 2> {
     Method::new(Linear, Flip, Usf, PlaneStrain).compiled().into_kernels()
 }
@@ -21,7 +21,7 @@ pub fn linear_usf() -> Kernels<f64, 2> {
 pub fn cpgimp_usf() -> Kernels<f64, 2> {
     Method::new(CpGimp, Flip, Usf, PlaneStrain).compiled().into_kernels()
 }
-/// Bilinear hats, USF, FMPM of order 4, in plane strain.
+/// Bilinear shape functions, USF, FMPM of order 4, in plane strain.
 pub fn linear_fmpm_usf() -> Kernels<f64, 2> {
     Method::new(Linear, Fmpm::<4>, Usf, PlaneStrain).compiled().into_kernels()
 }

@@ -24,7 +24,7 @@ use crate::CaseError;
 /// What a step computes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Kernel {
-    /// Trilinear hats, MUSL-FLIP, linear elasticity in rate form; scene S1
+    /// Trilinear shape functions, MUSL-FLIP, linear elasticity in rate form; scene S1
     LinearMuslElastic,
     /// The same with Johnson-Cook, Mie-Grueneisen, bulk viscosity and heat; scene S2
     LinearMuslJohnsonCook,

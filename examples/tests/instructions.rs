@@ -3,7 +3,7 @@
 //! `rust-toolchain.toml` fixes. After a change that is meant:
 //!
 //! ```text
-//! IMPACTITE_STORE_COUNTS=1 cargo test --release -p examples --test instructions
+//! IMPACTITE_STORE_COUNTS=1 cargo test --release --workspace --all-features --test instructions
 //! ```
 //!
 //! Without valgrind, or on a processor without AVX2, nothing is counted, and the test says so.

@@ -180,7 +180,9 @@ fn curves() {
         .title("Convergence of the foot's radius")
         .x(Axis::new("cell size").unit("mm", 1.0e3).logarithmic())
         .y(Axis::new("relative error").logarithmic())
-        .series(Series::new("linear hats", &h, &error(3.0e-2, 1.1)).unwrap().marker(Marker::Circle))
+        .series(
+            Series::new("linear shape functions", &h, &error(3.0e-2, 1.1)).unwrap().marker(Marker::Circle),
+        )
         .series(Series::new("GIMP", &h, &error(1.6e-2, 1.8)).unwrap().marker(Marker::Square))
         .series(Series::new("B-splines", &h, &error(8.0e-3, 2.1)).unwrap().marker(Marker::Triangle))
         .series(Series::slope("second order", 2.0, (1.0e-3, 5.0e-3), (1.0e-3, 6.25e-5)))

@@ -445,9 +445,12 @@ pub enum SceneError {
     /// A scene to be added as a body has not just one.
     #[error("a scene of {0} bodies cannot be added as one; it must have one")]
     NotOneBody(usize),
-    /// What asks the nodes for the forces of a body that is mapped in its reference configuration.
-    #[error("{what} is not allowed beside the body `{body}`, which is mapped in its reference configuration")]
-    BesideReference {
+    /// What asks the nodes for the forces of a body of another discretisation.
+    #[error(
+        "{what} is not allowed beside the body `{body}`, whose forces act on another grid than that of the scene, in its reference \
+         configuration or by another method"
+    )]
+    BesideClient {
         /// The body.
         body: String,
         /// What is not allowed.

@@ -6,9 +6,6 @@
 //! it as it is and looks at its bounds later; of two it takes the one whose bounds hold. Where neither does, there is no type, one
 //! message, that of the trait, and nothing about what follows.
 
-use crate::grid::GridStorage;
-use crate::method::{IntoKernels, Kernels};
-use crate::parallel::Float;
 use crate::scheme::Allows;
 use crate::shape::FixedDomain;
 use crate::transfer::Suits;
@@ -95,19 +92,5 @@ impl<S: FixedDomain, M> InReference<Holding, M, M> for S {
 impl<S: Never, M> InReference<Failing, M, M> for S {
     fn made(method: M) -> M {
         method
-    }
-}
-
-/// A grid for the method `M`.
-///
-/// The grid is asked first, so that a scene has the dimensions of its lattice: where the embedding has others, that is what is said, and
-/// not that the grid, and seeds and boundaries after it, should have those of the embedding.
-pub trait GridFor<M, T: Float, const D: usize>: GridStorage<T, D> {
-    /// The kernels of the method.
-    fn kernels(method: M) -> Kernels<T, D>;
-}
-impl<G: GridStorage<T, D>, M: IntoKernels<T, D>, T: Float, const D: usize> GridFor<M, T, D> for G {
-    fn kernels(method: M) -> Kernels<T, D> {
-        method.into_kernels()
     }
 }

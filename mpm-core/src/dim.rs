@@ -87,3 +87,22 @@ macro_rules! stencil {
     )*};
 }
 stencil!(2 2 1 4, 2 3 1 9, 2 4 1 16, 3 2 2 8, 3 3 3 27, 3 4 4 64);
+
+/// Offset -1, 0 or 1 along each axis of neighbour `index`.
+pub(crate) fn offset<const D: usize>(index: usize) -> [i32; D] {
+    let mut o = [0; D];
+    let mut rest = index;
+    for x in &mut o {
+        *x = (rest % 3) as i32 - 1;
+        rest /= 3;
+    }
+    o
+}
+
+pub(crate) fn shifted<const D: usize>(c: &[i32; D], by: &[i32; D]) -> [i32; D] {
+    let mut r = *c;
+    for d in 0..D {
+        r[d] += by[d];
+    }
+    r
+}

@@ -52,6 +52,7 @@ pub mod dilatation;
 pub mod dim;
 pub mod frame;
 pub mod grid;
+pub mod kernels;
 mod library;
 pub mod method;
 pub mod particles;
@@ -72,13 +73,14 @@ pub use impactite_scene::{boundary, condition, embedding, observe, watch};
 pub use impactite_simd as parallel;
 pub use impactite_simd::memory;
 
-pub use contact::{Contact, GridContact, OneField};
+pub use contact::{ContactAlgorithm, GridContact, OneField};
 pub use dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 pub use dim::Dim;
 pub use frame::{Frame, TotalLagrangian, UpdatedLagrangian};
 pub use grid::{BlockGrid, DenseGrid, DenseGridError, GridStorage};
+pub use kernels::IntoKernels;
 pub use memory::MemoryError;
-pub use method::{CompiledHere, Composition, IntoKernels, Kernels, Method};
+pub use method::{CompiledHere, Composition, Method};
 pub use parallel::{Float, Team};
 pub use scheme::{Musl, StressUpdate, Usf, Usl};
 pub use shape::{
@@ -87,7 +89,8 @@ pub use shape::{
 };
 pub use step::Scalar;
 pub use step::{
-    Balance, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, MergeBook, Merging, Mpm,
-    NodeWeight, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, Traction, Twist,
+    Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Kernels,
+    MergeBook, Merging, Mpm, NodeWeight, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, Traction,
+    Twist,
 };
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

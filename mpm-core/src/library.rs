@@ -1,11 +1,12 @@
 //! The methods whose kernels are compiled here, once, for all programs.
 
 use crate::frame::TotalLagrangian;
-use crate::method::{IntoKernels, Kernels, Method};
+use crate::kernels::IntoKernels;
+use crate::method::Method;
 use crate::scheme::{Musl, Usl};
 use crate::shape::{CpGimp, Linear, QuadraticBSpline};
-use crate::step::Scalar;
-use crate::step::kernels::kernels;
+use crate::step::compiled::kernels;
+use crate::step::{Kernels, Scalar};
 use crate::transfer::{Aflip, Apic, Blend, Flip, Mls};
 use impactite_scene::embedding::{Axisymmetric, FullSpace, PlaneStrain};
 

@@ -1,19 +1,15 @@
 //! A method: the shape function, transfer, stress update and embedding that make a solver together.
 
 use std::marker::PhantomData;
-use std::sync::Arc;
 
 use mpm_materials::Real;
 
 use crate::combine::{InReference, OnShape, WithTransfer};
 use crate::dilatation::{Dilatation, MeanDilatation, OwnDilatation};
 use crate::frame::{Frame, Holds, TotalLagrangian, UpdatedLagrangian};
-use crate::parallel::Float;
 use crate::scheme::Allows;
 use crate::scheme::{Musl, StressUpdate, Usl};
 use crate::shape::{Linear, QuadraticBSpline, ShapeFunction};
-use crate::step::kernels::{Facts, MethodKernels, kernels};
-use crate::step::{Scalar, Work};
 use crate::transfer::{Aflip, Apic, Flip, Suits, Transfer};
 use impactite_scene::embedding::Embedding;
 
@@ -23,7 +19,7 @@ use impactite_scene::embedding::Embedding;
 /// ```compile_fail
 /// use mpm_core::{Apic, FullSpace, Linear, Method, Usl};
 /// fn check<M: mpm_core::Composition<f64, 3>>(_: M) {}
-/// check(Method::new(Linear, Apic, Usl, FullSpace)); // the hat's second moment vanishes at a node
+/// check(Method::new(Linear, Apic, Usl, FullSpace)); // the linear shape function's second moment vanishes at a node
 /// ```
 /// ```compile_fail
 /// use mpm_core::{Apic, FullSpace, Method, Musl, QuadraticBSpline};
@@ -98,7 +94,7 @@ impl<E> Method<Linear, Flip, Musl, E, TotalLagrangian> {
 
 impl<S, X, U, E, F, V> Method<S, X, U, E, F, V> {
     /// The method with kernels that are compiled where this is written, for some seconds: what a scene takes of ingredients of one's
-    /// own, and of those of this crate that it has no kernels of together ([`IntoKernels`]).
+    /// own, and of those of this crate that it has no kernels of together ([`IntoKernels`](crate::IntoKernels)).
     pub fn compiled(self) -> CompiledHere<Self> {
         CompiledHere(self)
     }
@@ -154,69 +150,9 @@ pub trait Composition<T: Real, const D: usize>: Copy + Send + Sync + 'static {
     }
 }
 
-/// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; book, "What is compiled where"), or
-/// what [`Method::compiled`] makes of any other one, or kernels that are there already.
-#[diagnostic::on_unimplemented(
-    message = "a scene of {D} dimensions cannot have the method `{Self}`: its kernels are not compiled in `mpm-core`",
-    note = "the embedding must have the dimensions of the grid's lattice: in two take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`",
-    note = "if it has, compile the kernels in your crate, once, for some seconds: `method.compiled()`"
-)]
-pub trait IntoKernels<T: Float, const D: usize> {
-    /// Its kernels.
-    fn into_kernels(self) -> Kernels<T, D>;
-}
-
-/// The kernels of a method, as an object: of one type for all methods, so that they can be chosen at run time.
-///
-/// ```
-/// use mpm_core::geometry::Lattice;
-/// use mpm_core::{Apic, BlockGrid, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Usl};
-///
-/// fn named(name: &str) -> Option<Kernels<f64, 2>> {
-///     match name {
-///         "flip" => Some(Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels()),
-///         "apic" => Some(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain).into_kernels()),
-///         _ => None,
-///     }
-/// }
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let method = named("apic").ok_or("no such method")?;
-/// let scene = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 2], 0.1)?));
-/// # assert!(scene.facts().affine);
-/// # Ok(())
-/// # }
-/// ```
-#[derive(Clone)]
-pub struct Kernels<T: Float, const D: usize> {
-    pub(crate) kernels: Arc<dyn MethodKernels<T, D>>,
-    pub(crate) work: &'static dyn Work<T, D>,
-}
-
-impl<T: Float, const D: usize> IntoKernels<T, D> for Kernels<T, D> {
-    fn into_kernels(self) -> Kernels<T, D> {
-        self
-    }
-}
-
-impl<T: Float, const D: usize> Kernels<T, D> {
-    pub(crate) fn new(kernels: Arc<dyn MethodKernels<T, D>>, work: &'static dyn Work<T, D>) -> Self {
-        Kernels { kernels, work }
-    }
-    /// What a step asks of the method beside them.
-    pub fn facts(&self) -> &Facts {
-        self.kernels.facts()
-    }
-}
-
 /// A method whose kernels are compiled where it is used: [`Method::compiled`].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct CompiledHere<M>(M);
-
-impl<T: Scalar<D>, const D: usize, M: Composition<T, D>> IntoKernels<T, D> for CompiledHere<M> {
-    fn into_kernels(self) -> Kernels<T, D> {
-        Kernels::new(kernels(self.0), T::WORK)
-    }
-}
+pub struct CompiledHere<M>(pub(crate) M);
 
 impl<T: Real, const D: usize, M: Composition<T, D>> Composition<T, D> for CompiledHere<M> {
     type Shape = M::Shape;

@@ -84,7 +84,7 @@ fn refused(name: &str, dimensions: usize, method: &str, line: usize, message: &s
 #[test]
 fn methods_that_can_be_compile() {
     for (name, dimensions, method) in [
-        ("hats", 3, "Method::new(Linear, Flip, Musl, FullSpace)"),
+        ("linear", 3, "Method::new(Linear, Flip, Musl, FullSpace)"),
         ("impact", 2, "Method::impact(Axisymmetric)"),
         ("elastic", 2, "Method::large_elastic(PlaneStrain)"),
         ("cpdi", 2, "Method::new(Cpdi, Flip, Usf, PlaneStrain).compiled()"),

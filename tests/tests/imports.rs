@@ -241,40 +241,21 @@ fn library(name: &str) -> Library {
     Library { modules, names }
 }
 
-/// Circles that are still there: how many files of which library import each other, at most. To be broken up: a library leaves this list
-/// when it has none.
-const STILL_THERE: [(&str, usize); 1] = [("mpm-core", 28)];
-
 #[test]
 fn no_library_has_a_circle_of_files() {
     let mut wrong = Vec::new();
-    for name in LIBRARIES {
-        let known = STILL_THERE.iter().find(|(library, _)| *library == name);
-        let circles = circles(&library(name).imports());
-        let files: usize = circles.iter().map(Vec::len).sum();
-        if files != known.map_or(0, |(_, most)| *most) {
-            let list: Vec<String> = circles.iter().map(|circle| circle.join(", ")).collect();
-            wrong.push(format!("{name}: {files} files import each other: {}", list.join("; ")));
-        }
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-}
-
-/// What the files of a circle import of each other: `-- --ignored --nocapture who_imports_whom`.
-#[test]
-#[ignore = "a table to break circles up by, not a test"]
-fn who_imports_whom() {
     for name in LIBRARIES {
         let imports = library(name).imports();
         for circle in circles(&imports) {
             for file in &circle {
                 let others = imports.iter().find(|(module, _)| module.join("::") == *file).map(|(_, o)| o);
-                let others =
-                    others.into_iter().flatten().map(|o| o.join("::")).filter(|o| circle.contains(o));
-                println!("{name}: {file} <- {}", others.collect::<Vec<_>>().join(", "));
+                let others = others.into_iter().flatten().map(|o| o.join("::"));
+                let others: Vec<String> = others.filter(|other| circle.contains(other)).collect();
+                wrong.push(format!("{name}: {file} imports {}", others.join(", ")));
             }
         }
     }
+    assert!(wrong.is_empty(), "files that import each other in circles:\n{}", wrong.join("\n"));
 }
 
 /// Methods stand side by side: no library imports one that stands above it or beside it.

@@ -10,7 +10,7 @@ use mpm_core::{
     Apic, Blend, BlockGrid, Composition, Deformable, Flip, FullSpace, GridStorage, IntoKernels, Linear,
     Method, Mpm, Musl, OneField, PlaneStrain, PointView, QuadraticBSpline, Usl,
 };
-use mpm_core::{Contact, SceneError};
+use mpm_core::{ContactAlgorithm, SceneError};
 use mpm_materials::{Constitutive, IntoMaterial, JohnsonCook, Material, MieGruneisen, Solid, library};
 
 /// Particles of the block of the scene `flow`, after its steps, of a law with this speed of sound.
@@ -125,7 +125,7 @@ fn objects_change_nothing() {
     assert!(library == run(fast(method.compiled(), grid(), &scene, &rubber().compiled())), "compiled here");
     let law: Arc<dyn Material<f64>> = rubber().into_material();
     let grid: Box<dyn GridStorage<f64, 2>> = Box::new(grid());
-    let contact: Arc<dyn Contact<f64, 2>> = Arc::new(OneField);
+    let contact: Arc<dyn ContactAlgorithm<f64, 2>> = Arc::new(OneField);
     let mut objects = Mpm::of(method.into_kernels(), grid, contact);
     objects.add("body 0", law, &scene.bodies[0].0, &scene.bodies[0].1).expect("body");
     surround(&mut objects, &scene);

@@ -72,7 +72,7 @@ pub fn cost(quick: bool, yardstick: Option<&Path>) -> Result<Option<String>, Cas
         rows.push(row("oblique penetration", threads, &samples[0], &samples[1], asked));
     }
     Ok(Some(format!(
-        "## Cost of contact\n\n100 steps in contact, hats, FLIP, MUSL, f64. Time and memory with contact over those \
+        "## Cost of contact\n\n100 steps in contact, linear shape functions, FLIP, MUSL, f64. Time and memory with contact over those \
          without, bytes a particle with contact, all scratch included. Without contact both bodies share one field of \
          velocities, or are one body.\n\n{}",
         table(["scene", "particles", "threads", "time on / off", "memory", "bytes", "asked"], &rows)

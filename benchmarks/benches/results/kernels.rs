@@ -409,12 +409,12 @@ pub fn laws(quick: bool) -> Result<Option<String>, CaseError> {
     };
     let samples = alternate(
         &[
-            Subject::new("linear elastic, hats, FLIP", move || {
+            Subject::new("linear elastic, linear shape functions, FLIP", move || {
                 of_method::<f64>(particles, Method::new(Linear, Flip, Musl, FullSpace))
             }),
             Subject::new("neo-Hookean, quadratic, APIC", neo),
-            Subject::new("Voce + Mie-Grueneisen, hats, FLIP", plastic),
-            Subject::new("Johnson-Cook + Mie-Grueneisen + heat, hats, FLIP", move || {
+            Subject::new("Voce + Mie-Grueneisen, linear shape functions, FLIP", plastic),
+            Subject::new("Johnson-Cook + Mie-Grueneisen + heat, linear shape functions, FLIP", move || {
                 measure::<f64>(&job(Kernel::LinearMuslJohnsonCook, particles, 1))
             }),
         ],

@@ -11,7 +11,7 @@ use mpm_materials::{LinearElastic, Moduli, NeoHookean};
 
 use crate::page::table;
 use crate::sample::{Subject, alternate};
-use crate::scenes::{blocks, hats};
+use crate::scenes::{blocks, linear_flip};
 
 /// A run of the kernel in C: the number after "Mpups", its own median of three.
 fn rate(command: &mut Command) -> Option<f64> {
@@ -45,8 +45,8 @@ pub fn compare(quick: bool, python: &Path) -> Result<Option<String>, CaseError> 
         let job = Job { kernel: Kernel::LinearMuslElastic, particles: 200_000, threads, steps, way };
         let samples = alternate(
             &[
-                Subject::new("MUSL, hats, FLIP, linear elastic", || {
-                    timed(&job, blocks(hats(), LinearElastic::new(1.0, moduli()?)?)?)
+                Subject::new("MUSL, linear shape functions, FLIP, linear elastic", || {
+                    timed(&job, blocks(linear_flip(), LinearElastic::new(1.0, moduli()?)?)?)
                 }),
                 Subject::new("USL, quadratic, APIC, neo-Hookean", || {
                     let method = Method::new(QuadraticBSpline, Mls, Usl, FullSpace);

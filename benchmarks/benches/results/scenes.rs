@@ -7,21 +7,21 @@ use examples::{CaseError, Ogive};
 use mpm_contact::{Coulomb, Gradients, Pairs, SurfaceDistance};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
-    BlockGrid, Boundary, Contact, DenseGrid, Flip, FullSpace, GridContact, GridStorage, IntoKernels, Linear,
-    Method, Mpm, Musl, Side, TimeControl,
+    BlockGrid, Boundary, ContactAlgorithm, DenseGrid, Flip, FullSpace, GridContact, GridStorage, IntoKernels,
+    Linear, Method, Mpm, Musl, Side, TimeControl,
 };
 use mpm_materials::{IntoMaterial, LinearElastic, Moduli, library};
 
-/// Hats, FLIP and MUSL in space.
-pub type Hats = Method<Linear, Flip, Musl, FullSpace>;
+/// Linear shape functions, FLIP and MUSL in space.
+pub type LinearFlip = Method<Linear, Flip, Musl, FullSpace>;
 
 /// The same as a value.
-pub fn hats() -> Hats {
+pub fn linear_flip() -> LinearFlip {
     Method::new(Linear, Flip, Musl, FullSpace)
 }
 
 /// Coulomb contact by the distance of surfaces.
-pub fn contact(friction: f64) -> Result<impl Contact<f64, 3> + use<>, CaseError> {
+pub fn contact(friction: f64) -> Result<impl ContactAlgorithm<f64, 3> + use<>, CaseError> {
     let detector = SurfaceDistance::new(Gradients::default(), 0.0)?;
     Ok(GridContact::new(detector, Pairs::new(Coulomb::new(friction)?)))
 }
@@ -47,7 +47,11 @@ pub fn blocks(method: impl IntoKernels<f64, 3>, law: impl IntoMaterial<f64>) -> 
 
 /// S3: two balls of about so many particles in all, 0.1 cells apart, fly at each other off-centre; dt = 0.19. As two
 /// bodies, or as one.
-pub fn balls(particles: usize, two: bool, contact: impl Contact<f64, 3>) -> Result<Mpm<3>, CaseError> {
+pub fn balls(
+    particles: usize,
+    two: bool,
+    contact: impl ContactAlgorithm<f64, 3>,
+) -> Result<Mpm<3>, CaseError> {
     let radius = (particles as f64 / 8.0 / (8.0 * PI / 3.0)).cbrt();
     let (around, off) = (radius.ceil(), 0.3 * radius);
     let far = ((2.0 * radius + 0.1).powi(2) - off * off).sqrt();
@@ -64,7 +68,7 @@ pub fn balls(particles: usize, two: bool, contact: impl Contact<f64, 3>) -> Resu
         [s, 0.005, 0.05 * s]
     };
     let law = LinearElastic::new(1.0, Moduli::bulk_shear(1.0 + 1.6 / 3.0, 0.8)?)?;
-    let mut mpm = Mpm::with_contact(hats(), BlockGrid::new(Lattice::new([0.0; 3], 1.0)?), contact);
+    let mut mpm = Mpm::with_contact(linear_flip(), BlockGrid::new(Lattice::new([0.0; 3], 1.0)?), contact);
     let (mut one, other) = (ball(0.0), ball(1.0));
     if two {
         mpm.add("left", law, &one, speed)?;
@@ -113,9 +117,9 @@ impl Penetration {
     pub fn solver(
         &self,
         grid: impl GridStorage<f64, 3> + 'static,
-        contact: impl Contact<f64, 3>,
+        contact: impl ContactAlgorithm<f64, 3>,
     ) -> Result<Mpm<3>, CaseError> {
-        let mut mpm = Mpm::with_contact(hats(), grid, contact);
+        let mut mpm = Mpm::with_contact(linear_flip(), grid, contact);
         let steel = LinearElastic::new(7830.0, Moduli::young_poisson(206e9, 0.3)?)?;
         let aluminium = library::aluminium_6061_t6().with_bulk_viscosity(0.06, 1.5)?;
         let velocity = [SPEED * ANGLE.sin(), 0.0, -SPEED * ANGLE.cos()];

@@ -12,7 +12,7 @@ pub use viscoelastic::StandardLinearSolid;
 
 use mpm_core::{Apic, IntoKernels, Kernels, Method, PlaneStrain, Usl};
 
-/// APIC on the tent-averaged hat, in plane strain.
+/// APIC on the tent-averaged linear shape function, in plane strain.
 pub fn tent_apic() -> Kernels<f64, 2> {
     Method::new(TentAveragedHat, Apic, Usl, PlaneStrain).compiled().into_kernels()
 }

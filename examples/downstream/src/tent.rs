@@ -1,4 +1,4 @@
-//! The hat averaged with a tent: three nodes an axis like the quadratic spline, but with a continuous second
+//! The linear shape function averaged with a tent: three nodes an axis like the quadratic spline, but with a continuous second
 //! derivative.
 //!
 //! With S the twice integrated tent of half width 1/2 and area 1 (a ramp with a rounded foot),
@@ -28,7 +28,7 @@ where
 {
     type Extent = Extent<D, 3>;
     const USL_LIMIT: f64 = 0.5;
-    const NAME: &'static str = "tent-averaged hat";
+    const NAME: &'static str = "tent-averaged linear shape function";
 
     #[inline(always)]
     fn weights<L: Lane<Real = T>>(&self, xi: L, _half: L) -> Weights<L, Self::Extent> {

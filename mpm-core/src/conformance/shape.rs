@@ -185,7 +185,7 @@ pub fn affine_shape<S: ShapeFunction<f64, D> + AffineShape, const D: usize>(shap
 }
 
 /// The slopes go over into each other at the edges of bins and do not jump inside: no noise when a particle
-/// crosses. The hat does not have this. And all of [`shape_function`].
+/// crosses. The linear shape function does not have this. And all of [`shape_function`].
 ///
 /// # Errors
 /// The first property that does not hold.

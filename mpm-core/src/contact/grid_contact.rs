@@ -74,7 +74,7 @@ impl<S, T: Float> GridContact<S, T> {
     }
 }
 
-impl<S, T, const D: usize> super::Contact<T, D> for GridContact<S, T>
+impl<S, T, const D: usize> super::ContactAlgorithm<T, D> for GridContact<S, T>
 where
     T: Float,
     S: ContactDetector<T, D>,

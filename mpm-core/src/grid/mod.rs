@@ -46,7 +46,7 @@ pub trait GridStorage<T: Float, const D: usize>: Send + Sync {
     /// # Errors
     /// The first block that this grid cannot hold.
     fn arrange(&mut self, wanted: &[[i32; D]]) -> Result<(), OutsideGrid>;
-    /// Have `count` nodes, where bodies share blocks ([`crate::Contact`]): each has its own there, though not all
+    /// Have `count` nodes, where bodies share blocks ([`crate::ContactAlgorithm`]): each has its own there, though not all
     /// of the block's.
     fn arrange_nodes(&mut self, count: usize);
     /// Coordinates of the blocks, in the order of storage.

@@ -1,5 +1,5 @@
 //! Convected particle domain interpolation: fields are linear between the corners of a particle's domain, where they are
-//! what hats make of the nodes.
+//! what linear shape functions make of the nodes.
 
 use mpm_materials::{Lane, Real};
 
@@ -22,7 +22,7 @@ pub struct Cpdi;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cpdi2;
 
-/// A box along the axes, where weights are products: the mean of the hats at its two ends, and their difference over its
+/// A box along the axes, where weights are products: the mean of the linear shape functions at its two ends, and their difference over its
 /// length.
 #[inline(always)]
 fn weights<L: Lane, E: Stencil>(xi: L, half: L) -> Weights<L, E> {

@@ -40,7 +40,7 @@ impl Domain {
     pub const fn carried(self) -> bool {
         !matches!(self, Domain::Fixed)
     }
-    /// Does it turn and shear with the material? Then weights are those of hats at its corners.
+    /// Does it turn and shear with the material? Then weights are those of linear shape functions at its corners.
     pub const fn convects(self) -> bool {
         matches!(self, Domain::Edges | Domain::Corners)
     }
@@ -266,9 +266,9 @@ impl<L: Lane> Corners<L> {
         sum
     }
 
-    /// Hats along the axes at corner `c` of a particle at `xi`.
+    /// Linear shape functions along the axes at corner `c` of a particle at `xi`.
     #[inline(always)]
-    pub fn hats<E: Stencil, const D: usize>(&self, c: usize, xi: &[L; 3]) -> [E::Axis<L>; 3] {
+    pub fn linear_weights<E: Stencil, const D: usize>(&self, c: usize, xi: &[L; 3]) -> [E::Axis<L>; 3] {
         let mut hats = [E::Axis::<L>::filled(L::zero()); 3];
         for d in 0..D {
             let x = xi[d] + self.offset[c][d];
@@ -315,12 +315,12 @@ impl<L: Lane, E: Stencil> Table<L, E> {
         Table { value: Array::filled(L::zero()), slope: [Array::filled(L::zero()); 3] }
     }
 
-    /// Of a particle at `xi` with these corners. The hats of all corners, with what each of them counts.
+    /// Of a particle at `xi` with these corners. The linear shape functions of all corners, with what each of them counts.
     #[inline(always)]
     pub fn of<const D: usize>(corners: &Corners<L>, xi: &[L; 3]) -> Self {
         let mut table = Self::zero();
         for c in 0..1 << D {
-            let hats = corners.hats::<E, D>(c, xi);
+            let hats = corners.linear_weights::<E, D>(c, xi);
             for k in 0..E::LAYERS {
                 for j in 0..E::NODES {
                     let jk = if D == 3 { hats[1][j] * hats[2][k] } else { hats[1][j] };

@@ -13,7 +13,7 @@ use crate::dim::Stencil;
 /// Steffen, Kirby and Berzins (2008), which interpolates on the plane, so that a condition there holds exactly.
 /// Partition of unity and linear reproduction are kept. Symmetry planes mirror with or without it.
 ///
-/// It is no [`super::AffineShape`]: next to the plane the modified basis is a linear hat, whose second moment
+/// It is no [`super::AffineShape`]: next to the plane the modified basis is a linear shape function, whose second moment
 /// vanishes there. (Tried: with APIC a copper bar's foot jumped two cells off the wall and gained 5 % energy;
 /// with FLIP the bar's length came from 16.05 to 16.22 mm, where finite elements give 16.28 mm.)
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,4 +1,4 @@
-//! Generalised interpolation: the hat averaged over the particle's box (book, "GIMP").
+//! Generalised interpolation: the linear shape function averaged over the particle's box (book, "GIMP").
 
 use mpm_materials::{Lane, Real};
 
@@ -22,13 +22,13 @@ fn weights<L: Lane, E: Stencil>(xi: L, half: L) -> Weights<L, E> {
     let one = L::one();
     let per_half = half.recip();
     let mut w: Weights<L, E> = Weights::zero();
-    // Node of the bin: inside the box the hat's tip is rounded.
+    // Node of the bin: inside the box the linear shape function's tip is rounded.
     let r = xi.abs();
     let tip = r.le(half);
     w.value[1] = L::select(tip, one - (xi * xi + half * half) * per_half * L::of(0.5), one - r);
     let away = L::select(xi.lt(L::zero()), one, -one);
     w.slope[1] = L::select(tip, -(xi * per_half), away);
-    // Outer nodes: the hat, or the square tail where the box reaches past the hat's foot.
+    // Outer nodes: the linear shape function, or the square tail where the box reaches past the linear shape function's foot.
     for (node, toward) in [(0, -one), (2, one)] {
         let distance = one - toward * xi;
         let reach = (one + half - distance).max(L::zero());

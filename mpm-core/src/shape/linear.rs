@@ -1,11 +1,11 @@
-//! The linear hat.
+//! The linear shape function.
 
 use mpm_materials::{Lane, Real};
 
 use super::{Basis, FixedDomain, ShapeFunction, Weights};
 use crate::dim::{Extent, Stencil};
 
-/// Linear hat functions: the classic material point method. Two nodes an axis; the slope jumps when a particle
+/// Linear shape functions: the classic material point method. Two nodes an axis; the slope jumps when a particle
 /// crosses a cell face. Use with MUSL: with USL the step limit vanishes where a cell holds little material
 /// (book, "Properties of stress updates and transfers", finding 5).
 #[derive(Clone, Copy, Debug, Default)]

@@ -133,7 +133,7 @@ pub trait ShapeFunction<T: Real, const D: usize>: Copy + Send + Sync + 'static {
 }
 
 /// Shape functions whose second moment ([`ShapeFunction::inertia`]) stays away from zero, as affine transfers
-/// (APIC) need it. The linear hat's vanishes at a node.
+/// (APIC) need it. The linear shape function's vanishes at a node.
 #[diagnostic::on_unimplemented(
     message = "affine transfers (`Apic`, `Aflip`, `Mls`) cannot be used with the shape function `{Self}`",
     note = "the second moment of its weights vanishes when a particle sits on a node, so the affine matrix \

@@ -2,14 +2,13 @@
 
 use mpm_contact::{NearPoint, SurfaceQuantity};
 
-use super::capability::{Deactivation, Division, FreeVelocities};
-use super::fields::Claim;
+use super::capability::{ClientSteps, Deactivation, Division, FreeVelocities};
 use super::footprint::Footprint;
+use super::layout::Claim;
+use super::layout::NodeSums;
 use super::layout::{Layout, Nodes};
 use super::load::Loading;
-use super::proxy::{InReference, ProxyState};
 use super::rigid::RigidState;
-use super::tile::Sums;
 use crate::grid::Node;
 use crate::parallel::{Float, Team};
 use impactite_scene::archive::{Archive, CheckpointError};
@@ -70,7 +69,7 @@ pub trait Presence<T: Float, const D: usize>: Send + Sync {
     /// Note where the node blocks are now, and append their places: this is the body's own list of blocks.
     fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>);
     /// Add what this body's particles map to the nodes of a block, by its place in the body's own list.
-    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]);
+    fn add_tiles(&self, block: usize, sums: NodeSums, nodes: &mut [Node<T>]);
     /// What contact wants to know of the particles near some nodes of a block of the body's own list; `nodes`
     /// has a bit for each. Adds to `out`, one entry a node ([`SurfaceQuantity::Reach`]: the larger one), for the unit
     /// vectors in `normals`, one a node, where the quantity needs them.
@@ -110,12 +109,12 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
         None
     }
 
-    /// The parts of a step of its own, if the body is mapped in its reference configuration.
-    fn in_reference(&self) -> Option<&dyn InReference<T, D>> {
+    /// The parts of a step of its own, if the body is of another discretisation ([`GridClient`](super::GridClient)).
+    fn client(&self) -> Option<&dyn ClientSteps<T, D>> {
         None
     }
     /// The same, to be made.
-    fn in_reference_mut(&mut self) -> Option<&mut dyn InReference<T, D>> {
+    fn client_mut(&mut self) -> Option<&mut dyn ClientSteps<T, D>> {
         None
     }
 
@@ -150,7 +149,7 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
         None
     }
     /// Velocities of its particles that may be set between steps, if nothing prescribes them.
-    fn free_velocities(&mut self) -> Option<&mut dyn FreeVelocities> {
+    fn free_velocities(&mut self) -> Option<&mut dyn FreeVelocities<T>> {
         None
     }
 
@@ -183,10 +182,6 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
     fn coheres(&self) -> bool {
         false
     }
-    /// Call `visit` with number and velocity, m/s, of every particle; it may change the velocity.
-    fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3]));
-    /// Note, by number, what a proxy of every particle is like. `numbers` is memory to work in.
-    fn export_states(&self, numbers: &mut Vec<T>, shapes: &mut [ProxyState]);
     /// Bytes that a particle carries.
     fn particle_bytes(&self) -> usize;
     /// Take all that changes in a run to a file, or from one.

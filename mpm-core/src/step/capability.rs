@@ -1,7 +1,10 @@
 //! What only some bodies can do: asked for by [`GridBody`](super::GridBody), never pretended.
 
-use impactite_scene::error::SceneError;
+use impactite_scene::Exchange;
+use impactite_scene::error::{SceneError, Stopped};
 
+use super::client::ClientPoint;
+use super::layout::Nodes;
 use super::merging::MergeBook;
 use super::rest::TakenMotion;
 use super::splitting::SplitBook;
@@ -31,8 +34,29 @@ pub trait Division {
     fn merge(&mut self, steps: u64, team: &Team) -> bool;
 }
 
+/// Steps of a body of another discretisation, whose own forces are not those of the grid.
+pub trait ClientSteps<T: Float, const D: usize> {
+    /// Move the body's points by its own forces over `dt`, s, and map their velocities to the scene's nodes.
+    ///
+    /// # Errors
+    /// What stops the body.
+    fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped>;
+    /// Take what the scene's nodes gave, deform and move. Returns the largest rate seen, 1/s, as
+    /// [`GridBody::pass`](super::GridBody::pass) does.
+    ///
+    /// # Errors
+    /// As [`ClientSteps::open`].
+    fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped>;
+    /// What boundaries and loads of its own gave to the body since the start.
+    fn given(&self) -> Exchange;
+}
+
 /// Velocities of particles that may be set between steps.
-pub trait FreeVelocities {
+pub trait FreeVelocities<T: Float> {
+    /// Call `visit` with number and velocity, m/s, of every particle; it may change the velocity.
+    fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3]));
+    /// Where the particles are, by number. `numbers` is memory to work in.
+    fn place(&self, numbers: &mut Vec<T>, points: &mut [ClientPoint]);
     /// Stop all particles: what they had (kinetic damping).
     fn stop_motion(&mut self) -> TakenMotion;
     /// Take out of the velocities what the nodes of a cell do not see (null-space filter); the kinetic energy of that, J.

@@ -59,7 +59,7 @@ impl<P: Lane> Moved<'_, P> {
                 // Corners that were drawn in move as much more as they are farther out.
                 let cells = cells / corners.scale;
                 for c in 0..1 << D {
-                    let hats = corners.hats::<S::Extent, D>(c, xi);
+                    let hats = corners.linear_weights::<S::Extent, D>(c, xi);
                     let mut basis = [Basis::zero(); 3];
                     for d in 0..D {
                         basis[d].value = hats[d];

@@ -6,12 +6,13 @@
 //! node that both reach. The map that its last pass would have left is made then, by that pass.
 
 use super::body::{BodyTrouble, GridBody, Steps, Which};
-use super::fields::Claim;
-use super::layout::{Layout, Nodes};
-use super::nodes::BlockPlace;
+
+use super::block_place::BlockPlace;
+use super::deactivated::Deactivated;
+use super::layout::{Claim, Layout, Nodes};
+use super::mpm::Mpm;
 use super::particle_body::{NONE, ParticleBody};
-use super::solver::Mpm;
-use super::sweep::Slot;
+use super::slot::Slot;
 use crate::dim::neighbours;
 use crate::grid::OutsideGrid;
 use crate::parallel::{AlignedRecords, Float, Team};
@@ -19,38 +20,6 @@ use crate::particles::{Columns, Sent};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::boundary::Boundary;
 use impactite_scene::error::SceneError;
-
-/// What is known of a body while it rests.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Deactivated<T, const D: usize> {
-    /// The node blocks that it would claim, sorted.
-    blocks: Vec<[i32; D]>,
-    /// Largest (c + |v|) / h that its passes would find, 1/s: of the map, the first and the second one.
-    rates: [T; 3],
-    /// The step that it was tried with, s.
-    dt: T,
-}
-
-impl<T: Float, const D: usize> Deactivated<T, D> {
-    /// What a pass would find.
-    pub(super) fn rate(&self, which: Which, adapt: bool) -> T {
-        match which {
-            _ if !adapt => T::default(),
-            Which::Map | Which::Refit => self.rates[0],
-            Which::First => self.rates[1],
-            Which::Second => self.rates[2],
-            Which::Smooth | Which::Follow => T::default(),
-        }
-    }
-    /// The node blocks that the body would claim, sorted.
-    pub(super) fn blocks(&self) -> &[[i32; D]] {
-        &self.blocks
-    }
-    /// Bytes of its memory.
-    pub(super) fn bytes(&self) -> usize {
-        self.blocks.capacity() * size_of::<[i32; D]>()
-    }
-}
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// See that no particle moves, is stressed or changes in a step among nodes that stand still, and rest from now on.
@@ -206,7 +175,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// step. A body force, a moving wall or prescribed velocities where it lies, given later, wake it in the next step. It
     /// does not come to rest again by itself.
     ///
-    /// Bodies that touch are told together, and wake together. Where bodies are kept apart ([`Contact::separates`](crate::Contact::separates)) they stay
+    /// Bodies that touch are told together, and wake together. Where bodies are kept apart ([`ContactAlgorithm::separates`](crate::ContactAlgorithm::separates)) they stay
     /// awake: contact may act between bodies that stand still.
     ///
     /// ```
@@ -245,32 +214,32 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         for name in bodies {
             let refused = self.lay_down(name, &mut told).err();
             if let Some(error) = refused {
-                told.iter().for_each(|&number: &usize| self.bodies[number].reactivate(&self.team));
+                told.iter().for_each(|&number: &usize| self.scene.bodies[number].reactivate(&self.team));
                 self.arrange().map_err(outside)?;
                 return Err(error);
             }
         }
-        if self.contact.separates() {
+        if self.scene.contact.separates() {
             told.iter().for_each(|&number| self.wake_beside(number));
         }
         self.arrange().map_err(outside)?;
-        self.grid.give_back();
+        self.grid.storage.give_back();
         Ok(())
     }
 
     /// Let a body rest that did not, and note its number.
     fn lay_down(&mut self, name: &str, told: &mut Vec<usize>) -> Result<(), SceneError> {
-        let Some(number) = self.bodies.iter().position(|b| b.name() == name) else {
-            let bodies: Vec<&str> = self.bodies.iter().map(|b| b.name()).collect();
+        let Some(number) = self.scene.bodies.iter().position(|b| b.name() == name) else {
+            let bodies: Vec<&str> = self.scene.bodies.iter().map(|b| b.name()).collect();
             return Err(SceneError::NoBody { body: name.into(), bodies: bodies.join(", ") });
         };
-        if self.bodies[number].is_deactivated() {
+        if self.scene.bodies[number].is_deactivated() {
             return Ok(());
         }
         // As long as its own waves allow: a clock that rounding stops at this step stands still at shorter ones.
-        let rate = self.bodies[number].rate(self.grid.lattice().spacing()).to_double();
-        let longest = if rate > 0.0 { self.control.next(rate, None).max(1.0 / rate) } else { 1.0 };
-        let body = &mut self.bodies[number];
+        let rate = self.scene.bodies[number].rate(self.grid.lattice().spacing()).to_double();
+        let longest = if rate > 0.0 { self.stepper.control.next(rate, None).max(1.0 / rate) } else { 1.0 };
+        let body = &mut self.scene.bodies[number];
         let what = if body.rigid().is_some() { "its being rigid" } else { "its reference configuration" };
         let cannot = SceneError::Disturbed { body: name.into(), what: what.into() };
         body.deactivation_mut().ok_or(cannot)?.deactivate(T::of(longest), &self.team)?;
@@ -281,20 +250,20 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Particles that a step computes: those of bodies that do not rest ([`Mpm::deactivate`]).
     pub fn moving_particles(&self) -> usize {
-        self.bodies.iter().filter(|b| !b.is_deactivated()).map(|b| b.len()).sum()
+        self.scene.bodies.iter().filter(|b| !b.is_deactivated()).map(|b| b.len()).sum()
     }
 
     /// Node blocks, with those that bodies at rest would have: whether to look ahead is decided as if none rested.
     pub(super) fn blocks(&self) -> usize {
-        let rest = self.bodies.iter().filter_map(|b| b.deactivated_blocks()).flatten();
-        self.fields.len() + rest.filter(|at| self.grid.find(at).is_none()).count()
+        let rest = self.scene.bodies.iter().filter_map(|b| b.deactivated_blocks()).flatten();
+        self.grid.fields.len() + rest.filter(|at| self.grid.storage.find(at).is_none()).count()
     }
 
     /// Wake a body and others that rest if they share node blocks.
     fn wake_beside(&mut self, number: usize) {
-        let Some(blocks) = self.bodies[number].deactivated_blocks().map(<[_]>::to_vec) else { return };
+        let Some(blocks) = self.scene.bodies[number].deactivated_blocks().map(<[_]>::to_vec) else { return };
         let mut beside = false;
-        for (_, body) in self.bodies.iter_mut().enumerate().filter(|(other, _)| *other != number) {
+        for (_, body) in self.scene.bodies.iter_mut().enumerate().filter(|(other, _)| *other != number) {
             let meets = |at: &[[i32; D]]| blocks.iter().any(|block| at.binary_search(block).is_ok());
             if body.deactivated_blocks().is_some_and(meets) {
                 body.reactivate(&self.team);
@@ -302,14 +271,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             }
         }
         if beside {
-            self.bodies[number].reactivate(&self.team);
+            self.scene.bodies[number].reactivate(&self.team);
         }
     }
 
     /// What may set a body in motion that rests, other bodies aside.
     fn disturbance(&self, number: usize) -> Option<String> {
-        let blocks = self.bodies[number].deactivated_blocks()?;
-        if self.conditions.gravity.is_some() {
+        let blocks = self.scene.bodies[number].deactivated_blocks()?;
+        if self.scene.conditions.gravity.is_some() {
             return Some("a body force".into());
         }
         let lattice = self.grid.lattice();
@@ -326,15 +295,20 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 boundary.reaches(&place.low, &place.high, self.clock.time, reach)
             }),
         };
-        self.conditions.boundaries.iter().find(acts).map(|boundary| format!("the boundary {boundary:?}"))
+        self.scene
+            .conditions
+            .boundaries
+            .iter()
+            .find(acts)
+            .map(|boundary| format!("the boundary {boundary:?}"))
     }
 
     /// Wake what was given a reason to move since the last step.
     pub(super) fn reactivate_disturbed(&mut self) -> Result<(), OutsideGrid> {
         let mut woken = false;
-        for number in 0..self.bodies.len() {
+        for number in 0..self.scene.bodies.len() {
             if self.disturbance(number).is_some() {
-                self.bodies[number].reactivate(&self.team);
+                self.scene.bodies[number].reactivate(&self.team);
                 woken = true;
             }
         }

@@ -1,14 +1,10 @@
 //! Runs to equilibrium: kinetic damping, and how far from balance a scene is.
 
+use super::mpm::Mpm;
 use super::rest::*;
-use super::solver::Mpm;
 use crate::parallel::Float;
 use impactite_scene::error::SceneError;
 use impactite_scene::{Condition, Place, StepError};
-
-/// Part of its peak that the kinetic energy falls by when the peak is past: a step or two later. Without it rounding would
-/// stop what nodes hardly feel and pass on to the particles only in the course of time.
-const PAST: f64 = 1e-3;
 
 /// Forces at a node, N.
 #[derive(Clone, Copy, Debug, Default)]
@@ -32,7 +28,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// For loads that do not change, or slowly: the way there is not that of the dynamics, and what remembers the way
     /// (plastic flow, friction) may end elsewhere. A step costs one reading of the nodes more, a stop one map.
     /// With FLIP on wide stencils some 1e-3 of the forces stay, in directions that nodes hardly see and that start anew with
-    /// every stop; with hats they go.
+    /// every stop; with linear shape functions they go.
     /// The books close to first order of the step: of what was strain energy between the peak and the stop, half a step's
     /// is missing.
     ///
@@ -47,30 +43,30 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(SceneError::RestOfFree(body));
         }
         if on {
-            self.check_references("kinetic damping")?;
+            self.check_clients("kinetic damping")?;
         }
-        self.kinetic_damping = on.then(KineticDamping::default);
+        self.between_steps.kinetic_damping = on.then(KineticDamping::default);
         Ok(())
     }
 
     /// How often kinetic damping stopped everything.
     pub fn stops(&self) -> u64 {
-        self.kinetic_damping.map_or(0, |calm| calm.stops)
+        self.between_steps.kinetic_damping.map_or(0, |damping| damping.stops)
     }
 
     /// The name of a rigid body that moves as it is pushed.
     pub(super) fn free_rigid_body(&self) -> Option<String> {
-        let free = |&&body: &&usize| self.bodies[body].rigid().is_some_and(|r| !r.is_prescribed());
-        self.rigid.iter().find(free).map(|&body| self.bodies[body].name().to_string())
+        let free = |&&body: &&usize| self.scene.bodies[body].rigid().is_some_and(|r| !r.is_prescribed());
+        self.scene.rigid.iter().find(free).map(|&body| self.scene.bodies[body].name().to_string())
     }
 
     /// Note the kinetic energy of the nodes after the momentum update, if kinetic damping asks for it. Blocks are summed in
     /// the order of their coordinates, so that no grid matters.
     pub(super) fn watch_motion(&mut self) {
-        let Some(calm) = &mut self.kinetic_damping else { return };
-        let (layout, nodes) = (self.fields.layout(), self.grid.nodes());
-        let mut blocks = Vec::with_capacity(self.fields.len());
-        for (block, coordinates) in self.fields.coordinates().iter().enumerate() {
+        let Some(damping) = &mut self.between_steps.kinetic_damping else { return };
+        let (layout, nodes) = (self.grid.fields.layout(), self.grid.nodes());
+        let mut blocks = Vec::with_capacity(self.grid.fields.len());
+        for (block, coordinates) in self.grid.fields.coordinates().iter().enumerate() {
             let mut kinetic = 0.0;
             for node in layout.of(nodes, block) {
                 let square: f64 = node.first[1..=D].iter().map(|v| v.to_double().powi(2)).sum();
@@ -80,26 +76,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         // Stable: fields of one block stay in the order of their bodies.
         blocks.sort_by_key(|b| b.0);
-        calm.now = blocks.iter().map(|b| b.1).sum();
-    }
-
-    /// Kinetic damping at the end of a step.
-    pub(super) fn stop_motion(&mut self) {
-        let Some(calm) = self.kinetic_damping else { return };
-        if calm.now >= calm.most * (1.0 - PAST) {
-            self.kinetic_damping = Some(KineticDamping { most: calm.most.max(calm.now), ..calm });
-            return;
-        }
-        for body in &mut self.bodies {
-            let Some(velocities) = body.free_velocities() else { continue };
-            let stilled = velocities.stop_motion();
-            for d in 0..3 {
-                self.ledger.load[d] -= stilled.momentum[d];
-            }
-            self.ledger.work -= stilled.kinetic;
-        }
-        self.kinetic_damping = Some(KineticDamping { most: 0.0, now: 0.0, stops: calm.stops + 1 });
-        self.mapped = false;
+        damping.now = blocks.iter().map(|b| b.1).sum();
     }
 
     /// How far from balance the scene is now: the forces that stresses, loads and weights leave at the nodes, as the
@@ -140,8 +117,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// The forces at the nodes.
-    fn forces(&self) -> Sums<D, Forces> {
-        let mut nodes = Sums::<D, Forces>::default();
+    fn forces(&self) -> AtNodes<D, Forces> {
+        let mut nodes = AtNodes::<D, Forces>::default();
         self.for_each_footprint(&mut |p| {
             for w in p.nodes {
                 let node = nodes.at(w.node);
@@ -156,7 +133,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         });
         let lattice = *self.grid.lattice();
         let tolerance = 1e-6 * lattice.spacing();
-        let gravity = self.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.clock.time));
+        let gravity = self.scene.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.clock.time));
         for (index, node) in &mut nodes.sums {
             let x = lattice.node(index.map(i64::from));
             for d in 0..D {
@@ -165,7 +142,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             }
             // Conditions that react are asked for their forces: so soon that nothing moves meanwhile.
             let moment = 1e-6 * self.clock.last.unwrap_or(1.0);
-            for boundary in self.conditions.boundaries.iter().filter(|b| b.reacts()) {
+            for boundary in self.scene.conditions.boundaries.iter().filter(|b| b.reacts()) {
                 let reaction = boundary.react(&Place {
                     position: x,
                     mass: node.mass,
@@ -182,7 +159,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 }
             }
             let mut v = node.left;
-            for boundary in &self.conditions.boundaries {
+            for boundary in &self.scene.conditions.boundaries {
                 boundary.constrain(&x, &mut v, self.clock.time, tolerance, 0.0);
             }
             for d in 0..D {

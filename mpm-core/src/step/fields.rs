@@ -1,28 +1,17 @@
 //! Which node blocks there are, and whose they are: the local multi-mesh of \[Ma2010\] 1.5.
 //!
 //! A block of nodes that the particles of one body reach belongs to that body. Where several bodies reach the
-//! same block, and the scene's [`Contact`](crate::Contact) keeps them apart, each has a **field block** of its
+//! same block, and the scene's [`ContactAlgorithm`](crate::ContactAlgorithm) keeps them apart, each has a **field block** of its
 //! own: the first body the grid's block, the others blocks behind the grid's. Particles read and write their
 //! body's block as if they were alone; only the contact stages know that there are others. A field block holds the
 //! nodes that the body's particles reach, if they are few ([`Layout`]).
 
 use super::body::GridBody;
-use super::layout::{Layout, whole_block};
+use super::layout::{Claim, Layout, whole_block};
 use super::rigid::RigidState;
 use crate::dim::block_nodes;
 use crate::grid::{GridStorage, OutsideGrid};
 use crate::parallel::{Float, Team};
-
-/// A body's claim to a node block.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Claim<const D: usize> {
-    /// Coordinates of the block.
-    pub coordinates: [i32; D],
-    /// Number of the body.
-    pub body: u32,
-    /// The nodes that its particles reach, a bit each; none if they may come there, but are not there yet.
-    pub reached: u64,
-}
 
 /// A field of a shared block: whose it is, and where.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,9 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::between_steps::NullSpaceFilter;
 use super::footprint::NodeWeight;
+use super::mpm::Mpm;
 use super::particle_body::ParticleBody;
-use super::solver::Mpm;
 use crate::dim::block_nodes;
 use crate::parallel::{Float, Team};
 use crate::particles::{Block, Columns, Place};
@@ -81,7 +82,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// particles would move with into other cells. Its energy is booked as work of a load.
     ///
     /// **A cell needs more particles than its stencil has nodes** for anything to be taken out, unless they lie in a row:
-    /// five for the hat in two dimensions and nine in three, ten and twenty-eight for the quadratic spline. With two
+    /// five for linear shape functions in two dimensions and nine in three, ten and twenty-eight for the quadratic spline. With two
     /// particles an axis nothing is. What such cells hide from the nodes they hide together; filters of the whole
     /// grid see that, [`Fmpm`](crate::Fmpm) and [`Blend`](crate::Blend).
     ///
@@ -96,19 +97,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if !self.facts().reads_increment {
             return Err(SceneError::NothingToFilter(self.facts().description.clone()));
         }
-        self.check_references("a null-space filter")?;
-        self.filter = Some(every);
+        self.check_clients("a null-space filter")?;
+        self.between_steps.filter = Some(NullSpaceFilter { every });
         Ok(())
-    }
-
-    /// The filter at the end of a step.
-    pub(super) fn filter(&mut self) {
-        let Some(every) = self.filter else { return };
-        if self.clock.steps.is_multiple_of(every) {
-            let team = &self.team;
-            let lost: f64 =
-                self.bodies.iter_mut().filter_map(|body| Some(body.free_velocities()?.filter(team))).sum();
-            self.ledger.work -= lost;
-        }
     }
 }

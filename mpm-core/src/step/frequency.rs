@@ -1,8 +1,8 @@
 //! Gershgorin's bound of the highest frequency, for the time step.
 
+use super::mpm::Mpm;
 use super::nodes::{free_directions, mass_cutoff};
-use super::rest::Sums;
-use super::solver::Mpm;
+use super::rest::{AtNodes, Frequency};
 use crate::parallel::Float;
 
 /// What a node has of the bound.
@@ -10,15 +10,6 @@ use crate::parallel::Float;
 struct Row {
     mass: f64,
     sum: f64,
-}
-
-/// Of the particles as they stand.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Frequency {
-    /// No vibration of the nodes, each with its lumped mass, is faster than this, rad/s.
-    pub bound: f64,
-    /// The largest speed of a particle, m/s.
-    pub speed: f64,
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
@@ -36,7 +27,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     pub(super) fn frequency_bound_here(&self) -> Frequency {
-        let mut rows = Sums::<D, Row>::default();
+        let mut rows = AtNodes::<D, Row>::default();
         let (mut speed, mut lightest) = (0.0f64, f64::MAX);
         self.for_each_footprint(&mut |p| {
             speed = larger(speed, p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt());
@@ -53,7 +44,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let mut square = 0.0f64;
         for (node, row) in rows.iter() {
             let x = lattice.node(node.map(i64::from));
-            let free = free_directions(&self.conditions, &x, self.clock.time, lattice.spacing(), 0.0);
+            let free = free_directions(&self.scene.conditions, &x, self.clock.time, lattice.spacing(), 0.0);
             if row.mass > cutoff && free[..D].contains(&true) {
                 square = larger(square, row.sum / row.mass);
             }

@@ -189,3 +189,29 @@ mod tests {
         assert!(layout.is_whole() && layout.len() == 128 && layout.place(1, 63) == Some(127));
     }
 }
+
+/// A body's claim to a node block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Claim<const D: usize> {
+    /// Coordinates of the block.
+    pub coordinates: [i32; D],
+    /// Number of the body.
+    pub body: u32,
+    /// The nodes that its particles reach, a bit each; none if they may come there, but are not there yet.
+    pub reached: u64,
+}
+
+/// Which records of the bodies' tiles to sum, and where to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeSums {
+    /// Both records: mass, momentum and force.
+    All,
+    /// The second into the second: force (USF).
+    Force,
+    /// The first into the second: momentum mapped again (MUSL).
+    Again,
+    /// The same, of a velocity that is smoothed (FMPM).
+    Smoothed,
+    /// The same, of what particles are pushed by.
+    Pushes,
+}

@@ -6,7 +6,7 @@ use impactite_scene::watch::{Account, Finding, GainCause, Look, Warning, Watch, 
 
 use super::cells::{Alternation, Cells, Wholeness};
 
-use super::solver::Mpm;
+use super::mpm::Mpm;
 use crate::parallel::Float;
 
 /// Waves cross this part of a cell in a step that may be too long.
@@ -47,7 +47,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let (totals, exchange) = (self.totals_on_team(), self.exchange());
             self.looks.watcher.open(self.clock.steps, &totals, &exchange, self.facts().hoop);
             if self.looks.watcher.sees_bodies() {
-                for b in 0..self.bodies.len() {
+                for b in 0..self.scene.bodies.len() {
                     let whole = self.look_at_body(b).map_or(1, |(_, whole, _)| whole.parts);
                     self.looks.parts.push(whole as u64);
                 }
@@ -58,7 +58,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     fn totals_on_team(&mut self) -> Totals {
         let (mut parts, mut sum) = (std::mem::take(&mut self.looks.totals), Totals::default());
-        for body in &self.bodies {
+        for body in &self.scene.bodies {
             sum = sum.plus(&body.totals_on(&self.team, &mut parts));
         }
         self.looks.totals = parts;
@@ -89,13 +89,13 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             clock: &clock,
             exchange: &exchange,
             rounding: T::default_epsilon().to_double(),
-            speed: self.rate.to_double() * self.grid.lattice().spacing(),
+            speed: self.stepper.rate.to_double() * self.grid.lattice().spacing(),
             // Kinetic damping closes its balance to half a step.
-            energy: self.kinetic_damping.is_none(),
+            energy: self.between_steps.kinetic_damping.is_none(),
             loss: LOSS,
         };
         let broken = || {
-            let broken = self.bodies.iter().find(|b| !b.totals().is_finite());
+            let broken = self.scene.bodies.iter().find(|b| !b.totals().is_finite());
             broken.map(|b| b.name().to_string()).unwrap_or_default()
         };
         let name = if totals.is_finite() { String::new() } else { broken() };
@@ -113,7 +113,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn explain(&mut self, share: f64, joules: f64) -> Finding {
         let (mut unseen, mut most, mut who) = (0.0, (0.0, [0.0; 3]), 0);
         let mut dense = 0;
-        for b in 0..self.bodies.len() {
+        for b in 0..self.scene.bodies.len() {
             let Some((seen, _, beyond)) = self.look_at_body(b) else { continue };
             (unseen, dense) = (unseen + seen, dense + beyond);
             let noisiest = self.cells().noisiest();
@@ -126,7 +126,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let limit = 1.0 / self.gershgorin_rate();
         let dt = self.clock.last.unwrap_or(0.0);
         // Gershgorin's bound is far below the limit where nodes are nearly empty: beyond half a wave a step it counts.
-        let cause = if dt > 1.01 * limit && dt * self.rate.to_double() > LONG {
+        let cause = if dt > 1.01 * limit && dt * self.stepper.rate.to_double() > LONG {
             GainCause::TimeStep { dt, limit }
         } else if dense > 0 {
             GainCause::OverCompressed { particles: dense }
@@ -137,7 +137,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         } else {
             GainCause::Crossing
         };
-        let body = self.bodies.get(who).map_or_else(String::new, |b| b.name().to_string());
+        let body = self.scene.bodies.get(who).map_or_else(String::new, |b| b.name().to_string());
         Finding::EnergyGain { share, joules, body, position: most.1, cause }
     }
 
@@ -150,14 +150,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// The cells of a body: energy that nodes do not see, how whole it is, particles out of the range of their law. None of a rigid body.
     fn look_at_body(&mut self, b: usize) -> Option<(f64, Wholeness, usize)> {
-        if self.bodies[b].rigid().is_some() {
+        if self.scene.bodies[b].rigid().is_some() {
             return None;
         }
         self.cells();
         let mut cells = self.looks.cells.take()?;
         cells.clear();
         let mut beyond = 0;
-        self.bodies[b].for_each(&mut |p| {
+        self.scene.bodies[b].for_each(&mut |p| {
             beyond += usize::from(!p.in_range);
             cells.add(p);
         });
@@ -169,13 +169,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     fn look_at_bodies(&mut self, watcher: &mut Watcher) {
         let clock = self.clock;
-        for b in 0..self.bodies.len() {
+        for b in 0..self.scene.bodies.len() {
             let Some((_, whole, _)) = self.look_at_body(b) else { continue };
-            let name = self.bodies[b].name().to_string();
+            let name = self.scene.bodies[b].name().to_string();
             let before = self.looks.parts.get(b).map_or(1, |&n| n as usize);
             // Weights of the reference configuration hold particles together, however far apart they are.
-            let tears =
-                !self.facts().total && self.bodies[b].in_reference().is_none() && self.bodies[b].coheres();
+            let tears = !self.facts().total
+                && self.scene.bodies[b].client().is_none()
+                && self.scene.bodies[b].coheres();
             if tears && whole.parts > before && whole.whole_parts > before.saturating_sub(1) {
                 let found =
                     Finding::Torn { body: name.clone(), parts: whole.parts, before, share: whole.share };

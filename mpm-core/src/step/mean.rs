@@ -4,7 +4,7 @@ use mpm_materials::Lane;
 use mpm_materials::material::{Deformation, Material, NO_GROUP, States};
 
 use super::law_batch::{ForMean, LawBatch, Occupant};
-use super::surface_quantity::of_row;
+use super::rows::of_row;
 use crate::dilatation::MeanDilatation;
 use crate::parallel::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 use crate::particles::Masses;

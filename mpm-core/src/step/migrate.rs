@@ -4,12 +4,12 @@
 use mpm_materials::Lane;
 
 use super::cell::{Moments, add_particle};
+use super::slot::{Common, Domains, Movers, Report, Trouble};
 use super::splitting::Splitter;
 use super::spread::on_cell;
 use super::spread::{
     AFFINE, DIRECT, FORCE, MAX_LANES, MOMENTUM, Maps, RECORDS, Records, along_axes, times_offset,
 };
-use super::sweep::{Common, Report, Trouble};
 use super::tile::{clear_rows, rows_of, tile_corner, tile_nodes};
 use crate::dim::{BLOCK, Stencil, neighbours};
 use crate::parallel::{Arch, Float, Kernel, Quad, Vectors};
@@ -34,24 +34,6 @@ pub(super) struct Cut<'a, T: Float> {
     pub(super) splitter: &'a Splitter<T>,
     /// The velocity gradient in units of 1/s, D x D numbers of each lane.
     pub(super) gradient: &'a [[T; MAX_LANES]; 9],
-}
-
-/// The particles that change their bins, as a thread finds them.
-#[derive(Clone, Debug, Default)]
-pub struct Movers<T> {
-    /// Those that leave their block.
-    pub(super) out: Outbox<T>,
-    /// Those of the block at work that stay in it: its own pass takes them in at its end.
-    pub(super) within: Outbox<T>,
-    /// The numbers of one on its way, or of the two that it was cut in.
-    moving: Vec<T>,
-}
-
-impl<T: Float> Movers<T> {
-    /// Bytes of its memory.
-    pub(super) fn bytes(&self) -> usize {
-        self.out.bytes() + self.within.bytes() + self.moving.capacity() * size_of::<T>()
-    }
 }
 
 /// The numbers of a particle's records that go with it when it leaves its bin: not those that are zero, nor G_dc beside G_cd,
@@ -258,36 +240,6 @@ impl<T: Float> Address<T> {
         for d in 0..D {
             numbers[Columns::position() + d] -= self.cells[d];
         }
-    }
-}
-
-/// Where particles' domains come from: their columns, or one box for all.
-#[derive(Clone, Copy, Debug)]
-pub struct Domains<T> {
-    /// The first column, where particles carry them.
-    pub column: usize,
-    /// Half sizes of those that don't, in units of h.
-    pub half: [T; 3],
-}
-
-impl<T: Float> Domains<T> {
-    /// The numbers of a domain, of which `carried` gives those that particles have of their own.
-    #[inline(always)]
-    pub(super) fn of<P: Lane<Real = T>, S: ShapeFunction<T, D>, const D: usize>(
-        &self,
-        carried: impl Fn(usize) -> P,
-    ) -> [P; MOST_NUMBERS] {
-        let mut domain = [P::of(0.5); MOST_NUMBERS];
-        if S::DOMAIN.carried() {
-            for n in 0..S::DOMAIN.numbers(D) {
-                domain[n] = carried(n);
-            }
-        } else {
-            for d in 0..D {
-                domain[d] = P::splat(self.half[d]);
-            }
-        }
-        domain
     }
 }
 

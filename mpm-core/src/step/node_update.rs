@@ -186,6 +186,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
             node.first[d + 1] = new[d];
             node.second[d + 1] = a;
         }
+        let mapped = old;
         for wall in walls.iter_mut() {
             let d = wall.axis;
             let acceleration = node.second[d + 1].to_double();
@@ -229,10 +230,13 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
             }
         }
         if self.gravity.is_some() || self.damping > 0.0 {
+            // The work of a body force is its impulse times the mean velocity. Where nodes know the sum of momentum and impulse alone,
+            // that sum stands for the velocity at the start: summed over the nodes, impulses of stresses cancel.
+            let start = if self.forces { old } else { mapped };
             for d in 0..D {
                 let impulse = (mass * dt).to_double() * given[d];
                 ledger.load[d] += impulse;
-                ledger.work += impulse * 0.5 * (old[d].to_double() + v[d]);
+                ledger.work += impulse * 0.5 * (start[d].to_double() + v[d]);
             }
         }
     }

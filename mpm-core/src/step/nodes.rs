@@ -1,21 +1,22 @@
 //! The grid stages: sums of the tiles, momentum update, boundaries, re-mapped velocities.
 
-use crate::dim::{BLOCK, block_nodes};
+use crate::dim::block_nodes;
 use crate::geometry::Lattice;
 use crate::grid::{GridStorage, Node};
 use crate::parallel::{Float, Team};
-use impactite_scene::boundary::{BodyForce, Boundary, Plane};
+use impactite_scene::boundary::{BodyForce, Boundary};
 use impactite_scene::{Condition, Exchange, Place};
 
+use super::block_place::BlockPlace;
 use super::body::GridBody;
 use super::fields::Fields;
-use super::layout::{Layout, Piece};
+use super::layout::{Layout, NodeSums, Piece};
 use super::node_update::{Around, Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Trial, Velocities};
 use super::planes::Planes;
 use super::rigid::RigidState;
-use super::rigid_body::{self, rigid_of};
-use super::tile::Sums;
-use super::walls::{Nodes, Walls};
+use super::rigid_nodes::{self, rigid_of};
+
+use super::walls::{NodeSets, Walls};
 
 /// Add a part of what became of a node.
 fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
@@ -34,11 +35,11 @@ pub struct BlockBooks {
     /// What its stages took or gave in a step.
     pub ledger: Exchange,
     /// Those that press on walls, by the axis of the wall; from step to step.
-    pub pressed: Nodes,
+    pub pressed: NodeSets,
     /// Those of them that stick there.
-    pub stuck: Nodes,
+    pub stuck: NodeSets,
     /// Those that conditions hold in this step that react, by direction.
-    pub held: Nodes,
+    pub held: NodeSets,
 }
 
 /// The conditions that act on the nodes of a scene.
@@ -59,8 +60,23 @@ pub fn mass_cutoff<T: Float>() -> T {
     T::default_epsilon() * T::default_epsilon()
 }
 
+/// What a stage is of, beside bodies and grid.
+#[derive(Clone, Copy)]
+pub(super) struct StageOf<T> {
+    /// Time at the start of the step, s.
+    pub(super) time: f64,
+    /// Do stencils reach behind a plane that particles touch?
+    pub(super) wide: bool,
+    /// How much of the nodes' velocity particles take for their own: none with FLIP, all with PIC and its kin.
+    pub(super) takes: T,
+    /// Are forces at the nodes known, beside their momentum?
+    pub(super) forces: bool,
+    /// Time step, s.
+    pub(super) dt: T,
+}
+
 /// One step's view of the grid for its stages.
-pub struct Stage<'a, T: Float, const D: usize> {
+pub struct GridStages<'a, T: Float, const D: usize> {
     /// The grid.
     pub grid: &'a mut dyn GridStorage<T, D>,
     /// Its bodies.
@@ -74,56 +90,56 @@ pub struct Stage<'a, T: Float, const D: usize> {
     /// Books, one a block.
     pub books: &'a mut Vec<BlockBooks>,
     /// What is of no block alone: so that sums do not depend on which block is the first.
-    pub together: &'a mut Exchange,
-    /// Time at the start of the step, s.
-    pub time: f64,
+    pub scene_wide: &'a mut Exchange,
     /// Mass below which a node carries no momentum, kg.
     pub cutoff: T,
     /// Mass of the lightest particle, kg.
     pub lightest: T,
-    /// Do stencils reach behind a plane that particles touch?
-    pub wide: bool,
-    /// How much of the nodes' velocity particles take for their own: none with FLIP, all with PIC and its kin.
-    pub takes: T,
-    /// Are forces at the nodes known, beside their momentum?
-    pub forces: bool,
-    /// Time step, s.
-    pub dt: T,
+    /// What it is of.
+    pub(super) of: StageOf<T>,
     /// The nodes at planes of symmetry, walls and fixed planes.
     pub planes: &'a mut Planes<T>,
     /// Is a body rigid?
     pub rigid: bool,
 }
 
-/// The constraints of a stage, beside its grid and ledgers.
-macro_rules! constraints {
-    ($stage:expr) => {
+impl<T: Float, const D: usize> GridStages<'_, T, D> {
+    /// The boundaries as seen from node blocks, beside which nodes and books can be written.
+    fn constraints<'a>(
+        (conditions, planes): (&'a Conditions<D>, &'a Planes<T>),
+        (bodies, fields): (&'a [Box<dyn GridBody<T, D>>], &'a Fields<D>),
+        lattice: Lattice<D>,
+        of: StageOf<T>,
+    ) -> Constraints<'a, T, D> {
         Constraints {
-            boundaries: &$stage.conditions.boundaries,
-            planes: &*$stage.planes,
-            layout: $stage.fields.layout(),
-            bodies: $stage.bodies,
-            fields: $stage.fields,
-            lattice: *$stage.grid.lattice(),
-            blocks: $stage.fields.coordinates(),
-            time: $stage.time,
-            copies: if $stage.wide { 1.5 * $stage.grid.lattice().spacing() } else { 0.0 },
+            boundaries: &conditions.boundaries,
+            planes,
+            layout: fields.layout(),
+            bodies,
+            fields,
+            lattice,
+            blocks: fields.coordinates(),
+            time: of.time,
+            copies: if of.wide { 1.5 * lattice.spacing() } else { 0.0 },
         }
-    };
-}
+    }
 
-impl<T: Float, const D: usize> Stage<'_, T, D> {
     /// Sum the bodies' tiles (eqs. 2, 3, 9 of \[Ma2010\]): for each node block, bodies in order, the blocks
     /// around in order, so that the sums are the same for any number of threads and any grid. Then change every
     /// node as `update` says: at once, where no plane folds nodes in between.
-    pub(super) fn collect_and(&mut self, sums: Sums, update: &impl NodeUpdate<T>) {
+    pub(super) fn collect_and(&mut self, sums: NodeSums, update: &impl NodeUpdate<T>) {
         let (bodies, fields) = (self.bodies, self.fields);
-        if sums == Sums::All {
+        if sums == NodeSums::All {
             self.books.resize(fields.len(), BlockBooks::default());
             self.books.iter_mut().for_each(|books| books.ledger = Exchange::default());
-            *self.together = Exchange::default();
+            *self.scene_wide = Exchange::default();
         }
-        let constraints = constraints!(self);
+        let constraints = Self::constraints(
+            (self.conditions, self.planes),
+            (self.bodies, self.fields),
+            *self.grid.lattice(),
+            self.of,
+        );
         let at_once = self.planes.is_empty();
         let rigid = self.rigid;
         let (layout, team) = (fields.layout(), self.team);
@@ -153,61 +169,61 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         let elsewhere = |node: u32| {
             let owner = fields.owner(layout.block_of(node as usize)) as usize;
             match bodies.get(owner) {
-                Some(body) if body.in_reference().is_some() => [T::default(), all[1]],
+                Some(body) if body.client().is_some() => [T::default(), all[1]],
                 Some(body) if body.rigid().is_some_and(RigidState::is_prescribed) => [T::default(); 2],
                 _ => all,
             }
         };
-        let ordinary = bodies.iter().all(|body| body.in_reference().is_none() && body.rigid().is_none());
+        let ordinary = bodies.iter().all(|body| body.client().is_none() && body.rigid().is_none());
         let moves = |node: u32| if ordinary { all } else { elsewhere(node) };
         let impulse = {
             let spacing = self.grid.lattice().spacing();
             self.planes.fold(self.grid.nodes_mut(), sums, &moves, (self.cutoff, spacing))
         };
         for d in 0..3 {
-            self.together.impulse[d] += impulse[d];
+            self.scene_wide.impulse[d] += impulse[d];
         }
         self.each_node(update);
     }
 
     /// What the records of the nodes give to the particles' momentum: first[i] and second[i] times this. A
     /// velocity smoothed by FMPM is taken off.
-    fn moves(&self, sums: Sums) -> [T; 2] {
+    fn moves(&self, sums: NodeSums) -> [T; 2] {
         let none = T::default();
         match sums {
-            Sums::All => [self.takes, self.dt],
-            Sums::Force => [none, self.dt],
-            Sums::Smoothed => [none, T::of(-1.0)],
-            Sums::Pushes => [none, T::of(1.0)],
-            Sums::Again => [none, none],
+            NodeSums::All => [self.of.takes, self.of.dt],
+            NodeSums::Force => [none, self.of.dt],
+            NodeSums::Smoothed => [none, T::of(-1.0)],
+            NodeSums::Pushes => [none, T::of(1.0)],
+            NodeSums::Again => [none, none],
         }
     }
 
     /// Sum momentum; velocity, with boundaries, into the first record (USF).
     pub fn velocities(&mut self) {
-        let (cutoff, time, takes, dt) = (self.cutoff, self.time, self.takes, self.dt);
-        self.collect_and(Sums::All, &Velocities::<T, D> { cutoff, time, takes, dt });
+        let (cutoff, time, takes, dt) = (self.cutoff, self.of.time, self.of.takes, self.of.dt);
+        self.collect_and(NodeSums::All, &Velocities::<T, D> { cutoff, time, takes, dt });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
     /// Sum momentum; velocity, free of boundaries, into the first record.
     pub fn mean_velocities(&mut self) {
-        self.collect_and(Sums::All, &MeanVelocities::<T, D> { cutoff: self.cutoff });
+        self.collect_and(NodeSums::All, &MeanVelocities::<T, D> { cutoff: self.cutoff });
         self.planes.extrapolate(self.grid.nodes_mut());
         // Nothing has happened yet.
         self.books.iter_mut().for_each(|books| books.ledger = Exchange::default());
-        *self.together = Exchange::default();
+        *self.scene_wide = Exchange::default();
     }
 
     /// Sum momentum and force, or force alone beside the velocities there are; momentum update (eq. 8 of
     /// \[Ma2010\]): v = p/m + dt f/m with loads and boundaries. Leaves the new velocity in the first record, the
     /// acceleration in the second.
     pub fn integrate_momentum(&mut self, dt: T, from_velocity: bool) {
-        let (cutoff, end) = (self.cutoff, self.time + dt.to_double());
-        let gravity = self.conditions.gravity.as_ref().map(|g| g(self.time));
+        let (cutoff, end) = (self.cutoff, self.of.time + dt.to_double());
+        let gravity = self.conditions.gravity.as_ref().map(|g| g(self.of.time));
         let damping = self.conditions.damping;
-        let sums = if from_velocity { Sums::Force } else { Sums::All };
-        let (takes, forces) = (self.takes, self.forces);
+        let sums = if from_velocity { NodeSums::Force } else { NodeSums::All };
+        let (takes, forces) = (self.of.takes, self.of.forces);
         let update = Integrate::<T, D> { cutoff, dt, end, gravity, damping, from_velocity, takes, forces };
         self.collect_and(sums, &update);
         self.planes.extrapolate(self.grid.nodes_mut());
@@ -215,21 +231,21 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
 
     /// Sum the momentum mapped a second time; velocity, with boundaries, into the second record (MUSL).
     pub fn remap_velocities(&mut self, dt: T) {
-        let (cutoff, end) = (self.cutoff, self.time + dt.to_double());
-        self.collect_and(Sums::Again, &Remap::<T, D> { cutoff, end });
+        let (cutoff, end) = (self.cutoff, self.of.time + dt.to_double());
+        self.collect_and(NodeSums::Again, &Remap::<T, D> { cutoff, end });
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
     /// Sum the smoothed velocity; the next term of the FMPM series, d <- d - S~ d, added to the velocity, except
     /// where a boundary holds it. `terms` holds d, one a node.
     pub fn refine_velocities(&mut self, terms: &mut [[T; 3]]) {
-        self.collect_and(Sums::Smoothed, &Leave);
+        self.collect_and(NodeSums::Smoothed, &Leave);
         let cutoff = self.cutoff;
         let conditions = self.conditions;
         // As the momentum update constrained them: at the end of the step.
-        let time = self.time + self.dt.to_double();
+        let time = self.of.time + self.of.dt.to_double();
         let lattice = *self.grid.lattice();
-        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
+        let copies = if self.of.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let blocks = self.fields.coordinates();
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let planes = &*self.planes;
@@ -294,7 +310,12 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
 
     /// Change every node as `update` says.
     fn each_node(&mut self, update: &impl NodeUpdate<T>) {
-        let constraints = constraints!(self);
+        let constraints = Self::constraints(
+            (self.conditions, self.planes),
+            (self.bodies, self.fields),
+            *self.grid.lattice(),
+            self.of,
+        );
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let (layout, team) = (fields.layout(), self.team);
         layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
@@ -310,12 +331,12 @@ fn sum_up<T: Float, const D: usize>(
     bodies: &[Box<dyn GridBody<T, D>>],
     fields: &Fields<D>,
     block: usize,
-    sums: Sums,
+    sums: NodeSums,
     nodes: &mut [Node<T>],
 ) {
     match sums {
-        Sums::All => nodes.fill(Node::default()),
-        Sums::Force | Sums::Again | Sums::Smoothed | Sums::Pushes => {
+        NodeSums::All => nodes.fill(Node::default()),
+        NodeSums::Force | NodeSums::Again | NodeSums::Smoothed | NodeSums::Pushes => {
             nodes.iter_mut().for_each(|n| n.second = [T::default(); 4]);
         }
     }
@@ -330,12 +351,12 @@ fn carry<T: Float, const D: usize>(
     fields: &Fields<D>,
     constraints: &Constraints<'_, T, D>,
     block: usize,
-    sums: Sums,
+    sums: NodeSums,
     nodes: &mut Piece<'_, Node<T>>,
 ) -> bool {
     let Some(body) = rigid_of(bodies, fields, block) else { return false };
     let place = BlockPlace::new(&constraints.lattice, &constraints.blocks[block]);
-    rigid_body::carry(body, sums, &place, nodes)
+    rigid_nodes::carry(body, sums, &place, nodes)
 }
 
 /// The boundaries as seen from node blocks.
@@ -377,7 +398,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         }
         // Matter whose stress is not on these nodes is stopped by the wall's impulse alone.
         let body = self.bodies.get(self.fields.owner(block) as usize);
-        let unstressed = body.is_some_and(|b| b.rigid().is_some() || b.in_reference().is_some());
+        let unstressed = body.is_some_and(|b| b.rigid().is_some() || b.client().is_some());
         let near = || self.boundaries.iter().filter(reaches);
         let mut walls = if unstressed { Walls::default() } else { Walls::of(near(), self.time) };
         let apart = !walls.is_empty();
@@ -548,50 +569,4 @@ pub(super) fn free_directions<const D: usize>(
         }
     }
     free
-}
-
-/// Positions of the nodes of a block.
-pub(super) struct BlockPlace<const D: usize> {
-    pub(super) low: [f64; D],
-    pub(super) high: [f64; D],
-    first: [i32; D],
-    origin: [f64; D],
-    spacing: f64,
-}
-
-impl<const D: usize> BlockPlace<D> {
-    pub(super) fn new(lattice: &Lattice<D>, block: &[i32; D]) -> Self {
-        let (origin, spacing) = (lattice.origin(), lattice.spacing());
-        let first = block.map(|b| b * BLOCK as i32);
-        let mut low = origin;
-        let mut high = origin;
-        for d in 0..D {
-            low[d] += f64::from(first[d]) * spacing;
-            high[d] += f64::from(first[d] + BLOCK as i32 - 1) * spacing;
-        }
-        BlockPlace { low, high, first, origin, spacing }
-    }
-    pub(super) fn is_copy(&self, n: usize, mirrors: &[Plane]) -> bool {
-        mirrors.iter().any(|m| {
-            let index = self.first[m.axis] + (n / BLOCK.pow(m.axis as u32) % BLOCK) as i32;
-            (index - m.node) * m.sign < 0
-        })
-    }
-    /// The axes of the planes that a node lies behind.
-    fn image(&self, n: usize, mirrors: &[Plane]) -> [bool; 3] {
-        let mut image = [false; 3];
-        for m in mirrors {
-            image[m.axis] |= self.is_copy(n, std::slice::from_ref(m));
-        }
-        image
-    }
-    pub(super) fn node(&self, n: usize) -> [f64; D] {
-        let mut x = self.origin;
-        let mut rest = n;
-        for d in 0..D {
-            x[d] += f64::from(self.first[d] + (rest % BLOCK) as i32) * self.spacing;
-            rest /= BLOCK;
-        }
-        x
-    }
 }

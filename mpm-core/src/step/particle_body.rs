@@ -2,31 +2,28 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use mpm_contact::{NearPoint, SurfaceQuantity};
 use mpm_materials::{Breakdown, Material};
 
 use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
 use super::capability::{Deactivation, Division, FreeVelocities};
-use super::deactivation::Deactivated;
-use super::fields::Claim;
+use super::client::ClientPoint;
+use super::deactivated::Deactivated;
 use super::footprint::Footprint;
 use super::kernels::{Facts, MethodKernels};
 use super::layout::{Layout, Nodes};
 use super::load::{Loading, Loads};
 use super::loads::LoadTask;
 use super::merging::MergeBook;
-use super::migrate::{Domains, MigrationPayload};
-use super::proxy::ProxyState;
+use super::migrate::MigrationPayload;
+
 use super::rest::TakenMotion;
+use super::slot::{Common, Domains, Outline, Report, Scratch, Slot, Task, Trouble};
 use super::splitting::{SplitBook, Splitter, Splitting};
-use super::sweep::{Common, Outline, Report, Scratch, Slot, Task, Trouble};
-use super::tile::Sums;
 use super::total;
 use super::wrap::Wrap;
-use crate::dim::{block_nodes, centre, neighbours};
+use crate::dim::{block_nodes, centre, neighbours, offset, shifted};
 use crate::geometry::Lattice;
-use crate::grid::Node;
-use crate::parallel::{AlignedRecords, Float, Team, prefetch_from};
+use crate::parallel::{AlignedRecords, Float, Team};
 use crate::particles::{Block, Columns, Masses, Outbox, Place, Sent};
 use impactite_scene::Cause;
 use impactite_scene::archive::{Archive, CheckpointError};
@@ -96,25 +93,6 @@ pub struct ParticleBody<T: Float, const D: usize> {
 }
 
 pub(super) const NONE: u32 = u32::MAX;
-
-/// Offset -1, 0 or 1 along each axis of neighbour `index`.
-pub(super) fn offset<const D: usize>(index: usize) -> [i32; D] {
-    let mut o = [0; D];
-    let mut rest = index;
-    for x in &mut o {
-        *x = (rest % 3) as i32 - 1;
-        rest /= 3;
-    }
-    o
-}
-
-pub(super) fn shifted<const D: usize>(c: &[i32; D], by: &[i32; D]) -> [i32; D] {
-    let mut r = *c;
-    for d in 0..D {
-        r[d] += by[d];
-    }
-    r
-}
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// What its method is beside kernels.
@@ -550,55 +528,6 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 }
 
-impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
-    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
-        if !self.is_deactivated() {
-            self.expect(ahead);
-            self.claim_blocks(number, list);
-        }
-    }
-    fn reaches_further(&mut self, layout: &Layout) -> bool {
-        self.reaches_beyond_links(layout)
-    }
-    fn reaches(&self, block: usize) -> bool {
-        self.reaches_block(block)
-    }
-    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
-        if self.is_deactivated() {
-            (self.nodes_around, self.contributors) = (Vec::new(), Vec::new());
-        } else {
-            self.link_blocks(find, places);
-        }
-    }
-    fn add_tiles(&self, block: usize, sums: Sums, nodes: &mut [Node<T>]) {
-        let (around, next) = self.contributors[block * neighbours(D)..].split_at(neighbours(D));
-        let around = [around, next];
-        // Whose tiles the block after the next one sums up.
-        for &slot in around[1].iter().skip(neighbours(D)).take(neighbours(D)) {
-            prefetch_from(&self.slots, slot as usize, 0);
-        }
-        let facts = self.facts();
-        if sums == Sums::Force && !facts.maps_force {
-            return;
-        }
-        let two = facts.records() == 2 && !facts.before_forces;
-        self.kernels.shape().add_tiles(nodes, &self.slots, around, sums, two);
-    }
-    fn surface_quantity(
-        &self,
-        block: usize,
-        what: SurfaceQuantity,
-        nodes: u64,
-        normals: &[[T; 3]],
-        out: &mut [[T; 3]],
-    ) {
-        self.surface_quantity_of(block, what, nodes, normals, out);
-    }
-    fn near_points(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
-        self.visit_near_points(block, nodes, visit);
-    }
-}
-
 impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
     fn name(&self) -> &str {
         &self.name
@@ -680,7 +609,7 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
     fn division_mut(&mut self) -> Option<&mut dyn Division> {
         Some(self)
     }
-    fn free_velocities(&mut self) -> Option<&mut dyn FreeVelocities> {
+    fn free_velocities(&mut self) -> Option<&mut dyn FreeVelocities<T>> {
         Some(self)
     }
 
@@ -742,12 +671,6 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
     fn coheres(&self) -> bool {
         self.coheres
     }
-    fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
-        self.show_velocities(visit);
-    }
-    fn export_states(&self, numbers: &mut Vec<T>, shapes: &mut [ProxyState]) {
-        self.export_states(numbers, shapes);
-    }
     fn particle_bytes(&self) -> usize {
         self.columns.bytes::<T>()
     }
@@ -785,7 +708,13 @@ impl<T: Float, const D: usize> Division for ParticleBody<T, D> {
     }
 }
 
-impl<T: Float, const D: usize> FreeVelocities for ParticleBody<T, D> {
+impl<T: Float, const D: usize> FreeVelocities<T> for ParticleBody<T, D> {
+    fn each_velocity(&mut self, visit: &mut dyn FnMut(usize, &mut [T; 3])) {
+        self.show_velocities(visit);
+    }
+    fn place(&self, numbers: &mut Vec<T>, points: &mut [ClientPoint]) {
+        self.place_of_particles(numbers, points);
+    }
     fn stop_motion(&mut self) -> TakenMotion {
         let mut sum = TakenMotion::default();
         for &(_, slot) in &self.index {

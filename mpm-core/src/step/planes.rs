@@ -2,7 +2,7 @@
 //! the front, and what nodes there hold follows from those in front.
 
 use super::fields::Fields;
-use super::tile::Sums;
+use super::layout::NodeSums;
 use crate::dim::{BLOCK, block_nodes};
 use crate::grid::{GridStorage, Node};
 use crate::parallel::Float;
@@ -162,7 +162,7 @@ impl<T: Float> Planes<T> {
     pub fn fold(
         &mut self,
         nodes: &mut [Node<T>],
-        sums: Sums,
+        sums: NodeSums,
         moves: &impl Fn(u32) -> [T; 2],
         (cutoff, spacing): (T, f64),
     ) -> [f64; 3] {
@@ -174,7 +174,7 @@ impl<T: Float> Planes<T> {
         }
         for Beside { node, mapped, .. } in &mut self.beside {
             match sums {
-                Sums::All => *mapped = nodes[*node as usize],
+                NodeSums::All => *mapped = nodes[*node as usize],
                 _ => mapped.second = nodes[*node as usize].second,
             }
         }
@@ -198,7 +198,7 @@ impl<T: Float> Planes<T> {
         for column in self.edges.iter().flat_map(|e| &e.columns) {
             fold_extrapolated(nodes, *column, sums);
         }
-        if sums == Sums::All && !self.surfaces.is_empty() {
+        if sums == NodeSums::All && !self.surfaces.is_empty() {
             self.share_surfaces(nodes, spacing);
         }
         impulse
@@ -206,11 +206,11 @@ impl<T: Float> Planes<T> {
 
     /// Between two symmetry planes one cell apart, what was folded in front of one lies on the other, where
     /// nothing crosses.
-    fn close_slices(&self, nodes: &mut [Node<T>], sums: Sums) {
+    fn close_slices(&self, nodes: &mut [Node<T>], sums: NodeSums) {
         for Columns { plane, columns } in self.slices.iter().map(|&i| &self.symmetries[i]) {
             let across = 1 + plane.axis;
             for n in columns.iter().flat_map(|c| [c[0], c[2]]).filter(|&n| n != NOWHERE) {
-                if sums == Sums::All {
+                if sums == NodeSums::All {
                     nodes[n as usize].first[across] = T::default();
                 }
                 nodes[n as usize].second[across] = T::default();
@@ -241,7 +241,7 @@ impl<T: Float> Planes<T> {
         for Columns { plane, columns } in &self.symmetries {
             for &[front, _, back] in columns.iter().filter(|c| c[0] != NOWHERE && c[2] != NOWHERE) {
                 let mass = nodes[back as usize].first[0];
-                copy_mirrored(nodes, front as usize, back as usize, plane.axis, Sums::All);
+                copy_mirrored(nodes, front as usize, back as usize, plane.axis, NodeSums::All);
                 nodes[back as usize].first[0] = mass;
             }
         }
@@ -346,9 +346,9 @@ fn columns<T: Float, const D: usize>(
 
 /// On a symmetry plane the other half of the body cancels what lies across the plane: momentum and force
 /// vanish there before anything is divided or differenced. Returns the plane's impulse, what it cancelled, N s.
-fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: Sums, moves: [T; 2]) -> f64 {
+fn still<T: Float>(node: &mut Node<T>, axis: usize, sums: NodeSums, moves: [T; 2]) -> f64 {
     let mut impulse = -(moves[1] * std::mem::take(&mut node.second[1 + axis])).to_double();
-    if sums == Sums::All {
+    if sums == NodeSums::All {
         impulse -= (moves[0] * std::mem::take(&mut node.first[1 + axis])).to_double();
     }
     impulse
@@ -363,17 +363,17 @@ fn folded_impulse<T: Float>(mapped: &Node<T>, folded: &Node<T>, axis: usize, mov
 
 /// Add the node behind a symmetry plane, mirrored, to the one in front: what the other half of the body would
 /// have given.
-fn give_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
+fn give_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: NodeSums) {
     let sum = |a: [T; 4], b: [T; 4]| [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]];
-    if sums == Sums::All {
+    if sums == NodeSums::All {
         nodes[front].first = sum(nodes[front].first, mirrored(nodes[back].first, axis));
     }
     nodes[front].second = sum(nodes[front].second, mirrored(nodes[back].second, axis));
 }
 
 /// The other half of the body behind a symmetry plane is the image of this one.
-fn copy_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: Sums) {
-    if sums == Sums::All {
+fn copy_mirrored<T: Float>(nodes: &mut [Node<T>], front: usize, back: usize, axis: usize, sums: NodeSums) {
+    if sums == NodeSums::All {
         nodes[back].first = mirrored(nodes[front].first, axis);
     }
     nodes[back].second = mirrored(nodes[front].second, axis);
@@ -387,14 +387,14 @@ fn mirrored<T: Float>(mut record: [T; 4], axis: usize) -> [T; 4] {
 /// Give what was mapped behind an edge to the nodes that its velocity is extrapolated from: the adjoint of
 /// v_back = 2 v_on - v_front. The basis then ends at the edge: at the edge's nodes it interpolates
 /// (Steffen, Kirby, Berzins 2008).
-fn fold_extrapolated<T: Float>(nodes: &mut [Node<T>], column: Column, sums: Sums) {
+fn fold_extrapolated<T: Float>(nodes: &mut [Node<T>], column: Column, sums: NodeSums) {
     if column.contains(&NOWHERE) {
         return;
     }
     let [front, on, back] = column.map(|n| n as usize);
     let two = T::of(2.0);
     for i in 0..4 {
-        if sums == Sums::All {
+        if sums == NodeSums::All {
             let behind = std::mem::take(&mut nodes[back].first[i]);
             nodes[on].first[i] += two * behind;
             nodes[front].first[i] -= behind;

@@ -4,20 +4,20 @@ use std::collections::HashMap;
 
 use impactite_scene::error::SceneError;
 
-/// Sums at nodes, kept in the order in which nodes were met.
+/// AtNodes at nodes, kept in the order in which nodes were met.
 #[derive(Clone, Debug)]
-pub(super) struct Sums<const D: usize, X> {
+pub(super) struct AtNodes<const D: usize, X> {
     places: HashMap<[i32; D], usize>,
     pub(super) sums: Vec<([i32; D], X)>,
 }
 
-impl<const D: usize, X> Default for Sums<D, X> {
+impl<const D: usize, X> Default for AtNodes<D, X> {
     fn default() -> Self {
-        Sums { places: HashMap::new(), sums: Vec::new() }
+        AtNodes { places: HashMap::new(), sums: Vec::new() }
     }
 }
 
-impl<const D: usize, X: Default> Sums<D, X> {
+impl<const D: usize, X: Default> AtNodes<D, X> {
     /// That of a node.
     pub(super) fn at(&mut self, node: [i32; D]) -> &mut X {
         let sums = &mut self.sums;
@@ -134,4 +134,13 @@ pub struct TakenMotion {
     pub momentum: [f64; 3],
     /// Kinetic energy, J.
     pub kinetic: f64,
+}
+
+/// Of the particles as they stand.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Frequency {
+    /// No vibration of the nodes, each with its lumped mass, is faster than this, rad/s.
+    pub bound: f64,
+    /// The largest speed of a particle, m/s.
+    pub speed: f64,
 }

@@ -7,7 +7,7 @@
 //! M dV = sum_i J_i, dL = sum_i (x_i - c) x J_i, omega = I^-1 L,
 //!
 //! with mass and inertia of the particles as boxes, and the orientation turned by the spin in the middle of the step
-//! (second order; L is exact). Contact solves all nodes of free bodies together ([`crate::Contact::couple`]), so that
+//! (second order; L is exact). Contact solves all nodes of free bodies together ([`crate::ContactAlgorithm::couple`]), so that
 //! a body meets others with all its mass, and exchanges momentum and angular momentum exactly. Boundaries act on
 //! nodes alone, each with its share of the mass, and so give way at first: a floor for a free body is better
 //! a body of prescribed rest. That is a part of the surroundings, of infinite mass: what it gives to others is booked as

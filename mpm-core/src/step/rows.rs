@@ -81,3 +81,9 @@ impl<T: Float, P: Pack<T>> Sink<P> for Writer<'_, '_, T> {
         self.rows.store(self.at - 1, value);
     }
 }
+
+/// Numbers of a row.
+#[inline(always)]
+pub(super) fn of_row<T: Float, P: Pack<T>>(row: &T::Row, lane: usize) -> P {
+    P::from_rows([row, row], lane)
+}

@@ -9,10 +9,9 @@ use mpm_contact::{NearPoint, SurfaceQuantity};
 use mpm_materials::material::{Material, Response, States};
 use mpm_materials::{Lane, Sym3};
 
-use super::migrate::Domains;
-use super::particle_body::{ParticleBody, offset};
-use super::sweep::Slot;
-use crate::dim::{BLOCK, Stencil, block_nodes, first_node, neighbours};
+use super::rows::of_row;
+use super::slot::{Domains, Slot};
+use crate::dim::{BLOCK, Stencil, block_nodes, first_node, neighbours, offset};
 use crate::parallel::{Arch, Float, Kernel, Pack, Vectors, lane_numbers};
 use crate::particles::{Columns, Masses};
 use crate::shape::domain::{Table, table};
@@ -383,12 +382,6 @@ where
     }
 }
 
-/// Numbers of a row.
-#[inline(always)]
-pub(super) fn of_row<T: Float, P: Pack<T>>(row: &T::Row, lane: usize) -> P {
-    P::from_rows([row, row], lane)
-}
-
 /// n . sigma . n.
 #[inline(always)]
 fn normal_stress<L: Lane>(s: &Sym3<L>, n: &[L; 3]) -> L {
@@ -449,48 +442,6 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> NearPoints<'_, T, D, S> {
                 visit(mask, &near);
             }
         });
-    }
-}
-
-impl<T: Float, const D: usize> ParticleBody<T, D> {
-    pub(super) fn surface_quantity_of(
-        &self,
-        block: usize,
-        what: SurfaceQuantity,
-        nodes: u64,
-        normals: &[[T; 3]],
-        out: &mut [[T; 3]],
-    ) {
-        let about = SurfaceTask {
-            what,
-            material: &*self.material,
-            slots: &self.slots,
-            contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
-            nodes,
-            normals,
-            out,
-            domains: self.domains(),
-            spacing: T::of(self.lattice.spacing()),
-            masses: self.masses,
-        };
-        self.kernels.shape().surface_quantity(about);
-    }
-
-    pub(super) fn visit_near_points(
-        &self,
-        block: usize,
-        nodes: u64,
-        visit: &mut dyn FnMut(u64, &NearPoint<T>),
-    ) {
-        let about = NearTask {
-            slots: &self.slots,
-            contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
-            nodes,
-            domains: self.domains(),
-            spacing: T::of(self.lattice.spacing()),
-            masses: self.masses,
-        };
-        self.kernels.shape().near_points(about, visit);
     }
 }
 

@@ -13,225 +13,31 @@ use mpm_materials::{Constitutive, Fault, Kinematics, Lane, State, Sym3};
 
 use super::cell::Moments;
 use super::kernels::ShapeKernels;
-use super::law_batch::{ForLaw, LawBatch};
-use super::layout::Nodes;
+use super::law_batch::ForLaw;
 use super::mean;
-use super::migrate::{Cut, Domains, Leaving, MigrationPayload, Movers, send_away};
+use super::migrate::{Cut, Leaving, MigrationPayload, send_away};
 use super::rows::RowsMut;
+use super::slot::{Common, Scratch, Slot, Task};
 use super::spec::{ExtentOf, Spec};
-use super::splitting::Splitter;
 use super::spread::{MAX_LANES, Maps, Records, SpreadOf};
 use super::stage::{Bin, Found, Stage, Stages, centre_x, give_moments};
 use super::tile::{Reads, Stencilled, TileIn, clear_rows, rows_of, tile_corner, tile_nodes};
 use crate::dim::{Stencil, block_nodes, neighbours};
-use crate::parallel::{
-    AlignedRecords, Arch, Float, Kernel, LINE, Pack, Vectors, Whereabouts, through_memory,
-};
-use crate::particles::{Block, Columns, Groups, Masses, Members, Outbox, Sent};
+use crate::parallel::{Arch, Float, Kernel, Pack, Vectors, through_memory};
+use crate::particles::{Columns, Groups, Members, Sent};
 use crate::shape::bin_centre;
-
-/// A block of particles with what its passes need and leave behind.
-///
-/// What sums over tiles need comes first, in one cache line.
-#[derive(Clone, Debug)]
-#[repr(C, align(64))]
-pub struct Slot<T: Float, const D: usize> {
-    /// What its particles add to the nodes they reach, `TILE` nodes an axis, x fastest: all first records, then, where
-    /// the method maps two, all second ones.
-    pub tile: AlignedRecords<T>,
-    /// Rows of the tile that hold sums, a bit each; nothing is known of the others.
-    pub rows: u64,
-    /// The particles.
-    pub block: Block<T, D>,
-    /// Slots around, likewise.
-    pub slots_around: Vec<u32>,
-    /// Bins whose stencils the body's nodes hold, a bit each.
-    pub linked: u64,
-    /// What the last pass found.
-    pub report: Report<T>,
-}
 
 /// Groups of a bin that go through the stages of a pass together. A law is a long chain of operations that wait for each
 /// other; those of two groups, one behind the other, run side by side. With two nodes an axis the gather is so
 /// short that what the stages hand on costs more than that gains (book, "What helped, what did not"); so it does where one vector holds
 /// two groups.
-const fn together<E: Stencil>(lanes: usize, groups: usize) -> usize {
-    if E::NODES > 2 && groups == 1 && lanes > 1 { TOGETHER } else { 1 }
+const fn groups_at_once<E: Stencil>(lanes: usize, groups: usize) -> usize {
+    if E::NODES > 2 && groups == 1 && lanes > 1 { GROUPS_AT_ONCE } else { 1 }
 }
-const TOGETHER: usize = 2;
-
-/// Memory of a thread for a pass over a block.
-#[derive(Debug, Default)]
-pub struct Scratch<T: Float> {
-    /// Which one it is among those of all threads.
-    number: u32,
-    movers: Movers<T>,
-    tile_in: TileIn<T>,
-    /// What goes through a pass beside a group that has no other.
-    idle: Vec<T::Row>,
-    /// Groups on their way through their law.
-    batch: LawBatch<T>,
-}
-
-impl<T: Float> Scratch<T> {
-    /// The `number`-th one, empty.
-    pub(super) fn new(number: usize) -> Self {
-        Scratch { number: number as u32, ..Scratch::default() }
-    }
-    /// Particles that left their blocks.
-    pub(super) fn out(&mut self) -> &mut Outbox<T> {
-        &mut self.movers.out
-    }
-    /// Room for nodal records.
-    pub(super) fn tile_in(&mut self) -> &mut TileIn<T> {
-        &mut self.tile_in
-    }
-    /// Bytes of its memory.
-    pub(super) fn bytes(&self) -> usize {
-        self.movers.bytes()
-            + self.tile_in.bytes()
-            + self.idle.capacity() * size_of::<T::Row>()
-            + self.batch.bytes()
-    }
-}
-
-/// Where the memory of a slot lies: to be asked for while another slot is at work.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Outline {
-    slot: Whereabouts,
-    /// Tables of its block.
-    tables: [Whereabouts; 2],
-    /// The groups of its block.
-    groups: Whereabouts,
-    tile: Whereabouts,
-}
-
-impl Outline {
-    /// Of a slot.
-    pub(super) fn of<T: Float, const D: usize>(slot: &Slot<T, D>) -> Self {
-        let [runs, before, groups] = slot.block.outline();
-        let (tables, tile) = ([runs, before], Whereabouts::of(slot.tile.all()));
-        Outline { slot: Whereabouts::of(std::slice::from_ref(slot)), tables, groups, tile }
-    }
-
-    /// Ask for the slot and its tables.
-    #[inline(always)]
-    fn ask_first(&self) {
-        for memory in [self.slot, self.tables[0], self.tables[1]] {
-            memory.prefetch_early();
-        }
-    }
-
-    /// Ask for what falls to one of the bins of the block at work: some of the first `records` of the tile; towards the end,
-    /// the groups that lie first, which are those of the first bins if few moved.
-    #[inline(always)]
-    fn ask<T: Float, const D: usize>(&self, bin: usize, records: usize) {
-        let lines = (records * size_of::<[T; 4]>()).div_ceil(LINE * block_nodes(D));
-        self.tile.prefetch_lines_early(bin * lines, lines);
-        let late = block_nodes(D) * 3 / 4;
-        if bin >= late {
-            self.groups.prefetch_lines_early((bin - late) * FIRST_LINES, FIRST_LINES);
-        }
-    }
-}
+const GROUPS_AT_ONCE: usize = 2;
 
 /// Bins between the one at work and the one whose particles are asked for.
 const AHEAD: usize = 8;
-/// Cache lines of the groups that lie first that are asked for beside each of the last bins of the block before: in space two
-/// groups of full bins are about fifteen, so that all of them are those of some eight bins.
-const FIRST_LINES: usize = 8;
-
-/// What a pass found out.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Report<T> {
-    /// Largest (c + |v|) / h, 1/s.
-    pub rate: T,
-    /// Particles that were split.
-    pub splits: u32,
-    /// Kinetic energy of the motion within them, J.
-    pub revealed: T,
-    /// The first particle that cannot go on.
-    pub trouble: Option<Trouble>,
-}
-
-impl<T: Float> Report<T> {
-    /// Note a particle that cannot go on, of groups of a bin.
-    #[inline(always)]
-    fn note(
-        &mut self,
-        broken: &mut Option<(usize, Cause)>,
-        bin: usize,
-        members: Members,
-        groups: &Groups<'_, T>,
-    ) {
-        if let Some((lane, cause)) = *broken {
-            let trouble = Trouble { bin, particle: groups.number(members, lane), cause };
-            self.trouble = self.trouble.or(Some(trouble));
-            *broken = None;
-        }
-    }
-}
-
-/// A particle that cannot go on.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trouble {
-    /// Its bin in the block.
-    pub bin: usize,
-    /// Its number.
-    pub particle: usize,
-    /// What happened.
-    pub cause: Cause,
-}
-
-/// The numbers every block of a body shares in a pass.
-#[derive(Clone, Copy, Debug)]
-pub struct Common<T> {
-    /// Time step, s.
-    pub dt: T,
-    /// The step after it, s, which impulses mapped together with momentum are for.
-    pub next_dt: T,
-    /// Node spacing h, m.
-    pub spacing: T,
-    /// x of node zero, m (the axis of revolution is x = 0).
-    pub origin: T,
-    /// Reference density of the law, kg/m^3.
-    pub density: T,
-    /// Are wave speeds wanted, for the next time step?
-    pub speeds: bool,
-    /// Does the law see the mean dilatation of a bin?
-    pub mean: bool,
-    /// Domain half sizes of the particles, in units of h.
-    pub domains: Domains<T>,
-    /// What particles weigh.
-    pub masses: Masses<T>,
-    /// First row of displacement and deformation, where particles are mapped in their reference configuration.
-    pub frame: usize,
-    /// When particles are split.
-    pub splitter: Splitter<T>,
-}
-
-/// A block for a pass over it.
-pub struct Task<'a, T: Float, const D: usize> {
-    /// The body's law.
-    pub material: &'a dyn Material<T>,
-    /// All nodes of the grid.
-    pub nodes: Nodes<'a, T>,
-    /// Blocks of nodes around the block, 3^D, x fastest (`u32::MAX` where there is none), and those around the
-    /// block that comes next, if one does.
-    pub around: [&'a [u32]; 2],
-    /// The block.
-    pub slot: &'a mut Slot<T, D>,
-    /// The one that comes next.
-    pub next: Option<&'a Outline>,
-    /// Which of the thread's particles on their way left it.
-    pub sent: &'a mut Sent,
-    /// What lanes without a particle hold, as its block has it, from a place that all blocks share.
-    pub dummy: &'a [T],
-    /// Memory of the thread.
-    pub scratch: &'a mut Scratch<T>,
-    /// Shared numbers.
-    pub common: &'a Common<T>,
-}
 
 /// What of a pass its preparation depends on.
 struct Setting<'a> {
@@ -248,7 +54,7 @@ impl<T: Float, const D: usize> Task<'_, T, D> {
     /// Have all that a pass over the block needs, and nothing of the last one: the same for all passes of a stencil, and so no part of
     /// their kernels. Is there a particle?
     #[inline(never)]
-    fn prepare<E: Stencil>(&mut self, setting: &Setting<'_>, groups_together: usize) -> bool {
+    fn prepare<E: Stencil>(&mut self, setting: &Setting<'_>, groups_a_vector: usize) -> bool {
         let Slot { block, tile, rows, report, .. } = &mut *self.slot;
         let Scratch { movers, tile_in, idle, batch, .. } = &mut *self.scratch;
         for bin in 0..AHEAD {
@@ -258,12 +64,12 @@ impl<T: Float, const D: usize> Task<'_, T, D> {
         clear_rows::<T, D, E>(tile.all_mut(), *rows, setting.maps);
         *self.sent = Sent::default();
         movers.within.clear(block.particle_numbers() + setting.payload.count());
-        *report = Report::default();
+        *report = Default::default();
         if block.is_empty() {
             return false;
         }
         idle.clear();
-        for &number in self.dummy.iter().filter(|_| groups_together > 1) {
+        for &number in self.dummy.iter().filter(|_| groups_a_vector > 1) {
             let mut row = T::Row::default();
             row.as_mut().fill(number);
             idle.push(row);
@@ -393,10 +199,11 @@ where
         let (first, second) = tile.split_at_mut(tile_nodes::<ExtentOf<P, T, D>>(D));
         let (mut records, mut spread) = (Records::<T>::zero(), SpreadOf::<T, A, ExtentOf<P, T, D>>::zero());
         let mut found = Found::<A::Batch>::none();
-        let (mut stage, mut at) = ([Stage::<A::Batch>::zero(); TOGETHER], [Part::default(); TOGETHER]);
+        let (mut stage, mut at) =
+            ([Stage::<A::Batch>::zero(); GROUPS_AT_ONCE], [Part::default(); GROUPS_AT_ONCE]);
         let shares = Stages::<T, D, P, A>::SHARES && !common.mean;
-        let together =
-            if called { 1 } else { together::<ExtentOf<P, T, D>>(A::Batch::WIDTH, A::Batch::GROUPS) };
+        let at_once =
+            if called { 1 } else { groups_at_once::<ExtentOf<P, T, D>>(A::Batch::WIDTH, A::Batch::GROUPS) };
         let by_moments = maps.moments::<ExtentOf<P, T, D>>();
         let side = <ExtentOf<P, T, D> as Stencil>::TILE;
         let rows_in = if D == 3 { side * side } else { side };
@@ -455,7 +262,7 @@ where
                     let stencil = if A::Batch::GROUPS > 1 { through_memory(&stencil) } else { &stencil };
                     let bin = Bin { stencil, nodes, x };
                     let mut taken = 0;
-                    while taken < together && !parts.is_empty() {
+                    while taken < at_once && !parts.is_empty() {
                         let part = parts.take::<T, A::Batch>(&groups);
                         at[taken] = part;
                         let rows = &mut groups.rows_of::<A::Batch>(part.members, idle);

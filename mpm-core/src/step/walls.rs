@@ -10,11 +10,7 @@
 //! On a rough wall a node that presses sticks from the step in which friction can stop its slip to that in which the force along the wall
 //! is more than friction bears: while it sticks it is a node on a fixed plane, as above. Else friction is an impulse against the slip.
 
-use super::solver::Mpm;
-use crate::parallel::Float;
 use impactite_scene::boundary::{Boundary, Side};
-
-use impactite_scene::archive::{Archive, CheckpointError};
 
 /// A wall that nodes of a block may be behind.
 #[derive(Clone, Copy, Debug, Default)]
@@ -120,7 +116,7 @@ impl Walls {
         &mut self,
         n: usize,
         x: &[f64; D],
-        [pressed, stuck]: &[Nodes; 2],
+        [pressed, stuck]: &[NodeSets; 2],
         tolerance: f64,
     ) {
         for wall in &mut self.list[..self.count] {
@@ -141,9 +137,9 @@ impl Walls {
 
 /// Nodes of a block, a bit each, by an axis: that of a wall they press on, or one along which they are held.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Nodes([u64; 3]);
+pub struct NodeSets(pub(super) [u64; 3]);
 
-impl Nodes {
+impl NodeSets {
     pub(super) fn has(&self, axis: usize, node: usize) -> bool {
         self.0[axis] >> node & 1 != 0
     }
@@ -153,60 +149,5 @@ impl Nodes {
     /// Is a node noted for another axis than this?
     pub(super) fn has_beside(&self, axis: usize, node: usize) -> bool {
         (0..3).any(|a| a != axis && self.has(a, node))
-    }
-}
-
-/// Nodes of a block that press on walls, those that stick there, and whose they are.
-#[derive(Clone, Debug)]
-pub(super) struct PressedAt<const D: usize> {
-    at: [i32; D],
-    owner: u32,
-    nodes: [Nodes; 2],
-}
-
-impl<const D: usize, T: Float> Mpm<D, T> {
-    /// Which nodes press on walls, by place: before blocks are arranged anew.
-    pub(super) fn pressed(&self) -> Vec<PressedAt<D>> {
-        if !self.conditions.boundaries.iter().any(Boundary::is_wall) {
-            return Vec::new();
-        }
-        let blocks = self.fields.coordinates().iter().zip(&self.books).enumerate();
-        let pressed = blocks.filter(|(_, (_, books))| books.pressed != Nodes::default());
-        pressed
-            .map(|(block, (at, books))| PressedAt {
-                at: *at,
-                owner: self.fields.owner(block),
-                nodes: [books.pressed, books.stuck],
-            })
-            .collect()
-    }
-
-    /// Note it again, where the blocks are still there.
-    pub(super) fn press(&mut self, pressed: &[PressedAt<D>]) {
-        self.books.clear();
-        self.books.resize_with(self.fields.len(), Default::default);
-        for PressedAt { at, owner, nodes } in pressed {
-            if let Some(block) = self.fields.find(&*self.grid, at, *owner) {
-                let books = &mut self.books[block];
-                [books.pressed, books.stuck] = *nodes;
-            }
-        }
-    }
-
-    /// In a checkpoint, after the blocks.
-    pub(super) fn exchange_pressed(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        let mut pressed = self.pressed();
-        let blank = PressedAt { at: [0; D], owner: 0, nodes: [Nodes::default(); 2] };
-        file.list(&mut pressed, &blank, |file, PressedAt { at, owner, nodes }| {
-            at.iter_mut().try_for_each(|c| file.integer(c))?;
-            let mut word = u64::from(*owner);
-            file.word(&mut word)?;
-            *owner = u32::try_from(word).map_err(|_| file.damaged(format!("{word:#x} is no body")))?;
-            nodes.iter_mut().flat_map(|n| &mut n.0).try_for_each(|set| file.word(set))
-        })?;
-        if file.reads() {
-            self.press(&pressed);
-        }
-        Ok(())
     }
 }

@@ -211,7 +211,7 @@ fn no_impact_gains_energy() {
         for factor in [0.1, 0.5] {
             for friction in [0.0, 0.5] {
                 check(plane(), speed, factor, friction);
-                // USF with the hat gains energy at large steps without any contact.
+                // USF with the linear shape function gains energy at large steps without any contact.
                 check(Method::new(Linear, Flip, Usf, PlaneStrain).compiled(), speed, factor / 2.0, friction);
                 check(Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain), speed, factor, friction);
             }

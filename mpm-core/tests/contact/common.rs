@@ -2,7 +2,8 @@
 
 use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
-    BlockGrid, Contact, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain, PointView,
+    BlockGrid, ContactAlgorithm, Flip, FullSpace, IntoKernels, Linear, Method, Mpm, Musl, PlaneStrain,
+    PointView,
 };
 use mpm_materials::{Moduli, NeoHookean};
 
@@ -11,7 +12,7 @@ pub const YOUNG: f64 = 1.0e6;
 /// Of the longitudinal wave, m/s: Young's modulus 1 MPa, Poisson's ratio 0.3, 1000 kg/m^3.
 pub const WAVE: f64 = 36.689969285267;
 
-pub type Hat<const D: usize, E> = Method<Linear, Flip, Musl, E>;
+pub type LinearFlip<const D: usize, E> = Method<Linear, Flip, Musl, E>;
 
 pub fn rubber() -> NeoHookean<f64> {
     NeoHookean::new(1000.0, Moduli::young_poisson(YOUNG, 0.3).expect("moduli")).expect("rubber")
@@ -33,7 +34,7 @@ pub type Scene<const D: usize> = Vec<(Seeds<D>, [f64; D])>;
 
 pub fn build<const D: usize>(
     method: impl IntoKernels<f64, D>,
-    contact: impl Contact<f64, D>,
+    contact: impl ContactAlgorithm<f64, D>,
     scene: &Scene<D>,
 ) -> Mpm<D> {
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
@@ -43,10 +44,10 @@ pub fn build<const D: usize>(
     mpm
 }
 
-pub fn plane() -> Hat<2, PlaneStrain> {
+pub fn plane() -> LinearFlip<2, PlaneStrain> {
     Method::new(Linear, Flip, Musl, PlaneStrain)
 }
-pub fn space() -> Hat<3, FullSpace> {
+pub fn space() -> LinearFlip<3, FullSpace> {
     Method::new(Linear, Flip, Musl, FullSpace)
 }
 

@@ -133,7 +133,9 @@ fn energy_by_floor() {
         ("`Method::contact_at_rest`", || Method::contact_at_rest(PlaneStrain).into_kernels()),
         ("quadratic MUSL, `Flip`", || Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain).into_kernels()),
         ("cpGIMP MUSL, `Flip`", || Method::new(CpGimp, Flip, Musl, PlaneStrain).into_kernels()),
-        ("hat MUSL, `Flip`", || Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels()),
+        ("linear shape function MUSL, `Flip`", || {
+            Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels()
+        }),
     ];
     println!(
         "| | floor | default step: 4, 8, 16 cells a radius | factor 0.1: 4, 8, 16 cells |\n|---|---|---|---|"

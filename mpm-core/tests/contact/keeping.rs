@@ -47,7 +47,7 @@ fn run(keeps: Option<f64>, speed: f64, steps: usize) -> (Vec<[f64; 2]>, usize) {
     scene.push((cuboid([-0.4, -0.2], [0.3, 0.1]), [0.0; 2]));
     let mut mpm = build(plane(), contact, &scene);
     mpm.set_time_control(TimeControl::Fixed(0.3 * H / WAVE)).expect("time control");
-    // Hats with FLIP gain energy in collisions.
+    // Linear shape functions with FLIP gain energy in collisions.
     mpm.set_watch(Watch::off());
     for _ in 0..steps {
         mpm.step().expect("step");

@@ -3,6 +3,7 @@
 #![allow(missing_docs)]
 
 mod bodies;
+mod client;
 mod common;
 #[cfg(feature = "conformance")]
 mod conformance;

@@ -4,14 +4,14 @@ use crate::common::{H, Scene, WAVE, ball, cuboid, lattice, particles, plane, rub
 use mpm_contact::{Coulomb, Frictionless, Pairs, Penalty, Regression, SurfaceDistance};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{
-    Blend, BlockGrid, Boundary, Contact, CpGimp, Deformable, Flip, FullSpace, IntoKernels, Linear, Merging,
-    Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Rigid, Side, Splitting, Team, TimeControl, Twist, Usf,
-    Usl, Watch,
+    Blend, BlockGrid, Boundary, ContactAlgorithm, CpGimp, Deformable, Flip, FullSpace, IntoKernels, Linear,
+    Merging, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Rigid, Side, Splitting, Team, TimeControl,
+    Twist, Usf, Usl, Watch,
 };
 use mpm_core::{GridContact, SceneError, Totals};
 use mpm_materials::{Constitutive, Elastic, LinearDensity, LinearElastic, Moduli, Solid, Stretching};
 
-type Hats<E> = Method<Linear, Flip, Musl, E, mpm_core::TotalLagrangian>;
+type LinearTotal<E> = Method<Linear, Flip, Musl, E, mpm_core::TotalLagrangian>;
 
 /// A scene of one body in its reference configuration.
 fn total<const D: usize>(
@@ -26,7 +26,7 @@ fn total<const D: usize>(
     mpm
 }
 
-fn hats<E>(embedding: E) -> Hats<E> {
+fn linear_total<E>(embedding: E) -> LinearTotal<E> {
     Method::new(Linear, Flip, Musl, embedding).total_lagrangian()
 }
 
@@ -34,7 +34,7 @@ fn hats<E>(embedding: E) -> Hats<E> {
 fn build<const D: usize>(
     method: impl IntoKernels<f64, D>,
     reference: impl IntoKernels<f64, D> + Clone,
-    contact: impl Contact<f64, D>,
+    contact: impl ContactAlgorithm<f64, D>,
     scene: &Scene<D>,
     all: bool,
 ) -> Mpm<D> {
@@ -91,7 +91,7 @@ fn bounce<const D: usize>(
     }
     assert!(met > 50, "{name}: {met} nodes touched");
     let mut usual = crate::common::build(method, springs(), scene);
-    // Hats with FLIP gain energy as they cross cells; so does the strip below.
+    // Linear shape functions with FLIP gain energy as they cross cells; so does the strip below.
     usual.set_watch(Watch::off());
     usual.run_until(mpm.time()).expect("run");
     let usual = usual.totals();
@@ -106,8 +106,8 @@ fn bounce<const D: usize>(
 
 #[test]
 fn what_one_gives_the_other_gets() {
-    let reference = hats(PlaneStrain);
-    bounce("both, hats", plane(), reference, &two(0.1 * WAVE), true);
+    let reference = linear_total(PlaneStrain);
+    bounce("both, linear shape functions", plane(), reference, &two(0.1 * WAVE), true);
     bounce("one of two", plane(), reference, &two(0.1 * WAVE), false);
     bounce("three discs", plane(), reference, &three(0.1 * WAVE), false);
     bounce(
@@ -127,10 +127,11 @@ fn what_one_gives_the_other_gets() {
 fn alone_it_is_as_before() {
     let flow = |x: [f64; 2]| [0.1 * WAVE + 3.0 * (x[1] - 0.2), -2.0 * x[0]];
     let seeds = ball([0.3; 2], 0.2);
-    let mut alone = total("disc", hats(PlaneStrain), lattice(), &seeds, flow);
+    let mut alone = total("disc", linear_total(PlaneStrain), lattice(), &seeds, flow);
     let mut mpm =
         Mpm::with_contact(plane(), BlockGrid::new(lattice()), GridContact::new(Regression, coulomb()));
-    mpm.add_total_lagrangian(total("disc", hats(PlaneStrain), lattice(), &seeds, flow)).expect("body");
+    mpm.add_total_lagrangian(total("disc", linear_total(PlaneStrain), lattice(), &seeds, flow))
+        .expect("body");
     let control = TimeControl::Fixed(0.3 * H / WAVE);
     alone.set_time_control(control).expect("control");
     mpm.set_time_control(control).expect("control");
@@ -160,7 +161,7 @@ fn a_strip_swings_as_it_flies() {
         let mut through = meeting();
         through.add("strip", rubber(), &strip, swing(speed)).expect("body");
         let mut kept = meeting();
-        kept.add_total_lagrangian(total("strip", hats(PlaneStrain), lattice(), &strip, swing(speed)))
+        kept.add_total_lagrangian(total("strip", linear_total(PlaneStrain), lattice(), &strip, swing(speed)))
             .expect("body");
         [fly(through), fly(kept)]
     };
@@ -180,7 +181,7 @@ fn a_block_comes_down() {
     let velocity = [0.03 * WAVE, -0.05 * WAVE];
     let land = |plate: bool| {
         let mut mpm = meeting();
-        let own = total("block", hats(PlaneStrain), lattice(), &block, |_| velocity);
+        let own = total("block", linear_total(PlaneStrain), lattice(), &block, |_| velocity);
         mpm.add_total_lagrangian(own).expect("body");
         if plate {
             let still = Rigid::prescribed(1000.0, |_| Twist::along([0.0; 2])).expect("rigid");
@@ -220,7 +221,7 @@ fn half_is_half_of_the_whole() {
         let method = Method::new(Linear, blend, Musl, PlaneStrain);
         let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice()), contact);
         mpm.add("left", rubber(), &left, |_| [0.1 * WAVE, 0.0]).expect("body");
-        let mut own = total("right", hats(PlaneStrain), lattice(), &right, |_| [-0.1 * WAVE, 0.0]);
+        let mut own = total("right", linear_total(PlaneStrain), lattice(), &right, |_| [-0.1 * WAVE, 0.0]);
         if low == 0.0 {
             let symmetry = Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above };
             own.bound(symmetry.clone()).expect("plane");
@@ -274,7 +275,7 @@ fn bars_meet_at_the_exact_velocity() {
         let (lattice, first) = strip(h, -1.0, 0.0);
         let mut mpm = Mpm::with_contact(plane(), BlockGrid::new(lattice), contact);
         let (fine, second) = strip(own, 0.0, 1.0);
-        let mut bar = Mpm::new(hats(PlaneStrain), BlockGrid::new(fine));
+        let mut bar = Mpm::new(linear_total(PlaneStrain), BlockGrid::new(fine));
         for (at, side) in [(0.0, Side::Above), (2.0 * h, Side::Below)] {
             mpm.bound(bound(at, side)).expect("plane");
             bar.bound(bound(at, side)).expect("plane");
@@ -301,7 +302,7 @@ fn bars_meet_at_the_exact_velocity() {
 fn the_same_bits() {
     let scene = || {
         let contact = springs();
-        build(plane(), hats(PlaneStrain), contact, &three(0.1 * WAVE), false)
+        build(plane(), linear_total(PlaneStrain), contact, &three(0.1 * WAVE), false)
     };
     let told = |mpm: &Mpm<2>| format!("{:?} {:?} {:?}", mpm.totals(), particles(mpm), mpm.contact_points());
     let file = std::env::temp_dir().join(format!("impactite-{}-reference", std::process::id()));
@@ -331,20 +332,20 @@ fn the_same_bits() {
 
 #[test]
 fn what_is_refused() {
-    let one = || total("disc", hats(PlaneStrain), lattice(), &ball([0.3; 2], 0.2), |_| [1.0, 0.0]);
+    let one = || total("disc", linear_total(PlaneStrain), lattice(), &ball([0.3; 2], 0.2), |_| [1.0, 0.0]);
     let mut mpm = meeting();
-    let empty = Mpm::new(hats(PlaneStrain), BlockGrid::new(lattice()));
+    let empty = Mpm::new(linear_total(PlaneStrain), BlockGrid::new(lattice()));
     assert_eq!(mpm.add_total_lagrangian(empty), Err(SceneError::NotOneBody(0)));
     let mut late = one();
     late.step().expect("step");
     assert!(matches!(mpm.add_total_lagrangian(late), Err(SceneError::Clock { steps: 1, .. })));
     let mut damped = one();
     damped.set_kinetic_damping(true).expect("damping");
-    assert!(matches!(mpm.add_total_lagrangian(damped), Err(SceneError::BesideReference { .. })));
+    assert!(matches!(mpm.add_total_lagrangian(damped), Err(SceneError::BesideClient { .. })));
     let coarse = Lattice::new([0.0; 2], 3.0 * H).expect("lattice");
     let large =
         fill(&Cuboid::new([0.0; 2], [0.6; 2]).expect("block"), &coarse, 2, &Filling::new()).expect("seeds");
-    let large = total("block", hats(PlaneStrain), coarse, &large, |_| [0.0; 2]);
+    let large = total("block", linear_total(PlaneStrain), coarse, &large, |_| [0.0; 2]);
     assert!(matches!(mpm.add_total_lagrangian(large), Err(SceneError::HalfSize { .. })));
     mpm.add_total_lagrangian(one()).expect("body");
     let refused = mpm.set_kinetic_damping(true).expect_err("damping");
@@ -371,7 +372,7 @@ fn no_merging_beside_them() {
     );
     let splitting = Splitting::at(2.0).expect("stretch");
     let merging = splitting.with_merging(Merging::above(8).expect("count"));
-    let disc = || total("disc", hats(PlaneStrain), lattice(), &ball([0.3; 2], 0.2), |_| [1.0, 0.0]);
+    let disc = || total("disc", linear_total(PlaneStrain), lattice(), &ball([0.3; 2], 0.2), |_| [1.0, 0.0]);
     let cloud = |mpm: &mut Mpm<2>, splitting| {
         let law = Stretching::new(elastic).compiled();
         mpm.add_body(Deformable::new("cloud", law, &ball([0.9; 2], 0.2)).with_splitting(splitting))

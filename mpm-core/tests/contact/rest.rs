@@ -1,6 +1,6 @@
 //! Long rest: bodies that lie on each other for 1e5 steps.
 //!
-//! By quadratic splines with APIC. Hats with FLIP and MUSL fail both: a layer as light explodes, a pile keeps its noise
+//! By quadratic splines with APIC. Linear shape functions with FLIP and MUSL fail both: a layer as light explodes, a pile keeps its noise
 //! and sinks into itself (book, "Bodies under load for long").
 
 use crate::common::{H, lattice, rubber};

@@ -201,7 +201,7 @@ fn blocks_slide_and_discs_roll() {
     }
 }
 
-/// An elastic disc bounces off a rigid wall: the bounce gives it no energy, at any factor of the time step. Hats at the
+/// An elastic disc bounces off a rigid wall: the bounce gives it no energy, at any factor of the time step. Linear shape functions at the
 /// largest are left out: a disc that vibrates gains energy with them in free flight, the more the longer the step.
 #[test]
 fn no_bounce_gains_energy() {

@@ -65,12 +65,12 @@ impl Meeting {
     }
 }
 
-/// A meeting, a method (hats or quadratic splines, FLIP and MUSL), a test of contact, a grid.
+/// A meeting, a method (linear shape functions or quadratic splines, FLIP and MUSL), a test of contact, a grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Touch {
     /// What meets.
     pub meeting: Meeting,
-    /// Quadratic splines instead of hats.
+    /// Quadratic splines instead of linear shape functions.
     pub quadratic: bool,
     /// How contact is found.
     pub detection: Detection,

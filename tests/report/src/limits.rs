@@ -126,7 +126,7 @@ const BOTTOM: f64 = 304.0;
 const VELOCITIES: [(Velocity, &str); 3] =
     [(Velocity::FlipUsl, "FLIP, USL"), (Velocity::FlipMusl, "FLIP, MUSL"), (Velocity::ApicUsl, "APIC, USL")];
 const KERNELS: [(Kernel, &str); 4] = [
-    (Kernel::Linear, "hats"),
+    (Kernel::Linear, "linear shape functions"),
     (Kernel::Gimp, "uGIMP"),
     (Kernel::Quadratic, "quadratic splines"),
     (Kernel::Cubic, "cubic splines"),

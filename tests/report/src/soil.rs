@@ -6,7 +6,7 @@ use verification::{Kernel, Outcome, Scheme, Velocity};
 
 use crate::job::Key;
 
-/// A footing pressed into soil. Hats with FLIP and MUSL: other kernels hold the velocity of the footing over another
+/// A footing pressed into soil. Linear shape functions with FLIP and MUSL: other kernels hold the velocity of the footing over another
 /// width, which nobody knows to a per cent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Footing {

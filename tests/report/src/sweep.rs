@@ -77,7 +77,10 @@ pub fn charts() -> Vec<Chart> {
             error: "stress",
             label: "RMS error of stress / (A k E)",
             targets: &[0.1, 0.05, 0.01],
-            wanted: Some(("1 with hats, 2 with splines, in the reference configuration", 0.9)),
+            wanted: Some((
+                "1 with linear shape functions, 2 with splines, in the reference configuration",
+                0.9,
+            )),
             kind: Kind::Work,
             marks_growth: false,
         },
@@ -232,7 +235,7 @@ pub fn charts() -> Vec<Chart> {
             id: "c6-footing",
             title: "Locking: a strip footing",
             about: "V18, a footing on soil that keeps its volume: load at a settlement of 1 % of the half width, against the limit load (2 + π) c. \
-                    Hats, FLIP, MUSL; laws see every particle's own dilatation or the mean of a cell.",
+                    Linear shape functions, FLIP, MUSL; laws see every particle's own dilatation or the mean of a cell.",
             problem: Footing::PROBLEM,
             error: "load",
             label: "error of the limit load",

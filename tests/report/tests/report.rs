@@ -136,7 +136,7 @@ fn the_method_for_impact_holds_on_scenes_where_methods_fail() {
     assert!(bullet("energy") < 0.002 && bullet("energy") > -0.03, "{}", bullet("energy"));
 }
 
-/// A line of a peer's program: hats, 2 particles a cell and axis, 16 cells, with this error of displacement.
+/// A line of a peer's program: linear shape functions, 2 particles a cell and axis, 16 cells, with this error of displacement.
 fn line(u: &str) -> String {
     format!(
         "{{\"program\": \"Taichi 1.7.4\", \"scheme\": \"linear FLIP-MUSL\", \"per_axis\": 2, \"cells\": 16, \"courant\": 0.3, \

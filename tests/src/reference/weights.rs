@@ -170,7 +170,7 @@ fn drawn_in<const D: usize>(corners: &[[f64; D]]) -> f64 {
     1.0 / corners.iter().flatten().fold(1.0, |far: f64, x| far.max(x.abs()))
 }
 
-/// Nodes of the cell at a place, in cells, with their hats.
+/// Nodes of the cell at a place, in cells, with their linear shape functions.
 fn hats<const D: usize>(place: &[f64; D]) -> Vec<(Index<D>, f64)> {
     let lowest = place.map(|x| x.floor() as i64);
     let node = |c: usize| {
@@ -180,7 +180,7 @@ fn hats<const D: usize>(place: &[f64; D]) -> Vec<(Index<D>, f64)> {
     (0..1 << D).map(node).collect()
 }
 
-/// Weights of a domain with these corners: the mean of what hats make of its corners, and of the gradient of that, by Gauss
+/// Weights of a domain with these corners: the mean of what linear shape functions make of its corners, and of the gradient of that, by Gauss
 /// points and the inverse of the Jacobian there.
 fn corner_weights<const D: usize>(x: &[f64; D], corners: &[[f64; D]], h: f64) -> Vec<Weight<D>> {
     let scale = drawn_in(corners);

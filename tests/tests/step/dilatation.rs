@@ -79,7 +79,7 @@ fn deflection<M: IntoKernels<f64, 2>>(method: M, law: NeoHookean<f64>, cells: us
 const YOUNG: f64 = 1.0e5;
 
 /// A clamped beam of rubber under its weight swings to twice its static deflection, w = rho g A L^4 / (8 E' I) with
-/// E' = E / (1 - nu^2) in plane strain (Timoshenko and Goodier): with hats and every particle's own dilatation it locks
+/// E' = E / (1 - nu^2) in plane strain (Timoshenko and Goodier): with linear shape functions and every particle's own dilatation it locks
 /// as nu goes to 1/2, with the mean of a cell it does not.
 #[test]
 fn what_keeps_its_volume_does_not_lock() {

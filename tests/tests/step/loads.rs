@@ -234,7 +234,7 @@ fn a_damped_column_comes_to_rest() {
         assert!(totals.kinetic < still * largest, "{} of {largest} is left", totals.kinetic);
         mpm.bodies()[0].for_each(&mut |p| {
             let start = seeds.positions[p.number];
-            // Hats hold the mean of a cell, a quarter of a cell away, and the strain is 1 %.
+            // Linear shape functions hold the mean of a cell, a quarter of a cell away, and the strain is 1 %.
             let exact = -gravity * (length - start[1]);
             assert!(
                 (p.stress[1] - exact).abs() < (0.25 * h + 0.02 * length) * gravity,
@@ -297,7 +297,7 @@ fn a_column_comes_to_rest_by_kinetic_damping() {
         assert!(closes, "{name}: energy {energy}, work {}", ledger.work);
         mpm.bodies()[0].for_each(&mut |p| {
             let exact = -gravity * (length - seeds.positions[p.number][1]);
-            // Hats hold the mean of a cell, a quarter of a cell away; the strain is 1 %.
+            // Linear shape functions hold the mean of a cell, a quarter of a cell away; the strain is 1 %.
             let allowed = (0.25 * h + 0.02 * length) * gravity;
             assert!((p.stress[1] - exact).abs() < allowed, "{name}: {} for {exact}", p.stress[1]);
         });

@@ -79,7 +79,7 @@ fn a_watched_run_makes_the_same_steps() {
 fn the_ledger_closes() {
     let mut mpm = square(PlaneStrain);
     let mut ledger = Ledger::new(Pace::every_step());
-    // Until it leaves the wall: later, linear hats make noise.
+    // Until it leaves the wall: later, linear shape functions make noise.
     Run::new(&mut mpm).observe(&mut ledger).until(1.3e-4).unwrap();
     assert!(ledger.worst_momentum_error() < 1e-13, "{:e}", ledger.worst_momentum_error());
     // Kinetic and internal energy belong to times half a step apart: a swing while the eight cells are stopped, none of it lost.

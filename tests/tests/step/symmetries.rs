@@ -15,7 +15,7 @@ use mpm_materials::{Constitutive, Moduli, NeoHookean};
 /// Round-off of 40 steps; see the tests against the reference.
 const TOLERANCE: f64 = 1e-11;
 
-type Hat<E> = Method<Linear, Flip, Musl, E>;
+type LinearFlip<E> = Method<Linear, Flip, Musl, E>;
 type Spline<E> = Method<QuadraticBSpline, Apic, Usl, E>;
 type Box2 = CompiledHere<Method<Gimp, Flip, Usl, PlaneStrain>>;
 
@@ -112,17 +112,17 @@ fn assert_turned<const D: usize, M: IntoKernels<f64, D> + Copy>(
 #[test]
 fn turned_by_a_right_angle() {
     let quarter = |[x, y, z]: [f64; 3]| [-y, x, z];
-    assert_turned::<2, Hat<PlaneStrain>>(Default::default(), quarter);
+    assert_turned::<2, LinearFlip<PlaneStrain>>(Default::default(), quarter);
     assert_turned::<2, Spline<PlaneStrain>>(Default::default(), quarter);
     assert_turned::<2, Box2>(Default::default(), quarter);
     assert_turned::<3, Spline<FullSpace>>(Default::default(), |[x, y, z]| [x, -z, y]);
-    assert_turned::<3, Hat<FullSpace>>(Default::default(), |[x, y, z]| [z, x, y]);
+    assert_turned::<3, LinearFlip<FullSpace>>(Default::default(), |[x, y, z]| [z, x, y]);
 }
 
 #[test]
 fn mirrored() {
     let mirror = |[x, y, z]: [f64; 3]| [-x, y, z];
-    assert_turned::<2, Hat<PlaneStrain>>(Default::default(), mirror);
+    assert_turned::<2, LinearFlip<PlaneStrain>>(Default::default(), mirror);
     assert_turned::<3, Spline<FullSpace>>(Default::default(), mirror);
 }
 
@@ -135,7 +135,7 @@ fn shifted_by_whole_cells() {
             assert_mapped(p, q, |v| v, |x| [x[0] + 0.7, x[1] - 1.3, 0.0]);
         }
     }
-    check(Hat::<PlaneStrain>::default());
+    check(LinearFlip::<PlaneStrain>::default());
     check(Spline::<PlaneStrain>::default());
 }
 
@@ -199,12 +199,12 @@ fn half_is_whole<const D: usize, M: IntoKernels<f64, D> + Copy>(method: M, plane
 
 #[test]
 fn half_a_body_is_the_whole_one() {
-    half_is_whole::<2, Hat<PlaneStrain>>(Default::default(), 1);
+    half_is_whole::<2, LinearFlip<PlaneStrain>>(Default::default(), 1);
     half_is_whole::<2, Spline<PlaneStrain>>(Default::default(), 1);
     half_is_whole::<2, Spline<PlaneStrain>>(Default::default(), 2);
     half_is_whole::<2, Box2>(Default::default(), 2);
     half_is_whole::<3, Spline<FullSpace>>(Default::default(), 2);
-    half_is_whole::<3, Hat<FullSpace>>(Default::default(), 2);
+    half_is_whole::<3, LinearFlip<FullSpace>>(Default::default(), 2);
 }
 
 /// The momentum that a symmetry plane gives is booked.
@@ -224,7 +224,7 @@ fn impulse_of_a_symmetry_plane_is_booked() {
             assert!(error < 1e-12, "{} axis {d}: {error}; given {given}", mpm.facts().description);
         }
     }
-    check(Hat::<PlaneStrain>::default());
+    check(LinearFlip::<PlaneStrain>::default());
     check(Spline::<PlaneStrain>::default());
     check(Box2::default());
 }
@@ -274,7 +274,7 @@ fn slice<M2: IntoKernels<f64, 2>, M3: IntoKernels<f64, 3>>(flat: M2, solid: M3) 
 
 #[test]
 fn plane_strain_is_a_slice_of_space() {
-    slice(Hat::<PlaneStrain>::default(), Hat::<FullSpace>::default());
+    slice(LinearFlip::<PlaneStrain>::default(), LinearFlip::<FullSpace>::default());
     slice(Spline::<PlaneStrain>::default(), Spline::<FullSpace>::default());
 }
 
@@ -316,7 +316,7 @@ fn threads_do_not_change_a_bit() {
         assert!(one == run(4), "4 threads");
     }
     check::<2, Spline<PlaneStrain>>(Default::default());
-    check::<3, Hat<FullSpace>>(Default::default());
+    check::<3, LinearFlip<FullSpace>>(Default::default());
 }
 
 #[test]
@@ -391,7 +391,7 @@ fn uniform_stress_of_revolution_is_in_equilibrium() {
         assert!((first - at_axis).abs() <= 1e-12, "{name}: next to the axis {first:e}");
         assert!(edge > 0.01 * p * h, "{name}: no stress was there");
     }
-    check(Hat::<Axisymmetric>::default(), 0.0);
+    check(LinearFlip::<Axisymmetric>::default(), 0.0);
     check(Spline::<Axisymmetric>::default(), 1.0 / 32.0);
 }
 
@@ -475,12 +475,12 @@ fn a_stone_falls() {
     }
 }
 
-/// Exactly on a face of a cell, the far node of the hat has no weight but a slope.
+/// Exactly on a face of a cell, the far node of the linear shape function has no weight but a slope.
 #[test]
 fn a_particle_on_a_cell_face_feels_nothing() {
     let lattice = Lattice::new([0.0; 2], 1.0).expect("lattice");
     let seeds = block(&lattice, [0, 0], [2, 2], 2, 0.0);
-    let mut mpm = Mpm::new(Hat::<PlaneStrain>::default(), BlockGrid::new(lattice));
+    let mut mpm = Mpm::new(LinearFlip::<PlaneStrain>::default(), BlockGrid::new(lattice));
     mpm.add("block", metal(), &seeds, |_| [2.0, 1.0]).expect("body");
     mpm.set_time_control(TimeControl::Fixed(0.125)).expect("time control");
     for _ in 0..20 {
@@ -511,6 +511,6 @@ fn rigid_flight_makes_no_stress() {
         assert!(worst < 1e-13 * YOUNG, "{}: {worst:e}", mpm.facts().description);
     }
     check::<3, Spline<FullSpace>>(Default::default(), 300);
-    check::<3, Hat<FullSpace>>(Default::default(), 300);
+    check::<3, LinearFlip<FullSpace>>(Default::default(), 300);
     check::<2, Box2>(Default::default(), 300);
 }

@@ -8,7 +8,7 @@ use mpm_core::{
 /// Shape functions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kernel {
-    /// Linear hat.
+    /// Linear shape function.
     Linear,
     /// GIMP of fixed boxes.
     Gimp,
@@ -120,8 +120,8 @@ impl Scheme {
         }
         list
     }
-    /// Is it compiled here? There is none of the hat and of CPDI with APIC, and CPDI is compiled with FLIP and USL alone; in
-    /// the reference configuration cpGIMP is uGIMP, and that lies between the hat and the quadratic spline.
+    /// Is it compiled here? There is none of the linear shape function and of CPDI with APIC, and CPDI is compiled with FLIP and USL alone; in
+    /// the reference configuration cpGIMP is uGIMP, and that lies between the linear shape function and the quadratic spline.
     pub fn is_legal(self) -> bool {
         match self.kernel {
             Kernel::Linear => self.velocity != Velocity::ApicUsl,

@@ -136,13 +136,13 @@ fn limits_of_the_step() {
     // Not met: the table has 0.85 and 0.99 where offsets between its own give 0.757 and 0.848.
     let known = |o: &String| o.starts_with("quadratic FLIP-USL, 4 a") || o.starts_with("quadratic APIC, 4 a");
     assert!(off.len() == 2 && off.iter().all(known), "{}", off.join("\n"));
-    // A hat that has the last particle xi behind a node bears sqrt(2 xi (1 - xi)) with USL (book, "Properties of stress updates and transfers", finding 5),
+    // A linear shape function that has the last particle xi behind a node bears sqrt(2 xi (1 - xi)) with USL (book, "Properties of stress updates and transfers", finding 5),
     // however little that is; MUSL does not mind.
     for xi in [0.02, 0.1, 0.25] {
         // Two particles a cell: the last one stands 0.25 behind the end's node less the offset.
         let l = verification::limit::limit(Scheme::moving(Kernel::Linear, Velocity::FlipUsl), 2, 0.25 + xi);
         let (l, exact) = (l.expect("limits"), (2.0 * xi * (1.0f64 - xi)).sqrt());
-        println!("hat, xi {xi}: {l:?}, {exact:.4}");
+        println!("linear shape function, xi {xi}: {l:?}, {exact:.4}");
         assert!((l.predicted / exact - 1.0).abs() < 0.1, "{l:?} for {exact}");
         assert!(l.gershgorin <= l.eigenvalue, "{l:?}");
     }

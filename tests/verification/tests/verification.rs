@@ -77,7 +77,7 @@ fn v1_period_of_a_bar() {
 
 /// V2: after ten periods of drifting through cells the energy is kept to 5 % (FMPM: 10 %), and within 1 % by what
 /// neither
-/// dissipates nor crosses. Hats with USL, whose step limit is none in almost empty cells, break.
+/// dissipates nor crosses. Linear shape functions with USL, whose step limit is none in almost empty cells, break.
 #[test]
 fn v2_energy_of_a_drifting_bar() {
     let runs = judged(Problem::Drift);
@@ -96,7 +96,7 @@ fn v2_energy_of_a_drifting_bar() {
     assert!(stops(&runs, Scheme::moving(Kernel::Linear, Velocity::Fmpm4Usl)));
 }
 
-/// V3: order 2 where domains tile, none where particles cross cells with two of them an axis; errors of hats grow.
+/// V3: order 2 where domains tile, none where particles cross cells with two of them an axis; errors of linear shape functions grow.
 #[test]
 fn v3_axis_aligned_strain() {
     let runs = judged(Problem::Axes);
@@ -112,7 +112,7 @@ fn v3_axis_aligned_strain() {
             _ => {}
         }
     }
-    // Stress: first order of hats, second of splines.
+    // Stress: first order of linear shape functions, second of splines.
     for (kernel, least) in [(Kernel::Linear, 0.95), (Kernel::Quadratic, 1.9), (Kernel::Cubic, 1.9)] {
         let scheme = Scheme::total(kernel, Velocity::FlipMusl);
         let order = order_of(&runs, scheme, "stress", usual);
@@ -190,7 +190,7 @@ fn v5_expanding_ring() {
     }
 }
 
-/// V6: flight at any speed makes no stress with what is safe in almost empty cells; hats with USL are not.
+/// V6: flight at any speed makes no stress with what is safe in almost empty cells; linear shape functions with USL are not.
 #[test]
 fn v6_flight() {
     let runs = judged(Problem::Flight);

@@ -22,7 +22,7 @@ pub fn error(way: Way, cells: u32) -> Result<f64, Failure> {
     let lattice = Lattice::new([0.0; 2], SIZE[0] / f64::from(cells))?;
     let [length, radius] = match way {
         Way::Contacts => contacts(lattice)?,
-        Way::Hats => points(Method::new(Linear, Flip, Musl, Axisymmetric), lattice)?,
+        Way::Linear => points(Method::new(Linear, Flip, Musl, Axisymmetric), lattice)?,
         Way::Gimp => points(Method::new(Gimp, Flip, Musl, Axisymmetric).compiled(), lattice)?,
     };
     Ok((length / REFERENCE[0] - 1.0).abs().max((radius / REFERENCE[1] - 1.0).abs()))

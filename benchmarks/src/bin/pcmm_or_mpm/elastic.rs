@@ -54,7 +54,7 @@ pub fn error(way: Way, cells: u32) -> Result<f64, Failure> {
                 note(time, all / middle.len() as f64);
             }
         }
-        Way::Hats => {
+        Way::Linear => {
             let method = Method::new(Linear, Flip, Musl, PlaneStrain);
             points(method, steel, &shape, lattice, boundaries, times, note)?;
         }

@@ -1,5 +1,5 @@
 //! Error against core-seconds: the elastic bar and the copper bar of Feng 2014 by particle contacts, and by the material
-//! point method with hats and GIMP, each with one law for all.
+//! point method with linear shape functions and GIMP, each with one law for all.
 
 mod copper;
 mod elastic;
@@ -31,13 +31,14 @@ pub type Failure = Box<dyn std::error::Error>;
 pub enum Way {
     /// Particle contacts, ours.
     Contacts,
-    /// Material points with hats, FLIP, MUSL.
-    Hats,
+    /// Material points with linear shape functions, FLIP, MUSL.
+    Linear,
     /// The same with GIMP.
     Gimp,
 }
 
-const WAYS: [(Way, &str); 3] = [(Way::Contacts, "PCMM"), (Way::Hats, "MPM, hats"), (Way::Gimp, "MPM, GIMP")];
+const WAYS: [(Way, &str); 3] =
+    [(Way::Contacts, "PCMM"), (Way::Linear, "MPM, linear shape functions"), (Way::Gimp, "MPM, GIMP")];
 
 /// Cells across, the error, and what it took, s.
 type Point = (u32, f64, f64);

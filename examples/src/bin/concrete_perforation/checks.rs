@@ -23,7 +23,7 @@ const CHANGES: &str = "769 and 842 m/s with 20 and 26 cells, 6.9 % of the impact
 /// Why the slab may be inside the rod.
 const SINKS: &str = "2.9 % with 26 cells through the slab by Method::impact; why is not known";
 /// Why energy may be gained.
-const TREMBLES: &str = "the elastic rod trembles with hats as it flies through the grid: 1.9 % with 26 cells through the slab, 21.5 % with 50";
+const TREMBLES: &str = "the elastic rod trembles with linear shape functions as it flies through the grid: 1.9 % with 26 cells through the slab, 21.5 % with 50";
 
 /// Speed below which no rod comes through, m/s: at most that which the slab took from the slowest that did, and at
 /// least that of the fastest that did not, if there is one.

@@ -50,7 +50,7 @@ struct Options {
     /// Coefficient of friction between rod and slab, 0 to 0.5
     #[arg(long, value_name = "MU", default_value_t = 0.0, value_parser = within(0.0, 0.5))]
     friction: f64,
-    /// Shape function; with hats and FLIP the elastic rod gains energy as it flies on, which stops the run
+    /// Shape function; with linear shape functions and FLIP the elastic rod gains energy as it flies on, which stops the run
     #[arg(long, value_enum, default_value = "impact")]
     kernel: Kernel,
     /// FLIP forgets what the nodes do not see while sound crosses this many cells, 1 to 1e9

@@ -68,13 +68,13 @@ pub fn shoot(
     match (setup.model, setup.kernel) {
         (Model::Quarter, Kernel::Impact) => quarter(task, Method::impact(FullSpace).into_kernels()),
         (Model::Axisymmetric, Kernel::Impact) => revolved(task, Method::impact(Axisymmetric).into_kernels()),
-        (Model::Quarter, Kernel::Hat) => {
+        (Model::Quarter, Kernel::Linear) => {
             quarter(task, Method::new(Linear, blend, Musl, FullSpace).into_kernels())
         }
         (Model::Quarter, Kernel::Cpgimp) => {
             quarter(task, Method::new(CpGimp, blend, Musl, FullSpace).into_kernels())
         }
-        (Model::Axisymmetric, Kernel::Hat) => {
+        (Model::Axisymmetric, Kernel::Linear) => {
             revolved(task, Method::new(Linear, blend, Musl, Axisymmetric).into_kernels())
         }
         (Model::Axisymmetric, Kernel::Cpgimp) => {

@@ -64,8 +64,8 @@ pub enum Detection {
 pub enum Kernel {
     /// What the library has for impact: quadratic B-splines, AFLIP, USL
     Impact,
-    /// Linear hats, FLIP or a blend, MUSL
-    Hat,
+    /// Linear shape functions, FLIP or a blend, MUSL
+    Linear,
     /// Convected-particle GIMP, FLIP or a blend, MUSL
     Cpgimp,
 }

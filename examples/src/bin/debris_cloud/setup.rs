@@ -85,7 +85,7 @@ impl Setup {
     pub fn spacing(&self) -> f64 {
         2.0 * self.edge()
     }
-    /// The method, in any space. (Hats miss the state behind the shock by 2 % in cells in which this does by 0.6 %.)
+    /// The method, in any space. (Linear shape functions miss the state behind the shock by 2 % in cells in which this does by 0.6 %.)
     pub fn method<E>(&self, space: E) -> Result<Method<CpGimp, Blend<f64>, Musl, E>, CaseError> {
         let blend = Blend::new(self.memory * self.spacing() / SHOCK[1])?;
         Ok(Method::new(CpGimp, blend, Musl, space))

@@ -18,7 +18,7 @@ const MOMENTUM: f64 = 1e-12;
 const RESOLVED: u32 = 20;
 const CAVITY: &str = "rigid rod, cavity expansion [C]";
 const SINKS: &str = "a rod in its reference configuration sinks in a little while others stop it";
-const SPLINES: &str = "21.8, 13.5, 9.5, 7.6 % with 8, 12, 16, 20 cells by Method::impact, twice what hats lose: splines reach twice as far, which was not shown to be the cause";
+const SPLINES: &str = "21.8, 13.5, 9.5, 7.6 % with 8, 12, 16, 20 cells by Method::impact, twice what linear shape functions lose: splines reach twice as far, which was not shown to be the cause";
 const TREMBLES: &str = "linear shape functions with FLIP: the elastic rod trembles as it flies through the grid, after it is through the plate: 9, 40, 62 % with 20, 24, 28 cells";
 const NEAR: f64 = 0.04;
 /// Of the kinetic energy.
@@ -66,7 +66,7 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
             let name = "residual speed, cells of size 0";
             let limit = Check::gate(name, limit, "m/s", EXPERIMENT, 0.03, "experiment [S]");
             gates.push(limit.known_miss(
-                "470 m/s by 16 and 20 cells, and by 24 and 28 with hats: 3.3 % above the experiment",
+                "470 m/s by 16 and 20 cells, and by 24 and 28 with linear shape functions: 3.3 % above the experiment",
             ));
         }
         checks.extend(gates.into_iter().map(|gate| resolved(gate, setup.cells)));

@@ -75,7 +75,7 @@ pub fn shoot(
     let blend = Blend::new(setup.memory * setup.spacing() / SOUND)?;
     match setup.kernel {
         Kernel::Impact => meet(setup, ways, (files, restart), Method::impact(FullSpace).into_kernels()),
-        Kernel::Hat => {
+        Kernel::Linear => {
             meet(setup, ways, (files, restart), Method::new(Linear, blend, Musl, FullSpace).into_kernels())
         }
         Kernel::Cpgimp => {

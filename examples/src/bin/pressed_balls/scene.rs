@@ -10,8 +10,8 @@ use mpm_core::geometry::{Ball, Cuboid, Filling, Lattice, fill};
 use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Archive, Blend, BlockGrid, Boundary, CheckpointError, Contact, Deformable, FullSpace, Linear, Method,
-    Mpm, Musl, OneField, Side, Solver, Team, Traction,
+    Archive, Blend, BlockGrid, Boundary, CheckpointError, ContactAlgorithm, Deformable, FullSpace, Linear,
+    Method, Mpm, Musl, OneField, Side, Solver, Team, Traction,
 };
 use mpm_materials::{Moduli, NeoHookean};
 use serde::Serialize;
@@ -83,14 +83,14 @@ pub struct Outcome {
 }
 
 /// The contact algorithm.
-pub fn contact(setup: &Setup) -> Result<impl Contact<f64, 3> + use<>, CaseError> {
+pub fn contact(setup: &Setup) -> Result<impl ContactAlgorithm<f64, 3> + use<>, CaseError> {
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
     Ok(GridContact::new(setup.detection.detector(Gradients::default())?, laws))
 }
 
 /// The pack in its container, five planes that nothing crosses, under the plate. (Walls that only push would let
 /// the outer balls part from them, but gain as much energy as the load brings within 200 microseconds.)
-pub fn pack(setup: &Setup, contact: impl Contact<f64, 3>) -> Result<Mpm<3>, CaseError> {
+pub fn pack(setup: &Setup, contact: impl ContactAlgorithm<f64, 3>) -> Result<Mpm<3>, CaseError> {
     let (edge, d) = (setup.edge(), ALUMINIUM.diameter);
     let lattice = Lattice::new([0.0; 3], SPACING)?;
     let memory = MEMORY * SPACING / ALUMINIUM.wave_speed();

@@ -10,8 +10,7 @@ const GAP_TOLERANCE: f64 = 0.1;
 /// What is about a cell, in cells.
 const ABOUT_A_CELL: f64 = 0.9;
 
-const TORN: &str =
-    "hats with USF tear the rings by any test of contact, so that on fine grids they pass through each other";
+const TORN: &str = "linear shape functions with USF tear the rings by any test of contact, so that on fine grids they pass through each other";
 const CANCELS: &str = "every impact loses some per cent that do not depend on the step; the old test gains the more the longer the step \
      is, and somewhere both cancel";
 

@@ -28,7 +28,7 @@ pub enum Seeding {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kernel {
-    /// Bilinear hats, as in the paper
+    /// Bilinear shape functions, as in the paper
     Linear,
     /// GIMP with domains that follow the deformation, half sizes of particles included
     Cpgimp,

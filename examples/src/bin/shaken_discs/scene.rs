@@ -1,7 +1,7 @@
 //! The container, the discs and the run.
 //!
 //! The container is a rigid body that rests; gravity shakes instead, as in a frame that moves with it. The discs fall
-//! into a pile for [`SETTLING`] seconds first. Quadratic splines with APIC let the pile come to rest; hats with FLIP,
+//! into a pile for [`SETTLING`] seconds first. Quadratic splines with APIC let the pile come to rest; linear shape functions with FLIP,
 //! as in \[Ma2010\], keep a noise in which it sinks into itself (book, "Bodies under load for long"). \[Ma2010\] prints none of sizes, materials and forcing: chosen here are
 //! discs of 8 and 24 mm, soft so that steps are long, and shaking of 6 g at 10 Hz, which frees rough discs from the crystal that
 //! small ones settle in (book, "Discs in a shaken container").

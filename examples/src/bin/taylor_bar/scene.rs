@@ -56,7 +56,7 @@ pub enum Constants {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheme {
-    /// Trilinear hats, MUSL, FLIP
+    /// Trilinear shape functions, MUSL, FLIP
     LinearMusl,
     /// Uniform GIMP, USL, FLIP
     GimpUsl,

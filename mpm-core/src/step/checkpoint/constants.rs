@@ -6,9 +6,9 @@ use impactite_scene::{Archive, CheckpointError, Condition};
 
 use crate::parallel::Float;
 use crate::step::load::Loads;
+use crate::step::mpm::Mpm;
 use crate::step::particle_body::ParticleBody;
 use crate::step::rigid::RigidState;
-use crate::step::solver::Mpm;
 
 impl<const D: usize> Loads<D> {
     fn constants(&self, at: &[f64; D], times: [f64; 2]) -> String {
@@ -53,15 +53,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// See that the file is of a scene with these laws, loads, boundaries and contact. After the clock.
     pub(super) fn compare_constants(&self, file: &mut Archive) -> Result<(), CheckpointError> {
         let times = [0.0, self.clock.time];
-        file.same("contact", &format!("{:?}", self.contact))?;
-        let gravity = self.conditions.gravity.as_ref().map(|g| over(times, |t| g(t)));
+        file.same("contact", &format!("{:?}", self.scene.contact))?;
+        let gravity = self.scene.conditions.gravity.as_ref().map(|g| over(times, |t| g(t)));
         file.same("body force at the start and now", &gravity.unwrap_or_default())?;
-        file.same("local damping", &format!("{:?}", self.conditions.damping))?;
-        file.same("number of boundaries", &self.conditions.boundaries.len().to_string())?;
-        for (n, boundary) in self.conditions.boundaries.iter().enumerate() {
+        file.same("local damping", &format!("{:?}", self.scene.conditions.damping))?;
+        file.same("number of boundaries", &self.scene.conditions.boundaries.len().to_string())?;
+        for (n, boundary) in self.scene.conditions.boundaries.iter().enumerate() {
             file.same(&format!("boundary {n}"), &boundary.constants(times))?;
         }
-        for body in &self.bodies {
+        for body in &self.scene.bodies {
             for (what, is) in body.constants(times) {
                 file.same(&format!("{what} of body `{}`", body.name()), &is)?;
             }

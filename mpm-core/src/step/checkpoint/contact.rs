@@ -3,7 +3,8 @@
 use crate::dim::block_nodes;
 use crate::parallel::Float;
 use crate::step::contact::{BlockContacts, ContactMemory, ContactState, Key, OFFSET, Pair, Touch};
-use crate::step::fields::{Claim, Fields};
+use crate::step::fields::Fields;
+use crate::step::layout::Claim;
 use impactite_scene::{Archive, CheckpointError, PairContact};
 
 impl<const D: usize> Fields<D> {

@@ -14,8 +14,8 @@ use std::path::Path;
 
 use impactite_scene::{Archive, CheckpointError, Solver};
 
+use super::mpm::Mpm;
 use super::rest::KineticDamping;
-use super::solver::Mpm;
 use crate::parallel::Float;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
@@ -69,45 +69,50 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.recognise(file)?;
         self.clock.archive(file)?;
         self.compare_constants(file)?;
-        file.numbers([&mut self.planned, &mut self.rate])?;
-        file.option(&mut self.gershgorin, |file, (step, rate)| {
+        file.numbers([&mut self.stepper.planned, &mut self.stepper.rate])?;
+        file.option(&mut self.stepper.gershgorin, |file, (step, rate)| {
             file.word(step)?;
             file.real(rate)
         })?;
-        file.option(&mut self.kinetic_damping, |file, KineticDamping { most, now, stops }| {
+        file.option(&mut self.between_steps.kinetic_damping, |file, KineticDamping { most, now, stops }| {
             file.reals([most, now])?;
             file.word(stops)
         })?;
-        file.flag(&mut self.mapped)?;
+        file.flag(&mut self.stepper.mapped)?;
         self.ledger.archive(file)?;
-        file.reals(self.acting.numbers_mut())?;
-        for body in &mut self.bodies {
+        file.reals(self.stepper.acting.numbers_mut())?;
+        for body in &mut self.scene.bodies {
             body.archive(file)?;
         }
         self.looks.watcher.archive(file)?;
         file.list(&mut self.looks.parts, &0, Archive::word)?;
 
-        file.word(&mut self.arranged)?;
-        file.flag(&mut self.ahead)?;
-        self.fields.exchange(file, self.bodies.len())?;
+        file.word(&mut self.grid.arranged)?;
+        file.flag(&mut self.grid.ahead)?;
+        self.grid.fields.exchange(file, self.scene.bodies.len())?;
         if file.reads() {
-            let settled = self.fields.settle(&mut *self.grid, &mut self.bodies, self.contact.separates());
+            let settled = self.grid.settle(&mut self.scene);
             settled.map_err(|outside| CheckpointError::NoRoom(outside.to_string()))?;
-            self.contact_state.arrange(&self.fields, self.bodies.len());
             self.arrange_planes();
         }
-        self.exchange_pressed(file)?;
-        self.contact_state.exchange(file, &self.fields, self.contact.remembers())
+        self.grid.exchange_pressed(&self.scene.conditions.boundaries, file)?;
+        self.grid.contact.exchange(file, &self.grid.fields, self.scene.contact.remembers())
     }
 
     /// See that the file is of a scene like this one.
     fn recognise(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("bytes of a number", &size_of::<T>().to_string())?;
         file.same("lattice", &format!("{:?}", self.grid.lattice()))?;
-        file.same("kinetic damping", if self.kinetic_damping.is_some() { "on" } else { "off" })?;
-        file.same("null-space filter", &format!("{:?}", self.filter))?;
-        file.same("number of bodies", &self.bodies.len().to_string())?;
-        for (n, body) in self.bodies.iter().enumerate() {
+        file.same(
+            "kinetic damping",
+            if self.between_steps.kinetic_damping.is_some() { "on" } else { "off" },
+        )?;
+        file.same(
+            "null-space filter",
+            &format!("{:?}", self.between_steps.filter.map(|filter| filter.every)),
+        )?;
+        file.same("number of bodies", &self.scene.bodies.len().to_string())?;
+        for (n, body) in self.scene.bodies.iter().enumerate() {
             file.same(&format!("name of body {n}"), body.name())?;
             file.same(&format!("law of body `{}`", body.name()), body.law())?;
             let columns = format!("{} bytes, {}", body.particle_bytes(), body.state_names().join(", "));

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{BlockContacts, SharedNodes};
+use super::found::{BlockContacts, Scratch};
+use super::shared_nodes::SharedNodes;
 use crate::parallel::Float;
 
 /// What bodies do to each other at the nodes they share: [`GridContact`](crate::GridContact); [`OneField`] is none.
@@ -10,7 +11,7 @@ use crate::parallel::Float;
     message = "`{Self}` is not a contact algorithm",
     note = "`Mpm::with_contact` takes a `GridContact`, or `OneField`"
 )]
-pub trait Contact<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'static {
+pub trait ContactAlgorithm<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'static {
     /// Does every body have velocities of its own at the nodes it shares with others?
     fn separates(&self) -> bool {
         true
@@ -33,7 +34,7 @@ pub trait Contact<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'st
     /// impulses. Must depend on what `at` shows and on what was found before alone.
     fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut BlockContacts<T>, scratch: &mut Scratch<T>);
     /// Further impulses, those on free rigid bodies, which couple all blocks; called where the scene has any, with
-    /// every block and what [`Contact::impulses`] left of it.
+    /// every block and what [`ContactAlgorithm::impulses`] left of it.
     fn couple(&self, _at: &[SharedNodes<'_, T, D>], _found: &mut [BlockContacts<T>]) {}
 }
 
@@ -41,7 +42,7 @@ pub trait Contact<T: Float, const D: usize>: std::fmt::Debug + Send + Sync + 'st
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OneField;
 
-impl<T: Float, const D: usize> Contact<T, D> for OneField {
+impl<T: Float, const D: usize> ContactAlgorithm<T, D> for OneField {
     fn separates(&self) -> bool {
         false
     }
@@ -49,7 +50,7 @@ impl<T: Float, const D: usize> Contact<T, D> for OneField {
 }
 
 /// One that was chosen at run time.
-impl<T: Float, const D: usize> Contact<T, D> for Arc<dyn Contact<T, D>> {
+impl<T: Float, const D: usize> ContactAlgorithm<T, D> for Arc<dyn ContactAlgorithm<T, D>> {
     fn separates(&self) -> bool {
         (**self).separates()
     }
@@ -67,42 +68,5 @@ impl<T: Float, const D: usize> Contact<T, D> for Arc<dyn Contact<T, D>> {
     }
     fn couple(&self, at: &[SharedNodes<'_, T, D>], found: &mut [BlockContacts<T>]) {
         (**self).couple(at, found);
-    }
-}
-
-/// Which velocities contact acts on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ContactPhase {
-    /// Those of the mapped momentum, before the stress update of USF.
-    Momentum,
-    /// The trial velocities of the momentum update: every body moved by its own forces.
-    Trial,
-    /// Those mapped a second time (MUSL).
-    Remapped,
-}
-
-/// Memory of a thread for contact algorithms: nothing in it lasts.
-#[derive(Clone, Debug)]
-pub struct Scratch<T> {
-    /// Numbers of nodes.
-    pub numbers: Vec<[T; 4]>,
-    /// Sets of nodes, a bit each.
-    pub bits: Vec<u64>,
-    /// Vectors of pairs, two each.
-    pub vectors: Vec<[[T; 3]; 3]>,
-}
-
-impl<T> Default for Scratch<T> {
-    fn default() -> Self {
-        Scratch { numbers: Vec::new(), bits: Vec::new(), vectors: Vec::new() }
-    }
-}
-
-impl<T> Scratch<T> {
-    /// Bytes of its memory.
-    pub(in crate::step) fn bytes(&self) -> usize {
-        self.numbers.capacity() * size_of::<[T; 4]>()
-            + self.bits.capacity() * size_of::<u64>()
-            + self.vectors.capacity() * size_of::<[[T; 3]; 3]>()
     }
 }

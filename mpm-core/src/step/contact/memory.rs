@@ -5,14 +5,10 @@
 //! up and never walked by tasks, and rewritten between stages: the bits depend neither on threads nor on blocks.
 
 use std::cmp::Ordering;
-use std::ops::Range;
 
-use super::BlockContacts;
+use super::found::{BlockContacts, OFFSET};
 use crate::dim::BLOCK;
 use crate::parallel::Float;
-
-/// Numbers of a record before those of the law: how far it is from its node, m.
-pub(in crate::step) const OFFSET: usize = 3;
 
 /// A pair of bodies at a node of the lattice.
 pub(in crate::step) type Key = ([u32; 2], [i32; 3]);
@@ -26,54 +22,6 @@ pub struct ContactMemory {
     pub(in crate::step) numbers: Vec<f64>,
     /// Used while they are rewritten.
     before: Vec<f64>,
-}
-
-/// What a block's touches remember at the start and at the end of a step: a record each, in their order; empty where no law remembers.
-#[derive(Clone, Debug, Default)]
-pub struct TouchMemory {
-    width: usize,
-    start: Vec<f64>,
-    end: Vec<f64>,
-}
-
-impl TouchMemory {
-    /// Room for so many touches, of laws that remember up to `numbers`.
-    pub(super) fn clear(&mut self, touches: usize, numbers: usize) {
-        self.width = if numbers == 0 { 0 } else { OFFSET + numbers };
-        self.start.clear();
-        self.start.resize(touches * self.width, 0.0);
-        self.end.clear();
-    }
-    /// The record of a touch, to be recalled.
-    pub(super) fn record_mut(&mut self, touch: usize) -> &mut [f64] {
-        &mut self.start[touch * self.width..][..self.width]
-    }
-    /// All is recalled; touches that nothing happens to end as they started.
-    pub(super) fn recalled(&mut self) {
-        self.end.clone_from(&self.start);
-    }
-    /// The numbers of a touch, by its place in [`BlockContacts::touches`], at the start of the step; empty where no law remembers.
-    pub fn start(&self, touch: usize) -> &[f64] {
-        self.start.get(self.numbers(touch)).unwrap_or_default()
-    }
-    /// Those at the start, and those at the end of the step, to be brought there.
-    pub fn start_and_end(&mut self, touch: usize) -> (&[f64], &mut [f64]) {
-        let numbers = self.numbers(touch);
-        (self.start.get(numbers.clone()).unwrap_or_default(), self.end.get_mut(numbers).unwrap_or_default())
-    }
-    /// Move what a touch remembers by a way, m.
-    pub fn carry(&mut self, touch: usize, way: [f64; 3]) {
-        let start = touch * self.width;
-        let offset = self.end.get_mut(start..start + OFFSET.min(self.width)).unwrap_or_default();
-        offset.iter_mut().zip(way).for_each(|(x, way)| *x += way);
-    }
-    fn numbers(&self, touch: usize) -> Range<usize> {
-        let start = touch * self.width;
-        start + OFFSET.min(self.width)..start + self.width
-    }
-    pub(super) fn bytes(&self) -> usize {
-        (self.start.capacity() + self.end.capacity()) * size_of::<f64>()
-    }
 }
 
 /// The node of a block by its number.

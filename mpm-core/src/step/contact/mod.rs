@@ -1,14 +1,16 @@
 //! The stage of a step in which bodies act on each other, and what it keeps. See [`crate::contact`].
 
 mod algorithm;
+mod found;
 mod memory;
 mod shared_nodes;
 mod stage;
 mod state;
 
-pub use algorithm::{Contact, ContactPhase, OneField, Scratch};
-pub use memory::{ContactMemory, TouchMemory};
-pub(in crate::step) use memory::{Key, OFFSET};
+pub use algorithm::{ContactAlgorithm, OneField};
+pub(in crate::step) use found::OFFSET;
+pub use found::{BlockContacts, ContactPhase, Pair, Scratch, Touch, TouchMemory};
+pub use memory::ContactMemory;
+pub(in crate::step) use memory::Key;
 pub use shared_nodes::SharedNodes;
 pub(in crate::step) use state::ContactState;
-pub use state::{BlockContacts, Pair, Touch};

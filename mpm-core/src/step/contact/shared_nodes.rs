@@ -3,18 +3,18 @@
 use impactite_scene::boundary::Plane;
 use mpm_contact::{NearPoint, Places, SurfaceQuantity};
 
+use super::found::{BlockContacts, ContactPhase};
 use super::memory::{ContactMemory, node_of};
-use super::{BlockContacts, ContactPhase};
 use crate::dim::{BLOCK, block_nodes};
 use crate::grid::Node;
 use crate::parallel::Float;
+use crate::step::block_place::BlockPlace;
 use crate::step::body::GridBody;
 use crate::step::fields::{Fields, Member};
 use crate::step::layout::numbers;
-use crate::step::nodes::BlockPlace;
 use crate::step::rigid::RigidState;
 
-/// The nodes of a block that several bodies share, as a [`super::Contact`] sees them.
+/// The nodes of a block that several bodies share, as a [`super::ContactAlgorithm`] sees them.
 pub struct SharedNodes<'a, T: Float, const D: usize> {
     pub(super) nodes: &'a [Node<T>],
     pub(super) members: &'a [Member],

@@ -1,22 +1,26 @@
 //! The stage in which bodies act on each other.
 //!
-//! The step calls [`Stage::apply_contact`] where \[Ma2010\] 1.4 adjusts momenta and forces (iv, vii, x). It works in two
-//! parts. First every shared block, on its own, asks the scene's [`Contact`] for the impulses at its nodes; nodes
+//! The step calls [`GridStages::apply_contact`] where \[Ma2010\] 1.4 adjusts momenta and forces (iv, vii, x). It works in two
+//! parts. First every shared block, on its own, asks the scene's [`ContactAlgorithm`] for the impulses at its nodes; nodes
 //! are only read. Then every field block adds its own impulses to its nodes. No task writes what another reads, and
 //! all sums have a fixed order, so that results do not depend on threads.
 
-use super::{Contact, ContactPhase, ContactState, SharedNodes};
+use super::algorithm::ContactAlgorithm;
+use super::found::ContactPhase;
+use super::shared_nodes::SharedNodes;
+use super::state::ContactState;
 use crate::parallel::Float;
-use crate::step::nodes::{BlockPlace, Stage};
+use crate::step::block_place::BlockPlace;
+use crate::step::nodes::GridStages;
 use crate::step::rigid::RigidState;
-use crate::step::rigid_body;
+use crate::step::rigid_nodes;
 
-impl<T: Float, const D: usize> Stage<'_, T, D> {
+impl<T: Float, const D: usize> GridStages<'_, T, D> {
     /// Let the bodies act on each other at the nodes they share: contact impulses on the velocities of `phase`, then
     /// boundaries again where any acted.
     pub(in crate::step) fn apply_contact(
         &mut self,
-        contact: &dyn Contact<T, D>,
+        contact: &dyn ContactAlgorithm<T, D>,
         phase: ContactPhase,
         contact_state: &mut ContactState<T>,
     ) {
@@ -31,9 +35,9 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
             self.copy_velocities(phase);
         }
         if phase == ContactPhase::Trial {
-            let [friction, taken] = contact_state.book(self.dt.to_double());
-            self.together.friction += friction;
-            self.together.node_contact += taken;
+            let [friction, taken] = contact_state.book(self.of.dt.to_double());
+            self.scene_wide.friction += friction;
+            self.scene_wide.node_contact += taken;
             if contact.remembers() > 0 {
                 contact_state.remember(self.grid.lattice().spacing());
             }
@@ -60,7 +64,7 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                 *square = square.max(weight * weight * (x * x + y * y + z * z));
             }
         });
-        contact_state.follow(|block| fields.owner(block), self.dt.to_double());
+        contact_state.follow(|block| fields.owner(block), self.of.dt.to_double());
     }
 
     /// Bring the velocities behind planes of symmetry after those in front.
@@ -72,21 +76,21 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
         };
         let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &counts);
         if phase == ContactPhase::Trial {
-            (0..3).for_each(|d| self.together.impulse[d] += impulse[d]);
+            (0..3).for_each(|d| self.scene_wide.impulse[d] += impulse[d]);
         }
     }
 
     fn find_impulses(
         &mut self,
-        contact: &dyn Contact<T, D>,
+        contact: &dyn ContactAlgorithm<T, D>,
         phase: ContactPhase,
         contact_state: &mut ContactState<T>,
     ) {
         let lattice = *self.grid.lattice();
         let mirrors = self.planes.mirrors();
         let (fields, bodies, nodes) = (self.fields, self.bodies, self.grid.nodes());
-        let (wide, cutoff, dt, rigid) = (self.wide, self.cutoff, self.dt, self.rigid);
-        let time = self.time;
+        let (wide, cutoff, dt, rigid) = (self.of.wide, self.cutoff, self.of.dt, self.rigid);
+        let time = self.of.time;
         let (found, way, memory, scratch) = contact_state.open(self.team.threads());
         let view = |s: usize| {
             let coordinates = fields.shared()[s].coordinates;
@@ -122,14 +126,15 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
 
     fn add_impulses(&mut self, phase: ContactPhase, contact_state: &ContactState<T>) {
         let lattice = *self.grid.lattice();
-        let (bodies, fields, dt) = (self.bodies, self.fields, self.dt);
-        let (conditions, time) = (self.conditions, self.time);
+        let (bodies, fields, dt) = (self.bodies, self.fields, self.of.dt);
+        let (conditions, time) = (self.conditions, self.of.time);
         let end = if phase == ContactPhase::Momentum { time } else { time + dt.to_double() };
         let tolerance = 1e-6 * lattice.spacing();
-        let copies = if self.wide { 1.5 * lattice.spacing() } else { 0.0 };
+        let copies = if self.of.wide { 1.5 * lattice.spacing() } else { 0.0 };
         let mirrors = self.planes.copied();
         let per_dt = T::of(1.0) / dt;
         let (layout, team) = (fields.layout(), self.team);
+        let gravity = conditions.gravity.as_ref().map_or([0.0; D], |g| g(time));
         layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
             let Some((shared, field)) = fields.field_of(block) else { return };
             let found = &contact_state.found[shared];
@@ -142,7 +147,13 @@ impl<T: Float, const D: usize> Stage<'_, T, D> {
                 let real = found.impulses(field);
                 let real = real.filter(|i| phase == ContactPhase::Trial && !place.is_copy(i.0, mirrors));
                 for ((node, impulse), body) in real.zip(body.into_iter().cycle()) {
-                    rigid_body::book(body, &place.node(node), &impulse.map(T::to_double), &mut books.ledger);
+                    let impulse = impulse.map(T::to_double);
+                    rigid_nodes::book(body, &place.node(node), &impulse, &mut books.ledger);
+                    // The work of a body force was booked with the velocities before contact. What bodies do to each other
+                    // changes no mean; what a body of prescribed motion does to others changes theirs.
+                    for d in 0..D {
+                        books.ledger.work -= 0.5 * dt.to_double() * gravity[d] * impulse[d];
+                    }
                 }
                 return;
             }

@@ -6,8 +6,8 @@ use crate::geometry::Lattice;
 use crate::parallel::Float;
 use crate::particles::{Block, Columns, Place};
 use crate::shape::domain::MOST_NUMBERS;
+use crate::step::mpm::Mpm;
 use crate::step::particle_body::ParticleBody;
-use crate::step::solver::Mpm;
 use crate::step::total;
 use crate::step::wrap::Wrap;
 use impactite_scene::boundary::{Boundary, Plane};
@@ -205,9 +205,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(in crate::step) fn for_each_footprint_here(&self, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
         let modified = self.facts().boundary_modified;
-        let folds = Folds::of(&self.conditions.boundaries, self.grid.lattice(), modified);
+        let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
         let mut folded = Vec::new();
-        for body in &self.bodies {
+        for body in &self.scene.bodies {
             body.footprints(self.clock.time, &mut |footprint| {
                 folds.fold(footprint.nodes, &mut folded);
                 visit(&Footprint { nodes: &folded, ..*footprint });

@@ -5,8 +5,8 @@ use crate::dim::block_nodes;
 use crate::parallel::{Float, Team};
 use crate::particles::{Block, Columns, Place};
 use crate::shape::Domain;
+use crate::step::mpm::Mpm;
 use crate::step::particle_body::ParticleBody;
-use crate::step::solver::Mpm;
 use crate::step::splitting::{Splitting, longest, symmetric};
 use impactite_scene::error::SceneError;
 use mpm_materials::Material;
@@ -382,6 +382,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if law.merged(&[(1.0, &virgin), (1.0, &virgin)]).is_none() {
             return refuse(format!("the law `{}`, whose states have no mean", law.name()));
         }
-        self.check_references("merging")
+        self.check_clients("merging")
     }
 }

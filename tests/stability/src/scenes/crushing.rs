@@ -124,5 +124,5 @@ pub fn gas_crush() -> Scene {
     .holds("cubic APIC, adapted", "list T13", trial(ul(Cubic, ApicUsl), ADAPTED))
     .holds("cpGIMP FLIP-USL, adapted", "list T13", trial(ul(CpGimp, FlipUsl), ADAPTED))
     .holds("linear FLIP-MUSL, adapted", "list T13", trial(ul(Linear, FlipMusl), ADAPTED))
-    .but(|row| row.noted("hats whose particles crossed cells are poor sums (T2); splines are within 0.8 %"))
+    .but(|row| row.noted("linear shape functions whose particles crossed cells are poor sums (T2); splines are within 0.8 %"))
 }

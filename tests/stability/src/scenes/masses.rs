@@ -19,7 +19,7 @@ pub fn tiny() -> Scene {
     fn trial(scheme: Scheme) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let (mut worst, mut made) = (0.0f64, 0);
-            // Weights down to the smallest that an offset in a cell can have: 1e-17 of hats, its square and cube of splines.
+            // Weights down to the smallest that an offset in a cell can have: 1e-17 of linear shape functions, its square and cube of splines.
             for k in 1..=17 {
                 let seeds = row_of_cells(4, 2, 0.25 + 10f64.powi(-k))?;
                 let mut mpm = bar(scheme, 0.3, &seeds, &|x| 0.01 * (2.0 + x.sin()))?;
@@ -136,7 +136,7 @@ impl Pair {
 
 const ADAPTED: TimeControl = TimeControl::Courant { factor: 0.4, growth: 1.1 };
 
-const SMEARED: &str = "a smooth function smears the joint: quadratic -7.2, -4.0, -2.0 %, cubic -4.4, -2.5, -1.8 % with 10, 20, 40 soft cells, hats 0.2 %";
+const SMEARED: &str = "a smooth function smears the joint: quadratic -7.2, -4.0, -2.0 %, cubic -4.4, -2.5, -1.8 % with 10, 20, 40 soft cells, linear shape functions 0.2 %";
 
 /// T20.
 pub fn stiff_and_soft() -> Scene {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use mpm_core::{
-    Apic, BlockGrid, Deformable, Flip, IntoKernels, Linear as Hat, Method, Mpm, Musl, PlaneStrain,
+    Apic, BlockGrid, Deformable, Flip, IntoKernels, Linear as LinearShape, Method, Mpm, Musl, PlaneStrain,
     QuadraticBSpline, TimeControl, Usl,
 };
 use mpm_materials::Mat3;
@@ -202,7 +202,7 @@ pub fn tension() -> Scene {
     .holds("quadratic FLIP-MUSL, 2", "list T12", trial(Method::new(QuadraticBSpline, Flip, Musl, space), 2))
     .but(|row| row.noted(CLUMPS))
     .holds("quadratic APIC, 2", "list T12", trial(Method::new(QuadraticBSpline, Apic, Usl, space), 2))
-    .holds("linear FLIP-MUSL, 2", "list T12", trial(Method::new(Hat, Flip, Musl, space), 2))
+    .holds("linear FLIP-MUSL, 2", "list T12", trial(Method::new(LinearShape, Flip, Musl, space), 2))
     .holds(
         "TL quadratic FLIP-MUSL, 2",
         "list T12",

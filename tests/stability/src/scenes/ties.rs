@@ -2,8 +2,8 @@
 
 use mpm_core::geometry::Seeds;
 use mpm_core::{
-    Apic, BlockGrid, Deformable, Flip, IntoKernels, Linear as Hat, Method, Mpm, Musl, PlaneStrain, PointView,
-    QuadraticBSpline, Team, TimeControl, Usl,
+    Apic, BlockGrid, Deformable, Flip, IntoKernels, Linear as LinearShape, Method, Mpm, Musl, PlaneStrain,
+    PointView, QuadraticBSpline, Team, TimeControl, Usl,
 };
 use mpm_materials::Mat3;
 use mpm_materials::elastic::HyperelasticState;
@@ -89,7 +89,7 @@ pub fn lattice() -> Scene {
         limit: Limit::AtMost(1e-10),
         rows: Vec::new(),
     }
-    .fails("linear FLIP-MUSL", "slopes jump at nodes [I]", trial(Method::new(Hat, Flip, Musl, space), Ends::OnNodes))
+    .fails("linear FLIP-MUSL", "slopes jump at nodes [I]", trial(Method::new(LinearShape, Flip, Musl, space), Ends::OnNodes))
     .holds("quadratic FLIP-MUSL", "list T29", trial(Method::new(QuadraticBSpline, Flip, Musl, space), Ends::OnNodes))
     .holds("quadratic APIC", "list T29", trial(Method::new(QuadraticBSpline, Apic, Usl, space), Ends::OnNodes))
     .holds(

@@ -4,7 +4,7 @@
 //! Half a footing of half width b, rough, is pushed slowly into 5 b x 4 b of elastic, ideally plastic soil (von Mises,
 //! whose yield stress in plane strain is sqrt 3 c), E 4000 c, nu 0.45, by 0.01 b (at 0.08 b the hole it makes carries 5 %
 //! more); local damping. The load is that across a row
-//! of cells below. Hats hold the velocity of the footing up to half a cell beside its edge, more or less: the width that
+//! of cells below. Linear shape functions hold the velocity of the footing up to half a cell beside its edge, more or less: the width that
 //! carries is b + h/2.
 //!
 //! Generic over the method, so that each program compiles the compositions it runs.

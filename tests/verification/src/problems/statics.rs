@@ -100,7 +100,7 @@ fn mapped(map: impl Fn(f64, f64) -> [f64; 2], counts: [usize; 2], half: [f64; 2]
 /// x = 48, plane stress, E 1 Pa, nu 1/3: the middle of the right side moves up by 23.96 m in linear elasticity \[V\].
 ///
 /// The load is 1e-4 of that, and the displacement given is over 1e-4. Plane strain with E (1 + 2 nu) / (1 + nu)^2 and
-/// nu / (1 + nu) is plane stress with E and nu. Hats, `cells` over the 48 m, two rows of particles a cell, that fill the
+/// nu / (1 + nu) is plane stress with E and nu. Linear shape functions, `cells` over the 48 m, two rows of particles a cell, that fill the
 /// quadrilateral as rows of it.
 ///
 /// # Errors

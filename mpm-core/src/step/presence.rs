@@ -1,11 +1,14 @@
 //! Which node blocks a body's particles reach, and where it finds them.
 
-use super::fields::Claim;
-use super::layout::Layout;
-use super::particle_body::{NONE, ParticleBody, offset, shifted};
-use super::surface_quantity::{beside, nodes_of};
-use crate::dim::neighbours;
-use crate::parallel::Float;
+use mpm_contact::{NearPoint, SurfaceQuantity};
+
+use super::body::{GridBody, Presence};
+use super::layout::{Claim, Layout, NodeSums};
+use super::particle_body::{NONE, ParticleBody};
+use super::surface_quantity::{NearTask, SurfaceTask, beside, nodes_of};
+use crate::dim::{neighbours, offset, shifted};
+use crate::grid::Node;
+use crate::parallel::{Float, prefetch_from};
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Does a particle reach a node that its body does not have?
@@ -115,5 +118,96 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             self.contributors[last - n as usize] = slot;
         }
         self.links = links;
+    }
+}
+
+impl<T: Float, const D: usize> ParticleBody<T, D> {
+    pub(super) fn surface_quantity_of(
+        &self,
+        block: usize,
+        what: SurfaceQuantity,
+        nodes: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        let about = SurfaceTask {
+            what,
+            material: &*self.material,
+            slots: &self.slots,
+            contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
+            nodes,
+            normals,
+            out,
+            domains: self.domains(),
+            spacing: T::of(self.lattice.spacing()),
+            masses: self.masses,
+        };
+        self.kernels.shape().surface_quantity(about);
+    }
+
+    pub(super) fn visit_near_points(
+        &self,
+        block: usize,
+        nodes: u64,
+        visit: &mut dyn FnMut(u64, &NearPoint<T>),
+    ) {
+        let about = NearTask {
+            slots: &self.slots,
+            contributors: &self.contributors[block * neighbours(D)..][..neighbours(D)],
+            nodes,
+            domains: self.domains(),
+            spacing: T::of(self.lattice.spacing()),
+            masses: self.masses,
+        };
+        self.kernels.shape().near_points(about, visit);
+    }
+}
+
+impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
+    fn claims(&mut self, number: u32, ahead: bool, list: &mut Vec<Claim<D>>) {
+        if !self.is_deactivated() {
+            self.expect(ahead);
+            self.claim_blocks(number, list);
+        }
+    }
+    fn reaches_further(&mut self, layout: &Layout) -> bool {
+        self.reaches_beyond_links(layout)
+    }
+    fn reaches(&self, block: usize) -> bool {
+        self.reaches_block(block)
+    }
+    fn link(&mut self, find: &dyn Fn(&[i32; D]) -> Option<usize>, places: &mut Vec<u32>) {
+        if self.is_deactivated() {
+            (self.nodes_around, self.contributors) = (Vec::new(), Vec::new());
+        } else {
+            self.link_blocks(find, places);
+        }
+    }
+    fn add_tiles(&self, block: usize, sums: NodeSums, nodes: &mut [Node<T>]) {
+        let (around, next) = self.contributors[block * neighbours(D)..].split_at(neighbours(D));
+        let around = [around, next];
+        // Whose tiles the block after the next one sums up.
+        for &slot in around[1].iter().skip(neighbours(D)).take(neighbours(D)) {
+            prefetch_from(&self.slots, slot as usize, 0);
+        }
+        let facts = self.facts();
+        if sums == NodeSums::Force && !facts.maps_force {
+            return;
+        }
+        let two = facts.records() == 2 && !facts.before_forces;
+        self.kernels.shape().add_tiles(nodes, &self.slots, around, sums, two);
+    }
+    fn surface_quantity(
+        &self,
+        block: usize,
+        what: SurfaceQuantity,
+        nodes: u64,
+        normals: &[[T; 3]],
+        out: &mut [[T; 3]],
+    ) {
+        self.surface_quantity_of(block, what, nodes, normals, out);
+    }
+    fn near_points(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
+        self.visit_near_points(block, nodes, visit);
     }
 }

@@ -1,0 +1,207 @@
+//! The background grid of a scene, with all that is kept at its nodes.
+
+use impactite_scene::Exchange;
+use impactite_scene::archive::{Archive, CheckpointError};
+use impactite_scene::boundary::Boundary;
+
+use super::contact::ContactState;
+use super::fields::Fields;
+use super::nodes::{BlockBooks, GridStages, StageOf, mass_cutoff};
+use super::planes::Planes;
+use super::scene::Scene;
+use super::walls::NodeSets;
+use crate::geometry::Lattice;
+use crate::grid::{GridStorage, Node, OutsideGrid};
+use crate::parallel::{Float, Team};
+
+/// A grid, and whose its nodes are.
+pub(super) struct Background<T: Float, const D: usize> {
+    pub(super) storage: Box<dyn GridStorage<T, D>>,
+    /// Where on the grid each body's nodes are.
+    pub(super) fields: Fields<D>,
+    /// Where bodies touch.
+    pub(super) contact: ContactState<T>,
+    /// Of each block of nodes.
+    pub(super) books: Vec<BlockBooks>,
+    /// What no block of nodes gave or took alone, in a step.
+    pub(super) scene_wide: Exchange,
+    /// The nodes at planes of symmetry, walls and fixed planes.
+    pub(super) planes: Planes<T>,
+    /// Terms of the FMPM series, one a node; empty for other transfers.
+    pub(super) terms: Vec<[T; 3]>,
+    /// The step after which blocks were arranged last, and whether with a look ahead.
+    pub(super) arranged: u64,
+    pub(super) ahead: bool,
+}
+
+/// How planes see the nodes: how far stencils reach, and what a traction on a plane of nodes gives to the nodes in front of, on and behind
+/// it.
+#[derive(Clone, Copy)]
+pub(super) struct AtPlanes {
+    /// Do they reach behind a plane that particles touch, and does the basis end at walls?
+    pub(super) reach: [bool; 2],
+    pub(super) shares: [f64; 3],
+}
+
+impl<T: Float, const D: usize> Background<T, D> {
+    /// Without bodies.
+    pub(super) fn new(storage: Box<dyn GridStorage<T, D>>) -> Self {
+        Background {
+            storage,
+            fields: Fields::default(),
+            contact: ContactState::default(),
+            books: Vec::new(),
+            scene_wide: Exchange::default(),
+            planes: Planes::default(),
+            terms: Vec::new(),
+            arranged: 0,
+            ahead: false,
+        }
+    }
+
+    pub(super) fn lattice(&self) -> &Lattice<D> {
+        self.storage.lattice()
+    }
+    pub(super) fn nodes(&self) -> &[Node<T>] {
+        self.storage.nodes()
+    }
+    pub(super) fn nodes_mut(&mut self) -> &mut [Node<T>] {
+        self.storage.nodes_mut()
+    }
+
+    /// The grid for a stage of a step, and where bodies touch, which leaves the bodies to be seen.
+    pub(super) fn stage<'a>(
+        &'a mut self,
+        scene: &'a Scene<T, D>,
+        team: &'a Team,
+        of: StageOf<T>,
+    ) -> (GridStages<'a, T, D>, &'a mut ContactState<T>) {
+        let Background { storage, fields, contact, books, scene_wide, planes, .. } = self;
+        let lightest = scene.lightest();
+        let stage = GridStages {
+            grid: &mut **storage,
+            bodies: &scene.bodies,
+            fields,
+            team,
+            conditions: &scene.conditions,
+            books,
+            scene_wide,
+            cutoff: lightest * mass_cutoff::<T>(),
+            lightest,
+            of,
+            planes,
+            rigid: !scene.rigid.is_empty(),
+        };
+        (stage, contact)
+    }
+
+    /// Have the node blocks that the particles reach after so many steps, and tell the bodies where they are.
+    pub(super) fn arrange(
+        &mut self,
+        scene: &mut Scene<T, D>,
+        team: &Team,
+        steps: u64,
+        planes: AtPlanes,
+    ) -> Result<(), OutsideGrid> {
+        let separate = scene.contact.separates();
+        let pressed = self.pressed(&scene.conditions.boundaries);
+        self.fields.arrange(&mut *self.storage, &mut scene.bodies, separate, self.ahead, team)?;
+        self.contact.arrange(&self.fields, scene.bodies.len());
+        self.press(&pressed);
+        self.arranged = steps;
+        self.arrange_planes(&scene.conditions.boundaries, planes);
+        Ok(())
+    }
+
+    /// Have the node blocks that were claimed when a checkpoint was written.
+    pub(super) fn settle(&mut self, scene: &mut Scene<T, D>) -> Result<(), OutsideGrid> {
+        let separate = scene.contact.separates();
+        self.fields.settle(&mut *self.storage, &mut scene.bodies, separate)?;
+        self.contact.arrange(&self.fields, scene.bodies.len());
+        Ok(())
+    }
+
+    /// Find the nodes at planes.
+    pub(super) fn arrange_planes(&mut self, boundaries: &[Boundary<D>], at: AtPlanes) {
+        self.planes.arrange(&*self.storage, &self.fields, boundaries, at.reach, at.shares);
+    }
+
+    /// Do particles reach node blocks where their body has no field, or (asked with `prune`) none any more where
+    /// it has one?
+    pub(super) fn fields_changed(&self, scene: &mut Scene<T, D>, prune: bool) -> bool {
+        let layout = self.fields.layout();
+        scene.contact.separates()
+            && (prune && self.ahead
+                || scene.bodies.iter_mut().any(|b| b.presence_mut().reaches_further(layout))
+                || prune && self.fields.outdated(&scene.bodies))
+    }
+
+    /// Bytes of its memory.
+    pub(super) fn bytes(&self) -> usize {
+        self.storage.bytes()
+            + self.books.capacity() * size_of::<BlockBooks>()
+            + self.terms.capacity() * size_of::<[T; 3]>()
+            + self.planes.bytes()
+            + self.fields.bytes()
+            + self.contact.bytes()
+    }
+}
+
+/// Nodes of a block that press on walls, those that stick there, and whose they are.
+#[derive(Clone, Debug)]
+struct PressedAt<const D: usize> {
+    at: [i32; D],
+    owner: u32,
+    nodes: [NodeSets; 2],
+}
+
+impl<T: Float, const D: usize> Background<T, D> {
+    /// Which nodes press on walls, by place: before blocks are arranged anew.
+    fn pressed(&self, boundaries: &[Boundary<D>]) -> Vec<PressedAt<D>> {
+        if !boundaries.iter().any(Boundary::is_wall) {
+            return Vec::new();
+        }
+        let blocks = self.fields.coordinates().iter().zip(&self.books).enumerate();
+        let pressed = blocks.filter(|(_, (_, books))| books.pressed != NodeSets::default());
+        pressed
+            .map(|(block, (at, books))| PressedAt {
+                at: *at,
+                owner: self.fields.owner(block),
+                nodes: [books.pressed, books.stuck],
+            })
+            .collect()
+    }
+
+    /// Note it again, where the blocks are still there.
+    fn press(&mut self, pressed: &[PressedAt<D>]) {
+        self.books.clear();
+        self.books.resize_with(self.fields.len(), Default::default);
+        for PressedAt { at, owner, nodes } in pressed {
+            if let Some(block) = self.fields.find(&*self.storage, at, *owner) {
+                let books = &mut self.books[block];
+                [books.pressed, books.stuck] = *nodes;
+            }
+        }
+    }
+
+    /// In a checkpoint, after the blocks.
+    pub(super) fn exchange_pressed(
+        &mut self,
+        boundaries: &[Boundary<D>],
+        file: &mut Archive,
+    ) -> Result<(), CheckpointError> {
+        let mut pressed = self.pressed(boundaries);
+        let blank = PressedAt { at: [0; D], owner: 0, nodes: [NodeSets::default(); 2] };
+        file.list(&mut pressed, &blank, |file, PressedAt { at, owner, nodes }| {
+            at.iter_mut().try_for_each(|c| file.integer(c))?;
+            let mut word = u64::from(*owner);
+            file.word(&mut word)?;
+            *owner = u32::try_from(word).map_err(|_| file.damaged(format!("{word:#x} is no body")))?;
+            nodes.iter_mut().flat_map(|n| &mut n.0).try_for_each(|set| file.word(set))
+        })?;
+        if file.reads() {
+            self.press(&pressed);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,68 @@
+//! Bodies of another discretisation that act through the grid of a scene: what is asked of them.
+
+use crate::parallel::{Float, Team};
+use impactite_scene::archive::{Archive, CheckpointError};
+use impactite_scene::constants::Constant;
+use impactite_scene::{Body, Exchange, Stopped};
+
+/// A point of a [`GridClient`] as the grid has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ClientPoint {
+    /// Position, m.
+    pub position: [f64; 3],
+    /// Half edges of its domain, m: how far matter reaches around it, as contact sees it.
+    pub half_edges: [[f64; 3]; 3],
+}
+
+/// A body of another discretisation that acts on the grid of a scene: finite elements, a scene in the reference configuration, a
+/// method of one's own. [`Mpm::add_client`](super::Mpm::add_client) adds it.
+///
+/// Its points (nodes of elements, particles) stand on the grid as **proxies**: particles of their masses without stress. In a step of
+/// `dt` seconds
+///
+/// ```text
+/// open      the body moves its points by its own forces alone: x', the velocity that each moves with
+/// grid      v_i = sum m x' N_i(x) / m_i;  contact, walls: J_i;  dx' = sum N_i(x) J_i / m_i of every point
+/// advance   the body takes m dx' as an impulse on each point, deforms and moves
+/// ```
+///
+/// so that sum J_i = sum m dx': what bodies do to each other is momentum given and taken, to rounding. The points should be about as far
+/// apart as the nodes of the grid, or closer: through wider meshes others' particles slip.
+///
+/// The step of a scene is not longer than [`GridClient::rate`] allows; a body that needs many shorter steps makes them within `open` and
+/// `advance`.
+pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
+    /// What it is made of, in words; functions of time by what they give at these, s. A checkpoint is refused where they differ.
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant>;
+    /// How its coordinates lie in space: the name of the embedding.
+    fn embedding(&self) -> &'static str;
+    /// Largest half sizes of its points, m: at most half a cell of the grid.
+    fn half_size(&self) -> [f64; D];
+    /// Mass, kg, and velocity, m/s, of every point, by number; their number never changes.
+    fn mass_points(&self) -> Vec<(f64, [f64; D])>;
+    /// Where they are, by number.
+    fn place(&mut self, points: &mut [ClientPoint]);
+    /// One over the longest step, 1/s, over which the safety factor of the scene's time control comes: speed of waves over size.
+    fn rate(&self) -> f64;
+    /// Begin a step of `dt`, s: the velocities that points would move with by the body's own forces alone, m/s, by number.
+    ///
+    /// # Errors
+    /// What stops the body.
+    fn open(&mut self, dt: T, velocities: &mut [[T; 3]], team: &Team) -> Result<(), Stopped>;
+    /// End it: take `changes`, m/s, of these velocities, by number; none where nothing changes. They are memory to work in.
+    ///
+    /// # Errors
+    /// As [`GridClient::open`].
+    fn advance(&mut self, dt: T, changes: Option<&mut Vec<[T; 3]>>, team: &Team) -> Result<(), Stopped>;
+    /// What boundaries and loads of its own gave to the body since the start.
+    fn given(&self) -> Exchange;
+    /// Does it bear shear and tension, so that it is one piece of matter?
+    fn coheres(&self) -> bool {
+        true
+    }
+    /// All that changes in a run, to a file or from one.
+    ///
+    /// # Errors
+    /// The file.
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
+}

@@ -1,0 +1,239 @@
+//! Bodies of another discretisation in a scene, with the proxies of their points on the grid.
+
+use std::sync::Arc;
+
+use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
+use super::capability::ClientSteps;
+use super::client::{ClientPoint, GridClient};
+use super::footprint::Footprint;
+use super::kernels::MethodKernels;
+use super::layout::Nodes;
+use super::load::{Loading, Loads};
+use super::particle_body::ParticleBody;
+use super::rigid_body::Undeformed;
+use crate::dim::block_nodes;
+use crate::geometry::Lattice;
+use crate::parallel::{Float, Team};
+use crate::particles::{Columns, Place};
+use impactite_scene::archive::{Archive, CheckpointError};
+use impactite_scene::constants::Constant;
+use impactite_scene::{Body, Exchange, PointKind, PointView, Stopped, Totals};
+
+/// A [`GridClient`] in a scene.
+pub(super) struct ClientBody<T: Float, const D: usize> {
+    client: Box<dyn GridClient<T, D>>,
+    proxy: ParticleBody<T, D>,
+    /// By number: velocity that a point moves with, then what the scene's nodes add to it, m/s.
+    velocities: Vec<[T; 3]>,
+    /// By number.
+    points: Vec<ClientPoint>,
+    rate: T,
+    /// The pass of the scene in which particles take what nodes got.
+    returns: Which,
+}
+
+impl<T: Float, const D: usize> ClientBody<T, D> {
+    /// On a grid; `kernels` are those of proxies.
+    pub(super) fn new(
+        mut client: Box<dyn GridClient<T, D>>,
+        kernels: Arc<dyn MethodKernels<T, D>>,
+        lattice: Lattice<D>,
+        returns: Which,
+    ) -> Self {
+        let (mut mass, mut volume) = (0.0, 0.0);
+        client.for_each(&mut |p| {
+            mass += p.mass;
+            volume += p.volume;
+        });
+        let law = Arc::new(Undeformed { density: T::of(mass / volume) });
+        let none = (Loads::default(), None);
+        let mut proxy = ParticleBody::empty(client.name(), law, kernels, lattice, &client.half_size(), none);
+        let given = client.mass_points();
+        let mut points = vec![ClientPoint::default(); given.len()];
+        client.place(&mut points);
+        proxy.stand_for(&given, &points);
+        proxy.place_at(&points, &Team::one());
+        let velocities = vec![[T::default(); 3]; points.len()];
+        ClientBody { client, proxy, velocities, points, rate: T::default(), returns }
+    }
+
+    fn trouble(&self, trouble: BodyTrouble) -> Stopped {
+        let BodyTrouble { particle, position, cause } = trouble;
+        let (body, law) = (self.name().to_string(), self.law());
+        Stopped::Point { kind: PointKind::Particle, body, number: particle, position, law, cause }
+    }
+}
+
+impl<T: Float, const D: usize> ParticleBody<T, D> {
+    /// Particles of these masses and velocities at these points; all else is to come.
+    fn stand_for(&mut self, given: &[(f64, [f64; D])], points: &[ClientPoint]) {
+        let mut index = std::collections::BTreeMap::new();
+        let mut numbers = self.dummy.to_vec();
+        self.lightest = T::of(given.iter().fold(f64::MAX, |least, (mass, _)| least.min(*mass)));
+        for (number, ((mass, velocity), point)) in given.iter().zip(points).enumerate() {
+            for d in 0..D {
+                numbers[Columns::velocity(D) + d] = T::of(velocity[d]);
+            }
+            numbers[self.columns.mass()] = T::of(*mass);
+            numbers[self.columns.number()] = T::of(number as f64);
+            self.put(&mut index, &std::array::from_fn(|d| point.position[d]), &mut numbers);
+        }
+        self.settle();
+    }
+
+    /// Place the particles, by number, where a pass [`Follow`](crate::scheme::Follow) finds them, and give them their domains.
+    fn place_at(&mut self, points: &[ClientPoint], team: &Team) {
+        let (centre, domain) = (self.bin_centre(), self.facts().domain);
+        let (columns, lattice) = (&self.columns, &self.lattice);
+        let h = lattice.spacing();
+        team.each(&mut self.slots, |_, slot| {
+            for bin in 0..block_nodes(D) {
+                let cells = slot.block.bin_coordinates(bin);
+                let mut next = slot.block.last_group(bin);
+                while let Some((group, here)) = next {
+                    next = slot.block.group_before(group);
+                    for lane in 0..here as u32 {
+                        let at = Place { group, lane };
+                        let Some(point) = points.get(slot.block.number(at)) else { continue };
+                        for d in 0..D {
+                            let x =
+                                (point.position[d] - lattice.origin()[d]) / h - f64::from(cells[d]) - centre;
+                            slot.block.set(at, Columns::position() + d, T::of(x));
+                        }
+                        if domain.carried() {
+                            let edges = point.half_edges.map(|e| e.map(|x| x / h));
+                            let carried = domain.of_edges::<f64, D>(&edges);
+                            for (n, x) in carried[..domain.numbers(D)].iter().enumerate() {
+                                slot.block.set(at, columns.domain() + n, T::of(*x));
+                            }
+                        }
+                    }
+                }
+            }
+        });
+    }
+}
+
+impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
+    fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped> {
+        self.client.open(dt, &mut self.velocities, team)?;
+        let velocities = &self.velocities;
+        self.proxy.show_velocities(&mut |number, v| *v = velocities[number]);
+        let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0 };
+        self.proxy.pass(Which::Map, nodes, steps, team).map_err(|t| self.trouble(t))?;
+        Ok(())
+    }
+
+    fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped> {
+        let (changes, mut changed) = (&mut self.velocities, false);
+        self.proxy.show_velocities(&mut |number, v| {
+            let change = &mut changes[number];
+            for d in 0..D {
+                change[d] = v[d] - change[d];
+                changed |= change[d] != T::default();
+            }
+        });
+        self.client.advance(dt, changed.then_some(changes), team)?;
+        self.client.place(&mut self.points);
+        self.proxy.place_at(&self.points, team);
+        let steps = Steps { this: T::default(), next: T::default(), adapt: true, force_time: 0.0 };
+        let followed = self.proxy.sweep(Which::Follow, nodes, steps, team).map_err(|t| self.trouble(t))?;
+        self.rate = followed.max(T::of(self.client.rate()));
+        Ok(self.rate)
+    }
+
+    fn given(&self) -> Exchange {
+        self.client.given()
+    }
+}
+
+impl<T: Float, const D: usize> Body for ClientBody<T, D> {
+    fn name(&self) -> &str {
+        self.client.name()
+    }
+    fn law(&self) -> &'static str {
+        self.client.law()
+    }
+    fn len(&self) -> usize {
+        self.client.len()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.client.state_names()
+    }
+    fn totals(&self) -> Totals {
+        self.client.totals()
+    }
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        self.client.for_each(visit);
+    }
+    fn bytes(&self) -> usize {
+        self.client.bytes()
+            + self.proxy.bytes()
+            + self.velocities.capacity() * size_of::<[T; 3]>()
+            + self.points.capacity() * size_of::<ClientPoint>()
+            + size_of::<Self>()
+    }
+}
+
+impl<T: Float, const D: usize> GridBody<T, D> for ClientBody<T, D> {
+    fn constants(&self, times: [f64; 2]) -> Vec<Constant> {
+        self.client.constants(times)
+    }
+    fn embedding(&self) -> &'static str {
+        self.client.embedding()
+    }
+    fn half_size(&self) -> [f64; D] {
+        self.client.half_size()
+    }
+    fn lightest(&self) -> T {
+        self.proxy.lightest()
+    }
+    fn presence(&self) -> &dyn Presence<T, D> {
+        &self.proxy
+    }
+    fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
+        &mut self.proxy
+    }
+    fn client(&self) -> Option<&dyn ClientSteps<T, D>> {
+        Some(self)
+    }
+    fn client_mut(&mut self) -> Option<&mut dyn ClientSteps<T, D>> {
+        Some(self)
+    }
+    fn rate(&self, spacing: f64) -> T {
+        T::of(self.client.rate()).max(self.proxy.rate(spacing))
+    }
+    /// Of the proxies, which have no stress: velocities in the first pass, all else when the scene's stages are done.
+    fn pass(
+        &mut self,
+        which: Which,
+        nodes: Nodes<'_, T>,
+        dt: Steps<T>,
+        team: &Team,
+    ) -> Result<T, BodyTrouble> {
+        if which == self.returns {
+            self.proxy.pass(Which::First, nodes, Steps { adapt: false, ..dt }, team)?;
+        }
+        Ok(self.rate)
+    }
+    fn loading(&self) -> Loading {
+        Loading::default()
+    }
+    fn locate(&mut self, _: Which, prune: bool, team: &Team) -> bool {
+        self.proxy.locate_after(Which::Follow, prune, team)
+    }
+    fn coheres(&self) -> bool {
+        self.client.coheres()
+    }
+    fn particle_bytes(&self) -> usize {
+        self.proxy.particle_bytes()
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.client.archive(file)?;
+        file.numbers([&mut self.rate])?;
+        self.proxy.archive(file)
+    }
+    fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
+        self.proxy.footprints(time, visit);
+    }
+}

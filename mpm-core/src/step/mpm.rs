@@ -1,0 +1,177 @@
+//! The material point method's scene, and its work behind one call: compiled in this crate, once for a precision and a dimension,
+//! and not in every program.
+//!
+//! A program that calls `mpm.step()` would compile the step, the grid's stages, checkpoints and all that they call, since
+//! [`Mpm`] is generic. So its larger methods hand their work to a [`Work`], an object that each scene has from its method
+//! ([`Kernels`]); there are four, those of [`Scalar`].
+
+use std::sync::Arc;
+
+use mpm_materials::material::Material;
+
+use super::background::Background;
+use super::between_steps::BetweenSteps;
+use super::body::GridBody;
+use super::client::GridClient;
+use super::contact::ContactAlgorithm;
+use super::deformable::Prepared;
+use super::footprint::Footprint;
+use super::kernels::{Facts, MethodKernels};
+use super::looks::Looks;
+use super::rest::{Balance, Frequency, Rest, Rested};
+use super::rigid::Rigid;
+use super::scene::Scene;
+use super::stepper::Stepper;
+use crate::geometry::Seeds;
+use crate::grid::GridStorage;
+use crate::parallel::{Float, Team};
+use impactite_scene::boundary::Boundary;
+use impactite_scene::error::SceneError;
+use impactite_scene::{Archive, CheckpointError, Clock, Exchange, StepError};
+
+/// Material point method: bodies of particles on a background grid.
+///
+/// A scene is of one type, whatever method ([`crate::Method`]), grid, contact and laws it is made of. Bodies may have different
+/// laws; with [`OneField`] they move in one velocity field, that is, they stick where they touch.
+pub struct Mpm<const D: usize, T: Float = f64> {
+    pub(super) work: &'static dyn Work<T, D>,
+    /// The method.
+    pub(super) kernels: Arc<dyn MethodKernels<T, D>>,
+    pub(super) scene: Scene<T, D>,
+    pub(super) grid: Background<T, D>,
+    pub(super) stepper: Stepper<T>,
+    pub(super) between_steps: BetweenSteps,
+    pub(super) team: Team,
+    pub(super) clock: Clock,
+    /// What boundaries and loads gave since the start.
+    pub(super) ledger: Exchange,
+    /// Balances, and what they and the bodies were found to be like.
+    pub(super) looks: Looks<D>,
+    /// What stopped the run, after which it makes no step.
+    pub(super) stopped_by: Option<StepError>,
+}
+
+impl<const D: usize, T: Float> Mpm<D, T> {
+    /// An empty scene.
+    pub(crate) fn of_parts(
+        method: Kernels<T, D>,
+        grid: Box<dyn GridStorage<T, D>>,
+        contact: Arc<dyn ContactAlgorithm<T, D>>,
+    ) -> Self {
+        let Kernels { kernels, work } = method;
+        let stepper = Stepper::new(kernels.facts().time_control());
+        Mpm {
+            work,
+            kernels,
+            scene: Scene::new(contact),
+            grid: Background::new(grid),
+            stepper,
+            between_steps: BetweenSteps::default(),
+            team: Team::one(),
+            clock: Clock::default(),
+            ledger: Exchange::default(),
+            looks: Looks::default(),
+            stopped_by: None,
+        }
+    }
+}
+
+/// The kernels of a method, as an object: of one type for all methods, so that they can be chosen at run time.
+///
+/// ```
+/// use mpm_core::geometry::Lattice;
+/// use mpm_core::{Apic, BlockGrid, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, Usl};
+///
+/// fn named(name: &str) -> Option<Kernels<f64, 2>> {
+///     match name {
+///         "flip" => Some(Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels()),
+///         "apic" => Some(Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain).into_kernels()),
+///         _ => None,
+///     }
+/// }
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let method = named("apic").ok_or("no such method")?;
+/// let scene = Mpm::new(method, BlockGrid::new(Lattice::new([0.0; 2], 0.1)?));
+/// # assert!(scene.facts().affine);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone)]
+pub struct Kernels<T: Float, const D: usize> {
+    pub(crate) kernels: Arc<dyn MethodKernels<T, D>>,
+    pub(crate) work: &'static dyn Work<T, D>,
+}
+
+impl<T: Float, const D: usize> Kernels<T, D> {
+    pub(crate) fn new(kernels: Arc<dyn MethodKernels<T, D>>, work: &'static dyn Work<T, D>) -> Self {
+        Kernels { kernels, work }
+    }
+    /// What a step asks of the method beside them.
+    pub fn facts(&self) -> &Facts {
+        self.kernels.facts()
+    }
+}
+
+/// A number that solvers in `D` dimensions are compiled for: `f64` and, with the feature `single`, `f32`; in two and three dimensions.
+#[diagnostic::on_unimplemented(
+    message = "solvers of numbers `{Self}` in {D} dimensions are not compiled",
+    note = "`f32` asks for the feature `single` of `mpm-core`"
+)]
+pub trait Scalar<const D: usize>: Float {
+    /// Their work.
+    #[doc(hidden)]
+    const WORK: &'static dyn Work<Self, D>;
+}
+
+macro_rules! works {
+    ($($(#[$doc:meta])* $name:ident(&$($self:ident)+, $($arg:ident: $type:ty),*) -> $out:ty = $here:ident;)*) => {
+        /// What the methods of [`Mpm`] of the same names do.
+        pub trait Work<T: Float, const D: usize>: Sync {
+            $($(#[$doc])* fn $name(&self, mpm: works!(self T $($self)+), $($arg: $type),*) -> $out;)*
+        }
+        impl<T: Float, const D: usize> Work<T, D> for Once {
+            $(fn $name(&self, mpm: works!(self T $($self)+), $($arg: $type),*) -> $out {
+                mpm.$here($($arg),*)
+            })*
+        }
+    };
+    (self T mut mpm) => { &mut Mpm<D, T> };
+    (self T mpm) => { &Mpm<D, T> };
+}
+
+struct Once;
+
+works! {
+    step_at_most(&mut mpm, left: f64) -> Result<T, StepError> = step_at_most_here;
+    look_at_the_end(&mut mpm,) -> Result<(), StepError> = look_at_the_end_here;
+    run_to_rest(&mut mpm, rest: &Rest, end: f64) -> Result<Rested, StepError> = run_to_rest_here;
+    insert(&mut mpm, body: Prepared<'_, T, D>) -> Result<(), SceneError> = insert_here;
+    add_rigid(&mut mpm, name: &str, rigid: &Rigid<D>, seeds: &Seeds<D>) -> Result<(), SceneError> = add_rigid_here;
+    adopt(&mut mpm, law: Arc<dyn Material<T>>, body: &dyn GridBody<T, D>) -> Result<(), SceneError> = adopt_here;
+    add_total_lagrangian(&mut mpm, scene: Mpm<D, T>) -> Result<(), SceneError> = add_total_lagrangian_here;
+    add_client(&mut mpm, body: Box<dyn GridClient<T, D>>) -> Result<(), SceneError> = add_any_client;
+    deactivate(&mut mpm, bodies: &[&str]) -> Result<(), SceneError> = deactivate_here;
+    bound(&mut mpm, boundary: Boundary<D>) -> Result<(), SceneError> = bound_here;
+    archive(&mut mpm, file: &mut Archive) -> Result<(), CheckpointError> = archive_here;
+    stable_step(&mut mpm,) -> Result<f64, StepError> = stable_step_here;
+    balance(&mpm,) -> Balance = balance_here;
+    frequency_bound(&mpm,) -> Frequency = frequency_bound_here;
+    for_each_footprint(&mpm, visit: &mut dyn FnMut(&Footprint<'_, D>)) -> () = for_each_footprint_here;
+}
+
+macro_rules! scalars {
+    ($($t:ty, $d:literal;)*) => {$(
+        impl Scalar<$d> for $t {
+            const WORK: &'static dyn Work<$t, $d> = &Once;
+        }
+    )*};
+}
+scalars! {
+    f64, 2;
+    f64, 3;
+}
+#[cfg(feature = "single")]
+scalars! {
+    f32, 2;
+    f32, 3;
+}

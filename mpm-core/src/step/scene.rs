@@ -1,0 +1,31 @@
+//! The bodies of a scene, and what acts on them.
+
+use std::sync::Arc;
+
+use super::body::GridBody;
+use super::contact::ContactAlgorithm;
+use super::nodes::Conditions;
+use crate::parallel::Float;
+
+/// Bodies, conditions and the contact algorithm.
+pub(super) struct Scene<T: Float, const D: usize> {
+    pub(super) bodies: Vec<Box<dyn GridBody<T, D>>>,
+    pub(super) conditions: Conditions<D>,
+    pub(super) contact: Arc<dyn ContactAlgorithm<T, D>>,
+    /// Which bodies are rigid.
+    pub(super) rigid: Vec<usize>,
+    /// Which bodies are of another discretisation.
+    pub(super) clients: Vec<usize>,
+}
+
+impl<T: Float, const D: usize> Scene<T, D> {
+    /// An empty one.
+    pub(super) fn new(contact: Arc<dyn ContactAlgorithm<T, D>>) -> Self {
+        let conditions = Conditions::default();
+        Scene { bodies: Vec::new(), conditions, contact, rigid: Vec::new(), clients: Vec::new() }
+    }
+    /// Mass of the lightest particle, kg.
+    pub(super) fn lightest(&self) -> T {
+        self.bodies.iter().map(|b| b.lightest()).fold(T::of(f64::MAX), |a, b| a.min(b))
+    }
+}

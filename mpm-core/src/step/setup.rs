@@ -1,0 +1,140 @@
+//! What acts on a scene: conditions, loads, damping; and how it steps.
+
+use super::mpm::Mpm;
+use super::wrap::Wrap;
+use crate::parallel::{Float, Team};
+use impactite_scene::TimeControl;
+use impactite_scene::boundary::{Boundary, BoundaryError, Side};
+use impactite_scene::error::SceneError;
+
+impl<const D: usize, T: Float> Mpm<D, T> {
+    /// Refuse a method that no body can have here.
+    pub(super) fn check_method(&self) -> Result<(), SceneError> {
+        if self.scene.contact.separates() {
+            self.check_frame(
+                "contact",
+                "bodies mapped in the reference configuration never meet: leave it out",
+            )?;
+        }
+        if self.facts().domain.carried() {
+            let why =
+                "domains tile for ever in the reference configuration: take `Gimp`, `Linear` or a B-spline";
+            self.check_frame("a shape function whose domains follow the strain", why)?;
+        }
+        Ok(())
+    }
+
+    /// Add a boundary condition; conditions act in the order they were added.
+    ///
+    /// # Errors
+    /// An axis that does not exist, a symmetry or absorbing plane between nodes, a symmetry plane with particles behind it, numbers that are
+    /// not finite or that a condition refuses; walls in the reference configuration; periodic planes whose distance is no whole number of
+    /// blocks of four cells, beside another plane across their axis, with bodies there already or kept apart, or along a radius.
+    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
+        self.work.bound(self, boundary)
+    }
+
+    pub(super) fn bound_here(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
+        boundary.check(self.grid.lattice())?;
+        self.check_periodic(&boundary)?;
+        if self.facts().total && boundary.is_wall() {
+            return Err(BoundaryError::WallInReference.into());
+        }
+        for body in &self.scene.bodies {
+            let mut behind = None;
+            body.for_each(&mut |p| {
+                let x = std::array::from_fn(|d| p.position[d]);
+                behind = behind.take().or_else(|| self.behind_symmetry(&boundary, body.name(), p.number, &x));
+            });
+            behind.map_or(Ok(()), Err)?;
+        }
+        self.scene.conditions.boundaries.push(boundary);
+        self.arrange_planes();
+        Ok(())
+    }
+
+    /// Where blocks are found beyond periodic planes.
+    pub(super) fn wrap(&self) -> Result<Wrap<D>, SceneError> {
+        Ok(Wrap::of(&self.scene.conditions.boundaries, self.grid.lattice())?)
+    }
+
+    /// Refuse periodic planes that cannot be with the scene, and planes that cannot be with them.
+    fn check_periodic(&self, boundary: &Boundary<D>) -> Result<(), SceneError> {
+        let mut all = self.scene.conditions.boundaries.clone();
+        all.push(boundary.clone());
+        Wrap::of(&all, self.grid.lattice())?;
+        let Boundary::Periodic { axis, .. } = *boundary else { return Ok(()) };
+        let refuse = |why| Err(BoundaryError::Periodic { axis, why }.into());
+        if !self.scene.bodies.is_empty() {
+            return refuse("once there are bodies; they must be given before");
+        }
+        if self.scene.contact.separates() {
+            return refuse("where bodies are kept apart; the scene must be of one field");
+        }
+        if self.facts().hoop && axis == 0 {
+            return refuse("along the radius; they must lie across the axis of revolution");
+        }
+        Ok(())
+    }
+
+    /// What a particle is refused for that is behind a plane of symmetry, where its image is.
+    pub(super) fn behind_symmetry(
+        &self,
+        boundary: &Boundary<D>,
+        body: &str,
+        particle: usize,
+        x: &[f64; D],
+    ) -> Option<SceneError> {
+        let Boundary::Symmetry { axis, at, side } = *boundary else { return None };
+        let distance = if side == Side::Above { at - x[axis] } else { x[axis] - at };
+        let behind = distance > 1e-6 * self.grid.lattice().spacing();
+        let body = || body.to_string();
+        behind.then(|| SceneError::BehindSymmetry { body: body(), particle, axis, at, distance })
+    }
+
+    /// Accelerate all material, m/s^2 over time.
+    pub fn set_body_force(&mut self, acceleration: impl Fn(f64) -> [f64; D] + Send + Sync + 'static) {
+        self.scene.conditions.gravity = Some(std::sync::Arc::new(acceleration));
+    }
+
+    /// Damp towards rest: every node's unbalanced force, weight included, is lowered by its part `coefficient` along each
+    /// axis while it speeds the node up, and raised by as much while it slows it down, f <- f - alpha |f| sign(v)
+    /// (Cundall 1987). It leaves balanced forces alone, so that a state at rest is the true one; what it takes is booked as a
+    /// load. 0.05 for slow processes, 0.7 to come to rest soonest. What particles keep of velocity that nodes do not see is
+    /// not damped, and FLIP with wide stencils gathers it: take a [`Blend`](crate::Blend) there.
+    ///
+    /// # Errors
+    /// A coefficient outside \[0, 1), or a method that maps momentum and impulse together
+    /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER)), where nodes know no forces.
+    pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
+        if !(0.0..1.0).contains(&coefficient) {
+            return Err(SceneError::Damping(coefficient));
+        }
+        if self.facts().maps_together && coefficient > 0.0 {
+            return Err(SceneError::NoForces(self.facts().description.clone()));
+        }
+        self.scene.conditions.damping = coefficient;
+        Ok(())
+    }
+
+    /// Choose how the time step is found.
+    ///
+    /// # Errors
+    /// Numbers out of range.
+    pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), SceneError> {
+        control.check()?;
+        if matches!(control, TimeControl::Gershgorin { .. }) {
+            self.check_clients("`TimeControl::Gershgorin`")?;
+        }
+        self.stepper.control = control;
+        self.stepper.gershgorin = None;
+        self.clock.last = None;
+        self.stepper.mapped = false;
+        Ok(())
+    }
+
+    /// Run the stages on these threads. Results do not depend on their number.
+    pub fn set_team(&mut self, team: Team) {
+        self.team = team;
+    }
+}

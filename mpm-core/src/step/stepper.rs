@@ -1,0 +1,45 @@
+//! What a run knows of its steps.
+
+use std::time::Duration;
+
+use super::body::BodyTrouble;
+use super::load::Loading;
+use crate::parallel::Float;
+use impactite_scene::TimeControl;
+
+/// The time step, and what the passes over particles came to.
+pub(super) struct Stepper<T> {
+    pub(super) control: TimeControl,
+    /// The last Gershgorin rate, 1/s, and the step it was found at.
+    pub(super) gershgorin: Option<(u64, f64)>,
+    /// The step that impulses on the grid are for, s.
+    pub(super) planned: T,
+    /// Largest (c + |v|) / h of the particles, 1/s.
+    pub(super) rate: T,
+    /// Do the tiles hold the map of the particles as they stand?
+    pub(super) mapped: bool,
+    /// The surface loads on the grid.
+    pub(super) acting: Loading,
+    /// What the bodies' last pass came to, and whether their blocks changed after it.
+    pub(super) passed: Vec<Result<T, BodyTrouble>>,
+    pub(super) changed: Vec<bool>,
+    /// Time spent at particles so far.
+    pub(super) at_particles: Duration,
+}
+
+impl<T: Float> Stepper<T> {
+    /// Before the first step.
+    pub(super) fn new(control: TimeControl) -> Self {
+        Stepper {
+            control,
+            gershgorin: None,
+            planned: T::default(),
+            rate: T::default(),
+            mapped: false,
+            acting: Loading::default(),
+            passed: Vec::new(),
+            changed: Vec::new(),
+            at_particles: Duration::ZERO,
+        }
+    }
+}

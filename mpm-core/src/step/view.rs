@@ -1,0 +1,170 @@
+//! A scene as others see it.
+
+use impactite_scene::{
+    Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, Solver, StepError,
+    Totals, Warning,
+};
+
+use super::body::GridBody;
+use super::contact::ContactAlgorithm;
+use super::kernels::Facts;
+use super::mpm::Mpm;
+use crate::grid::GridStorage;
+use crate::parallel::{Float, Team};
+
+impl<const D: usize, T: Float> Mpm<D, T> {
+    /// Step until `end`, s; the last step is shortened to arrive there.
+    ///
+    /// # Errors
+    /// As [`Mpm::step`]; an end that is not finite, or before the time reached.
+    pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
+        Solver::run_until(self, end)
+    }
+
+    /// Make one step, shortened if it would go beyond `end`, s, which is then met exactly.
+    ///
+    /// # Errors
+    /// As [`Mpm::step`]; an end that is not finite, or that is [reached](Mpm::reached).
+    pub fn step_towards(&mut self, end: f64) -> Result<T, StepError> {
+        Solver::step_towards(self, end).map(T::of)
+    }
+
+    /// Has the time come to `end`, s, or is what is left less than the rounding of either? Never for an end that is not a number.
+    pub fn reached(&self, end: f64) -> bool {
+        self.clock.reached(end)
+    }
+
+    /// Wall-clock time, s, that steps spent at particles so far: in passes over them and bringing them to their bins. What is
+    /// left of a step's is the grid's and contact's.
+    pub fn particle_seconds(&self) -> f64 {
+        self.stepper.at_particles.as_secs_f64()
+    }
+
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.clock.time
+    }
+
+    /// Steps made.
+    pub fn steps(&self) -> u64 {
+        self.clock.steps
+    }
+
+    /// The bodies.
+    pub fn bodies(&self) -> &[Box<dyn GridBody<T, D>>] {
+        &self.scene.bodies
+    }
+
+    /// The grid.
+    pub fn grid(&self) -> &dyn GridStorage<T, D> {
+        &*self.grid.storage
+    }
+
+    /// What its method is.
+    pub fn facts(&self) -> &Facts {
+        self.kernels.facts()
+    }
+
+    /// Number of particles.
+    pub fn particles(&self) -> usize {
+        self.scene.bodies.iter().map(|b| b.len()).sum()
+    }
+
+    /// Totals over all particles.
+    pub fn totals(&self) -> Totals {
+        self.scene.bodies.iter().map(|b| b.totals()).fold(Totals::default(), |a, b| a.plus(&b))
+    }
+
+    /// What boundaries and loads gave to the material since the start.
+    pub fn exchange(&self) -> Exchange {
+        let mut sum = self.ledger;
+        let own = self.scene.bodies.iter().filter_map(|b| b.client());
+        own.for_each(|body| sum.add(&body.given()));
+        sum
+    }
+
+    /// The contact algorithm.
+    pub fn contact(&self) -> &dyn ContactAlgorithm<T, D> {
+        &*self.scene.contact
+    }
+
+    /// The pairs of bodies that were ever in contact: force, nodes and gap in the last step, energy since the
+    /// start.
+    pub fn contacts(&self) -> &[PairContact] {
+        self.grid.contact.pairs()
+    }
+
+    /// The nodes in contact in the last step, with gap, normal and impulse.
+    pub fn contact_points(&self) -> Vec<ContactPoint> {
+        self.grid.contact.nodes(self.grid.lattice())
+    }
+
+    /// Bytes of particles, grid and all scratch.
+    pub fn bytes(&self) -> usize {
+        self.scene.bodies.iter().map(|b| b.bytes()).sum::<usize>() + self.grid.bytes() + self.looks.bytes()
+    }
+}
+
+/// What the run loop, observers and checkpoints need of it.
+impl<const D: usize, T: Float> Solver for Mpm<D, T> {
+    fn method(&self) -> String {
+        self.facts().description.clone()
+    }
+    fn dimensions(&self) -> usize {
+        D
+    }
+    fn axisymmetric(&self) -> bool {
+        self.facts().hoop
+    }
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
+    }
+    fn stable_step(&mut self) -> Result<f64, StepError> {
+        self.work.stable_step(self)
+    }
+    fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
+        Mpm::step_at_most(self, left).map(|dt| dt.to_double())
+    }
+    fn set_team(&mut self, team: Team) {
+        Mpm::set_team(self, team);
+    }
+    fn bodies(&self) -> Vec<&dyn Body> {
+        self.scene.bodies.iter().map(|body| &**body as &dyn Body).collect()
+    }
+    fn exchange(&self) -> Exchange {
+        Mpm::exchange(self)
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.work.archive(self, file)
+    }
+    fn stopped_by(&self) -> Option<&StepError> {
+        self.stopped_by.as_ref()
+    }
+    fn look_at_the_end(&mut self) -> Result<(), StepError> {
+        self.work.look_at_the_end(self)
+    }
+    fn warnings(&self) -> &[Warning] {
+        Mpm::warnings(self)
+    }
+    fn account(&self) -> Account {
+        Mpm::account(self)
+    }
+    fn contacts(&self) -> Vec<PairContact> {
+        self.grid.contact.pairs().to_vec()
+    }
+    fn contact_points(&self) -> Vec<ContactPoint> {
+        Mpm::contact_points(self)
+    }
+    fn moving_points(&self) -> usize {
+        self.moving_particles()
+    }
+    fn bytes(&self) -> usize {
+        Mpm::bytes(self)
+    }
+    fn clock_rounding(&self, dt: f64) -> f64 {
+        4.0 * T::default_epsilon().to_double() * dt
+    }
+}
