@@ -12,7 +12,7 @@ use crate::step::compiled::{inlined, kernels};
 use crate::step::{Deformable, Kernels, Mpm, Scalar};
 
 /// A method that a scene can have: one whose kernels are compiled in this crate (the implementors below; book, "What is compiled where"), or
-/// what [`Method::compiled`] makes of any other one, or kernels that are there already.
+/// what [`Method::compiled`](crate::Method::compiled) makes of any other one, or kernels that are there already.
 #[diagnostic::on_unimplemented(
     message = "a scene of {D} dimensions cannot have the method `{Self}`: its kernels are not compiled in `mpm-core`",
     note = "the embedding must have the dimensions of the grid's lattice: in two take `PlaneStrain` or `Axisymmetric`, in three `FullSpace`",

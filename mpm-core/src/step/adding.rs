@@ -38,7 +38,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// As [`Mpm::add`]. With an initial state also one with a number that is not finite, or whose volume ratio is not positive. With
     /// splitting also particles that are not as long as they are wide, more of them than can be numbered, a law that does not keep the
     /// stretch, and a method in the reference configuration; with [`Merging`](super::Merging) also an affine transfer (APIC), domains
-    /// that are not boxes (CPDI), a law whose states have no mean ([`Constitutive::merged`]), bodies in their reference configuration.
+    /// that are not boxes (CPDI), a law whose states have no mean ([`Constitutive::merged`](mpm_materials::Constitutive::merged)), bodies in their reference configuration.
     pub fn add_body<L: IntoMaterial<T>>(&mut self, body: Deformable<'_, D, L, T>) -> Result<(), SceneError> {
         self.insert(body.prepared())
     }

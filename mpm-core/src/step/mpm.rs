@@ -32,7 +32,7 @@ use impactite_scene::{Archive, CheckpointError, Clock, Exchange, StepError};
 /// Material point method: bodies of particles on a background grid.
 ///
 /// A scene is of one type, whatever method ([`crate::Method`]), grid, contact and laws it is made of. Bodies may have different
-/// laws; with [`OneField`] they move in one velocity field, that is, they stick where they touch.
+/// laws; with [`OneField`](crate::OneField) they move in one velocity field, that is, they stick where they touch.
 pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) work: &'static dyn Work<T, D>,
     /// The method.

@@ -304,7 +304,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// A scene without contact, or in the reference configuration, or whose nodes know no accelerations (PIC, APIC, FMPM); another
     /// scene that is not in the reference configuration with FLIP and MUSL; one of no or several bodies, of other coordinates, that made
     /// steps, or damps or filters; particles larger than a cell of this grid or outside of it; a body force, kinetic damping, a
-    /// null-space filter, a body whose particles merge or [`TimeControl::Gershgorin`] in this scene.
+    /// null-space filter, a body whose particles merge or [`TimeControl::Gershgorin`](crate::TimeControl::Gershgorin) in this scene.
     pub fn add_total_lagrangian(&mut self, scene: Mpm<D, T>) -> Result<(), SceneError> {
         self.work.add_total_lagrangian(self, scene)
     }

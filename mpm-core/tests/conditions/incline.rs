@@ -197,5 +197,8 @@ fn weight_does_no_work_on_what_rests() {
     let gained = end.kinetic + end.internal - start.kinetic - start.internal;
     // A step's weight times the way of a step of free fall, in every step, would be 7 % of the energy stored.
     assert!(end.kinetic < 1e-6 * end.internal, "it moves: {end:?}");
-    assert!((given - gained).abs() < 1e-3 * end.internal, "{given:e} J given, {gained:e} J gained of {end:?}");
+    assert!(
+        (given - gained).abs() < 1e-3 * end.internal,
+        "{given:e} J given, {gained:e} J gained of {end:?}"
+    );
 }
