@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use mpm_core::geometry::{GeometryError, OgiveRod, Seeds, Shape};
+use mpm_core::geometry::structured::{Butterfly, ogive_rod_mesh};
+use mpm_core::geometry::{ElementMesh, GeometryError, OgiveRod, Seeds, Shape};
 
 /// A ring of a rod, m.
 struct Ring {
@@ -113,6 +114,44 @@ impl Ogive {
         let exact = self.volume()? * sector / (2.0 * PI);
         let seeds = scaled(positions, volumes, edge, exact);
         Ok((seeds, from_tail))
+    }
+
+    /// The same rod of bricks with edges of about `edge`, m, of which `keep` tells the parts to keep by a position in its own coordinates
+    /// (across it in the plane of flight, along y, from the tail), m. The second number of each brick is its distance from the tail, m.
+    ///
+    /// # Errors
+    /// Sizes that make no rod, or no element.
+    pub fn bricks(
+        &self,
+        tip: [f64; 3],
+        angle: f64,
+        edge: f64,
+        keep: impl Fn([f64; 3]) -> bool,
+    ) -> Result<(ElementMesh<3>, Vec<f64>), GeometryError> {
+        let rod = OgiveRod::new([0.0; 3], [0.0, 0.0, 1.0], self.diameter, self.length, self.crh)?;
+        let along = ((self.length - self.nose()) / edge).round().max(1.0) as usize;
+        let whole = ogive_rod_mesh(&rod, Butterfly::of_edge(self.radius(), edge)?, along)?;
+        let centre = |nodes: &[u32]| {
+            let mut sum = [0.0; 3];
+            for &n in nodes {
+                (0..3).for_each(|d| sum[d] += whole.nodes[n as usize][d] / nodes.len() as f64);
+            }
+            sum
+        };
+        let bricks = whole.part(&|block, element| {
+            let size = whole.blocks[block].kind.nodes();
+            keep(centre(&whole.blocks[block].nodes[element * size..][..size]))
+        })?;
+        let own = |nodes: &[u32]| {
+            nodes.iter().map(|&n| bricks.nodes[n as usize][2]).sum::<f64>() / nodes.len() as f64
+        };
+        let from_tail = bricks.blocks.iter().flat_map(|block| block.elements().map(own)).collect();
+        let (sine, cosine) = angle.sin_cos();
+        let mesh = bricks.mapped(|[across, side, s]| {
+            let back = self.length - s;
+            [tip[0] - across * cosine - back * sine, tip[1] + side, tip[2] - across * sine + back * cosine]
+        })?;
+        Ok((mesh, from_tail))
     }
 
     /// The same rod in the half plane of (r, z), flying along -z on the axis r = 0 with its tip at the height `tip`, m;

@@ -1,5 +1,8 @@
 //! What geometry refuses, and why.
 
+use super::elements::MeshError;
+use super::search::SearchError;
+
 /// Why a shape, a lattice or a seeding is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -72,6 +75,12 @@ pub enum GeometryError {
         /// The volume found (m3).
         volume: f64,
     },
+    /// A mesh of elements that is none, or that does not allow what is asked of it.
+    #[error(transparent)]
+    Elements(#[from] MeshError),
+    /// Points that a neighbour search refuses.
+    #[error(transparent)]
+    Search(#[from] SearchError),
     /// A file that cannot be read as a mesh.
     #[error("cannot read {path}: {reason}")]
     File {

@@ -1,8 +1,9 @@
-//! Shapes, particles seeded from them, and the search for neighbours among points.
+//! Shapes, particles seeded from them, meshes of elements, and the search for neighbours among points.
 //!
 //! A [`Shape`] is a signed distance with bounds and, where known, an exact measure. Shapes combine by method
 //! chaining; [`fill`] seeds particles on a [`Lattice`] and makes their mass exact. [`search`] finds the points
-//! within reach of each other.
+//! within reach of each other. [`structured`] meshes simple shapes with elements; an [`ElementMesh`] checks, measures, joins and cuts
+//! meshes, finds their surface, and reads them from Gmsh and Abaqus files (feature `mesh`).
 //!
 //! ```
 //! use impactite_geometry::{Compose, Cuboid, Cylinder, Filling, Lattice, fill};
@@ -19,6 +20,7 @@
 mod bounds;
 mod combine;
 mod compose;
+mod elements;
 mod error;
 mod lattice;
 mod mesh;
@@ -30,6 +32,7 @@ mod seed;
 mod shape;
 #[cfg(feature = "mesh")]
 mod stl;
+pub mod structured;
 mod transform;
 mod tree;
 mod vector;
@@ -37,6 +40,7 @@ mod vector;
 pub use bounds::Bounds;
 pub use combine::{Difference, Intersection, Union};
 pub use compose::Compose;
+pub use elements::{EdgeLengths, ElementBlock, ElementKind, ElementMesh, Facet, MeshError, Quality};
 pub use error::GeometryError;
 pub use lattice::Lattice;
 pub use mesh::TriangleMesh;

@@ -181,9 +181,9 @@ impl<const D: usize> Shape<D> for Ball<D> {
 /// What lies between two concentric balls: a ring in 2D, a hollow sphere in 3D. Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shell<const D: usize> {
-    centre: [f64; D],
-    inner: f64,
-    outer: f64,
+    pub(super) centre: [f64; D],
+    pub(super) inner: f64,
+    pub(super) outer: f64,
 }
 
 /// A plane ring, an annulus (2D). Its 3D sibling is [`Tube`].
@@ -270,9 +270,9 @@ impl<const D: usize> Shape<D> for HalfSpace<D> {
 
 /// An axis: where a rod starts, and which way it points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Axis<const D: usize> {
-    start: [f64; D],
-    direction: [f64; D],
+pub(super) struct Axis<const D: usize> {
+    pub(super) start: [f64; D],
+    pub(super) direction: [f64; D],
 }
 
 impl<const D: usize> Axis<D> {
@@ -317,9 +317,9 @@ impl<const D: usize> Axis<D> {
 /// on the axis r = 0 of axisymmetric coordinates that is the cylinder again. Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder<const D: usize> {
-    axis: Axis<D>,
-    length: f64,
-    radius: f64,
+    pub(super) axis: Axis<D>,
+    pub(super) length: f64,
+    pub(super) radius: f64,
 }
 
 impl<const D: usize> Cylinder<D> {
@@ -381,10 +381,10 @@ impl<const D: usize> Shape<D> for Cylinder<D> {
 /// A straight tube on any axis; in 2D its section along the axis, two parallel bars. Exact distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tube<const D: usize> {
-    axis: Axis<D>,
-    length: f64,
-    inner: f64,
-    outer: f64,
+    pub(super) axis: Axis<D>,
+    pub(super) length: f64,
+    pub(super) inner: f64,
+    pub(super) outer: f64,
 }
 
 impl<const D: usize> Tube<D> {
@@ -541,15 +541,15 @@ impl<const D: usize> Shape<D> for Frustum<D> {
 /// its length is `diameter / 2 * sqrt(4 crh - 1)`. A `crh` of one half gives a hemispherical nose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OgiveRod<const D: usize> {
-    axis: Axis<D>,
+    pub(super) axis: Axis<D>,
     /// Radius of the shank.
-    radius: f64,
+    pub(super) radius: f64,
     /// Length of the shank.
-    shank: f64,
+    pub(super) shank: f64,
     /// Length of the nose.
-    nose: f64,
+    pub(super) nose: f64,
     /// Radius of the arc.
-    arc: f64,
+    pub(super) arc: f64,
 }
 
 impl<const D: usize> OgiveRod<D> {
@@ -598,7 +598,7 @@ impl<const D: usize> OgiveRod<D> {
         self.axis.at(self.shank + self.nose)
     }
     /// How far the centre of the arc lies beyond the axis.
-    fn beyond(&self) -> f64 {
+    pub(super) fn beyond(&self) -> f64 {
         self.arc - self.radius
     }
     /// The integral of the arc's height over the nose, both measured from the centre of the arc.

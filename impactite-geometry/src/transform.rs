@@ -92,7 +92,7 @@ impl<S, const D: usize> Rotated<S, D> {
         let turned = self.rotation.matrix().tr_mul(&SVector::from(sub(x, self.pivot)));
         add(turned.into(), self.pivot)
     }
-    fn to_world(&self, x: [f64; D]) -> [f64; D] {
+    pub(super) fn to_world(&self, x: [f64; D]) -> [f64; D] {
         let turned = self.rotation.matrix() * SVector::from(sub(x, self.pivot));
         add(turned.into(), self.pivot)
     }

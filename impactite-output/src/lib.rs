@@ -5,7 +5,7 @@
 //!
 //! | module | writes | read by |
 //! |---|---|---|
-//! | [`vtk`] | one `.vtp` file an instant and a `.pvd` time series | ParaView, VisIt, PyVista |
+//! | [`vtk`] | one `.vtp` file (of elements `.vtu`) an instant and a `.pvd` time series | ParaView, VisIt, PyVista |
 //! | [`csv`] | histories, one row an instant | everything |
 //! | [`picture`] | shaded particles, flat fields, line charts and panels of them as PNG | people |
 //! | [`progress`] | a progress bar on the terminal | people who wait |
@@ -19,6 +19,7 @@
 
 use std::path::{Path, PathBuf};
 
+mod cells;
 pub mod csv;
 pub mod picture;
 pub mod progress;
@@ -26,6 +27,7 @@ mod snapshot;
 pub mod vtk;
 mod whole;
 
+pub use cells::Cells;
 pub use csv::{Column, History};
 pub use progress::Progress;
 pub(crate) use snapshot::{FARTHEST, is_place};
@@ -134,5 +136,14 @@ pub fn check_name(what: &'static str, name: &str) -> Result<(), OutputError> {
         refuse("it must not hold control characters")
     } else {
         Ok(())
+    }
+}
+
+/// Refuse a list of another length.
+pub(crate) fn check_length(what: &str, found: usize, expected: usize) -> Result<(), OutputError> {
+    if found == expected {
+        Ok(())
+    } else {
+        Err(OutputError::Length { what: what.to_string(), found, expected })
     }
 }

@@ -1,6 +1,6 @@
 //! What one instant of a particle simulation looks like, whatever the solver.
 
-use super::{OutputError, check_name};
+use super::{Cells, OutputError, check_length, check_name};
 
 /// How far from the origin a particle can be and be drawn, m. Beyond the universe, and near enough that volumes and the squares of areas are
 /// numbers.
@@ -80,6 +80,7 @@ pub struct Snapshot {
     size: ParticleSize,
     bodies: Vec<u32>,
     fields: Vec<(String, FieldValues)>,
+    cells: Option<Cells>,
 }
 
 impl Snapshot {
@@ -124,7 +125,7 @@ impl Snapshot {
             ParticleSize::Uniform(_) => {}
         }
         let bodies = vec![0; positions.len()];
-        Ok(Self { dimension, time, step, positions, size, bodies, fields: Vec::new() })
+        Ok(Self { dimension, time, step, positions, size, bodies, fields: Vec::new(), cells: None })
     }
 
     /// Say which body each particle belongs to.
@@ -134,6 +135,16 @@ impl Snapshot {
     pub fn with_bodies(mut self, bodies: Vec<u32>) -> Result<Self, OutputError> {
         check_length("body", bodies.len(), self.len())?;
         self.bodies = bodies;
+        Ok(self)
+    }
+
+    /// Say which cells the particles stand for.
+    ///
+    /// # Errors
+    /// Lists that are not those of cells, one a particle.
+    pub fn with_cells(mut self, cells: Cells) -> Result<Self, OutputError> {
+        cells.check(self.len(), self.dimension)?;
+        self.cells = Some(cells);
         Ok(self)
     }
 
@@ -238,6 +249,12 @@ impl Snapshot {
         &self.bodies
     }
 
+    /// The cells that the particles stand for, if some are elements.
+    #[must_use]
+    pub fn cells(&self) -> Option<&Cells> {
+        self.cells.as_ref()
+    }
+
     /// All fields in the order they were added.
     pub fn fields(&self) -> impl Iterator<Item = (&str, &FieldValues)> {
         self.fields.iter().map(|(name, values)| (name.as_str(), values))
@@ -303,13 +320,5 @@ impl Snapshot {
             self.fields.iter().filter(|(_, v)| v.kind() == kind).map(|(n, _)| format!("{n:?}")).collect();
         let available = if names.is_empty() { "none".to_string() } else { names.join(", ") };
         OutputError::NoSuchField { kind, name: name.to_string(), available }
-    }
-}
-
-fn check_length(what: &str, found: usize, expected: usize) -> Result<(), OutputError> {
-    if found == expected {
-        Ok(())
-    } else {
-        Err(OutputError::Length { what: what.to_string(), found, expected })
     }
 }

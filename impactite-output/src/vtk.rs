@@ -3,7 +3,8 @@
 //! The data follow the XML as one raw binary block ("appended raw", little endian), by default compressed by
 //! zlib in blocks of 1 MiB, the layout that VTK's `vtkZLibDataCompressor` writes itself. Each particle is a
 //! vertex, so files open in ParaView with nothing to set; choose "Point Gaussian" to see spheres and scale
-//! them by the array `size`.
+//! them by the array `size`. A snapshot with [cells](super::Cells) becomes a `.vtu` (XML UnstructuredGrid) instead: elements are cells,
+//! particles beside them vertices, and the fields those of the cells.
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -12,7 +13,7 @@ use std::path::{Path, PathBuf};
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use super::{FieldValues, OutputError, ParticleSize, Snapshot, check_name, write_whole};
+use super::{Cells, FieldValues, OutputError, ParticleSize, Snapshot, check_name, write_whole};
 
 /// How many bits a field keeps in a file. Positions and the time always keep all 64.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -96,7 +97,8 @@ impl VtkSeries {
     /// # Errors
     /// A file that cannot be written; the series as it was before stays valid.
     pub fn write(&mut self, snapshot: &Snapshot) -> Result<PathBuf, OutputError> {
-        let file = self.frame(self.frames.len());
+        let kind = if snapshot.cells().is_some() { "vtu" } else { "vtp" };
+        let file = self.frame(self.frames.len(), kind);
         let path = self.folder.join(&file);
         write_vtp(&path, snapshot, self.options)?;
         self.frames.push((snapshot.time(), file));
@@ -106,7 +108,10 @@ impl VtkSeries {
 
     /// Go on with a series whose frames of these times (s) were written before.
     pub fn go_on(&mut self, times: &[f64]) {
-        let frame = |(k, &time): (usize, &f64)| (time, self.frame(k));
+        let frame = |(k, &time): (usize, &f64)| {
+            let cells = self.frame(k, "vtu");
+            (time, if self.folder.join(&cells).is_file() { cells } else { self.frame(k, "vtp") })
+        };
         self.frames = times.iter().enumerate().map(frame).collect();
     }
 
@@ -122,8 +127,8 @@ impl VtkSeries {
         self.frames.len()
     }
 
-    fn frame(&self, number: usize) -> String {
-        format!("{}_{number:06}.vtp", self.name)
+    fn frame(&self, number: usize, kind: &str) -> String {
+        format!("{}_{number:06}.{kind}", self.name)
     }
 
     fn index(&self) -> String {
@@ -143,7 +148,7 @@ impl VtkSeries {
     }
 }
 
-/// Write one snapshot as a `.vtp` file at `path`, whole or not at all. Beside its fields it holds `body`
+/// Write one snapshot as a `.vtp` file at `path`, or as a `.vtu` file if it has cells, whole or not at all. Beside its fields it holds `body`
 /// (Int32), `size` (m, if particles differ) and the field data `TimeValue` (s), `Step` and, if all particles are
 /// alike, `ParticleSize` (m).
 ///
@@ -159,14 +164,15 @@ pub fn write_vtp(
     write_whole(path, bytes)
 }
 
-/// The bytes of a `.vtp` file.
+/// The bytes of a file.
 fn vtp_bytes(snapshot: &Snapshot, options: VtkOptions) -> std::io::Result<Vec<u8>> {
     let n = snapshot.len();
     let mut file = Appended { xml: String::new(), data: Vec::new(), options };
     let compressor = if options.compressed { " compressor=\"vtkZLibDataCompressor\"" } else { "" };
+    let kind = if snapshot.cells().is_some() { "UnstructuredGrid" } else { "PolyData" };
     let _ = write!(
         file.xml,
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{compressor}>\n  <PolyData>\n    <FieldData>\n"
+        "<?xml version=\"1.0\"?>\n<VTKFile type=\"{kind}\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\"{compressor}>\n  <{kind}>\n    <FieldData>\n"
     );
     let one = " NumberOfTuples=\"1\"";
     file.array("Float64", "TimeValue", one, &snapshot.time().to_le_bytes())?;
@@ -174,43 +180,24 @@ fn vtp_bytes(snapshot: &Snapshot, options: VtkOptions) -> std::io::Result<Vec<u8
     if let ParticleSize::Uniform(size) = snapshot.size() {
         file.array("Float64", "ParticleSize", one, &size.to_le_bytes())?;
     }
-    let _ = write!(
-        file.xml,
-        "    </FieldData>\n    <Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"{n}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n      <PointData>\n"
-    );
-    let bodies: Vec<u8> =
-        snapshot.bodies().iter().flat_map(|b| i32::try_from(*b).unwrap_or(i32::MAX).to_le_bytes()).collect();
-    file.array("Int32", "body", "", &bodies)?;
-    if let ParticleSize::Each(sizes) = snapshot.size() {
-        file.floats("size", "", sizes.iter().copied())?;
-    }
-    for (name, values) in snapshot.fields() {
-        match values {
-            FieldValues::Scalar(v) => file.floats(name, "", v.iter().copied())?,
-            FieldValues::Vector(v) => {
-                file.floats(name, " NumberOfComponents=\"3\"", v.iter().flatten().copied())?;
-            }
-            FieldValues::Tensor(v) => {
-                // VTK's order is XX YY ZZ XY YZ XZ, ours xx yy zz yz xz xy.
-                let names = " NumberOfComponents=\"6\" ComponentName0=\"XX\" ComponentName1=\"YY\" ComponentName2=\"ZZ\" ComponentName3=\"XY\" ComponentName4=\"YZ\" ComponentName5=\"XZ\"";
-                file.floats(name, names, v.iter().flat_map(|t| [t[0], t[1], t[2], t[5], t[3], t[4]]))?;
-            }
+    file.xml.push_str("    </FieldData>\n");
+    match snapshot.cells() {
+        Some(cells) => file.grid(snapshot, cells)?,
+        None => {
+            let _ = write!(
+                file.xml,
+                "    <Piece NumberOfPoints=\"{n}\" NumberOfVerts=\"{n}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n      <PointData>\n"
+            );
+            file.fields(snapshot)?;
+            file.xml.push_str("      </PointData>\n      <Points>\n");
+            file.points(snapshot.positions().iter())?;
+            file.xml.push_str("      </Points>\n      <Verts>\n");
+            file.integers("connectivity", 0..n)?;
+            file.integers("offsets", 1..n + 1)?;
+            file.xml.push_str("      </Verts>\n");
         }
     }
-    file.xml.push_str("      </PointData>\n      <Points>\n");
-    let points: Vec<u8> = snapshot.positions().iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
-    file.array("Float64", "Points", " NumberOfComponents=\"3\"", &points)?;
-    file.xml.push_str("      </Points>\n      <Verts>\n");
-    if i32::try_from(n).is_ok() {
-        let all = |first: i32| -> Vec<u8> { (first..).take(n).flat_map(i32::to_le_bytes).collect() };
-        file.array("Int32", "connectivity", "", &all(0))?;
-        file.array("Int32", "offsets", "", &all(1))?;
-    } else {
-        let all = |first: i64| -> Vec<u8> { (first..).take(n).flat_map(i64::to_le_bytes).collect() };
-        file.array("Int64", "connectivity", "", &all(0))?;
-        file.array("Int64", "offsets", "", &all(1))?;
-    }
-    file.xml.push_str("      </Verts>\n    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _");
+    let _ = write!(file.xml, "    </Piece>\n  </{kind}>\n  <AppendedData encoding=\"raw\">\n   _");
     let mut bytes = file.xml.into_bytes();
     bytes.append(&mut file.data);
     bytes.extend_from_slice(b"\n  </AppendedData>\n</VTKFile>\n");
@@ -225,6 +212,78 @@ struct Appended {
 }
 
 impl Appended {
+    /// Nodes of the cells, with the particles that are none behind them, and the cells.
+    fn grid(&mut self, snapshot: &Snapshot, cells: &Cells) -> std::io::Result<()> {
+        let n = snapshot.len();
+        let mut points = cells.nodes.clone();
+        let (mut connectivity, mut offsets, mut kinds) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, position) in snapshot.positions().iter().enumerate() {
+            let corners = cells.of(i);
+            kinds.push(Cells::kind(corners.len(), snapshot.dimension()).unwrap_or(1));
+            connectivity.extend(corners.iter().map(|&corner| corner as usize));
+            if corners.is_empty() {
+                connectivity.push(points.len());
+                points.push(*position);
+            }
+            offsets.push(connectivity.len());
+        }
+        let count = points.len();
+        let _ = write!(
+            self.xml,
+            "    <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{n}\">\n      <CellData>\n"
+        );
+        self.fields(snapshot)?;
+        self.xml.push_str("      </CellData>\n      <Points>\n");
+        self.points(points.iter())?;
+        self.xml.push_str("      </Points>\n      <Cells>\n");
+        self.integers("connectivity", connectivity.into_iter())?;
+        self.integers("offsets", offsets.into_iter())?;
+        self.array("UInt8", "types", "", &kinds)?;
+        self.xml.push_str("      </Cells>\n");
+        Ok(())
+    }
+
+    /// Places, m.
+    fn points<'a>(&mut self, points: impl Iterator<Item = &'a [f64; 3]>) -> std::io::Result<()> {
+        let bytes: Vec<u8> = points.flatten().flat_map(|x| x.to_le_bytes()).collect();
+        self.array("Float64", "Points", " NumberOfComponents=\"3\"", &bytes)
+    }
+
+    /// Numbers that count up to the last one, in 32 bits if that fits.
+    fn integers(&mut self, name: &str, numbers: impl Iterator<Item = usize> + Clone) -> std::io::Result<()> {
+        if numbers.clone().all(|x| i32::try_from(x).is_ok()) {
+            let bytes: Vec<u8> = numbers.flat_map(|x| (x as i32).to_le_bytes()).collect();
+            self.array("Int32", name, "", &bytes)
+        } else {
+            let bytes: Vec<u8> = numbers.flat_map(|x| (x as i64).to_le_bytes()).collect();
+            self.array("Int64", name, "", &bytes)
+        }
+    }
+
+    /// Body, size and fields of the particles.
+    fn fields(&mut self, snapshot: &Snapshot) -> std::io::Result<()> {
+        let number = |b: &u32| i32::try_from(*b).unwrap_or(i32::MAX).to_le_bytes();
+        let bodies: Vec<u8> = snapshot.bodies().iter().flat_map(number).collect();
+        self.array("Int32", "body", "", &bodies)?;
+        if let ParticleSize::Each(sizes) = snapshot.size() {
+            self.floats("size", "", sizes.iter().copied())?;
+        }
+        for (name, values) in snapshot.fields() {
+            match values {
+                FieldValues::Scalar(v) => self.floats(name, "", v.iter().copied())?,
+                FieldValues::Vector(v) => {
+                    self.floats(name, " NumberOfComponents=\"3\"", v.iter().flatten().copied())?;
+                }
+                FieldValues::Tensor(v) => {
+                    // VTK's order is XX YY ZZ XY YZ XZ, ours xx yy zz yz xz xy.
+                    let names = " NumberOfComponents=\"6\" ComponentName0=\"XX\" ComponentName1=\"YY\" ComponentName2=\"ZZ\" ComponentName3=\"XY\" ComponentName4=\"YZ\" ComponentName5=\"XZ\"";
+                    self.floats(name, names, v.iter().flat_map(|t| [t[0], t[1], t[2], t[5], t[3], t[4]]))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// A field of floating-point numbers in the precision asked for.
     fn floats(
         &mut self,

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 
 use impactite_output::vtk::write_vtp;
 use impactite_output::{
-    FieldValues, History, ParticleSize, Precision, Progress, Snapshot, VtkOptions, VtkSeries,
+    Cells, FieldValues, History, ParticleSize, Precision, Progress, Snapshot, VtkOptions, VtkSeries,
 };
 
 /// A folder of one test, removed at its end.
@@ -144,6 +144,43 @@ fn a_vtp_file_reads_back_bit_for_bit() {
             assert_eq!(arrays.contains_key("ParticleSize"), n != 13);
         }
     }
+}
+
+#[test]
+fn cells_read_back_with_particles_beside_them() {
+    let folder = Folder::new("cells");
+    let path = folder.0.join("a.vtu");
+    // Two quadrilaterals that share an edge, a particle, a triangle.
+    let nodes: Vec<[f64; 3]> =
+        [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0], [2, 1]].map(|[x, y]| [x.into(), y.into(), 0.0]).to_vec();
+    let cells = Cells {
+        nodes: nodes.clone(),
+        corners: vec![0, 1, 2, 3, 1, 4, 5, 2, 2, 5, 3],
+        ends: vec![4, 8, 8, 11],
+    };
+    let positions = vec![[0.5, 0.5, 0.0], [1.5, 0.5, 0.0], [9.0, 9.0, 0.0], [1.0, 1.0, 0.0]];
+    let made = || Snapshot::new(2, 0.0, 1, positions.clone(), ParticleSize::Uniform(1.0)).unwrap();
+    let snapshot =
+        made().with_cells(cells.clone()).unwrap().with_scalar("a", vec![1.0, 2.0, 3.0, 4.0]).unwrap();
+    write_vtp(&path, &snapshot, VtkOptions { compressed: true, fields: Precision::Double }).expect("written");
+    let arrays = read(&path);
+    let get = |name: &str| arrays[name].1.as_slice();
+    let integers = |list: &[i32]| list.iter().flat_map(|i| i.to_le_bytes()).collect::<Vec<u8>>();
+    let all = nodes.iter().chain([&[9.0, 9.0, 0.0]]).flatten().copied();
+    assert_eq!(get("Points"), doubles(all));
+    assert_eq!(get("connectivity"), integers(&[0, 1, 2, 3, 1, 4, 5, 2, 6, 2, 5, 3]));
+    assert_eq!(get("offsets"), integers(&[4, 8, 9, 12]));
+    assert_eq!(get("types"), [9, 9, 1, 5]);
+    assert_eq!(get("a"), doubles([1.0, 2.0, 3.0, 4.0]));
+    let wrong = |change: &dyn Fn(&mut Cells)| {
+        let mut cells = cells.clone();
+        change(&mut cells);
+        made().with_cells(cells).expect_err("refused").to_string()
+    };
+    assert!(wrong(&|c| c.ends[3] = 10).contains("corners of cells"));
+    assert!(wrong(&|c| c.corners[0] = 6).contains("corner of a cell = 6"));
+    assert!(wrong(&|c| c.ends = vec![4, 9, 9, 11]).contains("corners of a cell = 5"));
+    assert!(wrong(&|c| c.ends = vec![4, 8, 11]).contains("ends of cells"));
 }
 
 #[test]

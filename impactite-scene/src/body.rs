@@ -74,6 +74,8 @@ pub struct PointView {
     pub volume: f64,
     /// How wide it is drawn, m, where its volume does not say it.
     pub width: Option<f64>,
+    /// Corners of its cell, m, in the order of the VTK file format, where it is an element; none of a particle.
+    pub corners: Vec<[f64; 3]>,
     /// Half edges of its domain, m, where it has one: of the box along the axes that it started with, stretched (cpGIMP), sheared
     /// and turned (CPDI, and all in the reference configuration) as its method has it.
     pub half_edges: [[f64; 3]; 3],

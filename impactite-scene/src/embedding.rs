@@ -21,6 +21,13 @@ impl Embedding<3> for FullSpace {
     const NAME: &'static str = "3D";
 }
 
+/// A line: of bars, whose stress is along it alone. Volumes and forces are those of their sections.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Line;
+impl Embedding<1> for Line {
+    const NAME: &'static str = "line";
+}
+
 /// Two dimensions with no strain along the third; masses and forces are per metre of depth.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PlaneStrain;

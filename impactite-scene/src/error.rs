@@ -410,6 +410,20 @@ pub enum SceneError {
         /// What is allowed, in words.
         allowed: &'static str,
     },
+    /// An element that cannot be.
+    #[error("body `{body}`, element {element}: {field} = {value} is not allowed; it must be {allowed}")]
+    Element {
+        /// The body.
+        body: String,
+        /// Number of the element.
+        element: usize,
+        /// Which number of it.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed, in words.
+        allowed: &'static str,
+    },
     /// A rigid body that moves as none can.
     #[error("rigid body `{body}`: {field} = {value} is not allowed; it must be {allowed}")]
     Rigid {

@@ -92,6 +92,33 @@ pub enum Finding {
         /// Root mean square of the von Mises stress, Pa.
         von_mises: f64,
     },
+    /// Motion of elements that their integration points do not see takes a large part of the energy.
+    #[error(
+        "hourglass forces of body `{body}` hold {joules:.3e} J, {:.1} % of its internal energy, most near {position:?} m: elements deform there in ways that one point \
+         of integration does not see; refine the mesh, spread loads over several nodes, or integrate in full (`Technology::MeanDilatation`)",
+        100.0 * share
+    )]
+    Hourglass {
+        /// The body.
+        body: String,
+        /// Of the internal energy of its law.
+        share: f64,
+        /// Energy, J.
+        joules: f64,
+        /// The element with most of it, m.
+        position: [f64; 3],
+    },
+    /// Points of a body of another discretisation that are further apart than the nodes of the grid that they act on.
+    #[error(
+        "the points of body `{body}` are {ratio:.2} cells of the grid apart: particles slip through between them; take smaller elements or larger cells, or let \
+         particles meet the surface (`Elements::by_surface`)"
+    )]
+    WidePoints {
+        /// The body.
+        body: String,
+        /// Distance of points over that of nodes.
+        ratio: f64,
+    },
     /// Particles that failed without any in the cells around theirs.
     #[error(
         "{alone} of {failed} failed particles of body `{body}` have no failed particle in the cells around theirs, one near {position:?} m: stress noise fails points one by one where \

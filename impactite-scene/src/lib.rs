@@ -12,6 +12,7 @@
 //! | [`balance`], [`watch`] | balances of mass, momentum and energy, and what stops or warns |
 //! | [`archive`], [`constants`] | checkpoints |
 //! | [`boundary`], [`condition`], [`embedding`] | conditions, one's own among them, and how a problem in `D` dimensions lies in space |
+//! | [`moving`] | the same conditions on points that move with velocities of their own |
 //! | [`error`] | what scenes are refused for and what stops steps |
 //!
 //! Units are SI. Stress is tension-positive, pressure compression-positive; symmetric tensors are listed xx, yy, zz, yz, xz, xy.
@@ -30,6 +31,7 @@ pub mod control;
 pub mod embedding;
 pub mod error;
 mod finding;
+pub mod moving;
 pub mod observe;
 pub mod run;
 mod snapshot;
@@ -45,8 +47,9 @@ pub use clock::Clock;
 pub use condition::{Condition, Place, Reaction};
 pub use contact::{ContactPoint, PairContact};
 pub use control::TimeControl;
-pub use embedding::{Axisymmetric, Embedding, FullSpace, PlaneStrain};
+pub use embedding::{Axisymmetric, Embedding, FullSpace, Line, PlaneStrain};
 pub use error::{Cause, PointKind, SceneError, StepError, Stopped};
+pub use moving::MovingPoint;
 pub use run::{Run, RunError};
 pub use solver::Solver;
 pub use summary::RunSummary;

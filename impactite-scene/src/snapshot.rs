@@ -1,6 +1,8 @@
 //! Snapshots of scenes.
 
-use impactite_output::{FieldValues, OutputError, ParticleSize, Snapshot};
+use std::collections::HashMap;
+
+use impactite_output::{Cells, FieldValues, OutputError, ParticleSize, Snapshot};
 
 use crate::archive::{Archive, CheckpointError};
 use crate::body::{Body, PointView};
@@ -20,7 +22,8 @@ pub(crate) fn gather(
             columns.push(index as u32, p, p.drawn_width(dimensions, axisymmetric), &places);
         });
     }
-    columns.into_snapshot(dimensions, clock.time, clock.steps)
+    // A line is drawn in the plane.
+    columns.into_snapshot(dimensions.max(2), clock.time, clock.steps)
 }
 
 impl Archive {
@@ -56,6 +59,7 @@ struct Parts {
     uniform: bool,
     bodies: Vec<u32>,
     fields: Vec<(String, Field)>,
+    cells: Option<Cells>,
 }
 
 /// Columns of a field by the number of its components, of which one is not empty.
@@ -108,6 +112,7 @@ impl Parts {
             uniform,
             bodies: snapshot.bodies().to_vec(),
             fields: snapshot.fields().map(|(name, values)| (name.to_string(), Field::of(values))).collect(),
+            cells: snapshot.cells().cloned(),
         }
     }
 
@@ -122,6 +127,11 @@ impl Parts {
         file.list(&mut self.fields, &Default::default(), |file, (name, field)| {
             file.text(name)?;
             field.archive(file)
+        })?;
+        file.option(&mut self.cells, |file, Cells { nodes, corners, ends }| {
+            file.list(nodes, &[0.0; 3], |file, x| file.reals(x))?;
+            file.list(corners, &0, |file, corner| file.index(corner, usize::MAX))?;
+            file.list(ends, &0, |file, end| file.index(end, usize::MAX))
         })
     }
 
@@ -132,6 +142,10 @@ impl Parts {
         };
         let snapshot = Snapshot::new(self.dimension, self.time, self.step, self.positions, size)?;
         let snapshot = snapshot.with_bodies(self.bodies)?;
+        let snapshot = match self.cells {
+            Some(cells) => snapshot.with_cells(cells)?,
+            None => snapshot,
+        };
         let fields = self.fields.into_iter();
         fields
             .map(|(name, field)| (name, field.into_values()))
@@ -155,6 +169,9 @@ struct Gathered {
     particle: Vec<f64>,
     names: Vec<String>,
     state: Vec<Vec<f64>>,
+    cells: Cells,
+    /// Nodes of the cells by the bits of their places: those of neighbours are one.
+    nodes: HashMap<[u64; 3], u32>,
 }
 
 impl Gathered {
@@ -183,6 +200,15 @@ impl Gathered {
         self.pressure.push(pressure);
         self.von_mises.push(von_mises);
         self.particle.push(p.number as f64);
+        for corner in &p.corners {
+            let next = self.cells.nodes.len() as u32;
+            let node = *self.nodes.entry(corner.map(f64::to_bits)).or_insert(next);
+            if node == next {
+                self.cells.nodes.push(*corner);
+            }
+            self.cells.corners.push(node);
+        }
+        self.cells.ends.push(self.cells.corners.len() as u32);
         for (column, place) in self.state.iter_mut().zip(places) {
             column.push(place.and_then(|i| p.state.get(i).copied()).unwrap_or(f64::NAN));
         }
@@ -197,6 +223,9 @@ impl Gathered {
                 .with_scalar("pressure", self.pressure)?
                 .with_scalar("von_mises", self.von_mises)?
                 .with_scalar("particle", self.particle)?;
+        if !self.cells.corners.is_empty() {
+            snapshot = snapshot.with_cells(self.cells)?;
+        }
         for (name, column) in self.names.into_iter().zip(self.state) {
             let name = if TAKEN.contains(&name.as_str()) { format!("state_{name}") } else { name };
             snapshot = snapshot.with_field(name, FieldValues::Scalar(column))?;

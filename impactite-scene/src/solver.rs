@@ -215,6 +215,6 @@ pub(crate) fn archive_body<S: Solver + ?Sized>(
 }
 
 /// How checkpoints begin.
-pub(crate) const TITLE: &str = "impactite checkpoint 7";
+pub(crate) const TITLE: &str = "impactite checkpoint 8";
 /// How those of runs with a preface do.
-pub(crate) const PREFACED: &str = "impactite checkpoint 7 with a preface";
+pub(crate) const PREFACED: &str = "impactite checkpoint 8 with a preface";

@@ -24,9 +24,11 @@
 //! |---|---|---|
 //! | [`mpm`] | the material point method: parts of a method, grids, bodies, conditions, the step | `mpm-core` |
 //! | [`pcmm`] | the particle-contact meshfree method | `pcmm` |
+//! | [`fem`] | explicit finite elements | `fem` |
+//! | [`coupling`] | elements and particles in one scene | `coupling` |
 //! | [`materials`] | constitutive laws, equations of state, failure; the driver of a single point | `mpm-materials` |
 //! | [`contact`] | detectors, normals and laws of contact | `mpm-contact` |
-//! | [`geometry`] | shapes, lattices, seeding, triangle meshes, neighbour search | `impactite-geometry` |
+//! | [`geometry`] | shapes, lattices, seeding, meshes, neighbour search | `impactite-geometry` |
 //! | [`scene`] | what every method shares: bodies, `Solver`, run loop, balances, checkpoints | `impactite-scene` |
 //! | [`observe`], [`watch`] | observers; warnings of energy and momentum that nothing explains | `impactite-scene` |
 //! | [`output`] | ParaView files, pictures, charts, histories | `impactite-output` |
@@ -41,6 +43,8 @@
 //! - `one-width`: no AVX-512, so that kernels compile faster.
 //! - `conformance`: test suites for laws, shape functions, transfers, grids, detectors and contact laws of one's own.
 
+pub use coupling;
+pub use fem;
 pub use impactite_geometry as geometry;
 pub use impactite_output as output;
 pub use impactite_scene as scene;

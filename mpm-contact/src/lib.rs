@@ -6,6 +6,8 @@
 //! | [`NormalRule`] | [`SeparatingPlane`]; [`Gradients`] by mass or volume: collinear, difference, one body's own; [`Regression`] |
 //! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`SlipWeakening`], [`Stick`], [`Adhesion`], [`Penalty`]; a table of [`Pairs`] |
 //!
+//! [`mesh`] is contact of points of any method with the facets of meshes, from search to impulses.
+//!
 //! No method is known here: detectors, normals and laws see [`Places`], which a grid has at its nodes (`mpm_core::GridContact`) and a
 //! method without grid at its pairs of particles (the crate `pcmm`). Any number of bodies may touch at a place; every
 //! impulse acts on two bodies with opposite signs ([`relax`]).
@@ -22,6 +24,7 @@ pub mod conformance;
 mod detect;
 mod friction;
 mod law;
+pub mod mesh;
 mod normal;
 mod pair_detector;
 mod penalty;

@@ -90,7 +90,7 @@ pub use shape::{
 pub use step::Scalar;
 pub use step::{
     Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Kernels,
-    MergeBook, Merging, Mpm, NodeWeight, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, Traction,
-    Twist,
+    MergeBook, Merging, Mpm, NearParticle, NearParticles, NodeWeight, Rest, Rested, Rigid, RigidState,
+    SplitBook, Splitting, SurfaceClient, Taken, Traction, Twist,
 };
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

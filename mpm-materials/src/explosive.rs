@@ -193,6 +193,9 @@ where
     fn density(&self) -> T {
         self.products.density()
     }
+    fn shock_viscosity(&self) -> [T; 2] {
+        self.viscosity.coefficients()
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         ExplosiveState {
             volume_ratio: T::Single::one(),

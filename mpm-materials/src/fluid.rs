@@ -211,6 +211,9 @@ where
     fn density(&self) -> T {
         self.eos.density()
     }
+    fn shock_viscosity(&self) -> [T; 2] {
+        self.viscosity.coefficients()
+    }
     /// At reference density; a gas has its initial pressure there.
     fn virgin(&self) -> Self::State<T::Single> {
         let still =

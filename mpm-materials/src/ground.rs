@@ -190,6 +190,9 @@ where
     fn density(&self) -> T {
         self.law.density()
     }
+    fn shock_viscosity(&self) -> [T; 2] {
+        self.viscosity.coefficients()
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         GroundState {
             stress: Sym3::zero(),

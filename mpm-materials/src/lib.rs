@@ -48,7 +48,7 @@ pub use material::{AnyLaw, Compiled, IntoMaterial, Material, MaySplit};
 pub use parameter::{Check, ParameterError};
 pub use point::{
     Breakdown, CompiledHere, Constitutive, Fault, Increments, Kinematics, Nothing, Pair, Sink, Source, State,
-    Update, lane_of, named, pointwise, spread,
+    Update, lane_of, named, pointwise, spread, with_volume,
 };
 pub use porous::{Porous, PorousState};
 pub use rate::{HughesWinget, ObjectiveRate, SmallRotation};

@@ -229,6 +229,10 @@ pub trait Material<T: Float>: Send + Sync {
     fn merged(&self, points: &[(f64, &[T])]) -> Option<Vec<T>>;
     /// Where a state keeps the accumulated stretch, if it does: [`Constitutive::stretch_place`].
     fn stretch_place(&self) -> Option<usize>;
+    /// What bulk viscosity stiffens a closing point by: [`Constitutive::shock_viscosity`].
+    fn shock_viscosity(&self) -> [T; 2] {
+        [T::default(); 2]
+    }
 }
 
 /// What a scene takes for the law of a body: a law of this library, whose kernels are compiled here; or what
@@ -579,5 +583,8 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
     }
     fn stretch_place(&self) -> Option<usize> {
         self.law.stretch_place()
+    }
+    fn shock_viscosity(&self) -> [T; 2] {
+        self.law.shock_viscosity()
     }
 }

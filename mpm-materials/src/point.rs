@@ -93,6 +93,26 @@ impl<L: Lane> Kinematics<L> {
     }
 }
 
+/// The increment of a displacement gradient scaled so that det(I + increment) = `ratio`, which it nearly is: for methods that take the
+/// change of volume from elsewhere.
+#[inline(always)]
+pub fn with_volume<L: Lane>(increment: &Mat3<L>, ratio: L) -> Mat3<L> {
+    let whole = *increment + Mat3::identity();
+    let wanted = ratio / whole.determinant();
+    // Cube root of a number near one: three steps of Newton's method from the first-order value.
+    let third = L::of(1.0 / 3.0);
+    let mut root = (wanted - L::one()).mul_add(third, L::one());
+    for _ in 0..3 {
+        let square = root * root;
+        root = root - (root * square - wanted) / (square + square + square);
+    }
+    let mut scaled = whole * root;
+    for i in 0..3 {
+        scaled.0[i][i] = scaled.0[i][i] - L::one();
+    }
+    scaled
+}
+
 /// a d - b c.
 #[inline(always)]
 fn minor<L: Lane>(a: L, b: L, c: L, d: L) -> L {
@@ -415,6 +435,12 @@ pub trait Constitutive<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static
         None
     }
 
+    /// What bulk viscosity stiffens a closing point by, \[b1 c in m/s, b0\]
+    /// ([`ShockViscosity::coefficients`](crate::ShockViscosity::coefficients)); zeros of laws without.
+    fn shock_viscosity(&self) -> [T; 2] {
+        [T::default(); 2]
+    }
+
     /// Where a state keeps the accumulated stretch, if it does, as [`Stretches`](crate::Stretches) says.
     fn stretch_place(&self) -> Option<usize> {
         None
@@ -621,3 +647,18 @@ pub struct Increments<L> {
 /// A law whose kernels are compiled where it is used: [`Constitutive::compiled`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompiledHere<C>(pub(crate) C);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_volume_is_met_to_rounding() {
+        let increment = Mat3([[0.01, -0.05, 0.0], [0.05, -0.02, 0.0], [0.0, 0.0, 0.003]]);
+        for ratio in [0.9, 1.0, 1.1] {
+            let det = (with_volume(&increment, ratio) + Mat3::identity()).determinant();
+            // The first-order root is off by e^2/9, and each step of Newton's method squares that.
+            assert!((det - ratio).abs() < 1e-15, "{det} for {ratio}");
+        }
+    }
+}

@@ -164,6 +164,9 @@ where
     fn density(&self) -> T {
         self.density()
     }
+    fn shock_viscosity(&self) -> [T; 2] {
+        self.viscosity.coefficients()
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         PorousState {
             stress: Sym3::zero(),

@@ -206,6 +206,9 @@ where
     fn density(&self) -> T {
         self.eos.density()
     }
+    fn shock_viscosity(&self) -> [T; 2] {
+        self.viscosity.coefficients()
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         let energy = T::Single::splat(self.eos.initial_energy());
         let volume_ratio = T::Single::one();

@@ -56,6 +56,9 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
     fn density(&self) -> T {
         self.law.density()
     }
+    fn shock_viscosity(&self) -> [T; 2] {
+        self.law.shock_viscosity()
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         let (one, splits) = (T::Single::one(), T::Single::zero());
         StretchingState { cauchy_green: Sym3::isotropic(one), splits, law: self.law.virgin() }

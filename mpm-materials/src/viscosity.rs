@@ -15,6 +15,11 @@ pub trait ShockViscosity<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'stati
     /// Viscous pressure q >= 0, Pa, in a step that changes the volume by a factor
     /// ([`Kinematics::volume_factor`]), at density rho, kg/m^3.
     fn pressure<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>, volume_factor: L, density: L) -> L;
+    /// What it stiffens a closing point by, for the time step: \[b1 c in m/s, b0\] of
+    /// q = rho l d (b0 l d + b1 c) at the closing rate d. Zeros of a viscosity that does not say.
+    fn coefficients(&self) -> [T; 2] {
+        [T::default(); 2]
+    }
 }
 
 /// None: no memory, no code.
@@ -68,6 +73,9 @@ impl<T: Real> BulkViscosity<T> {
 
 impl<T: Real> ShockViscosity<T> for BulkViscosity<T> {
     type Memory<L: Lane<Real = T>> = L;
+    fn coefficients(&self) -> [T; 2] {
+        [self.linear * self.sound_speed, self.quadratic]
+    }
     #[inline(always)]
     fn memory<L: Lane<Real = T>>(&self, pressure: L) -> L {
         pressure

@@ -1,6 +1,6 @@
 //! How the motion of a step becomes the increment a law sees.
 
-use mpm_materials::{Increments, Kinematics, Lane, Mat3, ObjectiveRate, SmallRotation, Sym3};
+use mpm_materials::{Increments, Kinematics, Lane, ObjectiveRate, SmallRotation, Sym3};
 
 /// Strain to first order, the symmetric part of dt grad v, and no rotation of the stress, as printed: \[Feng2014\]
 /// lists no objective term. A spinning body then feels its own old stress in directions it has left. Given to a law by
@@ -47,25 +47,6 @@ impl Configuration for StartOfStep {
     const BACK: f64 = 1.0;
 }
 
-/// The increment scaled so that det(I + increment) = `ratio`, which it nearly is.
-#[inline(always)]
-pub(crate) fn with_volume<L: Lane>(increment: &Mat3<L>, ratio: L) -> Mat3<L> {
-    let whole = *increment + Mat3::identity();
-    let wanted = ratio / whole.determinant();
-    // Cube root of a number near one: three steps of Newton's method from the first-order value.
-    let third = L::of(1.0 / 3.0);
-    let mut root = (wanted - L::one()).mul_add(third, L::one());
-    for _ in 0..3 {
-        let square = root * root;
-        root = root - (root * square - wanted) / (square + square + square);
-    }
-    let mut scaled = whole * root;
-    for i in 0..3 {
-        scaled.0[i][i] = scaled.0[i][i] - L::one();
-    }
-    scaled
-}
-
 /// Where the change of volume of an element comes from.
 pub trait Dilatation: Copy + Send + Sync + 'static {
     /// The name in tables and messages.
@@ -91,19 +72,4 @@ pub struct OfParticles;
 impl Dilatation for OfParticles {
     const NAME: &'static str = "volume of particles";
     const AVERAGED: bool = true;
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_volume_is_met_to_rounding() {
-        let increment = Mat3([[0.01, -0.05, 0.0], [0.05, -0.02, 0.0], [0.0, 0.0, 0.003]]);
-        for ratio in [0.9, 1.0, 1.1] {
-            let det = (with_volume(&increment, ratio) + Mat3::identity()).determinant();
-            // The first-order root is off by e^2/9, and each step of Newton's method squares that.
-            assert!((det - ratio).abs() < 1e-15, "{det} for {ratio}");
-        }
-    }
 }

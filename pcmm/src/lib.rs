@@ -59,7 +59,6 @@
 //! piece they came from. Masses and radii of particles never change.
 
 mod audit;
-mod boundary;
 mod contact;
 mod elements;
 mod inheritance;

@@ -16,7 +16,6 @@ use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
 use crate::audit::Audit;
-use crate::boundary::check;
 use crate::elements::{Elements, Incidence};
 use crate::kinematics::Dilatation;
 use crate::method::Composition;
@@ -353,7 +352,9 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     /// An axis that is not there, a position or velocity that is not finite, numbers that a condition refuses; periodic planes, which
     /// particles do not know.
     pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
-        check(&boundary)?;
+        boundary.check_moving(
+            "in the particle-contact method; take planes of symmetry, or the material point method",
+        )?;
         self.boundaries.push(boundary);
         Ok(())
     }

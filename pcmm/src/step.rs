@@ -1,9 +1,8 @@
 //! A step: the stages in the order of the flow chart of \[Feng2014\].
 
 use impactite_scene::boundary::BodyForce;
-use impactite_scene::{Boundary, Cause, Exchange, PointKind, Solver, StepError, Stopped};
+use impactite_scene::{Boundary, Cause, Exchange, MovingPoint, PointKind, Solver, StepError, Stopped};
 
-use crate::boundary::constrain;
 use crate::contact::wide;
 use crate::elements::{BATCH, Batch, Elements, Incidence};
 use crate::kinematics::Dilatation;
@@ -237,10 +236,28 @@ impl<const D: usize> Motion<'_, D> {
         }
     }
 
+    /// A particle that had the velocity `start` before forces acted, as conditions see it.
+    #[inline]
+    fn point(&self, p: &Particle<D>, start: &[f64; D]) -> MovingPoint<D> {
+        MovingPoint {
+            position: p.position,
+            mass: p.mass,
+            start: *start,
+            velocity: p.velocity,
+            size: p.radius,
+            depth: p.radius * (1.0 + self.surface),
+            tolerance: p.radius * (0.5 + self.surface),
+        }
+    }
+
     #[inline]
     fn advance(&self, n: usize, p: &mut Particle<D>, start: &[f64; D], found: &mut Moved) {
-        for boundary in self.boundaries {
-            constrain(boundary, p, (start, self.surface), (self.time, self.dt), &mut found.given);
+        if !self.boundaries.is_empty() {
+            let mut point = self.point(p, start);
+            for boundary in self.boundaries {
+                boundary.hold(&mut point, (self.time, self.dt), &mut found.given);
+            }
+            p.velocity = point.velocity;
         }
         let mut square = 0.0;
         for d in 0..D {

@@ -5,10 +5,10 @@ use std::marker::PhantomData;
 use impactite_scene::Embedding;
 use impactite_simd::{Arch, Float, Kernel, Pack, Vectors};
 use mpm_materials::material::{Deformation, Length, Material, Motion, Response, States, StatesMut};
-use mpm_materials::{Breakdown, Lane, Mask, Mat3, Sym3};
+use mpm_materials::{Breakdown, Lane, Mask, Mat3, Sym3, with_volume};
 
 use crate::elements::{BATCH, Batch, GROUP, Report, Row};
-use crate::kinematics::{Configuration, Dilatation, with_volume};
+use crate::kinematics::{Configuration, Dilatation};
 use crate::method::Composition;
 use crate::particles::Particle;
 use crate::simplex::Slopes;

@@ -13,7 +13,7 @@
 //! | [`StripPointInBox`] | the same in strips \[Xiao2015\] | alike radii |
 //! | [`EveryPair`] | nothing | a few points; what the others are held against |
 //!
-//! [`VerletLists`] keep the lists of any of them over steps, by a skin. [`SearchMethod`] chooses one at run time.
+//! [`VerletLists`] keep the lists of any of them over steps, by a skin; [`VerletListsBetween`] those between two sets. [`SearchMethod`] chooses one at run time.
 //!
 //! ```
 //! use impactite_geometry::search::{NeighbourSearch, Points, Reach, SearchError, SearchMethod, SortedCells};
@@ -59,7 +59,7 @@ pub use every_pair::EveryPair;
 pub use lists::NeighbourLists;
 pub use points::{Points, Reach};
 pub use tree::BoxTree;
-pub use verlet::VerletLists;
+pub use verlet::{VerletLists, VerletListsBetween};
 
 /// The largest coordinate, radius or range of a search (m): squares of distances beyond are not finite.
 pub const FARTHEST: f64 = 1e150;

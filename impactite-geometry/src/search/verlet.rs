@@ -34,8 +34,7 @@ pub struct VerletLists<const D: usize, S = SortedCells<D>> {
     reach: Reach,
     skin: f64,
     lists: NeighbourLists,
-    searched_at: Vec<[f64; D]>,
-    radii: Vec<f64>,
+    seen: Seen<D>,
     valid: bool,
     searches: u64,
     search: PhantomData<fn() -> S>,
@@ -53,8 +52,7 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
             reach,
             skin,
             lists: NeighbourLists::new(),
-            searched_at: Vec::new(),
-            radii: Vec::new(),
+            seen: Seen::default(),
             valid: false,
             searches: 0,
             search: PhantomData,
@@ -112,10 +110,7 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
             self.clear(points.len());
             return Err(refused);
         }
-        self.searched_at.clear();
-        self.searched_at.extend_from_slice(points.positions());
-        self.radii.clear();
-        self.radii.extend((0..points.len()).map(|i| points.radius(i)));
+        self.seen.note(points);
         self.valid = true;
         Ok(true)
     }
@@ -123,12 +118,143 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
     /// Do the lists miss no pair of points that are now at these positions with these radii (m)? To ask without copying; an
     /// [`update`](VerletLists::update) asks by itself.
     pub fn hold(&self, points: impl ExactSizeIterator<Item = ([f64; D], f64)>) -> bool {
-        let (half, slope) = (0.5 * self.skin, self.reach.slope());
-        self.valid
-            && self.searched_at.len() == points.len()
-            && points.zip(&self.searched_at).zip(&self.radii).all(|(((x, radius), before), old)| {
-                let left = half - slope * (radius - old).max(0.0);
+        self.valid && self.seen.hold(points, 0.5 * self.skin, self.reach.slope())
+    }
+}
+
+/// Points as a search found them.
+#[derive(Clone, Debug)]
+struct Seen<const D: usize> {
+    positions: Vec<[f64; D]>,
+    radii: Vec<f64>,
+}
+
+impl<const D: usize> Default for Seen<D> {
+    fn default() -> Self {
+        Seen { positions: Vec::new(), radii: Vec::new() }
+    }
+}
+
+impl<const D: usize> Seen<D> {
+    fn note(&mut self, points: &Points<'_, D>) {
+        self.positions.clear();
+        self.positions.extend_from_slice(points.positions());
+        self.radii.clear();
+        self.radii.extend((0..points.len()).map(|i| points.radius(i)));
+    }
+
+    /// Has none of the points used up `slack` (m), by its motion and `slope` times the growth of its radius?
+    fn hold(&self, points: impl ExactSizeIterator<Item = ([f64; D], f64)>, slack: f64, slope: f64) -> bool {
+        self.positions.len() == points.len()
+            && points.zip(&self.positions).zip(&self.radii).all(|(((x, radius), before), old)| {
+                let left = slack - slope * (radius - old).max(0.0);
                 left >= 0.0 && distance_squared(&x, before) <= left * left
             })
+    }
+}
+
+/// Lists between two sets with a skin, as [`VerletLists`] within one: for every point of the others those of the first set within
+/// reach, and some that are not.
+///
+/// ```
+/// use impactite_geometry::search::{Points, Reach, SearchError, VerletListsBetween};
+/// use impactite_simd::Team;
+/// let mut lists = VerletListsBetween::<1>::new(Reach::sum(0.0), 0.2)?;
+/// for step in 0..10 {
+///     let (wall, ball) = ([[0.0]], [[1.5 - 0.04 * f64::from(step)]]);
+///     lists.update(&Points::new(&wall, &[0.9])?, &Points::new(&ball, &[0.5])?, &Team::one())?;
+///     assert_eq!(lists.of(0), [0]);
+/// }
+/// assert_eq!(lists.searches(), 4);
+/// # Ok::<(), SearchError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct VerletListsBetween<const D: usize, S = SortedCells<D>> {
+    reach: Reach,
+    skin: f64,
+    /// Of the lists that there are.
+    skin_then: f64,
+    lists: NeighbourLists,
+    seen: [Seen<D>; 2],
+    valid: bool,
+    searches: u64,
+    search: PhantomData<fn() -> S>,
+}
+
+impl<const D: usize, S: NeighbourSearch<D>> VerletListsBetween<D, S> {
+    /// Lists of pairs within `reach`, with a skin (m).
+    ///
+    /// # Errors
+    /// As [`VerletLists::new`].
+    pub fn new(reach: Reach, skin: f64) -> Result<Self, SearchError> {
+        check_length("skin", skin)?;
+        reach.check(0.0)?;
+        let seen = [Seen::default(), Seen::default()];
+        let lists = NeighbourLists::new();
+        let (skin_then, valid, searches, search) = (skin, false, 0, PhantomData);
+        Ok(VerletListsBetween { reach, skin, skin_then, lists, seen, valid, searches, search })
+    }
+
+    /// Thickness of the skin (m).
+    pub fn skin(&self) -> f64 {
+        self.skin
+    }
+    /// Another thickness of the skin (m), for the searches from now on.
+    ///
+    /// # Errors
+    /// One that is negative, not finite or too large.
+    pub fn set_skin(&mut self, skin: f64) -> Result<(), SearchError> {
+        check_length("skin", skin)?;
+        self.skin = skin;
+        Ok(())
+    }
+    /// The points of the first set near point `i` of the others, in ascending order.
+    ///
+    /// # Panics
+    /// No such point at the last update.
+    #[inline]
+    pub fn of(&self, i: usize) -> &[u32] {
+        self.lists.of(i)
+    }
+    /// How many searches were made.
+    pub fn searches(&self) -> u64 {
+        self.searches
+    }
+    /// Search at the next update, whatever the points do.
+    pub fn forget(&mut self) {
+        self.valid = false;
+    }
+
+    /// Search again if the lists may miss a pair of `points` and `others`. Says whether it did.
+    ///
+    /// # Errors
+    /// As [`VerletLists::update`].
+    pub fn update(
+        &mut self,
+        points: &Points<'_, D>,
+        others: &Points<'_, D>,
+        team: &Team,
+    ) -> Result<bool, SearchError> {
+        let (half, slope) = (0.5 * self.skin_then, self.reach.slope());
+        let hold = |seen: &Seen<D>, now: &Points<'_, D>| {
+            seen.hold((0..now.len()).map(|i| (now.positions()[i], now.radius(i))), half, slope)
+        };
+        if self.valid && hold(&self.seen[0], points) && hold(&self.seen[1], others) {
+            return Ok(false);
+        }
+        self.searches += 1;
+        self.valid = false;
+        let wide = self.reach.widened(self.skin);
+        match S::new(points, wide).and_then(|search| search.neighbours_of(others, team)) {
+            Ok(found) => self.lists = found,
+            Err(refused) => {
+                self.lists.clear(others.len());
+                return Err(refused);
+            }
+        }
+        self.seen[0].note(points);
+        self.seen[1].note(others);
+        (self.skin_then, self.valid) = (self.skin, true);
+        Ok(true)
     }
 }

@@ -4,12 +4,16 @@ use impactite_scene::Exchange;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::boundary::Boundary;
 
+use super::capability::MeetsSurfaces;
 use super::contact::ContactState;
 use super::fields::Fields;
+use super::footprint::{Folds, NodeWeight};
+use super::near_particles::{NearNode, NearParticles};
 use super::nodes::{BlockBooks, GridStages, StageOf, mass_cutoff};
 use super::planes::Planes;
 use super::scene::Scene;
 use super::walls::NodeSets;
+use crate::dim::BLOCK;
 use crate::geometry::Lattice;
 use crate::grid::{GridStorage, Node, OutsideGrid};
 use crate::parallel::{Float, Team};
@@ -29,6 +33,8 @@ pub(super) struct Background<T: Float, const D: usize> {
     pub(super) planes: Planes<T>,
     /// Terms of the FMPM series, one a node; empty for other transfers.
     pub(super) terms: Vec<[T; 3]>,
+    /// Particles near a surface of another discretisation.
+    pub(super) near: NearParticles<D>,
     /// The step after which blocks were arranged last, and whether with a look ahead.
     pub(super) arranged: u64,
     pub(super) ahead: bool,
@@ -54,6 +60,7 @@ impl<T: Float, const D: usize> Background<T, D> {
             scene_wide: Exchange::default(),
             planes: Planes::default(),
             terms: Vec::new(),
+            near: NearParticles::default(),
             arranged: 0,
             ahead: false,
         }
@@ -136,6 +143,38 @@ impl<T: Float, const D: usize> Background<T, D> {
                 || prune && self.fields.outdated(&scene.bodies))
     }
 
+    /// Add the particles of a body in boxes that a surface reaches, with the velocities of their nodes, those of less mass than
+    /// `cutoff` left out; `dt` where nodes know their accelerations.
+    pub(super) fn gather_near(
+        &self,
+        near: &mut NearParticles<D>,
+        (body, particles): (u32, &dyn MeetsSurfaces<D>),
+        (folds, cutoff, dt): (&Folds<D>, T, Option<T>),
+        reaches: &dyn Fn(&[f64; D], &[f64; D]) -> bool,
+    ) {
+        let node_at = |at: &[i32; D]| {
+            let block = at.map(|c| c.div_euclid(BLOCK as i32));
+            let within = (0..D).rev().fold(0, |n, d| n * BLOCK + at[d].rem_euclid(BLOCK as i32) as usize);
+            let found = self.fields.find(&*self.storage, &block, body)?;
+            let place = self.fields.layout().place(found, within)?;
+            let node = self.nodes().get(place).filter(|node| node.first[0] > cutoff)?;
+            Some(NearNode {
+                place: place as u32,
+                position: self.lattice().node(at.map(i64::from)),
+                mass: node.first[0].to_double(),
+                start: dt.map(|dt| {
+                    std::array::from_fn(|d| (node.first[d + 1] - dt * node.second[d + 1]).to_double())
+                }),
+                velocity: std::array::from_fn(|d| node.first[d + 1].to_double()),
+                change: [0.0; D],
+            })
+        };
+        particles.visit_near(reaches, &mut |particle, weights| {
+            let mut fold = |folded: &mut Vec<NodeWeight<D>>| folds.fold(weights, folded);
+            near.add(body, particle, &mut fold, &node_at);
+        });
+    }
+
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {
         self.storage.bytes()
@@ -144,6 +183,7 @@ impl<T: Float, const D: usize> Background<T, D> {
             + self.planes.bytes()
             + self.fields.bytes()
             + self.contact.bytes()
+            + self.near.bytes()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use mpm_contact::{NearPoint, SurfaceQuantity};
 
-use super::capability::{ClientSteps, Deactivation, Division, FreeVelocities};
+use super::capability::{ClientSteps, Deactivation, Division, FreeVelocities, MeetsSurfaces};
 use super::footprint::Footprint;
 use super::layout::Claim;
 use super::layout::NodeSums;
@@ -115,6 +115,11 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
     }
     /// The same, to be made.
     fn client_mut(&mut self) -> Option<&mut dyn ClientSteps<T, D>> {
+        None
+    }
+
+    /// Its particles near a surface, if they can meet one.
+    fn meets_surfaces(&self) -> Option<&dyn MeetsSurfaces<D>> {
         None
     }
 

@@ -3,9 +3,11 @@
 use impactite_scene::Exchange;
 use impactite_scene::error::{SceneError, Stopped};
 
-use super::client::ClientPoint;
+use super::client::{ClientPoint, SurfaceClient};
+use super::footprint::NodeWeight;
 use super::layout::Nodes;
 use super::merging::MergeBook;
+use super::near_particles::NearParticle;
 use super::rest::TakenMotion;
 use super::splitting::SplitBook;
 use crate::parallel::{Float, Team};
@@ -47,8 +49,25 @@ pub trait ClientSteps<T: Float, const D: usize> {
     /// # Errors
     /// As [`ClientSteps::open`].
     fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped>;
+    /// The longest step that it can make, s.
+    fn stable_step(&self) -> f64;
+    /// Are there proxies on the grid?
+    fn on_grid(&self) -> bool;
+    /// Its surface, if particles meet that.
+    fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>>;
     /// What boundaries and loads of its own gave to the body since the start.
     fn given(&self) -> Exchange;
+}
+
+/// Particles that meet surfaces one by one ([`SurfaceClient`]).
+pub trait MeetsSurfaces<const D: usize> {
+    /// Call `visit` with every particle and its weights in boxes that `reaches` (lower and upper corner, m)
+    /// does not refuse, in an order that depends on nothing but the scene.
+    fn visit_near(
+        &self,
+        reaches: &dyn Fn(&[f64; D], &[f64; D]) -> bool,
+        visit: &mut dyn FnMut(&NearParticle<D>, &[NodeWeight<D>]),
+    );
 }
 
 /// Velocities of particles that may be set between steps.

@@ -1,5 +1,6 @@
 //! Bodies of another discretisation that act through the grid of a scene: what is asked of them.
 
+use super::near_particles::NearParticles;
 use crate::parallel::{Float, Team};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
@@ -29,7 +30,7 @@ pub struct ClientPoint {
 /// so that sum J_i = sum m dx': what bodies do to each other is momentum given and taken, to rounding. The points should be about as far
 /// apart as the nodes of the grid, or closer: through wider meshes others' particles slip.
 ///
-/// The step of a scene is not longer than [`GridClient::rate`] allows; a body that needs many shorter steps makes them within `open` and
+/// The step of a scene is not longer than [`GridClient::stable_step`] and [`GridClient::rate`] allow; a body that needs many shorter steps makes them within `open` and
 /// `advance`.
 pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
     /// What it is made of, in words; functions of time by what they give at these, s. A checkpoint is refused where they differ.
@@ -42,8 +43,18 @@ pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
     fn mass_points(&self) -> Vec<(f64, [f64; D])>;
     /// Where they are, by number.
     fn place(&mut self, points: &mut [ClientPoint]);
-    /// One over the longest step, 1/s, over which the safety factor of the scene's time control comes: speed of waves over size.
-    fn rate(&self) -> f64;
+    /// Speed of waves over size, 1/s, if the scene's time control is to find the step from it.
+    fn rate(&self) -> f64 {
+        0.0
+    }
+    /// The longest step that it can make, s, by a safety factor of its own.
+    fn stable_step(&self) -> f64 {
+        f64::INFINITY
+    }
+    /// How far apart its points are, m: the scene warns where that is more than a cell, and particles may slip through.
+    fn spacing(&self) -> f64 {
+        0.0
+    }
     /// Begin a step of `dt`, s: the velocities that points would move with by the body's own forces alone, m/s, by number.
     ///
     /// # Errors
@@ -54,6 +65,11 @@ pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
     /// # Errors
     /// As [`GridClient::open`].
     fn advance(&mut self, dt: T, changes: Option<&mut Vec<[T; 3]>>, team: &Team) -> Result<(), Stopped>;
+    /// Its surface, if particles meet that and not proxies on the grid: then [`GridClient::mass_points`] may be empty. Asked anew in every
+    /// step, between `open` and `advance`.
+    fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>> {
+        None
+    }
     /// What boundaries and loads of its own gave to the body since the start.
     fn given(&self) -> Exchange;
     /// Does it bear shear and tension, so that it is one piece of matter?
@@ -65,4 +81,29 @@ pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
     /// # Errors
     /// The file.
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
+}
+
+/// The surface of a [`GridClient`] that particles meet one by one, whatever the sizes of its facets and of the cells.
+///
+/// The nodes of the grid have their velocities at the end of the step by then, and particles will move with them: a particle at x_p has
+/// the velocity sum N_i(x_p) v_i, and an impulse J on it goes to its nodes, m_i dv_i = N_i(x_p) J. So particles of a cell move together, as
+/// they do in all else.
+pub trait SurfaceClient<T: Float, const D: usize> {
+    /// May particles within this box, m, touch it in this step?
+    fn reaches(&self, low: &[f64; D], high: &[f64; D]) -> bool;
+    /// Push particles and surface apart, which are trial velocities on both sides; the body takes what it gets with
+    /// [`GridClient::advance`]. Returns what that took.
+    ///
+    /// # Errors
+    /// What stops the body.
+    fn meet(&mut self, particles: &mut NearParticles<D>, dt: T, team: &Team) -> Result<Taken, Stopped>;
+}
+
+/// Kinetic energy that contact took from particles and surface, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Taken {
+    /// By friction.
+    pub friction: f64,
+    /// By plastic impacts.
+    pub impacts: f64,
 }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
 use super::capability::ClientSteps;
-use super::client::{ClientPoint, GridClient};
+use super::client::{ClientPoint, GridClient, SurfaceClient};
 use super::footprint::Footprint;
 use super::kernels::MethodKernels;
 use super::layout::Nodes;
@@ -117,6 +117,9 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
     fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped> {
         self.client.open(dt, &mut self.velocities, team)?;
+        if !self.on_grid() {
+            return Ok(());
+        }
         let velocities = &self.velocities;
         self.proxy.show_velocities(&mut |number, v| *v = velocities[number]);
         let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0 };
@@ -134,6 +137,10 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
             }
         });
         self.client.advance(dt, changed.then_some(changes), team)?;
+        if !self.on_grid() {
+            self.rate = T::of(self.client.rate());
+            return Ok(self.rate);
+        }
         self.client.place(&mut self.points);
         self.proxy.place_at(&self.points, team);
         let steps = Steps { this: T::default(), next: T::default(), adapt: true, force_time: 0.0 };
@@ -142,6 +149,15 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
         Ok(self.rate)
     }
 
+    fn stable_step(&self) -> f64 {
+        self.client.stable_step()
+    }
+    fn on_grid(&self) -> bool {
+        !self.points.is_empty()
+    }
+    fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>> {
+        self.client.surface()
+    }
     fn given(&self) -> Exchange {
         self.client.given()
     }
@@ -211,7 +227,7 @@ impl<T: Float, const D: usize> GridBody<T, D> for ClientBody<T, D> {
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble> {
-        if which == self.returns {
+        if which == self.returns && self.on_grid() {
             self.proxy.pass(Which::First, nodes, Steps { adapt: false, ..dt }, team)?;
         }
         Ok(self.rate)
@@ -220,7 +236,7 @@ impl<T: Float, const D: usize> GridBody<T, D> for ClientBody<T, D> {
         Loading::default()
     }
     fn locate(&mut self, _: Which, prune: bool, team: &Team) -> bool {
-        self.proxy.locate_after(Which::Follow, prune, team)
+        self.on_grid() && self.proxy.locate_after(Which::Follow, prune, team)
     }
     fn coheres(&self) -> bool {
         self.client.coheres()

@@ -1,13 +1,22 @@
 //! Bodies of another discretisation in the steps of a scene.
 
 use super::body::Which;
-use super::client::GridClient;
+use super::capability::ClientSteps;
+use super::client::{GridClient, Taken};
 use super::client_body::ClientBody;
+use super::contact::ContactPhase;
+use super::footprint::Folds;
 use super::layout::Nodes;
 use super::mpm::Mpm;
+use super::near_particles::NearParticles;
+use super::nodes::mass_cutoff;
 use crate::parallel::Float;
+use impactite_scene::Finding;
 use impactite_scene::control::TimeControl;
 use impactite_scene::error::{SceneError, StepError, Stopped};
+
+/// Distance of points over that of nodes beyond which particles may slip through.
+const WIDEST: f64 = 1.05;
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Have them move by their own forces, and map their velocities.
@@ -36,12 +45,85 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Refuse what asks the nodes of the scene for all forces, beside bodies of another discretisation.
+    /// Refuse what asks the nodes of the scene for all forces, beside bodies of another discretisation with proxies there.
     pub(super) fn check_clients(&self, what: &'static str) -> Result<(), SceneError> {
-        match self.scene.clients.first() {
+        let on_grid = |n: &&usize| self.scene.bodies[**n].client().is_some_and(ClientSteps::on_grid);
+        match self.scene.clients.iter().find(on_grid) {
             None => Ok(()),
             Some(&n) => Err(SceneError::BesideClient { body: self.scene.bodies[n].name().into(), what }),
         }
+    }
+
+    /// Have particles and the surfaces of such bodies push each other apart.
+    pub(super) fn meet_surfaces(&mut self, dt: T) -> Result<(), StepError> {
+        for n in 0..self.scene.clients.len() {
+            let number = self.scene.clients[n];
+            let met = self.meet_surface(number, dt);
+            met.map_err(|what| self.stopped(what))?;
+        }
+        Ok(())
+    }
+
+    fn meet_surface(&mut self, number: usize, dt: T) -> Result<(), Stopped> {
+        let cutoff = self.scene.lightest() * mass_cutoff::<T>();
+        let modified = self.kernels.facts().boundary_modified;
+        let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
+        let known = (!self.kernels.facts().maps_together).then_some(dt);
+        let mut near = std::mem::take(&mut self.grid.near);
+        near.clear();
+        let (before, rest) = self.scene.bodies.split_at_mut(number);
+        let Some((client, after)) = rest.split_first_mut() else { return Ok(()) };
+        let Some(surface) = client.client_mut().and_then(ClientSteps::surface) else { return Ok(()) };
+        let reaches = |low: &[f64; D], high: &[f64; D]| surface.reaches(low, high);
+        let numbered = (number + 1..).zip(after.iter());
+        for (body, particles) in before.iter().enumerate().chain(numbered) {
+            if let Some(particles) = particles.meets_surfaces() {
+                self.grid.gather_near(&mut near, (body as u32, particles), (&folds, cutoff, known), &reaches);
+            }
+        }
+        let met =
+            if near.is_empty() { Ok(Taken::default()) } else { surface.meet(&mut near, dt, &self.team) };
+        if let Ok(taken) = met {
+            self.ledger.friction += taken.friction;
+            self.ledger.impacts += taken.impacts;
+            self.push_nodes(&near, dt);
+        }
+        self.grid.near = near;
+        met.map(|_| ())
+    }
+
+    /// What particles got from a surface goes to the nodes, boundaries again where any did.
+    fn push_nodes(&mut self, near: &NearParticles<D>, dt: T) {
+        let end = self.clock.time + dt.to_double();
+        let tolerance = 1e-6 * self.grid.lattice().spacing();
+        let copies = if self.facts().wide() { 1.5 * self.grid.lattice().spacing() } else { 0.0 };
+        let per_dt = T::of(1.0) / dt;
+        let pushed = || near.nodes.iter().filter(|node| node.change != [0.0; D]);
+        if pushed().next().is_none() {
+            return;
+        }
+        (0..D).for_each(|d| self.ledger.impulse[d] += near.planes[d]);
+        self.stage(dt).note_velocities();
+        for near in pushed() {
+            let node = &mut self.grid.nodes_mut()[near.place as usize];
+            let mut v = [0.0; 3];
+            v[..D].copy_from_slice(&near.velocity);
+            let free = v;
+            for b in &self.scene.conditions.boundaries {
+                b.constrain(&near.position, &mut v, end, tolerance, copies);
+            }
+            for d in 0..D {
+                let change = T::of(near.change[d] + v[d] - free[d]);
+                node.first[d + 1] += change;
+                node.second[d + 1] += change * per_dt;
+                let held = near.mass * (v[d] - free[d]);
+                self.ledger.impulse[d] += held;
+                self.ledger.work += held * v[d];
+            }
+        }
+        let mut stage = self.stage(dt);
+        stage.copy_velocities(ContactPhase::Trial);
+        stage.extrapolate();
     }
 
     /// Add a body of another discretisation: its own forces act on its own nodes, and it meets the bodies and walls of this scene on
@@ -65,12 +147,18 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         what: &'static str,
         body: Box<dyn GridClient<T, D>>,
     ) -> Result<(), SceneError> {
-        if !self.scene.contact.separates() {
+        let mut body = body;
+        let on_grid = !body.mass_points().is_empty();
+        if on_grid && !self.scene.contact.separates() {
             return Err(SceneError::NoContact(what));
+        }
+        if !on_grid && body.surface().is_none() {
+            return Err(SceneError::Empty(body.name().into()));
         }
         self.check_frame(what, "the scene that bodies meet in is one of the current configuration")?;
         let here = self.facts();
-        let Some(kernels) = self.kernels.for_place() else {
+        let proxies = self.kernels.for_place().or_else(|| (!on_grid).then(|| self.kernels.clone()));
+        let Some(kernels) = proxies else {
             let why = "such bodies meet others where nodes know accelerations: take FLIP or a blend";
             return Err(SceneError::NotWith { what: what.into(), method: here.description.clone(), why });
         };
@@ -79,10 +167,28 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if body.embedding() != here {
             return Err(SceneError::OtherSpace { body: name, there: body.embedding(), here });
         }
-        if body.mass_points().is_empty() {
-            return Err(SceneError::Empty(name));
-        }
         let refuse = |what| Err(SceneError::BesideClient { body: name.clone(), what });
+        if on_grid {
+            self.check_beside(&refuse)?;
+        }
+        self.check_half_sizes(&name, &body.half_size())?;
+        let ratio = body.spacing() / self.grid.lattice().spacing();
+        let body = ClientBody::new(body, kernels, *self.grid.lattice(), returns);
+        self.enter(&name, Box::new(body))?;
+        self.scene.clients.push(self.scene.bodies.len() - 1);
+        if on_grid && ratio > WIDEST {
+            let finding = Finding::WidePoints { body: name.clone(), ratio };
+            let same = |f: &Finding| matches!(f, Finding::WidePoints { body, .. } if *body == name);
+            self.looks.watcher.warn_once(&self.clock, finding, same);
+        }
+        Ok(())
+    }
+
+    /// See that nothing in the scene asks the nodes for all forces.
+    fn check_beside(
+        &self,
+        refuse: &dyn Fn(&'static str) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
         if self.between_steps.kinetic_damping.is_some() {
             return refuse("kinetic damping");
         }
@@ -101,10 +207,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if matches!(self.stepper.control, TimeControl::Gershgorin { .. }) {
             return refuse("`TimeControl::Gershgorin`");
         }
-        self.check_half_sizes(&name, &body.half_size())?;
-        let body = ClientBody::new(body, kernels, *self.grid.lattice(), returns);
-        self.enter(&name, Box::new(body))?;
-        self.scene.clients.push(self.scene.bodies.len() - 1);
         Ok(())
     }
 }

@@ -298,6 +298,16 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
+    /// Note the velocities beside planes of symmetry, before others change them.
+    pub fn note_velocities(&mut self) {
+        self.planes.note_velocities(self.grid.nodes());
+    }
+
+    /// Have what nodes behind planes hold follow from those in front, which were changed.
+    pub fn extrapolate(&mut self) {
+        self.planes.extrapolate(self.grid.nodes_mut());
+    }
+
     /// Start the FMPM series: d = v.
     pub fn first_terms(&mut self, terms: &mut Vec<[T; 3]>) {
         terms.clear();

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use mpm_materials::{Breakdown, Material};
 
 use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
-use super::capability::{Deactivation, Division, FreeVelocities};
+use super::capability::{Deactivation, Division, FreeVelocities, MeetsSurfaces};
 use super::client::ClientPoint;
 use super::deactivated::Deactivated;
 use super::footprint::Footprint;
@@ -127,7 +127,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
     /// Slots in the order of their places, which is that of sums: the order in which they were made is a matter of when
     /// blocks were arranged.
-    fn in_place(&self) -> impl Iterator<Item = &Slot<T, D>> {
+    pub(super) fn in_place(&self) -> impl Iterator<Item = &Slot<T, D>> {
         self.index.iter().map(|&(_, slot)| &self.slots[slot as usize])
     }
 
@@ -596,6 +596,9 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
     }
     fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
         self
+    }
+    fn meets_surfaces(&self) -> Option<&dyn MeetsSurfaces<D>> {
+        Some(self)
     }
     fn deactivation(&self) -> Option<&dyn Deactivation<T, D>> {
         Some(self)

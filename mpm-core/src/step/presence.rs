@@ -3,12 +3,16 @@
 use mpm_contact::{NearPoint, SurfaceQuantity};
 
 use super::body::{GridBody, Presence};
+use super::capability::MeetsSurfaces;
+use super::footprint::NodeWeight;
 use super::layout::{Claim, Layout, NodeSums};
+use super::near_particles::NearParticle;
 use super::particle_body::{NONE, ParticleBody};
 use super::surface_quantity::{NearTask, SurfaceTask, beside, nodes_of};
-use crate::dim::{neighbours, offset, shifted};
+use crate::dim::{BLOCK, block_nodes, neighbours, offset, shifted};
 use crate::grid::Node;
 use crate::parallel::{Float, prefetch_from};
+use crate::particles::Columns;
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Does a particle reach a node that its body does not have?
@@ -210,4 +214,56 @@ impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
     fn near_points(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
         self.visit_near_points(block, nodes, visit);
     }
+}
+
+impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
+    fn visit_near(
+        &self,
+        reaches: &dyn Fn(&[f64; D], &[f64; D]) -> bool,
+        visit: &mut dyn FnMut(&NearParticle<D>, &[NodeWeight<D>]),
+    ) {
+        if self.is_deactivated() {
+            return;
+        }
+        let (h, origin, centre) = (self.lattice.spacing(), self.lattice.origin(), self.bin_centre());
+        // Particles reach beyond their bins by what they are wide.
+        let margin = 0.5 * h;
+        let box_of = |first: &[i32; D], cells: i32| {
+            let low = std::array::from_fn(|d| origin[d] + h * (f64::from(first[d]) + centre - 0.5) - margin);
+            let high = std::array::from_fn::<f64, D, _>(|d| low[d] + h * f64::from(cells) + 2.0 * margin);
+            (low, high)
+        };
+        let (mut numbers, mut weights) = (Vec::new(), Vec::new());
+        for slot in self.in_place().filter(|slot| !slot.block.is_empty()) {
+            let (low, high) = box_of(&slot.block.bin_coordinates(0), BLOCK as i32);
+            if !reaches(&low, &high) {
+                continue;
+            }
+            for bin in 0..block_nodes(D) {
+                let coordinates = slot.block.bin_coordinates(bin);
+                let (low, high) = box_of(&coordinates, 1);
+                if slot.block.bin_len(bin) == 0 || !reaches(&low, &high) {
+                    continue;
+                }
+                for at in slot.block.bin_places(bin) {
+                    numbers.clear();
+                    slot.block.read(at, &mut numbers);
+                    let position = std::array::from_fn(|d| {
+                        let cells = f64::from(coordinates[d]) + centre;
+                        origin[d] + h * (cells + numbers[Columns::position() + d].to_double())
+                    });
+                    let edges = self.half_edges(&numbers);
+                    let half_size = (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64);
+                    let velocity = std::array::from_fn(|d| numbers[Columns::velocity(D) + d].to_double());
+                    self.node_weights(&slot.block, bin, at, &mut weights);
+                    let number = slot.block.number(at);
+                    visit(&NearParticle { number, position, velocity, half_size }, &weights);
+                }
+            }
+        }
+    }
+}
+
+fn length(edge: [f64; 3]) -> f64 {
+    edge.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -9,6 +9,7 @@ use impactite_scene::{PointKind, TimeControl};
 use super::background::AtPlanes;
 use super::between_steps::StepEnd;
 use super::body::{BodyTrouble, Steps, Which};
+use super::capability::ClientSteps;
 use super::contact::ContactPhase;
 use super::layout::Nodes;
 use super::load::Loading;
@@ -94,6 +95,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // vii: eqs. 11 - 15
             self.move_rigid(dt)?;
+            self.meet_surfaces(dt)?;
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
@@ -101,6 +103,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.move_rigid(dt)?;
+            self.meet_surfaces(dt)?;
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
@@ -371,7 +374,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let (step, sharp) = known.unwrap_or_else(|| (self.clock.steps, self.gershgorin_rate()));
             (self.stepper.gershgorin, rate) = (Some((step, sharp)), sharp);
         }
-        let dt = self.stepper.control.next(rate, self.clock.last);
+        let clients = self.scene.clients.iter().filter_map(|&n| self.scene.bodies[n].client());
+        let longest = clients.map(ClientSteps::stable_step).fold(f64::INFINITY, f64::min);
+        let dt = self.stepper.control.next(rate, self.clock.last).min(longest);
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(self.stopped(Stopped::NoTimeStep(dt)));
         }

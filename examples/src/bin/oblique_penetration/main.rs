@@ -8,6 +8,7 @@ mod estimate;
 mod figures;
 mod flight;
 mod plate;
+mod rod;
 mod scene;
 mod setup;
 mod track;
@@ -19,7 +20,7 @@ use clap::Parser;
 use examples::{CaseError, Common, Law, Report, Restart, Totals, case, within};
 
 use scene::Outcome;
-use setup::{Criterion, Detection, Kernel, ROD, RodFrame, Setup};
+use setup::{Coupling, Criterion, Detection, Kernel, ROD, RodFrame, Setup, THICKNESS};
 
 /// A 4340 rod of 12.9 by 88.9 mm with an ogive nose through 26.3 mm of 6061-T651.
 ///
@@ -64,6 +65,12 @@ struct Options {
     /// Where the forces of the rod are computed
     #[arg(long, value_enum, default_value = "current")]
     rod: RodFrame,
+    /// How a rod of finite elements meets the plate
+    #[arg(long, value_enum, default_value = "surface")]
+    coupling: Coupling,
+    /// Edge of the elements of the rod, 0.3 to 6; a cell at most on the grid [default: 2, on the grid a cell if that is less]
+    #[arg(long, value_name = "MM", value_parser = within(0.3, 6.0))]
+    edge: Option<f64>,
     /// What rod and plate do to each other
     #[arg(long, value_enum, default_value = "coulomb")]
     law: Law,
@@ -89,7 +96,16 @@ pub const EXPERIMENT: f64 = 455.0;
 /// The same of MPM3Dpp \[Ma2010\].
 pub const PAPER: f64 = 441.0;
 
+/// The usual edge of the rod's elements, m: three to its radius.
+const EDGE: f64 = 2.0e-3;
+
 impl Options {
+    /// Edge of the rod's elements for cells of this size, m.
+    fn edge_in(&self, cell: f64) -> f64 {
+        let usual = if self.coupling == Coupling::Grid { EDGE.min(cell) } else { EDGE };
+        self.edge.map_or(usual, |edge| 1e-3 * edge)
+    }
+
     fn setups(&self) -> Vec<Setup> {
         let mut cells = self.cells.clone();
         if cells.is_empty() {
@@ -110,6 +126,8 @@ impl Options {
             memory: self.memory,
             detection: self.detection,
             rod: self.rod,
+            coupling: self.coupling,
+            edge: self.edge_in(THICKNESS / f64::from(cells)),
             law: self.law,
             stand_off: self.stand_off,
             rest: !self.no_rest,

@@ -9,18 +9,19 @@ use std::path::Path;
 use examples::{CaseError, Normals, Restart, Totals};
 use mpm_contact::{Gradients, SurfaceDistance};
 use mpm_core::GridContact;
-use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
+use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Blend, BlockGrid, Boundary, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm, Musl,
-    Side, Solver, Team, TimeControl,
+    Blend, BlockGrid, CpGimp, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm, Musl, Solver, Team,
+    TimeControl,
 };
-use mpm_materials::{Constitutive, LinearElastic, Moduli, Removed, library};
+use mpm_materials::{Constitutive, Removed, library};
 
 use crate::cells::Cells;
 use crate::flight::{self, Flight};
-use crate::setup::{Detection, Kernel, ROD, RodFrame, STEEL, Setup, THICKNESS};
+use crate::rod;
+use crate::setup::{Detection, Kernel, ROD, Setup, THICKNESS};
 use crate::track::{Row, Track};
 
 /// Longitudinal wave speed in the plate, m/s, for the memory of the blend.
@@ -92,58 +93,23 @@ fn meet(setup: &Setup, ways: &[f64], files: Files, method: Kernels<f64, 3>) -> R
     let gradients = SurfaceDistance::new(Normals::Gradients(Gradients::default()), 0.0)?;
     let grid = BlockGrid::new(Lattice::new([0.0; 3], setup.spacing())?);
     let detector = match setup.detection {
-        Detection::Off => return run(setup, ways, files, Mpm::new(method, grid), add_rod),
+        Detection::Off => return run(setup, ways, files, Mpm::new(method, grid)),
         Detection::Plane => SurfaceDistance::new(Normals::Plane, 0.0)?.locally(),
         Detection::Distance => gradients,
         Detection::Local => gradients.locally(),
         Detection::Regression => SurfaceDistance::new(Normals::Regression, 0.0)?.locally(),
     };
-    let add = match setup.rod {
-        RodFrame::Current => add_rod,
-        RodFrame::Reference => add_rod_in_reference,
-    };
-    run(setup, ways, files, Mpm::with_contact(method, grid, GridContact::new(detector, laws)), add)
+    run(setup, ways, files, Mpm::with_contact(method, grid, GridContact::new(detector, laws)))
 }
 
-/// How a rod of these seeds and this velocity is added.
-type AddRod = fn(&mut Mpm<3>, &Seeds<3>, [f64; 3]) -> Result<(), CaseError>;
-
-fn steel() -> Result<LinearElastic<f64>, CaseError> {
-    Ok(LinearElastic::new(STEEL, Moduli::young_poisson(206e9, 0.3)?)?)
-}
-
-fn symmetry() -> Boundary<3> {
-    Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }
-}
-
-fn add_rod(mpm: &mut Mpm<3>, seeds: &Seeds<3>, velocity: [f64; 3]) -> Result<(), CaseError> {
-    Ok(mpm.add("rod", steel()?, seeds, |_| velocity)?)
-}
-
-fn add_rod_in_reference(mpm: &mut Mpm<3>, seeds: &Seeds<3>, velocity: [f64; 3]) -> Result<(), CaseError> {
-    let method = Method::new(Linear, Flip, Musl, FullSpace).total_lagrangian();
-    let mut own = Mpm::new(method, BlockGrid::new(*mpm.grid().lattice()));
-    own.add("rod", steel()?, seeds, |_| velocity)?;
-    own.bound(symmetry())?;
-    Ok(mpm.add_total_lagrangian(own)?)
-}
-
-fn run(
-    setup: &Setup,
-    ways: &[f64],
-    (files, restart): Files,
-    mut mpm: Mpm<3>,
-    add_rod: AddRod,
-) -> Result<Outcome, CaseError> {
+fn run(setup: &Setup, ways: &[f64], (files, restart): Files, mut mpm: Mpm<3>) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let lattice = *mpm.grid().lattice();
     let (sine, cosine) = setup.angle.sin_cos();
     // A quarter of a cell before the plate, when it has flown there.
     let before = 0.25 * h + setup.flight();
     let tip = [-before * sine, 0.0, before * cosine];
-    let (seeds, from_tail) = ROD.rings(tip, setup.angle, PI, h / f64::from(setup.parts))?;
-    let velocity = [setup.speed * sine, 0.0, -setup.speed * cosine];
-    add_rod(&mut mpm, &seeds, velocity)?;
+    let from_tail = rod::add(setup, &mut mpm, tip)?;
     let aluminium = library::aluminium_6061_t6()
         .with_failure(Removed(setup.ductility()?))
         .with_bulk_viscosity(0.06, 1.5)?;
@@ -152,7 +118,7 @@ fn run(
     let plate = Cuboid::new([middle - half, 0.0, -THICKNESS], [middle + half, half, 0.0])?;
     let plate = fill(&plate, &lattice, setup.parts as usize, &Filling::new())?;
     mpm.add("plate", aluminium.compiled(), &plate, |_| [0.0; 3])?;
-    mpm.bound(symmetry())?;
+    mpm.bound(rod::symmetry())?;
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     mpm.set_team(Team::new(setup.threads)?);
     let flies = setup.stand_off > 0.0;

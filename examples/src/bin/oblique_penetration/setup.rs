@@ -51,6 +51,18 @@ pub enum RodFrame {
     Reference,
     /// On the grid of the plate, through whose cells it flies
     Current,
+    /// In finite elements, which meet the plate as --coupling says
+    Fem,
+}
+
+/// How a rod of finite elements meets the plate.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Coupling {
+    /// Particles meet its surface (ICFEMP)
+    Surface,
+    /// Its nodes act on the grid (CFEMP)
+    Grid,
 }
 
 /// When the plate fails.
@@ -87,6 +99,9 @@ pub struct Setup {
     pub memory: f64,
     pub detection: Detection,
     pub rod: RodFrame,
+    pub coupling: Coupling,
+    /// Edge of the elements of the rod, m.
+    pub edge: f64,
     pub law: Law,
     /// Way that the rod flies before it meets the plate, thicknesses of the plate.
     pub stand_off: f64,

@@ -68,7 +68,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
     }
 
     /// Bring the velocities behind planes of symmetry after those in front.
-    fn copy_velocities(&mut self, phase: ContactPhase) {
+    pub(in crate::step) fn copy_velocities(&mut self, phase: ContactPhase) {
         let (bodies, fields) = (self.bodies, self.fields);
         let counts = |node: u32| {
             let owner = fields.owner(fields.layout().block_of(node as usize)) as usize;

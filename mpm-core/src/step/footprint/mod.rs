@@ -2,6 +2,8 @@
 
 mod of_particles;
 
+pub(super) use of_particles::Folds;
+
 /// Weight of a particle on a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NodeWeight<const D: usize> {

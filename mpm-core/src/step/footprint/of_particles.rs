@@ -145,7 +145,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 }
 
 /// What nodes behind planes stand for.
-pub(super) struct Folds<const D: usize> {
+pub(in crate::step) struct Folds<const D: usize> {
     wrap: Wrap<D>,
     mirrors: Vec<Plane>,
     edges: Vec<Plane>,

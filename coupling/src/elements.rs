@@ -1,0 +1,275 @@
+//! A scene of finite elements as a body of a scene of material points.
+
+use fem::Fem;
+use impactite_geometry::Facet;
+use impactite_scene::constants::Constant;
+use impactite_scene::{
+    Archive, Body, CheckpointError, Exchange, PointView, SceneError, Solver, StepError, Stopped, Totals,
+};
+use impactite_simd::Team;
+use mpm_contact::ContactLaw;
+use mpm_contact::mesh::MeshContact;
+use mpm_core::{ClientPoint, GridClient, SurfaceClient};
+
+use crate::cells::SweptCells;
+
+/// Part of the smallest edge that a node on the grid is wide: it lies on the surface.
+const WIDTH: f64 = 1e-3;
+
+/// Bodies of finite elements in a scene of material points: [`Mpm::add_client`](mpm_core::Mpm::add_client) takes them.
+///
+/// The elements make the steps of the scene, whose length their own stable step bounds. Conditions and body forces of the elements are
+/// those of their own [`Fem`].
+pub struct Elements<const D: usize> {
+    pub(crate) fem: Fem<D>,
+    name: String,
+    embedding: &'static str,
+    /// Shortest edge of the elements, and the mean one of the body with the longest, m.
+    edges: [f64; 2],
+    way: Way<D>,
+}
+
+/// How elements meet particles.
+enum Way<const D: usize> {
+    Grid,
+    Surface(Box<PointToSurface<D>>),
+}
+
+/// Contact of particles with the surfaces.
+pub(crate) struct PointToSurface<const D: usize> {
+    pub(crate) contact: MeshContact<D>,
+    pub(crate) cells: SweptCells<D>,
+    pub(crate) boxes: Vec<([f64; D], [f64; D])>,
+    /// Of each body, with the revision of its surface that they are of.
+    pub(crate) facets: Vec<(Option<u64>, Vec<Facet>)>,
+    /// Velocities of the nodes of each body at the start of the step, m/s.
+    pub(crate) before: Vec<Vec<[f64; D]>>,
+    /// Of the last step: rounds, and the deepest place, m.
+    pub(crate) rounds: u32,
+    pub(crate) depth: f64,
+}
+
+impl<const D: usize> Elements<D> {
+    /// Their nodes act on the grid as particles do, and meet others by the contact algorithm of the scene.
+    ///
+    /// # Errors
+    /// No body, or several: on the grid they would stick to each other; elements that erode.
+    pub fn on_the_grid(fem: Fem<D>) -> Result<Self, SceneError> {
+        if fem.element_bodies().len() != 1 {
+            return Err(SceneError::NotOneBody(fem.element_bodies().len()));
+        }
+        let body = &fem.element_bodies()[0];
+        if body.erodes() {
+            return Err(SceneError::NotWith {
+                what: format!("the body `{}`, whose elements erode,", body.name()),
+                method: "contact of elements on the grid".into(),
+                why: "what is eroded would stay on the grid: let particles meet the surface (`Elements::by_surface`)",
+            });
+        }
+        Self::new(fem, Way::Grid)
+    }
+
+    /// Particles meet their surfaces one by one, with a law.
+    ///
+    /// # Errors
+    /// No body, or one without facets (bars).
+    pub fn by_surface(fem: Fem<D>, law: impl ContactLaw<f64>) -> Result<Self, SceneError> {
+        let bodies = fem.element_bodies();
+        if bodies.is_empty() {
+            return Err(SceneError::NoBodies);
+        }
+        if let Some(bars) = bodies.iter().find(|body| body.surface().is_empty()) {
+            return Err(SceneError::NotWith {
+                what: format!("the body `{}`, which has no facets,", bars.name()),
+                method: "contact of particles with surfaces".into(),
+                why: "bars have no surface: let them act on the grid",
+            });
+        }
+        let mut contact = MeshContact::new(law);
+        for body in 0..bodies.len() {
+            contact = contact.between(body, bodies.len());
+        }
+        if fem.axisymmetric() {
+            contact = contact.axisymmetric();
+        }
+        let way = PointToSurface {
+            contact,
+            cells: SweptCells::default(),
+            boxes: Vec::new(),
+            facets: Vec::new(),
+            before: Vec::new(),
+            rounds: 0,
+            depth: 0.0,
+        };
+        Self::new(fem, Way::Surface(Box::new(way)))
+    }
+
+    fn new(fem: Fem<D>, way: Way<D>) -> Result<Self, SceneError> {
+        let names: Vec<&str> = fem.element_bodies().iter().map(|body| body.name()).collect();
+        let (name, embedding) = (names.join(" + "), fem.embedding());
+        let mut edges = [f64::INFINITY, 0.0f64];
+        for body in fem.element_bodies() {
+            let Ok(lengths) = body.mesh().edge_lengths() else { return Err(SceneError::Empty(name)) };
+            edges = [edges[0].min(lengths.min), edges[1].max(lengths.mean)];
+        }
+        Ok(Elements { fem, name, embedding, edges, way })
+    }
+
+    /// The elements.
+    pub fn fem(&self) -> &Fem<D> {
+        &self.fem
+    }
+    /// How deep particles were in a surface at the end of the last step at most, m; none on the grid.
+    pub fn deepest(&self) -> Option<f64> {
+        match &self.way {
+            Way::Grid => None,
+            Way::Surface(surface) => Some(surface.depth),
+        }
+    }
+
+    fn nodes(&self) -> impl Iterator<Item = &fem::Node<D>> {
+        self.fem.element_bodies().iter().flat_map(|body| body.nodes())
+    }
+}
+
+fn what(error: StepError) -> Stopped {
+    error.what
+}
+
+impl<const D: usize> Body for Elements<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn law(&self) -> &'static str {
+        self.fem.element_bodies()[0].law()
+    }
+    fn len(&self) -> usize {
+        self.fem.element_bodies().iter().map(Body::len).sum()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.fem.element_bodies()[0].state_names()
+    }
+    fn totals(&self) -> Totals {
+        Solver::totals(&self.fem)
+    }
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        let mut before = 0;
+        for body in self.fem.element_bodies() {
+            body.for_each(&mut |point| visit(&PointView { number: before + point.number, ..point.clone() }));
+            before += Body::len(body);
+        }
+    }
+    fn bytes(&self) -> usize {
+        let surface = match &self.way {
+            Way::Grid => 0,
+            Way::Surface(s) => s.cells.bytes() + s.boxes.capacity() * size_of::<([f64; D], [f64; D])>(),
+        };
+        Solver::bytes(&self.fem) + surface
+    }
+}
+
+impl<const D: usize> GridClient<f64, D> for Elements<D> {
+    fn constants(&self, _: [f64; 2]) -> Vec<Constant> {
+        let way = match &self.way {
+            Way::Grid => "on the grid".to_string(),
+            Way::Surface(surface) => format!("by surface: {:?}", surface.contact.laws()),
+        };
+        vec![("elements".into(), way)]
+    }
+    fn embedding(&self) -> &'static str {
+        self.embedding
+    }
+    fn half_size(&self) -> [f64; D] {
+        [0.5 * WIDTH * self.edges[0]; D]
+    }
+    fn spacing(&self) -> f64 {
+        self.edges[1]
+    }
+    fn mass_points(&self) -> Vec<(f64, [f64; D])> {
+        match self.way {
+            Way::Grid => self.nodes().map(|node| (node.mass, node.velocity)).collect(),
+            Way::Surface(_) => Vec::new(),
+        }
+    }
+    fn place(&mut self, points: &mut [ClientPoint]) {
+        let mut half_edges = [[0.0; 3]; 3];
+        (0..D).for_each(|d| half_edges[d][d] = 0.5 * WIDTH * self.edges[0]);
+        for (point, node) in points.iter_mut().zip(self.nodes()) {
+            point.position[..D].copy_from_slice(&node.position);
+            point.half_edges = half_edges;
+        }
+    }
+    fn stable_step(&self) -> f64 {
+        self.fem.next_time_step()
+    }
+    fn open(&mut self, dt: f64, velocities: &mut [[f64; 3]], team: &Team) -> Result<(), Stopped> {
+        self.fem.set_team(team.clone());
+        if let Way::Surface(surface) = &mut self.way {
+            let velocities = |body: &fem::ElementBody<D>| body.nodes().iter().map(|n| n.velocity).collect();
+            surface.before = self.fem.element_bodies().iter().map(velocities).collect();
+        }
+        self.fem.begin(dt).map_err(what)?;
+        match &mut self.way {
+            Way::Grid => {
+                let nodes = self.fem.element_bodies().iter().flat_map(|body| body.nodes());
+                for (out, node) in velocities.iter_mut().zip(nodes) {
+                    out[..D].copy_from_slice(&node.velocity);
+                }
+            }
+            Way::Surface(surface) => surface.sweep(&self.fem, dt),
+        }
+        Ok(())
+    }
+    fn advance(&mut self, _: f64, changes: Option<&mut Vec<[f64; 3]>>, _: &Team) -> Result<(), Stopped> {
+        if let Some(changes) = changes {
+            let body = self.fem.body_mut(0);
+            for (n, change) in changes.iter().enumerate().filter(|(_, change)| **change != [0.0; 3]) {
+                let mass = body.nodes()[n].mass;
+                body.add_impulse(n, std::array::from_fn(|d| mass * change[d]));
+            }
+        }
+        self.fem.finish().map_err(what)
+    }
+    fn surface(&mut self) -> Option<&mut dyn SurfaceClient<f64, D>> {
+        match self.way {
+            Way::Grid => None,
+            Way::Surface(_) => Some(self),
+        }
+    }
+    fn given(&self) -> Exchange {
+        let mut given = Solver::exchange(&self.fem);
+        for body in self.fem.element_bodies() {
+            let pushed = body.pushed();
+            for d in 0..3 {
+                given.impulse[d] -= pushed.impulse[d];
+            }
+            given.work -= pushed.work;
+        }
+        given
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        Solver::archive(&mut self.fem, file)?;
+        match &mut self.way {
+            Way::Grid => Ok(()),
+            Way::Surface(surface) => surface.contact.archive(file),
+        }
+    }
+}
+
+impl<const D: usize> Elements<D> {
+    /// Contact of particles with the surfaces, beside the elements.
+    pub(crate) fn parts(&mut self) -> Option<(&mut Fem<D>, &mut PointToSurface<D>)> {
+        match &mut self.way {
+            Way::Grid => None,
+            Way::Surface(surface) => Some((&mut self.fem, surface)),
+        }
+    }
+
+    /// Where the surfaces are in this step.
+    pub(crate) fn swept(&self) -> Option<&SweptCells<D>> {
+        match &self.way {
+            Way::Grid => None,
+            Way::Surface(surface) => Some(&surface.cells),
+        }
+    }
+}

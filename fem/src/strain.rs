@@ -1,0 +1,206 @@
+//! Elements through a step: strains, laws, forces, and those that leave.
+
+use std::sync::Mutex;
+
+use impactite_scene::{Cause, Clock, PointKind, StepError, Stopped};
+use impactite_simd::Team;
+
+use crate::body::ElementBody;
+use crate::set::wide;
+use crate::surface::surface_of;
+use crate::sweep::{Moving, Of, Pass, Scratch, Trouble};
+
+/// Why an element that is inside out stops a run, and what to do.
+const INVERTED: &str = "it is turned inside out (det J <= 0 at an integration point): the mesh cannot follow the deformation; let such \
+                        elements leave (`MeshBody::eroding(Erosion::volume(..))`), make the body of particles (the material point \
+                        method), or take a finer mesh or a smaller step";
+
+impl<const D: usize> ElementBody<D> {
+    /// Strains of a step of `dt` seconds that ends at the positions of the nodes, laws, and forces.
+    pub(crate) fn strain(
+        &mut self,
+        dt: f64,
+        clock: &Clock,
+        team: &Team,
+        memory: &[Mutex<Scratch>],
+    ) -> Result<(), StepError> {
+        self.flow.clear();
+        if self.pace.ratio > 1 {
+            let mean = |(node, from): (&crate::Node<D>, &[f64; D])| -> [f64; D] {
+                std::array::from_fn(|d| (node.position[d] - from[d]) / dt)
+            };
+            let flow: Vec<_> = self.nodes.iter().zip(&self.from).map(mean).collect();
+            self.flow = flow;
+        }
+        for s in 0..self.sets.len() {
+            let averaged = self.sets[s].sweep.averaged();
+            if averaged {
+                self.sweep(s, Pass::Stretch, dt, team, memory);
+                self.average(s, team);
+            }
+            self.sweep(s, Pass::Stress, dt, team, memory);
+            self.sound(s, clock)?;
+            if averaged {
+                self.average(s, team);
+                self.sweep(s, Pass::Force, dt, team, memory);
+                self.sound(s, clock)?;
+            }
+        }
+        self.take_rates();
+        self.bury();
+        Ok(())
+    }
+
+    /// Forces of the states as they are.
+    pub(crate) fn forces_of_states(&mut self, team: &Team, memory: &[Mutex<Scratch>]) {
+        self.flow.clear();
+        for s in 0..self.sets.len() {
+            if self.sets[s].sweep.averaged() {
+                self.mean_stresses(s);
+                self.average(s, team);
+            }
+            self.sweep(s, Pass::Force, 0.0, team, memory);
+        }
+        self.take_rates();
+        self.bury();
+    }
+
+    /// Kirchhoff mean stresses of the states as they are, and reference volumes, to the slots.
+    fn mean_stresses(&mut self, s: usize) {
+        let set = &self.sets[s];
+        let (mut state, n) = (vec![0.0; self.virgin.len()], set.sweep.nodes());
+        self.slots[set.slots()].fill([0.0; 4]);
+        for (batch, first) in set.batches.iter().zip(&set.starts) {
+            for e in (0..batch.elements).filter(|&e| batch.alive(e, 1)) {
+                batch.read(e, (0, 1), &mut state);
+                let Some(said) = self.material.describe_point(&state) else { continue };
+                let mean = said.stress[..3].iter().sum::<f64>() / 3.0 * said.volume_ratio;
+                let volume = set.volume(batch, e);
+                for c in 0..n {
+                    let corner = batch.corners[(e / 8 * n + c) * 8 + e % 8];
+                    let slot = &mut self.slots[set.first + *first as usize + corner as usize];
+                    slot[0] += mean * volume;
+                    slot[1] += volume;
+                }
+            }
+        }
+    }
+
+    /// One pass over the elements of a set.
+    fn sweep(&mut self, s: usize, pass: Pass, dt: f64, team: &Team, memory: &[Mutex<Scratch>]) {
+        let ElementBody { sets, slots, nodes, averages, flow, material, probe, virgin, erosion, .. } = self;
+        let set = &mut sets[s];
+        let range = set.slots();
+        let (sweep, points) = (&*set.sweep, set.sweep.points());
+        let (numbers, control, least) = (virgin.len(), set.control, erosion.least);
+        let of = Of { material: &**material, numbers, probe, control, least, dt };
+        let gone = |batch: &_, scratch: &_| erosion.gone(&**material, points, batch, scratch);
+        team.each_part(&mut slots[range], &set.starts, &mut set.batches, |_, slots, batch| {
+            let scratch = &mut *team.own(memory);
+            for (Moving(to), &n) in scratch.moving.iter_mut().zip(&batch.nodes) {
+                let node = &nodes[n as usize];
+                for d in 0..D {
+                    (to[d], to[4 + d]) = (node.position[d], node.velocity[d]);
+                }
+            }
+            if !flow.is_empty() {
+                for (Moving(to), &n) in scratch.moving.iter_mut().zip(&batch.nodes) {
+                    to[4..4 + D].copy_from_slice(&flow[n as usize]);
+                }
+            }
+            if sweep.averaged() {
+                for (Moving(to), &n) in scratch.moving.iter_mut().zip(&batch.nodes) {
+                    to[3] = averages.get(n as usize).copied().unwrap_or(0.0);
+                }
+            }
+            sweep.sweep(pass, &of, batch, scratch, slots, &gone);
+        });
+    }
+
+    /// The mean at each node over its elements of a set, weighted by mass; zero where there is none.
+    fn average(&mut self, s: usize, team: &Team) {
+        let (range, mut averages) = (self.sets[s].slots(), std::mem::take(&mut self.averages));
+        averages.resize(self.nodes.len(), 0.0);
+        let (incidence, slots) = (&self.incidence, &self.slots);
+        team.each(&mut averages, |n, mean| {
+            let (mut sum, mut weight) = (0.0, 0.0);
+            for &slot in incidence.slots_of(n) {
+                if range.contains(&(slot as usize)) {
+                    let slot = &slots[slot as usize];
+                    sum += slot[0];
+                    weight += slot[1];
+                }
+            }
+            *mean = if weight > 0.0 { sum / weight } else { 0.0 };
+        });
+        self.averages = averages;
+    }
+
+    fn take_rates(&mut self) {
+        let rates = self.sets.iter().flat_map(|s| s.batches.iter().map(|b| b.report.rate));
+        self.rate = rates.fold(0.0, f64::max);
+    }
+
+    /// The first element that cannot go on, if any.
+    fn sound(&self, s: usize, clock: &Clock) -> Result<(), StepError> {
+        let set = &self.sets[s];
+        for (b, batch) in set.batches.iter().enumerate() {
+            let Some((e, trouble)) = batch.report.trouble else { continue };
+            let mut centre = [0.0; 3];
+            for n in set.nodes_of(batch, e) {
+                let x = wide(&self.nodes[n as usize].position);
+                (0..3).for_each(|d| centre[d] += x[d] / set.sweep.nodes() as f64);
+            }
+            let cause = match trouble {
+                Trouble::Inverted => Cause::Other(INVERTED),
+                Trouble::Law(cause) => Cause::Law(cause),
+            };
+            return Err(clock.stopped(Stopped::Point {
+                kind: PointKind::Element,
+                body: self.name.clone(),
+                number: set.numbers[b * crate::sweep::BATCH + e] as usize,
+                position: centre,
+                law: self.material.name(),
+                cause,
+            }));
+        }
+        Ok(())
+    }
+
+    /// Book the elements that left: their energy as one of conversion, their mass as that of their nodes alone.
+    fn bury(&mut self) {
+        if self.sets.iter().all(|s| s.batches.iter().all(|b| b.report.eroded.is_empty())) {
+            return;
+        }
+        self.debris.resize(self.nodes.len(), 0.0);
+        for set in &mut self.sets {
+            let mut batches = std::mem::take(&mut set.batches);
+            for batch in &mut batches {
+                for (e, [energy, hourglass]) in std::mem::take(&mut batch.report.eroded) {
+                    let nodes: Vec<u32> = set.nodes_of(batch, e).collect();
+                    let corners: Vec<_> = nodes.iter().map(|&n| wide(&self.mesh.nodes[n as usize])).collect();
+                    for (&n, share) in nodes.iter().zip(set.sweep.measure(&corners).shares) {
+                        self.debris[n as usize] += share * self.probe.density;
+                        self.eroded.mass += share * self.probe.density;
+                    }
+                    self.eroded.elements += 1;
+                    self.eroded.energy += energy;
+                    self.eroded.hourglass += hourglass;
+                    self.exchange.conversion -= energy;
+                }
+            }
+            set.batches = batches;
+        }
+        self.find_surface();
+        self.revision += 1;
+    }
+
+    /// The surface of the elements that are there.
+    pub(crate) fn find_surface(&mut self) {
+        let mut there = vec![false; self.elements];
+        for (_, _, number) in self.sets.iter().flat_map(|s| s.alive()) {
+            there[number as usize] = true;
+        }
+        self.surface = surface_of(&self.mesh, &|number| there[number as usize]);
+    }
+}

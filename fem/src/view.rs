@@ -1,0 +1,213 @@
+//! A body as others see it: points are its elements, and nodes for the mass of elements that left.
+
+use impactite_scene::{Archive, Body, CheckpointError, PointView, Totals};
+
+use crate::body::ElementBody;
+use crate::set::{Set, wide};
+use crate::sweep::Batch;
+
+impl<const D: usize> ElementBody<D> {
+    /// Sums over nodes and elements. Momentum is that of the velocities, which belong to the middle of the last step. Kinetic energy is the
+    /// sum of m v- . v+ / 2 of these and the velocities that the forces of the elements make half a step after the present: with the
+    /// internal energy the quantity that central differences conserve in linear motion. What is held has that of its velocity.
+    pub fn totals(&self) -> Totals {
+        let (mut sum, lag) = (Totals::default(), self.pace.lag());
+        for (n, node) in self.nodes.iter().enumerate() {
+            sum.add_point(node.mass, &node.position, &node.velocity);
+            if lag != 0.0 {
+                let force = self.force(n);
+                for d in (0..D).filter(|d| node.held >> d & 1 == 0) {
+                    sum.kinetic += lag * node.velocity[d] * force[d];
+                }
+            }
+        }
+        sum.internal = self.internal_energy() + self.hourglass_energy();
+        sum
+    }
+
+    /// Work that what held nodes in the last step did since the time of their velocities, J: elements are strained that far.
+    pub(crate) fn work_to_come(&self) -> f64 {
+        let (mut sum, lag) = (0.0, self.pace.lag());
+        for (n, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.held != 0) {
+            let force = self.force(n);
+            for d in (0..D).filter(|d| node.held >> d & 1 == 1) {
+                sum -= lag * node.velocity[d] * force[d];
+            }
+        }
+        sum
+    }
+
+    /// Internal energy by the law, J: without that of hourglass forces.
+    pub fn internal_energy(&self) -> f64 {
+        let (mut sum, mut state) = (0.0, vec![0.0; self.virgin.len()]);
+        for set in &self.sets {
+            let points = set.sweep.points();
+            for (batch, e, _) in set.alive() {
+                for p in 0..points {
+                    batch.read(e, (p, points), &mut state);
+                    let volume = crate::sweep::lane(&batch.reference[e / 8 * points + p], e % 8);
+                    sum += volume * self.material.energy_of(&state).unwrap_or(f64::NAN);
+                }
+            }
+        }
+        sum
+    }
+
+    /// The element with most energy in its hourglass forces: that energy, J, and its centre, m.
+    pub(crate) fn worst_hourglass(&self) -> (f64, [f64; 3]) {
+        let mut worst = (0.0, [0.0; 3]);
+        for set in &self.sets {
+            for (batch, e, _) in set.alive() {
+                let energy = set.hourglass(batch, e);
+                if energy > worst.0 {
+                    worst = (energy, self.centre(set, batch, e));
+                }
+            }
+        }
+        worst
+    }
+
+    /// The mean of the nodes of an element, m.
+    pub(crate) fn centre(&self, set: &Set, batch: &Batch, e: usize) -> [f64; 3] {
+        let (mut centre, share) = ([0.0; 3], 1.0 / set.sweep.nodes() as f64);
+        for n in set.nodes_of(batch, e) {
+            let x = wide(&self.nodes[n as usize].position);
+            (0..3).for_each(|d| centre[d] += share * x[d]);
+        }
+        centre
+    }
+
+    /// An element as a point.
+    fn point(
+        &self,
+        set: &Set,
+        batch: &Batch,
+        (e, number): (usize, u32),
+        state: &mut [f64],
+        to: &mut PointView,
+    ) {
+        let points = set.sweep.points();
+        let (volume, n) = (set.volume(batch, e), set.sweep.nodes() as f64);
+        (to.position, to.velocity, to.stress) = (self.centre(set, batch, e), [0.0; 3], [0.0; 6]);
+        (to.in_range, to.failed) = (true, false);
+        for node in set.nodes_of(batch, e) {
+            let v = wide(&self.nodes[node as usize].velocity);
+            (0..3).for_each(|d| to.velocity[d] += v[d] / n);
+        }
+        to.state.iter_mut().for_each(|x| *x = 0.0);
+        let mut ratio = 0.0;
+        for p in 0..points {
+            batch.read(e, (p, points), state);
+            to.state.iter_mut().zip(&*state).for_each(|(sum, x)| *sum += x / points as f64);
+            let Some(said) = self.material.describe_point(state) else { continue };
+            (0..6).for_each(|i| to.stress[i] += said.stress[i] / points as f64);
+            ratio += said.volume_ratio / points as f64;
+            to.in_range &= said.in_range;
+            to.failed |= said.failed;
+        }
+        to.number = number as usize;
+        to.mass = volume * self.probe.density;
+        to.volume = volume * ratio;
+        let corners: Vec<_> =
+            set.nodes_of(batch, e).map(|n| wide(&self.nodes[n as usize].position)).collect();
+        to.half_edges = set.sweep.measure(&corners).half_edges.unwrap_or_default();
+        to.corners = corners;
+        to.width = None;
+    }
+
+    /// Everything that changes in a run, and what the body is made of.
+    pub(crate) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let of = |what: &str| format!("{what} of body `{}`", self.name);
+        file.same("name of a body", &self.name)?;
+        file.same(&of("law"), self.material.name())?;
+        file.same(&of("constants of the law"), &self.material.constants())?;
+        file.same(&of("number of nodes"), &self.nodes.len().to_string())?;
+        let kinds = self.sets.iter().map(|s| (s.numbers.len(), s.kind, s.technology));
+        file.same(&of("elements"), &format!("{:?}", kinds.collect::<Vec<_>>()))?;
+        file.same(&of("erosion"), &format!("{:?}", self.erosion))?;
+        let sets: Vec<_> = self.prescribed.iter().map(|p| (&p.set, p.nodes.len())).collect();
+        file.same(&of("sets with a prescribed velocity"), &format!("{sets:?}"))?;
+        for node in &mut self.nodes {
+            file.reals(node.position.iter_mut().chain(&mut node.velocity).chain([&mut node.mass]))?;
+            let mut held = u32::from(node.held);
+            file.index(&mut held, 8)?;
+            node.held = held as u8;
+        }
+        for set in &mut self.sets {
+            set.archive(file)?;
+        }
+        file.reals(self.slots.iter_mut().flatten())?;
+        file.reals(self.pace.numbers())?;
+        file.index(&mut self.pace.ratio, usize::MAX)?;
+        file.index(&mut self.pace.made, usize::MAX)?;
+        file.reals(self.acceleration.iter_mut().chain([&mut self.rate]))?;
+        file.list(&mut self.from, &[0.0; D], |file, x| file.reals(x))?;
+        file.list(&mut self.debris, &0.0, Archive::real)?;
+        file.word(&mut self.eroded.elements)?;
+        file.reals([&mut self.eroded.mass, &mut self.eroded.energy, &mut self.eroded.hourglass])?;
+        file.word(&mut self.revision)?;
+        self.exchange.archive(file)?;
+        self.pushed.archive(file)?;
+        if file.reads() {
+            self.pushes.clear();
+            self.find_surface();
+        }
+        Ok(())
+    }
+}
+
+impl<const D: usize> Body for ElementBody<D> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn law(&self) -> &'static str {
+        self.material.name()
+    }
+    /// Elements, and nodes that carry mass of elements that left.
+    fn len(&self) -> usize {
+        let elements: usize = self.sets.iter().map(|s| s.alive().count()).sum();
+        elements + self.debris.iter().filter(|mass| **mass > 0.0).count()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.material.state_names()
+    }
+    fn totals(&self) -> Totals {
+        ElementBody::totals(self)
+    }
+    /// Elements, by kind and in the order they are computed in, with means over their integration points and nodes; then nodes with the
+    /// mass of elements that left, with numbers beyond those of the elements, without stress.
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        let mut state = vec![0.0; self.virgin.len()];
+        let mut point = PointView { state: state.clone(), ..PointView::default() };
+        for set in &self.sets {
+            for (batch, e, number) in set.alive() {
+                self.point(set, batch, (e, number), &mut state, &mut point);
+                visit(&point);
+            }
+        }
+        for (n, &mass) in self.debris.iter().enumerate().filter(|(_, mass)| **mass > 0.0) {
+            visit(&PointView {
+                number: self.elements + n,
+                position: wide(&self.nodes[n].position),
+                velocity: wide(&self.nodes[n].velocity),
+                mass,
+                volume: mass / self.probe.density,
+                in_range: true,
+                failed: true,
+                state: self.virgin.clone(),
+                ..PointView::default()
+            });
+        }
+    }
+    fn bytes(&self) -> usize {
+        self.sets.iter().map(Set::bytes).sum::<usize>()
+            + self.nodes.capacity() * size_of::<crate::Node<D>>()
+            + self.mesh.nodes.capacity() * size_of::<[f64; D]>()
+            + self.mesh.blocks.iter().map(|b| b.nodes.capacity() * 4).sum::<usize>()
+            + self.slots.capacity() * size_of::<crate::sweep::Record>()
+            + self.incidence.bytes()
+            + (self.averages.capacity() + self.debris.capacity()) * 8
+            + (self.from.capacity() + self.flow.capacity() + self.extents.capacity()) * size_of::<[f64; D]>()
+            + self.surface.capacity() * size_of::<impactite_geometry::Facet>()
+    }
+}

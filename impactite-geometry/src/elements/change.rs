@@ -1,0 +1,276 @@
+//! Meshes moved, joined, welded, cut and extruded.
+
+use nalgebra::Rotation;
+
+use super::check::repeated;
+use super::reference::Reference;
+use super::{ElementBlock, ElementKind, ElementMesh, MeshError};
+use crate::error::{Check, GeometryError};
+use crate::search::{NeighbourSearch, Points, Reach, SortedCells};
+use crate::transform::Rotated;
+use crate::vector::{add, along, sub};
+
+/// No new number: the node goes.
+const GONE: u32 = u32::MAX;
+
+impl<const D: usize> ElementMesh<D> {
+    /// The mesh with every node at `place` of where it was (m).
+    ///
+    /// # Errors
+    /// As [`check`](Self::check): a map that is not finite, or that folds, flattens or mirrors elements.
+    pub fn mapped(mut self, place: impl Fn([f64; D]) -> [f64; D]) -> Result<Self, GeometryError> {
+        for x in &mut self.nodes {
+            *x = place(*x);
+        }
+        self.check()?;
+        Ok(self)
+    }
+
+    /// The mesh moved by `offset` (m).
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless the offset is finite; as [`check`](Self::check).
+    pub fn translated(self, offset: [f64; D]) -> Result<Self, GeometryError> {
+        Check("translated").point("offset", offset)?;
+        self.mapped(|x| add(x, offset))
+    }
+
+    /// The mesh rotated about the point `pivot` (m).
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless the rotation is one (orthogonal, finite) and the pivot finite; as [`check`](Self::check).
+    pub fn rotated(self, rotation: Rotation<f64, D>, pivot: [f64; D]) -> Result<Self, GeometryError> {
+        let turn = Rotated::new((), rotation, pivot)?;
+        self.mapped(|x| turn.to_world(x))
+    }
+
+    /// The mesh made `factor` times as large, the point `pivot` (m) staying where it is.
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless the factor is positive and all is finite; as [`check`](Self::check).
+    pub fn scaled(self, factor: f64, pivot: [f64; D]) -> Result<Self, GeometryError> {
+        let check = Check("scaled");
+        check.positive("factor", factor)?;
+        check.point("pivot", pivot)?;
+        self.mapped(|x| along(pivot, factor, sub(x, pivot)))
+    }
+
+    /// The image of the mesh in the plane where coordinate `axis` is `at` (m). Elements are numbered the other way round.
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless there is such an axis and `at` is finite; as [`check`](Self::check).
+    pub fn mirrored(mut self, axis: usize, at: f64) -> Result<Self, GeometryError> {
+        let check = Check("mirrored");
+        check.that(axis < D, "axis", axis as f64, "less than the number of dimensions")?;
+        check.that(true, "at", at, "finite")?;
+        self.check_numbers()?;
+        for block in &mut self.blocks {
+            let kind = block.kind;
+            block.nodes.chunks_exact_mut(kind.nodes()).for_each(|nodes| reverse(kind, nodes));
+        }
+        self.mapped(|mut x| {
+            x[axis] = at - (x[axis] - at);
+            x
+        })
+    }
+
+    /// Numbers those elements the other way round that are inverted at every corner, and leaves the others.
+    #[cfg_attr(not(feature = "mesh"), allow(dead_code))]
+    pub(super) fn oriented(mut self) -> Result<Self, MeshError> {
+        self.check_numbers()?;
+        let mut blocks = std::mem::take(&mut self.blocks);
+        for block in blocks.iter_mut().filter(|b| b.kind.dimensions() == D) {
+            let kind = block.kind;
+            let reference = Reference::new(kind);
+            for nodes in block.nodes.chunks_exact_mut(kind.nodes()) {
+                if reference.element(&self, nodes).corners().all(|j| j.value < 0.0) {
+                    reverse(kind, nodes);
+                }
+            }
+        }
+        self.blocks = blocks;
+        Ok(self)
+    }
+
+    /// This mesh and another one: its nodes and blocks after those of this one, node sets of one name made one. Nodes at the same place
+    /// remain two: see [`welded`](Self::welded).
+    ///
+    /// # Errors
+    /// [`MeshError`] if there are too many nodes, or numbers of nodes that do not exist.
+    pub fn joined(mut self, other: &Self) -> Result<Self, GeometryError> {
+        self.check_numbers()?;
+        other.check_numbers()?;
+        let first = self.nodes.len();
+        let allowed = u32::MAX - 1;
+        let count = first + other.nodes.len();
+        if count > allowed as usize {
+            return Err(MeshError::Count { what: "nodes", count, allowed }.into());
+        }
+        let moved = |nodes: &[u32]| -> Vec<u32> { nodes.iter().map(|n| n + first as u32).collect() };
+        self.nodes.extend_from_slice(&other.nodes);
+        self.blocks.extend(other.blocks.iter().map(|block| ElementBlock {
+            name: block.name.clone(),
+            kind: block.kind,
+            nodes: moved(&block.nodes),
+        }));
+        for (name, nodes) in &other.node_sets {
+            self.node_sets.entry(name.clone()).or_default().extend(moved(nodes));
+        }
+        Ok(self)
+    }
+
+    /// The mesh with nodes that lie within `tolerance` (m) of each other made one: each goes to the first node within reach that stays, so
+    /// that none moves farther than the tolerance.
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless the tolerance is finite and not negative, [`GeometryError::Search`] for positions that are not
+    /// finite or too many nodes within reach of each other, [`MeshError::RepeatedNode`] where the tolerance is so large that an element
+    /// would collapse.
+    pub fn welded(mut self, tolerance: f64) -> Result<Self, GeometryError> {
+        Check("welded").that(tolerance >= 0.0, "tolerance", tolerance, "zero or positive, and finite")?;
+        self.check_numbers()?;
+        let points = Points::of_positions(&self.nodes)?;
+        let team = impactite_simd::Team::one();
+        let near = SortedCells::new(&points, Reach::uniform(tolerance))?.neighbours(&team)?;
+        let mut goes: Vec<u32> = (0..self.nodes.len() as u32).collect();
+        for node in 0..goes.len() {
+            let stays = |other: &&u32| (**other as usize) < node && goes[**other as usize] == **other;
+            if let Some(&other) = near.of(node).iter().find(stays) {
+                goes[node] = other;
+            }
+        }
+        let mut number = vec![GONE; goes.len()];
+        for (new, node) in (0u32..).zip((0..goes.len()).filter(|&n| goes[n] as usize == n)) {
+            number[node] = new;
+        }
+        let renumbered: Vec<u32> = goes.iter().map(|&n| number[n as usize]).collect();
+        let mut node = 0;
+        self.nodes.retain(|_| {
+            node += 1;
+            number[node - 1] != GONE
+        });
+        self.renumber(&renumbered);
+        for (b, block) in self.blocks.iter().enumerate() {
+            for (element, nodes) in block.elements().enumerate() {
+                if let Some(&node) = repeated(nodes) {
+                    let name = block.name.clone();
+                    return Err(MeshError::RepeatedNode { block: b, name, element, node }.into());
+                }
+            }
+        }
+        Ok(self)
+    }
+
+    /// Gives nodes their new numbers; those that are gone leave the sets.
+    fn renumber(&mut self, number: &[u32]) {
+        for node in self.blocks.iter_mut().flat_map(|b| &mut b.nodes) {
+            *node = number[*node as usize];
+        }
+        for nodes in self.node_sets.values_mut() {
+            *nodes = nodes.iter().map(|&n| number[n as usize]).filter(|&n| n != GONE).collect();
+            nodes.sort_unstable();
+            nodes.dedup();
+        }
+    }
+
+    /// The elements that `keep(block, element)` tells, with their nodes. Blocks keep their numbers, even those that are empty then.
+    ///
+    /// # Errors
+    /// [`MeshError`] if an element names a node that does not exist.
+    pub fn part(&self, keep: &dyn Fn(usize, usize) -> bool) -> Result<Self, GeometryError> {
+        self.check_numbers()?;
+        let blocks = self.blocks.iter().enumerate().map(|(b, block)| ElementBlock {
+            name: block.name.clone(),
+            kind: block.kind,
+            nodes: {
+                let kept = block.elements().enumerate().filter(|(e, _)| keep(b, *e));
+                kept.flat_map(|(_, nodes)| nodes.iter().copied()).collect()
+            },
+        });
+        let blocks = blocks.collect();
+        let part = Self { nodes: self.nodes.clone(), blocks, node_sets: self.node_sets.clone() };
+        Ok(part.without_unused_nodes())
+    }
+
+    /// Drops nodes that belong to no element: they would have no mass. The numbers must be in range.
+    pub(super) fn without_unused_nodes(mut self) -> Self {
+        let mut number = vec![GONE; self.nodes.len()];
+        for &node in self.blocks.iter().flat_map(|b| &b.nodes) {
+            number[node as usize] = 0;
+        }
+        let mut kept = Vec::with_capacity(self.nodes.len());
+        for (number, x) in number.iter_mut().zip(&self.nodes).filter(|(number, _)| **number != GONE) {
+            *number = kept.len() as u32;
+            kept.push(*x);
+        }
+        self.nodes = kept;
+        self.renumber(&number);
+        self
+    }
+}
+
+impl ElementMesh<2> {
+    /// The mesh drawn out along the third axis, with nodes at these `heights` (m), ascending: bricks of quadrilaterals. Node sets reach through
+    /// all heights; `start` and `end` are those at the first and the last one.
+    ///
+    /// ```
+    /// use impactite_geometry::{Metric, Ring, structured};
+    /// let section = structured::ring_mesh(&Ring::new([0.0; 2], 0.01, 0.012)?, [2, 48])?;
+    /// let tube = section.extruded(&[0.0, 0.002, 0.005, 0.01])?;
+    /// assert_eq!(tube.elements(), 3 * 96);
+    /// # Ok::<(), impactite_geometry::GeometryError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`GeometryError::Parameter`] unless there are two heights at least that are finite and ascend, [`MeshError`] for elements that are no
+    /// quadrilaterals, too many nodes, and as [`check`](Self::check).
+    pub fn extruded(&self, heights: &[f64]) -> Result<ElementMesh<3>, GeometryError> {
+        self.check_numbers()?;
+        let check = Check("extruded");
+        check.that(heights.len() > 1, "number of heights", heights.len() as f64, "at least 2")?;
+        for pair in heights.windows(2) {
+            check.that(true, "heights", pair[0], "finite")?;
+            check.that(pair[1] > pair[0], "heights", pair[1], "larger than the one before, and finite")?;
+        }
+        let (flat, levels) = (self.nodes.len(), heights.len());
+        crate::structured::room(flat as f64 * levels as f64, (self.elements() * levels) as f64, 8)?;
+        let mut solid = ElementMesh::<3> {
+            nodes: heights.iter().flat_map(|&z| self.nodes.iter().map(move |&[x, y]| [x, y, z])).collect(),
+            ..Default::default()
+        };
+        let at = |level: usize, node: u32| (level * flat) as u32 + node;
+        for (block, quads) in self.blocks.iter().enumerate() {
+            if quads.kind != ElementKind::Quad4 {
+                let (name, kind) = (quads.name.clone(), quads.kind);
+                let (what, allowed) = ("to extrude a mesh", "quadrilaterals");
+                return Err(MeshError::Kind { what, block, name, kind, allowed }.into());
+            }
+            let layer = |l: usize| quads.elements().flat_map(move |q| brick(q, |n| [at(l, n), at(l + 1, n)]));
+            let nodes = (0..levels - 1).flat_map(layer).collect();
+            solid.blocks.push(ElementBlock { name: quads.name.clone(), kind: ElementKind::Hexa8, nodes });
+        }
+        for (name, nodes) in &self.node_sets {
+            let through = (0..levels).flat_map(|l| nodes.iter().map(move |&n| at(l, n))).collect();
+            solid.node_sets.insert(name.clone(), through);
+        }
+        for (name, level) in [("start", 0), ("end", levels - 1)] {
+            solid.node_sets.insert(name.into(), (0..flat as u32).map(|n| at(level, n)).collect());
+        }
+        solid.check()?;
+        Ok(solid)
+    }
+}
+
+/// The brick between two copies of a quadrilateral.
+fn brick(quad: &[u32], copies: impl Fn(u32) -> [u32; 2]) -> [u32; 8] {
+    std::array::from_fn(|i| copies(quad[i % 4])[i / 4])
+}
+
+/// Numbers an element the other way round.
+fn reverse(kind: ElementKind, nodes: &mut [u32]) {
+    let mut old = [0; super::reference::MOST_NODES];
+    old[..nodes.len()].copy_from_slice(nodes);
+    for (node, &place) in nodes.iter_mut().zip(kind.reversed()) {
+        *node = old[place];
+    }
+}

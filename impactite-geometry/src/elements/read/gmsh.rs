@@ -1,0 +1,322 @@
+//! Gmsh files of version 4.1. After the manual, <https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format>.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::builder::Builder;
+use super::cursor::{Cursor, Encoding, ReadError, shown};
+use crate::elements::ElementKind;
+
+/// Dimension and tag.
+type Entity = (i32, i32);
+
+/// A group of elements as the file has it.
+struct Group {
+    entity: Entity,
+    /// `None`: points.
+    kind: Option<ElementKind>,
+    nodes: Vec<u32>,
+}
+
+#[derive(Default)]
+struct File {
+    names: HashMap<Entity, String>,
+    /// Physical groups of entities.
+    physical: BTreeMap<Entity, Vec<i32>>,
+    has_entities: bool,
+    builder: Option<Builder>,
+    groups: Option<Vec<Group>>,
+}
+
+/// What the elements of a type are, by the type's number.
+fn kind(number: i32) -> Result<Option<ElementKind>, String> {
+    Ok(Some(match number {
+        1 => ElementKind::Bar2,
+        2 => ElementKind::Triangle3,
+        3 => ElementKind::Quad4,
+        4 => ElementKind::Tetra4,
+        5 => ElementKind::Hexa8,
+        15 => return Ok(None),
+        other => {
+            let name = match other {
+                6 => "prism of 6 nodes",
+                7 => "pyramid of 5 nodes",
+                8 => "line of second order",
+                9 => "triangle of second order",
+                10 | 16 => "quadrilateral of second order",
+                11 => "tetrahedron of second order",
+                12 | 17 => "brick of second order",
+                13 | 18 => "prism of second order",
+                14 | 19 => "pyramid of second order",
+                _ => return Err(format!("{other}")),
+            };
+            return Err(format!("{other}, {name}"));
+        }
+    }))
+}
+
+const KINDS: &str =
+    "1 (line), 2 (triangle), 3 (quadrilateral), 4 (tetrahedron), 5 (brick) or 15 (point), of first order";
+
+pub(super) fn read(bytes: &[u8]) -> Result<Builder, ReadError> {
+    let mut cursor = Cursor::new(bytes);
+    let mut file = File::default();
+    header(&mut cursor)?;
+    while !cursor.is_done() {
+        file.section(&mut cursor)?;
+    }
+    file.finish()
+}
+
+/// The section `$MeshFormat`, which tells how the others are written.
+fn header(cursor: &mut Cursor) -> Result<(), ReadError> {
+    expect(cursor, "$MeshFormat")?;
+    let (at, version) = cursor.word("the version")?;
+    if version != b"4.1" {
+        return Err(cursor.refuse(at, "version", shown(version), "4.1 (Gmsh: Mesh.MshFileVersion = 4.1)"));
+    }
+    let (at, coding) = cursor.word("the file type")?;
+    let binary = match coding {
+        b"0" => false,
+        b"1" => true,
+        _ => return Err(cursor.refuse(at, "file type", shown(coding), "0 (ASCII) or 1 (binary)")),
+    };
+    let (at, size) = cursor.word("the data size")?;
+    let long = match size {
+        b"8" => true,
+        b"4" => false,
+        _ => return Err(cursor.refuse(at, "data size", shown(size), "4 or 8")),
+    };
+    if binary {
+        cursor.line();
+        let at = cursor.at();
+        cursor.encoding = Encoding::Binary { big_endian: false, long };
+        let one = cursor.int("the number 1 that tells the order of bytes")?;
+        if one != 1 && one.swap_bytes() != 1 {
+            return Err(cursor.refuse(at, "number that tells the order of bytes", one, "1"));
+        }
+        cursor.encoding = Encoding::Binary { big_endian: one != 1, long };
+    }
+    expect(cursor, "$EndMeshFormat")
+}
+
+/// Goes past a word that must be there.
+fn expect(cursor: &mut Cursor, word: &str) -> Result<(), ReadError> {
+    let (at, found) = cursor.word(word)?;
+    if found == word.as_bytes() { Ok(()) } else { Err(cursor.refuse(at, "word", shown(found), word)) }
+}
+
+impl File {
+    fn section(&mut self, cursor: &mut Cursor) -> Result<(), ReadError> {
+        let (at, word) = cursor.word("a section")?;
+        let again = |cursor: &Cursor| Err(cursor.refuse(at, "section", shown(word), "each section once"));
+        cursor.line();
+        match word {
+            b"$PhysicalNames" => self.names(cursor),
+            b"$Entities" if self.has_entities => again(cursor),
+            b"$Entities" => self.entities(cursor),
+            b"$Nodes" if self.builder.is_some() => again(cursor),
+            b"$Nodes" => {
+                self.builder = Some(nodes(cursor)?);
+                Ok(())
+            }
+            b"$Elements" if self.groups.is_some() => again(cursor),
+            b"$Elements" => match &self.builder {
+                Some(builder) => {
+                    self.groups = Some(elements(cursor, builder)?);
+                    Ok(())
+                }
+                None => Err(cursor.refuse(at, "section", shown(word), "$Nodes before it")),
+            },
+            b"$PartitionedEntities" => {
+                Err(cursor.refuse(at, "section", shown(word), "a mesh that is not partitioned"))
+            }
+            [b'$', name @ ..] if !name.starts_with(b"End") && !name.is_empty() => {
+                cursor.skip_past(&[b"$End", name].concat())
+            }
+            _ => Err(cursor.refuse(at, "section", shown(word), "a word of the form $Nodes")),
+        }
+    }
+
+    /// Names of physical groups, as text in binary files too.
+    fn names(&mut self, cursor: &mut Cursor) -> Result<(), ReadError> {
+        let encoding = std::mem::replace(&mut cursor.encoding, Encoding::Text);
+        let count = cursor.size("the number of physical names")?;
+        for _ in 0..count {
+            let dimension = cursor.int("the dimension of a physical group")?;
+            let tag = cursor.int("the tag of a physical group")?;
+            let at = cursor.at();
+            let line = cursor.line();
+            let name = line.strip_prefix(b"\"").and_then(|l| l.strip_suffix(b"\""));
+            let name = name.filter(|n| !n.is_empty() && !n.contains(&b'"'));
+            let Some(name) = name.and_then(|n| std::str::from_utf8(n).ok()) else {
+                return Err(cursor.refuse(at, "physical name", shown(line), "a name in double quotes"));
+            };
+            if self.names.insert((dimension, tag), name.into()).is_some() {
+                return Err(cursor.refuse(at, "physical group", tag, "each group once"));
+            }
+        }
+        expect(cursor, "$EndPhysicalNames")?;
+        cursor.encoding = encoding;
+        Ok(())
+    }
+
+    fn entities(&mut self, cursor: &mut Cursor) -> Result<(), ReadError> {
+        self.has_entities = true;
+        let mut counts = [0; 4];
+        for count in &mut counts {
+            *count = cursor.size("the number of entities")?;
+        }
+        for (dimension, count) in (0..).zip(counts) {
+            for _ in 0..count {
+                let tag = cursor.int("the tag of an entity")?;
+                for _ in 0..if dimension == 0 { 3 } else { 6 } {
+                    cursor.double("a bound of an entity")?;
+                }
+                let mut groups = Vec::new();
+                for _ in 0..cursor.size("the number of physical groups of an entity")? {
+                    groups.push(cursor.int("the tag of a physical group")?.saturating_abs());
+                }
+                if dimension > 0 {
+                    for _ in 0..cursor.size("the number of bounding entities")? {
+                        cursor.int("the tag of a bounding entity")?;
+                    }
+                }
+                self.physical.insert((dimension, tag), groups);
+            }
+        }
+        expect(cursor, "$EndEntities")
+    }
+
+    fn name(&self, (dimension, tag): Entity) -> String {
+        self.names.get(&(dimension, tag)).cloned().unwrap_or_else(|| format!("physical {tag}"))
+    }
+
+    fn finish(self) -> Result<Builder, ReadError> {
+        let missing = |section: &str| ReadError::Whole {
+            what: format!("there is no section {section}"),
+            allowed: "a file with $MeshFormat, $Nodes and $Elements",
+        };
+        let mut builder = self.builder.ok_or_else(|| missing("$Nodes"))?;
+        let groups = self.groups.as_ref().ok_or_else(|| missing("$Elements"))?;
+        let dimension = |g: &Group| g.kind.map_or(0, ElementKind::dimensions);
+        let highest = groups.iter().map(dimension).max().unwrap_or(0);
+        // Taken out, so that names can be asked for while the builder grows.
+        let file = File { builder: None, groups: None, ..self };
+        for group in self.groups.iter().flatten() {
+            let physical = file.physical.get(&group.entity).map(Vec::as_slice).unwrap_or_default();
+            let names: Vec<String> = physical.iter().map(|&tag| file.name((group.entity.0, tag))).collect();
+            for name in &names {
+                builder.add_to_set(name, group.nodes.iter().copied());
+            }
+            if let Some(kind) = group.kind.filter(|k| k.dimensions() == highest) {
+                builder.add_element(names.first().map_or("", String::as_str), kind, &group.nodes);
+            }
+        }
+        Ok(builder)
+    }
+}
+
+/// Refuses a total that the blocks do not make.
+fn check_total(cursor: &Cursor, at: usize, key: &str, said: u64, found: u64) -> Result<(), ReadError> {
+    if said == found {
+        Ok(())
+    } else {
+        Err(cursor.refuse(at, key, said, format!("{found}, as the blocks have")))
+    }
+}
+
+fn nodes(cursor: &mut Cursor) -> Result<Builder, ReadError> {
+    let mut builder = Builder::default();
+    cursor.skip_text_blanks();
+    let start = cursor.at();
+    let blocks = cursor.size("the number of blocks of nodes")?;
+    let total = cursor.size("the number of nodes")?;
+    cursor.size("the smallest tag of a node")?;
+    cursor.size("the largest tag of a node")?;
+    for _ in 0..blocks {
+        cursor.skip_text_blanks();
+        let at = cursor.at();
+        let dimension = cursor.int("the dimension of an entity")?;
+        if !(0..=3).contains(&dimension) {
+            return Err(cursor.refuse(at, "dimension of an entity", dimension, "0 to 3"));
+        }
+        cursor.int("the tag of an entity")?;
+        let at = cursor.at();
+        let parametric = cursor.int("whether nodes have parameters")?;
+        if !(0..=1).contains(&parametric) {
+            return Err(cursor.refuse(at, "whether nodes have parameters", parametric, "0 or 1"));
+        }
+        let count = cursor.size("the number of nodes of a block")?;
+        let mut tags = Vec::new();
+        for _ in 0..count {
+            cursor.skip_text_blanks();
+            let at = cursor.at();
+            let tag = cursor.size("the tag of a node")?;
+            if tag == 0 {
+                return Err(cursor.refuse(at, "tag of a node", tag, "1 or more"));
+            }
+            tags.push((at, tag));
+        }
+        for (at, tag) in tags {
+            let mut x = [0.0; 3];
+            for c in &mut x {
+                *c = cursor.double("a coordinate of a node")?;
+            }
+            for _ in 0..parametric * dimension {
+                cursor.double("a parameter of a node")?;
+            }
+            if !builder.add_node(tag, x) {
+                return Err(cursor.refuse(
+                    at,
+                    "tag of a node",
+                    tag,
+                    "each tag once, at most 4294967294 nodes",
+                ));
+            }
+        }
+    }
+    check_total(cursor, start, "number of blocks and nodes", total, builder.node_count() as u64)?;
+    expect(cursor, "$EndNodes")?;
+    Ok(builder)
+}
+
+fn elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, ReadError> {
+    let mut groups = Vec::new();
+    cursor.skip_text_blanks();
+    let start = cursor.at();
+    let blocks = cursor.size("the number of blocks of elements")?;
+    let total = cursor.size("the number of elements")?;
+    cursor.size("the smallest tag of an element")?;
+    cursor.size("the largest tag of an element")?;
+    let mut found = 0u64;
+    for _ in 0..blocks {
+        let entity = (cursor.int("the dimension of an entity")?, cursor.int("the tag of an entity")?);
+        cursor.skip_text_blanks();
+        let at = cursor.at();
+        let number = cursor.int("the type of elements")?;
+        let kind = kind(number).map_err(|name| cursor.refuse(at, "type of elements", name, KINDS))?;
+        if kind.map_or(0, |k| k.dimensions() as i32) != entity.0 {
+            let allowed = format!("one of {} dimensions, as its entity", entity.0);
+            return Err(cursor.refuse(at, "type of elements", number, allowed));
+        }
+        let count = cursor.size("the number of elements of a block")?;
+        let mut nodes = Vec::new();
+        for _ in 0..count {
+            cursor.size("the tag of an element")?;
+            for _ in 0..kind.map_or(1, ElementKind::nodes) {
+                cursor.skip_text_blanks();
+                let at = cursor.at();
+                let tag = cursor.size("a node of an element")?;
+                let node = builder.node(tag);
+                nodes.push(node.ok_or_else(|| {
+                    cursor.refuse(at, "node of an element", tag, "the tag of a node of the section $Nodes")
+                })?);
+            }
+        }
+        found += count;
+        groups.push(Group { entity, kind, nodes });
+    }
+    check_total(cursor, start, "number of blocks and elements", total, found)?;
+    expect(cursor, "$EndElements")?;
+    Ok(groups)
+}

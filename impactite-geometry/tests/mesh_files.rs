@@ -1,0 +1,444 @@
+//! Gmsh and Abaqus files: what is read, what is refused, and that no mutilated file makes the readers panic.
+#![cfg(feature = "mesh")]
+
+use impactite_geometry::*;
+use proptest::prelude::*;
+
+/// Two unit cubes in a row, a physical volume `rod`, one of its faces `impact`, and an arc's centre that no element uses.
+const GMSH: &str = r#"$MeshFormat
+4.1 0 8
+$EndMeshFormat
+$Comments
+two bricks, $Nodes that are none
+$EndComments
+$PhysicalNames
+2
+2 4 "impact face"
+3 7 "rod"
+$EndPhysicalNames
+$Entities
+1 0 1 1
+9 5 5 5 0
+3 0 0 0 0 1 1 1 4 0
+1 0 0 0 2 1 1 1 7 1 3
+$EndEntities
+$Nodes
+3 13 1 30
+2 3 0 4
+1
+2
+3
+4
+0 0 0
+0 1 0
+0 1 1
+0 0 1
+3 1 0 8
+11
+12
+13
+14
+21
+22
+23
+24
+1 0 0
+1 1 0
+1 1 1
+1 0 1
+2 0 0
+2 1 0
+2 1 1
+2 0 1
+0 9 0 1
+30
+5 5 5
+$EndNodes
+$Elements
+2 3 1 3
+2 3 3 1
+1 1 2 3 4
+3 1 5 2
+2 1 2 3 4 11 12 13 14
+3 11 12 13 14 21 22 23 24
+$EndElements
+"#;
+
+const ABAQUS: &str = "*HEADING
+ a part of two bricks and a bar
+** a comment
+*PART, NAME=Rod
+*Node, nset=All
+1, 0., 0., 0.
+2, 0., 1.0, 0
+3, 0., 1., 1.D0
+4, 0, 0, 1
+11, 1, 0, 0
+12, 1, 1, 0
+13, 1, 1, 1
+14, 1, 0, 1,
+21, 2, 0, 0
+22, 2, 1, 0
+23, 2, 1, 1
+24, 2, 0, 1
+*Element, type=C3D8R
+1, 1, 2, 3, 4, 11,
+   12, 13, 14
+2, 11, 12, 13, 14, 21, 22, 23, 24
+*ELEMENT, TYPE=T3D2, ELSET=BARS
+7, 1, 23
+*Nset, nset=Left, generate
+1, 4, 1
+*NSET, NSET=Both
+left, 24
+*Elset, elset=Core, generate
+1, 2
+*Elset, elset=Second
+2
+*END PART
+*MATERIAL, NAME=STEEL
+*DENSITY
+7850.,
+";
+
+fn gmsh(text: &str) -> Result<ElementMesh<3>, GeometryError> {
+    ElementMesh::from_gmsh("test.msh", text.as_bytes(), 1.0)
+}
+
+fn abaqus(text: &str) -> Result<ElementMesh<3>, GeometryError> {
+    ElementMesh::from_abaqus("test.inp", text.as_bytes(), 1.0)
+}
+
+#[test]
+fn a_gmsh_file_becomes_blocks_and_sets() {
+    let mesh = gmsh(GMSH).unwrap();
+    assert_eq!(mesh.nodes.len(), 12, "the centre of an arc is dropped");
+    assert_eq!(mesh.blocks.len(), 1);
+    assert_eq!((mesh.blocks[0].name.as_str(), mesh.blocks[0].kind), ("rod", ElementKind::Hexa8));
+    assert_eq!(mesh.node_sets["impact face"], [0, 1, 2, 3]);
+    assert_eq!(mesh.node_sets["rod"].len(), 12);
+    assert!((mesh.measure(Metric::Cartesian).unwrap() - 2.0).abs() < 1e-15);
+    assert_eq!(mesh.surface().unwrap().len(), 10);
+    let millimetres = ElementMesh::<3>::from_gmsh("test.msh", GMSH.as_bytes(), 1e-3).unwrap();
+    assert!((millimetres.measure(Metric::Cartesian).unwrap() - 2e-9).abs() < 1e-23);
+    assert_eq!(gmsh(&GMSH.replace('\n', "\r\n")).unwrap(), mesh);
+    // Groups without names, and no groups at all.
+    let (names, entities) = (GMSH.find("$PhysicalNames").unwrap(), GMSH.find("$Entities").unwrap());
+    let nameless = gmsh(&format!("{}{}", &GMSH[..names], &GMSH[entities..])).unwrap();
+    assert_eq!(nameless.blocks[0].name, "physical 7");
+    assert_eq!(nameless.node_sets["physical 4"], [0, 1, 2, 3]);
+    let nodes = GMSH.find("$Nodes\n").unwrap();
+    let groupless = gmsh(&format!("{}{}", &GMSH[..names], &GMSH[nodes..])).unwrap();
+    assert_eq!((groupless.blocks[0].name.as_str(), groupless.node_sets.len()), ("", 0));
+    // Nodes with parameters, as Gmsh writes them on demand.
+    let parametric = GMSH
+        .replace("2 3 0 4", "2 3 1 4")
+        .replace("0 0 0\n0 1 0\n0 1 1\n0 0 1\n", "0 0 0 .1 .2\n0 1 0 .1 .2\n0 1 1 .1 .2\n0 0 1 .1 .2\n");
+    assert_eq!(gmsh(&parametric).unwrap(), mesh);
+}
+
+/// The file above in binary form.
+fn binary(big_endian: bool, long: bool) -> Vec<u8> {
+    let mut out = Vec::new();
+    let mut sections = GMSH.split_inclusive('\n').peekable();
+    let put = |out: &mut Vec<u8>, bytes: &[u8]| {
+        let mut bytes = bytes.to_vec();
+        if big_endian {
+            bytes.reverse();
+        }
+        out.extend(bytes);
+    };
+    // `s`: size_t, `i`: int, `d`: double.
+    let encode = |out: &mut Vec<u8>, kinds: &str, words: &mut dyn Iterator<Item = &str>| {
+        for kind in kinds.chars() {
+            let word = words.next().unwrap();
+            match kind {
+                's' if long => put(out, &word.parse::<u64>().unwrap().to_le_bytes()),
+                's' => put(out, &word.parse::<u32>().unwrap().to_le_bytes()),
+                'i' => put(out, &word.parse::<i32>().unwrap().to_le_bytes()),
+                _ => put(out, &word.parse::<f64>().unwrap().to_le_bytes()),
+            }
+        }
+    };
+    while let Some(line) = sections.next() {
+        let kinds: Option<String> = match line.trim() {
+            "4.1 0 8" => {
+                out.extend(format!("4.1 1 {}\n", if long { 8 } else { 4 }).bytes());
+                put(&mut out, &1i32.to_le_bytes());
+                out.push(b'\n');
+                continue;
+            }
+            // One point, one surface without bounding curves, one volume in a group with a bounding surface.
+            "$Entities" => Some("ssss iddds iddddddsis iddddddsisi".into()),
+            "$Nodes" => {
+                Some(format!("ssss iiis ssss {} iiis ssssssss {} iiis s ddd", "d".repeat(12), "d".repeat(24)))
+            }
+            "$Elements" => Some(format!("ssss iiis sssss iiis {}", "s".repeat(18))),
+            _ => None,
+        };
+        out.extend(line.bytes());
+        if let Some(kinds) = kinds {
+            let mut text = String::new();
+            while sections.peek().is_some_and(|l| !l.starts_with("$End")) {
+                text.push_str(sections.next().unwrap());
+            }
+            let kinds = kinds.replace(' ', "");
+            encode(&mut out, &kinds, &mut text.split_whitespace());
+            assert_eq!(text.split_whitespace().count(), kinds.len());
+            out.push(b'\n');
+        }
+    }
+    out
+}
+
+#[test]
+fn binary_gmsh_files_are_read_alike() {
+    let text = gmsh(GMSH).unwrap();
+    for big_endian in [false, true] {
+        for long in [false, true] {
+            let bytes = binary(big_endian, long);
+            assert_eq!(ElementMesh::<3>::from_gmsh("b.msh", &bytes, 1.0).unwrap(), text);
+            for length in 0..bytes.len() - 1 {
+                let cut = ElementMesh::<3>::from_gmsh("b.msh", &bytes[..length], 1.0);
+                assert!(cut.is_err() || length + 12 > bytes.len(), "cut at {length}");
+            }
+        }
+    }
+}
+
+#[test]
+fn an_abaqus_file_becomes_blocks_and_sets() {
+    let mesh = abaqus(ABAQUS).unwrap();
+    let blocks: Vec<_> = mesh.blocks.iter().map(|b| (b.name.as_str(), b.kind, b.len())).collect();
+    assert_eq!(blocks, [("Core", ElementKind::Hexa8, 2), ("BARS", ElementKind::Bar2, 1)]);
+    assert_eq!(mesh.node_sets["Left"], [0, 1, 2, 3]);
+    assert_eq!(mesh.node_sets["Both"], [0, 1, 2, 3, 11]);
+    assert_eq!(mesh.node_sets["BARS"], [0, 10]);
+    assert_eq!(mesh.node_sets["Second"].len(), 8);
+    assert_eq!(mesh.node_sets["All"].len(), 12);
+    assert!((mesh.measure_of(0, 1, Metric::Cartesian).unwrap() - 1.0).abs() < 1e-15);
+    assert!((mesh.measure_of(1, 0, Metric::Cartesian).unwrap() - 6f64.sqrt()).abs() < 1e-15);
+    assert_eq!(abaqus(&ABAQUS.replace('\n', "\r\n")).unwrap(), mesh);
+
+    // As Abaqus/CAE writes them: an assembly of one instance, sets that name it, and keywords that go on in the next line.
+    let assembly = "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=Rod-1, PART=Rod\n*END INSTANCE\n\
+        *NSET, NSET=Right,\n INSTANCE=Rod-1, INTERNAL\n21, 22, 23, 24,\n*END ASSEMBLY\n";
+    let assembled = abaqus(&ABAQUS.replace("*END PART\n", &format!("*END PART\n{assembly}"))).unwrap();
+    assert_eq!(assembled.node_sets["Right"], [8, 9, 10, 11]);
+    assert_eq!(assembled.blocks, mesh.blocks);
+    // Of numbers that are far apart those that exist are taken, without going through all between.
+    let sparse = ABAQUS.replace("24, 2, 0, 1\n", "24, 2, 0, 1\n18446744073709551611, 0, 0, 9\n");
+    let sparse = abaqus(&sparse.replace("1, 4, 1\n", "1, 18446744073709551611, 10\n")).unwrap();
+    assert_eq!(sparse.node_sets["Left"], [0, 4, 8], "1, 11, 21, and one that no element uses");
+}
+
+#[test]
+fn plane_elements_of_either_sense_are_read_in_the_plane() {
+    let nodes = "*NODE\n1, 0, 0\n2, 2, 0\n3, 2, 1\n4, 0, 1\n5, 3, 1\n";
+    let elements = "*ELEMENT, TYPE=CAX4, ELSET=A\n1, 4, 3, 2, 1\n*ELEMENT, TYPE=CAX3, ELSET=A\n2, 2, 5, 3\n";
+    let text = format!("{nodes}{elements}");
+    let mesh = ElementMesh::<2>::from_abaqus("a.inp", text.as_bytes(), 1.0).unwrap();
+    assert_eq!(mesh.measures(Metric::Cartesian).unwrap(), [2.0, 0.5]);
+    assert_eq!(mesh.blocks.len(), 2);
+    let lifted = text.replace("5, 3, 1", "5, 3, 1, 0.5");
+    let said = ElementMesh::<2>::from_abaqus("a.inp", lifted.as_bytes(), 1.0).unwrap_err().to_string();
+    assert_eq!(
+        said,
+        "cannot read a.inp: node 5 at [3.0, 1.0, 0.5] has a coordinate 0.5 beyond the 2 of the mesh; allowed is 0"
+    );
+}
+
+#[test]
+fn bad_gmsh_files_are_refused_by_line_and_key() {
+    let cases = [
+        ("4.1 0 8", "2.2 0 8", "line 2: version = `2.2` is not allowed; allowed is 4.1"),
+        ("4.1 0 8", "4.1 3 8", "line 2: file type = `3`"),
+        ("4.1 0 8", "4.1 0 2", "line 2: data size = `2`"),
+        ("$MeshFormat\n", "", "line 1: word = `4.1` is not allowed; allowed is $MeshFormat"),
+        ("2 4 \"impact face\"", "2 4 impact", "line 9: physical name = `impact`"),
+        (
+            "3 13 1 30",
+            "3 14 1 30",
+            "line 19: number of blocks and nodes = `14` is not allowed; allowed is 13",
+        ),
+        ("3 13 1 30", "4 13 1 30", "the dimension of an entity = `$EndNodes`"),
+        ("2 3 0 4", "2 3 0 5", "line 25: tag of a node = `0` is not allowed; allowed is 1 or more"),
+        ("\n21\n", "\n14\n", "tag of a node = `14` is not allowed; allowed is each tag once"),
+        (
+            "0 1 0\n",
+            "0 nan 0\n",
+            "line 26: a coordinate of a node = `NaN` is not allowed; allowed is a finite number",
+        ),
+        ("0 1 0\n", "0 1e999 0\n", "a coordinate of a node = `inf`"),
+        ("0 1 0\n", "0 x 0\n", "line 26: a coordinate of a node = `x`"),
+        ("3 1 5 2", "3 1 6 2", "line 54: type of elements = `6, prism of 6 nodes` is not allowed"),
+        ("3 1 5 2", "3 1 17 2", "17, brick of second order"),
+        ("3 1 5 2", "3 1 99 2", "type of elements = `99` is not allowed"),
+        ("3 1 5 2", "3 1 3 2", "allowed is one of 3 dimensions"),
+        ("3 1 5 2", "3 1 5 18446744073709551615", "the tag of an element = `$EndElements`"),
+        (
+            "1 1 2 3 4\n",
+            "1 1 2 3 99\n",
+            "line 53: node of an element = `99` is not allowed; allowed is the tag of a node",
+        ),
+        ("2 3 1 3\n2", "2 4 1 3\n2", "number of blocks and elements = `4` is not allowed; allowed is 3"),
+        ("$Comments", "$PartitionedEntities", "a mesh that is not partitioned"),
+        ("$Comments", "Comments", "line 4: section = `Comments`"),
+        ("$EndComments", "$EndComment", "the file ends where $EndComments was expected"),
+        ("$Nodes\n3", "$Elements\n3", "allowed is $Nodes before it"),
+        (
+            "11 12 13 14 21 22 23 24",
+            "11 12 13 14 21 22 23 23",
+            "element 1 of block 0 `rod` names node 10 twice",
+        ),
+        ("2 1 1\n", "1 1 1\n", "scaled Jacobian"),
+    ];
+    for (from, to, expected) in cases {
+        assert!(GMSH.contains(from), "{from}");
+        let said = gmsh(&GMSH.replacen(from, to, 1)).map(|_| ()).unwrap_err().to_string();
+        assert!(said.starts_with("cannot read test.msh: "), "{said}");
+        assert!(said.contains(expected), "{from:?} -> {to:?}: {said}\nexpected {expected}");
+    }
+    let nothing = gmsh("").unwrap_err().to_string();
+    assert_eq!(nothing, "cannot read test.msh: line 1: the file ends where $MeshFormat was expected");
+    let elements = GMSH.find("$Elements").unwrap();
+    let said = gmsh(&GMSH[..elements]).unwrap_err().to_string();
+    assert!(said.contains("there is no section $Elements"), "{said}");
+    let said = ElementMesh::<2>::from_gmsh("a.msh", GMSH.as_bytes(), 1.0).unwrap_err().to_string();
+    assert!(said.contains("beyond the 2 of the mesh"), "{said}");
+    let said = ElementMesh::<3>::from_gmsh("a.msh", GMSH.as_bytes(), 0.0).unwrap_err().to_string();
+    assert!(said.contains("unit = 0 is not allowed"), "{said}");
+    let said = ElementMesh::<3>::read_gmsh("no such file.msh", 1.0).unwrap_err().to_string();
+    assert!(said.starts_with("cannot read no such file.msh: "), "{said}");
+}
+
+#[test]
+fn bad_abaqus_files_are_refused_by_line_and_key() {
+    let cases = [
+        (
+            "type=C3D8R",
+            "type=C3D20",
+            "line 18: TYPE of *ELEMENT = `C3D20` is not allowed; allowed is one of C3D8, C3D8R",
+        ),
+        ("type=C3D8R", "type=C3D6", "TYPE of *ELEMENT = `C3D6`"),
+        (", type=C3D8R", "", "line 18: *ELEMENT = `` is not allowed; allowed is a parameter TYPE=..."),
+        (
+            "nset=All",
+            "system=C",
+            "line 5: parameter of *NODE = `SYSTEM` is not allowed; allowed is one of NSET",
+        ),
+        (
+            "2, 0., 1.0, 0",
+            "1, 0., 1.0, 0",
+            "line 7: node number = `1` is not allowed; allowed is each number once",
+        ),
+        ("2, 0., 1.0, 0", "2, 0., nan, 0", "line 7: coordinate = `nan`"),
+        ("2, 0., 1.0, 0", "2, 0., 1.0x, 0", "line 7: coordinate = `1.0x`"),
+        ("2, 0., 1.0, 0", "2", "line 7: number of coordinates = `0`"),
+        ("2, 0., 1.0, 0", "-2, 0., 1.0, 0", "line 7: node number = `-2`"),
+        ("   12, 13, 14", "   12, 13", "line 21: nodes of element 1 = `11` is not allowed"),
+        (
+            "   12, 13, 14",
+            "   12, 13, 14, 21",
+            "line 20: nodes of element 1 = `21` is not allowed; allowed is the 8 nodes of a C3D8R",
+        ),
+        ("7, 1, 23", "7, 1", "line 23: the file ends where node 2 of element 7 (T3D2) was expected"),
+        ("7, 1, 23", "7, 1, 99", "line 23: node of an element = `99`"),
+        ("7, 1, 23", "2, 1, 23", "line 23: element number = `2` is not allowed; allowed is each number once"),
+        (
+            "1, 4, 1",
+            "1, 99, 1",
+            "line 25: GENERATE = `99` is not allowed; allowed is a number that was defined",
+        ),
+        ("1, 4, 1", "4, 1, 1", "line 25: GENERATE = `4, 1, 1` is not allowed; allowed is first <= last"),
+        ("1, 4, 1", "1, 4, 0", "an increment of at least 1"),
+        ("left, 24", "right, 24", "line 27: member of *NSET = `right`"),
+        (
+            "*Elset, elset=Second",
+            "*Elset",
+            "line 30: *ELSET = `` is not allowed; allowed is a parameter ELSET=...",
+        ),
+        ("*END PART", "*NGEN", "line 32: keyword = `*NGEN`"),
+        ("*END PART", "*PART, NAME=B", "allowed is one part"),
+        ("*END PART", "*INSTANCE, NAME=I, PART=Rod\n1., 0., 0.", "line 33: data of *INSTANCE = `1., 0., 0.`"),
+        ("*HEADING\n a part of two bricks and a bar\n", "x", "line 1: first line = `x** a comment`"),
+    ];
+    for (from, to, expected) in cases {
+        assert!(ABAQUS.contains(from), "{from}");
+        let said = abaqus(&ABAQUS.replacen(from, to, 1)).map(|_| ()).unwrap_err().to_string();
+        assert!(said.starts_with("cannot read test.inp: "), "{said}");
+        assert!(said.contains(expected), "{from:?} -> {to:?}: {said}\nexpected {expected}");
+    }
+    assert!(abaqus("").unwrap_err().to_string().contains("the file has no element"));
+}
+
+/// Replaces, drops or repeats bytes at places.
+fn mutilate(bytes: &[u8], changes: &[(u16, u8, u8)]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    for &(place, what, value) in changes {
+        if bytes.is_empty() {
+            break;
+        }
+        let place = place as usize % bytes.len();
+        match what % 5 {
+            0 => bytes[place] = value,
+            1 => drop(bytes.remove(place)),
+            2 => bytes.insert(place, value),
+            3 => bytes[place] = b"0123456789-.,\n*$ "[value as usize % 17],
+            _ => bytes.truncate(place.max(bytes.len() / 2)),
+        }
+    }
+    bytes
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1500))]
+
+    #[test]
+    fn mutilated_files_never_panic(changes in proptest::collection::vec(any::<(u16, u8, u8)>(), 1..6)) {
+        let files = [GMSH.as_bytes().to_vec(), binary(false, true), binary(true, false)];
+        for file in &files {
+            if let Ok(mesh) = ElementMesh::<3>::from_gmsh("m.msh", &mutilate(file, &changes), 1.0) {
+                prop_assert!(mesh.check().is_ok());
+            }
+        }
+        if let Ok(mesh) = ElementMesh::<3>::from_abaqus("m.inp", &mutilate(ABAQUS.as_bytes(), &changes), 1.0) {
+            prop_assert!(mesh.check().is_ok());
+        }
+    }
+
+    #[test]
+    fn any_bytes_never_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+        prop_assert!(ElementMesh::<3>::from_gmsh("m.msh", &bytes, 1.0).is_err());
+        prop_assert!(ElementMesh::<2>::from_abaqus("m.inp", &bytes, 1.0).is_err());
+    }
+}
+
+/// Files that Gmsh 4.15.2 wrote: a block of 2 x 1 x 3 m of bricks, with entities, physical groups of volume, face and point; a disc of
+/// triangles with parameters of nodes on its rim.
+#[test]
+fn files_of_gmsh_itself_are_read() {
+    let data = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/");
+    let read = |name: &str| ElementMesh::<3>::read_gmsh(format!("{data}{name}.msh"), 1.0).unwrap();
+    let bricks = read("bricks");
+    assert_eq!(read("bricks_binary"), bricks);
+    let blocks: Vec<_> = bricks.blocks.iter().map(|b| (b.name.as_str(), b.kind, b.len())).collect();
+    assert_eq!(blocks, [("block", ElementKind::Hexa8, 12)]);
+    assert!((bricks.measure(Metric::Cartesian).unwrap() - 6.0).abs() < 1e-12);
+    assert_eq!(bricks.surface().unwrap().len(), 2 * (4 + 6 + 6));
+    assert_eq!(bricks.node_sets["corner"].len(), 1);
+    assert_eq!(bricks.node_sets["bottom face"], bricks.nodes_where(|x| x[2] == 0.0));
+
+    let disc = ElementMesh::<2>::read_gmsh(format!("{data}disc.msh"), 1.0).unwrap();
+    let rim = disc.node_sets["rim"].len();
+    // The polygon of the nodes on the rim.
+    let polygon = 0.5 * rim as f64 * (std::f64::consts::TAU / rim as f64).sin();
+    assert!((disc.measure(Metric::Cartesian).unwrap() - polygon).abs() < 1e-10);
+    assert_eq!(disc.surface().unwrap().len(), rim);
+    // Gmsh writes 16 digits in text.
+    let binary = ElementMesh::<2>::read_gmsh(format!("{data}disc_binary.msh"), 1.0).unwrap();
+    assert_eq!((binary.blocks, binary.node_sets), (disc.blocks, disc.node_sets));
+    for (a, b) in binary.nodes.as_flattened().iter().zip(disc.nodes.as_flattened()) {
+        assert!((a - b).abs() < 1e-15);
+    }
+}

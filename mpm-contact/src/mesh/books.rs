@@ -1,0 +1,129 @@
+//! What contact did in a step: impulses on points, forces of pairs, energies.
+
+use impactite_scene::{ContactPoint, Exchange, PairContact};
+
+use super::body::{ContactBody, wide};
+use super::detect::Touch;
+use super::solve::World;
+use crate::vector::{difference, dot, sum, times};
+
+/// An impulse on a point of a body.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointImpulse<const D: usize> {
+    /// Number of the point or node.
+    pub point: u32,
+    /// N s: what its momentum changes by; of a body of prescribed motion, what that takes up.
+    pub impulse: [f64; D],
+}
+
+/// What contact did in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeshStep {
+    /// Points at facets that were looked at together.
+    pub contacts: usize,
+    /// Sweeps of the solution that took most, at most 200 each.
+    pub sweeps: usize,
+    /// How often impulses were found: once, and again for each set of contacts that showed only then.
+    pub rounds: usize,
+    /// What the last sweep still changed of a gap, m; zero where impulses were found.
+    pub residual: f64,
+    /// How deep the deepest point lies at the end of the step, over its spacing; at most 0.05 but where the step began with more, where
+    /// springs push, or where rounds did not suffice.
+    pub depth: f64,
+    /// This step's impulse and work of bodies of prescribed motion on others, work of friction, and kinetic energy that plastic impacts
+    /// took beside that (negative by the little that mends depths): kinetic energy after = before + work - friction - impacts.
+    pub exchange: Exchange,
+    /// Angular momentum about positions at the start of the step that the impulses made, N m s: sum of (x_p - sum N_a x_a) x J.
+    pub couple: [f64; 3],
+}
+
+/// The books of a step.
+pub(super) struct Books<'a, const D: usize> {
+    pub impulses: &'a mut [Vec<PointImpulse<D>>],
+    pub places: &'a mut Vec<ContactPoint>,
+    pub pairs: &'a mut Vec<PairContact>,
+}
+
+impl<const D: usize> Books<'_, D> {
+    /// Enter all contacts.
+    pub fn enter(mut self, world: &mut World<'_, D>, touches: &[Touch], step: &mut MeshStep) {
+        self.sum_up(world, touches);
+        for pair in &mut *self.pairs {
+            (pair.force, pair.places, pair.gap) = ([0.0; 3], 0, None);
+        }
+        self.places.clear();
+        for touch in touches {
+            let (mut before, mut left, mut arm, mut place) = ([0.0; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
+            for (k, (body, n, share)) in world.shares(touch).enumerate() {
+                let (x, trial) = (world.bodies[body].position(n), wide(&world.bodies[body].velocities[n]));
+                let now = world.velocities[body][n];
+                before = sum(before, times(trial, share));
+                left = sum(left, times(now, share));
+                arm = sum(arm, times(x, share));
+                if k > 0 {
+                    place = difference(place, times(x, share));
+                }
+                if world.bodies[body].masses[n].is_infinite() {
+                    let given = times(touch.impulse, -share);
+                    step.exchange.impulse = sum(step.exchange.impulse, given);
+                    step.exchange.work += dot(given, trial);
+                }
+            }
+            let gap = touch.gap + dot(left, touch.normal) * world.dt;
+            if touch.impulse == [0.0; 3] && gap > 0.0 {
+                continue;
+            }
+            let along = dot(touch.impulse, touch.normal);
+            let across = difference(touch.impulse, times(touch.normal, along));
+            let friction = -dot(across, left);
+            let taken = -0.5 * dot(touch.impulse, sum(before, left)) - friction;
+            step.exchange.friction += friction;
+            step.exchange.impacts += taken;
+            for d in 0..3 {
+                let (e, f) = ((d + 1) % 3, (d + 2) % 3);
+                step.couple[d] += arm[e] * touch.impulse[f] - arm[f] * touch.impulse[e];
+            }
+            let [of_point, of_facet] = world.sides[touch.side as usize].bodies;
+            let point_first = of_point <= of_facet;
+            let on_second = times(touch.impulse, if point_first { -1.0 } else { 1.0 });
+            let normal = times(touch.normal, if point_first { -1.0 } else { 1.0 });
+            let bodies = [of_point.min(of_facet), of_point.max(of_facet)];
+            self.places.push(ContactPoint {
+                position: place,
+                bodies,
+                normal,
+                gap: Some(gap),
+                impulse: on_second,
+            });
+            if let Some(pair) = self.pairs.iter_mut().find(|pair| pair.bodies == bodies) {
+                if bodies[0] != bodies[1] {
+                    pair.force = sum(pair.force, times(on_second, 1.0 / world.dt));
+                }
+                pair.places += 1;
+                pair.gap = Some(pair.gap.map_or(gap, |least| least.min(gap)));
+                pair.friction += friction;
+                pair.taken += taken;
+            }
+        }
+    }
+
+    /// The impulses on all points that have one; velocities of the world become those after them, without the rounding of sweeps.
+    fn sum_up(&mut self, world: &mut World<'_, D>, touches: &[Touch]) {
+        let still = |body: &ContactBody<'_, D>| vec![[0.0; 3]; body.positions.len()];
+        let mut sums: Vec<Vec<[f64; 3]>> = world.bodies.iter().map(still).collect();
+        for touch in touches.iter().filter(|touch| touch.impulse != [0.0; 3]) {
+            for (body, n, share) in world.shares(touch) {
+                sums[body][n] = sum(sums[body][n], times(touch.impulse, share));
+            }
+        }
+        for (body, sums) in sums.iter().enumerate() {
+            let ContactBody { velocities, masses, .. } = world.bodies[body];
+            self.impulses[body].clear();
+            for (n, total) in sums.iter().enumerate().filter(|(_, total)| **total != [0.0; 3]) {
+                let impulse = std::array::from_fn(|d| total[d]);
+                self.impulses[body].push(PointImpulse { point: n as u32, impulse });
+                world.velocities[body][n] = sum(wide(&velocities[n]), times(*total, 1.0 / masses[n]));
+            }
+        }
+    }
+}

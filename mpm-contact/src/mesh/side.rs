@@ -1,0 +1,220 @@
+//! Points of one body beside facets of another, or of the same: who is near whom.
+
+use impactite_geometry::Facet;
+use impactite_geometry::search::{Points, Reach, SearchError, VerletListsBetween};
+use impactite_scene::{Archive, CheckpointError};
+use impactite_simd::Team;
+
+use super::body::{ContactBody, Sphere, Surface, wide};
+use super::closest::cross;
+use crate::vector::{difference, dot, sum, times, unit};
+
+/// What gaps are looked at beyond those that close in the step, as a part of the spacing of the points.
+pub(super) const BESIDE: f64 = 0.1;
+/// The skin of the lists at first, as a part of the mean spacing of the points, and at most.
+const SKIN: [f64; 2] = [0.5, 4.0];
+/// Lists that serve fewer steps than this get a thicker skin.
+const OFTEN: u64 = 4;
+/// Points that a task looks after.
+const CHUNK: usize = 256;
+
+/// Points of one body against the facets of another.
+#[derive(Clone, Debug)]
+pub(super) struct Facing<const D: usize> {
+    /// The body of the points and that of the facets.
+    pub bodies: [usize; 2],
+    lists: Option<VerletListsBetween<D>>,
+    /// Updates since the last search.
+    age: u64,
+    searches: u64,
+    /// For each point of the body the facet that it touched last; [`Facet::NONE`] for none.
+    pub held: Vec<u32>,
+    pub spheres: Vec<Sphere>,
+    /// Normals of nodes, for a surface that touches itself.
+    pub normals: Vec<[f64; 3]>,
+    swept: [Swept<D>; 2],
+    /// Was there a step since the start, or since a checkpoint was read?
+    seen: bool,
+}
+
+/// Spheres that hold what moves through the whole step.
+#[derive(Clone, Debug)]
+struct Swept<const D: usize> {
+    centres: Vec<[f64; D]>,
+    radii: Vec<f64>,
+}
+
+impl<const D: usize> Default for Swept<D> {
+    fn default() -> Self {
+        Swept { centres: Vec::new(), radii: Vec::new() }
+    }
+}
+
+impl<const D: usize> Swept<D> {
+    fn fill(&mut self, count: usize, team: &Team, of: impl Fn(usize) -> ([f64; D], f64) + Send + Sync) {
+        self.centres.resize(count, [0.0; D]);
+        self.radii.resize(count, 0.0);
+        let mut rows: Vec<_> = self.centres.chunks_mut(CHUNK).zip(self.radii.chunks_mut(CHUNK)).collect();
+        team.each(&mut rows, |chunk, (centres, radii)| {
+            for (i, (centre, radius)) in centres.iter_mut().zip(radii.iter_mut()).enumerate() {
+                (*centre, *radius) = of(chunk * CHUNK + i);
+            }
+        });
+    }
+}
+
+fn narrow<const D: usize>(x: [f64; 3]) -> [f64; D] {
+    std::array::from_fn(|d| x[d])
+}
+
+impl<const D: usize> Facing<D> {
+    pub fn new(bodies: [usize; 2]) -> Self {
+        Facing {
+            bodies,
+            lists: None,
+            age: 0,
+            searches: 0,
+            held: Vec::new(),
+            spheres: Vec::new(),
+            normals: Vec::new(),
+            swept: [Swept::default(), Swept::default()],
+            seen: false,
+        }
+    }
+
+    pub fn searches(&self) -> u64 {
+        self.searches
+    }
+
+    /// Body `n` is one of these points and facets from now on. What was remembered is kept where it may be of them: after a checkpoint.
+    pub fn is_of(&mut self, n: usize, body: &ContactBody<'_, D>) {
+        self.lists = None;
+        let [points, facets] = self.bodies;
+        let fits = (n != points || self.held.len() == body.positions.len())
+            && (n != facets
+                || self.held.iter().all(|&f| f == Facet::NONE || (f as usize) < body.facets.len()));
+        if !fits || self.seen {
+            self.held.clear();
+        }
+    }
+
+    /// To a file, or from one.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.held, &Facet::NONE, |file, facet| file.index(facet, 1 << 32))?;
+        if file.reads() {
+            (self.lists, self.seen) = (None, false);
+        }
+        Ok(())
+    }
+
+    /// Candidates for these velocities (of both bodies, by point), over a step `dt`.
+    pub fn update(
+        &mut self,
+        points: &ContactBody<'_, D>,
+        facets: &ContactBody<'_, D>,
+        surface: &Surface,
+        velocities: [&[[f64; 3]]; 2],
+        dt: f64,
+        team: &Team,
+    ) -> Result<(), SearchError> {
+        self.held.resize(points.positions.len(), Facet::NONE);
+        self.seen = true;
+        let mut spheres = std::mem::take(&mut self.spheres);
+        let still = Sphere { centre: [0.0; 3], radius: 0.0, velocity: [0.0; 3], spread: 0.0 };
+        spheres.resize(facets.facets.len(), still);
+        let mut rows: Vec<_> = spheres.chunks_mut(CHUNK).collect();
+        team.each(&mut rows, |chunk, spheres| {
+            for (i, sphere) in spheres.iter_mut().enumerate() {
+                let nodes = facets.facets[chunk * CHUNK + i].nodes();
+                let (mut x, mut v) = ([[0.0; 3]; 4], [[0.0; 3]; 4]);
+                for (k, &n) in nodes.iter().enumerate() {
+                    (x[k], v[k]) = (facets.position(n as usize), velocities[1][n as usize]);
+                }
+                *sphere = Sphere::of(&x[..nodes.len()], &v[..nodes.len()]);
+            }
+        });
+        let [of_points, of_facets] = &mut self.swept;
+        of_points.fill(surface.touching.len(), team, |i| {
+            let n = surface.touching[i] as usize;
+            let half_way = times(velocities[0][n], 0.5 * dt);
+            let centre = sum(points.position(n), half_way);
+            let reach = points.half_size(n) + BESIDE * surface.spacing(points, n);
+            (narrow(centre), reach + dot(half_way, half_way).sqrt())
+        });
+        of_facets.fill(spheres.len(), team, |f| {
+            let Sphere { centre, radius, velocity, spread } = spheres[f];
+            let half_way = times(velocity, 0.5 * dt);
+            let radius = radius + spread * dt + dot(half_way, half_way).sqrt();
+            // Rounding must lose no facet that touches its sphere.
+            (narrow(sum(centre, half_way)), radius * (1.0 + 1e-12))
+        });
+        self.spheres = spheres;
+        self.search(points, surface, team)
+    }
+
+    fn search(
+        &mut self,
+        points: &ContactBody<'_, D>,
+        surface: &Surface,
+        team: &Team,
+    ) -> Result<(), SearchError> {
+        let count = surface.touching.len().max(1) as f64;
+        let all = surface.touching.iter();
+        let mut lists = match self.lists.take() {
+            Some(lists) => lists,
+            None => {
+                let spacing = all.map(|&n| surface.spacing(points, n as usize)).sum::<f64>() / count;
+                self.age = OFTEN;
+                VerletListsBetween::new(Reach::sum(0.0), SKIN[0] * spacing)?
+            }
+        };
+        let [of_points, of_facets] = &self.swept;
+        let facets = Points::new(&of_facets.centres, &of_facets.radii)?;
+        if lists.update(&facets, &Points::new(&of_points.centres, &of_points.radii)?, team)? {
+            self.searches += 1;
+            // A thicker skin from the next search on.
+            if self.age < OFTEN {
+                let spacing =
+                    surface.touching.iter().map(|&n| surface.spacing(points, n as usize)).sum::<f64>()
+                        / count;
+                let thicker = (2.0 * lists.skin()).min(SKIN[1] * spacing);
+                if thicker > lists.skin() {
+                    lists.set_skin(thicker)?;
+                }
+            }
+            self.age = 0;
+        }
+        self.age += 1;
+        self.lists = Some(lists);
+        Ok(())
+    }
+
+    /// Facets that may be near the point at place `i` of those that touch, in ascending order.
+    pub fn candidates(&self, i: usize) -> &[u32] {
+        self.lists.as_ref().map_or(&[], |lists| lists.of(i))
+    }
+
+    /// Mean normals of the facets at each node, by their areas.
+    pub fn find_normals(&mut self, body: &ContactBody<'_, D>) {
+        self.normals.clear();
+        self.normals.resize(body.positions.len(), [0.0; 3]);
+        for facet in body.facets {
+            let nodes = facet.nodes();
+            let x = |i: usize| wide(&body.positions[nodes[i] as usize]);
+            let area = match nodes.len() {
+                2 => {
+                    let along = difference(x(1), x(0));
+                    [along[1], -along[0], 0.0]
+                }
+                3 => cross(difference(x(1), x(0)), difference(x(2), x(0))),
+                _ => cross(difference(x(2), x(0)), difference(x(3), x(1))),
+            };
+            for &n in nodes {
+                self.normals[n as usize] = sum(self.normals[n as usize], area);
+            }
+        }
+        for normal in &mut self.normals {
+            *normal = unit(*normal).unwrap_or([0.0; 3]);
+        }
+    }
+}

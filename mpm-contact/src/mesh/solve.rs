@@ -1,0 +1,330 @@
+//! Impulses of all contacts: projected Gauss-Seidel with the laws as local solvers.
+//!
+//! A contact of a point p with the place x_c = sum N_a x_a of a facet changes the velocity of one relative to the other by
+//! (1/m_p + sum N_a^2 / m_a) J, the same in all directions: the law, asked with the masses m_p and 1 / sum(N_a^2 / m_a) and with the
+//! velocities that both would have without J, solves it exactly. The normal velocity that it sees is less by what closes the gap,
+//! (gap - target) / dt, so that its rule for bodies that touch is one for the end of the step.
+//!
+//! For frictionless contacts each of these steps minimises the dual of |v - v*|^2 (masses as weights) under the constraints
+//! gap + u_n dt >= target; the dual rises from zero, so that the kinetic energy after any number of sweeps is at most that before if no
+//! gap is below its target \[Moreau1999\], \[JourdanAlartJean1998\].
+
+use impactite_geometry::Facet;
+use impactite_simd::Team;
+
+use super::body::ContactBody;
+use super::detect::Touch;
+use super::side::Facing;
+use crate::law::{Contact, ContactLaw, Pairs};
+use crate::vector::{difference, dot, length, sum, times};
+
+type Vector = [f64; 3];
+
+/// Most sweeps of a solution.
+pub(super) const SWEEPS: usize = 200;
+/// Change of velocity in a sweep, over the largest that contact makes, at which impulses count as found.
+const FOUND: f64 = 1e-6;
+/// Change of velocity, over the velocities that meet, that is rounding.
+const ROUNDING: f64 = 1e-14;
+/// A gap within which a law that pulls holds, as a part of the spacing.
+const HOLDS: f64 = 1e-3;
+/// Contacts that a task takes at least, if there are as many: whole islands of those that depend on each other.
+const BATCH: usize = 128;
+
+/// What the contacts act on.
+pub(super) struct World<'a, const D: usize> {
+    pub bodies: &'a [ContactBody<'a, D>],
+    /// Of all points of each body, m/s.
+    pub velocities: &'a mut [Vec<Vector>],
+    pub sides: &'a [Facing<D>],
+    pub laws: &'a Pairs<f64>,
+    pub time: f64,
+    pub dt: f64,
+    pub axisymmetric: bool,
+}
+
+/// How the impulses were found.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Found {
+    pub sweeps: usize,
+    /// The last change of a velocity, times the step, m.
+    pub residual: f64,
+}
+
+/// A point, or the place on a facet, among the movers of a batch.
+struct Local<'a> {
+    law: &'a dyn ContactLaw<f64>,
+    contact: Contact<'static, f64>,
+    /// Is the point's body the first of the contact?
+    point_first: bool,
+    pulls: bool,
+    normal: Vector,
+    /// What the approach is less by, m/s.
+    shift: f64,
+    held: bool,
+    /// The point, then the nodes.
+    movers: [usize; 5],
+    /// 1, then -N_a: the relative velocity is their sum.
+    shares: [f64; 5],
+    /// Over the masses.
+    gains: [f64; 5],
+    /// 1/m_p, sum N_a^2 / m_a.
+    inverse: [f64; 2],
+    impulse: Vector,
+}
+
+#[derive(Default)]
+struct Batch {
+    contacts: Vec<u32>,
+    /// Contacts of each island, one after the other.
+    lengths: Vec<usize>,
+    movers: Vec<u32>,
+    velocities: Vec<Vector>,
+    impulses: Vec<Vector>,
+    found: Found,
+}
+
+impl<const D: usize> World<'_, D> {
+    /// The point, and the nodes with their weights: body, number, share of the relative velocity.
+    pub fn shares(&self, touch: &Touch) -> impl Iterator<Item = (usize, usize, f64)> {
+        let [of_point, of_facet] = self.sides[touch.side as usize].bodies;
+        let nodes = touch.nodes.into_iter().zip(touch.weights);
+        let nodes = nodes.filter(|(n, w)| *n != Facet::NONE && *w > 0.0);
+        std::iter::once((of_point, touch.point as usize, 1.0))
+            .chain(nodes.map(move |(n, w)| (of_facet, n as usize, -w)))
+    }
+
+    fn starts(&self) -> Vec<usize> {
+        let mut starts = vec![0];
+        for body in self.bodies {
+            starts.push(starts[starts.len() - 1] + body.positions.len());
+        }
+        starts
+    }
+
+    /// Find the impulses of all contacts, and change velocities by them; what has nothing to do with those from number `first` on stays.
+    pub fn solve(&mut self, touches: &mut [Touch], first: usize, team: &Team) -> Found {
+        let starts = self.starts();
+        let mut batches = self.batches(touches, first, &starts);
+        let world = &*self;
+        team.each(&mut batches, |_, batch| world.sweep(touches, &starts, batch));
+        let mut found = Found::default();
+        for batch in &batches {
+            found.sweeps = found.sweeps.max(batch.found.sweeps);
+            found.residual = found.residual.max(batch.found.residual);
+            for (&c, impulse) in batch.contacts.iter().zip(&batch.impulses) {
+                touches[c as usize].impulse = *impulse;
+            }
+            for (&mover, v) in batch.movers.iter().zip(&batch.velocities) {
+                let (body, n) = place(&starts, mover);
+                self.velocities[body][n] = *v;
+            }
+        }
+        found
+    }
+
+    /// Contacts that share no mass that moves with those of other batches.
+    fn batches(&self, touches: &[Touch], first: usize, starts: &[usize]) -> Vec<Batch> {
+        const FREE: u32 = u32::MAX;
+        let mut parents: Vec<u32> = vec![FREE; starts[starts.len() - 1]];
+        fn root(parents: &mut [u32], mut n: u32) -> u32 {
+            while parents[n as usize] != n {
+                parents[n as usize] = parents[parents[n as usize] as usize];
+                n = parents[n as usize];
+            }
+            n
+        }
+        let mut firsts = Vec::with_capacity(touches.len());
+        for touch in touches {
+            let mut joined = FREE;
+            for (body, n, _) in self.shares(touch) {
+                if self.bodies[body].masses[n].is_infinite() {
+                    continue;
+                }
+                let mover = (starts[body] + n) as u32;
+                if parents[mover as usize] == FREE {
+                    parents[mover as usize] = mover;
+                }
+                let here = root(&mut parents, mover);
+                if joined != FREE {
+                    parents[joined.max(here) as usize] = joined.min(here);
+                }
+                joined = joined.min(here);
+            }
+            firsts.push(joined);
+        }
+        // Islands in the order of their first contact.
+        let mut islands: Vec<Vec<u32>> = Vec::new();
+        let mut numbers = vec![FREE; parents.len()];
+        for (c, &mover) in firsts.iter().enumerate().filter(|(_, mover)| **mover != FREE) {
+            let root = root(&mut parents, mover);
+            if numbers[root as usize] == FREE {
+                numbers[root as usize] = islands.len() as u32;
+                islands.push(Vec::new());
+            }
+            islands[numbers[root as usize] as usize].push(c as u32);
+        }
+        let mut batches: Vec<Batch> = Vec::new();
+        let is_new = |contacts: &Vec<u32>| contacts.last().is_some_and(|&c| c as usize >= first);
+        for contacts in islands.into_iter().filter(is_new) {
+            let length = contacts.len();
+            match batches.last_mut().filter(|batch| batch.contacts.len() < BATCH) {
+                Some(batch) => {
+                    batch.contacts.extend(contacts);
+                    batch.lengths.push(length);
+                }
+                None => batches.push(Batch { contacts, lengths: vec![length], ..Batch::default() }),
+            }
+        }
+        batches
+    }
+
+    fn local(&self, touch: &Touch, starts: &[usize], movers: &[u32]) -> Local<'_> {
+        let [of_point, of_facet] = self.sides[touch.side as usize].bodies;
+        let law = self.laws.law(of_point, of_facet);
+        let point_first = of_point <= of_facet;
+        let (mut numbers, mut shares, mut gains) = ([0; 5], [0.0; 5], [0.0; 5]);
+        let mut inverse = [0.0; 2];
+        let mut position = [0.0; 3];
+        for (k, (body, n, share)) in self.shares(touch).enumerate() {
+            let mover = (starts[body] + n) as u32;
+            numbers[k] = movers.binary_search(&mover).unwrap_or(0);
+            shares[k] = share;
+            gains[k] = share / self.bodies[body].masses[n];
+            inverse[usize::from(k > 0)] += share * gains[k];
+            if k > 0 {
+                position = difference(position, times(self.bodies[body].position(n), share));
+            }
+        }
+        let area = if D == 2 { touch.spacing } else { touch.spacing * touch.spacing };
+        let area = if self.axisymmetric { area * position[0].abs() } else { area };
+        let masses = inverse.map(|i| 1.0 / i);
+        let ordered = |[p, s]: [f64; 2]| if point_first { [p, s] } else { [s, p] };
+        let contact = Contact {
+            bodies: [of_point.min(of_facet), of_point.max(of_facet)],
+            position,
+            time: self.time,
+            dt: self.dt,
+            normal: if point_first { times(touch.normal, -1.0) } else { touch.normal },
+            gap: Some(touch.gap),
+            area,
+            masses: ordered(masses),
+            velocities: [[0.0; 3]; 2],
+            slip: 0.0,
+            memory: &[],
+        };
+        let shift = if law.springs() { 0.0 } else { (touch.gap - touch.target) / self.dt };
+        Local {
+            law,
+            contact,
+            point_first,
+            pulls: law.pulls(),
+            normal: touch.normal,
+            shift,
+            held: touch.gap <= HOLDS * touch.spacing,
+            movers: numbers,
+            shares,
+            gains,
+            inverse,
+            impulse: touch.impulse,
+        }
+    }
+
+    fn sweep(&self, touches: &[Touch], starts: &[usize], batch: &mut Batch) {
+        let of = |c: &u32| &touches[*c as usize];
+        let mover = |(body, n, _): (usize, usize, f64)| (starts[body] + n) as u32;
+        batch.movers = batch.contacts.iter().flat_map(|c| self.shares(of(c)).map(mover)).collect();
+        batch.movers.sort_unstable();
+        batch.movers.dedup();
+        let velocity = |&mover: &u32| {
+            let (body, n) = place(starts, mover);
+            self.velocities[body][n]
+        };
+        batch.velocities = batch.movers.iter().map(velocity).collect();
+        let local = |c| self.local(of(c), starts, &batch.movers);
+        let mut locals: Vec<_> = batch.contacts.iter().map(local).collect();
+        let mut rest = &mut locals[..];
+        for &length in &batch.lengths {
+            let (island, others) = rest.split_at_mut(length);
+            let found = relax(island, &mut batch.velocities, self.dt);
+            batch.found.sweeps = batch.found.sweeps.max(found.sweeps);
+            batch.found.residual = batch.found.residual.max(found.residual);
+            rest = others;
+        }
+        batch.impulses = locals.iter().map(|local| local.impulse).collect();
+    }
+}
+
+/// Sweep over an island until nothing changes any more.
+fn relax(island: &mut [Local<'_>], velocities: &mut [Vector], dt: f64) -> Found {
+    let mut residual = 0.0;
+    for sweep in 1..=SWEEPS {
+        let (mut change, mut enough) = (0.0_f64, 0.0_f64);
+        let mut take = |local: &mut Local<'_>| {
+            let [step, whole, speed] = local.relax(velocities);
+            change = change.max(step);
+            enough = enough.max(FOUND * whole + ROUNDING * speed);
+        };
+        // To and fro, so that what one end of a row does reaches the other.
+        match sweep % 2 {
+            1 => island.iter_mut().for_each(&mut take),
+            _ => island.iter_mut().rev().for_each(&mut take),
+        }
+        if change <= enough {
+            return Found { sweeps: sweep, residual: 0.0 };
+        }
+        residual = change * dt;
+    }
+    Found { sweeps: SWEEPS, residual }
+}
+
+impl Local<'_> {
+    fn add(&mut self, step: Vector, velocities: &mut [Vector]) {
+        self.impulse = sum(self.impulse, step);
+        for k in 0..5 {
+            if self.gains[k] != 0.0 {
+                let v = &mut velocities[self.movers[k]];
+                *v = sum(*v, times(step, self.gains[k]));
+            }
+        }
+    }
+
+    /// Give this contact the impulse that its law wants, everything else as it is. How much that changes the relative velocity, how much
+    /// all of the impulse does, and how large velocities are, m/s.
+    fn relax(&mut self, velocities: &mut [Vector]) -> [f64; 3] {
+        let mut point = velocities[self.movers[0]];
+        let mut place = [0.0; 3];
+        for k in 1..5 {
+            if self.shares[k] != 0.0 {
+                place = difference(place, times(velocities[self.movers[k]], self.shares[k]));
+            }
+        }
+        let speed = length(point) + length(place);
+        // Without its own impulse.
+        point = difference(point, times(self.impulse, self.inverse[0]));
+        place = sum(place, times(self.impulse, self.inverse[1]));
+        let parting = dot(difference(point, place), self.normal);
+        let wanted = if self.pulls && !self.held && parting + self.shift > 0.0 {
+            [0.0; 3]
+        } else {
+            point = sum(point, times(self.normal, self.shift));
+            let velocities = if self.point_first { [point, place] } else { [place, point] };
+            let on_second = self.law.impulse(&Contact { velocities, ..self.contact });
+            times(on_second, if self.point_first { -1.0 } else { 1.0 })
+        };
+        let step = difference(wanted, self.impulse);
+        if step != [0.0; 3] {
+            self.add(step, velocities);
+            // Without the rounding of the sum.
+            self.impulse = wanted;
+        }
+        let whole = self.inverse[0] + self.inverse[1];
+        [length(step) * whole, length(wanted) * whole, speed]
+    }
+}
+
+/// Body and number of a mover.
+fn place(starts: &[usize], mover: u32) -> (usize, usize) {
+    let body = starts.partition_point(|&start| start <= mover as usize) - 1;
+    (body, mover as usize - starts[body])
+}

@@ -1,0 +1,12 @@
+//! Contact of points with facets: what holds of every step, and scenes over many.
+
+mod catalogue;
+mod energy;
+mod fast;
+mod laws;
+mod penetration;
+mod random;
+mod scene;
+mod search;
+mod sliding;
+mod speed;

@@ -1,0 +1,225 @@
+//! Particles near a surface that is not on the grid, as the nodes will move them.
+
+use std::collections::HashMap;
+
+use super::footprint::NodeWeight;
+
+/// Particles near the surface of a [`SurfaceClient`](super::SurfaceClient) in a step, with what its nodes are to each. By body, and in
+/// each in an order that depends on nothing but the scene.
+#[derive(Clone, Debug)]
+pub struct NearParticles<const D: usize> {
+    bodies: Vec<u32>,
+    numbers: Vec<usize>,
+    positions: Vec<[f64; D]>,
+    half_sizes: Vec<f64>,
+    starts_with: Vec<[f64; D]>,
+    /// Where the weights of each particle begin; one more than there are particles.
+    starts: Vec<usize>,
+    /// Node, by place among those here, and weight by direction: mirrored where it stands for one behind a plane of symmetry.
+    weights: Vec<(u32, [f64; D])>,
+    pub(super) nodes: Vec<NearNode<D>>,
+    /// Impulse of planes of symmetry, N s: their images are pushed the other way.
+    pub(super) planes: [f64; D],
+    places: HashMap<u32, u32>,
+    folded: Vec<NodeWeight<D>>,
+}
+
+/// A particle that may meet a surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearParticle<const D: usize> {
+    /// Its number in its body.
+    pub number: usize,
+    /// Position, m.
+    pub position: [f64; D],
+    /// Velocity, m/s.
+    pub velocity: [f64; D],
+    /// Half the edge of a cube (square in the plane) as large as its domain, m.
+    pub half_size: f64,
+}
+
+/// A node of particles near a surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NearNode<const D: usize> {
+    /// Its place among all nodes of the grid.
+    pub(super) place: u32,
+    /// Where it is, m.
+    pub(super) position: [f64; D],
+    pub(super) mass: f64,
+    /// Its velocity at the start of the step, m/s, if it knows it.
+    pub(super) start: Option<[f64; D]>,
+    /// Its velocity at the end of the step, m/s, and how much of it came from the surface.
+    pub(super) velocity: [f64; D],
+    pub(super) change: [f64; D],
+}
+
+impl<const D: usize> Default for NearParticles<D> {
+    fn default() -> Self {
+        NearParticles {
+            bodies: Vec::new(),
+            numbers: Vec::new(),
+            positions: Vec::new(),
+            half_sizes: Vec::new(),
+            starts_with: Vec::new(),
+            starts: vec![0],
+            weights: Vec::new(),
+            nodes: Vec::new(),
+            planes: [0.0; D],
+            places: HashMap::new(),
+            folded: Vec::new(),
+        }
+    }
+}
+
+impl<const D: usize> NearParticles<D> {
+    /// How many there are.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.positions.len()
+    }
+    /// Is there none?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.positions.is_empty()
+    }
+    /// The body of each, by number in the scene.
+    #[must_use]
+    pub fn bodies(&self) -> &[u32] {
+        &self.bodies
+    }
+    /// The number of each in its body.
+    #[must_use]
+    pub fn numbers(&self) -> &[usize] {
+        &self.numbers
+    }
+    /// Positions at the start of the step, m.
+    #[must_use]
+    pub fn positions(&self) -> &[[f64; D]] {
+        &self.positions
+    }
+    /// Half sizes, m: half the edge of a cube (square in the plane) of each one's volume.
+    #[must_use]
+    pub fn half_sizes(&self) -> &[f64] {
+        &self.half_sizes
+    }
+
+    /// Their velocities at the start of the step, m/s, which what impulses do is measured with: those of their nodes; their own where nodes
+    /// do not know them (APIC and its kin).
+    pub fn velocities_before(&self, list: &mut Vec<[f64; D]>) {
+        list.clear();
+        list.extend((0..self.len()).map(|p| {
+            let mut sum = [0.0; D];
+            for (node, weight) in self.weights(p) {
+                let Some(start) = self.nodes[*node as usize].start else { return self.starts_with[p] };
+                (0..D).for_each(|d| sum[d] += weight[d] * start[d]);
+            }
+            sum
+        }));
+    }
+
+    fn weights(&self, particle: usize) -> &[(u32, [f64; D])] {
+        &self.weights[self.starts[particle]..self.starts[particle + 1]]
+    }
+
+    /// The velocities that they will move with, m/s.
+    pub fn velocities(&self, list: &mut Vec<[f64; D]>) {
+        list.clear();
+        list.extend((0..self.len()).map(|p| {
+            let mut sum = [0.0; D];
+            for (node, weight) in self.weights(p) {
+                (0..D).for_each(|d| sum[d] += weight[d] * self.nodes[*node as usize].velocity[d]);
+            }
+            sum
+        }));
+    }
+
+    /// Masses, kg, with which they resist impulses: those of marked ones with impulses on all marked ones at once,
+    /// 1 / sum_i N_ip (sum_q N_iq) / m_i with q marked, so small that what each is pushed with its neighbours is counted; of others with an
+    /// impulse on it alone, 1 / sum_i N_ip^2 / m_i.
+    pub fn masses(&self, marked: &[bool], list: &mut Vec<f64>) {
+        let mut sums = vec![0.0; self.nodes.len()];
+        for p in (0..self.len()).filter(|p| marked[*p]) {
+            for (node, weight) in self.weights(p) {
+                sums[*node as usize] += largest(weight);
+            }
+        }
+        list.clear();
+        list.extend((0..self.len()).map(|p| {
+            let yields = |(node, weight): &(u32, [f64; D])| {
+                let (weight, node) = (largest(weight), *node as usize);
+                weight * if marked[p] { sums[node] } else { weight } / self.nodes[node].mass
+            };
+            1.0 / self.weights(p).iter().map(yields).sum::<f64>()
+        }));
+    }
+
+    /// Give every particle an impulse, N s.
+    pub fn push(&mut self, impulses: &[[f64; D]]) {
+        for (p, impulse) in impulses.iter().enumerate().filter(|(_, j)| **j != [0.0; D]) {
+            (0..D).for_each(|d| self.planes[d] -= impulse[d]);
+            for n in self.starts[p]..self.starts[p + 1] {
+                let (node, weight) = self.weights[n];
+                let node = &mut self.nodes[node as usize];
+                for d in 0..D {
+                    self.planes[d] += weight[d] * impulse[d];
+                    let change = weight[d] * impulse[d] / node.mass;
+                    node.velocity[d] += change;
+                    node.change[d] += change;
+                }
+            }
+        }
+    }
+
+    pub(super) fn clear(&mut self) {
+        self.bodies.clear();
+        self.numbers.clear();
+        self.positions.clear();
+        self.half_sizes.clear();
+        self.starts_with.clear();
+        self.starts.clear();
+        self.starts.push(0);
+        self.weights.clear();
+        self.nodes.clear();
+        self.places.clear();
+        self.planes = [0.0; D];
+    }
+
+    /// Add a particle with its weights, of which `find` gives the nodes, those without mass left out.
+    pub(super) fn add(
+        &mut self,
+        body: u32,
+        particle: &NearParticle<D>,
+        find: &mut dyn FnMut(&mut Vec<NodeWeight<D>>),
+        node_at: &dyn Fn(&[i32; D]) -> Option<NearNode<D>>,
+    ) {
+        let mut folded = std::mem::take(&mut self.folded);
+        find(&mut folded);
+        for w in folded.iter().filter(|w| w.value != 0.0) {
+            let Some(node) = node_at(&w.node) else { continue };
+            let (nodes, count) = (&mut self.nodes, self.places.len() as u32);
+            let place = *self.places.entry(node.place).or_insert_with(|| {
+                nodes.push(node);
+                count
+            });
+            self.weights.push((place, std::array::from_fn(|d| w.sign[d] * w.value)));
+        }
+        self.folded = folded;
+        self.starts.push(self.weights.len());
+        self.bodies.push(body);
+        self.numbers.push(particle.number);
+        self.positions.push(particle.position);
+        self.half_sizes.push(particle.half_size);
+        self.starts_with.push(particle.velocity);
+    }
+
+    /// Bytes of its memory.
+    pub(super) fn bytes(&self) -> usize {
+        self.positions.capacity() * size_of::<([[f64; D]; 2], f64, usize, usize, u32)>()
+            + self.weights.capacity() * size_of::<(u32, [f64; D])>()
+            + self.nodes.capacity() * size_of::<NearNode<D>>()
+            + self.places.capacity() * 2 * size_of::<u32>()
+    }
+}
+
+fn largest<const D: usize>(weight: &[f64; D]) -> f64 {
+    weight.iter().fold(0.0, |most: f64, w| most.max(w.abs()))
+}
