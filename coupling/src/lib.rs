@@ -8,8 +8,8 @@
 //! | [`Elements::on_the_grid`] (CFEMP, \[Lian2011\]) | nodes of the mesh act on the grid of the scene as particles do, and meet others by its contact algorithm | elements about as large as cells: through wider meshes particles slip |
 //! | [`Elements::by_surface`] (ICFEMP, \[Chen2015\]) | particles meet the facets of the mesh one by one ([`mpm_contact::mesh`]) | any |
 //!
-//! The review that describes both prints no numbers of cases; what is built is the principle, held to gates of our own (book, "Elements, particles,
-//! or both").
+//! The review that describes both prints no numbers of cases; what is built is the principle, held to gates of our own (book,
+//! "Elements, particles, or both").
 //!
 //! ```
 //! use coupling::Elements;

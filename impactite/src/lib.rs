@@ -99,6 +99,8 @@ mod pages {
     struct Conditions;
     #[doc = include_str!("../../docs/book/src/contact.md")]
     struct Contact;
+    #[doc = include_str!("../../docs/book/src/elements.md")]
+    struct Elements;
     #[doc = include_str!("../../docs/book/src/extending.md")]
     struct Extending;
     #[doc = include_str!("../../docs/book/src/getting-started.md")]
