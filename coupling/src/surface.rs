@@ -14,7 +14,7 @@ const ON_PLANE: f64 = 1e-6;
 /// Most rounds of a step.
 const ROUNDS: u32 = 12;
 /// Part of the largest change of a velocity in the first round below which what is left is none.
-const ENOUGH: f64 = 1e-3;
+const ENOUGH: f64 = 1e-2;
 
 impl<const D: usize> PointToSurface<D> {
     /// Mark where the facets are in a step of `dt`, s.

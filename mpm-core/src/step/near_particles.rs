@@ -22,6 +22,9 @@ pub struct NearParticles<const D: usize> {
     pub(super) planes: [f64; D],
     places: HashMap<u32, u32>,
     folded: Vec<NodeWeight<D>>,
+    /// The nodes of the last particle, by index on the lattice, with their places here if they have mass; and its body.
+    stencil: Vec<([i32; D], Option<u32>)>,
+    stencil_of: u32,
 }
 
 /// A particle that may meet a surface.
@@ -66,6 +69,8 @@ impl<const D: usize> Default for NearParticles<D> {
             planes: [0.0; D],
             places: HashMap::new(),
             folded: Vec::new(),
+            stencil: Vec::new(),
+            stencil_of: u32::MAX,
         }
     }
 }
@@ -181,26 +186,41 @@ impl<const D: usize> NearParticles<D> {
         self.nodes.clear();
         self.places.clear();
         self.planes = [0.0; D];
+        self.stencil.clear();
     }
 
-    /// Add a particle with its weights, of which `find` gives the nodes, those without mass left out.
+    /// Add a particle with its weights, which `fold` gives, those without mass left out.
     pub(super) fn add(
         &mut self,
         body: u32,
         particle: &NearParticle<D>,
-        find: &mut dyn FnMut(&mut Vec<NodeWeight<D>>),
+        fold: &mut dyn FnMut(&mut Vec<NodeWeight<D>>),
         node_at: &dyn Fn(&[i32; D]) -> Option<NearNode<D>>,
     ) {
         let mut folded = std::mem::take(&mut self.folded);
-        find(&mut folded);
-        for w in folded.iter().filter(|w| w.value != 0.0) {
-            let Some(node) = node_at(&w.node) else { continue };
-            let (nodes, count) = (&mut self.nodes, self.places.len() as u32);
-            let place = *self.places.entry(node.place).or_insert_with(|| {
-                nodes.push(node);
-                count
-            });
-            self.weights.push((place, std::array::from_fn(|d| w.sign[d] * w.value)));
+        fold(&mut folded);
+        // Particles of a bin have the same nodes in the same order.
+        let known = folded.len() == self.stencil.len()
+            && self.stencil_of == body
+            && folded.iter().zip(&self.stencil).all(|(w, (node, _))| w.node == *node);
+        if !known {
+            self.stencil_of = body;
+            self.stencil.clear();
+            for w in &folded {
+                let (nodes, count) = (&mut self.nodes, self.places.len() as u32);
+                let place = node_at(&w.node).map(|node| {
+                    *self.places.entry(node.place).or_insert_with(|| {
+                        nodes.push(node);
+                        count
+                    })
+                });
+                self.stencil.push((w.node, place));
+            }
+        }
+        for (w, (_, place)) in folded.iter().zip(&self.stencil).filter(|(w, _)| w.value != 0.0) {
+            if let Some(place) = *place {
+                self.weights.push((place, std::array::from_fn(|d| w.sign[d] * w.value)));
+            }
         }
         self.folded = folded;
         self.starts.push(self.weights.len());

@@ -248,12 +248,17 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                 for at in slot.block.bin_places(bin) {
                     numbers.clear();
                     slot.block.read(at, &mut numbers);
-                    let position = std::array::from_fn(|d| {
+                    let position: [f64; D] = std::array::from_fn(|d| {
                         let cells = f64::from(coordinates[d]) + centre;
                         origin[d] + h * (cells + numbers[Columns::position() + d].to_double())
                     });
                     let edges = self.half_edges(&numbers);
                     let half_size = (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64);
+                    let low = position.map(|x| x - half_size);
+                    let high = position.map(|x| x + half_size);
+                    if !reaches(&low, &high) {
+                        continue;
+                    }
                     let velocity = std::array::from_fn(|d| numbers[Columns::velocity(D) + d].to_double());
                     self.node_weights(&slot.block, bin, at, &mut weights);
                     let number = slot.block.number(at);
