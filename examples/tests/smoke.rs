@@ -424,6 +424,21 @@ fn oblique_penetration_from_afar() {
     assert!(updates[0] < (0.064 + 2.0 / 50.0) * updates[1], "{updates:?}");
 }
 
+/// A rod of elements, whose surface the particles of the plate meet, comes out nearer to the experiment than one of particles on so coarse a
+/// grid, and gives and takes momentum to rounding.
+#[test]
+fn oblique_penetration_of_a_rod_of_elements() {
+    let options = ["--resolution", "smoke", "--json", "--rod", "fem"];
+    let output = run(env!("CARGO_BIN_EXE_oblique_penetration"), &options, "rod_of_elements");
+    let value = result(&output, "oblique_penetration");
+    std::fs::remove_dir_all(folder("rod_of_elements")).expect("removed");
+    let number = |v: &Value| v.as_f64().expect("a number");
+    let residual = number(&value["settings"]["residual_speeds"][0]);
+    assert!(residual > 360.0 && residual < 460.0, "{residual} m/s");
+    assert!(number(&value["momentum_error"]).abs() < 1e-12, "{}", value["momentum_error"]);
+    assert!(number(&value["energy_error"]).abs() < 0.2, "{}", value["energy_error"]);
+}
+
 #[test]
 fn concrete_perforation() {
     // That no reference decides (missed), a faster rod comes out faster, none as it came; energy, momentum, interpenetration.

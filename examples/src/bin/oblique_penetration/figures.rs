@@ -10,7 +10,7 @@ use mpm_core::output::{History, OutputError, ParticleSize, Snapshot};
 
 use crate::curve::Point;
 use crate::scene::Outcome;
-use crate::setup::{ROD, THICKNESS};
+use crate::setup::{ROD, RodFrame, THICKNESS};
 use crate::{EXPERIMENT, PAPER};
 
 /// Where the colours end.
@@ -31,15 +31,20 @@ pub fn cuts(outcome: &Outcome) -> Result<Picture, CaseError> {
 fn cut(outcome: &Outcome, snapshot: &Snapshot) -> Result<Picture, OutputError> {
     let h = outcome.setup.spacing();
     let strain = snapshot.scalar("plastic_strain")?;
-    let (mut places, mut strains) = (Vec::new(), Vec::new());
-    for ((&[x, y, z], &body), &strain) in snapshot.positions().iter().zip(snapshot.bodies()).zip(strain) {
-        if y < 0.5 * h {
+    let (mut places, mut strains, mut sizes) = (Vec::new(), Vec::new(), Vec::new());
+    let elements = outcome.setup.rod == RodFrame::Fem;
+    let all = snapshot.positions().iter().zip(snapshot.bodies()).zip(strain).enumerate();
+    for (n, ((&[x, y, z], &body), &strain)) in all {
+        // The rod is elastic. Its elements are as large as they are.
+        let rod = body == 0;
+        let size = if rod && elements { snapshot.size_of(n) } else { h / f64::from(outcome.setup.parts) };
+        if y < size.max(0.5 * h) {
             places.push([x, z, 0.0]);
-            // The rod is elastic.
-            strains.push(if body == 0 { 0.0 } else { strain });
+            strains.push(if rod { 0.0 } else { strain });
+            sizes.push(size);
         }
     }
-    let size = ParticleSize::Uniform(h / f64::from(outcome.setup.parts));
+    let size = ParticleSize::Each(sizes);
     let section =
         Snapshot::new(2, snapshot.time(), snapshot.step(), places, size)?.with_scalar("strain", strains)?;
     FieldPicture::new(470, 560)

@@ -1,8 +1,9 @@
 //! Particles as their nodes see them between two steps: what diagnostics sum up, apart from the kernels of the step.
 
+mod folds;
 mod of_particles;
 
-pub(super) use of_particles::Folds;
+pub(super) use folds::Folds;
 
 /// Weight of a particle on a node.
 #[derive(Clone, Copy, Debug, PartialEq)]
