@@ -109,6 +109,14 @@ fn feature_of(x: [f64; 3], near: &[Near], n: usize, every: bool) -> Option<(Feat
             if other.feature().count() > this.feature().count() {
                 return None;
             }
+            // Of a point on their edge or corner one of them speaks for all: what it is away from each is rounding.
+            if distance <= UPON * this.size.max(other.size) {
+                if m < n {
+                    return None;
+                }
+                normals = sum(normals, other.closest.normal);
+                continue;
+            }
             // The facet whose plane is farthest knows the side \[BaerentzenAanaes2005\].
             let here = dot(away, other.closest.normal).abs();
             if here > height.abs() || (here == height.abs() && m < n) {

@@ -66,8 +66,7 @@
 //!   work on the slip left at the end of the step. Contact adds no energy but where a step begins deeper than 0.02 of the spacing: a
 //!   tenth of what is deeper, at most 0.01 of the spacing, is mended in each step.
 //! - No point lies deeper than 0.05 of its spacing (the diameter of a point; of a node without half size the mean edge there) at the end
-//!   of a step that did not begin so, but for one in some hundreds of random crowds (0.113 was seen); [`MeshStep::depth`] says how deep the
-//!   deepest is.
+//!   of a step that did not begin so; [`MeshStep::depth`] says how deep the deepest is.
 //! - The same bits for any number of threads.
 //!
 //! # Limits

@@ -88,10 +88,9 @@ fn holds<const D: usize>(bodies: [Body<D>; 3], friction: f64, dt: f64) -> Result
     prop_assert!(couple <= 1e-12 * c.scale, "angular momentum {couple}");
     prop_assert!(c.energy.abs() <= 1e-11 * c.kinetic[0], "energy {}", c.energy);
     prop_assert!(c.kinetic[1] <= c.kinetic[0] * (1.0 + 1e-12), "{:?}", c.kinetic);
-    prop_assert!(c.step.exchange.friction >= -1e-9 * c.kinetic[0], "{:?}", c.step.exchange);
-    // 0.05 is what is asked for, and what all but one in some hundreds keep: crowds of the seed 911 959 at friction 0.82, where 39 contacts
-    // meet at once, leave a point 0.113 deep.
-    prop_assert!(c.step.depth <= 0.2, "{:?}", c.step);
+    // Sweeps end where they change 1e-6 of the velocities: one crowd in some ten thousand has -8e-7 of the energy.
+    prop_assert!(c.step.exchange.friction >= -2e-6 * c.kinetic[0], "{:?}", c.step.exchange);
+    prop_assert!(c.step.depth <= 0.05, "{:?}", c.step);
     prop_assert!(c.step.residual <= 1e-3, "{:?}", c.step);
     Ok(())
 }
@@ -122,6 +121,12 @@ proptest! {
         spins_on(crowd2(seed, 0.3), 1e-2)?;
         spins_on(crowd3(seed, 0.3), 1e-2)?;
     }
+}
+
+/// One that random crowds found: a point left deep by contacts that were all known at the start.
+#[test]
+fn a_crowd_that_left_a_point_deep() {
+    holds(crowd3(911_959, 10f64.powf(0.6570402296542087)), 0.8227250991448127, 1e-3).unwrap();
 }
 
 #[test]
