@@ -44,9 +44,6 @@ pub(crate) struct PointToSurface<const D: usize> {
     pub(crate) facets: Vec<(Option<u64>, Vec<Facet>)>,
     /// Velocities of the nodes of each body at the start of the step, m/s.
     pub(crate) before: Vec<Vec<[f64; D]>>,
-    /// Of the last step: rounds, and the deepest place, m.
-    pub(crate) rounds: u32,
-    pub(crate) depth: f64,
 }
 
 impl<const D: usize> Elements<D> {
@@ -98,8 +95,6 @@ impl<const D: usize> Elements<D> {
             boxes: Vec::new(),
             facets: Vec::new(),
             before: Vec::new(),
-            rounds: 0,
-            depth: 0.0,
         };
         Self::new(fem, Way::Surface(Box::new(way)))
     }
@@ -118,13 +113,6 @@ impl<const D: usize> Elements<D> {
     /// The elements.
     pub fn fem(&self) -> &Fem<D> {
         &self.fem
-    }
-    /// How deep particles were in a surface at the end of the last step at most, m; none on the grid.
-    pub fn deepest(&self) -> Option<f64> {
-        match &self.way {
-            Way::Grid => None,
-            Way::Surface(surface) => Some(surface.depth),
-        }
     }
 
     fn nodes(&self) -> impl Iterator<Item = &fem::Node<D>> {

@@ -111,7 +111,7 @@ impl<const D: usize> SurfaceClient<f64, D> for Elements<D> {
         let mut pushes: Vec<Vec<(usize, [f64; D])>> = vec![Vec::new(); fem.element_bodies().len()];
         let (mut marked, mut first, mut friction) = (vec![false; count], 0.0f64, 0.0);
         let time = Solver::clock(fem).time;
-        for round in 0..ROUNDS {
+        for _ in 0..ROUNDS {
             particles.velocities(&mut velocities);
             particles.masses(&marked, &mut masses);
             let meshes: Vec<Mesh<D>> = fem.element_bodies().iter().map(Mesh::of).collect();
@@ -132,7 +132,6 @@ impl<const D: usize> SurfaceClient<f64, D> for Elements<D> {
                 particles.half_sizes(),
             ));
             let step = surface.contact.step(&bodies, time, dt, team).map_err(Stopped::Scene)?;
-            (surface.rounds, surface.depth) = (round, step.depth);
             let (mut fastest, mut more) = (0.0f64, false);
             impulses.fill([0.0; D]);
             for push in surface.contact.impulses(points) {

@@ -420,7 +420,7 @@ mod files {
 
 /// Three million particles in a mesh: `cargo test --release -- --ignored`.
 #[test]
-#[ignore = "a matter of time"]
+#[ignore = "a measurement of seconds, which a busy machine fails"]
 fn three_million_particles_are_quick_in_a_mesh() {
     let start = std::time::Instant::now();
     let globe = mesh(raw_revolved(&sphere_profile(200), 400));
@@ -471,7 +471,7 @@ fn large_meshes_are_what_they_stand_for() {
 
 /// What large meshes cost: `cargo test --release -- --ignored --nocapture large_meshes`.
 #[test]
-#[ignore = "a matter of time"]
+#[ignore = "a measurement of seconds, which a busy machine fails"]
 fn large_meshes_are_quick() {
     let tetrahedra = raw_tetrahedra(50_000);
     let meshes = [

@@ -3,7 +3,6 @@
 use nalgebra::Rotation;
 
 use super::check::repeated;
-use super::reference::Reference;
 use super::{ElementBlock, ElementKind, ElementMesh, MeshError};
 use crate::error::{Check, GeometryError};
 use crate::search::{NeighbourSearch, Points, Reach, SortedCells};
@@ -72,24 +71,6 @@ impl<const D: usize> ElementMesh<D> {
             x[axis] = at - (x[axis] - at);
             x
         })
-    }
-
-    /// Numbers those elements the other way round that are inverted at every corner, and leaves the others.
-    #[cfg_attr(not(feature = "mesh"), allow(dead_code))]
-    pub(super) fn oriented(mut self) -> Result<Self, MeshError> {
-        self.check_numbers()?;
-        let mut blocks = std::mem::take(&mut self.blocks);
-        for block in blocks.iter_mut().filter(|b| b.kind.dimensions() == D) {
-            let kind = block.kind;
-            let reference = Reference::new(kind);
-            for nodes in block.nodes.chunks_exact_mut(kind.nodes()) {
-                if reference.element(&self, nodes).corners().all(|j| j.value < 0.0) {
-                    reverse(kind, nodes);
-                }
-            }
-        }
-        self.blocks = blocks;
-        Ok(self)
     }
 
     /// This mesh and another one: its nodes and blocks after those of this one, node sets of one name made one. Nodes at the same place
@@ -267,7 +248,7 @@ fn brick(quad: &[u32], copies: impl Fn(u32) -> [u32; 2]) -> [u32; 8] {
 }
 
 /// Numbers an element the other way round.
-fn reverse(kind: ElementKind, nodes: &mut [u32]) {
+pub(super) fn reverse(kind: ElementKind, nodes: &mut [u32]) {
     let mut old = [0; super::reference::MOST_NODES];
     old[..nodes.len()].copy_from_slice(nodes);
     for (node, &place) in nodes.iter_mut().zip(kind.reversed()) {

@@ -7,12 +7,31 @@ mod gmsh;
 
 use std::path::Path;
 
-use super::ElementMesh;
+use super::change::reverse;
+use super::reference::Reference;
+use super::{ElementMesh, MeshError};
 use crate::error::{Check, GeometryError};
 use builder::Builder;
 use cursor::ReadError;
 
 impl<const D: usize> ElementMesh<D> {
+    /// Numbers those elements the other way round that are inverted at every corner, and leaves the others.
+    fn oriented(mut self) -> Result<Self, MeshError> {
+        self.check_numbers()?;
+        let mut blocks = std::mem::take(&mut self.blocks);
+        for block in blocks.iter_mut().filter(|b| b.kind.dimensions() == D) {
+            let kind = block.kind;
+            let reference = Reference::new(kind);
+            for nodes in block.nodes.chunks_exact_mut(kind.nodes()) {
+                if reference.element(&self, nodes).corners().all(|j| j.value < 0.0) {
+                    reverse(kind, nodes);
+                }
+            }
+        }
+        self.blocks = blocks;
+        Ok(self)
+    }
+
     /// Reads a Gmsh file of version 4.1, ASCII or binary. Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm.
     ///
     /// - The elements of the highest dimension there is become blocks, one for each kind and physical group (the first one of their entity),
