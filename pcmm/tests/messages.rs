@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 use std::time::SystemTime;
 
 /// A body in line 7, and what is done with it.
@@ -20,31 +21,60 @@ fn run(law: NeoHookean<f64>, packing: &Packing<$dimensions>, delaunay: LocalDela
 }
 "#;
 
-/// The library `name`, as it was built last: cargo builds it for this test.
-fn library(folder: &Path, name: &str) -> PathBuf {
+/// The libraries of a name in a folder, those built last first.
+fn built(folder: &Path, name: &str) -> Vec<PathBuf> {
     let files = std::fs::read_dir(folder).expect("the folder of this test").flatten().map(|e| e.path());
-    let built =
+    let when =
         |file: &PathBuf| file.metadata().and_then(|about| about.modified()).unwrap_or(SystemTime::UNIX_EPOCH);
     let named = |file: &PathBuf| {
         let file = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         file.starts_with(&format!("lib{name}-")) && file.ends_with(".rlib")
     };
-    files.filter(named).max_by_key(built).unwrap_or_else(|| panic!("no {name} in {}", folder.display()))
+    let mut found: Vec<PathBuf> = files.filter(named).collect();
+    found.sort_by_key(|file| std::cmp::Reverse(when(file)));
+    found
+}
+
+const LIBRARIES: [&str; 3] = ["pcmm", "mpm_materials", "impactite_scene"];
+
+/// Libraries that were built for each other, of those built with one set of features or another: the ones built last of which a sound program
+/// compiles.
+fn libraries(folder: &Path) -> &'static [PathBuf; 3] {
+    static FOUND: OnceLock<[PathBuf; 3]> = OnceLock::new();
+    FOUND.get_or_init(|| {
+        let sound = program("PlaneStrain", 2);
+        let [methods, laws, scenes] = LIBRARIES.map(|name| built(folder, name));
+        let sets = methods.iter().flat_map(|method| {
+            let of_laws = laws.iter().flat_map(|law| scenes.iter().map(move |scene| (law, scene)));
+            of_laws.map(move |(law, scene)| [method, law, scene].map(PathBuf::clone))
+        });
+        let mut sets = sets.filter(|set| said("sound", &sound, folder, set).is_empty());
+        sets.next().unwrap_or_else(|| {
+            panic!("no libraries of which a sound program compiles in {}", folder.display())
+        })
+    })
+}
+
+fn program(space: &str, dimensions: usize) -> String {
+    PROGRAM.replace("$dimensions", &dimensions.to_string()).replace("$space", space)
 }
 
 fn checked(space: &str, dimensions: usize) -> String {
     let test = std::env::current_exe().expect("this test");
     let folder = test.parent().expect("its folder");
-    let scratch = format!("impactite-pcmm-messages-{}-{space}-{dimensions}", std::process::id());
-    let scratch = std::env::temp_dir().join(scratch);
+    let name = format!("{space}-{dimensions}");
+    said(&name, &program(space, dimensions), folder, libraries(folder))
+}
+
+fn said(name: &str, program: &str, folder: &Path, libraries: &[PathBuf; 3]) -> String {
+    let scratch = std::env::temp_dir().join(format!("impactite-pcmm-messages-{}-{name}", std::process::id()));
     std::fs::create_dir_all(&scratch).expect("a folder");
     let source = scratch.join("program.rs");
-    let program = PROGRAM.replace("$dimensions", &dimensions.to_string()).replace("$space", space);
     std::fs::write(&source, program).expect("written");
     let mut rustc = Command::new(std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()));
     rustc.args(["--edition=2024", "--crate-type=lib", "--emit=metadata", "--color=never"]);
-    for name in ["impactite_scene", "mpm_materials", "pcmm"] {
-        rustc.arg("--extern").arg(format!("{name}={}", library(folder, name).display()));
+    for (name, library) in LIBRARIES.into_iter().zip(libraries) {
+        rustc.arg("--extern").arg(format!("{name}={}", library.display()));
     }
     rustc.arg("-L").arg(format!("dependency={}", folder.display()));
     let said = rustc.arg("--out-dir").arg(&scratch).arg(&source).output().expect("the compiler runs");
