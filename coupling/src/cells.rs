@@ -1,22 +1,28 @@
 //! Which boxes of space a surface comes near to in a step.
 
 /// Most cells along an axis.
-const MOST: f64 = 48.0;
+const MOST: f64 = 64.0;
 
-/// Cells of a box around a surface, with those marked that its facets sweep.
+/// Boxes that the facets of a surface sweep, sorted into cells of a box around them all.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct SweptCells<const D: usize> {
+pub(crate) struct SweptBoxes<const D: usize> {
     low: Vec<f64>,
     edge: f64,
     counts: Vec<usize>,
-    marked: Vec<bool>,
+    boxes: Vec<([f64; D], [f64; D])>,
+    /// Where the boxes of each cell begin among `sorted`; one more than there are cells.
+    starts: Vec<u32>,
+    sorted: Vec<u32>,
 }
 
-impl<const D: usize> SweptCells<D> {
-    /// Mark those of these boxes (lower and upper corner, m).
-    pub fn mark(&mut self, boxes: &[([f64; D], [f64; D])]) {
+impl<const D: usize> SweptBoxes<D> {
+    /// Take these (lower and upper corner, m) in place of those before.
+    pub fn fill(&mut self, boxes: impl Iterator<Item = ([f64; D], [f64; D])>) {
+        self.boxes.clear();
+        self.boxes.extend(boxes);
+        let boxes = std::mem::take(&mut self.boxes);
         let (mut low, mut high, mut size) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D], 0.0);
-        for (a, b) in boxes {
+        for (a, b) in &boxes {
             for d in 0..D {
                 (low[d], high[d]) = (low[d].min(a[d]), high[d].max(b[d]));
                 size += (b[d] - a[d]) / (D * boxes.len()) as f64;
@@ -26,26 +32,48 @@ impl<const D: usize> SweptCells<D> {
         self.edge = size.max(longest / MOST).max(f64::MIN_POSITIVE);
         self.low = low.to_vec();
         self.counts = (0..D).map(|d| ((high[d] - low[d]) / self.edge) as usize + 1).collect();
-        self.marked.clear();
-        self.marked.resize(if boxes.is_empty() { 0 } else { self.counts.iter().product() }, false);
-        for (a, b) in boxes {
-            let (first, last) = (self.cell(a), self.cell(b));
-            let mut marked = std::mem::take(&mut self.marked);
-            self.each(&first, &last, |at| {
-                marked[at] = true;
+        let cells = if boxes.is_empty() { 0 } else { self.counts.iter().product() };
+        // How many each cell has, then where each one's end, then back to where they begin.
+        let mut starts = std::mem::take(&mut self.starts);
+        starts.clear();
+        starts.resize(cells + 1, 0);
+        let each = |this: &Self, (a, b): &([f64; D], [f64; D]), take: &mut dyn FnMut(usize)| {
+            this.any(&this.cell(a), &this.cell(b), |at| {
+                take(at);
                 false
             });
-            self.marked = marked;
+        };
+        boxes.iter().for_each(|swept| each(self, swept, &mut |at| starts[at] += 1));
+        let mut end = 0;
+        for count in &mut starts {
+            end += *count;
+            *count = end;
         }
+        self.sorted.clear();
+        self.sorted.resize(end as usize, 0);
+        let mut sorted = std::mem::take(&mut self.sorted);
+        for (n, swept) in boxes.iter().enumerate().rev() {
+            each(self, swept, &mut |at| {
+                starts[at] -= 1;
+                sorted[starts[at] as usize] = n as u32;
+            });
+        }
+        (self.boxes, self.starts, self.sorted) = (boxes, starts, sorted);
     }
 
-    /// Is one marked that this box touches?
+    /// Is there one that this box touches?
     pub fn touches(&self, low: &[f64; D], high: &[f64; D]) -> bool {
         let within =
             |d: usize| high[d] >= self.low[d] && low[d] <= self.low[d] + self.edge * self.counts[d] as f64;
-        !self.marked.is_empty()
+        let overlaps = |n: &u32| {
+            let (a, b) = &self.boxes[*n as usize];
+            (0..D).all(|d| high[d] >= a[d] && low[d] <= b[d])
+        };
+        !self.boxes.is_empty()
             && (0..D).all(within)
-            && self.each(&self.cell(low), &self.cell(high), |at| self.marked[at])
+            && self.any(&self.cell(low), &self.cell(high), |at| {
+                self.sorted[self.starts[at] as usize..self.starts[at + 1] as usize].iter().any(overlaps)
+            })
     }
 
     /// The cell of a point, or the nearest one.
@@ -56,7 +84,7 @@ impl<const D: usize> SweptCells<D> {
     }
 
     /// Call `visit` for every cell from one to another until it says so. Did it?
-    fn each(&self, first: &[usize; D], last: &[usize; D], mut visit: impl FnMut(usize) -> bool) -> bool {
+    fn any(&self, first: &[usize; D], last: &[usize; D], mut visit: impl FnMut(usize) -> bool) -> bool {
         let mut at = *first;
         loop {
             if visit((0..D).rev().fold(0, |n, d| n * self.counts[d] + at[d])) {
@@ -69,7 +97,8 @@ impl<const D: usize> SweptCells<D> {
     }
 
     pub fn bytes(&self) -> usize {
-        self.marked.capacity()
+        self.boxes.capacity() * size_of::<([f64; D], [f64; D])>()
+            + (self.starts.capacity() + self.sorted.capacity()) * size_of::<u32>()
     }
 }
 
@@ -79,9 +108,9 @@ mod tests {
 
     #[test]
     fn boxes_near_the_facets_are_found_and_others_are_not() {
-        let mut cells = SweptCells::<2>::default();
+        let mut cells = SweptBoxes::<2>::default();
         assert!(!{
-            cells.mark(&[]);
+            cells.fill(std::iter::empty());
             cells.touches(&[0.0; 2], &[1.0; 2])
         });
         // The four sides of a square of edge 1.
@@ -95,10 +124,11 @@ mod tests {
                 ([1.0, a], [1.0, b]),
             ]);
         }
-        cells.mark(&sides);
+        cells.fill(sides.into_iter());
         for (low, high, near) in [
             ([0.4, -0.1], [0.5, 0.0], true),
             ([0.95, 0.3], [1.2, 0.35], true),
+            ([1.01, 0.3], [1.2, 0.35], false),
             ([-5.0; 2], [5.0; 2], true),
             ([0.3; 2], [0.7; 2], false),
             ([1.3, 0.3], [1.4, 0.4], false),

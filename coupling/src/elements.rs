@@ -3,6 +3,7 @@
 use fem::Fem;
 use impactite_geometry::Facet;
 use impactite_scene::constants::Constant;
+use impactite_scene::error::parameter;
 use impactite_scene::{
     Archive, Body, CheckpointError, Exchange, PointView, SceneError, Solver, StepError, Stopped, Totals,
 };
@@ -11,14 +12,20 @@ use mpm_contact::ContactLaw;
 use mpm_contact::mesh::MeshContact;
 use mpm_core::{ClientPoint, GridClient, SurfaceClient};
 
-use crate::cells::SweptCells;
+use crate::cells::SweptBoxes;
 
 /// Part of the smallest edge that a node on the grid is wide: it lies on the surface.
 const WIDTH: f64 = 1e-3;
+/// Of a step, what is rounding.
+const ROUNDING: f64 = 1e-12;
+
+/// Most steps of elements that particles meet by surface in one of the scene, unless said otherwise.
+const SUBCYCLES: u32 = 8;
 
 /// Bodies of finite elements in a scene of material points: [`Mpm::add_client`](mpm_core::Mpm::add_client) takes them.
 ///
-/// The elements make the steps of the scene, whose length their own stable step bounds. Conditions and body forces of the elements are
+/// The elements make one or several equal steps in one of the scene, as many as their own stable step asks for; what they meet pushes
+/// them in the first of these ([`Elements::with_subcycles`]). Conditions and body forces of the elements are
 /// those of their own [`Fem`].
 pub struct Elements<const D: usize> {
     pub(crate) fem: Fem<D>,
@@ -27,6 +34,12 @@ pub struct Elements<const D: usize> {
     /// Shortest edge of the elements, and the mean one of the body with the longest, m.
     edges: [f64; 2],
     way: Way<D>,
+    /// Most steps of the elements in one of the scene; how many there are in this one, and the length of each, s.
+    most: u32,
+    pub(crate) steps: u32,
+    pub(crate) step: f64,
+    /// How many of them are over.
+    pub(crate) made: u32,
 }
 
 /// How elements meet particles.
@@ -38,8 +51,7 @@ enum Way<const D: usize> {
 /// Contact of particles with the surfaces.
 pub(crate) struct PointToSurface<const D: usize> {
     pub(crate) contact: MeshContact<D>,
-    pub(crate) cells: SweptCells<D>,
-    pub(crate) boxes: Vec<([f64; D], [f64; D])>,
+    pub(crate) swept: SweptBoxes<D>,
     /// Of each body, with the revision of its surface that they are of.
     pub(crate) facets: Vec<(Option<u64>, Vec<Facet>)>,
     /// Velocities of the nodes of each body at the start of the step, m/s.
@@ -89,13 +101,8 @@ impl<const D: usize> Elements<D> {
         if fem.axisymmetric() {
             contact = contact.axisymmetric();
         }
-        let way = PointToSurface {
-            contact,
-            cells: SweptCells::default(),
-            boxes: Vec::new(),
-            facets: Vec::new(),
-            before: Vec::new(),
-        };
+        let way =
+            PointToSurface { contact, swept: SweptBoxes::default(), facets: Vec::new(), before: Vec::new() };
         Self::new(fem, Way::Surface(Box::new(way)))
     }
 
@@ -107,7 +114,27 @@ impl<const D: usize> Elements<D> {
             let Ok(lengths) = body.mesh().edge_lengths() else { return Err(SceneError::Empty(name)) };
             edges = [edges[0].min(lengths.min), edges[1].max(lengths.mean)];
         }
-        Ok(Elements { fem, name, embedding, edges, way })
+        let most = if matches!(way, Way::Grid) { 1 } else { SUBCYCLES };
+        Ok(Elements { fem, name, embedding, edges, way, most, steps: 1, step: 0.0, made: 0 })
+    }
+
+    /// At most so many steps of the elements in one of the scene, by default 8; with 1 the scene makes those of the elements where they are
+    /// shorter. Each finds contact anew: an impulse stops no more than a facet's nodes, and what is behind them comes after in the time
+    /// that sound takes through an element.
+    ///
+    /// # Errors
+    /// [`SceneError::Parameter`] for none; more than one on the grid, where contact is found once a step.
+    pub fn with_subcycles(mut self, most: u32) -> Result<Self, SceneError> {
+        parameter(most > 0, "Elements", "most steps in one of the scene", f64::from(most), "at least 1")?;
+        if most > 1 && matches!(self.way, Way::Grid) {
+            return Err(SceneError::NotWith {
+                what: "several steps of the elements in one of the scene".into(),
+                method: "contact of elements on the grid".into(),
+                why: "contact is found once a step there: let particles meet the surface (`Elements::by_surface`)",
+            });
+        }
+        self.most = most;
+        Ok(self)
     }
 
     /// The elements.
@@ -150,7 +177,7 @@ impl<const D: usize> Body for Elements<D> {
     fn bytes(&self) -> usize {
         let surface = match &self.way {
             Way::Grid => 0,
-            Way::Surface(s) => s.cells.bytes() + s.boxes.capacity() * size_of::<([f64; D], [f64; D])>(),
+            Way::Surface(surface) => surface.swept.bytes(),
         };
         Solver::bytes(&self.fem) + surface
     }
@@ -162,7 +189,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
             Way::Grid => "on the grid".to_string(),
             Way::Surface(surface) => format!("by surface: {:?}", surface.contact.laws()),
         };
-        vec![("elements".into(), way)]
+        vec![("elements".into(), way), ("most steps in one of the scene".into(), self.most.to_string())]
     }
     fn embedding(&self) -> &'static str {
         self.embedding
@@ -188,15 +215,14 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         }
     }
     fn stable_step(&self) -> f64 {
-        self.fem.next_time_step()
+        f64::from(self.most) * self.fem.next_time_step()
     }
     fn open(&mut self, dt: f64, velocities: &mut [[f64; 3]], team: &Team) -> Result<(), Stopped> {
         self.fem.set_team(team.clone());
-        if let Way::Surface(surface) = &mut self.way {
-            let velocities = |body: &fem::ElementBody<D>| body.nodes().iter().map(|n| n.velocity).collect();
-            surface.before = self.fem.element_bodies().iter().map(velocities).collect();
-        }
-        self.fem.begin(dt).map_err(what)?;
+        let steps = (dt / self.fem.next_time_step() * (1.0 - ROUNDING)).ceil();
+        self.steps = (steps as u32).clamp(1, self.most);
+        (self.step, self.made) = (dt / f64::from(self.steps), 0);
+        self.begin()?;
         match &mut self.way {
             Way::Grid => {
                 let nodes = self.fem.element_bodies().iter().flat_map(|body| body.nodes());
@@ -216,6 +242,10 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
                 body.add_impulse(n, std::array::from_fn(|d| mass * change[d]));
             }
         }
+        while self.made + 1 < self.steps {
+            self.next()?;
+        }
+        self.made += 1;
         self.fem.finish().map_err(what)
     }
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<f64, D>> {
@@ -253,11 +283,27 @@ impl<const D: usize> Elements<D> {
         }
     }
 
+    /// Begin a step of the elements.
+    fn begin(&mut self) -> Result<(), Stopped> {
+        if let Way::Surface(surface) = &mut self.way {
+            let velocities = |body: &fem::ElementBody<D>| body.nodes().iter().map(|n| n.velocity).collect();
+            surface.before = self.fem.element_bodies().iter().map(velocities).collect();
+        }
+        self.fem.begin(self.step).map_err(what)
+    }
+
+    /// End a step of the elements that is not the last in that of the scene, and begin the one after.
+    pub(crate) fn next(&mut self) -> Result<(), Stopped> {
+        self.fem.finish().map_err(what)?;
+        self.made += 1;
+        self.begin()
+    }
+
     /// Where the surfaces are in this step.
-    pub(crate) fn swept(&self) -> Option<&SweptCells<D>> {
+    pub(crate) fn swept(&self) -> Option<&SweptBoxes<D>> {
         match &self.way {
             Way::Grid => None,
-            Way::Surface(surface) => Some(&surface.cells),
+            Way::Surface(surface) => Some(&surface.swept),
         }
     }
 }

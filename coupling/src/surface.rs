@@ -4,26 +4,23 @@ use fem::Fem;
 use impactite_geometry::Facet;
 use impactite_scene::{Body, Boundary, Solver, Stopped};
 use impactite_simd::Team;
-use mpm_contact::mesh::ContactBody;
+use mpm_contact::mesh::{Carriers, ContactBody};
 use mpm_core::{NearParticles, SurfaceClient, Taken};
 
 use crate::elements::{Elements, PointToSurface};
 
 /// Of the edge of a facet, how far its nodes may be from a plane that it lies on.
 const ON_PLANE: f64 = 1e-6;
-/// Most rounds of a step.
-const ROUNDS: u32 = 12;
-/// Part of the largest change of a velocity in the first round below which what is left is none.
-const ENOUGH: f64 = 1e-2;
+/// Bits of a label that are the number of a particle in its body.
+const NUMBERS: u32 = 40;
 
 impl<const D: usize> PointToSurface<D> {
     /// Mark where the facets are in a step of `dt`, s.
     pub(crate) fn sweep(&mut self, fem: &Fem<D>, dt: f64) {
-        self.boxes.clear();
         self.find_facets(fem);
-        for (body, facets) in fem.element_bodies().iter().zip(&self.facets) {
+        let boxes = fem.element_bodies().iter().zip(&self.facets).flat_map(|(body, (_, facets))| {
             let nodes = body.nodes();
-            self.boxes.extend(facets.1.iter().map(|facet| {
+            facets.iter().map(move |facet| {
                 let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
                 for &n in facet.nodes() {
                     let node = &nodes[n as usize];
@@ -34,9 +31,9 @@ impl<const D: usize> PointToSurface<D> {
                     }
                 }
                 (low, high)
-            }));
-        }
-        self.cells.mark(&self.boxes);
+            })
+        });
+        self.swept.fill(boxes);
     }
 
     /// The facets that others may meet: not those on planes of symmetry, behind which the body goes on.
@@ -98,83 +95,114 @@ fn work<const D: usize>(impulse: &[f64; D], before: &[f64; D], after: &[f64; D])
 
 impl<const D: usize> SurfaceClient<f64, D> for Elements<D> {
     fn reaches(&self, low: &[f64; D], high: &[f64; D]) -> bool {
-        self.swept().is_some_and(|cells| cells.touches(low, high))
+        self.swept().is_some_and(|boxes| boxes.touches(low, high))
     }
 
-    /// In rounds: contact finds impulses on all particles at once, which yield to each other's by the nodes they share
-    /// ([`NearParticles::masses`]); a round leaves a part of what closes to the next one.
+    /// In each step of the elements: all particles and nodes at once, particles as the nodes that carry them move and push each other.
     fn meet(&mut self, particles: &mut NearParticles<D>, dt: f64, team: &Team) -> Result<Taken, Stopped> {
-        let Some((fem, surface)) = self.parts() else { return Ok(Taken::default()) };
-        let count = particles.len();
-        let (mut velocities, mut masses, mut impulses) = (Vec::new(), Vec::new(), vec![[0.0; D]; count]);
-        let mut sums = vec![[0.0; D]; count];
-        let mut pushes: Vec<Vec<(usize, [f64; D])>> = vec![Vec::new(); fem.element_bodies().len()];
-        let (mut marked, mut first, mut friction) = (vec![false; count], 0.0f64, 0.0);
+        let (mut met, step) = (Met::of(particles), dt / f64::from(self.steps));
+        loop {
+            let Some((fem, surface)) = self.parts() else { return Ok(Taken::default()) };
+            met.step(fem, surface, particles, step, team)?;
+            if self.made + 1 == self.steps {
+                return Ok(met.taken(particles));
+            }
+            self.next()?;
+        }
+    }
+}
+
+/// What particles and surfaces do to each other in a step of the scene.
+struct Met<const D: usize> {
+    labels: Vec<u64>,
+    /// Of the particles, now.
+    positions: Vec<[f64; D]>,
+    /// On the particles so far, N s.
+    impulses: Vec<[f64; D]>,
+    friction: f64,
+    /// Work on the nodes of the elements so far, J.
+    work: f64,
+}
+
+impl<const D: usize> Met<D> {
+    fn of(particles: &NearParticles<D>) -> Self {
+        let label = |(body, number): (&u32, &usize)| (u64::from(*body) << NUMBERS) | *number as u64;
+        Met {
+            labels: particles.bodies().iter().zip(particles.numbers()).map(label).collect(),
+            positions: particles.positions().to_vec(),
+            impulses: vec![[0.0; D]; particles.len()],
+            friction: 0.0,
+            work: 0.0,
+        }
+    }
+
+    /// A step of the elements of `dt` seconds.
+    fn step(
+        &mut self,
+        fem: &mut Fem<D>,
+        surface: &mut PointToSurface<D>,
+        particles: &mut NearParticles<D>,
+        dt: f64,
+        team: &Team,
+    ) -> Result<(), Stopped> {
+        let (mut velocities, mut masses, mut moving) = (Vec::new(), Vec::new(), Vec::new());
+        particles.nodes(&mut velocities, &mut masses);
+        particles.velocities(&mut moving);
+        let meshes: Vec<Mesh<D>> = fem.element_bodies().iter().map(Mesh::of).collect();
+        let mut bodies: Vec<ContactBody<'_, D>> = fem
+            .element_bodies()
+            .iter()
+            .zip(meshes.iter().zip(&surface.facets))
+            .map(|(body, (m, facets))| {
+                ContactBody::of_mesh(body.name(), &m.positions, &m.velocities, &m.masses, &facets.1)
+            })
+            .collect();
+        let points = bodies.len();
+        let carriers = Carriers {
+            starts: particles.weight_starts(),
+            weights: particles.node_weights(),
+            velocities: &velocities,
+            masses: &masses,
+        };
+        let half_sizes = particles.half_sizes();
+        let carried =
+            ContactBody::of_carried_points("particles", &self.positions, &moving, half_sizes, carriers);
+        bodies.push(carried.with_labels(&self.labels));
         let time = Solver::clock(fem).time;
-        for _ in 0..ROUNDS {
-            particles.velocities(&mut velocities);
-            particles.masses(&marked, &mut masses);
-            let meshes: Vec<Mesh<D>> = fem.element_bodies().iter().map(Mesh::of).collect();
-            let mut bodies: Vec<ContactBody<'_, D>> = fem
-                .element_bodies()
-                .iter()
-                .zip(meshes.iter().zip(&surface.facets))
-                .map(|(body, (m, facets))| {
-                    ContactBody::of_mesh(body.name(), &m.positions, &m.velocities, &m.masses, &facets.1)
-                })
-                .collect();
-            let points = bodies.len();
-            bodies.push(ContactBody::of_points(
-                "particles",
-                particles.positions(),
-                &velocities,
-                &masses,
-                particles.half_sizes(),
-            ));
-            let step = surface.contact.step(&bodies, time, dt, team).map_err(Stopped::Scene)?;
-            let (mut fastest, mut more) = (0.0f64, false);
-            impulses.fill([0.0; D]);
-            for push in surface.contact.impulses(points) {
-                let n = push.point as usize;
-                impulses[n] = push.impulse;
-                more |= !std::mem::replace(&mut marked[n], true);
-                let speed = push.impulse.iter().map(|j| (j / masses[n]).powi(2)).sum::<f64>().sqrt();
-                fastest = fastest.max(speed);
+        let step = surface.contact.step(&bodies, time, dt, team).map_err(Stopped::Scene)?;
+        self.friction += step.exchange.friction;
+
+        let mut impulses = vec![[0.0; D]; particles.len()];
+        for push in surface.contact.impulses(points) {
+            let n = push.point as usize;
+            impulses[n] = push.impulse;
+            (0..D).for_each(|d| self.impulses[n][d] += push.impulse[d]);
+        }
+        particles.push(&impulses);
+        particles.velocities(&mut moving);
+        for (x, v) in self.positions.iter_mut().zip(&moving) {
+            (0..D).for_each(|d| x[d] += dt * v[d]);
+        }
+        for n in 0..points {
+            let body = fem.body_mut(n);
+            for push in surface.contact.impulses(n) {
+                body.add_impulse(push.point as usize, push.impulse);
             }
-            if fastest == 0.0 {
-                break;
-            }
-            first = first.max(fastest);
-            if more {
-                // There are more that touch: what all yield to each other is known from the next round on.
-                continue;
-            }
-            friction += step.exchange.friction;
-            particles.push(&impulses);
-            for (sum, impulse) in sums.iter_mut().zip(&impulses) {
-                (0..D).for_each(|d| sum[d] += impulse[d]);
-            }
-            for n in 0..points {
-                let body = fem.body_mut(n);
-                for push in surface.contact.impulses(n) {
-                    body.add_impulse(push.point as usize, push.impulse);
-                    pushes[n].push((push.point as usize, push.impulse));
-                }
-            }
-            if fastest < ENOUGH * first {
-                break;
+            for push in surface.contact.impulses(n) {
+                let node = push.point as usize;
+                self.work += work(&push.impulse, &surface.before[n][node], &body.nodes()[node].velocity);
             }
         }
-        // What impulses do in a step is their work on the mean velocities: what presses without moving takes nothing.
-        particles.velocities(&mut velocities);
-        let mut before = Vec::new();
+        Ok(())
+    }
+
+    /// What impulses do in a step is their work on the mean velocities: what presses without moving takes nothing.
+    fn taken(&self, particles: &NearParticles<D>) -> Taken {
+        let (mut before, mut after) = (Vec::new(), Vec::new());
         particles.velocities_before(&mut before);
-        let ways = sums.iter().zip(before.iter().zip(&velocities));
-        let mut given: f64 = ways.map(|(j, (before, after))| work(j, before, after)).sum();
-        for ((body, before), pushes) in fem.element_bodies().iter().zip(&surface.before).zip(&pushes) {
-            given +=
-                pushes.iter().map(|(n, j)| work(j, &before[*n], &body.nodes()[*n].velocity)).sum::<f64>();
-        }
-        Ok(Taken { friction, impacts: -given - friction })
+        particles.velocities(&mut after);
+        let ways = self.impulses.iter().zip(before.iter().zip(&after));
+        let given: f64 = ways.map(|(j, (before, after))| work(j, before, after)).sum();
+        Taken { friction: self.friction, impacts: -given - self.work - self.friction }
     }
 }

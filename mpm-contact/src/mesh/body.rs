@@ -16,6 +16,41 @@ pub struct ContactBody<'a, const D: usize> {
     pub(super) masses: &'a [f64],
     pub(super) half_sizes: &'a [f64],
     pub(super) facets: &'a [Facet],
+    pub(super) carriers: Option<Carriers<'a, D>>,
+    pub(super) labels: &'a [u64],
+}
+
+/// Nodes that carry points, as those of a grid carry its particles: a point moves with v_p = sum_i N_ip v_i, and an impulse J on it is
+/// N_ip J on node i. Points whose nodes are the same push each other's, which the solution of all contacts knows.
+#[derive(Clone, Copy, Debug)]
+pub struct Carriers<'a, const D: usize> {
+    /// Where the weights of each point begin; one more than there are points.
+    pub starts: &'a [usize],
+    /// Of each point its nodes, every one once, with the weight in each direction.
+    pub weights: &'a [(u32, [f64; D])],
+    /// Trial velocities of the nodes, m/s.
+    pub velocities: &'a [[f64; D]],
+    /// Masses of the nodes, kg.
+    pub masses: &'a [f64],
+}
+
+impl<'a, const D: usize> Carriers<'a, D> {
+    /// Nodes and weights of a point.
+    pub(super) fn of(&self, point: usize) -> &'a [(u32, [f64; D])] {
+        &self.weights[self.starts[point]..self.starts[point + 1]]
+    }
+
+    /// Velocities of all points for these of the nodes, m/s.
+    pub(super) fn carried(&self, nodes: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let velocity = |point| {
+            let mut v = [0.0; 3];
+            for (node, weight) in self.of(point) {
+                (0..D).for_each(|d| v[d] += weight[d] * nodes[*node as usize][d]);
+            }
+            v
+        };
+        (0..self.starts.len() - 1).map(velocity).collect()
+    }
 }
 
 impl<'a, const D: usize> ContactBody<'a, D> {
@@ -29,7 +64,37 @@ impl<'a, const D: usize> ContactBody<'a, D> {
         masses: &'a [f64],
         half_sizes: &'a [f64],
     ) -> Self {
-        ContactBody { name, positions, velocities, masses, half_sizes, facets: &[] }
+        ContactBody {
+            name,
+            positions,
+            velocities,
+            masses,
+            half_sizes,
+            facets: &[],
+            carriers: None,
+            labels: &[],
+        }
+    }
+    /// Points without facets that nodes carry: as [`ContactBody::of_points`], with the velocities that their nodes give them, without
+    /// masses of their own.
+    pub fn of_carried_points(
+        name: &'a str,
+        positions: &'a [[f64; D]],
+        velocities: &'a [[f64; D]],
+        half_sizes: &'a [f64],
+        carriers: Carriers<'a, D>,
+    ) -> Self {
+        let carriers = Some(carriers);
+        ContactBody {
+            name,
+            positions,
+            velocities,
+            masses: &[],
+            half_sizes,
+            facets: &[],
+            carriers,
+            labels: &[],
+        }
     }
     /// A mesh: its nodes as [`ContactBody::of_points`], without half sizes, and the facets of its surface, outward
     /// (`impactite_geometry::ElementKind::facets`): edges in two dimensions, triangles and quadrilaterals in three.
@@ -40,7 +105,22 @@ impl<'a, const D: usize> ContactBody<'a, D> {
         masses: &'a [f64],
         facets: &'a [Facet],
     ) -> Self {
-        ContactBody { name, positions, velocities, masses, half_sizes: &[], facets }
+        ContactBody {
+            name,
+            positions,
+            velocities,
+            masses,
+            half_sizes: &[],
+            facets,
+            carriers: None,
+            labels: &[],
+        }
+    }
+    /// Give the points labels, each of another one, by which they are known again where numbers change from step to step.
+    #[must_use]
+    pub fn with_labels(mut self, labels: &'a [u64]) -> Self {
+        self.labels = labels;
+        self
     }
     /// Give the nodes of a mesh half sizes, m, one a node: half the thickness of a shell, of which the facets are the middle surface for
     /// what they touch as points.
@@ -56,6 +136,17 @@ impl<'a, const D: usize> ContactBody<'a, D> {
     pub(super) fn position(&self, n: usize) -> [f64; 3] {
         wide(&self.positions[n])
     }
+    /// Is the motion of a point prescribed?
+    pub(super) fn is_prescribed(&self, n: usize) -> bool {
+        self.masses.get(n).is_some_and(|mass| mass.is_infinite())
+    }
+    /// Velocities and masses of what impulses act on: nodes that carry points, or the points.
+    pub(super) fn movers(&self) -> (&'a [[f64; D]], &'a [f64]) {
+        match self.carriers {
+            Some(carriers) => (carriers.velocities, carriers.masses),
+            None => (self.velocities, self.masses),
+        }
+    }
 
     /// Refuse what no contact can use.
     pub(super) fn check(&self) -> Result<(), SceneError> {
@@ -63,7 +154,8 @@ impl<'a, const D: usize> ContactBody<'a, D> {
         let points_alone = self.facets.is_empty();
         let lengths = [
             ("trial velocities", self.velocities.len(), true),
-            ("masses", self.masses.len(), true),
+            ("masses", self.masses.len(), self.carriers.is_none()),
+            ("labels", self.labels.len(), !self.labels.is_empty()),
             ("half sizes", self.half_sizes.len(), points_alone || !self.half_sizes.is_empty()),
         ];
         for (field, found, needed) in lengths {
@@ -75,7 +167,7 @@ impl<'a, const D: usize> ContactBody<'a, D> {
             Err(SceneError::Seed { body: self.name.into(), particle, field, value, allowed })
         };
         for n in 0..count {
-            let mass = self.masses[n];
+            let mass = self.masses.get(n).copied().unwrap_or(1.0);
             if mass.is_nan() || mass <= 0.0 {
                 return refuse(n, "mass", mass, "positive, or infinite where motion is prescribed");
             }
@@ -92,7 +184,40 @@ impl<'a, const D: usize> ContactBody<'a, D> {
                 }
             }
         }
+        self.check_carriers()?;
         self.facets.iter().try_for_each(|facet| self.check_facet(facet))
+    }
+
+    fn check_carriers(&self) -> Result<(), SceneError> {
+        let Some(Carriers { starts, weights, velocities, masses }) = self.carriers else { return Ok(()) };
+        let parameter = |field, value, allowed| {
+            Err(SceneError::Parameter { owner: "contact of points that nodes carry", field, value, allowed })
+        };
+        let ascending =
+            starts.is_sorted() && starts.first() == Some(&0) && starts.last() == Some(&weights.len());
+        if starts.len() != self.positions.len() + 1 || !ascending {
+            return parameter(
+                "starts of the weights",
+                starts.len() as f64,
+                "one more than points, from none to all weights",
+            );
+        }
+        if velocities.len() != masses.len() {
+            return parameter("velocities of nodes", velocities.len() as f64, "as many as masses");
+        }
+        if let Some((n, _)) = weights.iter().find(|(n, _)| *n as usize >= masses.len()) {
+            return parameter("node of a point", f64::from(*n), "below the number of nodes");
+        }
+        if let Some(w) = weights.iter().flat_map(|(_, w)| w).find(|w| !w.is_finite()) {
+            return parameter("weight", *w, "finite");
+        }
+        if let Some(mass) = masses.iter().find(|m| !(**m > 0.0 && m.is_finite())) {
+            return parameter("mass of a node", *mass, "positive and finite");
+        }
+        match velocities.iter().flatten().find(|v| !v.is_finite()) {
+            Some(v) => parameter("velocity of a node", *v, "finite"),
+            None => Ok(()),
+        }
     }
 
     fn check_facet(&self, facet: &Facet) -> Result<(), SceneError> {

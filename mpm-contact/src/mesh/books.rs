@@ -63,7 +63,7 @@ impl<const D: usize> Books<'_, D> {
                 if k > 0 {
                     place = difference(place, times(x, share));
                 }
-                if world.bodies[body].masses[n].is_infinite() {
+                if world.bodies[body].is_prescribed(n) {
                     let given = times(touch.impulse, -share);
                     step.exchange.impulse = sum(step.exchange.impulse, given);
                     step.exchange.work += dot(given, trial);
@@ -117,12 +117,24 @@ impl<const D: usize> Books<'_, D> {
             }
         }
         for (body, sums) in sums.iter().enumerate() {
-            let ContactBody { velocities, masses, .. } = world.bodies[body];
+            let ContactBody { velocities, masses, carriers, .. } = world.bodies[body];
             self.impulses[body].clear();
             for (n, total) in sums.iter().enumerate().filter(|(_, total)| **total != [0.0; 3]) {
                 let impulse = std::array::from_fn(|d| total[d]);
                 self.impulses[body].push(PointImpulse { point: n as u32, impulse });
-                world.velocities[body][n] = sum(wide(&velocities[n]), times(*total, 1.0 / masses[n]));
+                if carriers.is_none() {
+                    world.velocities[body][n] = sum(wide(&velocities[n]), times(*total, 1.0 / masses[n]));
+                }
+            }
+            if let Some(carriers) = carriers {
+                let mut now: Vec<_> = carriers.velocities.iter().map(wide).collect();
+                for PointImpulse { point, impulse } in &self.impulses[body] {
+                    for (node, weight) in carriers.of(*point as usize) {
+                        let v = &mut now[*node as usize];
+                        (0..D).for_each(|d| v[d] += weight[d] * impulse[d] / carriers.masses[*node as usize]);
+                    }
+                }
+                world.velocities[body] = carriers.carried(&now);
             }
         }
     }

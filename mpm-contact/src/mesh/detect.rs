@@ -1,7 +1,7 @@
 //! Which points touch which facets in a step: at its start, and where fast ones or turning facets meet within it.
 
 use super::body::{ContactBody, Surface};
-use super::closest::closest;
+use super::closest::{closest, cross};
 use super::features::{Feature, Near, Side, features};
 use super::side::{BESIDE, Facing};
 use crate::vector::{difference, dot, length, sum, times};
@@ -144,7 +144,7 @@ impl<const D: usize> View<'_, D> {
     /// The candidates whose spheres the point passes on its way.
     fn reached(&self, way: &Way, candidates: &[u32], reached: &mut Vec<u32>) {
         reached.clear();
-        let prescribed = self.points.masses[way.n].is_infinite();
+        let prescribed = self.points.is_prescribed(way.n);
         reached.extend(candidates.iter().copied().filter(|&f| {
             let sphere = &self.side.spheres[f as usize];
             let apart = difference(way.x, sphere.centre);
@@ -163,7 +163,7 @@ impl<const D: usize> View<'_, D> {
 
     fn is_prescribed(&self, facet: u32) -> bool {
         let nodes = self.facets.facets[facet as usize].nodes;
-        nodes.iter().filter(|&&n| n != Facet::NONE).all(|&n| self.facets.masses[n as usize].is_infinite())
+        nodes.iter().filter(|&&n| n != Facet::NONE).all(|&n| self.facets.is_prescribed(n as usize))
     }
 
     /// How far the point moves in the step beside a facet, m.
@@ -185,11 +185,27 @@ impl<const D: usize> View<'_, D> {
     fn look(&self, way: &Way, part: f64, every: bool, ahead: f64, scratch: &mut Scratch) -> [f64; 2] {
         let reach = way.half + BESIDE * way.spacing + ahead;
         let [least, clear] = self.look_within(way, part, every, reach, scratch);
-        // Farther facets matter to a point that is deep inside.
+        // Farther facets matter to a point that is deep inside: the nearest of them, which is no farther than any centre of one.
         if least.is_infinite() && (way.rules.closed || way.rules.held.is_some()) {
-            return self.look_within(way, part, every, f64::INFINITY, scratch);
+            let nearest = self.nearest_centre(way, part, &scratch.facets);
+            let [least, _] = self.look_within(way, part, every, nearest, scratch);
+            // What was touched before must not decide on how far the way is looked at.
+            return [least, clear];
         }
         [least, clear]
+    }
+
+    /// Distance of the point to the nearest of the centres of these facets at a part of the step, m.
+    fn nearest_centre(&self, way: &Way, part: f64, facets: &[u32]) -> f64 {
+        let time = part * self.dt;
+        let x = sum(way.x, times(way.v, time));
+        let square = |f: &u32| {
+            let sphere = &self.side.spheres[*f as usize];
+            let apart = difference(x, sum(sphere.centre, times(sphere.velocity, time)));
+            dot(apart, apart)
+        };
+        // Of a bilinear quadrilateral the centre is the mean of its corners, as of the others.
+        facets.iter().map(square).fold(f64::INFINITY, f64::min).sqrt() * (1.0 + 1e-9)
     }
 
     /// How far the point moves beside any of these facets or their nodes, m.
@@ -225,6 +241,12 @@ impl<const D: usize> View<'_, D> {
             }
             if square > reach * reach {
                 clear = clear.min(square.sqrt());
+                continue;
+            }
+            // Between planes through its corners lies all of the facet.
+            let off = off_planes(x, &corners[..count]);
+            if off > reach {
+                clear = clear.min(off);
                 continue;
             }
             let closest = closest(x, &corners[..count]);
@@ -293,4 +315,25 @@ impl<const D: usize> View<'_, D> {
             part = (part + (clear - way.half).max(shortest) / travel).min(1.0);
         }
     }
+}
+
+/// Distance of a point to the slab of space between two parallel planes that holds these corners, along the mean normal of the facet; in
+/// the plane there is none.
+fn off_planes(x: [f64; 3], corners: &[[f64; 3]]) -> f64 {
+    let normal = match *corners {
+        [a, b, c] => cross(difference(b, a), difference(c, a)),
+        [a, b, c, d] => cross(difference(c, a), difference(d, b)),
+        _ => return 0.0,
+    };
+    let square = dot(normal, normal);
+    if square == 0.0 {
+        return 0.0;
+    }
+    let height = |corner: &[f64; 3]| dot(normal, difference(*corner, x));
+    let (low, high) = corners
+        .iter()
+        .map(height)
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
+    // Rounding must leave out nothing that touches.
+    low.max(-high).max(0.0) / square.sqrt() * (1.0 - 1e-9)
 }

@@ -100,7 +100,7 @@ use detect::{Touch, View};
 use side::Facing;
 use solve::World;
 
-pub use body::ContactBody;
+pub use body::{Carriers, ContactBody};
 pub use books::{MeshStep, PointImpulse};
 
 /// Most rounds of a step: a point at speed may meet one facet after the other.
@@ -184,6 +184,10 @@ impl<const D: usize> MeshContact<D> {
         self.look_at(bodies);
         let mut velocities: Vec<Vec<[f64; 3]>> =
             bodies.iter().map(|body| body.velocities.iter().map(wide).collect()).collect();
+        let carrying = |body: &ContactBody<'_, D>| {
+            body.carriers.map_or(Vec::new(), |carriers| carriers.velocities.iter().map(wide).collect())
+        };
+        let mut carrying: Vec<Vec<[f64; 3]>> = bodies.iter().map(carrying).collect();
         let mut step = MeshStep::default();
         let mut touches: Vec<Touch> = Vec::new();
         for round in 0..ROUNDS {
@@ -214,6 +218,7 @@ impl<const D: usize> MeshContact<D> {
             let mut world = World {
                 bodies,
                 velocities: &mut velocities,
+                carrying: &mut carrying,
                 sides: &self.sides,
                 laws: &self.laws,
                 time,
@@ -230,6 +235,7 @@ impl<const D: usize> MeshContact<D> {
         let mut world = World {
             bodies,
             velocities: &mut velocities,
+            carrying: &mut carrying,
             sides: &self.sides,
             laws: &self.laws,
             time,
@@ -287,6 +293,9 @@ impl<const D: usize> MeshContact<D> {
                 // What an archive held is of this surface.
                 of_this.for_each(|side| side.is_of(n, body));
             }
+        }
+        for side in &mut self.sides {
+            side.follow(bodies[side.bodies[0]].labels);
         }
         for side in self.sides.iter_mut().filter(|side| side.bodies[0] == side.bodies[1]) {
             side.find_normals(&bodies[side.bodies[0]]);

@@ -1,5 +1,7 @@
 //! Points of one body beside facets of another, or of the same: who is near whom.
 
+use std::collections::HashMap;
+
 use impactite_geometry::Facet;
 use impactite_geometry::search::{Points, Reach, SearchError, VerletListsBetween};
 use impactite_scene::{Archive, CheckpointError};
@@ -13,6 +15,8 @@ use crate::vector::{difference, dot, sum, times, unit};
 pub(super) const BESIDE: f64 = 0.1;
 /// The skin of the lists at first, as a part of the mean spacing of the points, and at most.
 const SKIN: [f64; 2] = [0.5, 4.0];
+/// The skin of lists of points with labels, of which others come every step.
+const BRIEF: f64 = 0.1;
 /// Lists that serve fewer steps than this get a thicker skin.
 const OFTEN: u64 = 4;
 /// Points that a task looks after.
@@ -29,6 +33,8 @@ pub(super) struct Facing<const D: usize> {
     searches: u64,
     /// For each point of the body the facet that it touched last; [`Facet::NONE`] for none.
     pub held: Vec<u32>,
+    /// Labels of those points, where they have any.
+    labels: Vec<u64>,
     pub spheres: Vec<Sphere>,
     /// Normals of nodes, for a surface that touches itself.
     pub normals: Vec<[f64; 3]>,
@@ -75,6 +81,7 @@ impl<const D: usize> Facing<D> {
             age: 0,
             searches: 0,
             held: Vec::new(),
+            labels: Vec::new(),
             spheres: Vec::new(),
             normals: Vec::new(),
             swept: [Swept::default(), Swept::default()],
@@ -86,21 +93,39 @@ impl<const D: usize> Facing<D> {
         self.searches
     }
 
-    /// Body `n` is one of these points and facets from now on. What was remembered is kept where it may be of them: after a checkpoint.
+    /// Body `n` is one of these points and facets from now on. What was remembered is kept where it may be of them: after a checkpoint, and
+    /// of points with labels.
     pub fn is_of(&mut self, n: usize, body: &ContactBody<'_, D>) {
-        self.lists = None;
         let [points, facets] = self.bodies;
-        let fits = (n != points || self.held.len() == body.positions.len())
+        let labelled = n == points && !body.labels.is_empty();
+        if labelled && n != facets {
+            return;
+        }
+        self.lists = None;
+        let fits = (n != points || labelled || self.held.len() == body.positions.len())
             && (n != facets
                 || self.held.iter().all(|&f| f == Facet::NONE || (f as usize) < body.facets.len()));
         if !fits || self.seen {
             self.held.clear();
+            self.labels.clear();
         }
+    }
+
+    /// Know points again by their labels.
+    pub fn follow(&mut self, labels: &[u64]) {
+        if self.labels == labels {
+            return;
+        }
+        let before = self.labels.iter().zip(&self.held).filter(|(_, facet)| **facet != Facet::NONE);
+        let before: HashMap<u64, u32> = before.map(|(label, facet)| (*label, *facet)).collect();
+        self.held = labels.iter().map(|label| before.get(label).copied().unwrap_or(Facet::NONE)).collect();
+        self.labels = labels.to_vec();
     }
 
     /// To a file, or from one.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.list(&mut self.held, &Facet::NONE, |file, facet| file.index(facet, 1 << 32))?;
+        file.list(&mut self.labels, &0, Archive::word)?;
         if file.reads() {
             (self.lists, self.seen) = (None, false);
         }
@@ -165,7 +190,8 @@ impl<const D: usize> Facing<D> {
             None => {
                 let spacing = all.map(|&n| surface.spacing(points, n as usize)).sum::<f64>() / count;
                 self.age = OFTEN;
-                VerletListsBetween::new(Reach::sum(0.0), SKIN[0] * spacing)?
+                let skin = if self.labels.is_empty() { SKIN[0] } else { BRIEF };
+                VerletListsBetween::new(Reach::sum(0.0), skin * spacing)?
             }
         };
         let [of_points, of_facets] = &self.swept;
@@ -173,7 +199,7 @@ impl<const D: usize> Facing<D> {
         if lists.update(&facets, &Points::new(&of_points.centres, &of_points.radii)?, team)? {
             self.searches += 1;
             // A thicker skin from the next search on.
-            if self.age < OFTEN {
+            if self.age < OFTEN && self.labels.is_empty() {
                 let spacing =
                     surface.touching.iter().map(|&n| surface.spacing(points, n as usize)).sum::<f64>()
                         / count;

@@ -2,7 +2,9 @@
 //!
 //! A contact of a point p with the place x_c = sum N_a x_a of a facet changes the velocity of one relative to the other by
 //! (1/m_p + sum N_a^2 / m_a) J, the same in all directions: the law, asked with the masses m_p and 1 / sum(N_a^2 / m_a) and with the
-//! velocities that both would have without J, solves it exactly. The normal velocity that it sees is less by what closes the gap,
+//! velocities that both would have without J, solves it exactly. Of a point that nodes carry ([`super::Carriers`]) 1/m_p is
+//! sum_i N_ip^2 / m_i, of the direction where that is largest: near planes of symmetry it differs by direction, and too large a value only
+//! takes more sweeps. The normal velocity that it sees is less by what closes the gap,
 //! (gap - target) / dt, so that its rule for bodies that touch is one for the end of the step.
 //!
 //! For frictionless contacts each of these steps minimises the dual of |v - v*|^2 (masses as weights) under the constraints
@@ -12,7 +14,7 @@
 use impactite_geometry::Facet;
 use impactite_simd::Team;
 
-use super::body::ContactBody;
+use super::body::{ContactBody, wide};
 use super::detect::Touch;
 use super::side::Facing;
 use crate::law::{Contact, ContactLaw, Pairs};
@@ -36,6 +38,8 @@ pub(super) struct World<'a, const D: usize> {
     pub bodies: &'a [ContactBody<'a, D>],
     /// Of all points of each body, m/s.
     pub velocities: &'a mut [Vec<Vector>],
+    /// Of the nodes that carry those of a body, m/s; empty of other bodies.
+    pub carrying: &'a mut [Vec<Vector>],
     pub sides: &'a [Facing<D>],
     pub laws: &'a Pairs<f64>,
     pub time: f64,
@@ -62,15 +66,20 @@ struct Local<'a> {
     /// What the approach is less by, m/s.
     shift: f64,
     held: bool,
-    /// The point, then the nodes.
-    movers: [usize; 5],
-    /// 1, then -N_a: the relative velocity is their sum.
-    shares: [f64; 5],
-    /// Over the masses.
-    gains: [f64; 5],
+    /// Its links among those of the batch: those of the point, then those of the facet's nodes.
+    links: [usize; 3],
     /// 1/m_p, sum N_a^2 / m_a.
     inverse: [f64; 2],
     impulse: Vector,
+}
+
+/// What a mover is to a contact: the relative velocity is the sum of shares times velocities, by direction, and impulses change the
+/// mover's by gains.
+#[derive(Clone, Copy)]
+struct Link {
+    mover: usize,
+    share: Vector,
+    gain: Vector,
 }
 
 #[derive(Default)]
@@ -94,12 +103,31 @@ impl<const D: usize> World<'_, D> {
             .chain(nodes.map(move |(n, w)| (of_facet, n as usize, -w)))
     }
 
+    /// What moves: the point or the nodes that carry it, and the facet's nodes: body, number, share of the relative velocity in each
+    /// direction.
+    fn movers(&self, touch: &Touch) -> impl Iterator<Item = (usize, usize, Vector)> {
+        let [of_point, _] = self.sides[touch.side as usize].bodies;
+        let carriers = self.bodies[of_point].carriers;
+        let carrying = carriers.map_or(&[][..], |carriers| carriers.of(touch.point as usize));
+        let carrying = carrying.iter().map(move |(node, weight)| (of_point, *node as usize, wide(weight)));
+        let itself = usize::from(carriers.is_some());
+        carrying.chain(self.shares(touch).skip(itself).map(|(body, n, share)| (body, n, [share; 3])))
+    }
+
     fn starts(&self) -> Vec<usize> {
         let mut starts = vec![0];
         for body in self.bodies {
-            starts.push(starts[starts.len() - 1] + body.positions.len());
+            starts.push(starts[starts.len() - 1] + body.movers().1.len());
         }
         starts
+    }
+
+    fn of_movers(&mut self, body: usize) -> &mut Vec<Vector> {
+        if self.bodies[body].carriers.is_some() {
+            &mut self.carrying[body]
+        } else {
+            &mut self.velocities[body]
+        }
     }
 
     /// Find the impulses of all contacts, and change velocities by them; what has nothing to do with those from number `first` on stays.
@@ -117,7 +145,12 @@ impl<const D: usize> World<'_, D> {
             }
             for (&mover, v) in batch.movers.iter().zip(&batch.velocities) {
                 let (body, n) = place(&starts, mover);
-                self.velocities[body][n] = *v;
+                self.of_movers(body)[n] = *v;
+            }
+        }
+        for (n, body) in self.bodies.iter().enumerate() {
+            if let Some(carriers) = body.carriers {
+                self.velocities[n] = carriers.carried(&self.carrying[n]);
             }
         }
         found
@@ -137,8 +170,8 @@ impl<const D: usize> World<'_, D> {
         let mut firsts = Vec::with_capacity(touches.len());
         for touch in touches {
             let mut joined = FREE;
-            for (body, n, _) in self.shares(touch) {
-                if self.bodies[body].masses[n].is_infinite() {
+            for (body, n, _) in self.movers(touch) {
+                if self.bodies[body].movers().1[n].is_infinite() {
                     continue;
                 }
                 let mover = (starts[body] + n) as u32;
@@ -179,23 +212,28 @@ impl<const D: usize> World<'_, D> {
         batches
     }
 
-    fn local(&self, touch: &Touch, starts: &[usize], movers: &[u32]) -> Local<'_> {
+    fn local(&self, touch: &Touch, starts: &[usize], movers: &[u32], links: &mut Vec<Link>) -> Local<'_> {
         let [of_point, of_facet] = self.sides[touch.side as usize].bodies;
         let law = self.laws.law(of_point, of_facet);
         let point_first = of_point <= of_facet;
-        let (mut numbers, mut shares, mut gains) = ([0; 5], [0.0; 5], [0.0; 5]);
-        let mut inverse = [0.0; 2];
-        let mut position = [0.0; 3];
-        for (k, (body, n, share)) in self.shares(touch).enumerate() {
+        let (mut inverse, mut position) = ([[0.0; 3]; 2], [0.0; 3]);
+        let mut ends = [links.len(); 3];
+        let of_point_alone = self.bodies[of_point].carriers.map_or(1, |c| c.of(touch.point as usize).len());
+        for (k, (body, n, share)) in self.movers(touch).enumerate() {
             let mover = (starts[body] + n) as u32;
-            numbers[k] = movers.binary_search(&mover).unwrap_or(0);
-            shares[k] = share;
-            gains[k] = share / self.bodies[body].masses[n];
-            inverse[usize::from(k > 0)] += share * gains[k];
-            if k > 0 {
-                position = difference(position, times(self.bodies[body].position(n), share));
+            let mover = movers.binary_search(&mover).unwrap_or(0);
+            let gain = times(share, 1.0 / self.bodies[body].movers().1[n]);
+            links.push(Link { mover, share, gain });
+            let side = usize::from(k >= of_point_alone);
+            (0..3).for_each(|d| inverse[side][d] += share[d] * gain[d]);
+            if side == 0 {
+                ends[1] = links.len();
+            } else {
+                position = difference(position, times(self.bodies[body].position(n), share[0]));
             }
         }
+        ends[2] = links.len();
+        let inverse = inverse.map(|by_axis| by_axis.into_iter().fold(0.0, f64::max));
         let area = if D == 2 { touch.spacing } else { touch.spacing * touch.spacing };
         let area = if self.axisymmetric { area * position[0].abs() } else { area };
         let masses = inverse.map(|i| 1.0 / i);
@@ -222,9 +260,7 @@ impl<const D: usize> World<'_, D> {
             normal: touch.normal,
             shift,
             held: touch.gap <= HOLDS * touch.spacing,
-            movers: numbers,
-            shares,
-            gains,
+            links: ends,
             inverse,
             impulse: touch.impulse,
         }
@@ -232,21 +268,26 @@ impl<const D: usize> World<'_, D> {
 
     fn sweep(&self, touches: &[Touch], starts: &[usize], batch: &mut Batch) {
         let of = |c: &u32| &touches[*c as usize];
-        let mover = |(body, n, _): (usize, usize, f64)| (starts[body] + n) as u32;
-        batch.movers = batch.contacts.iter().flat_map(|c| self.shares(of(c)).map(mover)).collect();
+        let mover = |(body, n, _): (usize, usize, Vector)| (starts[body] + n) as u32;
+        batch.movers = batch.contacts.iter().flat_map(|c| self.movers(of(c)).map(mover)).collect();
         batch.movers.sort_unstable();
         batch.movers.dedup();
         let velocity = |&mover: &u32| {
             let (body, n) = place(starts, mover);
-            self.velocities[body][n]
+            if self.bodies[body].carriers.is_some() {
+                self.carrying[body][n]
+            } else {
+                self.velocities[body][n]
+            }
         };
         batch.velocities = batch.movers.iter().map(velocity).collect();
-        let local = |c| self.local(of(c), starts, &batch.movers);
+        let mut links = Vec::with_capacity(5 * batch.contacts.len());
+        let local = |c| self.local(of(c), starts, &batch.movers, &mut links);
         let mut locals: Vec<_> = batch.contacts.iter().map(local).collect();
         let mut rest = &mut locals[..];
         for &length in &batch.lengths {
             let (island, others) = rest.split_at_mut(length);
-            let found = relax(island, &mut batch.velocities, self.dt);
+            let found = relax(island, &links, &mut batch.velocities, self.dt);
             batch.found.sweeps = batch.found.sweeps.max(found.sweeps);
             batch.found.residual = batch.found.residual.max(found.residual);
             rest = others;
@@ -256,12 +297,12 @@ impl<const D: usize> World<'_, D> {
 }
 
 /// Sweep over an island until nothing changes any more.
-fn relax(island: &mut [Local<'_>], velocities: &mut [Vector], dt: f64) -> Found {
+fn relax(island: &mut [Local<'_>], links: &[Link], velocities: &mut [Vector], dt: f64) -> Found {
     let mut residual = 0.0;
     for sweep in 1..=SWEEPS {
         let (mut change, mut enough) = (0.0_f64, 0.0_f64);
         let mut take = |local: &mut Local<'_>| {
-            let [step, whole, speed] = local.relax(velocities);
+            let [step, whole, speed] = local.relax(links, velocities);
             change = change.max(step);
             enough = enough.max(FOUND * whole + ROUNDING * speed);
         };
@@ -279,26 +320,15 @@ fn relax(island: &mut [Local<'_>], velocities: &mut [Vector], dt: f64) -> Found 
 }
 
 impl Local<'_> {
-    fn add(&mut self, step: Vector, velocities: &mut [Vector]) {
-        self.impulse = sum(self.impulse, step);
-        for k in 0..5 {
-            if self.gains[k] != 0.0 {
-                let v = &mut velocities[self.movers[k]];
-                *v = sum(*v, times(step, self.gains[k]));
-            }
-        }
-    }
-
     /// Give this contact the impulse that its law wants, everything else as it is. How much that changes the relative velocity, how much
     /// all of the impulse does, and how large velocities are, m/s.
-    fn relax(&mut self, velocities: &mut [Vector]) -> [f64; 3] {
-        let mut point = velocities[self.movers[0]];
-        let mut place = [0.0; 3];
-        for k in 1..5 {
-            if self.shares[k] != 0.0 {
-                place = difference(place, times(velocities[self.movers[k]], self.shares[k]));
-            }
-        }
+    fn relax(&mut self, links: &[Link], velocities: &mut [Vector]) -> [f64; 3] {
+        let [first, middle, end] = self.links;
+        let carried = |links: &[Link]| {
+            links.iter().fold([0.0; 3], |total, link| sum(total, product(velocities[link.mover], link.share)))
+        };
+        let (mut point, mut place) = (carried(&links[first..middle]), carried(&links[middle..end]));
+        place = times(place, -1.0);
         let speed = length(point) + length(place);
         // Without its own impulse.
         point = difference(point, times(self.impulse, self.inverse[0]));
@@ -314,13 +344,18 @@ impl Local<'_> {
         };
         let step = difference(wanted, self.impulse);
         if step != [0.0; 3] {
-            self.add(step, velocities);
-            // Without the rounding of the sum.
+            for link in &links[first..end] {
+                velocities[link.mover] = sum(velocities[link.mover], product(step, link.gain));
+            }
             self.impulse = wanted;
         }
         let whole = self.inverse[0] + self.inverse[1];
         [length(step) * whole, length(wanted) * whole, speed]
     }
+}
+
+fn product(a: Vector, b: Vector) -> Vector {
+    [a[0] * b[0], a[1] * b[1], a[2] * b[2]]
 }
 
 /// Body and number of a mover.

@@ -1,5 +1,6 @@
 //! Contact of points with facets: what holds of every step, and scenes over many.
 
+mod carried;
 mod catalogue;
 mod energy;
 mod fast;

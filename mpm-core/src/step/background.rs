@@ -144,12 +144,12 @@ impl<T: Float, const D: usize> Background<T, D> {
     }
 
     /// Add the particles of a body in boxes that a surface reaches, with the velocities of their nodes, those of less mass than
-    /// `cutoff` left out; `dt` where nodes know their accelerations.
+    /// `cutoff` left out. Are nodes' accelerations `known`?
     pub(super) fn gather_near(
         &self,
         near: &mut NearParticles<D>,
         (body, particles): (u32, &dyn MeetsSurfaces<D>),
-        (folds, cutoff, dt): (&Folds<D>, T, Option<T>),
+        (folds, cutoff, known, dt): (&Folds<D>, T, bool, T),
         reaches: &dyn Fn(&[f64; D], &[f64; D]) -> bool,
     ) {
         let node_at = |at: &[i32; D]| {
@@ -162,14 +162,14 @@ impl<T: Float, const D: usize> Background<T, D> {
                 place: place as u32,
                 position: self.lattice().node(at.map(i64::from)),
                 mass: node.first[0].to_double(),
-                start: dt.map(|dt| {
+                start: known.then(|| {
                     std::array::from_fn(|d| (node.first[d + 1] - dt * node.second[d + 1]).to_double())
                 }),
                 velocity: std::array::from_fn(|d| node.first[d + 1].to_double()),
                 change: [0.0; D],
             })
         };
-        particles.visit_near(reaches, &mut |particle, weights| {
+        particles.visit_near(dt.to_double(), reaches, &mut |particle, weights| {
             let mut fold = |folded: &mut Vec<NodeWeight<D>>| folds.fold(weights, folded);
             near.add(body, particle, &mut fold, &node_at);
         });

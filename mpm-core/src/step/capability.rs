@@ -61,10 +61,11 @@ pub trait ClientSteps<T: Float, const D: usize> {
 
 /// Particles that meet surfaces one by one ([`SurfaceClient`]).
 pub trait MeetsSurfaces<const D: usize> {
-    /// Call `visit` with every particle and its weights in boxes that `reaches` (lower and upper corner, m)
-    /// does not refuse, in an order that depends on nothing but the scene.
+    /// Call `visit` with every particle and its weights of which `reaches` does not refuse the box (lower and upper corner, m) that it
+    /// sweeps in a step of `dt` seconds, in an order that depends on nothing but the scene.
     fn visit_near(
         &self,
+        dt: f64,
         reaches: &dyn Fn(&[f64; D], &[f64; D]) -> bool,
         visit: &mut dyn FnMut(&NearParticle<D>, &[NodeWeight<D>]),
     );

@@ -68,7 +68,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let cutoff = self.scene.lightest() * mass_cutoff::<T>();
         let modified = self.kernels.facts().boundary_modified;
         let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
-        let known = (!self.kernels.facts().maps_together).then_some(dt);
+        let known = !self.kernels.facts().maps_together;
         let mut near = std::mem::take(&mut self.grid.near);
         near.clear();
         let (before, rest) = self.scene.bodies.split_at_mut(number);
@@ -78,7 +78,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let numbered = (number + 1..).zip(after.iter());
         for (body, particles) in before.iter().enumerate().chain(numbered) {
             if let Some(particles) = particles.meets_surfaces() {
-                self.grid.gather_near(&mut near, (body as u32, particles), (&folds, cutoff, known), &reaches);
+                self.grid.gather_near(
+                    &mut near,
+                    (body as u32, particles),
+                    (&folds, cutoff, known, dt),
+                    &reaches,
+                );
             }
         }
         let met =

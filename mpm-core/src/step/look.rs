@@ -148,9 +148,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.looks.cells.get_or_insert_with(|| Cells::new(spacing, period))
     }
 
-    /// The cells of a body: energy that nodes do not see, how whole it is, particles out of the range of their law. None of a rigid body.
+    /// The cells of a body: energy that nodes do not see, how whole it is, particles out of the range of their law. None of a rigid body,
+    /// nor of one that is not on the grid: its own solver watches over it.
     fn look_at_body(&mut self, b: usize) -> Option<(f64, Wholeness, usize)> {
-        if self.scene.bodies[b].rigid().is_some() {
+        let body = &self.scene.bodies[b];
+        if body.rigid().is_some() || body.client().is_some_and(|client| !client.on_grid()) {
             return None;
         }
         self.cells();

@@ -15,7 +15,7 @@ pub struct NearParticles<const D: usize> {
     starts_with: Vec<[f64; D]>,
     /// Where the weights of each particle begin; one more than there are particles.
     starts: Vec<usize>,
-    /// Node, by place among those here, and weight by direction: mirrored where it stands for one behind a plane of symmetry.
+    /// Node, by place among those here, and weight by direction: with what it stands for behind a plane of symmetry, mirrored.
     weights: Vec<(u32, [f64; D])>,
     pub(super) nodes: Vec<NearNode<D>>,
     /// Impulse of planes of symmetry, N s: their images are pushed the other way.
@@ -25,6 +25,8 @@ pub struct NearParticles<const D: usize> {
     /// The nodes of the last particle, by index on the lattice, with their places here if they have mass; and its body.
     stencil: Vec<([i32; D], Option<u32>)>,
     stencil_of: u32,
+    /// Is one of them there twice, as itself and as one behind a plane of symmetry?
+    twice: bool,
 }
 
 /// A particle that may meet a surface.
@@ -71,6 +73,7 @@ impl<const D: usize> Default for NearParticles<D> {
             folded: Vec::new(),
             stencil: Vec::new(),
             stencil_of: u32::MAX,
+            twice: false,
         }
     }
 }
@@ -137,24 +140,23 @@ impl<const D: usize> NearParticles<D> {
         }));
     }
 
-    /// Masses, kg, with which they resist impulses: those of marked ones with impulses on all marked ones at once,
-    /// 1 / sum_i N_ip (sum_q N_iq) / m_i with q marked, so small that what each is pushed with its neighbours is counted; of others with an
-    /// impulse on it alone, 1 / sum_i N_ip^2 / m_i.
-    pub fn masses(&self, marked: &[bool], list: &mut Vec<f64>) {
-        let mut sums = vec![0.0; self.nodes.len()];
-        for p in (0..self.len()).filter(|p| marked[*p]) {
-            for (node, weight) in self.weights(p) {
-                sums[*node as usize] += largest(weight);
-            }
-        }
-        list.clear();
-        list.extend((0..self.len()).map(|p| {
-            let yields = |(node, weight): &(u32, [f64; D])| {
-                let (weight, node) = (largest(weight), *node as usize);
-                weight * if marked[p] { sums[node] } else { weight } / self.nodes[node].mass
-            };
-            1.0 / self.weights(p).iter().map(yields).sum::<f64>()
-        }));
+    /// Where the weights of each particle begin; one more than there are particles.
+    #[must_use]
+    pub fn weight_starts(&self) -> &[usize] {
+        &self.starts
+    }
+    /// Of each particle the nodes that it moves with, by place among those here, each once, with the weight N_ip in each direction: v_p =
+    /// sum_i N_ip v_i, and an impulse J on it is N_ip J on node i.
+    #[must_use]
+    pub fn node_weights(&self) -> &[(u32, [f64; D])] {
+        &self.weights
+    }
+    /// Velocities at the end of the step, m/s, and masses, kg, of these nodes.
+    pub fn nodes(&self, velocities: &mut Vec<[f64; D]>, masses: &mut Vec<f64>) {
+        velocities.clear();
+        velocities.extend(self.nodes.iter().map(|node| node.velocity));
+        masses.clear();
+        masses.extend(self.nodes.iter().map(|node| node.mass));
     }
 
     /// Give every particle an impulse, N s.
@@ -206,6 +208,7 @@ impl<const D: usize> NearParticles<D> {
         if !known {
             self.stencil_of = body;
             self.stencil.clear();
+            self.twice = false;
             for w in &folded {
                 let (nodes, count) = (&mut self.nodes, self.places.len() as u32);
                 let place = node_at(&w.node).map(|node| {
@@ -214,12 +217,19 @@ impl<const D: usize> NearParticles<D> {
                         count
                     })
                 });
+                self.twice |= place.is_some() && self.stencil.iter().any(|(_, known)| *known == place);
                 self.stencil.push((w.node, place));
             }
         }
+        let first = self.weights.len();
         for (w, (_, place)) in folded.iter().zip(&self.stencil).filter(|(w, _)| w.value != 0.0) {
-            if let Some(place) = *place {
-                self.weights.push((place, std::array::from_fn(|d| w.sign[d] * w.value)));
+            let Some(place) = *place else { continue };
+            let weight = std::array::from_fn(|d| w.sign[d] * w.value);
+            let again =
+                if self.twice { self.weights[first..].iter_mut().find(|w| w.0 == place) } else { None };
+            match again {
+                Some((_, sum)) => (0..D).for_each(|d| sum[d] += weight[d]),
+                None => self.weights.push((place, weight)),
             }
         }
         self.folded = folded;
@@ -238,8 +248,4 @@ impl<const D: usize> NearParticles<D> {
             + self.nodes.capacity() * size_of::<NearNode<D>>()
             + self.places.capacity() * 2 * size_of::<u32>()
     }
-}
-
-fn largest<const D: usize>(weight: &[f64; D]) -> f64 {
-    weight.iter().fold(0.0, |most: f64, w| most.max(w.abs()))
 }

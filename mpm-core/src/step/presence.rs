@@ -219,6 +219,7 @@ impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
 impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
     fn visit_near(
         &self,
+        dt: f64,
         reaches: &dyn Fn(&[f64; D], &[f64; D]) -> bool,
         visit: &mut dyn FnMut(&NearParticle<D>, &[NodeWeight<D>]),
     ) {
@@ -226,8 +227,8 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
             return;
         }
         let (h, origin, centre) = (self.lattice.spacing(), self.lattice.origin(), self.bin_centre());
-        // Particles reach beyond their bins by what they are wide.
-        let margin = 0.5 * h;
+        // Particles reach beyond their bins by what they are wide, and by their motion in the step, of less than half a cell.
+        let margin = h;
         let box_of = |first: &[i32; D], cells: i32| {
             let low = std::array::from_fn(|d| origin[d] + h * (f64::from(first[d]) + centre - 0.5) - margin);
             let high = std::array::from_fn::<f64, D, _>(|d| low[d] + h * f64::from(cells) + 2.0 * margin);
@@ -254,12 +255,15 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                     });
                     let edges = self.half_edges(&numbers);
                     let half_size = (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64);
-                    let low = position.map(|x| x - half_size);
-                    let high = position.map(|x| x + half_size);
+                    let velocity: [f64; D] =
+                        std::array::from_fn(|d| numbers[Columns::velocity(D) + d].to_double());
+                    // What its nodes' accelerations add to its motion is within the margin.
+                    let beside = half_size + BESIDE * h;
+                    let low = std::array::from_fn(|d| position[d] + (dt * velocity[d]).min(0.0) - beside);
+                    let high = std::array::from_fn(|d| position[d] + (dt * velocity[d]).max(0.0) + beside);
                     if !reaches(&low, &high) {
                         continue;
                     }
-                    let velocity = std::array::from_fn(|d| numbers[Columns::velocity(D) + d].to_double());
                     self.node_weights(&slot.block, bin, at, &mut weights);
                     let number = slot.block.number(at);
                     visit(&NearParticle { number, position, velocity, half_size }, &weights);
@@ -268,6 +272,9 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
         }
     }
 }
+
+/// A margin of what particles near surfaces sweep, in cells.
+const BESIDE: f64 = 0.1;
 
 fn length(edge: [f64; 3]) -> f64 {
     edge.iter().map(|x| x * x).sum::<f64>().sqrt()

@@ -3,6 +3,7 @@
 
 mod checks;
 mod figures;
+mod rod;
 mod scene;
 mod setup;
 mod track;
@@ -11,7 +12,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Restart, Totals, case, within};
+use examples::{CaseError, Common, Coupling, Report, Restart, Totals, case, within};
 
 use scene::Outcome;
 use setup::{Detection, HALF_WIDTH, Kernel, Model, Rod, SHOTS, Setup, THICKNESS};
@@ -41,6 +42,12 @@ struct Options {
     /// What the rod is made of
     #[arg(long, value_enum, default_value = "elastic")]
     rod: Rod,
+    /// How a rod of finite elements meets the slab
+    #[arg(long, value_enum, default_value = "surface")]
+    coupling: Coupling,
+    /// Edge of the elements of the rod, 0.5 to 12; a cell at most on the grid [default: a cell, half of one on the grid, 4 at most]
+    #[arg(long, value_name = "MM", value_parser = within(0.5, 12.0))]
+    edge: Option<f64>,
     /// Half the edge of the slab, m, 0.1 to 1
     #[arg(long, value_name = "M", default_value_t = HALF_WIDTH, value_parser = within(0.1, 1.0))]
     half_width: f64,
@@ -67,12 +74,19 @@ struct Options {
     frames: bool,
 }
 
+/// The usual edge of the rod's elements is a cell, and at most this, m: three to its radius.
+const EDGE: f64 = 4.0e-3;
+
 impl Options {
     fn setup(&self, speed: f64, cells: u32) -> Setup {
         Setup {
             speed,
             model: self.model,
             rod: self.rod,
+            coupling: self.coupling,
+            rod_edge: self
+                .edge
+                .map_or(EDGE.min(self.coupling.edge(THICKNESS / f64::from(cells))), |edge| 1e-3 * edge),
             cells,
             parts: self.parts,
             half_width: self.half_width,

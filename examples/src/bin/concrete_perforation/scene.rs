@@ -3,7 +3,7 @@
 //! The slab is normal to z and lies at -thickness < z < 0; the rod comes from above along -z, on the axis. A quarter of
 //! it all is computed, or its half plane of revolution; the slab's edges are free.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 use std::path::Path;
 
 use examples::{CaseError, Normals, Restart, Totals};
@@ -13,12 +13,13 @@ use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Axisymmetric, Blend, BlockGrid, Boundary, CpGimp, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm,
-    Musl, Rigid, Side, Solver, Team, TimeControl,
+    Axisymmetric, Blend, BlockGrid, CpGimp, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm, Musl,
+    Solver, Team, TimeControl,
 };
-use mpm_materials::{LinearElastic, Moduli, library};
+use mpm_materials::library;
 
-use crate::setup::{Detection, Kernel, MASS, Model, ROD, Rod, Setup, THICKNESS, YOUNG};
+use crate::rod::RodOf;
+use crate::setup::{Detection, Kernel, Model, ROD, Setup, THICKNESS};
 use crate::track::{Row, Track};
 
 /// Longitudinal wave speed in the concrete, m/s, for the memory of the blend.
@@ -91,39 +92,32 @@ struct Task<'a> {
     restart: &'a Restart,
 }
 
-/// Seeds of both bodies, planes of symmetry, and how a rigid rod is held between them.
+/// The rod, the seeds of the slab, and planes of symmetry.
 struct Bodies<const D: usize> {
     lattice: Lattice<D>,
-    rod: Seeds<D>,
+    rod: RodOf<D>,
     slab: Seeds<D>,
-    planes: Vec<usize>,
 }
 
 fn quarter(task: Task, method: Kernels<f64, 3>) -> Result<Outcome, CaseError> {
     let setup = task.setup;
     let lattice = Lattice::new([0.0; 3], setup.spacing())?;
-    let (rod, _) = ROD.rings([0.0, 0.0, 0.25 * setup.spacing()], 0.0, FRAC_PI_2, setup.edge())?;
+    let rod = RodOf::quarter(&setup)?;
     let slab = Cuboid::new([0.0, 0.0, -THICKNESS], [setup.half_width, setup.half_width, 0.0])?;
     let slab = fill(&slab, &lattice, setup.parts as usize, &Filling::new())?;
-    let held = |rigid: Rigid<3>| rigid.holding([true, true, false]).without_turning();
-    run(task, method, Bodies { lattice, rod, slab, planes: vec![0, 1] }, held)
+    run(task, method, Bodies { lattice, rod, slab })
 }
 
 fn revolved(task: Task, method: Kernels<f64, 2>) -> Result<Outcome, CaseError> {
     let setup = task.setup;
     let lattice = Lattice::new([0.0; 2], setup.spacing())?;
-    let rod = ROD.profile(0.25 * setup.spacing(), setup.edge())?;
+    let rod = RodOf::revolved(&setup)?;
     let slab = Cuboid::new([0.0, -THICKNESS], [setup.half_width, 0.0])?;
     let slab = fill(&slab, &lattice, setup.parts as usize, &Filling::new().axisymmetric())?;
-    run(task, method, Bodies { lattice, rod, slab, planes: vec![0] }, |rigid| rigid)
+    run(task, method, Bodies { lattice, rod, slab })
 }
 
-fn run<const D: usize>(
-    task: Task,
-    method: Kernels<f64, D>,
-    bodies: Bodies<D>,
-    held: impl Fn(Rigid<D>) -> Rigid<D>,
-) -> Result<Outcome, CaseError> {
+fn run<const D: usize>(task: Task, method: Kernels<f64, D>, bodies: Bodies<D>) -> Result<Outcome, CaseError> {
     let Task { setup, ways, files, restart } = task;
     let laws = Pairs::new(Coulomb::new(setup.friction)?);
     let normals = match setup.detection {
@@ -133,23 +127,11 @@ fn run<const D: usize>(
     };
     let contact = GridContact::new(SurfaceDistance::new(normals, 0.0)?.locally(), laws);
     let mut mpm = Mpm::with_contact(method, BlockGrid::new(bodies.lattice), contact);
-    let density = MASS / ROD.volume()?;
-    let mut velocity = [0.0; D];
-    velocity[D - 1] = -setup.speed;
-    match setup.rod {
-        Rod::Rigid => {
-            let rigid = held(Rigid::free(density)?.with_velocity(velocity));
-            mpm.add_rigid("rod", &rigid, &bodies.rod)?;
-        }
-        Rod::Elastic => {
-            let steel = LinearElastic::new(density, Moduli::young_poisson(YOUNG, 0.3)?)?;
-            mpm.add("rod", steel, &bodies.rod, |_| velocity)?;
-        }
-    }
+    bodies.rod.add(&setup, &mut mpm)?;
     let concrete = library::concrete_48().with_bulk_viscosity(0.06, 1.5)?;
     mpm.add("slab", concrete, &bodies.slab, |_| [0.0; D])?;
-    for axis in bodies.planes {
-        mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;
+    for plane in bodies.rod.planes() {
+        mpm.bound(plane)?;
     }
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     mpm.set_team(Team::new(setup.threads)?);

@@ -1,7 +1,7 @@
 //! What a run is made of.
 
 use clap::ValueEnum;
-use examples::Ogive;
+use examples::{Coupling, Ogive};
 use serde::Serialize;
 
 /// The rod \[Hanchak1992\]: diameter and nose as in its summary, the length \[M\].
@@ -44,6 +44,8 @@ pub enum Rod {
     Elastic,
     /// A free rigid body
     Rigid,
+    /// Linear elastic steel in finite elements, which meet the slab as --coupling says
+    Fem,
 }
 
 /// How rod and slab meet.
@@ -87,6 +89,9 @@ pub struct Setup {
     pub speed: f64,
     pub model: Model,
     pub rod: Rod,
+    pub coupling: Coupling,
+    /// Edge of the elements of the rod, m.
+    pub rod_edge: f64,
     /// Cells through the slab.
     pub cells: u32,
     /// Particles a cell along each axis.

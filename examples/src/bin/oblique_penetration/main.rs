@@ -17,10 +17,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Law, Report, Restart, Totals, case, within};
+use examples::{CaseError, Common, Coupling, Law, Report, Restart, Totals, case, within};
 
 use scene::Outcome;
-use setup::{Coupling, Criterion, Detection, Kernel, ROD, RodFrame, Setup, THICKNESS};
+use setup::{Criterion, Detection, Kernel, ROD, RodFrame, Setup, THICKNESS};
 
 /// A 4340 rod of 12.9 by 88.9 mm with an ogive nose through 26.3 mm of 6061-T651.
 ///
@@ -68,7 +68,7 @@ struct Options {
     /// How a rod of finite elements meets the plate
     #[arg(long, value_enum, default_value = "surface")]
     coupling: Coupling,
-    /// Edge of the elements of the rod, 0.3 to 6; a cell at most on the grid [default: 2, on the grid a cell if that is less]
+    /// Edge of the elements of the rod, 0.3 to 6; a cell at most on the grid [default: a cell, half of one on the grid, 2 at most]
     #[arg(long, value_name = "MM", value_parser = within(0.3, 6.0))]
     edge: Option<f64>,
     /// What rod and plate do to each other
@@ -96,14 +96,13 @@ pub const EXPERIMENT: f64 = 455.0;
 /// The same of MPM3Dpp \[Ma2010\].
 pub const PAPER: f64 = 441.0;
 
-/// The usual edge of the rod's elements, m: three to its radius.
+/// The usual edge of the rod's elements is a cell, and at most this, m: three to its radius.
 const EDGE: f64 = 2.0e-3;
 
 impl Options {
     /// Edge of the rod's elements for cells of this size, m.
     fn edge_in(&self, cell: f64) -> f64 {
-        let usual = if self.coupling == Coupling::Grid { EDGE.min(cell) } else { EDGE };
-        self.edge.map_or(usual, |edge| 1e-3 * edge)
+        self.edge.map_or(EDGE.min(self.coupling.edge(cell)), |edge| 1e-3 * edge)
     }
 
     fn setups(&self) -> Vec<Setup> {

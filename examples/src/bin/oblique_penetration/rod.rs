@@ -2,13 +2,12 @@
 
 use std::f64::consts::PI;
 
-use coupling::Elements;
 use examples::CaseError;
 use fem::{Fem, MeshBody};
 use mpm_core::{BlockGrid, Boundary, Flip, FullSpace, Linear, Method, Mpm, Musl, Side};
 use mpm_materials::{LinearElastic, Moduli};
 
-use crate::setup::{Coupling, ROD, RodFrame, STEEL, Setup};
+use crate::setup::{ROD, RodFrame, STEEL, Setup};
 
 fn steel() -> Result<LinearElastic<f64>, CaseError> {
     Ok(LinearElastic::new(STEEL, Moduli::young_poisson(206e9, 0.3)?)?)
@@ -49,10 +48,6 @@ fn elements(
     let mut fem = Fem::new(FullSpace);
     fem.add(MeshBody::new("rod", mesh, steel()?).moving(move |_| velocity))?;
     fem.bound(symmetry())?;
-    let elements = match setup.coupling {
-        Coupling::Grid => Elements::on_the_grid(fem)?,
-        Coupling::Surface => Elements::by_surface(fem, mpm_contact::Coulomb::new(setup.friction)?)?,
-    };
-    mpm.add_client(elements)?;
+    mpm.add_client(setup.coupling.of(fem, mpm_contact::Coulomb::new(setup.friction)?)?)?;
     Ok(from_tail)
 }

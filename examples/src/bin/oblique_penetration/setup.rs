@@ -1,12 +1,11 @@
 //! What a run is made of.
 
 use clap::ValueEnum;
-use examples::{Law, Ogive};
+use examples::{CaseError, Coupling, Law, Ogive};
 use mpm_materials::JohnsonCookDamage;
 use serde::Serialize;
 
 use crate::plate::Ductility;
-use examples::CaseError;
 
 /// The rod \[Piekutowski1996\].
 pub const ROD: Ogive = Ogive { diameter: 12.9e-3, length: 88.9e-3, crh: 3.0 };
@@ -53,16 +52,6 @@ pub enum RodFrame {
     Current,
     /// In finite elements, which meet the plate as --coupling says
     Fem,
-}
-
-/// How a rod of finite elements meets the plate.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Coupling {
-    /// Particles meet its surface (ICFEMP)
-    Surface,
-    /// Its nodes act on the grid (CFEMP)
-    Grid,
 }
 
 /// When the plate fails.
