@@ -197,6 +197,11 @@ pub struct Pairs<T> {
     default: Arc<dyn ContactLaw<T>>,
     table: Vec<([usize; 2], Arc<dyn ContactLaw<T>>)>,
 }
+impl<L: ContactLaw<f64>> From<L> for Pairs<f64> {
+    fn from(law: L) -> Self {
+        Pairs::new(law)
+    }
+}
 impl<T: Real> Pairs<T> {
     /// The same law for all pairs.
     pub fn new(law: impl ContactLaw<T>) -> Self {

@@ -40,6 +40,10 @@ impl NeighbourLists {
     pub fn new() -> Self {
         Self::default()
     }
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        4 * (self.starts.capacity() + self.list.capacity())
+    }
     /// How many lists there are.
     pub fn len(&self) -> usize {
         self.starts.len().saturating_sub(1)

@@ -136,6 +136,10 @@ impl<const D: usize> Default for Seen<D> {
 }
 
 impl<const D: usize> Seen<D> {
+    fn bytes(&self) -> usize {
+        self.positions.capacity() * size_of::<[f64; D]>() + self.radii.capacity() * 8
+    }
+
     fn note(&mut self, points: &Points<'_, D>) {
         self.positions.clear();
         self.positions.extend_from_slice(points.positions());
@@ -215,6 +219,10 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletListsBetween<D, S> {
     #[inline]
     pub fn of(&self, i: usize) -> &[u32] {
         self.lists.of(i)
+    }
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        self.lists.bytes() + self.seen.iter().map(Seen::bytes).sum::<usize>()
     }
     /// How many searches were made.
     pub fn searches(&self) -> u64 {

@@ -3,9 +3,13 @@
 use std::collections::HashMap;
 
 use impactite_geometry::Facet;
-use impactite_scene::SceneError;
+use impactite_scene::{Archive, CheckpointError, SceneError};
 
-use crate::vector::{difference, length, sum, times};
+use super::closest::cross;
+use crate::vector::{difference, length, sum, times, unit};
+
+/// What gaps are looked at beyond those that close in the step, as a part of the spacing of the points.
+pub(super) const BESIDE: f64 = 0.1;
 
 /// A body in one step: points of any method, and the facets of its surface if it has a mesh.
 #[derive(Clone, Copy, Debug)]
@@ -251,10 +255,14 @@ pub(super) struct Surface {
     points: usize,
     /// The points that touch others: nodes of facets, or all without any.
     pub touching: Vec<u32>,
-    /// Mean length of the edges at a node, m; empty without facets.
+    /// Mean length of the edges at a node when the surface was new, m; empty without facets.
     edges: Vec<f64>,
+    /// Are the edges from a checkpoint, of a surface to come?
+    kept: bool,
     /// Does every edge have facets on both sides?
     pub closed: bool,
+    /// Normals of the nodes in this step; empty without facets.
+    pub normals: Vec<[f64; 3]>,
 }
 
 impl Surface {
@@ -289,11 +297,73 @@ impl Surface {
         self.touching = (0..count as u32).filter(on_surface).collect();
         self.closed = !body.facets.is_empty() && balance.values().all(|&sum| sum == 0);
         let mean = |(sum, ends): (&f64, &f64)| if *ends > 0.0 { sum / ends } else { 0.0 };
-        self.edges =
-            if body.facets.is_empty() { Vec::new() } else { sums.iter().zip(&ends).map(mean).collect() };
+        let kept = std::mem::take(&mut self.kept) && self.edges.len() == count && !body.facets.is_empty();
+        if !kept {
+            self.edges =
+                if body.facets.is_empty() { Vec::new() } else { sums.iter().zip(&ends).map(mean).collect() };
+        }
         self.facets = body.facets.to_vec();
         self.points = count;
         true
+    }
+
+    /// Mean normals of the facets at each node, by their areas.
+    pub fn find_normals<const D: usize>(&mut self, body: &ContactBody<'_, D>) {
+        self.normals.clear();
+        self.normals.resize(if body.facets.is_empty() { 0 } else { body.positions.len() }, [0.0; 3]);
+        for facet in body.facets {
+            let nodes = facet.nodes();
+            let x = |i: usize| wide(&body.positions[nodes[i] as usize]);
+            let area = match nodes.len() {
+                2 => {
+                    let along = difference(x(1), x(0));
+                    [along[1], -along[0], 0.0]
+                }
+                3 => cross(difference(x(1), x(0)), difference(x(2), x(0))),
+                _ => cross(difference(x(2), x(0)), difference(x(3), x(1))),
+            };
+            for &n in nodes {
+                self.normals[n as usize] = sum(self.normals[n as usize], area);
+            }
+        }
+        for normal in &mut self.normals {
+            *normal = unit(*normal).unwrap_or([0.0; 3]);
+        }
+    }
+
+    /// The corners of the box that the points which touch others keep to in a step of `dt`, s, with all that is looked at beside them.
+    pub fn swept_box<const D: usize>(
+        &self,
+        body: &ContactBody<'_, D>,
+        velocities: &[[f64; 3]],
+        dt: f64,
+    ) -> [[f64; 3]; 2] {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for n in self.touching.iter().map(|&n| n as usize) {
+            let beside = body.half_size(n) + BESIDE * self.spacing(body, n);
+            let (x, way) = (body.position(n), times(velocities[n], dt));
+            for d in 0..3 {
+                low[d] = low[d].min(x[d] + way[d].min(0.0) - beside);
+                high[d] = high[d].max(x[d] + way[d].max(0.0) + beside);
+            }
+        }
+        [low, high]
+    }
+
+    /// To a file, or from one: the surface is looked at again then, but its edges are those of when it was new.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.list(&mut self.edges, &0.0, Archive::real)?;
+        if file.reads() {
+            *self = Surface { edges: std::mem::take(&mut self.edges), kept: true, ..Surface::default() };
+        }
+        Ok(())
+    }
+
+    pub fn bytes(&self) -> usize {
+        self.facets.capacity() * size_of::<Facet>()
+            + self.touching.capacity() * 4
+            + self.edges.capacity() * 8
+            + self.normals.capacity() * size_of::<[f64; 3]>()
     }
 
     /// Distance of a point to its neighbours, m: its diameter, or of a node without half size the mean edge at it.

@@ -1,9 +1,9 @@
 //! Which points touch which facets in a step: at its start, and where fast ones or turning facets meet within it.
 
-use super::body::{ContactBody, Surface};
+use super::body::{BESIDE, ContactBody, Surface};
 use super::closest::{closest, cross};
-use super::features::{Feature, Near, Side, features};
-use super::side::{BESIDE, Facing};
+use super::features::{Feature, Near, Side, features, turn_away};
+use super::side::Facing;
 use crate::vector::{difference, dot, length, sum, times};
 
 use impactite_geometry::Facet;
@@ -67,6 +67,8 @@ struct Way {
     v: [f64; 3],
     half: f64,
     spacing: f64,
+    /// Of a node on the surface of a mesh.
+    normal: Option<[f64; 3]>,
     rules: Side,
 }
 
@@ -135,10 +137,14 @@ impl<const D: usize> View<'_, D> {
         let spacing = self.surfaces[0].spacing(self.points, n);
         let held = self.side.held[n];
         let held = (held != Facet::NONE).then(|| self.facets.facets[held as usize].nodes);
-        let own = self.side.normals.get(n).map(|normal| (n as u32, *normal));
+        let half = self.points.half_size(n);
+        let normal = self.surfaces[0].normals.get(n).copied();
+        let own = normal.filter(|_| self.side.is_within()).map(|normal| (n as u32, normal));
+        // The middle surface of a shell has two sides.
+        let normal = normal.filter(|_| half == 0.0);
         let rules = Side { closed: self.surfaces[1].closed, back: BACK * spacing, held, own };
         let (x, v) = (self.points.position(n), self.velocities[0][n]);
-        Way { n, x, v, half: self.points.half_size(n), spacing, rules }
+        Way { n, x, v, half, spacing, normal, rules }
     }
 
     /// The candidates whose spheres the point passes on its way.
@@ -252,9 +258,13 @@ impl<const D: usize> View<'_, D> {
             let closest = closest(x, &corners[..count]);
             clear = clear.min(closest.distance);
             let centre = times(corners[..count].iter().fold([0.0; 3], |a, b| sum(a, *b)), 1.0 / count as f64);
-            near.push(Near { facet, nodes, centre, size: self.side.spheres[facet as usize].radius, closest });
+            let size = self.side.spheres[facet as usize].radius;
+            near.push(Near { facet, nodes, centre, size, closest, turned: false });
         }
         near.retain(|near| near.closest.distance <= reach);
+        if let Some(normal) = way.normal {
+            turn_away(near, normal, way.rules.back);
+        }
         features(x, near, &way.rules, every, found);
         let least = found.iter().map(|feature| feature.height - way.half).fold(f64::INFINITY, f64::min);
         [least, clear]

@@ -11,6 +11,9 @@ const EQUALLY: f64 = 1e-9;
 const UPON: f64 = 1e-7;
 /// Sine of the angle by which a facet rises before its neighbour where their edge is concave.
 const CONCAVE: f64 = 1e-3;
+/// The cosine of the angle between the normals of a point and a facet above which the facet hardly faces it, and how much less that of a
+/// neighbour must be which does.
+const TURNED: [f64; 2] = [-0.25, 0.5];
 /// Cosine of the angle between outward normals of one surface above which both belong to the same sheet.
 const SAME_SHEET: f64 = 0.5;
 
@@ -25,6 +28,28 @@ pub(super) struct Near {
     /// Radius of the sphere around it, m.
     pub size: f64,
     pub closest: Closest,
+    /// Is it turned away from the point ([`turn_away`])?
+    pub turned: bool,
+}
+
+/// Mark facets that are turned away from a node of a mesh with this normal: where a neighbour beyond a convex edge, no farther than `back`
+/// (m), opposes it. A node of a flat surface under an edge is below the one face, and not before the other, however near that is. What
+/// sticks out there is another node, which meets facets of the flat surface.
+pub(super) fn turn_away(near: &mut [Near], normal: [f64; 3], back: f64) {
+    for n in 0..near.len() {
+        let this = near[n];
+        let faces = dot(normal, this.closest.normal);
+        if faces <= TURNED[0] {
+            continue;
+        }
+        near[n].turned = near.iter().any(|other| {
+            let beside = difference(other.centre, this.centre);
+            other.closest.distance <= back
+                && dot(normal, other.closest.normal) < faces - TURNED[1]
+                && share(&this.nodes, &other.nodes)
+                && dot(beside, this.closest.normal) <= CONCAVE * length(beside)
+        });
+    }
 }
 
 /// Where a point may touch a surface.
@@ -76,10 +101,17 @@ impl Near {
 /// The feature of `near[n]`, if the distance is least there among all facets that share it, and if this facet is the one that tells its
 /// sides apart. With how many facets share it.
 /// With `every` place of the facets, be it the nearest or not, before which the point lies.
-fn feature_of(x: [f64; 3], near: &[Near], n: usize, every: bool) -> Option<(Feature, usize)> {
+/// None beyond an end of the facet where its neighbour is turned away: `beyond` is then at most how far that is, m.
+fn feature_of(
+    x: [f64; 3],
+    near: &[Near],
+    n: usize,
+    every: bool,
+    beyond: &mut f64,
+) -> Option<(Feature, usize)> {
     let this = &near[n];
     let Closest { weights, at, distance, mut normal } = this.closest;
-    if normal == [0.0; 3] {
+    if normal == [0.0; 3] || this.turned {
         return None;
     }
     let away = difference(x, at);
@@ -91,6 +123,14 @@ fn feature_of(x: [f64; 3], near: &[Near], n: usize, every: bool) -> Option<(Feat
         let (mut normals, mut concave) = (normal, false);
         for (m, other) in near.iter().enumerate() {
             if m == n || !this.feature().all(|node| other.nodes.contains(&node)) {
+                continue;
+            }
+            if other.turned && !upon {
+                *beyond = beyond.min(distance);
+                return None;
+            }
+            if other.turned {
+                sharing += 1;
                 continue;
             }
             if other.closest.distance < distance - margin {
@@ -153,7 +193,7 @@ pub(super) fn features(x: [f64; 3], near: &[Near], side: &Side, every: bool, out
         if side.own.is_some_and(|(node, _)| near[n].nodes.contains(&node)) {
             continue;
         }
-        let Some((feature, sharing)) = feature_of(x, near, n, every) else { continue };
+        let Some((feature, sharing)) = feature_of(x, near, n, every, &mut before) else { continue };
         if side.own.is_some_and(|(_, normal)| dot(normal, feature.normal) > SAME_SHEET) {
             continue;
         }

@@ -43,12 +43,14 @@
 //! # A step
 //! All methods have their trial velocities v*; contact gives impulses, and positions go on with v = v* + J / m.
 //!
-//! 1. *Search.* Spheres around points and facets that hold their motion in the step, on the shared neighbour search, with a skin
-//!    (`impactite_geometry::search::VerletListsBetween`); any ratio of sizes.
+//! 1. *Search.* Of bodies whose boxes have a place in common in the step: spheres around points and facets that hold their motion, on
+//!    the shared neighbour search, with a skin (`impactite_geometry::search::VerletListsBetween`); any ratio of sizes.
 //! 2. *Features.* The distance of a point to a surface has its least values at faces, edges and corners; each of them is a contact. So a
 //!    point beyond a convex edge has the edge's direction, one in a concave corner touches both sides, and one above a flat mesh a single
 //!    facet. On quadrilaterals it is the closest point of the bilinear surface: smooth, with no diagonal, and fitting its neighbours. A
-//!    point is inside where the facet nearest to it says so; which facet it touched last is remembered, and goes before.
+//!    point is inside where the facet nearest to it says so; which facet it touched last is remembered, and goes before. At a convex
+//!    edge a node of a mesh meets the side that its own normal opposes, not the one turned away, however near: so faces of one outline
+//!    meet flat, and an edge slides over the nodes below it.
 //! 3. *Impulses.* With the weights N_a of the closest point x_c = sum N_a x_a, gap g = (x_p - x_c) . n - r_p and relative velocity
 //!    u = v_p - sum N_a v_a, J is on the point and -N_a J on the nodes, so that the effective mass is
 //!    1 / (1/m_p + sum N_a^2 / m_a). Along the normal: g + u_n dt >= 0, J_n >= 0, one of them zero: plastic impact at a point that
@@ -119,11 +121,16 @@ pub struct MeshContact<const D: usize> {
     impulses: Vec<Vec<PointImpulse<D>>>,
 }
 
+/// Have two boxes, by their corners, a place in common?
+fn overlap(a: &[[f64; 3]; 2], b: &[[f64; 3]; 2]) -> bool {
+    (0..3).all(|d| a[0][d] <= b[1][d] && b[0][d] <= a[1][d])
+}
+
 impl<const D: usize> MeshContact<D> {
-    /// No contacts yet; this law in all.
-    pub fn new(law: impl ContactLaw<f64>) -> Self {
+    /// No contacts yet; this law in all, or the laws of pairs.
+    pub fn new(laws: impl Into<Pairs<f64>>) -> Self {
         MeshContact {
-            laws: Pairs::new(law),
+            laws: laws.into(),
             sides: Vec::new(),
             surfaces: Vec::new(),
             axisymmetric: false,
@@ -269,12 +276,12 @@ impl<const D: usize> MeshContact<D> {
             let Some(last) = bodies.get(b) else {
                 return parameter("number of a body in contact", b as f64, "below the number of bodies");
             };
-            if bodies[a].facets.is_empty() && last.facets.is_empty() {
+            let one = &bodies[a];
+            // Nobody is there to meet where every element of a body has left.
+            let is_one_gone = one.positions.is_empty() || last.positions.is_empty();
+            if one.facets.is_empty() && last.facets.is_empty() && !is_one_gone {
                 return Err(SceneError::NotWith {
-                    what: format!(
-                        "contact of `{}` and `{}`, which have no facets,",
-                        bodies[a].name, last.name
-                    ),
+                    what: format!("contact of `{}` and `{}`, which have no facets,", one.name, last.name),
                     method: "contact of meshes".into(),
                     why: "one of them must be a mesh; bodies of particles alone touch by their own method",
                 });
@@ -297,8 +304,8 @@ impl<const D: usize> MeshContact<D> {
         for side in &mut self.sides {
             side.follow(bodies[side.bodies[0]].labels);
         }
-        for side in self.sides.iter_mut().filter(|side| side.bodies[0] == side.bodies[1]) {
-            side.find_normals(&bodies[side.bodies[0]]);
+        for (surface, body) in self.surfaces.iter_mut().zip(bodies) {
+            surface.find_normals(body);
         }
     }
 
@@ -309,9 +316,16 @@ impl<const D: usize> MeshContact<D> {
         dt: f64,
         team: &Team,
     ) -> Result<(), SceneError> {
+        let boxes: Vec<_> = bodies
+            .iter()
+            .zip(velocities)
+            .zip(&self.surfaces)
+            .map(|((body, velocities), surface)| surface.swept_box(body, velocities, dt))
+            .collect();
         for side in &mut self.sides {
             let [a, b] = side.bodies;
-            if !bodies[b].facets.is_empty() {
+            side.near = !bodies[b].facets.is_empty() && overlap(&boxes[a], &boxes[b]);
+            if side.near {
                 let of = [&velocities[a][..], &velocities[b]];
                 side.update(&bodies[a], &bodies[b], &self.surfaces[a], of, dt, team)?;
             }
@@ -325,9 +339,8 @@ impl<const D: usize> MeshContact<D> {
         velocities: &'a [Vec<[f64; 3]>],
         dt: f64,
     ) -> impl Iterator<Item = View<'a, D>> {
-        let meshes =
-            self.sides.iter().enumerate().filter(|(_, side)| !bodies[side.bodies[1]].facets.is_empty());
-        meshes.map(move |(number, side)| {
+        let near = self.sides.iter().enumerate().filter(|(_, side)| side.near);
+        near.map(move |(number, side)| {
             let [a, b] = side.bodies;
             View {
                 number: number as u32,
@@ -371,6 +384,15 @@ impl<const D: usize> MeshContact<D> {
         self.sides.iter().map(Facing::searches).sum()
     }
 
+    /// Bytes of memory.
+    pub fn bytes(&self) -> usize {
+        self.surfaces.iter().map(Surface::bytes).sum::<usize>()
+            + self.sides.iter().map(|side| side.bytes() + size_of::<Facing<D>>()).sum::<usize>()
+            + self.impulses.iter().map(|list| list.capacity() * size_of::<PointImpulse<D>>()).sum::<usize>()
+            + self.places.capacity() * size_of::<ContactPoint>()
+            + self.pairs.capacity() * size_of::<PairContact>()
+    }
+
     /// What must last, to a file or from one: which facets points touch, and what pairs took. Lists of neighbours are found again, and
     /// change nothing.
     ///
@@ -381,6 +403,7 @@ impl<const D: usize> MeshContact<D> {
         let pairs: Vec<_> = self.pairs.iter().map(|pair| pair.bodies).collect();
         file.same("pairs in contact of meshes", &format!("{pairs:?}"))?;
         self.pairs.iter_mut().try_for_each(|pair| pair.archive(file))?;
+        file.list(&mut self.surfaces, &Surface::default(), |file, surface| surface.archive(file))?;
         self.sides.iter_mut().try_for_each(|side| side.archive(file))
     }
 }

@@ -7,12 +7,9 @@ use impactite_geometry::search::{Points, Reach, SearchError, VerletListsBetween}
 use impactite_scene::{Archive, CheckpointError};
 use impactite_simd::Team;
 
-use super::body::{ContactBody, Sphere, Surface, wide};
-use super::closest::cross;
-use crate::vector::{difference, dot, sum, times, unit};
+use super::body::{BESIDE, ContactBody, Sphere, Surface};
+use crate::vector::{dot, sum, times};
 
-/// What gaps are looked at beyond those that close in the step, as a part of the spacing of the points.
-pub(super) const BESIDE: f64 = 0.1;
 /// The skin of the lists at first, as a part of the mean spacing of the points, and at most.
 const SKIN: [f64; 2] = [0.5, 4.0];
 /// The skin of lists of points with labels, of which others come every step.
@@ -27,6 +24,8 @@ const CHUNK: usize = 256;
 pub(super) struct Facing<const D: usize> {
     /// The body of the points and that of the facets.
     pub bodies: [usize; 2],
+    /// May any of them meet in the step?
+    pub near: bool,
     lists: Option<VerletListsBetween<D>>,
     /// Updates since the last search.
     age: u64,
@@ -36,8 +35,6 @@ pub(super) struct Facing<const D: usize> {
     /// Labels of those points, where they have any.
     labels: Vec<u64>,
     pub spheres: Vec<Sphere>,
-    /// Normals of nodes, for a surface that touches itself.
-    pub normals: Vec<[f64; 3]>,
     swept: [Swept<D>; 2],
     /// Was there a step since the start, or since a checkpoint was read?
     seen: bool,
@@ -77,20 +74,33 @@ impl<const D: usize> Facing<D> {
     pub fn new(bodies: [usize; 2]) -> Self {
         Facing {
             bodies,
+            near: false,
             lists: None,
             age: 0,
             searches: 0,
             held: Vec::new(),
             labels: Vec::new(),
             spheres: Vec::new(),
-            normals: Vec::new(),
             swept: [Swept::default(), Swept::default()],
             seen: false,
         }
     }
 
+    /// Are points and facets those of one body?
+    pub fn is_within(&self) -> bool {
+        self.bodies[0] == self.bodies[1]
+    }
+
     pub fn searches(&self) -> u64 {
         self.searches
+    }
+
+    pub fn bytes(&self) -> usize {
+        let swept = |s: &Swept<D>| s.centres.capacity() * size_of::<[f64; D]>() + s.radii.capacity() * 8;
+        self.lists.as_ref().map_or(0, VerletListsBetween::bytes)
+            + (self.held.capacity() + 2 * self.labels.capacity()) * 4
+            + self.spheres.capacity() * size_of::<Sphere>()
+            + self.swept.iter().map(swept).sum::<usize>()
     }
 
     /// Body `n` is one of these points and facets from now on. What was remembered is kept where it may be of them: after a checkpoint, and
@@ -218,29 +228,5 @@ impl<const D: usize> Facing<D> {
     /// Facets that may be near the point at place `i` of those that touch, in ascending order.
     pub fn candidates(&self, i: usize) -> &[u32] {
         self.lists.as_ref().map_or(&[], |lists| lists.of(i))
-    }
-
-    /// Mean normals of the facets at each node, by their areas.
-    pub fn find_normals(&mut self, body: &ContactBody<'_, D>) {
-        self.normals.clear();
-        self.normals.resize(body.positions.len(), [0.0; 3]);
-        for facet in body.facets {
-            let nodes = facet.nodes();
-            let x = |i: usize| wide(&body.positions[nodes[i] as usize]);
-            let area = match nodes.len() {
-                2 => {
-                    let along = difference(x(1), x(0));
-                    [along[1], -along[0], 0.0]
-                }
-                3 => cross(difference(x(1), x(0)), difference(x(2), x(0))),
-                _ => cross(difference(x(2), x(0)), difference(x(3), x(1))),
-            };
-            for &n in nodes {
-                self.normals[n as usize] = sum(self.normals[n as usize], area);
-            }
-        }
-        for normal in &mut self.normals {
-            *normal = unit(*normal).unwrap_or([0.0; 3]);
-        }
     }
 }

@@ -11,3 +11,4 @@ mod scene;
 mod search;
 mod sliding;
 mod speed;
+mod turned;
