@@ -177,7 +177,7 @@ impl<const D: usize> Body for Elements<D> {
     fn bytes(&self) -> usize {
         let surface = match &self.way {
             Way::Grid => 0,
-            Way::Surface(surface) => surface.swept.bytes(),
+            Way::Surface(surface) => surface.contact.bytes() + surface.swept.bytes(),
         };
         Solver::bytes(&self.fem) + surface
     }

@@ -1,16 +1,13 @@
 //! Particles against the surfaces of elements.
 
 use fem::Fem;
-use impactite_geometry::Facet;
-use impactite_scene::{Body, Boundary, Solver, Stopped};
+use impactite_scene::{Body, Solver, Stopped};
 use impactite_simd::Team;
 use mpm_contact::mesh::{Carriers, ContactBody};
 use mpm_core::{NearParticles, SurfaceClient, Taken};
 
 use crate::elements::{Elements, PointToSurface};
 
-/// Of the edge of a facet, how far its nodes may be from a plane that it lies on.
-const ON_PLANE: f64 = 1e-6;
 /// Bits of a label that are the number of a particle in its body.
 const NUMBERS: u32 = 40;
 
@@ -36,7 +33,7 @@ impl<const D: usize> PointToSurface<D> {
         self.swept.fill(boxes);
     }
 
-    /// The facets that others may meet: not those on planes of symmetry, behind which the body goes on.
+    /// The facets that particles may meet.
     fn find_facets(&mut self, fem: &Fem<D>) {
         self.facets.resize(fem.element_bodies().len(), (None, Vec::new()));
         for (body, (revision, facets)) in fem.element_bodies().iter().zip(&mut self.facets) {
@@ -44,30 +41,9 @@ impl<const D: usize> PointToSurface<D> {
                 continue;
             }
             *revision = Some(body.surface_revision());
-            let rest = &body.mesh().nodes;
-            let inside = |facet: &&Facet| {
-                !fem.boundaries().iter().any(|boundary| match *boundary {
-                    Boundary::Symmetry { axis, at, .. } => {
-                        let size = edge_of(facet, rest);
-                        facet.nodes().iter().all(|&n| (rest[n as usize][axis] - at).abs() < ON_PLANE * size)
-                    }
-                    _ => false,
-                })
-            };
-            facets.clear();
-            facets.extend(body.surface().iter().filter(inside));
+            *facets = body.facets_to_meet(fem.boundaries());
         }
     }
-}
-
-/// The longest edge of a facet, m.
-fn edge_of<const D: usize>(facet: &Facet, nodes: &[[f64; D]]) -> f64 {
-    let corners = facet.nodes();
-    let edge = |i: usize| {
-        let [a, b] = [corners[i], corners[(i + 1) % corners.len()]].map(|n| nodes[n as usize]);
-        (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
-    };
-    (0..corners.len()).map(edge).fold(0.0, f64::max)
 }
 
 /// Positions, velocities and masses of the nodes of a body.

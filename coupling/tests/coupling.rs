@@ -302,3 +302,71 @@ fn what_cannot_be_is_refused_or_warned_of() {
     let Stopped::Point { body, .. } = &stopped.what else { panic!("{stopped}") };
     assert_eq!(body, "elements", "{stopped}");
 }
+
+/// A lid of elements lies on a block of elements, and a lump of particles falls on it: the lid hands on what it gets.
+fn lid(touching: bool) -> Mpm<2> {
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let mut fem = Fem::new(PlaneStrain);
+    for (name, low, high, counts) in
+        [("block", [0.2, 0.1], [1.0, 0.4], [8, 3]), ("lid", [0.3, 0.4], [0.9, 0.5], [7, 1])]
+    {
+        let mesh = box_mesh(&Cuboid::new(low, high).expect("cuboid"), counts).expect("mesh");
+        fem.add(MeshBody::new(name, mesh, rubber(4e6))).expect("body");
+    }
+    if touching {
+        fem.touch(Coulomb::new(0.3).expect("law")).expect("contact");
+    }
+    let mut mpm = Mpm::with_contact(flip(), BlockGrid::new(lattice), contact(0.3));
+    let seeds = fill(&Cuboid::new([0.45, 0.51], [0.75, 0.7]).expect("cuboid"), &lattice, 2, &Filling::new());
+    mpm.add("lump", rubber(1e6), &seeds.expect("seeds"), |_| [0.5, -3.0]).expect("body");
+    mpm.add_client(Elements::by_surface(fem, Coulomb::new(0.3).expect("law")).expect("client"))
+        .expect("client");
+    mpm
+}
+
+#[test]
+fn elements_touch_each_other_in_a_client() {
+    for touching in [false, true] {
+        let mut mpm = lid(touching);
+        let start = mpm.totals();
+        let lowest_of_lid = |mpm: &Mpm<2>| {
+            let mut low = f64::INFINITY;
+            mpm.bodies()[1].for_each(&mut |p| {
+                if p.number >= 24 {
+                    low = low.min(p.position[1]);
+                }
+            });
+            low
+        };
+        let mut low = f64::INFINITY;
+        while !mpm.reached(0.06) {
+            mpm.step_towards(0.06).expect("step");
+            low = low.min(lowest_of_lid(&mpm));
+        }
+        let (now, account) = (mpm.totals(), mpm.account());
+        for d in 0..2 {
+            assert!((now.momentum[d] - start.momentum[d]).abs() < 1e-12 * start.momentum_scale);
+        }
+        println!("touching {touching}: lid down to {low:.4}, energy error {:.4}", account.energy_error());
+        assert!(account.energy_error().abs() < 0.03, "{account:?}");
+        // Its centres are at 0.45, and the block below it gives way a little.
+        assert_eq!(low > 0.40, touching, "{low}");
+    }
+}
+
+#[test]
+fn contact_in_a_client_is_resumed_with_any_threads() {
+    let file = std::env::temp_dir().join(format!("impactite-coupling-lid-{}", std::process::id()));
+    let (mut whole, mut first) = (lid(true), lid(true));
+    whole.set_team(Team::new(3).expect("threads"));
+    whole.run_until(0.04).expect("run");
+    for _ in 0..40 {
+        first.step().expect("step");
+    }
+    first.save(&file).expect("saved");
+    let mut again = lid(true).resumed(&file).expect("resumed");
+    std::fs::remove_file(&file).expect("removed");
+    again.run_until(0.04).expect("run");
+    assert_eq!(again.totals(), whole.totals());
+    assert_eq!(again.bodies()[1].points(), whole.bodies()[1].points());
+}

@@ -13,6 +13,7 @@ use mpm_materials::material::Material;
 use crate::erosion::{Erosion, Resolved};
 use crate::law::Probe;
 use crate::pace::Pace;
+use crate::push::Push;
 use crate::set::{Making, Set};
 use crate::surface::surface_of;
 use crate::sweep::Record;
@@ -27,8 +28,29 @@ pub struct Node<const D: usize> {
     pub velocity: [f64; D],
     /// Lumped mass, kg: the integral of density times shape function. Per metre of depth in plane strain, per radian around an axis.
     pub mass: f64,
-    /// Directions in which something else than elements and body forces moved it in the last step, a bit each.
+    /// Directions in which something else than elements and body forces moved it in the last step, a bit each: [`Node::HELD`],
+    /// [`Node::TOUCHED`].
     pub(crate) held: u8,
+}
+
+impl<const D: usize> Node<D> {
+    /// The first direction, where conditions or others moved it.
+    pub(crate) const HELD: u8 = 1;
+    /// The first direction, where only contact in the scene did.
+    pub(crate) const TOUCHED: u8 = 8;
+
+    /// Did conditions or others move it in a direction?
+    pub(crate) fn is_held(&self, d: usize) -> bool {
+        self.held & Self::HELD << d != 0
+    }
+    /// Did only contact in the scene, beside elements and body forces?
+    pub(crate) fn is_touched(&self, d: usize) -> bool {
+        self.held & Self::TOUCHED << d != 0
+    }
+    /// Did only elements and body forces?
+    pub(crate) fn is_free(&self, d: usize) -> bool {
+        !self.is_held(d) && !self.is_touched(d)
+    }
 }
 
 type Velocity<const D: usize> = Box<dyn Fn([f64; D]) -> [f64; D] + Send + Sync>;
@@ -180,6 +202,7 @@ impl<const D: usize> MeshBody<D> {
             incidence,
             averages: Vec::new(),
             elements: number as usize,
+            half_thickness: half_thickness::<D>(self.section),
             spacing,
             extents: Vec::new(),
             pace: Pace::default(),
@@ -187,6 +210,7 @@ impl<const D: usize> MeshBody<D> {
             acceleration: [0.0; D],
             exchange: Exchange::default(),
             pushed: Exchange::default(),
+            touched: Exchange::default(),
             erosion,
             eroded: Eroded::default(),
             debris: Vec::new(),
@@ -218,6 +242,11 @@ impl<const D: usize> MeshBody<D> {
         }
         Ok(nodes)
     }
+}
+
+/// How far the surface of a bar with a section is from its middle, m: in the plane it is a plate, in space it is round.
+fn half_thickness<const D: usize>(section: f64) -> f64 {
+    if D == 3 { (section / std::f64::consts::PI).sqrt() } else { 0.5 * section }
 }
 
 /// For each node the slots that hold what elements give it, ascending.
@@ -289,6 +318,8 @@ pub struct ElementBody<const D: usize> {
     /// A number a node, where volumes are averaged.
     pub(crate) averages: Vec<f64>,
     pub(crate) elements: usize,
+    /// Of bars, m.
+    pub(crate) half_thickness: f64,
     /// Smallest of some element sizes: what is small against it lies on a plane.
     pub(crate) spacing: f64,
     /// How far elements reach around each node along the axes, m; empty unless a condition asks.
@@ -301,6 +332,8 @@ pub struct ElementBody<const D: usize> {
     pub(crate) exchange: Exchange,
     /// What of it came by impulses of others.
     pub(crate) pushed: Exchange,
+    /// What came by contact in the scene, which is not in `exchange`.
+    pub(crate) touched: Exchange,
     pub(crate) erosion: Resolved,
     pub(crate) eroded: Eroded,
     /// Mass of elements that left, by node; empty before the first does.
@@ -308,8 +341,8 @@ pub struct ElementBody<const D: usize> {
     pub(crate) surface: Vec<Facet>,
     pub(crate) revision: u64,
     pub(crate) prescribed: Vec<Prescribed>,
-    /// Impulses of others in the present step, N s.
-    pub(crate) pushes: Vec<(u32, [f64; D])>,
+    /// Impulses of others and of contact in the present step.
+    pub(crate) pushes: Vec<Push<D>>,
     /// Positions at the start of a step that is made of several, and mean velocities over it.
     pub(crate) from: Vec<[f64; D]>,
     pub(crate) flow: Vec<[f64; D]>,
@@ -344,10 +377,19 @@ impl<const D: usize> ElementBody<D> {
     pub fn stable_step(&self) -> f64 {
         1.0 / self.rate
     }
-    /// What boundaries, body forces and others gave to it since the start: impulses to the time of the velocities, work to that of the
-    /// positions.
+    /// What boundaries, body forces, contact and others gave to it since the start: impulses to the time of the velocities, work to that
+    /// of the positions.
     pub fn exchange(&self) -> Exchange {
-        Exchange { work: self.exchange.work + self.work_to_come(), ..self.exchange }
+        self.given().plus(&self.touched())
+    }
+    /// The same without contact in the scene.
+    pub(crate) fn given(&self) -> Exchange {
+        Exchange { work: self.exchange.work + self.work_to_come(Node::is_held), ..self.exchange }
+    }
+    /// What of [`ElementBody::exchange`] came by contact in the scene ([`Fem::touch`](crate::Fem::touch)): impulses and their work on
+    /// velocities, heat of friction and what impacts take included.
+    pub fn touched(&self) -> Exchange {
+        Exchange { work: self.touched.work + self.work_to_come(Node::is_touched), ..self.touched }
     }
     /// What of [`ElementBody::exchange`] came by impulses of others ([`ElementBody::add_impulse`]).
     pub fn pushed(&self) -> Exchange {

@@ -42,6 +42,7 @@
 //! | mass | row sums |
 //! | bulk viscosity | that of the laws (`with_bulk_viscosity`), with the edge of a square (cube) of the element at rest for its length |
 //! | [`Erosion`] | by a number of the state, failure, volume, stable step, all of several |
+//! | contact of bodies | [`Fem::touch`] with the laws of [`mpm_contact`] that need no memory; with itself, [`Fem::touch_itself`] |
 //! | space | `FullSpace`, `PlaneStrain`, `Axisymmetric`; `Line` of bars |
 //! | conditions | those of [`Boundary`](impactite_scene::Boundary) but periodic ones ([`Boundary::hold`](impactite_scene::Boundary::hold)); sets of nodes ([`Fem::prescribe`]) |
 //!
@@ -53,10 +54,52 @@
 //! |---|---|
 //! | [`Fem::trial`] | forces of the elements and the body force make trial velocities |
 //! | [`Trial::bodies`], [`ElementBody::add_impulse`] | others look at nodes and surface facets, and give impulses |
-//! | [`Trial::finish`] | conditions, positions, strains, laws, forces, erosion, books |
+//! | [`Trial::finish`] | contact, conditions, positions, strains, laws, forces, erosion, books |
 //!
 //! Stable steps come from a bound of the highest frequency of each element, exact for boxes of isotropic laws; hourglass springs and
 //! bulk viscosity are in it. Bodies with longer steps may make one for several of the others ([`Fem::set_subcycling`]).
+//!
+//! # Contact
+//! Bodies pass through each other, unless [`Fem::touch`] names a law; then nodes of each meet facets of all others, and of their own
+//! where [`Fem::touch_itself`] asks, by impulses of a step that are found together ([`mpm_contact::mesh`]):
+//!
+//! ```
+//! use fem::{Fem, MeshBody};
+//! use impactite_geometry::{Cuboid, structured::box_mesh};
+//! use impactite_scene::{PlaneStrain, Solver};
+//! use mpm_contact::Coulomb;
+//! use mpm_materials::{LinearElastic, Moduli};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // Two equal steel bars of 0.1 m, of which one runs into the other.
+//! let steel = || LinearElastic::new(7850.0, Moduli::young_poisson(200e9, 0.0)?);
+//! let bar = |left: f64| box_mesh(&Cuboid::new([left, 0.0], [left + 0.1, 0.01])?, [50, 5]);
+//! let mut fem = Fem::new(PlaneStrain);
+//! fem.add(MeshBody::new("one", bar(0.0)?, steel()?).moving(|_| [10.0, 0.0]))?;
+//! fem.add(MeshBody::new("other", bar(0.1)?, steel()?))?;
+//! fem.touch(Coulomb::new(0.3)?)?;
+//! fem.run_until(60e-6)?;
+//! // The other one has all of it: waves ran to the free ends and back, and they let go after 40 us.
+//! let other = fem.body(1).totals();
+//! assert!((other.momentum[0] / other.mass - 10.0).abs() < 0.2);
+//! assert!(fem.account().energy_error().abs() < 2e-3);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! - It acts where a step ends ([`Trial::finish`]), on the velocities that elements, body forces and impulses of others left, as
+//!   conditions would hold them; nodes that conditions alone move (in all directions) do not yield. Others hold after it. So it also acts
+//!   in a scene that is a client of another one.
+//! - It needs no shorter steps: what closes is stopped in the step in which it would overlap. Springs ([`mpm_contact::Penalty`]) limit
+//!   themselves.
+//! - Bodies with steps of several lengths meet in each step of the scene, which is the shortest.
+//! - Impulses work on the mean of velocities before and after the step: what rests under load takes and gives nothing. Heat of friction
+//!   ([`Exchange::friction`](impactite_scene::Exchange)) and what nodes lose that stop each other
+//!   ([`Exchange::impacts`](impactite_scene::Exchange)) are in the books; the latter is of the mass of the nodes that meet, and goes with
+//!   the size of elements.
+//! - Momentum is kept to rounding; angular momentum too but for friction in the step in which a gap closes
+//!   ([`MeshStep::couple`](mpm_contact::mesh::MeshStep)).
+//! - Where elements leave, what is behind them touches from the next step on; their nodes fly on and touch nobody.
 //!
 //! # Books
 //! Internal energy is that of the laws and of hourglass forces ([`ElementBody::hourglass_energy`]), of which a run warns above 5 %.
@@ -64,13 +107,17 @@
 //! their elastic strain. What leaves by erosion is booked as negative [`Exchange::conversion`](impactite_scene::Exchange).
 //!
 //! # Limits
-//! `f64` only. One law a body. Bodies do not meet by themselves. Elements of a body that share no node do not know each other.
+//! `f64` only. One law a body. Elements of a body that share no node know each other only where it touches itself. Contact does not
+//! test edges against edges, nor bars against bars; a node that a condition holds in some directions yields to contact in all, until the
+//! condition acts.
 
 mod body;
+mod contact;
 mod erosion;
 mod law;
 mod motion;
 mod pace;
+mod push;
 mod set;
 mod shape;
 mod solver;

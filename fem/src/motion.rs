@@ -6,6 +6,7 @@ use impactite_scene::{Clock, Condition};
 use impactite_simd::Team;
 
 use crate::body::{ElementBody, Node};
+use crate::push::{Push, merge};
 use crate::set::wide;
 
 /// Nodes a task moves.
@@ -21,6 +22,8 @@ struct Moved {
     given: Exchange,
     /// What of it came by impulses of others.
     pushed: Exchange,
+    /// What came by contact in the scene, which is not in it.
+    touched: Exchange,
     trouble: Option<usize>,
 }
 
@@ -118,21 +121,24 @@ impl<const D: usize> ElementBody<D> {
         for found in chunks {
             self.exchange.add(&found.given);
             self.pushed.add(&found.pushed);
+            self.touched.add(&found.touched);
             if let Some(number) = found.trouble {
-                let (body, law) = (self.name.clone(), self.material.name());
-                let position = wide(&self.mesh.nodes[number]);
-                let cause = Cause::Velocity;
-                return Err(clock.stopped(Stopped::Point {
-                    kind: PointKind::Node,
-                    body,
-                    number,
-                    position,
-                    law,
-                    cause,
-                }));
+                return Err(self.runs_away(clock, number));
             }
         }
         Ok(())
+    }
+
+    /// The velocity of a node is not a number.
+    pub(crate) fn runs_away(&self, clock: &Clock, number: usize) -> StepError {
+        clock.stopped(Stopped::Point {
+            kind: PointKind::Node,
+            body: self.name.clone(),
+            number,
+            position: wide(&self.mesh.nodes[number]),
+            law: self.material.name(),
+            cause: Cause::Velocity,
+        })
     }
 
     /// Give a node an impulse, N s, in a trial: its velocity changes at once; momentum and, with the velocity that the step ends with,
@@ -141,23 +147,25 @@ impl<const D: usize> ElementBody<D> {
     /// # Panics
     /// There is no such node.
     pub fn add_impulse(&mut self, node: usize, impulse: [f64; D]) {
-        let Node { velocity, mass, .. } = &mut self.nodes[node];
+        self.push(Push { node: node as u32, given: impulse, touch: [0.0; D] });
+    }
+
+    /// The same of contact in the scene, which has books of its own.
+    pub(crate) fn touch(&mut self, node: u32, impulse: [f64; D]) {
+        self.push(Push { node, given: [0.0; D], touch: impulse });
+    }
+
+    fn push(&mut self, push: Push<D>) {
+        let (Node { velocity, mass, .. }, impulse) = (&mut self.nodes[push.node as usize], push.sum());
         for d in 0..D {
             velocity[d] += impulse[d] / *mass;
         }
-        self.pushes.push((node as u32, impulse));
+        self.pushes.push(push);
     }
 
     /// Pushes by node, each once.
-    fn merge_pushes(&mut self) {
-        self.pushes.sort_by_key(|(node, _)| *node);
-        self.pushes.dedup_by(|next, sum| {
-            let same = next.0 == sum.0;
-            if same {
-                (0..D).for_each(|d| sum.1[d] += next.1[d]);
-            }
-            same
-        });
+    pub(crate) fn merge_pushes(&mut self) {
+        merge(&mut self.pushes);
     }
 
     /// How far elements reach around each node: the mean of their extents along the axes.
@@ -180,23 +188,29 @@ impl<const D: usize> ElementBody<D> {
 }
 
 /// What moves a node.
-struct Motion<'a, const D: usize> {
-    body: &'a ElementBody<D>,
-    boundaries: &'a [Boundary<D>],
-    time: f64,
-    dt: f64,
+pub(crate) struct Motion<'a, const D: usize> {
+    pub body: &'a ElementBody<D>,
+    pub boundaries: &'a [Boundary<D>],
+    pub time: f64,
+    pub dt: f64,
+}
+
+/// A node in a step.
+struct Moment<const D: usize> {
+    /// Its velocity before any force of the step acted, m/s.
+    start: [f64; D],
+    /// That after elements and the body force did.
+    tried: [f64; D],
+    /// As conditions see it.
+    point: MovingPoint<D>,
 }
 
 impl<const D: usize> Motion<'_, D> {
     #[inline]
     fn advance(&self, n: usize, node: &mut Node<D>, found: &mut Moved) {
         node.held = 0;
-        let pushed = match self.body.pushes.is_empty() {
-            true => None,
-            false => self.body.pushes.binary_search_by_key(&(n as u32), |(node, _)| *node).ok(),
-        };
-        let marked = self.body.prescribed.iter().any(|p| p.nodes.binary_search(&(n as u32)).is_ok());
-        if pushed.is_some() || marked || self.boundaries.iter().any(|b| self.reaches(b, n, node)) {
+        let pushed = self.pushed(n);
+        if pushed.is_some() || self.is_bound(n, node) {
             self.constrain(n, node, pushed, found);
         }
         let mut square = 0.0;
@@ -207,6 +221,29 @@ impl<const D: usize> Motion<'_, D> {
         if !square.is_finite() && found.trouble.is_none() {
             found.trouble = Some(n);
         }
+    }
+
+    /// What pushed a node.
+    #[inline]
+    fn pushed(&self, n: usize) -> Option<&Push<D>> {
+        let pushes = &self.body.pushes;
+        if pushes.is_empty() {
+            return None;
+        }
+        pushes.binary_search_by_key(&(n as u32), |push| push.node).ok().map(|at| &pushes[at])
+    }
+
+    /// May a condition act on a node?
+    #[inline]
+    fn is_bound(&self, n: usize, node: &Node<D>) -> bool {
+        self.prescribed(n).next().is_some() || self.boundaries.iter().any(|b| self.reaches(b, n, node))
+    }
+
+    /// The velocities prescribed for a node.
+    #[inline]
+    fn prescribed(&self, n: usize) -> impl Iterator<Item = [Option<f64>; 3]> {
+        let on = self.body.prescribed.iter().filter(move |p| p.nodes.binary_search(&(n as u32)).is_ok());
+        on.map(|p| (p.velocity)(self.time + 0.5 * self.dt))
     }
 
     /// May a boundary act on a node?
@@ -225,16 +262,13 @@ impl<const D: usize> Motion<'_, D> {
         at(self.time) || at(self.time + self.dt)
     }
 
-    /// Conditions on a node, and the books of what pushed it: of few nodes, and so kept out of the loop over all.
-    #[inline(never)]
-    fn constrain(&self, n: usize, node: &mut Node<D>, pushed: Option<usize>, found: &mut Moved) {
+    /// A node that has got an impulse, before conditions act.
+    fn moment(&self, n: usize, node: &Node<D>, push: &[f64; D]) -> Moment<D> {
         let body = self.body;
-        let push = pushed.map_or([0.0; D], |at| body.pushes[at].1);
         let (force, kick) = (body.force(n), body.pace.kick);
-        // Before any force of the step acted, and after elements and the body force did.
         let tried: [f64; D] = std::array::from_fn(|d| node.velocity[d] - push[d] / node.mass);
         let start = std::array::from_fn(|d| tried[d] - kick * (force[d] / node.mass + body.acceleration[d]));
-        let mut point = MovingPoint {
+        let point = MovingPoint {
             position: node.position,
             mass: node.mass,
             start,
@@ -243,30 +277,70 @@ impl<const D: usize> Motion<'_, D> {
             depth: 0.0,
             tolerance: ROUNDING * body.spacing,
         };
+        Moment { start, tried, point }
+    }
+
+    /// What conditions make of the velocity of a point.
+    fn obey(&self, n: usize, point: &mut MovingPoint<D>, given: &mut Exchange) {
         for boundary in self.boundaries {
-            if let Some(extent) = body.extents.get(n).filter(|_| boundary.reacts()) {
+            if let Some(extent) = self.body.extents.get(n).filter(|_| boundary.reacts()) {
                 let size = match boundary.surface() {
                     Some((axis, ..)) => extent[axis],
                     None => extent.iter().sum::<f64>() / D as f64,
                 };
                 (point.depth, point.tolerance) = (0.5 * size, NEAR * size);
             }
-            boundary.hold(&mut point, (self.time, self.dt), &mut found.given);
+            boundary.hold(point, (self.time, self.dt), given);
         }
-        for prescribed in body.prescribed.iter().filter(|p| p.nodes.binary_search(&(n as u32)).is_ok()) {
+        for wanted in self.prescribed(n) {
             let before = point.velocity;
-            point.follow((prescribed.velocity)(self.time + 0.5 * self.dt));
-            point.book(before, &mut found.given);
+            point.follow(wanted);
+            point.book(before, given);
         }
+    }
+
+    /// The velocity that conditions would leave to a node as it is, and whether they alone move it, whatever pushes.
+    pub fn answer(&self, n: usize, node: &Node<D>) -> ([f64; D], bool) {
+        if !self.is_bound(n, node) {
+            return (node.velocity, false);
+        }
+        let push = self.pushed(n).map_or([0.0; D], Push::sum);
+        let mut point = self.moment(n, node, &push).point;
+        let mut held = [false; D];
+        for boundary in self.boundaries.iter().filter(|b| self.reaches(b, n, node)) {
+            let holds = boundary.holds(&point, (self.time, self.dt));
+            (0..D).for_each(|d| held[d] |= holds[d]);
+        }
+        for wanted in self.prescribed(n) {
+            (0..D).for_each(|d| held[d] |= wanted[d].is_some());
+        }
+        self.obey(n, &mut point, &mut Exchange::default());
+        (point.velocity, held == [true; D])
+    }
+
+    /// Conditions on a node, and the books of what pushed it: of few nodes, and so kept out of the loop over all.
+    #[inline(never)]
+    fn constrain(&self, n: usize, node: &mut Node<D>, pushed: Option<&Push<D>>, found: &mut Moved) {
+        let (body, kick) = (self.body, self.body.pace.kick);
+        let Push { given, touch, .. } =
+            *pushed.unwrap_or(&Push { node: 0, given: [0.0; D], touch: [0.0; D] });
+        let push = std::array::from_fn(|d| given[d] + touch[d]);
+        let Moment { start, tried, mut point } = self.moment(n, node, &push);
+        self.obey(n, &mut point, &mut found.given);
+        let (is_pushed, is_touched) = (given != [0.0; D], touch != [0.0; D]);
         for d in 0..D {
             let end = point.velocity[d];
-            if end != node.velocity[d] || pushed.is_some() {
-                node.held |= 1 << d;
+            if end != node.velocity[d] || is_pushed {
+                node.held |= Node::<D>::HELD << d;
+            } else if is_touched {
+                node.held |= Node::<D>::TOUCHED << d;
             }
-            let work = 0.5 * push[d] * (start[d] + end);
-            for sum in [&mut found.given, &mut found.pushed] {
-                sum.impulse[d] += push[d];
-                sum.work += work;
+            let mean = 0.5 * (start[d] + end);
+            for (sum, impulse) in
+                [(&mut found.given, given[d]), (&mut found.pushed, given[d]), (&mut found.touched, touch[d])]
+            {
+                sum.impulse[d] += impulse;
+                sum.work += impulse * mean;
             }
             // The body force was booked with the velocity tried.
             found.given.work += 0.5 * kick * node.mass * body.acceleration[d] * (end - tried[d]);

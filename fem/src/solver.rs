@@ -8,12 +8,15 @@ use impactite_scene::control::ControlError;
 use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Watcher};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, Embedding, Exchange, Finding, GainCause,
-    SceneError, Solver, StepError, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundary, CheckpointError, Clock, ContactPoint, Embedding, Exchange, Finding,
+    GainCause, PairContact, SceneError, Solver, StepError, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
+use mpm_contact::Pairs;
+use mpm_contact::mesh::MeshStep;
 
 use crate::body::{ElementBody, MeshBody, Prescribed};
+use crate::contact::Contacts;
 use crate::motion::Part;
 use crate::sweep::Scratch;
 
@@ -28,7 +31,8 @@ const HARDLY: f64 = 1e-6;
 
 /// Explicit finite elements in `D` dimensions.
 ///
-/// Bodies do not meet by themselves: a coupling gives them impulses in a [`Trial`].
+/// Bodies pass through each other unless told to touch ([`Fem::touch`]). What is no body of elements meets them by impulses that a
+/// coupling gives in a [`Trial`].
 pub struct Fem<const D: usize> {
     hoop: bool,
     space: &'static str,
@@ -36,6 +40,8 @@ pub struct Fem<const D: usize> {
     boundaries: Vec<Boundary<D>>,
     body_force: Option<BodyForce<D>>,
     pub(crate) team: Team,
+    /// Boxed, for most scenes have none.
+    contact: Option<Box<Contacts<D>>>,
     control: TimeControl,
     /// Most steps of the scene in one of a body.
     subcycles: u32,
@@ -58,6 +64,7 @@ impl<const D: usize> Fem<D> {
             boundaries: Vec::new(),
             body_force: None,
             team: Team::one(),
+            contact: None,
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
             subcycles: 1,
             clock: Clock::default(),
@@ -82,6 +89,7 @@ impl<const D: usize> Fem<D> {
         }
         body.forces_of_states(&self.team, &self.memory);
         self.bodies.push(body);
+        self.contact = self.contact.take().map(|contact| Box::new(contact.with(&self.bodies)));
         self.watcher.reopen();
         Ok(self.bodies.len() - 1)
     }
@@ -94,7 +102,74 @@ impl<const D: usize> Fem<D> {
         boundary
             .check_moving("with finite elements; take planes of symmetry, or the material point method")?;
         self.boundaries.push(boundary);
+        if let Some(contact) = &mut self.contact {
+            contact.forget();
+        }
         Ok(())
+    }
+
+    /// Let all bodies touch each other, those that are added later too, by a law or the laws of [`Pairs`]: nodes of each meet facets of the
+    /// others ([`mpm_contact::mesh`]; the [crate](crate#contact) says how). Bodies touch themselves only where asked
+    /// ([`Fem::touch_itself`]). Bars meet facets with their nodes, half their thickness away, and no other bars. Facets on planes of symmetry
+    /// meet nobody.
+    ///
+    /// # Errors
+    /// Laws that remember; a scene on a line; contact that there is.
+    pub fn touch(&mut self, laws: impl Into<Pairs<f64>>) -> Result<(), SceneError> {
+        let laws = laws.into();
+        let refuse = |what: &str, method: &str, why| {
+            Err(SceneError::NotWith { what: what.into(), method: method.into(), why })
+        };
+        if D == 1 {
+            return refuse(
+                "contact of bodies",
+                "elements on a line",
+                "bars have no facets: take two dimensions",
+            );
+        }
+        if laws.remembered_numbers() > 0 {
+            let why = "a node that slides changes its facet, and no memory follows it: take a law without (`Coulomb`)";
+            return refuse("a contact law that remembers", "contact of elements", why);
+        }
+        if self.contact.is_some() {
+            return refuse(
+                "contact of bodies",
+                "a scene that has it",
+                "give all laws at once (`Pairs::with`)",
+            );
+        }
+        self.contact = Some(Box::new(Contacts::new(laws, self.hoop).with(&self.bodies)));
+        Ok(())
+    }
+
+    /// Let a body touch itself too, by the law of its pair with itself ([`Pairs::with`]).
+    ///
+    /// # Errors
+    /// No contact ([`Fem::touch`]); a body that is not there, or without facets.
+    pub fn touch_itself(&mut self, body: usize) -> Result<(), SceneError> {
+        let Some(this) = self.bodies.get(body) else {
+            let allowed = "the number of a body of the scene";
+            return parameter(false, "contact with itself", "body", body as f64, allowed).map(|_| ());
+        };
+        let refuse = |why| {
+            let what = format!("contact of the body `{}` with itself", this.name);
+            Err(SceneError::NotWith { what, method: "contact of elements".into(), why })
+        };
+        if this.surface.is_empty() {
+            return refuse("bars have no facets");
+        }
+        match self.contact.take() {
+            None => refuse("there are no laws: ask for contact (`Fem::touch`) before"),
+            Some(contact) => {
+                self.contact = Some(Box::new(contact.within(body)));
+                Ok(())
+            }
+        }
+    }
+
+    /// What contact did in the last step, as it was found: positions are those at its start. None without contact.
+    pub fn last_contact(&self) -> Option<&MeshStep> {
+        self.contact.as_ref().map(|contact| contact.last())
     }
 
     /// Prescribe the velocity of a named set of nodes of a body, m/s over time, taken at the middle of each step; it acts after the
@@ -141,7 +216,8 @@ impl<const D: usize> Fem<D> {
     }
 
     /// Let bodies whose stable step is longer make one step for 2, 4 .. at most `most` steps of the scene: their elements are strained
-    /// once in those. Mass and momentum are kept to rounding. 1, the default, switches that off.
+    /// once in those. Mass and momentum are kept to rounding. 1, the default, switches that off. Bodies meet in every step of the scene:
+    /// where one that makes a longer step is touched, its nodes get impulses within that.
     ///
     /// # Errors
     /// Zero.
@@ -214,7 +290,7 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// End the step that was begun: conditions, positions, stresses, forces and books.
+    /// End the step that was begun: contact of the bodies with the velocities that others left, conditions, positions, stresses, forces and books.
     ///
     /// # Errors
     /// Names body, element or node, position and cause of what stopped it; no step that was begun.
@@ -281,8 +357,11 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// Positions, strains, forces and books.
+    /// Contact, positions, strains, forces and books.
     fn end_step(&mut self, dt: f64) -> Result<(), StepError> {
+        if let Some(contact) = &mut self.contact {
+            contact.meet(&mut self.bodies, &self.boundaries, (&self.clock, dt), &self.team)?;
+        }
         let ratios = self.ratios();
         for (body, &ratio) in self.bodies.iter_mut().zip(&ratios) {
             let team = if body.elements < SMALL { &Team::one() } else { &self.team };
@@ -299,7 +378,7 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
-    /// A step of bodies alone. What makes them meet would give impulses to the [`Trial`].
+    /// A step without others that would give impulses in the [`Trial`].
     fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
         let dt = self.clock.step_within(self.next_time_step(), left)?;
         self.trial(dt)?.finish()?;
@@ -377,7 +456,7 @@ impl<const D: usize> Trial<'_, D> {
     pub fn body_mut(&mut self, number: usize) -> &mut ElementBody<D> {
         &mut self.fem.bodies[number]
     }
-    /// Conditions, positions, stresses, forces and books of the end of the step.
+    /// Contact of the bodies, conditions, positions, stresses, forces and books of the end of the step.
     ///
     /// # Errors
     /// Names body, element or node, position and cause of what stopped it.
@@ -417,7 +496,8 @@ impl<const D: usize> Solver for Fem<D> {
         self.bodies.iter().map(|b| b as &dyn Body).collect()
     }
     fn exchange(&self) -> Exchange {
-        self.bodies.iter().fold(Exchange::default(), |sum, body| sum.plus(&body.exchange()))
+        let contact = self.contact.as_ref().map(|contact| contact.exchange(&self.bodies));
+        self.bodies.iter().fold(contact.unwrap_or_default(), |sum, body| sum.plus(&body.given()))
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.same("number of bodies", &self.bodies.len().to_string())?;
@@ -432,6 +512,10 @@ impl<const D: usize> Solver for Fem<D> {
         }
         for body in &mut self.bodies {
             body.archive(file)?;
+        }
+        file.same("contact of bodies", if self.contact.is_some() { "some" } else { "none" })?;
+        if let Some(contact) = &mut self.contact {
+            contact.archive(file)?;
         }
         self.watcher.archive(file)
     }
@@ -451,10 +535,16 @@ impl<const D: usize> Solver for Fem<D> {
     fn account(&self) -> Account {
         self.watcher.account(&self.totals(), &Solver::exchange(self), self.hoop)
     }
+    fn contacts(&self) -> Vec<PairContact> {
+        self.contact.as_ref().map_or(Vec::new(), |contact| contact.pairs())
+    }
+    fn contact_points(&self) -> Vec<ContactPoint> {
+        self.contact.as_ref().map_or(Vec::new(), |contact| contact.places().to_vec())
+    }
     fn moving_points(&self) -> usize {
         self.bodies.iter().map(|b| b.elements - b.eroded.elements as usize).sum()
     }
     fn bytes(&self) -> usize {
-        self.bodies.iter().map(Body::bytes).sum()
+        self.bodies.iter().map(Body::bytes).sum::<usize>() + self.contact.as_ref().map_or(0, |c| c.bytes())
     }
 }

@@ -2,7 +2,7 @@
 
 use impactite_scene::{Archive, Body, CheckpointError, PointView, Totals};
 
-use crate::body::ElementBody;
+use crate::body::{ElementBody, Node};
 use crate::set::{Set, wide};
 use crate::sweep::Batch;
 
@@ -16,7 +16,7 @@ impl<const D: usize> ElementBody<D> {
             sum.add_point(node.mass, &node.position, &node.velocity);
             if lag != 0.0 {
                 let force = self.force(n);
-                for d in (0..D).filter(|d| node.held >> d & 1 == 0) {
+                for d in (0..D).filter(|&d| node.is_free(d)) {
                     sum.kinetic += lag * node.velocity[d] * force[d];
                 }
             }
@@ -25,12 +25,13 @@ impl<const D: usize> ElementBody<D> {
         sum
     }
 
-    /// Work that what held nodes in the last step did since the time of their velocities, J: elements are strained that far.
-    pub(crate) fn work_to_come(&self) -> f64 {
+    /// Work that what moved nodes in the last step (in the directions that `holds` says) did since the time of their velocities, J:
+    /// elements are strained that far.
+    pub(crate) fn work_to_come(&self, holds: impl Fn(&Node<D>, usize) -> bool) -> f64 {
         let (mut sum, lag) = (0.0, self.pace.lag());
         for (n, node) in self.nodes.iter().enumerate().filter(|(_, node)| node.held != 0) {
             let force = self.force(n);
-            for d in (0..D).filter(|d| node.held >> d & 1 == 1) {
+            for d in (0..D).filter(|&d| holds(node, d)) {
                 sum -= lag * node.velocity[d] * force[d];
             }
         }
@@ -130,7 +131,7 @@ impl<const D: usize> ElementBody<D> {
         for node in &mut self.nodes {
             file.reals(node.position.iter_mut().chain(&mut node.velocity).chain([&mut node.mass]))?;
             let mut held = u32::from(node.held);
-            file.index(&mut held, 8)?;
+            file.index(&mut held, 64)?;
             node.held = held as u8;
         }
         for set in &mut self.sets {
@@ -148,6 +149,7 @@ impl<const D: usize> ElementBody<D> {
         file.word(&mut self.revision)?;
         self.exchange.archive(file)?;
         self.pushed.archive(file)?;
+        self.touched.archive(file)?;
         if file.reads() {
             self.pushes.clear();
             self.find_surface();

@@ -99,6 +99,13 @@ impl<const D: usize> Boundary<D> {
         }
         p.book(before, given);
     }
+
+    /// The directions in which it alone moves a point in the step from `time` by `dt`, s, whatever else pushes that. None of walls, which
+    /// let go.
+    #[must_use]
+    pub fn holds(&self, p: &MovingPoint<D>, step: (f64, f64)) -> [bool; D] {
+        if self.is_wall() { [false; D] } else { self.react(&p.place(step)).held }
+    }
 }
 
 impl<const D: usize> MovingPoint<D> {
@@ -149,5 +156,46 @@ impl<const D: usize> MovingPoint<D> {
         given.work += reaction.work();
         given.friction += reaction.heat;
         given.impacts += taken;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use impactite_geometry::Cuboid;
+
+    use super::*;
+    use crate::condition::Side;
+
+    #[test]
+    fn what_alone_moves_a_point_is_known() {
+        let region = Arc::new(Cuboid::new([-1.0, -1.0], [1.0, 1.0]).expect("a box"));
+        let velocity: crate::boundary::VelocityHistory = Arc::new(|_| [None, Some(2.0), None]);
+        let plane = (0, 0.0, Side::Above);
+        let (axis, at, side) = plane;
+        let wall = Boundary::Wall { axis, at, side, velocity: 0.0 };
+        let rough = Boundary::FrictionWall { axis, at, side, velocity: [0.0; 2], friction: 10.0 };
+        for (boundary, on, off) in [
+            (Boundary::Symmetry { axis, at, side }, [true, false], [false; 2]),
+            (Boundary::Fixed { axis, at, side }, [true; 2], [false; 2]),
+            (Boundary::Prescribed { region, velocity }, [false, true], [false; 2]),
+            // They let go.
+            (wall, [false; 2], [false; 2]),
+            (rough, [false; 2], [false; 2]),
+        ] {
+            for (x, wanted) in [(0.0, on), (3.0, off)] {
+                let point = MovingPoint {
+                    position: [x, 0.5],
+                    mass: 1.0,
+                    start: [-1.0, 0.1],
+                    velocity: [-1.0, 0.1],
+                    size: 1.0,
+                    depth: 0.5,
+                    tolerance: 1e-6,
+                };
+                assert_eq!(boundary.holds(&point, (0.0, 0.1)), wanted, "{boundary:?} at {x}");
+            }
+        }
     }
 }

@@ -17,6 +17,11 @@ pub fn random(seed: u64, place: u64) -> f64 {
     (z >> 11) as f64 / (1u64 << 52) as f64 - 1.0
 }
 
+/// Relative distance.
+pub fn off(value: f64, wanted: f64) -> f64 {
+    (value / wanted - 1.0).abs()
+}
+
 /// `counts` boxes between two corners, cut into elements of a kind, with the sets `low x`, `high x` and so on.
 pub fn mesh<const D: usize>(
     kind: ElementKind,
@@ -86,6 +91,33 @@ pub fn distorted<const D: usize>(mut mesh: ElementMesh<D>, part: f64, spacing: f
         }
     }
     mesh
+}
+
+/// A ball of radius `r` on the origin, around the axis: a square bent to a disc, fine at the pole below.
+pub fn ball(r: f64, fine: f64, growth: f64) -> ElementMesh<2> {
+    let graded = |length: f64| {
+        let (mut list, mut step) = (vec![0.0], fine);
+        while list[list.len() - 1] < length {
+            list.push(list[list.len() - 1] + step);
+            step *= growth;
+        }
+        let last = list[list.len() - 1];
+        list.iter().map(|x| x / last).collect::<Vec<f64>>()
+    };
+    let (xs, ys) = (graded(r), graded(2.0 * r));
+    let (mut nodes, mut list) = (Vec::new(), Vec::new());
+    for (j, y) in ys.iter().enumerate() {
+        for (i, x) in xs.iter().enumerate() {
+            let y = 2.0 * y - 1.0;
+            nodes.push([r * x * (1.0 - 0.5 * y * y).sqrt(), r * (1.0 + y * (1.0 - 0.5 * x * x).sqrt())]);
+            if i + 1 < xs.len() && j + 1 < ys.len() {
+                let n = j * xs.len() + i;
+                list.extend([n, n + 1, n + 1 + xs.len(), n + xs.len()].map(|n| n as u32));
+            }
+        }
+    }
+    let block = ElementBlock { name: "ball".into(), kind: ElementKind::Quad4, nodes: list };
+    ElementMesh { nodes, blocks: vec![block], ..ElementMesh::default() }
 }
 
 pub fn elastic(density: f64, young: f64, poisson: f64) -> LinearElastic<f64> {

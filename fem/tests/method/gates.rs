@@ -2,17 +2,11 @@
 
 use fem::{Fem, Hourglass, MeshBody, Technology};
 use impactite_geometry::ElementKind::{self, Bar2, Hexa8, Quad4, Tetra4, Triangle3};
-use impactite_geometry::{ElementBlock, ElementMesh};
 use impactite_scene::{Axisymmetric, Body, Boundary, Embedding, FullSpace, Line, PlaneStrain, Side, Solver};
 
-use crate::common::{copper_fluid, elastic, flowing, mesh};
+use crate::common::{ball, copper_fluid, elastic, flowing, mesh, off};
 
 const SPRINGS: Technology = Technology::OnePoint(Hourglass::Stiffness(0.05));
-
-/// Relative distance.
-fn off(value: f64, wanted: f64) -> f64 {
-    (value / wanted - 1.0).abs()
-}
 
 /// A: a bar runs onto a rigid wall. Returns mean stress behind the front, time of contact, rebound speed and the part of the
 /// energy that stays.
@@ -260,33 +254,6 @@ fn f_ring_stops_where_its_work_is_done() {
         assert!(off(time, when) < 0.01, "{time}");
         assert!(fem.account().energy_error().abs() < 1e-3, "{:?}", fem.account());
     }
-}
-
-/// A ball of radius `r` on the origin, around the axis: a square bent to a disc, fine at the pole below.
-fn ball(r: f64, fine: f64, growth: f64) -> ElementMesh<2> {
-    let graded = |length: f64| {
-        let (mut list, mut step) = (vec![0.0], fine);
-        while list[list.len() - 1] < length {
-            list.push(list[list.len() - 1] + step);
-            step *= growth;
-        }
-        let last = list[list.len() - 1];
-        list.iter().map(|x| x / last).collect::<Vec<f64>>()
-    };
-    let (xs, ys) = (graded(r), graded(2.0 * r));
-    let (mut nodes, mut list) = (Vec::new(), Vec::new());
-    for (j, y) in ys.iter().enumerate() {
-        for (i, x) in xs.iter().enumerate() {
-            let y = 2.0 * y - 1.0;
-            nodes.push([r * x * (1.0 - 0.5 * y * y).sqrt(), r * (1.0 + y * (1.0 - 0.5 * x * x).sqrt())]);
-            if i + 1 < xs.len() && j + 1 < ys.len() {
-                let n = j * xs.len() + i;
-                list.extend([n, n + 1, n + 1 + xs.len(), n + xs.len()].map(|n| n as u32));
-            }
-        }
-    }
-    let block = ElementBlock { name: "ball".into(), kind: Quad4, nodes: list };
-    ElementMesh { nodes, blocks: vec![block], ..ElementMesh::default() }
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Finite elements against closed solutions, plain references, and what every solver must do.
 
 mod common;
+mod contact;
 mod elements;
 mod erosion;
 mod gates;

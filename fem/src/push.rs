@@ -1,0 +1,33 @@
+//! Impulses on nodes within a step.
+
+/// Impulses on a node in the present step, N s.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Push<const D: usize> {
+    pub node: u32,
+    /// Of others.
+    pub given: [f64; D],
+    /// Of contact in the scene.
+    pub touch: [f64; D],
+}
+
+impl<const D: usize> Push<D> {
+    /// All of it.
+    pub fn sum(&self) -> [f64; D] {
+        std::array::from_fn(|d| self.given[d] + self.touch[d])
+    }
+}
+
+/// Put them in the order of nodes, each of which comes once then.
+pub(crate) fn merge<const D: usize>(pushes: &mut Vec<Push<D>>) {
+    pushes.sort_by_key(|push| push.node);
+    pushes.dedup_by(|next, sum| {
+        let same = next.node == sum.node;
+        if same {
+            for d in 0..D {
+                sum.given[d] += next.given[d];
+                sum.touch[d] += next.touch[d];
+            }
+        }
+        same
+    });
+}
