@@ -59,6 +59,12 @@ scenes! {
     shocks_are_strong: "T26n" "T26" "T26h";
     /// Ties and threads.
     ties_and_threads: "T29" "T30";
+    /// Finite elements.
+    elements_fold_and_lock_and_turn: "E1" "T11e" "T14e";
+    /// Finite elements that touch.
+    elements_touch: "E2";
+    /// Finite elements among particles.
+    facets_are_coarse: "T23";
 }
 
 /// A scene that nothing fails proves nothing.

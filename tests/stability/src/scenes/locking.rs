@@ -12,13 +12,15 @@ use verification::scene::block;
 use crate::stage::{ApicUsl, Cubic, FlipMusl, Gimp, Linear, Quadratic, cells, particles, text, tl, ul};
 use crate::verdict::{Limit, Measured, Scene, Size, Stop};
 
-const LENGTH: usize = 32;
-const THICK: usize = 4;
+/// Length of the beam, cells.
+pub(super) const LENGTH: usize = 32;
+/// Its thickness, cells.
+pub(super) const THICK: usize = 4;
 /// First root of cos b cosh b = 1.
 const ROOT: f64 = 4.730_041;
 
 /// Deflection of the first mode of a free beam of length 1.
-fn shape(x: f64) -> f64 {
+pub(super) fn shape(x: f64) -> f64 {
     let b = ROOT;
     let sigma = (b.cosh() - b.cos()) / (b.sinh() - b.sin());
     (b * x).cosh() + (b * x).cos() - sigma * ((b * x).sinh() + (b * x).sin())
@@ -26,7 +28,7 @@ fn shape(x: f64) -> f64 {
 
 /// Circular frequency of that mode, 1/s, of a beam in plane strain, E = rho = 1: Euler's with what shear and turning
 /// take from it (Timoshenko, first order in (thickness / length)^2).
-fn frequency(nu: f64) -> f64 {
+pub(super) fn frequency(nu: f64) -> f64 {
     let (l, t) = (LENGTH as f64, THICK as f64);
     let modulus = 1.0 / (1.0 - nu * nu);
     let shear = 0.5 / (1.0 + nu);
