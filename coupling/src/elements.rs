@@ -167,6 +167,11 @@ impl<const D: usize> Body for Elements<D> {
     fn totals(&self) -> Totals {
         Solver::totals(&self.fem)
     }
+    fn given_by_others(&self) -> Option<Exchange> {
+        let mut sum = Exchange::default();
+        self.fem.element_bodies().iter().for_each(|body| sum.add(&body.pushed()));
+        Some(sum)
+    }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         let mut before = 0;
         for body in self.fem.element_bodies() {

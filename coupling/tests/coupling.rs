@@ -97,6 +97,11 @@ fn what_elements_give_the_particles_get() {
                 least = least.min(mpm.bodies()[1].totals().kinetic / own.kinetic);
             }
             let after = mpm.bodies()[1].totals();
+            let given = mpm.bodies()[1].given_by_others().expect("elements keep that").impulse;
+            for d in 0..2 {
+                let error = (after.momentum[d] - own.momentum[d] - given[d]).abs();
+                assert!(error < 1e-12 * start.momentum_scale, "{way:?} {size}: given {error:e}");
+            }
             assert!(after.momentum[1] > 0.7 * own.momentum[1], "{way:?} {size}: {after:?}");
             assert!(after.momentum[0] < 0.99 * own.momentum[0], "{way:?} {size}: friction");
             let account = mpm.account();
@@ -121,6 +126,26 @@ fn surfaces_go_with_any_method() {
     assert!((now.momentum[1] - start.momentum[1]).abs() < 1e-12 * start.momentum_scale);
     // What AFLIP loses of an impact.
     assert!(mpm.account().energy_error().abs() < 0.25, "{:?}", mpm.account());
+}
+
+/// A last step of nothing would mend depths at any speed.
+#[test]
+fn the_last_two_steps_to_an_end_share_what_is_left() {
+    for maps_together in [true, false] {
+        let mut mpm = match maps_together {
+            true => meeting(Way::Surface, 1.0, Method::contact_at_rest(PlaneStrain)),
+            false => meeting(Way::Surface, 1.0, flip()),
+        };
+        let mut last = f64::INFINITY;
+        for n in 1..30 {
+            let end = 1.9e-3 * f64::from(n);
+            while !mpm.reached(end) {
+                let dt = mpm.step_towards(end).expect("step");
+                assert!(dt > 0.3 * last.min(1.9e-3), "a step of {dt:e} after one of {last:e}");
+                last = dt;
+            }
+        }
+    }
 }
 
 /// No particle is in the elements, whatever their size.

@@ -22,6 +22,8 @@
 //! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
 //! | `debris_cloud` | a lead sphere through a lead plate: the cloud, seeded and split |
 //! | `tnt_cased` | TNT in copper, cylinder and cube: speed of the case |
+//! | `gate_flow` | water behind an elastic gate that opens: its tip, statics against beams, a dam break against experiment |
+//! | `wedge_entry` | a wedge enters water, elements of one to eight cells: what comes through, forces against theory |
 //! | `validation` | runs all cases and writes docs/validation.md |
 //! | `throughput` | particle updates a second on fixed scenes |
 //!
@@ -32,21 +34,27 @@ pub mod blocks;
 pub mod case;
 pub mod check;
 mod detection;
-mod elements;
 mod heap;
+mod immersed;
 mod law;
 pub mod machine;
+mod meeting;
 pub mod methods;
 mod ogive;
+mod outline;
 pub mod peers;
 mod restart;
 pub mod throughput;
+mod water;
 
 pub use case::{CaseError, Common, Report, Resolution, Totals, largest, within, worst};
 pub use check::{Check, NotJudged};
 pub use detection::{Detection, Detector, Normals};
-pub use elements::Coupling;
 pub use heap::Heap;
+pub use immersed::immersed;
 pub use law::Law;
+pub use meeting::Coupling;
 pub use ogive::Ogive;
+pub use outline::{Inside, Outline};
 pub use restart::{Restart, Simulation};
+pub use water::{Transfer, Water, WaterState};

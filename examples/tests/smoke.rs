@@ -471,6 +471,63 @@ fn slope_failure() {
 }
 
 #[test]
+fn gate_flow() {
+    // What is in the gate (twice), mass, momentum, energy; the same, pressure and density at rest; fronts, their clock moved, speed, books.
+    let value = smoke!(
+        gate_flow,
+        only(5 + 7 + 15 + 2 + 3),
+        [
+            "water_elastic_surface_10.png",
+            "tip_elastic_surface_10.png",
+            "tip_elastic_surface_10.csv",
+            "tip_stiff_surface_10.csv",
+            "front_none_20.csv",
+            "front_none_20.png"
+        ]
+    );
+    // The gate opens, and half of a tenth of the water is through.
+    assert!(of(&value, |name| name.starts_with("elastic") && name.contains("way of the tip across")) > 30.0);
+    assert!(of(&value, |name| name.contains("water through")) > 0.05);
+}
+
+#[test]
+fn wedge_entry() {
+    // What is in the wedge (twice) and the energy, for elements of four sizes; forces of all of them alike; momentum.
+    smoke!(
+        wedge_entry,
+        only(3 * 4 + 2),
+        [
+            "pressure.png",
+            "force.png",
+            "profile.png",
+            "force_rigid_surface_1.csv",
+            "force_rigid_surface_8.csv"
+        ]
+    );
+}
+
+/// Through elements on the grid that are wider than cells particles slip; through their surface none does, elastic or not (above).
+#[test]
+fn wedge_entry_leaks_on_the_grid() {
+    let program = env!("CARGO_BIN_EXE_wedge_entry");
+    let ran = |name: &str, options: &[&str]| {
+        let output = run(program, &[&["--resolution", "smoke", "--json"], options].concat(), name);
+        std::fs::remove_dir_all(folder(name)).expect("removed");
+        result(&output, "wedge_entry")
+    };
+    let value = ran("leaks", &["--coupling", "grid"]);
+    let inside = |edge: &str| {
+        of(&value, |name| name == format!("rigid_grid_{edge}: particles with their centre in the wedge"))
+    };
+    assert_eq!(inside("1"), 0.0);
+    assert!(inside("4") > 10.0 && inside("8") > 10.0, "{} {}", inside("4"), inside("8"));
+    // No row is missed: none is in the surface of four sizes.
+    let value = ran("elastic", &["--elastic", "--young", "5"]);
+    assert_eq!(value["missed"], 0);
+    assert!(of(&value, |name| name == "elastic_surface_1: keel bent up by") > 1.0, "it bends");
+}
+
+#[test]
 fn pressed_balls() {
     smoke!(pressed_balls, only(5), ["waves.png", "reaction.png", "reaction.csv", "paraview/balls.pvd"]);
 }

@@ -1,6 +1,6 @@
 //! A body as others see it: points are its elements, and nodes for the mass of elements that left.
 
-use impactite_scene::{Archive, Body, CheckpointError, PointView, Totals};
+use impactite_scene::{Archive, Body, CheckpointError, Exchange, PointView, Totals};
 
 use crate::body::{ElementBody, Node};
 use crate::set::{Set, wide};
@@ -175,6 +175,9 @@ impl<const D: usize> Body for ElementBody<D> {
     }
     fn totals(&self) -> Totals {
         ElementBody::totals(self)
+    }
+    fn given_by_others(&self) -> Option<Exchange> {
+        Some(self.pushed)
     }
     /// Elements, by kind and in the order they are computed in, with means over their integration points and nodes; then nodes with the
     /// mass of elements that left, with numbers beyond those of the elements, without stress.

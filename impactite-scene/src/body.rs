@@ -1,5 +1,7 @@
 //! Bodies as the run loop and observers see them, whatever their method.
 
+use crate::balance::Exchange;
+
 /// Sums over the points of a body or a scene. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Totals {
@@ -136,6 +138,11 @@ pub trait Body {
     fn state_names(&self) -> Vec<String>;
     /// Sums over its points.
     fn totals(&self) -> Totals;
+    /// What other bodies gave to it since the start, where it keeps that: elements, which particles push, do; a force is the change of that
+    /// impulse over time.
+    fn given_by_others(&self) -> Option<Exchange> {
+        None
+    }
     /// Call `visit` for every point, in an order that depends on nothing but the scene.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView));
     /// All points, by number.

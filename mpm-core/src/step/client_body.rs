@@ -179,6 +179,9 @@ impl<T: Float, const D: usize> Body for ClientBody<T, D> {
     fn totals(&self) -> Totals {
         self.client.totals()
     }
+    fn given_by_others(&self) -> Option<Exchange> {
+        self.client.given_by_others()
+    }
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
         self.client.for_each(visit);
     }

@@ -4,7 +4,6 @@ use std::f64::consts::FRAC_PI_2;
 
 use examples::CaseError;
 use fem::{Fem, MeshBody};
-use mpm_contact::Coulomb;
 use mpm_core::geometry::{ElementMesh, Seeds};
 use mpm_core::{Axisymmetric, Boundary, FullSpace, Mpm, Rigid, Side};
 use mpm_materials::{LinearElastic, Moduli};
@@ -81,7 +80,7 @@ impl<const D: usize> RodOf<D> {
                 for plane in self.planes() {
                     fem.bound(plane)?;
                 }
-                mpm.add_client(setup.coupling.of(fem, Coulomb::new(setup.friction)?)?)?;
+                mpm.add_client(setup.coupling.elements(fem, setup.friction)?)?;
             }
         }
         Ok(())

@@ -48,6 +48,6 @@ fn elements(
     let mut fem = Fem::new(FullSpace);
     fem.add(MeshBody::new("rod", mesh, steel()?).moving(move |_| velocity))?;
     fem.bound(symmetry())?;
-    mpm.add_client(setup.coupling.of(fem, mpm_contact::Coulomb::new(setup.friction)?)?)?;
+    mpm.add_client(setup.coupling.elements(fem, setup.friction)?)?;
     Ok(from_tail)
 }

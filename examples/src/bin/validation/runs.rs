@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 19] = [
+pub const CASES: [&str; 21] = [
     "taylor_bar",
     "taylor_copper",
     "elastic_bar",
@@ -23,6 +23,8 @@ pub const CASES: [&str; 19] = [
     "tungsten_bullet",
     "granular_column",
     "slope_failure",
+    "gate_flow",
+    "wedge_entry",
     "ring_collision",
     "bouncing_blocks",
     "rolling_cylinder",

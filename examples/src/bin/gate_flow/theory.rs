@@ -1,0 +1,67 @@
+//! What a gate under water and a column of water do, by beams and by experiment.
+
+use std::f64::consts::PI;
+
+use examples::Water;
+
+use crate::setup::{GATE, GRAVITY, RUBBER, Setup, WATER};
+
+/// A cantilever in plane strain, clamped at its upper end.
+#[derive(Clone, Copy, Debug)]
+pub struct Beam {
+    /// Bending stiffness E t^3 / (12 (1 - nu^2)), N m.
+    bending: f64,
+    /// Stiffness against shear 5/6 G t, N/m.
+    shear: f64,
+    /// Mass a length, kg/m^2.
+    mass: f64,
+}
+
+impl Beam {
+    /// The gate.
+    pub fn of(setup: &Setup) -> Self {
+        let (young, poisson, [_, thickness]) = (setup.young(), setup.poisson, GATE);
+        Beam {
+            bending: young * thickness.powi(3) / (12.0 * (1.0 - poisson.powi(2))),
+            shear: 5.0 / 6.0 * young / (2.0 * (1.0 + poisson)) * thickness,
+            mass: setup.scale() * RUBBER * thickness,
+        }
+    }
+
+    /// How far its free end is bent by water at rest, m (Timoshenko): the load grows from rho g (H - L) at the clamp by rho g L to the end.
+    pub fn bend(&self) -> f64 {
+        let ([length, _], weight) = (GATE, Water::DENSITY * GRAVITY);
+        let (even, rising) = (weight * (WATER[1] - length), weight * length);
+        let bending = (even / 8.0 + rising * 11.0 / 120.0) * length.powi(4) / self.bending;
+        bending + (even / 2.0 + rising / 3.0) * length.powi(2) / self.shear
+    }
+
+    /// Period of its first mode in air, s: the root 1.8751 of cos(x) cosh(x) = -1 (Euler and Bernoulli).
+    pub fn period(&self) -> f64 {
+        2.0 * PI * (GATE[0] / 1.875_104_068_7).powi(2) * (self.mass / self.bending).sqrt()
+    }
+}
+
+/// Force of water at rest on gate and wall, N/m.
+pub fn hydrostatic() -> f64 {
+    0.5 * Water::DENSITY * GRAVITY * WATER[1].powi(2)
+}
+
+/// Front of the column of water, experiment \[MartinMoyce1952\], a = 57.15 mm, height 2 a: times T = t sqrt(2 g / a), places Z = x / a.
+pub const FRONT: [[f64; 2]; 15] = [
+    [0.41, 1.11],
+    [0.84, 1.22],
+    [1.19, 1.44],
+    [1.43, 1.67],
+    [1.63, 1.89],
+    [1.83, 2.11],
+    [1.98, 2.33],
+    [2.20, 2.56],
+    [2.32, 2.78],
+    [2.51, 3.00],
+    [2.65, 3.22],
+    [2.83, 3.44],
+    [2.98, 3.67],
+    [3.11, 3.89],
+    [3.33, 4.11],
+];

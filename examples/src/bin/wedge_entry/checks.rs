@@ -1,0 +1,107 @@
+//! What the runs are held against.
+
+use examples::{Check, Coupling, largest, worst};
+
+use crate::scene::Outcome;
+use crate::theory::{SIMILARITY, von_karman, wagner};
+
+/// Impulses of thousands of steps are rounded by 1e-16 each.
+const MOMENTUM: f64 = 1e-12;
+/// Of a distance of particles: what contact lets a particle sink in.
+const DEPTH: f64 = 0.05;
+/// Within which the force does not depend on the size of elements of a rigid wedge.
+const ALIKE: f64 = 0.02;
+/// From this many cells in the wetted half breadth on at the middle of a run the force is not that of the first cells.
+const RESOLVED: f64 = 8.0;
+/// Of the work of the wedge.
+const GAIN: f64 = 0.01;
+/// The angle that the similarity solution is of, radians.
+const KNOWN: f64 = std::f64::consts::FRAC_PI_6;
+
+/// Of runs that differ in the size of elements.
+pub fn of(outcomes: &[Outcome]) -> Vec<Check> {
+    let mut checks: Vec<Check> = outcomes.iter().flat_map(of_one).collect();
+    let rigid: Vec<f64> = outcomes
+        .iter()
+        .filter(|o| o.setup.young.is_none() && meets_surfaces(o))
+        .map(Outcome::factor)
+        .collect();
+    if let [first, rest @ ..] = &rigid[..]
+        && !rest.is_empty()
+    {
+        let apart = largest(rest.iter().map(|factor| (factor / first - 1.0).abs()));
+        checks.push(Check::at_most(
+            "force, elements of other sizes",
+            apart,
+            "-",
+            ALIKE,
+            "a rigid wedge has none",
+        ));
+    }
+    let momentum = worst(outcomes.iter().map(|o| o.totals.momentum_error));
+    checks.push(Check::gate("momentum error", momentum, "-", 0.0, MOMENTUM, "conservation"));
+    checks
+}
+
+fn meets_surfaces(outcome: &Outcome) -> bool {
+    outcome.setup.coupling == Coupling::Surface
+}
+
+fn of_one(outcome: &Outcome) -> Vec<Check> {
+    let setup = &outcome.setup;
+    let of = |what: &str| format!("{}: {what}", setup.name());
+    let (count, depth) =
+        (of("particles with their centre in the wedge"), of("deepest particle, of its size"));
+    let (inside, deepest) = (outcome.inside() as f64, outcome.depth());
+    let mut checks = if meets_surfaces(outcome) {
+        vec![
+            Check::at_most(count, inside, "-", 0.0, "contact"),
+            Check::at_most(depth, deepest, "-", DEPTH, "contact"),
+        ]
+    } else {
+        let source = "nodes further apart than those of the grid let particles through";
+        vec![
+            Check::unreferenced(count, inside, "-", source),
+            Check::unreferenced(depth, deepest, "-", source),
+        ]
+    };
+    checks.extend(forces(outcome));
+    let [lost, gained] = outcome.energy_errors();
+    checks.extend([
+        Check::at_most(of("energy gained, of the work of the wedge"), gained, "-", GAIN, "conservation"),
+        Check::unreferenced(of("energy taken by the method, of the work"), lost, "-", "APIC, contact"),
+    ]);
+    checks
+}
+
+/// Force and pressure.
+fn forces(outcome: &Outcome) -> Vec<Check> {
+    let setup = &outcome.setup;
+    let of = |what: &str| format!("{}: {what}", setup.name());
+    let (factor, name) = (outcome.factor(), of("F / (rho V^3 t)"));
+    let pressure = largest(outcome.pressures.iter().map(|[_, pressure]| *pressure));
+    if setup.young.is_some() {
+        let bend = largest(outcome.rows.iter().map(|r| r.bend));
+        return vec![
+            Check::unreferenced(name, factor, "-", "an elastic wedge"),
+            Check::unreferenced(of("keel bent up by"), 1e3 * bend, "mm", "an elastic wedge"),
+        ];
+    }
+    let resolved = 0.5 * setup.wetted * f64::from(setup.cells) >= RESOLVED;
+    let judged = |check: Check| {
+        let check = check.judged_if(resolved, "the wetted breadth is a few cells wide");
+        let leaks = !meets_surfaces(outcome) && setup.edge > 1.0;
+        check.judged_if(!leaks, "elements on the grid that are wider than cells leak")
+    };
+    let mut checks = vec![
+        judged(Check::at_least(name.clone(), factor, "-", von_karman(setup), "no rise of the surface [C]")),
+        judged(Check::at_most(name.clone(), factor, "-", wagner(setup), "a flat wedge, Wagner [C]")),
+    ];
+    if (setup.deadrise - KNOWN).abs() < 1e-9 {
+        let source = "similarity solution, Zhao and Faltinsen 1993";
+        checks.push(Check::remembered(name, factor, "-", SIMILARITY[0], source));
+        let name = of("largest pressure over rho V^2 / 2");
+        checks.push(Check::remembered(name, pressure, "-", SIMILARITY[1], source));
+    }
+    checks
+}

@@ -1,0 +1,91 @@
+//! Pictures and charts.
+
+use std::path::Path;
+
+use examples::{CaseError, immersed};
+use mpm_core::output::History;
+use mpm_core::output::picture::{
+    Axis, Chart, ColourMap, FieldPicture, Panels, Picture, Quantity, Series, Stroke, palette,
+};
+
+use crate::scene::Outcome;
+use crate::setup::HALF;
+use crate::theory::{SIMILARITY, von_karman, wagner};
+
+/// The water beside the wedges at the end, by pressure.
+pub fn pressure(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
+    let mut panels = Panels::new(2);
+    for outcome in outcomes {
+        let setup = &outcome.setup;
+        let most = SIMILARITY[1] * setup.stagnation();
+        let pressure = Quantity::scalar("pressure")
+            .label("pressure")
+            .unit("kPa", 1e-3)
+            .range(0.0, most)
+            .map(ColourMap::Viridis);
+        let sunk = setup.speed * setup.end();
+        let picture = FieldPicture::new(640, 420)
+            .colour_by(pressure)
+            .axes("x", "y")
+            .bounds([0.0, -sunk - 0.35 * HALF], [1.2 * HALF, setup.height() - sunk + 0.05 * HALF])
+            .draw(&immersed(&outcome.snapshot, 0.25 * setup.spacing(), "pressure")?)?;
+        let name = format!("{}: {} particles inside", setup.name().replace('_', ", "), outcome.inside());
+        panels = panels.panel(name, picture);
+    }
+    Ok(panels.compose()?)
+}
+
+/// Force over rho V^3 t over time, a line a run, beside theory.
+pub fn forces(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
+    let mut chart = Chart::new(860, 520)
+        .x(Axis::new("time").unit("ms", 1e3))
+        .y(Axis::new("F / (rho V^3 t)").range(0.0, 40.0));
+    for (n, outcome) in outcomes.iter().enumerate() {
+        let (t, f): (Vec<f64>, Vec<f64>) = outcome.factors().into_iter().map(|[t, f]| (t, f)).unzip();
+        let name = format!("elements as long as {} cells", outcome.setup.edge);
+        chart = chart.series(Series::new(name, &t, &f)?.colour(palette(n)));
+    }
+    if let Some(Outcome { setup, .. }) = outcomes.first() {
+        let level = |name: &str, f: f64, stroke| -> Result<Series, CaseError> {
+            Ok(Series::new(name, &[0.0, setup.end()], &[f; 2])?.stroke(stroke).colour([60; 3]))
+        };
+        chart = chart.series(level("Wagner", wagner(setup), Stroke::Dashed)?).series(level(
+            "von Karman",
+            von_karman(setup),
+            Stroke::Dotted,
+        )?);
+    }
+    Ok(chart.draw()?)
+}
+
+/// Mean pressure along the wedge over what the flow is similar in, a line a run.
+pub fn profiles(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
+    let mut chart = Chart::new(860, 520).x(Axis::new("x / (V t)")).y(Axis::new("pressure / (rho V^2 / 2)"));
+    for (n, outcome) in outcomes.iter().enumerate() {
+        let (x, p): (Vec<f64>, Vec<f64>) = outcome.pressures.iter().map(|[x, p]| (*x, *p)).unzip();
+        let name = format!("elements as long as {} cells", outcome.setup.edge);
+        chart = chart.series(Series::new(name, &x, &p)?.colour(palette(n)));
+    }
+    Ok(chart.draw()?)
+}
+
+/// The history of a run as CSV.
+pub fn write(outcome: &Outcome, folder: &Path) -> Result<(), CaseError> {
+    let columns = [
+        ("time", "s"),
+        ("impulse up", "N s/m"),
+        ("force up", "N/m"),
+        ("particles inside", "-"),
+        ("deepest centre", "m"),
+        ("keel bent up", "m"),
+    ];
+    let mut file = History::create(folder.join(format!("force_{}.csv", outcome.setup.name())), columns)?;
+    let mut before = outcome.rows.first().copied().unwrap_or_default();
+    for r in &outcome.rows {
+        let span = r.time - before.time;
+        let force = if span > 0.0 { (r.impulse - before.impulse) / span } else { 0.0 };
+        file.push(&[r.time, r.impulse, force, r.inside as f64, r.depth, r.bend])?;
+        before = *r;
+    }
+    Ok(())
+}

@@ -1,0 +1,134 @@
+//! Pool, wedge and the run.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use examples::{CaseError, Restart, Totals, Water, largest};
+use fem::{Fem, MeshBody, Technology};
+use mpm_core::geometry::structured::wedge_mesh;
+use mpm_core::geometry::{Cuboid, ElementKind, Filling, Lattice, fill};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
+use mpm_core::output::Snapshot;
+use mpm_core::{BlockGrid, Boundary, Mpm, PlaneStrain, Side, Solver, Team};
+use mpm_materials::{LinearElastic, Moduli};
+
+use crate::setup::{ELASTIC, HALF, POOL, RIGID, Setup};
+use crate::track::{Row, Track};
+
+/// Rows of a history over a run.
+const ROWS: f64 = 100.0;
+/// Poisson's ratio of the wedge.
+const POISSON: f64 = 0.3;
+
+/// What came of a run.
+pub struct Outcome {
+    pub setup: Setup,
+    pub snapshot: Snapshot,
+    pub rows: Vec<Row>,
+    /// Places along the wedge over V t, and mean pressures over that of stagnation.
+    pub pressures: Vec<[f64; 2]>,
+    pub totals: Totals,
+    pub ledger: Vec<LedgerEntry>,
+}
+
+impl Outcome {
+    /// Force over rho V^3 t, both halves, between two rows.
+    fn factor_between(&self, from: usize, to: usize) -> f64 {
+        let (a, b) = (self.rows[from], self.rows[to]);
+        self.setup.factor(b.impulse - a.impulse, [a.time, b.time])
+    }
+    /// Force over rho V^3 t, both halves, at every row since some rows before.
+    pub fn factors(&self) -> Vec<[f64; 2]> {
+        const OVER: usize = 5;
+        let middle = |n: usize| 0.5 * (self.rows[n - OVER].time + self.rows[n].time);
+        (OVER..self.rows.len()).map(|n| [middle(n), self.factor_between(n - OVER, n)]).collect()
+    }
+    /// Force over rho V^3 t, both halves, in the last half of the run.
+    pub fn factor(&self) -> f64 {
+        self.factor_between(self.rows.len() / 2, self.rows.len() - 1)
+    }
+    /// Most particles in the wedge at a time.
+    pub fn inside(&self) -> usize {
+        self.rows.iter().map(|r| r.inside).max().unwrap_or(0)
+    }
+    /// How deep the deepest particle ever was, of its size: centres of particles that touch are half of that away.
+    pub fn depth(&self) -> f64 {
+        let deepest = self.rows.iter().map(|r| r.depth).fold(f64::NEG_INFINITY, f64::max);
+        deepest / self.setup.particle() + 0.5
+    }
+    /// Energy that the method took or gave, over the work of the wedge.
+    pub fn energy_errors(&self) -> [f64; 2] {
+        let (Some(first), Some(last)) = (self.ledger.first(), self.ledger.last()) else {
+            return [f64::NAN; 2];
+        };
+        let errors = || self.ledger.iter().map(|e| (e.total - first.total) / last.work);
+        [largest(errors().map(|e| -e)), largest(errors())]
+    }
+}
+
+fn symmetry() -> Boundary<2> {
+    Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }
+}
+
+/// The right half of the wedge, its keel on the water: all its nodes sink at constant speed, or those of its deck.
+fn wedge(setup: &Setup) -> Result<Fem<2>, CaseError> {
+    let height = setup.height();
+    let mesh = wedge_mesh([[0.0, 0.0], [HALF, height], [0.0, height]], setup.count(), ElementKind::Quad4)?;
+    let held = mesh.nodes_where(|x| setup.young.is_none() || x[1] > height * (1.0 - 1e-9));
+    let mesh = mesh.with_node_set("held", held)?;
+    let density = if setup.young.is_some() { ELASTIC } else { RIGID };
+    // Waves in a rigid wedge, which has none, are not to shorten the steps.
+    let young = setup.young.unwrap_or(density * (0.2 * setup.water().sound).powi(2));
+    let law = LinearElastic::new(density, Moduli::young_poisson(young, POISSON)?)?;
+    let (speed, mut fem) = (setup.speed, Fem::new(PlaneStrain));
+    let body = MeshBody::new("wedge", mesh, law).with(ElementKind::Quad4, Technology::MeanDilatation);
+    let body = fem.add(body.moving(move |_| [0.0, -speed]))?;
+    fem.bound(symmetry())?;
+    fem.prescribe(body, "held", Arc::new(move |_| [None, Some(-speed), None]))?;
+    Ok(fem)
+}
+
+/// The scene at the moment the keel touches.
+fn scene(setup: &Setup) -> Result<Mpm<2>, CaseError> {
+    let lattice = Lattice::new([0.0; 2], setup.spacing())?;
+    let mut mpm = setup.coupling.plane_scene(Water::method(setup.transfer), BlockGrid::new(lattice), 0.0)?;
+    let [width, depth] = POOL.map(|size| size * HALF);
+    let seeds = fill(&Cuboid::new([0.0, -depth], [width, 0.0])?, &lattice, 2, &Filling::new())?;
+    mpm.add("water", setup.water().law()?, &seeds, |_| [0.0; 2])?;
+    mpm.add_client(setup.coupling.elements(wedge(setup)?, 0.0)?)?;
+    mpm.bound(symmetry())?;
+    mpm.bound(Boundary::Symmetry { axis: 0, at: width, side: Side::Below })?;
+    mpm.bound(Boundary::Symmetry { axis: 1, at: -depth, side: Side::Above })?;
+    mpm.set_team(Team::new(setup.threads)?);
+    Ok(mpm)
+}
+
+/// Let the wedge enter.
+pub fn enter(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<Outcome, CaseError> {
+    let mut mpm = scene(setup)?;
+    let row = setup.end() / ROWS;
+    let mut ledger = Ledger::new(Pace::interval(row)?);
+    let mut track = Track::new(Pace::interval(row)?, setup);
+    let mut bar = Progress::new(setup.name());
+    let mut frames = match files {
+        Some(folder) => {
+            ledger = ledger.with_csv(folder.join(format!("ledger_{}.csv", setup.name())))?;
+            let pace = Pace::interval(setup.end() / 40.0)?;
+            Some(VtkSeries::create(folder.join("paraview"), setup.name(), pace)?)
+        }
+        None => None,
+    };
+    let mut simulation = restart.scene(setup.name())?;
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
+    observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
+    simulation.until(&mut mpm, observers, setup.end())?;
+    let snapshot = simulation.keep(|| mpm.snapshot())?.clone();
+    Ok(Outcome {
+        setup: *setup,
+        snapshot,
+        pressures: track.pressures(),
+        rows: track.rows,
+        totals: Totals::of(&mpm, &simulation.summary(), &ledger),
+        ledger: ledger.entries().to_vec(),
+    })
+}

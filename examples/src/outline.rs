@@ -1,0 +1,123 @@
+//! The outline of a body of elements in the plane, and how deep points are inside.
+
+use std::collections::BTreeMap;
+
+use mpm_core::scene::Body;
+
+/// The outline of a body of elements in the plane as it stands: the edges that one element has alone, the body on their left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    edges: Vec<[[f64; 2]; 2]>,
+    low: [f64; 2],
+    high: [f64; 2],
+    /// Its line of symmetry x = 0, if it has one, is no surface.
+    symmetric: bool,
+}
+
+impl Outline {
+    /// Of a body whose points are elements. Where x = 0 is its line of symmetry, edges on that are no surface: behind them it goes on.
+    pub fn of(body: &dyn Body, symmetric: bool) -> Self {
+        // Elements share nodes, and so the same bits.
+        let mut seen: BTreeMap<[u64; 4], ([[f64; 2]; 2], u32)> = BTreeMap::new();
+        body.for_each(&mut |element| {
+            let corners = &element.corners;
+            for (n, a) in corners.iter().enumerate() {
+                let b = corners[(n + 1) % corners.len()];
+                let edge = [[a[0], a[1]], [b[0], b[1]]];
+                let mut ends = edge.map(|x| x.map(f64::to_bits));
+                ends.sort_unstable();
+                let [[p, q], [r, s]] = ends;
+                seen.entry([p, q, r, s]).or_insert((edge, 0)).1 += 1;
+            }
+        });
+        let edges: Vec<_> =
+            seen.into_values().filter(|(_, times)| *times == 1).map(|(edge, _)| edge).collect();
+        let ends = || edges.iter().flatten();
+        let low = [0, 1].map(|d| ends().map(|x| x[d]).fold(f64::INFINITY, f64::min));
+        let high = [0, 1].map(|d| ends().map(|x| x[d]).fold(f64::NEG_INFINITY, f64::max));
+        Outline { edges, low, high, symmetric }
+    }
+
+    /// How deep a point is inside, m: the distance from the surface, negative outside. Of points further outside than `near`, m, a bound.
+    pub fn depth(&self, x: [f64; 2], near: f64) -> f64 {
+        let apart = [0, 1].map(|d| (self.low[d] - x[d]).max(x[d] - self.high[d]).max(0.0));
+        let apart = apart[0].hypot(apart[1]);
+        if apart > near {
+            return -apart;
+        }
+        let surface = self.edges.iter().filter(|edge| !(self.symmetric && edge.iter().all(|x| x[0] == 0.0)));
+        let distance = surface.map(|edge| distance(edge, x)).fold(f64::INFINITY, f64::min);
+        if self.holds(x) { distance } else { -distance }
+    }
+
+    /// Is it inside? By how often a line to the right crosses edges.
+    fn holds(&self, x: [f64; 2]) -> bool {
+        let crosses = |[a, b]: &&[[f64; 2]; 2]| {
+            (a[1] > x[1]) != (b[1] > x[1]) && x[0] < a[0] + (x[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+        };
+        self.edges.iter().filter(crosses).count() % 2 == 1
+    }
+}
+
+/// From an edge to a point, m.
+fn distance([a, b]: &[[f64; 2]; 2], x: [f64; 2]) -> f64 {
+    let [along, to] = [[b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]];
+    let square = along[0] * along[0] + along[1] * along[1];
+    let part = ((along[0] * to[0] + along[1] * to[1]) / square).clamp(0.0, 1.0);
+    (to[0] - part * along[0]).hypot(to[1] - part * along[1])
+}
+
+/// Particles beside a body of elements.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Inside {
+    /// How many have their centre in it.
+    pub count: usize,
+    /// How deep the deepest centre is, m; negative: how far away the nearest one is.
+    pub deepest: f64,
+}
+
+impl Inside {
+    /// Of these particles in this outline; `near` is the distance, m, beyond which a particle does not matter.
+    pub fn of(particles: &dyn Body, outline: &Outline, near: f64) -> Self {
+        let mut inside = Inside { count: 0, deepest: f64::NEG_INFINITY };
+        particles.for_each(&mut |p| {
+            let depth = outline.depth([p.position[0], p.position[1]], near);
+            inside.count += usize::from(depth > 0.0);
+            inside.deepest = inside.deepest.max(depth);
+        });
+        inside
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fem::{Fem, MeshBody};
+    use mpm_core::PlaneStrain;
+    use mpm_core::geometry::{Cuboid, structured::box_mesh};
+    use mpm_materials::{LinearElastic, Moduli};
+
+    use super::*;
+
+    #[test]
+    fn depths_of_a_block_are_those_of_its_sides() {
+        let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.0).expect("moduli")).expect("law");
+        let mesh = box_mesh(&Cuboid::new([0.0; 2], [2.0, 1.0]).expect("cuboid"), [4, 3]).expect("mesh");
+        let mut fem = Fem::new(PlaneStrain);
+        fem.add(MeshBody::new("block", mesh, law)).expect("body");
+        let outline = |symmetric| Outline::of(fem.body(0), symmetric);
+        assert_eq!(outline(false).edges.len(), 2 * (4 + 3));
+        for (x, depth, halved) in [
+            ([0.1, 0.5], 0.1, 0.5),
+            ([1.0, 0.3], 0.3, 0.3),
+            ([1.9, 0.9], 0.1, 0.1),
+            ([1.0, 1.25], -0.25, -0.25),
+            ([2.3, 1.4], -0.5, -0.5),
+        ] {
+            for (symmetric, depth) in [(false, depth), (true, halved)] {
+                let found: f64 = outline(symmetric).depth(x, 1.0);
+                assert!((found - depth).abs() < 1e-12, "{x:?}: {found}");
+            }
+        }
+        assert!(outline(false).depth([9.0, 0.5], 1.0) <= -1.0, "a bound");
+    }
+}
