@@ -47,6 +47,14 @@ pub fn hydrostatic() -> f64 {
     0.5 * Water::DENSITY * GRAVITY * WATER[1].powi(2)
 }
 
+/// Speed of outflow under a gap, m/s, by the depth of the water, m (Torricelli).
+pub fn outflow(depth: f64) -> f64 {
+    (2.0 * GRAVITY * depth.max(0.0)).sqrt()
+}
+
+/// Part of the gap under an upright gate that its jet fills, pi / (pi + 2) (Kirchhoff); under an inclined one it fills more.
+pub const CONTRACTION: f64 = PI / (PI + 2.0);
+
 /// Front of the column of water, experiment \[MartinMoyce1952\], a = 57.15 mm, height 2 a: times T = t sqrt(2 g / a), places Z = x / a.
 pub const FRONT: [[f64; 2]; 15] = [
     [0.41, 1.11],
