@@ -1,4 +1,4 @@
-//! Sets of points that neighbour searches are measured on, and a clock.
+//! Sets of points that neighbour searches are measured on.
 
 /// Positions and radii.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -81,16 +81,4 @@ pub fn mixed<const D: usize>(count: usize, ratio: f64, seed: u64) -> Cloud<D> {
     let scale = (0.5 / matter).powf(1.0 / D as f64);
     cloud.radii.iter_mut().for_each(|r| *r *= scale);
     cloud
-}
-
-/// Processor seconds of this process so far, by the system's count (hundredths); by the clock where there is none.
-pub fn core_seconds(clock: &std::time::Instant) -> f64 {
-    let used = || {
-        let text = std::fs::read_to_string("/proc/self/stat").ok()?;
-        // Behind the name, which may hold anything: state is field 3, user and system time are 14 and 15.
-        let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
-        let ticks = |n: usize| fields.get(n - 3)?.parse::<f64>().ok();
-        Some((ticks(14)? + ticks(15)?) / 100.0)
-    };
-    used().unwrap_or_else(|| clock.elapsed().as_secs_f64())
 }

@@ -1,6 +1,7 @@
 //! What measured numbers were made with.
 
 use std::process::Command;
+use std::time::Instant;
 
 /// The commit that is checked out, with `+` if files differ from it; `unknown` outside a repository.
 pub fn commit() -> String {
@@ -54,11 +55,22 @@ pub fn class() -> String {
 
 /// Processor time that finished children of this process took so far, s, where the system tells.
 pub fn children_seconds() -> Option<f64> {
+    processor_seconds(13)
+}
+
+/// Processor time of this process so far, s, in hundredths; that of the clock since some moment where the system does not tell.
+pub fn core_seconds() -> f64 {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    processor_seconds(11).unwrap_or_else(|| START.elapsed().as_secs_f64())
+}
+
+/// User and system time, s, from two fields of what Linux says of this process: the first by its place behind the name.
+fn processor_seconds(first: usize) -> Option<f64> {
     // Clock ticks are hundredths of a second on every Linux.
     const TICK: f64 = 0.01;
     let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
     // Fields from the third on follow the name, which stands in brackets and may hold blanks.
     let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
-    let [user, system] = [fields.get(13)?, fields.get(14)?].map(|f| f.parse::<f64>().ok());
+    let [user, system] = [fields.get(first)?, fields.get(first + 1)?].map(|f| f.parse::<f64>().ok());
     Some(TICK * (user? + system?))
 }

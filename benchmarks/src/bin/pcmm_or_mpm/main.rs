@@ -5,10 +5,9 @@ mod copper;
 mod elastic;
 
 use std::path::PathBuf;
-use std::time::Instant;
 
-use benchmarks::core_seconds;
 use clap::Parser;
+use examples::machine::core_seconds;
 use mpm_core::output::picture::{Axis, Chart, Marker, Panels, Series, palette};
 
 /// Run both bars at several resolutions by all methods on one thread; a table, and a chart of error over core-seconds.
@@ -62,10 +61,9 @@ fn main() -> Result<(), Failure> {
         for (n, (way, name)) in WAYS.into_iter().enumerate() {
             let mut points: Vec<Point> = Vec::new();
             for cells in finer(coarsest) {
-                let clock = Instant::now();
-                let before = core_seconds(&clock);
+                let before = core_seconds();
                 let error = error(way, cells)?;
-                let cost = (core_seconds(&clock) - before).max(0.01);
+                let cost = (core_seconds() - before).max(0.01);
                 println!("{case:<26} {name:<10} {cells:>6} {:>7.2} % {cost:>13.2}", 100.0 * error);
                 points.push((cells, error, cost));
             }

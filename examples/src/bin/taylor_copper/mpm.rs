@@ -1,68 +1,43 @@
 //! The same bar by the material point method.
 
-use examples::{CaseError, Restart, Totals};
+use examples::{CaseError, Simulation, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress};
-use mpm_core::output::Snapshot;
 use mpm_core::{
     Axisymmetric, BlockGrid, Boundary, IntoKernels, Kernels, Method, Mpm, PlaneStrain, Side, Solver, Team,
 };
-use mpm_materials::Solid;
 
-use crate::scene::{BULK_VISCOSITY, END, LENGTH, RADIUS, SPEED, Space, eos, strength};
+use crate::beside::{Bar, Outcome, copper};
+use crate::scene::{END, Files, LENGTH, RADIUS, Space};
 
-/// What came of a run.
-#[derive(Clone, Debug)]
-pub struct Outcome {
-    pub space: Space,
-    /// Length and radius of the face, m.
-    pub sizes: [f64; 2],
-    pub snapshot: Snapshot,
-    pub totals: Totals,
-}
-
-/// Run the bar into the wall with `cells` cells on the radius: [`Method::impact`], two particles a cell and axis.
-pub fn impact(
-    space: Space,
-    hardening: f64,
-    cells: u32,
-    threads: usize,
-    restart: &Restart,
-) -> Result<Outcome, CaseError> {
-    match space {
-        Space::PlaneStrain => {
-            let method = Method::impact(PlaneStrain).into_kernels();
-            run(space, method, Filling::new(), hardening, cells, threads, restart)
-        }
+/// Run the bar into the wall: [`Method::impact`], two particles a cell and axis. There is none in three dimensions.
+pub fn impact(bar: Bar, files: Option<Files>) -> Result<Outcome, CaseError> {
+    match bar.space {
+        Space::PlaneStrain => run(bar, Method::impact(PlaneStrain).into_kernels(), Filling::new(), files),
         Space::Axisymmetric | Space::Quarter => {
-            let method = Method::impact(Axisymmetric).into_kernels();
-            run(space, method, Filling::new().axisymmetric(), hardening, cells, threads, restart)
+            run(bar, Method::impact(Axisymmetric).into_kernels(), Filling::new().axisymmetric(), files)
         }
     }
 }
 
 fn run(
-    space: Space,
+    bar: Bar,
     method: Kernels<f64, 2>,
     filling: Filling,
-    hardening: f64,
-    cells: u32,
-    threads: usize,
-    restart: &Restart,
+    files: Option<Files>,
 ) -> Result<Outcome, CaseError> {
-    let lattice = Lattice::new([0.0; 2], RADIUS / f64::from(cells))?;
+    let lattice = Lattice::new([0.0; 2], RADIUS / f64::from(bar.cells))?;
     let seeds = fill(&Cuboid::new([0.0; 2], [RADIUS, LENGTH])?, &lattice, 2, &filling)?;
-    let [linear, quadratic] = BULK_VISCOSITY;
-    let law = Solid::new(strength(hardening)?, eos()?).with_bulk_viscosity(linear, quadratic)?;
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
-    mpm.add("bar", law, &seeds, |_| [0.0, -SPEED])?;
+    mpm.add("bar", copper()?, &seeds, |_| [0.0, -bar.speed])?;
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
-    mpm.set_team(Team::new(threads)?);
+    mpm.set_team(Team::new(bar.threads)?);
     let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
-    let mut bar = Progress::new("mpm".to_string());
-    let observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut bar];
-    let mut simulation = restart.scene(format!("mpm_{}", space.name()))?;
+    let mut progress = Progress::new("mpm".to_string());
+    let observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut progress];
+    let label = format!("mpm_{}", bar.space.name());
+    let mut simulation = files.map_or_else(|| Ok(Simulation::alone()), |f| f.restart.scene(label))?;
     simulation.until(&mut mpm, observers, END)?;
     let snapshot = mpm.snapshot()?;
     let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
@@ -74,26 +49,29 @@ fn run(
             }
         });
     }
-    Ok(Outcome { space, sizes: sizes(&seeds, &places), snapshot, totals })
+    let sizes = sizes(&seeds, &places);
+    Ok(Outcome { method: "mpm", bar, sizes, hourglass: None, snapshot, totals })
 }
 
 /// Length and radius of the face: particles lie a quarter of a cell within the surface they had, and are continued to
-/// it linearly from the layer behind.
+/// it linearly from the layer behind. The length is that from the lowest place of the face, whose rim curls up.
 fn sizes(seeds: &Seeds<2>, places: &[[f64; 2]]) -> [f64; 2] {
     let size = 2.0 * seeds.half_size[1];
-    let layer = |at: f64, axis: usize| -> Vec<usize> {
-        let near = |n: &usize| (seeds.positions[*n][axis] - at).abs() < 0.25 * size;
+    let layer = |at: f64| -> Vec<usize> {
+        let near = |n: &usize| (seeds.positions[*n][1] - at).abs() < 0.25 * size;
         (0..seeds.len()).filter(near).collect()
     };
-    let mean = |list: &[usize]| list.iter().map(|&n| places[n][1]).sum::<f64>() / list.len() as f64;
-    let widest = |list: &[usize], at: f64| {
-        let of = list.iter().filter(|&&n| (seeds.positions[n][0] - at).abs() < 0.25 * size);
-        of.map(|&n| places[n][0]).fold(f64::NAN, f64::max)
-    };
     let beyond = |first: f64, second: f64| 1.5 * first - 0.5 * second;
-    let top = beyond(mean(&layer(LENGTH - 0.5 * size, 1)), mean(&layer(LENGTH - 1.5 * size, 1)));
-    let foot = [layer(0.5 * size, 1), layer(1.5 * size, 1)];
-    let bottom = beyond(mean(&foot[0]), mean(&foot[1]));
-    let edge = |list: &[usize]| beyond(widest(list, RADIUS - 0.5 * size), widest(list, RADIUS - 1.5 * size));
+    let mean = |list: &[usize]| list.iter().map(|&n| places[n][1]).sum::<f64>() / list.len() as f64;
+    let top = beyond(mean(&layer(LENGTH - 0.5 * size)), mean(&layer(LENGTH - 1.5 * size)));
+    let foot = [layer(0.5 * size), layer(1.5 * size)];
+    // The particle of a layer in a column.
+    let of = |layer: &[usize], column: f64| {
+        let near = |n: &&usize| (seeds.positions[**n][0] - column).abs() < 0.25 * size;
+        layer.iter().find(near).map_or([f64::NAN; 2], |&n| places[n])
+    };
+    let height = |&n: &usize| beyond(places[n][1], of(&foot[1], seeds.positions[n][0])[1]);
+    let bottom = foot[0].iter().map(height).fold(f64::INFINITY, f64::min);
+    let edge = |layer: &[usize]| beyond(of(layer, RADIUS - 0.5 * size)[0], of(layer, RADIUS - 1.5 * size)[0]);
     [top - bottom, beyond(edge(&foot[0]), edge(&foot[1]))]
 }

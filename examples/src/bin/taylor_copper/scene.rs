@@ -20,14 +20,12 @@ use pcmm::{
 pub const RADIUS: f64 = 5.0e-3;
 /// Length, m.
 pub const LENGTH: f64 = 70.0e-3;
-/// Impact speed, m/s.
-pub const SPEED: f64 = 165.0;
 /// End of a run, s: the bar has left the wall.
 pub const END: f64 = 260.0e-6;
 /// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
 pub const BULK_VISCOSITY: [f64; 2] = [0.06, 1.5];
 /// Time between two entries of a history, s.
-const HISTORY: f64 = 1.0e-6;
+pub const HISTORY: f64 = 1.0e-6;
 /// Steps between two revisions.
 const EVERY: u64 = 10;
 
@@ -49,6 +47,15 @@ impl Space {
             Space::Quarter => "quarter",
         }
     }
+
+    /// As in tables.
+    pub fn words(self) -> &'static str {
+        match self {
+            Space::PlaneStrain => "plane strain",
+            Space::Axisymmetric => "axisymmetric",
+            Space::Quarter => "three dimensions",
+        }
+    }
 }
 
 /// Which parts of the method.
@@ -68,6 +75,8 @@ pub struct Setup {
     pub name: &'static str,
     pub space: Space,
     pub parts: Parts,
+    /// Impact speed, m/s.
+    pub speed: f64,
     /// Hardening coefficient B, Pa.
     pub hardening: f64,
     /// Tolerance of contact of the printed method, in spacings.
@@ -109,6 +118,17 @@ pub struct Files<'a> {
     pub folder: &'a Path,
     pub frames: u32,
     pub restart: &'a Restart,
+}
+
+impl Files<'_> {
+    /// Frames for ParaView of a run of this name, if any are asked for.
+    pub fn series(&self, name: &str) -> Result<Option<VtkSeries>, CaseError> {
+        if self.frames == 0 {
+            return Ok(None);
+        }
+        let pace = Pace::interval(END / f64::from(self.frames))?;
+        Ok(Some(VtkSeries::create(self.folder.join("paraview"), name, pace)?))
+    }
 }
 
 /// Copper as in the table of the paper, but for B and what it does not print (heat capacity, melting temperature): the
@@ -214,12 +234,12 @@ fn run<const D: usize, M: Composition<D>>(
     law: impl IntoMaterial<f64>,
     packing: &Packing<D>,
     planes: usize,
-    Files { folder, frames, restart }: Files,
+    files: Files,
 ) -> Result<Outcome, CaseError> {
     let h = setup.spacing();
     let axis = D - 1;
     let mut velocity = [0.0; D];
-    velocity[axis] = -SPEED;
+    velocity[axis] = -setup.speed;
     let mut bar = Pcmm::new(method, law, packing, |_| velocity, Masses::FromElements)?;
     for plane in 0..planes {
         bar.bound(Boundary::Symmetry { axis: plane, at: 0.0, side: Side::Above })?;
@@ -235,12 +255,13 @@ fn run<const D: usize, M: Composition<D>>(
     let (foot, top) = (row(0.0), row(LENGTH));
     let sizes = |bar: &Pcmm<D, M>| {
         let height = |n: &usize| bar.particles()[*n].position[axis];
-        let mean = |list: &[usize]| list.iter().map(height).sum::<f64>() / list.len() as f64;
+        // From the lowest particle of the face, whose rim curls up.
+        let (end, lowest) = (top.iter().map(height).sum::<f64>() / top.len() as f64, foot.iter().map(height));
         let radius = |n: &usize| {
             let x = &bar.particles()[*n].position;
             x[..axis].iter().map(|c| c * c).sum::<f64>().sqrt()
         };
-        [mean(&top) - mean(&foot), foot.iter().map(radius).fold(0.0, f64::max)]
+        [end - lowest.fold(f64::INFINITY, f64::min), foot.iter().map(radius).fold(0.0, f64::max)]
     };
 
     let columns = [
@@ -254,7 +275,7 @@ fn run<const D: usize, M: Composition<D>>(
         ("mass of elements", "kg"),
     ];
     let (start, covered) = (bar.totals(), bar.coverage().mass);
-    let path = folder.join(format!("history_{}.csv", setup.name));
+    let path = files.folder.join(format!("history_{}.csv", setup.name));
     let mut history = HistoryCsv::create(path, columns, Pace::interval(HISTORY)?, |now: &RunView<'_>| {
         let bar = now.solver_as::<Pcmm<D, M>>()?;
         let [length, radius] = sizes(bar);
@@ -271,15 +292,11 @@ fn run<const D: usize, M: Composition<D>>(
     })?;
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
     let mut progress = Progress::new(format!("{:<28}", setup.name));
-    let mut series = None;
-    if frames > 0 {
-        let pace = Pace::interval(END / f64::from(frames))?;
-        series = Some(VtkSeries::create(folder.join("paraview"), setup.name, pace)?);
-    }
+    let mut series = files.series(setup.name)?;
     let mut observers: Vec<&mut dyn Observer> = vec![&mut history, &mut ledger, &mut progress];
     observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
     // What breaks the method as printed is a result.
-    let mut simulation = restart.scene(setup.name)?;
+    let mut simulation = files.restart.scene(setup.name)?;
     let broke = match simulation.until(&mut bar, observers, END) {
         Ok(()) => None,
         Err(RunError::Step(error)) => Some(error.to_string()),

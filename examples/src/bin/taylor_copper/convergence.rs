@@ -1,0 +1,215 @@
+//! Error over cost: finite elements and material points with cells of several sizes, axisymmetric.
+
+use std::path::Path;
+
+use examples::{CaseError, Check, Resolution, Totals, case, machine};
+use mpm_core::output::History;
+use mpm_core::output::picture::{Axis, Chart, Marker, Panels, Picture, Series, palette};
+
+use crate::beside::{Bar, Outcome};
+use crate::scene::Space;
+use crate::{Methods, Options, elements, mpm};
+
+/// Processor time of a row at least, s: shorter runs are repeated.
+const LEAST: f64 = 0.5;
+/// By which elements are to be cheaper than material points at equal errors.
+const CHEAPER: f64 = 3.0;
+
+const METHODS: [(Methods, &str, Marker); 2] =
+    [(Methods::Fem, "finite elements", Marker::Circle), (Methods::Mpm, "material points", Marker::Square)];
+
+/// Sizes, and the errors at which costs are compared.
+const SIZES: [(&str, f64); 2] = [("length", 0.002), ("radius of the face", 0.02)];
+
+/// Why elements are not cheaper in the face.
+const FACE: &str = "the edge of the face has an error of first order in the size of elements, and those there are flat, which shortens \
+                    steps; particles are not squeezed";
+
+/// A run, and what it took.
+struct Row {
+    method: usize,
+    outcome: Outcome,
+    /// Processor time, s, scene and all.
+    seconds: f64,
+}
+
+/// Length and radius of the face, m, to which runs converge.
+struct Limit {
+    /// By each method.
+    each: [[f64; 2]; 2],
+    /// The mean of both, from which errors are taken.
+    sizes: [f64; 2],
+}
+
+/// Run all; print, write and draw errors and costs. On one thread, as costs are compared.
+pub fn study(options: &Options, folder: &Path) -> Result<(Totals, Vec<Check>), CaseError> {
+    let all: &[u32] =
+        options.common.resolution.choose(&[3, 4, 6], &[3, 4, 6, 8, 12, 16], &[3, 4, 6, 8, 12, 16, 24, 32]);
+    let (mut rows, mut totals) = (Vec::new(), Totals::default());
+    for (method, &(which, ..)) in METHODS.iter().enumerate() {
+        for &cells in all {
+            let bar = Bar { threads: 1, ..options.bar(Space::Axisymmetric, cells) };
+            let row = run(method, which, bar, options)?;
+            totals = totals.plus(&row.outcome.totals);
+            rows.push(row);
+        }
+    }
+    let limit = Limit::of(&rows);
+    println!("{}", table(&rows, &limit));
+    write(&rows, &limit, &folder.join("convergence.csv"))?;
+    draw(&rows, &limit)?.save(folder.join("convergence.png"))?;
+    let resolved = options.common.resolution != Resolution::Smoke;
+    Ok((totals, checks(&rows, &limit, resolved)))
+}
+
+fn run(method: usize, which: Methods, bar: Bar, options: &Options) -> Result<Row, CaseError> {
+    let (start, mut times) = (machine::core_seconds(), 0.0);
+    loop {
+        let outcome = match which {
+            Methods::Fem => elements::impact(bar, options.integration, None)?,
+            _ => mpm::impact(bar, None)?,
+        };
+        times += 1.0;
+        let taken = machine::core_seconds() - start;
+        if taken >= LEAST {
+            return Ok(Row { method, outcome, seconds: taken / times });
+        }
+    }
+}
+
+impl Limit {
+    /// The radius of the face has an error of first order, at its edge: each method's two finest runs are continued so, and the means of the
+    /// methods are taken.
+    fn of(rows: &[Row]) -> Self {
+        let limit = |method: usize| -> [f64; 2] {
+            let mut own = rows.iter().rev().filter(|row| row.method == method).map(|row| &row.outcome);
+            let (Some(fine), Some(coarse)) = (own.next(), own.next()) else { return [f64::NAN; 2] };
+            let [near, far] = [fine, coarse].map(|o| 1.0 / f64::from(o.bar.cells));
+            [0, 1].map(|n| (far * fine.sizes[n] - near * coarse.sizes[n]) / (far - near))
+        };
+        let each = [0, 1].map(limit);
+        Limit { each, sizes: [0, 1].map(|n| 0.5 * (each[0][n] + each[1][n])) }
+    }
+
+    /// Relative error of a size.
+    fn error(&self, row: &Row, size: usize) -> f64 {
+        (row.outcome.sizes[size] / self.sizes[size] - 1.0).abs()
+    }
+}
+
+/// What an error of a size costs with a method, s: from the run on from which all finer ones keep it, on a straight line between the
+/// logarithms of that and the one before. None where no run has it.
+fn cost(rows: &[Row], limit: &Limit, (method, size): (usize, usize), error: f64) -> Option<f64> {
+    let own = rows.iter().filter(|row| row.method == method);
+    let own: Vec<(f64, f64)> = own.map(|row| (limit.error(row, size), row.seconds)).collect();
+    let first = own.iter().rposition(|run| run.0 > error).map_or(0, |last| last + 1);
+    let (fine, dear) = *own.get(first)?;
+    let Some((coarse, cheap)) = first.checked_sub(1).map(|before| own[before]) else { return Some(dear) };
+    Some(cheap * (dear / cheap).powf((coarse / error).ln() / (coarse / fine).ln()))
+}
+
+/// Elements are to be cheaper at equal errors.
+fn checks(rows: &[Row], limit: &Limit, resolved: bool) -> Vec<Check> {
+    let mut checks = Vec::new();
+    for (size, (name, error)) in SIZES.into_iter().enumerate() {
+        let of = |method: usize| cost(rows, limit, (method, size), error);
+        // Points that never get there cost more than their finest run.
+        let dearest = rows.iter().rev().find(|row| row.method == 1).map_or(f64::NAN, |row| row.seconds);
+        let ratio = of(1).unwrap_or(dearest) / of(0).unwrap_or(f64::INFINITY);
+        let name =
+            format!("cost of material points over that of elements, {name} within {} %", 100.0 * error);
+        let check = Check::at_least(name, ratio, "-", CHEAPER, "elements are to be cheaper");
+        let check = if size == 1 { check.known_miss(FACE) } else { check };
+        checks.push(check.judged_if(resolved, "three sizes of cells do not say where methods converge to"));
+    }
+    checks
+}
+
+fn table(rows: &[Row], limit: &Limit) -> String {
+    let head = [
+        "method",
+        "cells",
+        "length mm",
+        "error",
+        "face mm",
+        "error",
+        "energy error",
+        "points",
+        "steps",
+        "core-s",
+    ];
+    let mut lines = vec![head.map(String::from)];
+    let mm = |x: f64| format!("{:.3}", 1e3 * x);
+    let percent = |x: f64| format!("{:.2} %", 100.0 * x);
+    for row in rows {
+        let Outcome { bar, sizes, totals, .. } = &row.outcome;
+        lines.push([
+            row.outcome.method.into(),
+            bar.cells.to_string(),
+            mm(sizes[0]),
+            percent(limit.error(row, 0)),
+            mm(sizes[1]),
+            percent(limit.error(row, 1)),
+            percent(totals.energy_error),
+            totals.particles.to_string(),
+            totals.steps.to_string(),
+            format!("{:.2}", row.seconds),
+        ]);
+    }
+    let ends = METHODS.map(|(_, label, _)| format!("limit of {label}"));
+    for (name, sizes) in
+        ends.into_iter().chain(["mean".into()]).zip(limit.each.into_iter().chain([limit.sizes]))
+    {
+        let mut line = [const { String::new() }; 10];
+        (line[0], line[2], line[4]) = (name, mm(sizes[0]), mm(sizes[1]));
+        lines.push(line);
+    }
+    case::columns(&lines)
+}
+
+fn write(rows: &[Row], limit: &Limit, path: &Path) -> Result<(), CaseError> {
+    let columns = [
+        ("method (1 finite elements, 2 material points)", "-"),
+        ("cells on the radius", "-"),
+        ("length", "m"),
+        ("error of the length", "-"),
+        ("radius of the face", "m"),
+        ("error of the face", "-"),
+        ("energy error", "-"),
+        ("steps", "-"),
+        ("processor time", "s"),
+    ];
+    let mut file = History::create(path, columns)?;
+    for row in rows {
+        let Outcome { bar, sizes, totals, .. } = &row.outcome;
+        file.push(&[
+            1.0 + row.method as f64,
+            f64::from(bar.cells),
+            sizes[0],
+            limit.error(row, 0),
+            sizes[1],
+            limit.error(row, 1),
+            totals.energy_error,
+            totals.steps as f64,
+            row.seconds,
+        ])?;
+    }
+    Ok(())
+}
+
+/// Errors over cost, a panel a size.
+fn draw(rows: &[Row], limit: &Limit) -> Result<Picture, CaseError> {
+    let mut panels = Panels::new(2).title("Error over cost, one thread");
+    for (size, (name, _)) in SIZES.into_iter().enumerate() {
+        let mut chart = Chart::new(620, 520)
+            .x(Axis::new("core-seconds").logarithmic())
+            .y(Axis::new("relative error").logarithmic());
+        for (method, (_, label, marker)) in METHODS.into_iter().enumerate() {
+            let of = rows.iter().filter(|row| row.method == method);
+            let (x, y): (Vec<f64>, Vec<f64>) = of.map(|r| (r.seconds, limit.error(r, size))).unzip();
+            chart = chart.series(Series::new(label, &x, &y)?.marker(marker).colour(palette(method)));
+        }
+        panels = panels.panel(name, chart.draw()?);
+    }
+    Ok(panels.compose()?)
+}
