@@ -15,7 +15,7 @@ use crate::case::{Case, Outcome};
 use crate::problems::{box_of_planes, lattice, rubber, run_plane, run_solid};
 use crate::scene::{Moment, Norm, Scene, block, worse};
 
-const AMPLITUDE: f64 = 0.05;
+pub(crate) const AMPLITUDE: f64 = 0.05;
 const K: f64 = 2.0 * PI;
 const YOUNG: f64 = 1.0;
 const DENSITY: f64 = 1.0;
@@ -24,7 +24,7 @@ const OMEGA: f64 = PI;
 const PHASES: [f64; 3] = [0.0, PI, 0.0];
 
 /// Displacement, velocity and stretch along an axis.
-fn motion(axis: usize, x: f64, t: f64) -> (f64, f64, f64) {
+pub(crate) fn motion(axis: usize, x: f64, t: f64) -> (f64, f64, f64) {
     let phase = OMEGA * t + PHASES[axis];
     let u = AMPLITUDE * (K * x).sin() * phase.sin();
     let v = AMPLITUDE * OMEGA * (K * x).sin() * phase.cos();
@@ -43,7 +43,7 @@ fn stress(stretches: &[f64; 3]) -> [f64; 3] {
     stretches.map(|f| (lambda * j.ln() + g * (f * f - 1.0)) / j)
 }
 
-fn force<const D: usize>(x: &[f64; D], t: f64) -> [f64; D] {
+pub(crate) fn force<const D: usize>(x: &[f64; D], t: f64) -> [f64; D] {
     let (lambda, g) = moduli();
     let mut log_j = 0.0;
     for d in 0..D {

@@ -3,8 +3,10 @@
 pub mod axis_aligned;
 pub mod bar;
 pub mod column;
+pub mod elements;
 pub mod footing;
 pub mod gas;
+pub mod gates;
 pub mod rigid;
 pub mod ring;
 pub mod statics;

@@ -1,0 +1,73 @@
+//! A: a bar on a rigid wall, between planes of symmetry.
+
+use std::sync::Arc;
+
+use mpm_core::{Boundary, Side};
+use mpm_materials::{LinearElastic, Moduli};
+
+use super::Passage;
+use super::matter::{Matter, Point, Setup};
+use crate::case::Outcome;
+
+const LENGTH: f64 = 0.2;
+const SPEED: f64 = 10.0;
+const YOUNG: f64 = 200e9;
+const DENSITY: f64 = 7850.0;
+/// Cells across.
+const ACROSS: usize = 2;
+/// When the velocity is looked at, in transits of a wave: the third front, that of letting go, is there from 2 on.
+const LOOKS: [f64; 7] = [0.25, 0.5, 0.75, 1.25, 1.5, 1.75, 2.5];
+
+/// Velocity along the bar of the place `x`, m, after `time` transits, m/s (d'Alembert).
+fn exact(x: f64, time: f64) -> f64 {
+    let from_wall = time * LENGTH;
+    match time {
+        t if t <= 1.0 => -if x < from_wall { 0.0 } else { SPEED },
+        t if t <= 2.0 => {
+            if x < 2.0 * LENGTH - from_wall {
+                0.0
+            } else {
+                SPEED
+            }
+        }
+        _ => SPEED,
+    }
+}
+
+pub fn run(passage: Passage) -> Result<Outcome, String> {
+    let law = LinearElastic::new(DENSITY, Moduli::young_poisson(YOUNG, 0.0).map_err(|e| e.to_string())?);
+    let h = LENGTH / passage.cells as f64;
+    let across = ACROSS as f64 * h;
+    let setup = Setup {
+        size: [LENGTH, across],
+        cells: [passage.cells, ACROSS],
+        velocity: Arc::new(|_| [-SPEED, 0.0]),
+        boundaries: vec![
+            Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 },
+            Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above },
+            Boundary::Symmetry { axis: 1, at: across, side: Side::Below },
+        ],
+    };
+    let mut bar = Matter::in_plane_strain(passage.way, setup, law.map_err(|e| e.to_string())?)?;
+    let transit = LENGTH * (DENSITY / YOUNG).sqrt();
+    let mut worst = 0.0;
+    for time in LOOKS {
+        if let Err(failure) = bar.run_until(time * transit) {
+            return Ok(Outcome { work: bar.work, failure: Some(failure), ..Outcome::default() });
+        }
+        let points = bar.points();
+        let mass: f64 = points.iter().map(|p| p.mass).sum();
+        let off = |p: &Point| p.mass * (p.velocity[0] - exact(p.rest[0], time)).abs();
+        worst += points.iter().map(off).sum::<f64>() / mass / SPEED / LOOKS.len() as f64;
+    }
+    let points = bar.points();
+    let sum = |of: &dyn Fn(&Point) -> f64| points.iter().map(of).sum::<f64>();
+    let mass = sum(&|p| p.mass);
+    let rebound = sum(&|p| p.mass * p.velocity[0]) / mass / SPEED;
+    let outcome = Outcome { work: bar.work, ..Outcome::default() };
+    Ok(outcome
+        .with("velocity", worst)
+        .with("rebound", rebound - 1.0)
+        .with("residual energy", 1.0 - rebound * rebound)
+        .with("energy", bar.energy_error()))
+}

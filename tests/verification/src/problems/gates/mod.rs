@@ -1,0 +1,138 @@
+//! Gates that all methods are measured by, with one law value: a bar on a rigid wall (A), a beam that swings (C), Taylor bars of steel
+//! (G). By the material point method, particle contacts and finite elements.
+//!
+//! | gate | scene | against |
+//! |---|---|---|
+//! | A | 0.2 m of E 200 GPa, nu 0, 7850 kg/m^3 at 10 m/s | velocity of d'Alembert's two fronts, rebound at 10 m/s without residual energy (exact) |
+//! | C | plane strain, 0.2 x 0.02 m, clamped, E 2 MPa, nu 0.3975, 1000 kg/m^3 | lowest frequency, 3.9210 Hz (CalculiX, 80 x 8 elements of eight nodes) |
+//! | G | 4340 steel, 7.595 x 37.97 mm, at 181, 224 and 270 m/s | lengths of two axisymmetric finite element codes |
+
+mod bar;
+mod beam;
+mod matter;
+mod taylor;
+
+use fem::{Hourglass, Technology};
+use mpm_core::{IntoKernels, Linear, Method, Musl, PlaneStrain, TimeControl};
+
+use crate::case::Outcome;
+use crate::problems::elements::Elements;
+
+/// What is run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Gate {
+    /// A: a bar on a rigid wall. Cells are those along it.
+    Bar,
+    /// C: a beam that swings. Cells are those through it.
+    Beam,
+    /// G: Taylor bars. Cells are those on the radius.
+    Taylor,
+}
+
+impl Gate {
+    /// All.
+    pub const ALL: [Gate; 3] = [Gate::Bar, Gate::Beam, Gate::Taylor];
+
+    /// Its name in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Gate::Bar => "gate A bar",
+            Gate::Beam => "gate C beam",
+            Gate::Taylor => "gate G steel bars",
+        }
+    }
+}
+
+/// By which method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Way {
+    /// Material points with linear shape functions, FLIP, MUSL.
+    Linear,
+    /// Material points by `Method::impact`: quadratic splines, AFLIP.
+    Impact,
+    /// Particle contacts, `pcmm::Method::consistent`.
+    Contacts,
+    /// Finite elements.
+    Elements(Elements),
+}
+
+impl Way {
+    /// All.
+    pub const ALL: [Way; 6] = [
+        Way::Linear,
+        Way::Impact,
+        Way::Contacts,
+        Way::Elements(Elements::Quadrilaterals(Technology::OnePoint(Hourglass::Stiffness(0.05)))),
+        Way::Elements(Elements::Quadrilaterals(Technology::MeanDilatation)),
+        Way::Elements(Elements::Triangles(Technology::AveragedVolumes)),
+    ];
+
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Way::Linear => "MPM linear FLIP-MUSL",
+            Way::Impact => "MPM quadratic AFLIP",
+            Way::Contacts => "PCMM",
+            Way::Elements(Elements::Quadrilaterals(Technology::OnePoint(_))) => "FE one point",
+            Way::Elements(Elements::Quadrilaterals(Technology::MeanDilatation)) => "FE mean dilatation",
+            Way::Elements(Elements::Quadrilaterals(_)) => "FE in full",
+            Way::Elements(Elements::Triangles(Technology::AveragedVolumes)) => "FE averaged triangles",
+            Way::Elements(Elements::Triangles(_)) => "FE triangles",
+        }
+    }
+
+    /// Nodes that a point of integration weighs on, times points of integration a moving point of the solver.
+    fn nodes(self) -> u64 {
+        match self {
+            Way::Linear | Way::Elements(Elements::Quadrilaterals(Technology::OnePoint(_))) => 4,
+            Way::Impact => 9,
+            Way::Contacts | Way::Elements(Elements::Triangles(_)) => 3,
+            Way::Elements(Elements::Quadrilaterals(_)) => 16,
+        }
+    }
+
+    /// Particles a cell and axis; one element a cell.
+    pub fn per_axis(self) -> usize {
+        if matches!(self, Way::Linear | Way::Impact) { 2 } else { 1 }
+    }
+
+    /// The factor of its time control by default, of what bounds the step by each method's theory.
+    pub fn courant(self) -> f64 {
+        let of = |control| match control {
+            TimeControl::Courant { factor, .. } => factor,
+            _ => f64::NAN,
+        };
+        match self {
+            Way::Linear => {
+                let method = Method::new(Linear, mpm_core::Flip, Musl, PlaneStrain);
+                of(method.into_kernels().facts().time_control())
+            }
+            Way::Impact => of(Method::impact(PlaneStrain).into_kernels().facts().time_control()),
+            Way::Contacts => 0.5,
+            Way::Elements(_) => 0.9,
+        }
+    }
+}
+
+/// A gate, a method, a resolution.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    /// What is run.
+    pub gate: Gate,
+    /// How.
+    pub way: Way,
+    /// Cells along the length of the gate.
+    pub cells: usize,
+}
+
+impl Passage {
+    /// Run it with the default settings of the method.
+    pub fn run(self) -> Outcome {
+        let made = match self.gate {
+            Gate::Bar => bar::run(self),
+            Gate::Beam => beam::run(self),
+            Gate::Taylor => taylor::run(self),
+        };
+        made.unwrap_or_else(Outcome::refused)
+    }
+}
