@@ -131,6 +131,12 @@ impl Style {
                 mark: Mark::of(peer, ring),
             };
         }
+        // Methods beside material points.
+        let beside =
+            [("PCMM", 2), ("FE one point", 3), ("FE mean dilatation", 5), ("FE averaged triangles", 6)];
+        if let Some((name, colour)) = beside.into_iter().find(|(name, _)| method == *name) {
+            return Style { colour, dash: "none", mark: Mark::of(peer, name.starts_with("FE")) };
+        }
         let ring = method.starts_with("TL");
         if !variant.is_empty() {
             let colour = if variant.starts_with("mean") { 3 } else { 1 };

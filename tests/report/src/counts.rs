@@ -30,6 +30,14 @@ pub fn possible() -> bool {
     Command::new("valgrind").arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
 }
 
+/// The function that is a step: the only one of this name on the way, for one within another would end the count.
+fn steps_of(job: &Job) -> &'static str {
+    match job {
+        Job::Passage(passage) if passage.way.per_axis() == 1 => "*step_at_most*",
+        _ => "*step_at_most_here*",
+    }
+}
+
 impl Count {
     /// Is it one of this job?
     pub fn is_of(&self, key: &Key) -> bool {
@@ -42,7 +50,11 @@ impl Count {
         let name = format!("{} {} {}", key.problem, key.scheme, key.per_axis);
         let file = folder.join(name.replace(|c: char| !c.is_ascii_alphanumeric(), "_"));
         let output = Command::new("valgrind")
-            .args(["--tool=callgrind", "--collect-atstart=no", "--toggle-collect=*step_at_most*"])
+            .args([
+                "--tool=callgrind",
+                "--collect-atstart=no",
+                &format!("--toggle-collect={}", steps_of(job)),
+            ])
             .arg(format!("--callgrind-out-file={}", file.display()))
             .arg(std::env::current_exe()?)
             .args(["--count", &serde_json::to_string(&key)?])

@@ -1,6 +1,7 @@
 //! Which runs are not beaten: none is both cheaper and more accurate.
 
 use verification::Scheme;
+use verification::problems::gates::Way;
 
 use crate::contact::DETECTIONS;
 use crate::job::Key;
@@ -89,15 +90,17 @@ pub fn growing<'a>(runs: &[&'a Record], error: &str, least: f64) -> Vec<&'a Reco
     runs.iter().filter(grows).copied().collect()
 }
 
-/// Schemes that occur: ours before those of peers, by frame, kernel and transfer, variants in the order of their choices.
+/// Schemes that occur: ours before those of peers, by frame, kernel and transfer, variants in the order of their choices; methods of the
+/// gates in the order of theirs.
 pub fn schemes(runs: &[&Record]) -> Vec<String> {
     let mut list: Vec<String> = runs.iter().map(|r| r.scheme().to_string()).collect();
     let all = Scheme::all();
     let rank = |name: &str| {
         let (peer, name) = peers::split(name);
         let (method, variant) = name.split_once(", ").unwrap_or((name, ""));
+        let gate = Way::ALL.iter().position(|way| way.name() == method);
         let method = all.iter().position(|s| s.name() == method);
-        (peer, method, DETECTIONS.iter().position(|d| d.name() == variant), variant.to_string())
+        (peer, gate, method, DETECTIONS.iter().position(|d| d.name() == variant), variant.to_string())
     };
     list.sort_by_cached_key(|name| rank(name));
     list.dedup();

@@ -1,9 +1,11 @@
 //! Runs that charts are made of, named by what a file can hold.
 
 use serde::{Deserialize, Serialize};
+use verification::problems::gates::Passage;
 use verification::{Case, Outcome, Problem, Scheme};
 
 use crate::contact::Touch;
+use crate::gates;
 use crate::long::Long;
 use crate::soil::Footing;
 use crate::study::Study;
@@ -21,6 +23,8 @@ pub enum Job {
     Long(Long),
     /// A method on a scene where methods fail.
     Study(Study),
+    /// A gate that all methods are measured by.
+    Passage(Passage),
 }
 
 /// What tells a run from all others.
@@ -53,6 +57,7 @@ impl Job {
             Job::Footing(footing) => footing.key(),
             Job::Long(long) => long.key(),
             Job::Study(study) => study.key(),
+            Job::Passage(passage) => gates::key(*passage),
         }
     }
 
@@ -68,6 +73,7 @@ impl Job {
             .or_else(|| Footing::of(key).map(Job::Footing))
             .or_else(|| Long::of(key).map(Job::Long))
             .or_else(|| Study::of(key).map(Job::Study))
+            .or_else(|| gates::of(key).map(Job::Passage))
     }
 
     /// Run it: one outcome, or some of a run that is looked at on its way.
@@ -78,6 +84,7 @@ impl Job {
             Job::Footing(footing) => vec![footing.run()],
             Job::Long(long) => long.run(),
             Job::Study(study) => vec![study.run()],
+            Job::Passage(passage) => vec![passage.run()],
         }
     }
 
@@ -106,6 +113,7 @@ impl Job {
             Job::Footing(footing) => Job::Footing(Footing { cells: 1, ..footing }),
             Job::Long(long) => Job::Long(Long { steps: 100, ..long }),
             Job::Study(study) => Job::Study(study.scaled()),
+            Job::Passage(passage) => Job::Passage(gates::scaled(passage)),
         }
     }
 }

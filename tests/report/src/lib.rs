@@ -9,6 +9,7 @@ pub mod chart;
 pub mod contact;
 pub mod counts;
 pub mod front;
+pub mod gates;
 pub mod job;
 pub mod limits;
 pub mod long;
@@ -33,6 +34,7 @@ use clap::Parser;
 use examples::peers::Peer;
 use examples::{CaseError, machine};
 use verification::origin::said_by;
+use verification::problems::gates::Gate;
 use verification::{fast, stored};
 
 use counts::Count;
@@ -270,8 +272,12 @@ impl Sweeper<'_> {
         }
         let there: Vec<Count> = record::lines(&self.files.counts)?;
         let mut missing: Vec<Job> = Vec::new();
-        // Those of the study take minutes under callgrind, and say nothing that C12 does not.
-        let short = |job: &Job| !matches!(job, Job::Study(_));
+        // Those of the study and the bars of steel take minutes under callgrind, and say nothing that others do not.
+        let short = |job: &Job| match job {
+            Job::Study(_) => false,
+            Job::Passage(passage) => passage.gate != Gate::Taylor,
+            _ => true,
+        };
         for job in self.jobs(charts).into_iter().filter(short) {
             let key = job.scaled().key();
             let known = there.iter().any(|c| c.is_of(&key) && c.commit == self.commit);

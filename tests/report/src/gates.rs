@@ -1,0 +1,41 @@
+//! The gates that all methods are measured by: elements and particle contacts beside material points.
+
+use verification::problems::gates::{Gate, Passage, Way};
+
+use crate::job::Key;
+
+/// Cells along the length of a gate.
+pub fn grids(gate: Gate, quick: bool) -> &'static [usize] {
+    match (gate, quick) {
+        (Gate::Bar, true) => &[25, 50, 100, 200],
+        (Gate::Bar, false) => &[25, 50, 100, 200, 400, 800],
+        (Gate::Beam, true) => &[2, 4, 8],
+        (Gate::Beam, false) => &[2, 4, 8, 16],
+        (Gate::Taylor, true) => &[4, 6, 8, 12],
+        (Gate::Taylor, false) => &[4, 6, 8, 12, 16, 24],
+    }
+}
+
+/// All of a gate, coarse ones first.
+pub fn all(gate: Gate, quick: bool) -> Vec<Passage> {
+    let of = |&cells| Way::ALL.map(|way| Passage { gate, way, cells });
+    grids(gate, quick).iter().flat_map(of).collect()
+}
+
+/// The name of one.
+pub fn key(Passage { gate, way, cells }: Passage) -> Key {
+    let (problem, scheme) = (gate.name().into(), way.name().into());
+    Key { problem, scheme, per_axis: way.per_axis(), cells, courant: way.courant() }
+}
+
+/// The one of a name.
+pub fn of(key: &Key) -> Option<Passage> {
+    let gate = Gate::ALL.into_iter().find(|gate| gate.name() == key.problem)?;
+    let ways = Way::ALL.map(|way| Passage { gate, way, cells: key.cells });
+    ways.into_iter().find(|passage| self::key(*passage) == *key)
+}
+
+/// The coarsest grid.
+pub fn scaled(passage: Passage) -> Passage {
+    Passage { cells: grids(passage.gate, true)[0], ..passage }
+}
