@@ -6,6 +6,7 @@
 //! | `taylor_bar` | a copper cylinder hits a wall: final shape against finite elements and experiment |
 //! | `ring_collision` | two elastic rings collide: where their surfaces meet, energy over the time step |
 //! | `bouncing_blocks` | bars, discs, balls and a block on an incline in contact, against exact values |
+//! | `ball_on_plate` | a steel ball strikes a steel plate, one of elements, the other of particles: force and duration against Hertz |
 //! | `pressed_balls` | a loaded plate on a thousand balls: stress waves through contacts, and what contact costs |
 //! | `rolling_cylinder` | a cylinder rolls or slides down an incline: way and spin against a rigid one |
 //! | `shaken_discs` | three large and 207 small discs in a shaken container: the large ones rise, the pile rests |
@@ -17,7 +18,7 @@
 //! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
 //! | `debris_cloud_2d` | a disc goes through a plate at 5 km/s, by the particle-contact meshfree method |
 //! | `elastic_bar` | an elastic bar hits a wall, by the particle-contact meshfree method, against the exact solution |
-//! | `taylor_copper` | a long copper bar hits a wall, by the particle-contact meshfree method: as printed, ours, and by MPM |
+//! | `taylor_copper` | a long copper bar hits a wall, by particle contacts, as printed and ours, by MPM and by finite elements |
 //! | `tungsten_bullet` | a tungsten bullet goes through an aluminium plate, by particle contacts and by MPM, against theory |
 //! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
 //! | `debris_cloud` | a lead sphere through a lead plate: the cloud, seeded and split |

@@ -148,11 +148,65 @@ fn elastic_bar() {
 #[test]
 fn taylor_copper() {
     // Length, radius, cover, energy (twice) and momentum, axisymmetric and in plane strain; the first four of three runs with
-    // defects, but for a radius; length and radius by material points in two spaces.
+    // defects, but for a radius; length and radius by material points in two spaces, and with hourglass energy, energy and momentum by
+    // finite elements.
     smoke!(
         taylor_copper,
-        only(2 * 6 + 3 * 4 - 1 + 2 * 2),
-        ["bars.png", "history_plane strain.csv", "paraview/axisymmetric.pvd"]
+        only(2 * 6 + 3 * 4 - 1 + 2 * 2 + 2 * 5),
+        [
+            "bars.png",
+            "history_plane strain.csv",
+            "history_fem_axisymmetric.csv",
+            "paraview/axisymmetric.pvd",
+            "paraview/fem_plane_strain.pvd"
+        ]
+    );
+}
+
+/// At 400 m/s elements of the face turn inside out, which is said with what helps; material points go on.
+#[test]
+fn taylor_copper_is_too_fast_for_elements_at_400() {
+    let name = "fast_elements";
+    let options =
+        ["--resolution", "smoke", "--json", "--speed", "400", "--frames", "0", "--cells", "10", "--method"];
+    let fast = |method| run(env!("CARGO_BIN_EXE_taylor_copper"), &[&options[..], &[method]].concat(), name);
+    let output = fast("fem");
+    assert!(!output.status.success());
+    let said = String::from_utf8_lossy(&output.stderr);
+    for part in
+        ["element ", "body `bar`", "inside out", "Erosion::volume", "material point method", "finer mesh"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    result(&fast("mpm"), "taylor_copper");
+    std::fs::remove_dir_all(folder(name)).expect("removed");
+}
+
+/// Errors and costs of elements and material points at a speed without a reference.
+#[test]
+fn taylor_copper_convergence() {
+    let name = "copper_convergence";
+    let options = ["--resolution", "smoke", "--json", "--convergence", "--speed", "190"];
+    result(&run(env!("CARGO_BIN_EXE_taylor_copper"), &options, name), "taylor_copper");
+    let table = std::fs::read_to_string(folder(name).join("convergence.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + 2 * 3, "two methods with three sizes of cells:\n{table}");
+    assert!(folder(name).join("convergence.png").is_file());
+    std::fs::remove_dir_all(folder(name)).expect("removed");
+}
+
+#[test]
+fn ball_on_plate() {
+    // The energy of both runs: on so coarse a grid force, approach and duration are not judged.
+    smoke!(
+        ball_on_plate,
+        only(2),
+        [
+            "force.png",
+            "pressure.png",
+            "history_elements_on_particles.csv",
+            "history_particles_on_elements.csv",
+            "paraview/elements_on_particles.pvd"
+        ]
     );
 }
 
@@ -575,6 +629,10 @@ fn bad_input_is_refused_by_name() {
         oblique.contains("'46' for '--angle <DEGREES>'") && oblique.contains("from 0 to 45"),
         "{oblique}"
     );
+    let ball = said(env!("CARGO_BIN_EXE_ball_on_plate"), &["--ball", "elements", "--plate", "elements"]);
+    assert!(ball.contains("--plate elements is not allowed"), "{ball}");
+    let copper = said(env!("CARGO_BIN_EXE_taylor_copper"), &["--speed", "5"]);
+    assert!(copper.contains("'5' for '--speed <V>'") && copper.contains("from 10 to 1000"), "{copper}");
     let concrete = said(env!("CARGO_BIN_EXE_concrete_perforation"), &["--speed", "606,20"]);
     assert!(concrete.contains("'20' for '--speed <M/S,M/S>'"), "{concrete}");
     let column = said(env!("CARGO_BIN_EXE_granular_column"), &["--friction", "60"]);

@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 21] = [
+pub const CASES: [&str; 22] = [
     "taylor_bar",
     "taylor_copper",
     "elastic_bar",
@@ -28,6 +28,7 @@ pub const CASES: [&str; 21] = [
     "ring_collision",
     "bouncing_blocks",
     "rolling_cylinder",
+    "ball_on_plate",
     "pressed_balls",
     "shaken_discs",
     "pcmm_distortion",
