@@ -14,6 +14,7 @@
 //! | [`VtkSeries`] | frames for ParaView |
 //! | [`Pictures`] | PNG pictures |
 //! | [`Snapshots`] | snapshots, for pictures after the run |
+//! | [`SmallStrain`] | which bodies stayed at small strain: where elements would have done |
 //! | [`Progress`] | a bar on the terminal |
 //!
 //! What they keep goes into the checkpoints of a run, so that a run that is broken off and resumed leaves the files and numbers of
@@ -54,6 +55,7 @@ mod pace;
 mod pictures;
 mod probe;
 mod progress;
+mod strain;
 mod view;
 
 pub use history::HistoryCsv;
@@ -62,6 +64,7 @@ pub use pace::Pace;
 pub use pictures::{Pictures, Snapshots, VtkSeries};
 pub use probe::{Probe, ProbeRow, Probes, Quantity};
 pub use progress::Progress;
+pub use strain::{BodyStrain, SmallStrain};
 pub use view::RunView;
 
 use crate::archive::{Archive, CheckpointError};

@@ -10,7 +10,7 @@ use examples::{CaseError, Normals, Restart, Totals};
 use mpm_contact::{Choice, Coulomb, Gradients, Pairs, SurfaceDistance, Weight};
 use mpm_core::GridContact;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
-use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, VtkSeries};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, SmallStrain, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
     Axisymmetric, Blend, BlockGrid, CpGimp, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm, Musl,
@@ -24,6 +24,8 @@ use crate::track::{Row, Track};
 
 /// Longitudinal wave speed in the concrete, m/s, for the memory of the blend.
 const SOUND: f64 = 3830.0;
+/// What counts as small strain, and the time between two looks at it, s.
+const SMALL: (f64, f64) = (0.05, 20.0e-6);
 /// Between two rows of a history, s.
 const HISTORY: f64 = 4.0e-6;
 
@@ -138,6 +140,7 @@ fn run<const D: usize>(task: Task, method: Kernels<f64, D>, bodies: Bodies<D>) -
 
     let mut track = Track::new(Pace::interval(HISTORY)?, &setup);
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
+    let mut strain = SmallStrain::new(Pace::interval(SMALL.1)?, SMALL.0);
     let mut bar = Progress::new(setup.name());
     let mut frames = match files {
         Some(folder) => {
@@ -155,7 +158,7 @@ fn run<const D: usize>(task: Task, method: Kernels<f64, D>, bodies: Bodies<D>) -
     ends.extend((0..360).map(|n| through * (0.5 + 0.02 * f64::from(n))));
     ends.sort_by(f64::total_cmp);
     for end in ends {
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut strain, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
         simulation.until(&mut mpm, observers, end)?;
         let over = track.through() || track.stopped();
@@ -167,6 +170,7 @@ fn run<const D: usize>(task: Task, method: Kernels<f64, D>, bodies: Bodies<D>) -
             break;
         }
     }
+    strain.report().iter().for_each(|body| eprintln!("{}: {body}", setup.name()));
     let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let (through, ledger) = (track.through(), ledger.entries().to_vec());
     let snapshots = simulation.into_snapshots();

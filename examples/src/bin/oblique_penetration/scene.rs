@@ -10,7 +10,7 @@ use examples::{CaseError, Normals, Restart, Totals};
 use mpm_contact::{Gradients, SurfaceDistance};
 use mpm_core::GridContact;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
-use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunView, VtkSeries};
+use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunView, SmallStrain, VtkSeries};
 use mpm_core::output::Snapshot;
 use mpm_core::{
     Blend, BlockGrid, CpGimp, FullSpace, IntoKernels, Kernels, Linear, Method, Mpm, Musl, Solver, Team,
@@ -26,6 +26,8 @@ use crate::track::{Row, Track};
 
 /// Longitudinal wave speed in the plate, m/s, for the memory of the blend.
 const SOUND: f64 = 6100.0;
+/// What counts as small strain, and the time between two looks at it, s.
+const SMALL: (f64, f64) = (0.05, 20.0e-6);
 /// Between two rows of a history, s.
 const HISTORY: f64 = 2.0e-6;
 
@@ -131,6 +133,7 @@ fn run(setup: &Setup, ways: &[f64], (files, restart): Files, mut mpm: Mpm<3>) ->
     if let Some(folder) = files {
         ledger = ledger.with_csv(folder.join(format!("ledger_{}.csv", setup.name())))?;
     }
+    let mut strain = SmallStrain::new(Pace::interval(SMALL.1)?, SMALL.0);
     let mut bar = Progress::new(setup.name());
     let mut frames = match files {
         Some(folder) => {
@@ -152,7 +155,7 @@ fn run(setup: &Setup, ways: &[f64], (files, restart): Files, mut mpm: Mpm<3>) ->
     ends.extend((0..60).map(|n| through * (1.0 + 0.05 * f64::from(n))));
     ends.sort_by(f64::total_cmp);
     for end in ends {
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut strain, &mut bar];
         observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
         simulation.until(&mut mpm, observers, impact + end)?;
         occupied.add(simulation.note(|| Ok(Cells::seen(&RunView::of(&mpm), h)))?);
@@ -166,6 +169,7 @@ fn run(setup: &Setup, ways: &[f64], (files, restart): Files, mut mpm: Mpm<3>) ->
     if let Some(flight) = &mut flown {
         flight.fingerprint = flight::fingerprint(&mpm);
     }
+    strain.report().iter().for_each(|body| eprintln!("{}: {body}", setup.name()));
     let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let ledger = ledger.entries().to_vec();
     let (cells, snapshots) = (occupied.share(), simulation.into_snapshots());
