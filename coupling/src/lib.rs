@@ -8,6 +8,9 @@
 //! | [`Elements::on_the_grid`] (CFEMP, \[Lian2011\]) | nodes of the mesh act on the grid of the scene as particles do, and meet others by its contact algorithm | elements about as large as cells: through wider meshes particles slip |
 //! | [`Elements::by_surface`] (ICFEMP, \[Chen2015\]) | particles meet the facets of the mesh one by one ([`mpm_contact::mesh`]) | any |
 //!
+//! Bodies of elements of one client touch each other, and themselves, where their [`Fem`](fem::Fem) was told ([`fem::Fem::touch`]): at the end
+//! of its step, after particles pushed them.
+//!
 //! The review that describes both prints no numbers of cases; what is built is the principle, held to gates of our own (book,
 //! "Elements, particles, or both").
 //!
