@@ -49,7 +49,7 @@ struct Options {
     /// Poisson's ratio of the rubber, 0 to 0.49
     #[arg(long, value_name = "NU", default_value_t = 0.4, value_parser = within(0.0, 0.49))]
     poisson: f64,
-    /// Let the floor hold the gate's lower end up, whose near corner sinks as it turns; where gate and water meet on the grid it always does
+    /// Let the floor hold the gate's lower end up, whose near corner sinks as it turns
     #[arg(long)]
     seated: bool,
     /// Sound speed of the water over that of free fall from its height, 8 to 40
