@@ -1,7 +1,6 @@
 //! A scene of finite elements as a body of a scene of material points.
 
-use fem::Fem;
-use impactite_geometry::Facet;
+use fem::{ContactSurface, Fem};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::parameter;
 use impactite_scene::{
@@ -52,10 +51,8 @@ enum Way<const D: usize> {
 pub(crate) struct PointToSurface<const D: usize> {
     pub(crate) contact: MeshContact<D>,
     pub(crate) swept: SweptBoxes<D>,
-    /// Of each body, with the revision of its surface that they are of.
-    pub(crate) facets: Vec<(Option<u64>, Vec<Facet>)>,
-    /// Velocities of the nodes of each body at the start of the step, m/s.
-    pub(crate) before: Vec<Vec<[f64; D]>>,
+    /// Of each body, as the elements' step was begun.
+    pub(crate) surfaces: Vec<ContactSurface<D>>,
 }
 
 impl<const D: usize> Elements<D> {
@@ -101,8 +98,7 @@ impl<const D: usize> Elements<D> {
         if fem.axisymmetric() {
             contact = contact.axisymmetric();
         }
-        let way =
-            PointToSurface { contact, swept: SweptBoxes::default(), facets: Vec::new(), before: Vec::new() };
+        let way = PointToSurface { contact, swept: SweptBoxes::default(), surfaces: Vec::new() };
         Self::new(fem, Way::Surface(Box::new(way)))
     }
 
@@ -182,7 +178,10 @@ impl<const D: usize> Body for Elements<D> {
     fn bytes(&self) -> usize {
         let surface = match &self.way {
             Way::Grid => 0,
-            Way::Surface(surface) => surface.contact.bytes() + surface.swept.bytes(),
+            Way::Surface(surface) => {
+                let surfaces = surface.surfaces.iter().map(ContactSurface::bytes).sum::<usize>();
+                surface.contact.bytes() + surface.swept.bytes() + surfaces
+            }
         };
         Solver::bytes(&self.fem) + surface
     }
@@ -235,7 +234,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
                     out[..D].copy_from_slice(&node.velocity);
                 }
             }
-            Way::Surface(surface) => surface.sweep(&self.fem, dt),
+            Way::Surface(surface) => surface.sweep(dt),
         }
         Ok(())
     }
@@ -267,6 +266,10 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
                 given.impulse[d] -= pushed.impulse[d];
             }
             given.work -= pushed.work;
+            if matches!(self.way, Way::Surface(_)) {
+                // What contact gave to elements, of what it took from particles.
+                given.impacts -= pushed.work;
+            }
         }
         given
     }
@@ -290,11 +293,11 @@ impl<const D: usize> Elements<D> {
 
     /// Begin a step of the elements.
     fn begin(&mut self) -> Result<(), Stopped> {
-        if let Way::Surface(surface) = &mut self.way {
-            let velocities = |body: &fem::ElementBody<D>| body.nodes().iter().map(|n| n.velocity).collect();
-            surface.before = self.fem.element_bodies().iter().map(velocities).collect();
+        self.fem.begin(self.step).map_err(what)?;
+        match &mut self.way {
+            Way::Grid => Ok(()),
+            Way::Surface(surface) => self.fem.surfaces(&mut surface.surfaces).map_err(what),
         }
-        self.fem.begin(self.step).map_err(what)
     }
 
     /// End a step of the elements that is not the last in that of the scene, and begin the one after.

@@ -13,54 +13,22 @@ const NUMBERS: u32 = 40;
 
 impl<const D: usize> PointToSurface<D> {
     /// Mark where the facets are in a step of `dt`, s.
-    pub(crate) fn sweep(&mut self, fem: &Fem<D>, dt: f64) {
-        self.find_facets(fem);
-        let boxes = fem.element_bodies().iter().zip(&self.facets).flat_map(|(body, (_, facets))| {
-            let nodes = body.nodes();
-            facets.iter().map(move |facet| {
+    pub(crate) fn sweep(&mut self, dt: f64) {
+        let boxes = self.surfaces.iter().flat_map(|surface| {
+            surface.facets().iter().map(move |facet| {
                 let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-                for &n in facet.nodes() {
-                    let node = &nodes[n as usize];
+                for n in facet.nodes().iter().map(|&n| n as usize) {
+                    let (x, v) = (surface.positions()[n], surface.velocities()[n]);
                     for d in 0..D {
-                        let end = node.position[d] + dt * node.velocity[d];
-                        low[d] = low[d].min(node.position[d]).min(end);
-                        high[d] = high[d].max(node.position[d]).max(end);
+                        let end = x[d] + dt * v[d];
+                        low[d] = low[d].min(x[d]).min(end);
+                        high[d] = high[d].max(x[d]).max(end);
                     }
                 }
                 (low, high)
             })
         });
         self.swept.fill(boxes);
-    }
-
-    /// The facets that particles may meet.
-    fn find_facets(&mut self, fem: &Fem<D>) {
-        self.facets.resize(fem.element_bodies().len(), (None, Vec::new()));
-        for (body, (revision, facets)) in fem.element_bodies().iter().zip(&mut self.facets) {
-            if *revision == Some(body.surface_revision()) {
-                continue;
-            }
-            *revision = Some(body.surface_revision());
-            *facets = body.facets_to_meet(fem.boundaries());
-        }
-    }
-}
-
-/// Positions, velocities and masses of the nodes of a body.
-struct Mesh<const D: usize> {
-    positions: Vec<[f64; D]>,
-    velocities: Vec<[f64; D]>,
-    masses: Vec<f64>,
-}
-
-impl<const D: usize> Mesh<D> {
-    fn of(body: &fem::ElementBody<D>) -> Self {
-        let nodes = body.nodes();
-        Mesh {
-            positions: nodes.iter().map(|n| n.position).collect(),
-            velocities: nodes.iter().map(|n| n.velocity).collect(),
-            masses: nodes.iter().map(|n| n.mass).collect(),
-        }
     }
 }
 
@@ -96,8 +64,6 @@ struct Met<const D: usize> {
     /// On the particles so far, N s.
     impulses: Vec<[f64; D]>,
     friction: f64,
-    /// Work on the nodes of the elements so far, J.
-    work: f64,
 }
 
 impl<const D: usize> Met<D> {
@@ -108,7 +74,6 @@ impl<const D: usize> Met<D> {
             positions: particles.positions().to_vec(),
             impulses: vec![[0.0; D]; particles.len()],
             friction: 0.0,
-            work: 0.0,
         }
     }
 
@@ -124,15 +89,8 @@ impl<const D: usize> Met<D> {
         let (mut velocities, mut masses, mut moving) = (Vec::new(), Vec::new(), Vec::new());
         particles.nodes(&mut velocities, &mut masses);
         particles.velocities(&mut moving);
-        let meshes: Vec<Mesh<D>> = fem.element_bodies().iter().map(Mesh::of).collect();
-        let mut bodies: Vec<ContactBody<'_, D>> = fem
-            .element_bodies()
-            .iter()
-            .zip(meshes.iter().zip(&surface.facets))
-            .map(|(body, (m, facets))| {
-                ContactBody::of_mesh(body.name(), &m.positions, &m.velocities, &m.masses, &facets.1)
-            })
-            .collect();
+        let named = fem.element_bodies().iter().zip(&surface.surfaces);
+        let mut bodies: Vec<_> = named.map(|(body, surface)| surface.as_body(body.name())).collect();
         let points = bodies.len();
         let carriers = Carriers {
             starts: particles.weight_starts(),
@@ -159,26 +117,22 @@ impl<const D: usize> Met<D> {
         for (x, v) in self.positions.iter_mut().zip(&moving) {
             (0..D).for_each(|d| x[d] += dt * v[d]);
         }
-        for n in 0..points {
-            let body = fem.body_mut(n);
+        for (n, of_body) in surface.surfaces.iter().enumerate() {
             for push in surface.contact.impulses(n) {
-                body.add_impulse(push.point as usize, push.impulse);
-            }
-            for push in surface.contact.impulses(n) {
-                let node = push.point as usize;
-                self.work += work(&push.impulse, &surface.before[n][node], &body.nodes()[node].velocity);
+                fem.body_mut(n).add_impulse(of_body.nodes()[push.point as usize] as usize, push.impulse);
             }
         }
         Ok(())
     }
 
-    /// What impulses do in a step is their work on the mean velocities: what presses without moving takes nothing.
+    /// What was taken from the particles: what impulses do in a step is their work on the mean velocities, so that what presses without
+    /// moving takes nothing. What of it the elements got is in their books ([`fem::ElementBody::pushed`]).
     fn taken(&self, particles: &NearParticles<D>) -> Taken {
         let (mut before, mut after) = (Vec::new(), Vec::new());
         particles.velocities_before(&mut before);
         particles.velocities(&mut after);
         let ways = self.impulses.iter().zip(before.iter().zip(&after));
         let given: f64 = ways.map(|(j, (before, after))| work(j, before, after)).sum();
-        Taken { friction: self.friction, impacts: -given - self.work - self.friction }
+        Taken { friction: self.friction, impacts: -given - self.friction }
     }
 }

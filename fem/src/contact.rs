@@ -19,7 +19,7 @@ const ON_PLANE: f64 = 1e-6;
 pub(crate) struct Contacts<const D: usize> {
     mesh: MeshContact<D>,
     /// Of each body.
-    skins: Vec<Skin<D>>,
+    surfaces: Vec<ContactSurface<D>>,
     /// Work of friction since the start, J.
     friction: f64,
     last: MeshStep,
@@ -29,14 +29,14 @@ impl<const D: usize> Contacts<D> {
     pub fn new(laws: Pairs<f64>, axisymmetric: bool) -> Self {
         let mesh = MeshContact::new(laws);
         let mesh = if axisymmetric { mesh.axisymmetric() } else { mesh };
-        Contacts { mesh, skins: Vec::new(), friction: 0.0, last: MeshStep::default() }
+        Contacts { mesh, surfaces: Vec::new(), friction: 0.0, last: MeshStep::default() }
     }
 
     /// With the bodies that are new in the scene: each touches all others, but bars do not touch bars.
     pub fn with(mut self, bodies: &[ElementBody<D>]) -> Self {
         let is_bars = |n: usize| bodies[n].surface.is_empty();
-        for n in self.skins.len()..bodies.len() {
-            self.skins.push(Skin::default());
+        for n in self.surfaces.len()..bodies.len() {
+            self.surfaces.push(ContactSurface::default());
             let others = (0..n).filter(|&k| !(is_bars(k) && is_bars(n)));
             self.mesh = others.fold(self.mesh, |mesh, k| mesh.between(k, n));
         }
@@ -51,7 +51,7 @@ impl<const D: usize> Contacts<D> {
 
     /// Look for the surfaces again: there is another plane of symmetry.
     pub fn forget(&mut self) {
-        self.skins.iter_mut().for_each(|skin| skin.revision = None);
+        self.surfaces.iter_mut().for_each(|surface| surface.revision = None);
     }
 
     /// Impulses on the nodes of bodies that would meet in a step of `dt`, s.
@@ -62,22 +62,16 @@ impl<const D: usize> Contacts<D> {
         (clock, dt): (&Clock, f64),
         team: &Team,
     ) -> Result<(), StepError> {
-        for (skin, body) in self.skins.iter_mut().zip(&mut *bodies) {
-            body.merge_pushes();
-            skin.update(body, boundaries);
-            let motion = Motion { body, boundaries, time: clock.time, dt };
-            if let Some(node) = skin.look(&motion, team) {
-                return Err(body.runs_away(clock, node));
-            }
-        }
+        bodies.iter_mut().for_each(ElementBody::merge_pushes);
+        look(&mut self.surfaces, bodies, boundaries, (clock, dt), team)?;
         let touching: Vec<_> =
-            self.skins.iter().zip(&*bodies).map(|(skin, body)| skin.as_body(&body.name)).collect();
+            self.surfaces.iter().zip(&*bodies).map(|(surface, body)| surface.as_body(&body.name)).collect();
         let step = self.mesh.step(&touching, clock.time, dt, team);
         self.last = step.map_err(|error| clock.stopped(Stopped::Scene(error)))?;
         self.friction += self.last.exchange.friction;
-        for (n, (skin, body)) in self.skins.iter().zip(bodies).enumerate() {
+        for (n, (surface, body)) in self.surfaces.iter().zip(bodies).enumerate() {
             for push in self.mesh.impulses(n) {
-                body.touch(skin.nodes[push.point as usize], push.impulse);
+                body.touch(surface.nodes[push.point as usize], push.impulse);
             }
         }
         Ok(())
@@ -102,7 +96,7 @@ impl<const D: usize> Contacts<D> {
         self.mesh.places()
     }
     pub fn bytes(&self) -> usize {
-        self.mesh.bytes() + self.skins.iter().map(Skin::bytes).sum::<usize>()
+        self.mesh.bytes() + self.surfaces.iter().map(ContactSurface::bytes).sum::<usize>()
     }
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.real(&mut self.friction)?;
@@ -110,13 +104,32 @@ impl<const D: usize> Contacts<D> {
     }
 }
 
-/// The nodes of a body that may touch, and the facets they make.
-struct Skin<const D: usize> {
+/// Look at the surfaces of all bodies.
+pub(crate) fn look<const D: usize>(
+    surfaces: &mut [ContactSurface<D>],
+    bodies: &[ElementBody<D>],
+    boundaries: &[Boundary<D>],
+    (clock, dt): (&Clock, f64),
+    team: &Team,
+) -> Result<(), StepError> {
+    for (surface, body) in surfaces.iter_mut().zip(bodies) {
+        surface.update(body, boundaries);
+        let motion = Motion { body, boundaries, time: clock.time, dt };
+        if let Some(node) = surface.look(&motion, team) {
+            return Err(body.runs_away(clock, node));
+        }
+    }
+    Ok(())
+}
+
+/// The nodes of a body that may touch others in a step that was begun, and the facets they make: [`Fem::surfaces`](crate::Fem::surfaces).
+#[derive(Clone, Debug)]
+pub struct ContactSurface<const D: usize> {
     /// Of the surface that it is of.
     revision: Option<u64>,
-    /// By place in the skin, numbers in the body.
+    /// By place on the surface, numbers in the body.
     nodes: Vec<u32>,
-    /// Their nodes are places in the skin.
+    /// Their nodes are places on the surface.
     facets: Vec<Facet>,
     /// Of bars, m.
     half_sizes: Vec<f64>,
@@ -125,9 +138,9 @@ struct Skin<const D: usize> {
     masses: Vec<f64>,
 }
 
-impl<const D: usize> Default for Skin<D> {
+impl<const D: usize> Default for ContactSurface<D> {
     fn default() -> Self {
-        Skin {
+        ContactSurface {
             revision: None,
             nodes: Vec::new(),
             facets: Vec::new(),
@@ -139,7 +152,7 @@ impl<const D: usize> Default for Skin<D> {
     }
 }
 
-impl<const D: usize> Skin<D> {
+impl<const D: usize> ContactSurface<D> {
     /// Look for it again where elements left.
     fn update(&mut self, body: &ElementBody<D>, boundaries: &[Boundary<D>]) {
         if self.revision == Some(body.revision) {
@@ -196,12 +209,31 @@ impl<const D: usize> Skin<D> {
         rows.iter().find_map(|(_, trouble)| *trouble)
     }
 
-    fn as_body<'a>(&'a self, name: &'a str) -> ContactBody<'a, D> {
+    /// Numbers of its nodes in the body, ascending.
+    pub fn nodes(&self) -> &[u32] {
+        &self.nodes
+    }
+    /// Its facets, whose nodes are places among those of the surface; none of bars.
+    pub fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+    /// Positions of the nodes at the start of the step, m.
+    pub fn positions(&self) -> &[[f64; D]] {
+        &self.positions
+    }
+    /// Velocities that the nodes will have if nobody meets them, as conditions hold them, m/s.
+    pub fn velocities(&self) -> &[[f64; D]] {
+        &self.velocities
+    }
+
+    /// As contact of meshes sees it: masses of nodes that conditions alone move are infinite.
+    pub fn as_body<'a>(&'a self, name: &'a str) -> ContactBody<'a, D> {
         ContactBody::of_mesh(name, &self.positions, &self.velocities, &self.masses, &self.facets)
             .with_half_sizes(&self.half_sizes)
     }
 
-    fn bytes(&self) -> usize {
+    /// Bytes of its memory.
+    pub fn bytes(&self) -> usize {
         self.nodes.capacity() * 4
             + self.facets.capacity() * size_of::<Facet>()
             + (self.half_sizes.capacity() + self.masses.capacity()) * 8

@@ -129,6 +129,7 @@ mod technology;
 mod view;
 
 pub use body::{ElementBody, Eroded, MeshBody, Node};
+pub use contact::ContactSurface;
 pub use erosion::{Criterion, Erosion};
 pub use solver::{Fem, Trial};
 pub use technology::{Hourglass, Technology};

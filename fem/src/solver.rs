@@ -16,7 +16,7 @@ use mpm_contact::Pairs;
 use mpm_contact::mesh::MeshStep;
 
 use crate::body::{ElementBody, MeshBody, Prescribed};
-use crate::contact::Contacts;
+use crate::contact::{ContactSurface, Contacts, look};
 use crate::motion::Part;
 use crate::sweep::Scratch;
 
@@ -307,6 +307,18 @@ impl<const D: usize> Fem<D> {
     /// There is no such body.
     pub fn body_mut(&mut self, number: usize) -> &mut ElementBody<D> {
         &mut self.bodies[number]
+    }
+    /// The surfaces of all bodies in a step that was begun, for a coupling that has others meet them: where they are, and how they will move
+    /// if nobody does. The list is filled anew but for what stays from step to step: keep it for this scene alone.
+    ///
+    /// # Errors
+    /// A node whose velocity is no number; no step that was begun.
+    pub fn surfaces(&self, list: &mut Vec<ContactSurface<D>>) -> Result<(), StepError> {
+        let Some(dt) = self.open else {
+            return Err(self.clock.refused("step begun", 0.0, "there (`Fem::begin`)"));
+        };
+        list.resize_with(self.bodies.len(), ContactSurface::default);
+        look(list, &self.bodies, &self.boundaries, (&self.clock, dt), &self.team)
     }
     /// The conditions on all nodes.
     pub fn boundaries(&self) -> &[Boundary<D>] {

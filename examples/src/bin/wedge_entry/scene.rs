@@ -12,7 +12,7 @@ use mpm_core::output::Snapshot;
 use mpm_core::{BlockGrid, Boundary, Mpm, PlaneStrain, Side, Solver, Team};
 use mpm_materials::{LinearElastic, Moduli};
 
-use crate::setup::{ELASTIC, HALF, POOL, RIGID, Setup};
+use crate::setup::{DENSITY, HALF, POOL, Setup};
 use crate::track::{Row, Track};
 
 /// Rows of a history over a run.
@@ -76,15 +76,16 @@ fn wedge(setup: &Setup) -> Result<Fem<2>, CaseError> {
     let mesh = wedge_mesh([[0.0, 0.0], [HALF, height], [0.0, height]], setup.count(), ElementKind::Quad4)?;
     let held = mesh.nodes_where(|x| setup.young.is_none() || x[1] > height * (1.0 - 1e-9));
     let mesh = mesh.with_node_set("held", held)?;
-    let density = if setup.young.is_some() { ELASTIC } else { RIGID };
     // Waves in a rigid wedge, which has none, are not to shorten the steps.
-    let young = setup.young.unwrap_or(density * (0.2 * setup.water().sound).powi(2));
-    let law = LinearElastic::new(density, Moduli::young_poisson(young, POISSON)?)?;
+    let young = setup.young.unwrap_or(DENSITY * (0.2 * setup.water().sound).powi(2));
+    let law = LinearElastic::new(DENSITY, Moduli::young_poisson(young, POISSON)?)?;
     let (speed, mut fem) = (setup.speed, Fem::new(PlaneStrain));
     let body = MeshBody::new("wedge", mesh, law).with(ElementKind::Quad4, Technology::MeanDilatation);
     let body = fem.add(body.moving(move |_| [0.0, -speed]))?;
     fem.bound(symmetry())?;
-    fem.prescribe(body, "held", Arc::new(move |_| [None, Some(-speed), None]))?;
+    // A rigid one does not move across, either; of an elastic one the deck may.
+    let across = setup.young.is_none().then_some(0.0);
+    fem.prescribe(body, "held", Arc::new(move |_| [across, Some(-speed), None]))?;
     Ok(fem)
 }
 

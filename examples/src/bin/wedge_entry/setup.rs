@@ -9,10 +9,8 @@ use serde::Serialize;
 pub const HALF: f64 = 0.25;
 /// Half the width of the pool and its depth, in half breadths of the wedge.
 pub const POOL: [f64; 2] = [4.0, 3.0];
-/// Density of an elastic wedge, kg/m^3.
-pub const ELASTIC: f64 = 1100.0;
-/// Density of a rigid one: so high that its nodes, whose velocity is prescribed, yield nothing to contact before it is.
-pub const RIGID: f64 = 1.0e6;
+/// Density of the wedge, kg/m^3.
+pub const DENSITY: f64 = 1100.0;
 
 /// One run: half of the wedge and of the pool behind a plane of symmetry.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
