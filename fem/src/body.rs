@@ -207,6 +207,7 @@ impl<const D: usize> MeshBody<D> {
             extents: Vec::new(),
             pace: Pace::default(),
             rate: 0.0,
+            first_rate: 0.0,
             acceleration: [0.0; D],
             exchange: Exchange::default(),
             pushed: Exchange::default(),
@@ -327,6 +328,8 @@ pub struct ElementBody<const D: usize> {
     pub(crate) pace: Pace,
     /// Half the largest frequency bound of the elements, 1/s.
     pub(crate) rate: f64,
+    /// The same in the states that it was given, 1/s.
+    pub(crate) first_rate: f64,
     /// Of the body force in the present step, m/s^2.
     pub(crate) acceleration: [f64; D],
     pub(crate) exchange: Exchange,

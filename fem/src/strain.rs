@@ -14,6 +14,12 @@ use crate::sweep::{Moving, Of, Pass, Scratch, Trouble};
 const INVERTED: &str = "it is turned inside out (det J <= 0 at an integration point): the mesh cannot follow the deformation; let such \
                         elements leave (`MeshBody::eroding(Erosion::volume(..))`), make the body of particles (the material point \
                         method), or take a finer mesh or a smaller step";
+/// A stable step that is so many times shorter than the first one leads nowhere.
+const SHORTER: f64 = 1e4;
+/// Why such an element stops a run, and what to do.
+const FLAT: &str = "it is so flat that the stable step is ten thousand times shorter than at the start: the mesh cannot follow the \
+                    deformation; let such elements leave (`MeshBody::eroding(Erosion::step(..))`), make the body of particles (the \
+                    material point method), or take a finer mesh";
 
 impl<const D: usize> ElementBody<D> {
     /// Strains of a step of `dt` seconds that ends at the positions of the nodes, laws, and forces.
@@ -48,7 +54,7 @@ impl<const D: usize> ElementBody<D> {
         }
         self.take_rates();
         self.bury();
-        Ok(())
+        self.leads_on(clock)
     }
 
     /// Forces of the states as they are.
@@ -62,6 +68,7 @@ impl<const D: usize> ElementBody<D> {
             self.sweep(s, Pass::Force, 0.0, team, memory);
         }
         self.take_rates();
+        self.first_rate = self.rate;
         self.bury();
     }
 
@@ -146,25 +153,52 @@ impl<const D: usize> ElementBody<D> {
         let set = &self.sets[s];
         for (b, batch) in set.batches.iter().enumerate() {
             let Some((e, trouble)) = batch.report.trouble else { continue };
-            let mut centre = [0.0; 3];
-            for n in set.nodes_of(batch, e) {
-                let x = wide(&self.nodes[n as usize].position);
-                (0..3).for_each(|d| centre[d] += x[d] / set.sweep.nodes() as f64);
-            }
             let cause = match trouble {
                 Trouble::Inverted => Cause::Other(INVERTED),
                 Trouble::Law(cause) => Cause::Law(cause),
             };
-            return Err(clock.stopped(Stopped::Point {
-                kind: PointKind::Element,
-                body: self.name.clone(),
-                number: set.numbers[b * crate::sweep::BATCH + e] as usize,
-                position: centre,
-                law: self.material.name(),
-                cause,
-            }));
+            return Err(clock.stopped(self.stopped(s, b, e, cause)));
         }
         Ok(())
+    }
+
+    /// Is the stable step long enough to come anywhere? Else the flattest element of those that bound it is named.
+    fn leads_on(&self, clock: &Clock) -> Result<(), StepError> {
+        if self.first_rate == 0.0 || self.rate <= SHORTER * self.first_rate {
+            return Ok(());
+        }
+        for (s, set) in self.sets.iter().enumerate() {
+            let Some(b) = set.batches.iter().position(|b| b.report.rate == self.rate) else { continue };
+            let batch = &set.batches[b];
+            let width = |e: usize| {
+                let nodes: Vec<u32> = set.nodes_of(batch, e).collect();
+                let apart = |a: u32, b: u32| -> f64 {
+                    let [a, b] = [a, b].map(|n| self.nodes[n as usize].position);
+                    (0..D).map(|d| (a[d] - b[d]).powi(2)).sum()
+                };
+                let pairs =
+                    nodes.iter().enumerate().flat_map(|(i, &a)| nodes[i + 1..].iter().map(move |&b| (a, b)));
+                pairs.map(|(a, b)| apart(a, b)).fold(f64::INFINITY, f64::min)
+            };
+            let alive = (0..batch.elements).filter(|&e| batch.alive(e, set.sweep.points()));
+            if let Some(e) = alive.min_by(|&a, &b| width(a).total_cmp(&width(b))) {
+                return Err(clock.stopped(self.stopped(s, b, e, Cause::Other(FLAT))));
+            }
+        }
+        Ok(())
+    }
+
+    /// What an element of a batch of a set stops a run by.
+    fn stopped(&self, s: usize, b: usize, e: usize, cause: Cause) -> Stopped {
+        let set = &self.sets[s];
+        Stopped::Point {
+            kind: PointKind::Element,
+            body: self.name.clone(),
+            number: set.numbers[b * crate::sweep::BATCH + e] as usize,
+            position: self.centre(set, &set.batches[b], e),
+            law: self.material.name(),
+            cause,
+        }
     }
 
     /// Book the elements that left: their energy as one of conversion, their mass as that of their nodes alone.

@@ -3,6 +3,7 @@
 use fem::{Criterion, Erosion, Fem, MeshBody, Technology};
 use impactite_geometry::ElementKind::{Hexa8, Quad4};
 use impactite_scene::{Body, Boundary, FullSpace, PlaneStrain, Side, Solver};
+use mpm_materials::{Moduli, NeoHookean};
 
 use crate::common::{elastic, flowing, mesh};
 
@@ -29,6 +30,22 @@ fn an_inverted_element_stops_the_run_and_says_what_to_do() {
         "particles",
         "finer mesh",
     ] {
+        assert!(said.contains(part), "{part}: {said}");
+    }
+    assert!(fem.step_at_most(1.0).is_err());
+}
+
+/// A law that never gives way: the element gets flat, and the step short without end.
+#[test]
+fn a_step_that_shrinks_to_nothing_stops_the_run_and_says_what_to_do() {
+    let rubber = NeoHookean::new(1000.0, Moduli::young_poisson(1e6, 0.3).unwrap()).unwrap();
+    let mut fem = Fem::new(PlaneStrain);
+    fem.add(MeshBody::new("square", mesh(Quad4, [0.0; 2], [1e-3; 2], [1, 1]), rubber)).unwrap();
+    for (set, velocity) in [("low y", 0.0), ("high y", -3.0)] {
+        fem.prescribe(0, set, std::sync::Arc::new(move |_| [Some(0.0), Some(velocity), None])).unwrap();
+    }
+    let said = fem.run_until(1e-3 / 3.0).expect_err("it is squeezed to nothing").to_string();
+    for part in ["element 0 of body `square`", "so flat", "Erosion::step", "particles", "finer mesh"] {
         assert!(said.contains(part), "{part}: {said}");
     }
     assert!(fem.step_at_most(1.0).is_err());
