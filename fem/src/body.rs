@@ -141,7 +141,7 @@ impl<const D: usize> MeshBody<D> {
     }
 
     fn check_kind(&self, kind: ElementKind, hoop: bool) -> Result<(), SceneError> {
-        self.technology(kind).check(kind)?;
+        self.technology(kind, hoop).check(kind)?;
         let why = match kind {
             ElementKind::Bar2 if hoop => "around an axis a bar is a shell: take quadrilaterals",
             ElementKind::Bar2 => return Ok(()),
@@ -154,8 +154,8 @@ impl<const D: usize> MeshBody<D> {
         Err(SceneError::NotWith { what: format!("{kind:?}"), method, why })
     }
 
-    fn technology(&self, kind: ElementKind) -> Technology {
-        self.technologies.get(&kind).copied().unwrap_or_else(|| Technology::default_of(kind))
+    fn technology(&self, kind: ElementKind, hoop: bool) -> Technology {
+        self.technologies.get(&kind).copied().unwrap_or_else(|| Technology::default_of(kind, hoop))
     }
 
     /// The body.
@@ -177,7 +177,7 @@ impl<const D: usize> MeshBody<D> {
             Making { body: &self.name, nodes, virgin: &virgin, probe: &probe, hoop, section: self.section };
         let (mut masses, mut sets, mut slots) = (vec![0.0; nodes.len()], Vec::new(), 0);
         for (kind, elements) in kinds.into_iter().filter(|(_, list)| !list.is_empty()) {
-            let mut set = Set::new(kind, self.technology(kind), elements, &making, &mut masses)?;
+            let mut set = Set::new(kind, self.technology(kind, hoop), elements, &making, &mut masses)?;
             set.first = slots;
             slots = set.slots().end;
             sets.push(set);

@@ -35,7 +35,7 @@ fn energy_error(kind: impactite_geometry::ElementKind, technology: Technology, f
 
 #[test]
 fn books_of_elastic_bodies_close_with_the_square_of_the_step() {
-    let springs = Technology::default_of(Quad4);
+    let springs = Technology::default_of(Quad4, false);
     for (kind, technology) in
         [(Quad4, springs), (Quad4, Technology::MeanDilatation), (Triangle3, Technology::AveragedVolumes)]
     {
@@ -201,7 +201,7 @@ fn bodies_under_initial_stress_rest_where_it_is_in_equilibrium() {
     use impactite_scene::Body;
     use mpm_materials::{Constitutive, LinearElastic};
     for (kind, technology) in [
-        (Quad4, Technology::default_of(Quad4)),
+        (Quad4, Technology::default_of(Quad4, false)),
         (Quad4, Technology::MeanDilatation),
         (Triangle3, Technology::AveragedVolumes),
     ] {
