@@ -1,6 +1,6 @@
 //! Bodies as the run loop and observers see them, whatever their method.
 
-use crate::balance::Exchange;
+use crate::exchange::Exchange;
 
 /// Sums over the points of a body or a scene. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

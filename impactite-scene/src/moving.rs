@@ -1,9 +1,9 @@
 //! Conditions on points that move with velocities of their own: particles, and nodes of elements.
 
-use crate::balance::Exchange;
 use crate::boundary::{Boundary, BoundaryError, rub};
 use crate::condition::{Condition, Place, Reaction};
 use crate::error::SceneError;
+use crate::exchange::Exchange;
 
 /// A point that carries mass and moves with its own velocity through a step.
 #[derive(Clone, Copy, Debug, PartialEq)]

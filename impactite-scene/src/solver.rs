@@ -7,11 +7,12 @@ use impactite_output::{OutputError, Snapshot};
 use impactite_simd::Team;
 
 use crate::archive::{Archive, CheckpointError};
-use crate::balance::{Account, Exchange};
+use crate::balance::Account;
 use crate::body::{Body, Totals};
 use crate::clock::Clock;
 use crate::contact::{ContactPoint, PairContact};
 use crate::error::StepError;
+use crate::exchange::Exchange;
 use crate::finding::Warning;
 use crate::snapshot::gather;
 use crate::summary::RunSummary;

@@ -15,9 +15,10 @@ use impactite_simd::Team;
 
 use super::Broken;
 use crate::archive::{Archive, CheckpointError};
-use crate::balance::{Books, Exchange, share};
+use crate::balance::{Books, share};
 use crate::body::{PointView, Totals};
 use crate::error::Stopped;
+use crate::exchange::Exchange;
 use crate::observe::{Ledger, ObserveError, Observer, Pace, RunView, VtkSeries};
 use crate::run::{Run, RunError};
 use crate::solver::Solver;

@@ -4,9 +4,9 @@ use std::cell::OnceCell;
 
 use impactite_output::{OutputError, Snapshot};
 
-use crate::balance::Exchange;
 use crate::body::{Body, Totals};
 use crate::contact::{ContactPoint, PairContact};
+use crate::exchange::Exchange;
 use crate::observe::ObserveError;
 use crate::solver::Solver;
 use crate::summary::RunSummary;

@@ -2,10 +2,11 @@
 
 use super::Watch;
 use crate::archive::{Archive, CheckpointError};
-use crate::balance::{Account, Books, Exchange, share};
+use crate::balance::{Account, Books, share};
 use crate::body::Totals;
 use crate::clock::Clock;
 use crate::error::{StepError, Stopped};
+use crate::exchange::Exchange;
 use crate::finding::{Finding, Warning};
 
 /// Looks at the bodies, among all looks.

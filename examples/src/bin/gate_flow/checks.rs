@@ -21,8 +21,7 @@ const BEND: f64 = 0.05;
 /// Length of a run, s, from which on water flows as through a gap.
 const LONG: f64 = 0.3;
 const CHOKED: &str = "gaps of four cells and less choke: contact on the near face of the gate holds back what shares its nodes";
-const DEEPER: &str =
-    "rounds of contact leave a part of what closes in a step: 0.027 with 20 cells, 0.062 with 40";
+const NOISY: &str = "12.7 % with 10 cells, 9.2 % with 20: the gate makes several steps in one of the water, and with one in one it was 6.3 %";
 /// Inviscid flow is ahead of water behind a gate that is pulled \[V\].
 const AHEAD: f64 = 0.12;
 const EXPERIMENT: &str = "experiment, Martin and Moyce 1952 [V]";
@@ -120,10 +119,7 @@ fn inside(outcome: &Outcome) -> Vec<Check> {
             Check::unreferenced(name, overlap, "-", source),
         ];
     }
-    vec![
-        Check::at_most(count_name, count, "-", 0.0, "contact"),
-        if outcome.setup.cells > FINE { depth.known_miss(DEEPER) } else { depth },
-    ]
+    vec![Check::at_most(count_name, count, "-", 0.0, "contact"), depth]
 }
 
 /// The gate that swings about its static bend: means over whole periods.
@@ -157,6 +153,7 @@ fn statics(outcome: &Outcome) -> Vec<Check> {
     let quiet = largest(outcome.ledger.iter().map(|e| e.kinetic)) / outcome.setup.potential();
     let pressure = mean(&|n| rows[n].pressure) / depth;
     let density = largest(rows.iter().map(|r| r.density));
+    let rest = Check::at_most(of("pressure less that at rest, of that below"), pressure, "-", 0.1, "asked");
     let mut checks = inside(outcome);
     checks.extend([
         bend.judged_if(outcome.setup.layers >= THIN, "two elements bend 11 % too far, three 4 %"),
@@ -164,7 +161,7 @@ fn statics(outcome: &Outcome) -> Vec<Check> {
             outcome.setup.cells >= FINE,
             "it falls with the cell: 2.8 % too much with 10, 1.4 % with 20",
         ),
-        Check::at_most(of("pressure less that at rest, of that below"), pressure, "-", 0.1, "asked"),
+        if outcome.setup.cells < FINE { rest.known_miss(NOISY) } else { rest },
         Check::at_most(of("change of density"), density, "-", 0.01, "asked"),
         Check::unreferenced(of("largest kinetic energy, of the potential"), quiet, "-", "the gate swings"),
     ]);
