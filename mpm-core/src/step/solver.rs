@@ -380,6 +380,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(self.stopped(Stopped::NoTimeStep(dt)));
         }
+        if self.scene.clients.is_empty() {
+            return Ok(T::of(dt.min(left)));
+        }
         // As `Clock::step_within`: no last step of nothing, which clients with surfaces would mend depths in.
         Ok(T::of(if dt >= left * (1.0 - 1e-9) { left } else { dt.min(0.5 * left) }))
     }
