@@ -23,9 +23,9 @@ const SUBCYCLES: u32 = 8;
 
 /// Bodies of finite elements in a scene of material points: [`Mpm::add_client`](mpm_core::Mpm::add_client) takes them.
 ///
-/// The elements make one or several equal steps in one of the scene, as many as their own stable step asks for; what they meet pushes
-/// them in the first of these ([`Elements::with_subcycles`]). Conditions and body forces of the elements are
-/// those of their own [`Fem`].
+/// On the grid the elements make the steps of the scene, whose length their own stable step bounds. By surface they make one or several
+/// equal steps in one of the scene, as many as their own stable step asks for, and meet particles in each of them
+/// ([`Elements::with_subcycles`]). Conditions and body forces of the elements are those of their own [`Fem`].
 pub struct Elements<const D: usize> {
     pub(crate) fem: Fem<D>,
     name: String,
@@ -35,10 +35,10 @@ pub struct Elements<const D: usize> {
     way: Way<D>,
     /// Most steps of the elements in one of the scene; how many there are in this one, and the length of each, s.
     most: u32,
-    pub(crate) steps: u32,
+    steps: u32,
     pub(crate) step: f64,
     /// How many of them are over.
-    pub(crate) made: u32,
+    made: u32,
 }
 
 /// How elements meet particles.
@@ -246,7 +246,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
                 body.add_impulse(n, std::array::from_fn(|d| mass * change[d]));
             }
         }
-        while self.made + 1 < self.steps {
+        while !self.is_last() {
             self.next()?;
         }
         self.made += 1;
@@ -289,6 +289,11 @@ impl<const D: usize> Elements<D> {
             Way::Grid => None,
             Way::Surface(surface) => Some((&mut self.fem, surface)),
         }
+    }
+
+    /// Is this step of the elements the last one in that of the scene?
+    pub(crate) fn is_last(&self) -> bool {
+        self.made + 1 >= self.steps
     }
 
     /// Begin a step of the elements.

@@ -43,12 +43,12 @@ impl<const D: usize> SurfaceClient<f64, D> for Elements<D> {
     }
 
     /// In each step of the elements: all particles and nodes at once, particles as the nodes that carry them move and push each other.
-    fn meet(&mut self, particles: &mut NearParticles<D>, dt: f64, team: &Team) -> Result<Taken, Stopped> {
-        let (mut met, step) = (Met::of(particles), dt / f64::from(self.steps));
+    fn meet(&mut self, particles: &mut NearParticles<D>, _: f64, team: &Team) -> Result<Taken, Stopped> {
+        let (mut met, step) = (Met::of(particles), self.step);
         loop {
             let Some((fem, surface)) = self.parts() else { return Ok(Taken::default()) };
             met.step(fem, surface, particles, step, team)?;
-            if self.made + 1 == self.steps {
+            if self.is_last() {
                 return Ok(met.taken(particles));
             }
             self.next()?;

@@ -244,7 +244,7 @@ impl<const D: usize> ContactSurface<D> {
 impl<const D: usize> ElementBody<D> {
     /// The facets that others may meet under these conditions: not those that lie at rest on planes of symmetry, behind which the body
     /// goes on.
-    pub fn facets_to_meet(&self, boundaries: &[Boundary<D>]) -> Vec<Facet> {
+    fn facets_to_meet(&self, boundaries: &[Boundary<D>]) -> Vec<Facet> {
         let rest = &self.mesh.nodes;
         let goes_on = |facet: &Facet| {
             boundaries.iter().any(|boundary| match *boundary {

@@ -9,7 +9,7 @@ use impactite_output::picture::{
     Axis, Camera, Chart, ColourMap, Cut, FieldPicture, Mark, Marker, Mirror, Panels, ParticlePicture,
     Picture, Quantity, Series, Stroke,
 };
-use impactite_output::{OutputError, ParticleSize, Snapshot};
+use impactite_output::{Cells, OutputError, ParticleSize, Snapshot};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -170,6 +170,34 @@ fn a_square_lies_where_its_axes_say() {
     let (y0, y1) = (area.iter().map(|p| p.1).min().unwrap(), area.iter().map(|p| p.1).max().unwrap());
     assert_eq!(x1 - x0, y1 - y0, "a square is square");
     assert!(y0 > 160 && x1 < 220, "it fills the lower left, not {x0}..{x1} {y0}..{y1}");
+}
+
+/// An element is drawn in its shape, whatever squares its neighbours are drawn as.
+#[test]
+fn elements_are_drawn_in_their_shape() {
+    let cells = Cells {
+        nodes: vec![[1.0, 1.0, 0.0], [3.0, 1.0, 0.0], [3.5, 3.0, 0.0], [2.0, 2.0, 0.0]],
+        corners: vec![0, 1, 2, 3],
+        ends: vec![4],
+    };
+    let one = Snapshot::new(2, 0.0, 0, vec![[2.4, 1.7, 0.0]], ParticleSize::Uniform(1.2))
+        .and_then(|s| s.with_cells(cells))
+        .expect("good");
+    let blue = impactite_output::picture::palette(0);
+    for mark in [Mark::Cell, Mark::Square, Mark::Disc] {
+        let picture = FieldPicture::new(400, 400).mark(mark).bounds([0.0, 0.0], [4.0, 4.0]);
+        let picture = picture.draw(&one).expect("drawn");
+        let all = (0..400).flat_map(|y| (0..400).map(move |x| (x, y)));
+        let area: Vec<_> = all.filter(|(x, y)| picture.pixel(*x, *y) == Some(blue)).collect();
+        let span = |of: fn(&(usize, usize)) -> usize| {
+            let (low, high) = area.iter().map(of).fold((usize::MAX, 0), |(l, h), v| (l.min(v), h.max(v)));
+            (high + 1 - low) as f64
+        };
+        // As wide as 2.5 and as high as 2 of four units, and of an area of 2.25 by Gauss's formula.
+        let (wide, high) = (span(|p| p.0), span(|p| p.1));
+        assert!((wide / high - 1.25).abs() < 0.03, "{mark:?}: {wide} by {high}");
+        assert!((area.len() as f64 / (wide * high) - 2.25 / 5.0).abs() < 0.02, "{mark:?}: {}", area.len());
+    }
 }
 
 #[test]

@@ -53,6 +53,8 @@ pub struct FieldPicture {
 
 /// Samples a pixel side.
 const FINE: usize = 3;
+/// The distance of a sample in an element from that: before any particle's.
+const ELEMENT: f32 = -1.0;
 
 impl FieldPicture {
     /// A picture of that many pixels, framed to fit, in colour by body.
@@ -245,7 +247,7 @@ impl FieldPicture {
         Ok([lo.map(|x| x - pad), hi.map(|x| x + pad)])
     }
 
-    /// Draw the particles at three times the resolution and average.
+    /// Draw particles and elements, those in the shape that they have, at three times the resolution and average.
     fn fill(&self, snapshot: &Snapshot, colours: &[Rgb], frame: &Frame, factor: f64, picture: &mut Picture) {
         let columns = (frame.right - frame.left).max(0.0) as usize * FINE;
         let rows = (frame.bottom - frame.top).max(0.0) as usize * FINE;
@@ -264,6 +266,26 @@ impl FieldPicture {
             let half = (0.5 * snapshot.size_of(i) * self.scale * per_metre).max(0.5) as f32;
             // Cells reach over to their neighbours; the nearest wins.
             let reach = if self.mark == Mark::Cell { half + margin as f32 } else { half };
+            if let Some(corners) = element(snapshot, i) {
+                let mut outlines: Vec<Vec<[f32; 2]>> = Vec::new();
+                for corner in &corners {
+                    Mirror::copies(&self.mirrors, *corner, &mut copies);
+                    outlines.resize(copies.len(), Vec::new());
+                    for (outline, x) in outlines.iter_mut().zip(&copies) {
+                        outline.push([
+                            ((x[0] * factor - frame.x.low) / factor * per_metre) as f32,
+                            ((frame.y.high - x[1] * factor) / factor * per_metre) as f32,
+                        ]);
+                    }
+                }
+                for outline in &outlines {
+                    within(outline, columns, rows, &mut |at| {
+                        nearest[at] = ELEMENT;
+                        colour[at] = colours[i];
+                    });
+                }
+                continue;
+            }
             Mirror::copies(&self.mirrors, *x, &mut copies);
             for x in &copies {
                 let cx = ((x[0] * factor - frame.x.low) / factor * per_metre) as f32;
@@ -289,8 +311,8 @@ impl FieldPicture {
         if self.mark == Mark::Cell {
             let mut kept: Vec<bool> = nearest.iter().map(|d| d.is_finite()).collect();
             shrink(&mut kept, columns, rows, margin);
-            for (colour, kept) in colour.iter_mut().zip(kept) {
-                if !kept {
+            for ((colour, kept), nearest) in colour.iter_mut().zip(kept).zip(&nearest) {
+                if !kept && *nearest != ELEMENT {
                     *colour = PAPER;
                 }
             }
@@ -312,6 +334,35 @@ impl FieldPicture {
                 if let Some(pixel) = pixels.get_mut((top + py) * width + left + px) {
                     *pixel = sum.map(|s| ((s + all / 2) / all) as u8);
                 }
+            }
+        }
+    }
+}
+
+/// Corners of an element in the plane that a particle stands for, m.
+fn element(snapshot: &Snapshot, i: usize) -> Option<Vec<[f64; 3]>> {
+    let cells = snapshot.cells().filter(|cells| snapshot.dimension() == 2 && cells.of(i).len() > 2)?;
+    let corners: Vec<[f64; 3]> = cells.of(i).iter().map(|&n| cells.nodes[n as usize]).collect();
+    corners.iter().all(is_place).then_some(corners)
+}
+
+/// Visit the samples whose middle is within a polygon, by how often a line to the right crosses its edges.
+fn within(polygon: &[[f32; 2]], columns: usize, rows: usize, visit: &mut dyn FnMut(usize)) {
+    let range = |d: usize, count: usize| {
+        let (low, high) =
+            polygon.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(x[d]), h.max(x[d])));
+        low.floor().max(0.0) as usize..(high.ceil().max(0.0) as usize).min(count)
+    };
+    for y in range(1, rows) {
+        for x in range(0, columns) {
+            let at = [x as f32 + 0.5, y as f32 + 0.5];
+            let crosses = |n: &usize| {
+                let (a, b) = (polygon[*n], polygon[(n + 1) % polygon.len()]);
+                (a[1] > at[1]) != (b[1] > at[1])
+                    && at[0] < a[0] + (at[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+            };
+            if (0..polygon.len()).filter(crosses).count() % 2 == 1 {
+                visit(y * columns + x);
             }
         }
     }

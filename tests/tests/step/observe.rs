@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use mpm_materials::{LinearElastic, Moduli};
+use mpm_materials::{LinearElastic, Moduli, NeoHookean};
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::observe::*;
@@ -224,4 +224,45 @@ fn files_hold_a_row_or_frame_a_look() {
     assert!(vtk.pvd().is_file() && folder.join("square_000003.png").is_file());
     std::fs::remove_dir_all(folder).unwrap();
     assert!(Pictures::create(".", "a/b", pace, |_| unreachable!()).is_err());
+}
+
+/// A square that spins as it flies stays at small strain, whatever the angle; one between a wall and its own speed does not.
+#[test]
+fn bodies_of_small_strain_are_told_from_others() {
+    let scene = || {
+        let lattice = Lattice::new([0.0; 2], 1e-3).unwrap();
+        let law = || NeoHookean::new(1000.0, Moduli::young_poisson(1e6, 0.3).unwrap()).unwrap();
+        let square = |low: [f64; 2]| {
+            let shape = Cuboid::new(low, low.map(|x| x + 4e-3)).unwrap();
+            fill(&shape, &lattice, 2, &Filling::new()).unwrap()
+        };
+        let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
+        mpm.add("spins", law(), &square([20e-3, 20e-3]), |[x, y]| {
+            [-400.0 * (y - 22e-3), 400.0 * (x - 22e-3)]
+        })
+        .unwrap();
+        mpm.add("strikes", law(), &square([2e-3, 2e-3]), |_| [0.0, -12.0]).unwrap();
+        mpm.bound(Boundary::Wall { axis: 1, at: 2e-3, side: Side::Above, velocity: 0.0 }).unwrap();
+        mpm
+    };
+    let observer = || SmallStrain::new(Pace::interval(2e-5).unwrap(), 0.05);
+    let (mut mpm, mut strain) = (scene(), observer());
+    let mut run = Run::new(&mut mpm).observe(&mut strain);
+    run.until(1e-3).and_then(|_| run.until(2e-3)).unwrap();
+    drop(run);
+    let report = strain.report();
+    let [spins, strikes] = &report[..] else { panic!("{report:?}") };
+    assert!(spins.elements_would_do() && spins.points == 64 && spins.of_all == 0.5, "{spins}");
+    assert!(spins.to_string().contains("finite elements would do, and save up to 50 %"), "{spins}");
+    assert!(!strikes.elements_would_do() && strikes.small < 0.7, "{strikes}");
+    assert!(!strikes.to_string().contains("elements would"), "{strikes}");
+
+    // A run that is resumed half way finds the same.
+    let file = std::env::temp_dir().join(format!("impactite-small-strain-{}", std::process::id()));
+    let (mut first, mut before) = (scene(), observer());
+    Run::new(&mut first).observe(&mut before).checkpoint(&file, Pace::every_step()).until(1e-3).unwrap();
+    let (mut second, mut after) = (scene(), observer());
+    Run::new(&mut second).observe(&mut after).resume(&file).unwrap().until(2e-3).unwrap();
+    std::fs::remove_file(&file).unwrap();
+    assert_eq!(after.report(), report);
 }

@@ -31,7 +31,7 @@ pub fn water(outcome: &Outcome) -> Result<Picture, CaseError> {
             .colour_by(pressure)
             .axes("x", "y")
             .bounds(bounds[0], bounds[1])
-            .draw(&immersed(snapshot, 0.001, "pressure")?)?;
+            .draw(&immersed(snapshot, "pressure")?)?;
         panels = panels.panel(format!("{:.2} s", snapshot.time()), picture);
     }
     Ok(panels.compose()?)

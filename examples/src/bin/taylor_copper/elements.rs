@@ -9,7 +9,7 @@ use mpm_core::observe::{HistoryCsv, Ledger, Observer, Pace, Progress, RunView};
 use mpm_core::{Axisymmetric, Boundary, Embedding, FullSpace, PlaneStrain, Side, Solver, Team};
 
 use crate::beside::{Bar, Outcome, copper};
-use crate::scene::{END, Files, HISTORY, LENGTH, RADIUS, Space};
+use crate::scene::{END, Files, HISTORY, LENGTH, RADIUS, Space, sizes_of};
 
 /// How elements are integrated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -111,15 +111,9 @@ fn run<const D: usize, E: Embedding<D>>(
     })
 }
 
-/// Length and radius of the face, m: from the lowest node of the face, whose rim curls up, to the mean of the other end's; the farthest
-/// node of the face.
+/// Length and radius of the face, m, by the nodes of both ends.
 fn sizes<const D: usize>(fem: &Fem<D>, [foot, top]: &[Vec<u32>; 2]) -> [f64; 2] {
-    let axis = D - 1;
-    let at = |n: &u32| fem.body(0).nodes()[*n as usize].position;
-    let height = |n: &u32| at(n)[axis];
-    let (end, lowest) = (top.iter().map(height).sum::<f64>() / top.len() as f64, foot.iter().map(height));
-    let radius = |n: &u32| at(n)[..axis].iter().map(|c| c * c).sum::<f64>().sqrt();
-    [end - lowest.fold(f64::INFINITY, f64::min), foot.iter().map(radius).fold(0.0, f64::max)]
+    sizes_of([foot, top], |&n| fem.body(0).nodes()[n as usize].position)
 }
 
 /// The history of a bar with these ends.

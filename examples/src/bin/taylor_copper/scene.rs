@@ -253,16 +253,7 @@ fn run<const D: usize, M: Composition<D>>(
         (0..packing.positions.len()).filter(near).collect()
     };
     let (foot, top) = (row(0.0), row(LENGTH));
-    let sizes = |bar: &Pcmm<D, M>| {
-        let height = |n: &usize| bar.particles()[*n].position[axis];
-        // From the lowest particle of the face, whose rim curls up.
-        let (end, lowest) = (top.iter().map(height).sum::<f64>() / top.len() as f64, foot.iter().map(height));
-        let radius = |n: &usize| {
-            let x = &bar.particles()[*n].position;
-            x[..axis].iter().map(|c| c * c).sum::<f64>().sqrt()
-        };
-        [end - lowest.fold(f64::INFINITY, f64::min), foot.iter().map(radius).fold(0.0, f64::max)]
-    };
+    let sizes = |bar: &Pcmm<D, M>| sizes_of([&foot, &top], |&n| bar.particles()[n].position);
 
     let columns = [
         ("time", "s"),
@@ -315,4 +306,14 @@ fn run<const D: usize, M: Composition<D>>(
         snapshot: bar.snapshot()?,
         totals,
     })
+}
+
+/// Length and radius of the face of a bar, m, by the points of its face and its other end: from the lowest one of the face, whose rim curls
+/// up, to the mean of the other end's; the farthest one of the face.
+pub fn sizes_of<N, const D: usize>([foot, top]: [&[N]; 2], at: impl Fn(&N) -> [f64; D]) -> [f64; 2] {
+    let axis = D - 1;
+    let height = |n: &N| at(n)[axis];
+    let (end, lowest) = (top.iter().map(height).sum::<f64>() / top.len() as f64, foot.iter().map(height));
+    let radius = |n: &N| at(n)[..axis].iter().map(|c| c * c).sum::<f64>().sqrt();
+    [end - lowest.fold(f64::INFINITY, f64::min), foot.iter().map(radius).fold(0.0, f64::max)]
 }

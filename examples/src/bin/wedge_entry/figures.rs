@@ -28,7 +28,7 @@ pub fn pressure(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
             .colour_by(pressure)
             .axes("x", "y")
             .bounds([0.0, -sunk - 0.35 * HALF], [1.2 * HALF, setup.height() - sunk + 0.05 * HALF])
-            .draw(&immersed(&outcome.snapshot, 0.25 * setup.spacing(), "pressure")?)?;
+            .draw(&immersed(&outcome.snapshot, "pressure")?)?;
         let name = format!("{}: {} particles inside", setup.name().replace('_', ", "), outcome.inside());
         panels = panels.panel(name, picture);
     }
