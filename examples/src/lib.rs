@@ -52,7 +52,7 @@ pub use case::{CaseError, Common, Report, Resolution, Totals, largest, within, w
 pub use check::{Check, NotJudged};
 pub use detection::{Detection, Detector, Normals};
 pub use heap::Heap;
-pub use immersed::immersed;
+pub use immersed::{WATER_PRESSURE, immersed};
 pub use law::Law;
 pub use meeting::Coupling;
 pub use ogive::Ogive;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use examples::{CaseError, immersed};
+use examples::{CaseError, WATER_PRESSURE, immersed};
 use mpm_core::output::History;
 use mpm_core::output::picture::{
     Axis, Chart, ColourMap, FieldPicture, Marker, Panels, Picture, Quantity, Series, Stroke, palette,
@@ -22,7 +22,7 @@ pub fn water(outcome: &Outcome) -> Result<Picture, CaseError> {
     };
     let mut panels = Panels::new(2);
     for snapshot in &outcome.snapshots {
-        let pressure = Quantity::scalar("pressure")
+        let pressure = Quantity::scalar(WATER_PRESSURE)
             .label("pressure")
             .unit("kPa", 1e-3)
             .range(0.0, outcome.setup.pressure(0.0))
@@ -31,7 +31,7 @@ pub fn water(outcome: &Outcome) -> Result<Picture, CaseError> {
             .colour_by(pressure)
             .axes("x", "y")
             .bounds(bounds[0], bounds[1])
-            .draw(&immersed(snapshot, "pressure")?)?;
+            .draw(&immersed(snapshot)?)?;
         panels = panels.panel(format!("{:.2} s", snapshot.time()), picture);
     }
     Ok(panels.compose()?)

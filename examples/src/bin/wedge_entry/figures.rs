@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use examples::{CaseError, immersed};
+use examples::{CaseError, WATER_PRESSURE, immersed};
 use mpm_core::output::History;
 use mpm_core::output::picture::{
     Axis, Chart, ColourMap, FieldPicture, Panels, Picture, Quantity, Series, Stroke, palette,
@@ -18,7 +18,7 @@ pub fn pressure(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
     for outcome in outcomes {
         let setup = &outcome.setup;
         let most = SIMILARITY[1] * setup.stagnation();
-        let pressure = Quantity::scalar("pressure")
+        let pressure = Quantity::scalar(WATER_PRESSURE)
             .label("pressure")
             .unit("kPa", 1e-3)
             .range(0.0, most)
@@ -28,7 +28,7 @@ pub fn pressure(outcomes: &[Outcome]) -> Result<Picture, CaseError> {
             .colour_by(pressure)
             .axes("x", "y")
             .bounds([0.0, -sunk - 0.35 * HALF], [1.2 * HALF, setup.height() - sunk + 0.05 * HALF])
-            .draw(&immersed(&outcome.snapshot, "pressure")?)?;
+            .draw(&immersed(&outcome.snapshot)?)?;
         let name = format!("{}: {} particles inside", setup.name().replace('_', ", "), outcome.inside());
         panels = panels.panel(name, picture);
     }
