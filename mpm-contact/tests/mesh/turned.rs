@@ -3,7 +3,7 @@
 use mpm_contact::Frictionless;
 use mpm_contact::mesh::MeshContact;
 
-use crate::scene::{Random, advance, brick, outline};
+use crate::scene::{Body, Random, advance, brick, outline};
 
 /// Boxes of corners alone, face to face, out of line by what sweeps leave: no corner goes aside.
 #[test]
@@ -44,7 +44,9 @@ fn an_edge_slides_over_nodes_below_it() {
         let mut bodies = [floor, sliding];
         let mut contact = MeshContact::new(Frictionless).between(0, 1);
         for step in 0..700 {
-            for v in &mut bodies[1].v {
+            // Nothing holds the nodes of a body together: only those below have weight, or the box would fold.
+            let Body { x, v, .. } = &mut bodies[1];
+            for (v, _) in v.iter_mut().zip(x).filter(|(_, x)| x[1] < 0.1) {
                 v[1] -= 1e-2;
             }
             advance(&mut contact, &mut bodies, 1e-2);
