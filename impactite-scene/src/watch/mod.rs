@@ -32,10 +32,12 @@
 //! # }
 //! ```
 
+mod suspects;
 mod watcher;
 
 pub use crate::balance::Account;
 pub use crate::finding::{Finding, GainCause, Warning};
+pub use suspects::{gain_at_the_fastest, not_finite};
 pub use watcher::{Look, Watcher};
 
 use crate::error::SceneError;
