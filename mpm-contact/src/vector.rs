@@ -27,3 +27,9 @@ pub fn unit<T: Real>(a: [T; 3]) -> Option<[T; 3]> {
     let length = length(a);
     (length > T::of(0.0)).then(|| times(a, T::of(1.0) / length))
 }
+/// A vector of `D` components as one of three.
+pub fn wide<const D: usize>(a: &[f64; D]) -> [f64; 3] {
+    let mut wide = [0.0; 3];
+    wide[..D].copy_from_slice(a);
+    wide
+}

@@ -6,7 +6,7 @@ use impactite_geometry::Facet;
 use impactite_scene::{Archive, CheckpointError, SceneError};
 
 use super::closest::cross;
-use crate::vector::{difference, length, sum, times, unit};
+use crate::vector::{difference, length, sum, times, unit, wide};
 
 /// What gaps are looked at beyond those that close in the step, as a part of the spacing of the points.
 pub(super) const BESIDE: f64 = 0.1;
@@ -239,13 +239,6 @@ impl<'a, const D: usize> ContactBody<'a, D> {
             None => Ok(()),
         }
     }
-}
-
-/// With a third component.
-pub(super) fn wide<const D: usize>(x: &[f64; D]) -> [f64; 3] {
-    let mut wide = [0.0; 3];
-    wide[..D].copy_from_slice(x);
-    wide
 }
 
 /// What of a body stays while its facets are the same.

@@ -2,10 +2,10 @@
 
 use impactite_scene::{ContactPoint, Exchange, PairContact};
 
-use super::body::{ContactBody, wide};
+use super::body::ContactBody;
 use super::detect::Touch;
 use super::solve::World;
-use crate::vector::{difference, dot, sum, times};
+use crate::vector::{difference, dot, sum, times, wide};
 
 /// An impulse on a point of a body.
 #[derive(Clone, Copy, Debug, PartialEq)]

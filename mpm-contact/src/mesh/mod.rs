@@ -96,7 +96,8 @@ use impactite_scene::{Archive, CheckpointError, ContactPoint, PairContact, Scene
 use impactite_simd::Team;
 
 use crate::law::{ContactLaw, Pairs};
-use body::{Surface, wide};
+use crate::vector::wide;
+use body::Surface;
 use books::Books;
 use detect::{Touch, View};
 use side::Facing;

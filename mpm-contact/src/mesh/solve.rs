@@ -14,11 +14,11 @@
 use impactite_geometry::Facet;
 use impactite_simd::Team;
 
-use super::body::{ContactBody, wide};
+use super::body::ContactBody;
 use super::detect::Touch;
 use super::side::Facing;
 use crate::law::{Contact, ContactLaw, Pairs};
-use crate::vector::{difference, dot, length, sum, times};
+use crate::vector::{difference, dot, length, sum, times, wide};
 
 type Vector = [f64; 3];
 
