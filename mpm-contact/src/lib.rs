@@ -6,17 +6,18 @@
 //! | [`NormalRule`] | [`SeparatingPlane`]; [`Gradients`] by mass or volume: collinear, difference, one body's own; [`Regression`] |
 //! | [`ContactLaw`] | [`Frictionless`], [`Coulomb`], [`SlipWeakening`], [`Stick`], [`Adhesion`], [`Penalty`]; a table of [`Pairs`] |
 //!
-//! [`mesh`] is contact of points of any method with the facets of meshes, from search to impulses.
+//! [`particles`] is contact of bodies of particles with each other, in scenes of their own; [`mesh`] is contact of points of any method
+//! with the facets of meshes, from search to impulses.
 //!
-//! No method is known here: detectors, normals and laws see [`Places`], which a grid has at its nodes (`mpm_core::GridContact`) and a
-//! method without grid at its pairs of particles (the crate `pcmm`). Any number of bodies may touch at a place; every
+//! No method is known here: detectors, normals and laws see [`Places`], which a grid has at its nodes (`mpm_core::GridContact`) and
+//! bodies of particles at their pairs ([`particles`]). Any number of bodies may touch at a place; every
 //! impulse acts on two bodies with opposite signs ([`relax`]).
 //!
 //! Units are SI; normals point from the first body of a pair to the second; a gap is negative where bodies overlap.
 //! `REFERENCES.md` of the repository explains the keys in square brackets.
 //!
 //! # Features
-//! - `conformance`: tests for detectors and laws written elsewhere.
+//! - `conformance`: tests for detectors, laws and bodies of particles written elsewhere.
 
 mod bonds;
 #[cfg(feature = "conformance")]
@@ -27,6 +28,7 @@ mod law;
 pub mod mesh;
 mod normal;
 mod pair_detector;
+pub mod particles;
 mod penalty;
 mod places;
 mod regression;

@@ -53,9 +53,44 @@
 //! of a step). Momentum and angular momentum are kept to rounding; the energy to the order of the step, but for what
 //! revisions add and remove, which [`Audit`] books.
 //!
+//! # Several bodies
+//! Bodies of any laws and methods meet in a scene of [`Bodies`], by pairs of particles ([`mpm_contact::particles`]): a [`Pcmm`] is a
+//! [`ParticleBody`](mpm_contact::particles::ParticleBody). Its surface is sums of V grad N over the elements at a particle, so that flat
+//! ones are flat, and lies [`Packing::surface`] radii beyond the centres. A scene gives back a body as the type that it is
+//! ([`Bodies::part`]).
+//!
+//! ```
+//! use impactite_geometry::{Cuboid, Lattice};
+//! use impactite_scene::PlaneStrain;
+//! use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
+//! use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
+//! use pcmm::{Bodies, Consistent, LocalDelaunay, Masses, Method, Packing, Pcmm};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! // A block of aluminium flies into one of steel, friction 0.2.
+//! let h = 1.0e-3;
+//! let mut scene = Bodies::<2, _>::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.2)?));
+//! for (name, left, density, young, speed) in
+//!     [("steel", 0.0, 7850.0, 206e9, 0.0), ("aluminium", 5.0 * h, 2700.0, 70e9, -100.0)]
+//! {
+//!     let shape = Cuboid::new([left, 0.0], [left + 4.0 * h, 4.0 * h])?;
+//!     let packing = Packing::on_nodes(&shape, &Lattice::new([left, 0.0], h)?)?;
+//!     let moduli = Moduli::young_poisson(young, 0.3)?;
+//!     let law = Solid::new(Elastic::new(moduli.shear)?, LogarithmicBulk::new(density, moduli.bulk)?);
+//!     let method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.45 * h, 2.0)?);
+//!     scene.add(name, Pcmm::new(method, law, &packing, |_| [speed, 0.0], Masses::FromElements)?);
+//! }
+//! scene.run_until(1.2e-5)?;
+//! // The gap of 1 mm was closed after 10 microseconds, and the steel moves.
+//! assert!(scene.totals_of(0).is_some_and(|steel| steel.momentum[0] < 0.0));
+//! let steel = scene.part::<Pcmm<2, Consistent<PlaneStrain>>>(0);
+//! assert!(steel.is_some_and(|steel| steel.elements() == 32));
+//! # Ok(())
+//! # }
+//! ```
+//!
 //! # Limits
-//! `f64` only. One law a body; several bodies, of any laws and methods, meet in a scene of [`Bodies`], by the detectors and
-//! laws of `mpm-contact`. Within a body what touches is welded: particles of it that come together make elements, whatever
+//! `f64` only. One law a body. Within a body what touches is welded: particles of it that come together make elements, whatever
 //! piece they came from. Masses and radii of particles never change.
 
 mod audit;
@@ -76,11 +111,11 @@ mod tessellation;
 mod view;
 
 pub use audit::{Audit, Coverage, Lot};
-pub use contact::{Bodies, PairOfParticles, RigidWall};
 pub use elements::Incidence;
 pub use inheritance::{Inheritance, Newborn, OverlapWeighted, Parent, ParticleMean, Taken};
 pub use kinematics::{Configuration, Dilatation, EndOfStep, NoRotation, OfElement, OfParticles, StartOfStep};
-pub use method::{Composition, Method};
+pub use method::{Composition, Consistent, Method, Printed};
+pub use mpm_contact::particles::{Bodies, PairOfParticles, RigidWall};
 pub use particles::{Packing, Particle};
 pub use pieces::pieces;
 pub use search::Neighbours;

@@ -24,14 +24,19 @@ impl<E, S, I, G, V> Method<E, S, I, G, V> {
     }
 }
 
-impl<E> Method<E, AzimuthFan, ParticleMean, EndOfStep, OfElement> {
+/// The method of [`Method::printed`].
+pub type Printed<E> = Method<E, AzimuthFan, ParticleMean, EndOfStep, OfElement>;
+/// The method of [`Method::consistent`].
+pub type Consistent<E> = Method<E, LocalDelaunay, OverlapWeighted, StartOfStep, OfParticles>;
+
+impl<E> Printed<E> {
     /// As printed.
     pub fn printed(embedding: E, fan: AzimuthFan) -> Self {
         Method::new(embedding, fan, ParticleMean, EndOfStep, OfElement)
     }
 }
 
-impl<E> Method<E, LocalDelaunay, OverlapWeighted, StartOfStep, OfParticles> {
+impl<E> Consistent<E> {
     /// Nothing covered twice, states handed on by overlap, no strain in rotation, no locking.
     pub fn consistent(embedding: E, delaunay: LocalDelaunay) -> Self {
         Method::new(embedding, delaunay, OverlapWeighted, StartOfStep, OfParticles)

@@ -6,12 +6,13 @@ use impactite_scene::boundary::BodyForce;
 use impactite_scene::boundary::check_at;
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
-use impactite_scene::watch::{Look, Watcher};
+use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, Finding,
-    GainCause, SceneError, Solver, StepError, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
+    Solver, StepError, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
+use mpm_contact::particles::Advice;
 use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
@@ -82,8 +83,14 @@ pub struct Pcmm<const D: usize, M> {
     pub(crate) waiting: Arc<Vec<Mutex<Waiting>>>,
 }
 
+/// What is said where energy is lost or gained.
+pub(crate) const ADVICE: Advice = Advice {
+    loss: "by contacts that closed, the printed volumes of elements, or elements that were made anew; what keeps more: \
+           `Method::consistent`, and smaller particles",
+    gain: "the particles there are the fastest; take `Method::consistent`, a smaller Courant factor, or revise more often",
+};
 /// The default safety factor of the time step.
-pub(crate) const COURANT: f64 = 0.5;
+const COURANT: f64 = 0.5;
 /// Particles of a scene for which more than one thread is used.
 pub const SMALL: usize = 2000;
 /// The skin of the neighbour lists over the smallest radius.
@@ -503,11 +510,12 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     fn look(&mut self) -> Result<(), StepError> {
         let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
-        let at = look_at(&clock, &exchange, self.speed());
-        let bodies: [&dyn Body; 1] = [self];
-        let (broken, gain) = (broken(&bodies), gain(&bodies));
+        let (speed, loss, rounding) = (self.speed(), ADVICE.loss, f64::EPSILON);
+        let at = Look { clock: &clock, exchange: &exchange, rounding, speed, energy: true, loss };
         let mut watcher = std::mem::take(&mut self.watcher);
-        let looked = watcher.look(&totals, M::Embedding::HOOP, &at, || broken, gain);
+        let bodies: [&dyn Body; 1] = [self];
+        let gain = gain_at_the_fastest(&bodies, |_| ADVICE.gain);
+        let looked = watcher.look(&totals, M::Embedding::HOOP, &at, || not_finite(&bodies), gain);
         self.watcher = watcher;
         looked
     }
@@ -527,37 +535,6 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         }
         Ok(dt)
     }
-}
-
-/// What a look at particles sees beside the balance.
-pub(crate) fn look_at<'a>(clock: &'a Clock, exchange: &'a Exchange, speed: f64) -> Look<'a> {
-    let loss = "by contacts that closed, the printed volumes of elements, or elements that were made anew; what keeps more: \
-                `Method::consistent`, and smaller particles";
-    Look { clock, exchange, rounding: f64::EPSILON, speed, energy: true, loss }
-}
-
-/// The body with a number that is not finite.
-pub(crate) fn broken(bodies: &[&dyn Body]) -> String {
-    let broken = bodies.iter().find(|b| !b.totals().is_finite());
-    broken.map(|b| b.name().to_string()).unwrap_or_default()
-}
-
-/// What is said of an energy gain: it is most likely where the fastest particle is.
-pub(crate) fn gain(bodies: &[&dyn Body]) -> impl FnOnce(f64, f64) -> Finding + use<> {
-    let (mut fastest, mut position, mut body) = (-1.0, [0.0; 3], String::new());
-    for one in bodies {
-        one.for_each(&mut |p| {
-            let square: f64 = p.velocity.iter().map(|v| v * v).sum();
-            if square > fastest {
-                (fastest, position) = (square, p.position);
-                body = one.name().to_string();
-            }
-        });
-    }
-    let cause = GainCause::Other(
-        "the particles there are the fastest; take `Method::consistent`, a smaller Courant factor, or revise more often",
-    );
-    move |share, joules| Finding::EnergyGain { share, joules, body, position, cause }
 }
 
 /// A body alone.

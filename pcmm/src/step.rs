@@ -2,8 +2,8 @@
 
 use impactite_scene::boundary::BodyForce;
 use impactite_scene::{Boundary, Cause, Exchange, MovingPoint, PointKind, Solver, StepError, Stopped};
+use mpm_contact::vector::wide;
 
-use crate::contact::wide;
 use crate::elements::{BATCH, Batch, Elements, Incidence};
 use crate::kinematics::Dilatation;
 use crate::method::Composition;

@@ -11,10 +11,9 @@ use mpm_contact::{
     Regression, Stick, SurfaceDistance, Weight,
 };
 use mpm_materials::{Constitutive, Elastic, LogarithmicBulk, Moduli, Solid};
-use pcmm::{Bodies, LocalDelaunay, Masses, Method, Packing, Pcmm, RigidWall};
+use pcmm::{Bodies, Consistent, LocalDelaunay, Masses, Method, Packing, Pcmm, RigidWall};
 
-type Body =
-    Pcmm<2, Method<PlaneStrain, LocalDelaunay, pcmm::OverlapWeighted, pcmm::StartOfStep, pcmm::OfParticles>>;
+type Body = Pcmm<2, Consistent<PlaneStrain>>;
 
 /// An elastic body of this density and Young's modulus.
 fn elastic(packing: &Packing<2>, h: f64, density: f64, young: f64, velocity: [f64; 2]) -> Body {
@@ -67,7 +66,7 @@ where
     assert!(taken > 0.0 && taken < 0.2 * start.kinetic, "{taken} of {}", start.kinetic);
     let error = (end.kinetic + end.internal + taken) / start.kinetic - 1.0;
     seen.positions = (0..order.len())
-        .map(|b| scene.particles(b).iter().map(|p| [p.position[0], p.position[1], 0.0]).collect())
+        .map(|b| scene.particles(b).map(|p| [p.position[0], p.position[1], 0.0]).collect())
         .collect();
     (seen, error)
 }

@@ -1,17 +1,21 @@
 //! By the particle-contact meshfree method.
 
+use std::marker::PhantomData;
+
 use examples::{CaseError, Restart, Totals};
 use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
 use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, Progress, RunView};
 use mpm_core::{
     Archive, Axisymmetric, Boundary, CheckpointError, Embedding, PlaneStrain, Side, Solver, Team, TimeControl,
 };
-use pcmm::{Bodies, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm, pieces};
+use pcmm::{Bodies, Consistent, Limits, LocalDelaunay, Masses, Method, Packing, Pcmm, pieces};
 
 use crate::scene::{END, Entry, HISTORY, MOMENTS, Outcome, SPEED, Setup, Space, packed};
 
 /// Bullet and target.
 type Scene = Bodies<2, SurfaceDistance>;
+/// One of them.
+type Body<E> = Pcmm<2, Consistent<E>>;
 
 /// Steps between two revisions.
 const EVERY: u64 = 2;
@@ -60,7 +64,13 @@ fn with_embedding<E: Embedding<2>>(
     scene.set_time_control(TimeControl::Courant { factor: 0.3, growth: 1.1 })?;
 
     let start = scene.totals();
-    let mut tip = Tip { pace: Pace::interval(HISTORY)?, space, start: start.kinetic, history: Vec::new() };
+    let mut tip = Tip::<E> {
+        pace: Pace::interval(HISTORY)?,
+        space,
+        start: start.kinetic,
+        history: Vec::new(),
+        embedding: PhantomData,
+    };
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
     let mut bar = Progress::new("particle contacts");
     let mut simulation = restart.scene(format!("pcmm_{}", space.name()))?;
@@ -74,38 +84,41 @@ fn with_embedding<E: Embedding<2>>(
     }
     let totals = Totals::of(&scene, &simulation.summary(), &ledger);
     let frames = simulation.into_snapshots();
-    let added = Some(scene.audit().energy_added() / start.kinetic);
+    let added = Some(scene.exchange().conversion / start.kinetic);
     let mass = start.mass / setup.mass();
     Ok(Outcome { method: "pcmm", space, history: tip.history, frames, mass, added, totals })
 }
 
 /// Follows the bullet.
-struct Tip {
+struct Tip<E> {
     pace: Pace,
     space: Space,
     /// Kinetic energy at the start, J.
     start: f64,
     history: Vec<Entry>,
+    embedding: PhantomData<E>,
 }
 
-impl Observer for Tip {
+impl<E: Embedding<2>> Observer for Tip<E> {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
 
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let scene = now.solver_as::<Scene>()?;
-        let (axis, particles, corners) = (self.space.axis(), scene.particles(0), scene.element_nodes(0));
+        let wanted = std::any::type_name::<Body<E>>();
+        let bullet = scene.part::<Body<E>>(0).ok_or(ObserveError::OtherSolver { wanted })?;
+        let (axis, particles, corners) = (self.space.axis(), bullet.particles(), bullet.element_nodes());
         // Of the largest piece that hangs together: others may fly ahead.
         let pieces = pieces::<2>(corners, particles.len());
-        let bullet = pieces.iter().take(1).flatten().flat_map(|&e| &corners[3 * e as usize..][..3]);
+        let whole = pieces.iter().take(1).flatten().flat_map(|&e| &corners[3 * e as usize..][..3]);
         let reach = |n: &u32| particles[*n as usize].position[axis] + particles[*n as usize].radius;
-        let bullet_totals = scene.totals_of(0).unwrap_or_default();
+        let bullet_totals = bullet.totals();
         let given = now.exchange();
         let taken = given.friction + given.impacts - given.conversion;
         self.history.push(Entry {
             time: now.time(),
-            tip: bullet.map(reach).fold(f64::MIN, f64::max),
+            tip: whole.map(reach).fold(f64::MIN, f64::max),
             speed: bullet_totals.momentum[axis] / bullet_totals.mass,
             energies: [now.totals().kinetic, now.totals().internal, taken].map(|e| e / self.start),
         });

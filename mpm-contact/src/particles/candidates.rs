@@ -1,56 +1,26 @@
 //! Pairs of particles of different bodies that may touch.
 
 use impactite_geometry::search::{FARTHEST, NeighbourSearch, Points, Reach, SortedCells};
-use impactite_scene::Body;
 
-use crate::contact::body::Part;
-use crate::contact::wall::RigidWall;
+use super::body::ParticleBody;
+use super::member::{Member, Place, particles};
 
 /// Particles are looked at up to this many sums of radii apart: with surfaces through the centres, particles of two bodies
 /// face each other half a spacing beside each other.
-pub(crate) const RANGE: f64 = 1.5;
+pub(super) const RANGE: f64 = 1.5;
 /// The skin of the lists over the mean radius.
 const SKIN: f64 = 1.0;
-
-/// A particle of a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub(crate) struct Place {
-    pub body: u32,
-    /// Zero for a wall.
-    pub particle: u32,
-}
 
 /// Pairs within range plus a skin, kept until something has moved half the skin. In ascending order: the list does not
 /// depend on where cells lie.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Candidates {
+pub(super) struct Candidates {
     pairs: Vec<[Place; 2]>,
     searched: bool,
     /// How far the fastest particle may have moved since the search, m.
     moved: f64,
     skin: f64,
     pub searches: u64,
-}
-
-/// A body or a wall.
-pub(crate) enum Member<const D: usize> {
-    Body { part: Box<dyn Part<D>>, start: Vec<[f64; D]> },
-    Wall { wall: RigidWall<D> },
-}
-
-impl<const D: usize> Member<D> {
-    pub fn body(&self) -> &dyn Body {
-        match self {
-            Member::Body { part, .. } => &**part,
-            Member::Wall { wall } => wall,
-        }
-    }
-    pub fn part(&self) -> Option<&dyn Part<D>> {
-        match self {
-            Member::Body { part, .. } => Some(part.as_ref()),
-            Member::Wall { .. } => None,
-        }
-    }
 }
 
 impl Candidates {
@@ -79,8 +49,8 @@ impl Candidates {
         self.pairs.clear();
         let (mut radii, mut count, mut largest) = (0.0, 0usize, 0.0f64);
         for part in members.iter().filter_map(Member::part) {
-            count += part.particles().len();
-            for p in part.particles() {
+            count += part.len();
+            for p in particles(part) {
                 radii += p.radius;
                 largest = largest.max(p.radius);
             }
@@ -102,7 +72,7 @@ impl Candidates {
         for (w, member) in members.iter().enumerate() {
             let Member::Wall { wall } = member else { continue };
             for (b, part) in members.iter().enumerate().filter_map(|(b, m)| Some((b, m.part()?))) {
-                for (n, p) in part.particles().iter().enumerate() {
+                for (n, p) in particles(part).enumerate() {
                     if wall.height(&p.position) <= part.beyond(n) + self.skin {
                         let at = Place { body: b as u32, particle: n as u32 };
                         let wall = Place { body: w as u32, particle: 0 };
@@ -126,11 +96,11 @@ struct Found<const D: usize> {
 }
 
 /// The particles of each body that lie in the box of another, `reach` wider, and not where distances are no longer
-/// told apart.
+/// told apart. Whether they may touch is asked in each step: it may change, and what a search finds must not hang on when it was made.
 fn near_others<const D: usize>(members: &[Member<D>], reach: f64) -> Found<D> {
-    let bounds = |part: &dyn Part<D>| -> Box2<D> {
+    let bounds = |part: &dyn ParticleBody<D>| -> Box2<D> {
         let mut range = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-        for p in part.particles() {
+        for p in particles(part) {
             for d in 0..D {
                 range.0[d] = range.0[d].min(p.position[d]);
                 range.1[d] = range.1[d].max(p.position[d]);
@@ -147,7 +117,7 @@ fn near_others<const D: usize>(members: &[Member<D>], reach: f64) -> Found<D> {
             .filter(|(o, _)| *o != b)
             .filter_map(|(_, range)| range.as_ref())
             .collect();
-        for (n, p) in part.particles().iter().enumerate() {
+        for (n, p) in particles(part).enumerate() {
             let within = |range: &&Box2<D>| {
                 (0..D).all(|d| p.position[d] >= range.0[d] - reach && p.position[d] <= range.1[d] + reach)
             };

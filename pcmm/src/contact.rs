@@ -1,74 +1,29 @@
-//! A body of a scene, whatever its law and method.
+//! A body as contact with others sees it.
 
+use impactite_scene::boundary::check_at;
 use impactite_scene::{
-    Archive, Body, Boundary, CheckpointError, Embedding, Exchange, SceneError, Side, Solver, StepError,
+    Archive, Boundary, CheckpointError, Embedding, Exchange, SceneError, Side, Solver, StepError,
 };
 use impactite_simd::Team;
+use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody};
 use mpm_materials::Sym3;
 
-use crate::audit::{Audit, Coverage};
 use crate::method::Composition;
 use crate::particles::Particle;
 use crate::simplex::{measure, slopes};
-use crate::solver::Pcmm;
+use crate::solver::{ADVICE, Pcmm};
 use crate::tessellation::corners;
-use impactite_scene::boundary::check_at;
-
-/// The surface of a body at a particle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Facing {
-    /// sum_e V_e grad N_e, m^2: it points out of the body; an area.
-    pub area: [f64; 3],
-    /// sum_e m_e grad N_e, kg/m: likewise.
-    pub mass: [f64; 3],
-    /// Is it in no element?
-    pub lone: bool,
-}
 
 /// The part of |sum of V grad N| over the sum of |V grad N| that is rounding: the particle is surrounded.
 const SURROUNDED: f64 = 1e-9;
 /// A particle this near to a plane of symmetry, in radii, lies on it.
 const ON_PLANE: f64 = 1e-6;
 
-impl Facing {
-    /// Is the particle within the body, elements all around it?
-    pub fn is_within(&self) -> bool {
-        !self.lone && self.area == [0.0; 3]
-    }
-}
-
-/// What a scene of several bodies asks of one. A step is [`Part::accelerate`], impulses between bodies,
-/// [`Part::advance`], [`Part::finish`].
-pub(crate) trait Part<const D: usize>: Body + Send + Sync {
-    fn particles(&self) -> &[Particle<D>];
-    fn push(&mut self, n: usize, impulse: &[f64; 3]);
-    fn accelerate(&mut self, dt: f64, start: &mut Vec<[f64; D]>);
-    fn advance(&mut self, dt: f64, start: &[[f64; D]]) -> Result<(), StepError>;
-    fn finish(&mut self, dt: f64) -> Result<(), StepError>;
-    fn set_team(&mut self, team: Team);
-    fn rate(&self) -> f64;
-    fn facing(&self, n: usize) -> Facing;
-    /// Mean over the elements at a particle of n . sigma . n, Pa.
-    fn traction(&self, n: usize, normal: &[f64; 3]) -> f64;
-    fn around(&self, n: usize, visit: &mut dyn FnMut(usize));
-    /// How far the surface lies beyond the centre of a particle, m.
-    fn beyond(&self, n: usize) -> f64;
-    fn axisymmetric(&self) -> bool;
-    fn audit(&self) -> Audit;
-    fn coverage(&self) -> Coverage;
-    fn exchange(&self) -> Exchange;
-    fn check(&self, dt: f64) -> Result<(), SceneError>;
-    fn speed(&self) -> f64;
-    fn elements(&self) -> usize;
-    fn element_nodes(&self) -> &[u32];
-    fn describe(&self) -> String;
-    fn rename(&mut self, name: String);
-    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError>;
-}
-
-impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
-    fn particles(&self) -> &[Particle<D>] {
-        &self.particles
+/// What came through its surface meets its inside: any particle may be touched.
+impl<const D: usize, M: Composition<D>> ParticleBody<D> for Pcmm<D, M> {
+    fn particle(&self, n: usize) -> ContactParticle<D> {
+        let Particle { position, velocity, mass, radius } = self.particles[n];
+        ContactParticle { position, velocity, mass, radius }
     }
     fn push(&mut self, n: usize, impulse: &[f64; 3]) {
         let p = &mut self.particles[n];
@@ -76,10 +31,11 @@ impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
             p.velocity[d] += impulse[d] / p.mass;
         }
     }
-    fn accelerate(&mut self, dt: f64, start: &mut Vec<[f64; D]>) {
+    fn accelerate(&mut self, dt: f64, start: &mut Vec<[f64; D]>) -> Result<(), StepError> {
         start.clear();
         start.extend(self.particles.iter().map(|p| p.velocity));
         Pcmm::accelerate(self, dt);
+        Ok(())
     }
     fn advance(&mut self, dt: f64, start: &[[f64; D]]) -> Result<(), StepError> {
         Pcmm::advance(self, dt, start)
@@ -171,12 +127,6 @@ impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
     fn axisymmetric(&self) -> bool {
         M::Embedding::HOOP
     }
-    fn audit(&self) -> Audit {
-        self.audit
-    }
-    fn coverage(&self) -> Coverage {
-        Pcmm::coverage(self)
-    }
     fn exchange(&self) -> Exchange {
         Solver::exchange(self)
     }
@@ -187,14 +137,11 @@ impl<const D: usize, M: Composition<D>> Part<D> for Pcmm<D, M> {
     fn speed(&self) -> f64 {
         Pcmm::speed(self)
     }
-    fn elements(&self) -> usize {
-        self.elements.len()
-    }
-    fn element_nodes(&self) -> &[u32] {
-        &self.elements.nodes
-    }
     fn describe(&self) -> String {
-        self.method.describe()
+        Solver::method(self)
+    }
+    fn advice(&self) -> Advice {
+        ADVICE
     }
     fn rename(&mut self, name: String) {
         self.name = name;

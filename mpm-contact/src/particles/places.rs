@@ -1,14 +1,13 @@
 //! Pairs of particles as detectors and rules for normals see them.
 
-use mpm_contact::{NearPoint, Places, SurfaceQuantity, each_place};
-
-use crate::contact::body::{Facing, Part};
-use crate::contact::candidates::{Member, Place};
-use crate::contact::wall::wide;
+use super::body::{Facing, ParticleBody};
+use super::member::{Member, Place};
+use crate::places::{NearPoint, Places, SurfaceQuantity, each_place};
+use crate::vector::{difference, dot, wide};
 
 /// A particle, or the foot of one on a wall, as one side of a pair.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Side<const D: usize> {
+pub(super) struct Side<const D: usize> {
     pub place: Place,
     pub position: [f64; D],
     /// Infinite for a wall.
@@ -22,7 +21,7 @@ pub(crate) struct Side<const D: usize> {
 
 /// A pair whose surfaces face each other.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FacingPair<const D: usize> {
+pub(super) struct FacingPair<const D: usize> {
     pub sides: [Side<D>; 2],
 }
 
@@ -30,24 +29,19 @@ impl<const D: usize> FacingPair<D> {
     /// From the first to the second.
     pub fn apart(&self) -> [f64; 3] {
         let [a, b] = &self.sides;
-        let (a, b) = (wide(&a.position), wide(&b.position));
-        [b[0] - a[0], b[1] - a[1], b[2] - a[2]]
+        difference(wide(&b.position), wide(&a.position))
     }
 }
 
 /// Up to 64 pairs of two bodies.
-pub(crate) struct PairPlaces<'a, const D: usize> {
+pub(super) struct PairPlaces<'a, const D: usize> {
     pub pairs: &'a [FacingPair<D>],
     pub members: &'a [Member<D>],
     pub spacing: f64,
 }
 
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
 impl<'a, const D: usize> PairPlaces<'a, D> {
-    fn part(&self, side: &Side<D>) -> Option<&'a dyn Part<D>> {
+    fn part(&self, side: &Side<D>) -> Option<&'a dyn ParticleBody<D>> {
         self.members[side.place.body as usize].part()
     }
 }
@@ -77,7 +71,7 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
     fn velocity(&self, field: usize, n: usize) -> [f64; 3] {
         let place = self.pairs[n].sides[field].place;
         match &self.members[place.body as usize] {
-            Member::Body { part, .. } => wide(&part.particles()[place.particle as usize].velocity),
+            Member::Body { part, .. } => wide(&part.particle(place.particle as usize).velocity),
             Member::Wall { wall } => wall.velocity(),
         }
     }
@@ -95,8 +89,7 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
                 SurfaceQuantity::MassGradient => side.facing.mass,
                 SurfaceQuantity::VolumeGradient => side.facing.area,
                 SurfaceQuantity::Reach | SurfaceQuantity::LocalReach | SurfaceQuantity::CentreReach => {
-                    let (x, at) = (wide(&side.position), wide(&self.position(n)));
-                    let along = dot(&[x[0] - at[0], x[1] - at[1], x[2] - at[2]], &normals[n]);
+                    let along = dot(difference(wide(&side.position), wide(&self.position(n))), normals[n]);
                     let half = if quantity == SurfaceQuantity::CentreReach { 0.0 } else { side.beyond };
                     out[n][0] = out[n][0].max(along + half);
                     continue;
@@ -115,7 +108,7 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
         }
     }
 
-    /// The particle of the pair and those it shares elements with; of a wall, the foot of the other side.
+    /// The particle of the pair and those of its piece of surface; of a wall, the foot of the other side.
     fn near_points(&self, field: usize, places: u64, visit: &mut dyn FnMut(u64, &NearPoint<f64>)) {
         let origin = self.position(0);
         for n in each_place(places) {
@@ -129,7 +122,7 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
             match self.part(side) {
                 None => show(&side.position, side.mass, side.beyond),
                 Some(part) => part.around(side.place.particle as usize, &mut |m| {
-                    let p = &part.particles()[m];
+                    let p = part.particle(m);
                     show(&p.position, p.mass, part.beyond(m));
                 }),
             }

@@ -1,69 +1,30 @@
 //! Several bodies, each with its law and method, and contact between them.
 
-pub(crate) mod body;
-pub(crate) mod candidates;
-mod meet;
-mod places;
-mod solve;
-mod wall;
+use std::any::Any;
 
 use impactite_scene::control::ControlError;
-use impactite_scene::watch::Watcher;
+use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, SceneError, Solver,
     StepError, Stopped, TimeControl, Totals, Warning, Watch,
 };
 use impactite_simd::Team;
-use mpm_contact::{ContactDetector, Pairs};
 
-use crate::audit::{Audit, Coverage};
-use crate::method::Composition;
-use crate::particles::Particle;
-use crate::solver::{COURANT, Pcmm, broken, gain, look_at};
-use body::Part;
-use candidates::{Candidates, Member};
-use meet::meet;
+use super::body::{Advice, ContactParticle, ParticleBody};
+use super::candidates::Candidates;
+use super::meet::{PairOfParticles, meet};
+use super::member::{Member, particles};
+use super::wall::RigidWall;
+use crate::detect::ContactDetector;
+use crate::law::Pairs;
 
-pub use meet::PairOfParticles;
-pub use wall::RigidWall;
-pub(crate) use wall::wide;
+/// The default safety factor of the time step.
+const COURANT: f64 = 0.5;
 
-/// Bodies that meet: any number of [`Pcmm`] solvers of any laws and methods, which take their steps together, and rigid
+/// Bodies of particles that meet: any number of any laws and methods ([`ParticleBody`]), which take their steps together, and rigid
 /// walls. A scene of one body needs none of this, and pays nothing for it.
 ///
-/// Contact is between pairs of particles: every particle of a surface and the nearest of the other body that faces it.
-/// Detectors, normals and laws are those of `mpm-contact` (with the material point method, places of contact are nodes):
-/// normals of [`mpm_contact::Gradients`] are sums of V grad N over the elements at a particle, so that flat surfaces are
-/// flat; surfaces lie [`crate::Packing::surface`] radii beyond the centres. Impulses of all pairs are found
-/// together; every one acts on two bodies with opposite signs.
-///
-/// ```
-/// use mpm_contact::{Coulomb, Pairs, SurfaceDistance};
-/// use impactite_geometry::{Cuboid, Lattice};
-/// use impactite_scene::PlaneStrain;
-/// use mpm_materials::{Elastic, LogarithmicBulk, Moduli, Solid};
-/// use pcmm::{Bodies, LocalDelaunay, Masses, Method, Packing, Pcmm};
-///
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// // A block of aluminium flies into one of steel, friction 0.2.
-/// let h = 1.0e-3;
-/// let mut scene = Bodies::<2, _>::new(SurfaceDistance::default(), Pairs::new(Coulomb::new(0.2)?));
-/// for (name, left, density, young, speed) in
-///     [("steel", 0.0, 7850.0, 206e9, 0.0), ("aluminium", 5.0 * h, 2700.0, 70e9, -100.0)]
-/// {
-///     let shape = Cuboid::new([left, 0.0], [left + 4.0 * h, 4.0 * h])?;
-///     let packing = Packing::on_nodes(&shape, &Lattice::new([left, 0.0], h)?)?;
-///     let moduli = Moduli::young_poisson(young, 0.3)?;
-///     let law = Solid::new(Elastic::new(moduli.shear)?, LogarithmicBulk::new(density, moduli.bulk)?);
-///     let method = Method::consistent(PlaneStrain, LocalDelaunay::new(0.45 * h, 2.0)?);
-///     scene.add(name, Pcmm::new(method, law, &packing, |_| [speed, 0.0], Masses::FromElements)?);
-/// }
-/// scene.run_until(1.2e-5)?;
-/// // The gap of 1 mm was closed after 10 microseconds, and the steel moves.
-/// assert!(scene.totals_of(0).is_some_and(|steel| steel.momentum[0] < 0.0));
-/// # Ok(())
-/// # }
-/// ```
+/// The [module](crate::particles) says how they meet, and has an example.
 pub struct Bodies<const D: usize, S> {
     detector: S,
     laws: Pairs<f64>,
@@ -72,6 +33,8 @@ pub struct Bodies<const D: usize, S> {
     control: TimeControl,
     team: Team,
     spacing: f64,
+    /// Was a body added since particles were looked at?
+    unchecked: bool,
     clock: Clock,
     contacts: Vec<PairOfParticles>,
     pairs: Vec<PairContact>,
@@ -81,7 +44,7 @@ pub struct Bodies<const D: usize, S> {
 }
 
 impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
-    /// A scene without bodies. Takes half of altitude over wave speed for a step, on the caller's thread.
+    /// A scene without bodies. Takes steps of half of one over the largest Courant rate, on the caller's thread.
     pub fn new(detector: S, laws: Pairs<f64>) -> Self {
         Bodies {
             detector,
@@ -91,6 +54,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
             team: Team::one(),
             spacing: 0.0,
+            unchecked: false,
             clock: Clock::default(),
             contacts: Vec::new(),
             pairs: Vec::new(),
@@ -99,10 +63,10 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         }
     }
 
-    /// Add a body, with the boundaries, body force and interval of revision that it has. Its threads and time control are
-    /// those of the scene from now on. Returns its number.
-    pub fn add<M: Composition<D>>(&mut self, name: impl Into<String>, body: Pcmm<D, M>) -> usize {
-        let mut part: Box<dyn Part<D>> = Box::new(body);
+    /// Add a body, with the loads and conditions that it has. Its threads and time control are those of the scene from now on.
+    /// Returns its number.
+    pub fn add(&mut self, name: impl Into<String>, body: impl ParticleBody<D>) -> usize {
+        let mut part: Box<dyn ParticleBody<D>> = Box::new(body);
         part.set_team(self.team.clone());
         part.rename(name.into());
         self.join(Member::Body { part, start: Vec::new() })
@@ -120,10 +84,11 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         self.watcher.reopen();
         let (mut sum, mut count) = (0.0, 0usize);
         for part in self.members.iter().filter_map(Member::part) {
-            sum += part.particles().iter().map(|p| 2.0 * p.radius).sum::<f64>();
-            count += part.particles().len();
+            sum += particles(part).map(|p| 2.0 * p.radius).sum::<f64>();
+            count += part.len();
         }
         self.spacing = sum / count.max(1) as f64;
+        self.unchecked = true;
         self.members.len() - 1
     }
 
@@ -137,7 +102,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         self.team = team;
     }
 
-    /// Choose the time step otherwise: as [`Pcmm::set_time_control`], over all bodies.
+    /// Choose the time step otherwise, by the largest Courant rate of all bodies.
     ///
     /// # Errors
     /// A control that no run can use.
@@ -167,19 +132,11 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     }
 
     fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
-        if self.members.is_empty() {
-            return Err(self.clock.stopped(Stopped::Scene(SceneError::NoBodies)));
-        }
-        if self.laws.remembered_numbers() > 0 {
-            let what = "a contact law that remembers".to_string();
-            let why =
-                "pairs of particles keep nothing from step to step: take a law without memory (`Coulomb`)";
-            let refused = SceneError::NotWith { what, method: "the particle-contact method".into(), why };
-            return Err(self.clock.stopped(Stopped::Scene(refused)));
-        }
+        self.check_members().map_err(|error| self.refused(error))?;
+        self.unchecked = false;
         let dt = self.clock.step_within(self.next_time_step(), left)?;
         let checked = self.parts().try_for_each(|part| part.check(dt));
-        checked.map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
+        checked.map_err(|error| self.refused(error))?;
         if self.watcher.opens() {
             let (totals, exchange) = (self.totals(), self.exchange());
             self.watcher.open(self.clock.steps, &totals, &exchange, self.axisymmetric());
@@ -191,21 +148,77 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         Ok(dt)
     }
 
-    fn look(&mut self) -> Result<(), StepError> {
-        let (totals, exchange, clock) = (self.totals(), self.exchange(), self.clock);
-        let speed = self.parts().map(Part::speed).fold(0.0, f64::max);
-        let at = look_at(&clock, &exchange, speed);
-        let bodies = self.bodies();
-        let (broken, gain) = (broken(&bodies), gain(&bodies));
-        let axisymmetric = self.axisymmetric();
-        self.watcher.look(&totals, axisymmetric, &at, || broken, gain)
+    fn refused(&self, error: SceneError) -> StepError {
+        self.clock.stopped(Stopped::Scene(error))
     }
 
-    /// Forces and trial velocities; impulses between bodies; boundaries and positions; elements.
+    /// Can the members and laws be those of one scene?
+    fn check_members(&self) -> Result<(), SceneError> {
+        let refused = |what: String, why: &'static str| {
+            Err(SceneError::NotWith { what, method: "contact of pairs of particles".into(), why })
+        };
+        if self.members.is_empty() {
+            return Err(SceneError::NoBodies);
+        }
+        if self.laws.remembered_numbers() > 0 {
+            let why = "they keep nothing from step to step: take a law without memory (`Coulomb`)";
+            return refused("a contact law that remembers".into(), why);
+        }
+        let around = self.axisymmetric();
+        if let Some(plane) = self.parts().find(|part| part.axisymmetric() != around) {
+            let what = format!("a body around an axis beside `{}` in the plane", plane.name());
+            return refused(what, "masses are per radian, or per metre of depth: take one for all bodies");
+        }
+        let positive = |x: f64| x > 0.0 && x.is_finite();
+        for part in self.parts().filter(|_| self.unchecked) {
+            let mut of_part = particles(part).enumerate();
+            if let Some((n, p)) = of_part.find(|(_, p)| !positive(p.mass) || !positive(p.radius)) {
+                let ContactParticle { position, mass, radius, .. } = p;
+                let body = part.name();
+                let what = format!(
+                    "particle {n} of body `{body}` at {position:?} m with a mass of {mass} kg and a radius of {radius} m"
+                );
+                return refused(what, "both must be positive and finite");
+            }
+        }
+        Ok(())
+    }
+
+    fn look(&mut self) -> Result<(), StepError> {
+        let (totals, exchange, clock) = (self.totals(), self.exchange(), self.clock);
+        let axisymmetric = self.axisymmetric();
+        let at = Look {
+            clock: &clock,
+            exchange: &exchange,
+            rounding: f64::EPSILON,
+            speed: self.parts().map(ParticleBody::speed).fold(0.0, f64::max),
+            energy: true,
+            loss: self.loss(),
+        };
+        let mut watcher = std::mem::take(&mut self.watcher);
+        let bodies = self.bodies();
+        let gain = gain_at_the_fastest(&bodies, |body| self.advice(body).gain);
+        let looked = watcher.look(&totals, axisymmetric, &at, || not_finite(&bodies), gain);
+        self.watcher = watcher;
+        looked
+    }
+
+    /// What is said of lost energy: by the bodies, if all say the same.
+    fn loss(&self) -> &'static str {
+        let mut said = self.parts().map(|part| part.advice().loss);
+        let first = said.next().unwrap_or(Advice::default().loss);
+        if said.all(|other| other == first) { first } else { Advice::default().loss }
+    }
+
+    fn advice(&self, body: usize) -> Advice {
+        self.body(body).map_or(Advice::default(), ParticleBody::advice)
+    }
+
+    /// The list of [`ParticleBody`].
     fn step(&mut self, dt: f64) -> Result<(), StepError> {
         for member in &mut self.members {
             if let Member::Body { part, start, .. } = member {
-                part.accelerate(dt, start);
+                part.accelerate(dt, start)?;
             }
         }
         self.make_contact(dt);
@@ -218,8 +231,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
                 }
                 Member::Body { part, start } => {
                     part.advance(dt, start)?;
-                    let square = |p: &Particle<D>| p.velocity.iter().map(|v| v * v).sum::<f64>();
-                    fastest = part.particles().iter().map(square).fold(fastest * fastest, f64::max).sqrt();
+                    fastest = fastest.max(part.fastest());
                     part.finish(dt)?;
                 }
             }
@@ -265,7 +277,7 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         self.contacts = met.contacts;
     }
 
-    fn parts(&self) -> impl Iterator<Item = &dyn Part<D>> {
+    fn parts(&self) -> impl Iterator<Item = &dyn ParticleBody<D>> {
         self.members.iter().filter_map(Member::part)
     }
 
@@ -277,33 +289,26 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     pub fn steps(&self) -> u64 {
         self.clock.steps
     }
-    /// The particles of a body; none of a wall.
-    pub fn particles(&self, body: usize) -> &[Particle<D>] {
-        self.members.get(body).and_then(Member::part).map_or(&[], Part::particles)
+    /// A body; `None` of a wall.
+    pub fn body(&self, body: usize) -> Option<&dyn ParticleBody<D>> {
+        self.members.get(body)?.part()
     }
-    /// The elements of a body: `D + 1` particles each, positively oriented.
-    pub fn element_nodes(&self, body: usize) -> &[u32] {
-        self.members.get(body).and_then(Member::part).map_or(&[], Part::element_nodes)
+    /// A body as the type that it is; `None` of another one, and of a wall.
+    pub fn part<B: ParticleBody<D>>(&self, body: usize) -> Option<&B> {
+        let part: &dyn Any = self.body(body)?;
+        part.downcast_ref()
+    }
+    /// The particles of a body; none of a wall.
+    pub fn particles(&self, body: usize) -> impl Iterator<Item = ContactParticle<D>> + '_ {
+        self.body(body).into_iter().flat_map(particles)
     }
     /// Sums over a body; `None` of a wall.
     pub fn totals_of(&self, body: usize) -> Option<Totals> {
-        self.members.get(body)?.part().map(|part| part.totals())
-    }
-    /// How the elements of all bodies cover their particles.
-    pub fn coverage(&self) -> Coverage {
-        self.parts().fold(Coverage::default(), |sum, part| sum.plus(&part.coverage()))
-    }
-    /// What revisions did to all bodies.
-    pub fn audit(&self) -> Audit {
-        self.parts().fold(Audit::default(), |sum, part| sum.plus(&part.audit()))
+        self.body(body).map(|part| part.totals())
     }
     /// The pairs of particles in contact in the last step.
     pub fn particles_in_contact(&self) -> &[PairOfParticles] {
         &self.contacts
-    }
-    /// Elements of all bodies.
-    pub fn elements(&self) -> usize {
-        self.parts().map(|part| part.elements()).sum()
     }
     /// Searches for pairs of particles of different bodies.
     pub fn searches(&self) -> u64 {
@@ -312,16 +317,16 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
 }
 
 impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
-    /// A line a body.
+    /// What each body says of its method.
     fn method(&self) -> String {
-        let of = |part: &dyn Part<D>| format!("; {}: {}", part.name(), part.describe());
-        format!("particle-contact method{}", self.parts().map(of).collect::<String>())
+        let of = |part: &dyn ParticleBody<D>| format!("; {}: {}", part.name(), part.describe());
+        format!("bodies of particles{}", self.parts().map(of).collect::<String>())
     }
     fn dimensions(&self) -> usize {
         D
     }
     fn axisymmetric(&self) -> bool {
-        self.parts().any(Part::axisymmetric)
+        self.parts().any(ParticleBody::axisymmetric)
     }
     fn clock(&self) -> &Clock {
         &self.clock

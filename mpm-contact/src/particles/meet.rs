@@ -2,14 +2,15 @@
 
 use std::collections::HashMap;
 
-use mpm_contact::{Contact, ContactDetector, Memory, Nodal, NormalRule, Pairs};
-
-use crate::contact::body::Facing;
-use crate::contact::candidates::{Member, Place, RANGE};
-use crate::contact::places::{FacingPair, PairPlaces, Side};
-use crate::contact::solve::{Touch, gather, solve};
-use crate::contact::wall::wide;
-use crate::simplex::distance_squared;
+use super::body::{ContactParticle, Facing};
+use super::candidates::RANGE;
+use super::member::{Member, Place};
+use super::places::{FacingPair, PairPlaces, Side};
+use super::solve::{Touch, gather, solve};
+use crate::detect::ContactDetector;
+use crate::law::{Contact, Pairs};
+use crate::normal::{Memory, Nodal, NormalRule};
+use crate::vector::{difference, dot, wide};
 
 /// Pairs looked at together: a bit each.
 const BATCH: usize = 64;
@@ -39,11 +40,10 @@ pub struct PairOfParticles {
     pub taken: f64,
 }
 
-fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-fn difference(a: &[f64; 3], b: &[f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+/// The squared distance of two places, m^2.
+fn distance_squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
+    let apart = difference(wide(b), wide(a));
+    dot(apart, apart)
 }
 
 /// A particle, by itself; a wall without a place.
@@ -51,8 +51,7 @@ fn alone<const D: usize>(members: &[Member<D>], place: Place) -> Side<D> {
     match &members[place.body as usize] {
         Member::Body { part, .. } => {
             let n = place.particle as usize;
-            let p = &part.particles()[n];
-            let (position, mass, radius) = (p.position, p.mass, p.radius);
+            let ContactParticle { position, mass, radius, .. } = part.particle(n);
             Side { place, position, mass, facing: part.facing(n), radius, beyond: part.beyond(n) }
         }
         Member::Wall { wall } => {
@@ -78,16 +77,16 @@ fn side<const D: usize>(members: &[Member<D>], mut one: Side<D>, two: &Side<D>) 
         }
         // A plane is known better than the particle's surface.
         (_, Member::Wall { wall }) => {
-            let amount = |v: &[f64; 3]| if one.facing.lone { 1.0 } else { dot(v, v).sqrt() };
+            let amount = |v: [f64; 3]| if one.facing.lone { 1.0 } else { dot(v, v).sqrt() };
             let minus = wall.normal().map(|c| -c);
-            let (area, mass) = (amount(&one.facing.area), amount(&one.facing.mass));
+            let (area, mass) = (amount(one.facing.area), amount(one.facing.mass));
             one.facing.area = towards(minus, area);
             one.facing.mass = towards(minus, mass);
         }
         _ if one.facing.lone => {
             // A ball.
-            let apart = difference(&wide(&two.position), &wide(&one.position));
-            let length = dot(&apart, &apart).sqrt();
+            let apart = difference(wide(&two.position), wide(&one.position));
+            let length = dot(apart, apart).sqrt();
             if length > 0.0 {
                 let normal = apart.map(|c| c / length);
                 let extent = 2.0 * one.radius;
@@ -102,14 +101,16 @@ fn side<const D: usize>(members: &[Member<D>], mut one: Side<D>, two: &Side<D>) 
 
 /// Do two surfaces with these normals face each other? Corners of two blocks that meet face to face are at angles of 90
 /// degrees, in space of 71; a sheet's far side points the same way as what comes from the near one.
-fn face(a: &[f64; 3], b: &[f64; 3]) -> bool {
+fn face(a: [f64; 3], b: [f64; 3]) -> bool {
     dot(a, b) < SAME_WAY * (dot(a, a) * dot(b, b)).sqrt()
 }
 
 fn in_range<const D: usize>(members: &[Member<D>], pair: [Place; 2]) -> bool {
-    let [a, b] =
-        pair.map(|p| members[p.body as usize].part().map(|part| &part.particles()[p.particle as usize]));
-    let (Some(a), Some(b)) = (a, b) else { return false };
+    let particle = |p: Place| {
+        let (part, n) = (members[p.body as usize].part()?, p.particle as usize);
+        part.may_touch(n).then(|| part.particle(n))
+    };
+    let [Some(a), Some(b)] = pair.map(particle) else { return false };
     distance_squared(&a.position, &b.position) <= (RANGE * (a.radius + b.radius)).powi(2)
 }
 
@@ -140,7 +141,7 @@ fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> V
             }
         }
         let pair = FacingPair { sides: [side(members, one, &two), side(members, two, &one)] };
-        if wall || within || face(&pair.sides[0].facing.area, &pair.sides[1].facing.area) {
+        if wall || within || face(pair.sides[0].facing.area, pair.sides[1].facing.area) {
             pairs.push(pair);
         }
     }
@@ -148,7 +149,7 @@ fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> V
     let mut nearest = HashMap::new();
     for pair in &pairs {
         let apart = pair.apart();
-        let square = dot(&apart, &apart);
+        let square = dot(apart, apart);
         for (s, o) in [(0, 1), (1, 0)] {
             let key = (pair.sides[s].place, pair.sides[o].place.body);
             let least = nearest.entry(key).or_insert(f64::INFINITY);
@@ -157,7 +158,7 @@ fn facing<const D: usize>(members: &[Member<D>], candidates: &[[Place; 2]]) -> V
     }
     pairs.retain(|pair| {
         let apart = pair.apart();
-        let square = dot(&apart, &apart) * (1.0 - EQUALLY_NEAR);
+        let square = dot(apart, apart) * (1.0 - EQUALLY_NEAR);
         let is_nearest = |s: usize, o: usize| {
             let key = (pair.sides[s].place, pair.sides[o].place.body);
             nearest.get(&key).is_some_and(|least| square <= *least)
@@ -197,8 +198,8 @@ fn touching<const D: usize, S: ContactDetector<f64, D>>(
         for (n, pair) in batch.iter().enumerate().filter(|(n, _)| touches & (1 << n) != 0) {
             // Beside each other by more than both radii, they pass.
             let (apart, normal) = (pair.apart(), normals[n]);
-            let along = dot(&apart, &normal);
-            let beside = dot(&apart, &apart) - along * along;
+            let along = dot(apart, normal);
+            let beside = dot(apart, apart) - along * along;
             let [a, b] = &pair.sides;
             let wall = a.mass.is_infinite() || b.mass.is_infinite();
             if wall || beside <= (a.radius + b.radius).powi(2) {
@@ -211,7 +212,7 @@ fn touching<const D: usize, S: ContactDetector<f64, D>>(
 
 /// What contact did in a step.
 #[derive(Debug, Default)]
-pub(crate) struct Met {
+pub(super) struct Met {
     pub contacts: Vec<PairOfParticles>,
     /// Impulse of walls on bodies, N s, and its work with their velocities, J.
     pub impulse: [f64; 3],
@@ -219,7 +220,7 @@ pub(crate) struct Met {
 }
 
 /// Exchange impulses between members that have their trial velocities.
-pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
+pub(super) fn meet<const D: usize, S: ContactDetector<f64, D>>(
     members: &mut [Member<D>],
     detector: &S,
     laws: &Pairs<f64>,
@@ -239,7 +240,7 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
     let velocities = |place: &Place| match &members[place.body as usize] {
         Member::Body { part, start, .. } => {
             let n = place.particle as usize;
-            [wide(&start[n]), wide(&part.particles()[n].velocity)]
+            [wide(&start[n]), wide(&part.particle(n).velocity)]
         }
         Member::Wall { wall } => [wall.velocity(); 2],
     };
@@ -252,13 +253,13 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
         if !law.pulls() && !law.springs() {
             // Where they part already an impulse would drive them on: they may end with the opposite of that at most
             // (as on the grid, `mpm_core::GridContact`).
-            let parting = dot(&difference(&old_b, &old_a), normal).max(0.0);
+            let parting = dot(difference(old_b, old_a), *normal).max(0.0);
             for d in 0..3 {
                 seen[0][d] -= parting * normal[d];
             }
         }
         let extent = |s: &Side<D>| {
-            if s.mass.is_infinite() { f64::INFINITY } else { dot(&s.facing.area, &s.facing.area).sqrt() }
+            if s.mass.is_infinite() { f64::INFINITY } else { dot(s.facing.area, s.facing.area).sqrt() }
         };
         let area = if law.needs_area() { extent(a).min(extent(b)) } else { 0.0 };
         let (x, y) = (wide(&a.position), wide(&b.position));
@@ -285,14 +286,14 @@ pub(crate) fn meet<const D: usize, S: ContactDetector<f64, D>>(
         let [[old_a, new_a], [old_b, new_b]] = [velocities(&a.place), velocities(&b.place)];
         let (on_a, on_b) = (change(a, touch.movers[0]), change(b, touch.movers[1]));
         // Velocity of the first relative to the second, at the start and at the end of the step.
-        let before = difference(&old_a, &old_b);
-        let mut after = difference(&new_a, &new_b);
+        let before = difference(old_a, old_b);
+        let mut after = difference(new_a, new_b);
         for d in 0..3 {
             after[d] += on_a[d] - on_b[d];
         }
-        let along = dot(&touch.impulse, normal);
-        let friction = dot(&touch.impulse, &after) - along * dot(&after, normal);
-        let all = 0.5 * (dot(&touch.impulse, &before) + dot(&touch.impulse, &after));
+        let along = dot(touch.impulse, *normal);
+        let friction = dot(touch.impulse, after) - along * dot(after, *normal);
+        let all = 0.5 * (dot(touch.impulse, before) + dot(touch.impulse, after));
         for (sign, other, wall) in
             [(1.0, b, &members[a.place.body as usize]), (-1.0, a, &members[b.place.body as usize])]
         {

@@ -3,6 +3,8 @@
 use impactite_scene::error::parameter;
 use impactite_scene::{Archive, Body, CheckpointError, PointView, SceneError, Totals};
 
+use crate::vector::wide;
+
 /// A rigid half space that moves as prescribed and meets bodies by the laws of the scene, friction included.
 ///
 /// [`impactite_scene::Boundary::Wall`] and [`impactite_scene::Boundary::FrictionWall`] are the cheaper walls: across an axis, they hold back the
@@ -41,35 +43,35 @@ impl<const D: usize> RigidWall<D> {
         Ok(RigidWall { velocity, ..self })
     }
 
-    pub(crate) fn rename(&mut self, name: String) {
+    pub(super) fn rename(&mut self, name: String) {
         self.name = name;
     }
 
     /// Where it is, to a file or from one; what it is, to be compared.
-    pub(crate) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+    pub(super) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let (normal, velocity) = (self.normal, self.velocity);
         file.same(&self.name, &format!("normal {normal:?}, velocity {velocity:?} m/s"))?;
         file.reals(&mut self.point)
     }
 
     /// Height of a place above it, m.
-    pub(crate) fn height(&self, x: &[f64; D]) -> f64 {
+    pub(super) fn height(&self, x: &[f64; D]) -> f64 {
         (0..D).map(|d| (x[d] - self.point[d]) * self.normal[d]).sum()
     }
 
-    pub(crate) fn advance(&mut self, dt: f64) {
+    pub(super) fn advance(&mut self, dt: f64) {
         for d in 0..D {
             self.point[d] += dt * self.velocity[d];
         }
     }
 
-    pub(crate) fn normal(&self) -> [f64; 3] {
+    pub(super) fn normal(&self) -> [f64; 3] {
         wide(&self.normal)
     }
-    pub(crate) fn velocity(&self) -> [f64; 3] {
+    pub(super) fn velocity(&self) -> [f64; 3] {
         wide(&self.velocity)
     }
-    pub(crate) fn speed(&self) -> f64 {
+    pub(super) fn speed(&self) -> f64 {
         self.velocity.iter().map(|v| v * v).sum::<f64>().sqrt()
     }
 }
@@ -95,11 +97,4 @@ impl<const D: usize> Body for RigidWall<D> {
     fn bytes(&self) -> usize {
         size_of::<Self>()
     }
-}
-
-/// As a vector of three.
-pub(crate) fn wide<const D: usize>(x: &[f64; D]) -> [f64; 3] {
-    let mut y = [0.0; 3];
-    y[..D].copy_from_slice(x);
-    y
 }

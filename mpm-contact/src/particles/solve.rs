@@ -1,12 +1,13 @@
-//! Impulses of all pairs of particles that touch, relaxed as at a node of the grid where three bodies meet (`mpm-contact`).
+//! Impulses of all pairs of particles that touch, relaxed as at a node of the grid where three bodies meet.
 
-use mpm_contact::{Contact, ContactLaw, relax};
+use crate::law::{Contact, ContactLaw};
+use crate::relax::relax;
 
 /// Change of the impulses, over the largest, at which they count as found.
 const FOUND: f64 = 1e-9;
 
 /// Two particles that touch.
-pub(crate) struct Touch<'a> {
+pub(super) struct Touch<'a> {
     pub law: &'a dyn ContactLaw<f64>,
     /// Masses and trial velocities without any impulse among it.
     pub contact: Contact<'a, f64>,
@@ -17,7 +18,7 @@ pub(crate) struct Touch<'a> {
 }
 
 /// Find the impulses of pairs among `movers` movers.
-pub(crate) fn solve(touches: &mut [Touch<'_>], movers: usize) {
+pub(super) fn solve(touches: &mut [Touch<'_>], movers: usize) {
     let mut shares = vec![0.0; movers];
     for touch in touches.iter() {
         for m in touch.movers {
@@ -44,7 +45,7 @@ pub(crate) fn solve(touches: &mut [Touch<'_>], movers: usize) {
 }
 
 /// The sum of the impulses on every mover.
-pub(crate) fn gather(
+pub(super) fn gather(
     touches: &[Touch<'_>],
     movers: usize,
     impulses: impl Iterator<Item = [f64; 3]>,
