@@ -6,6 +6,7 @@ mod common;
 mod conditions;
 mod contact;
 mod errors;
+mod mixed;
 mod properties;
 mod reference;
 mod solver;

@@ -1,5 +1,5 @@
-//! What every law must do, and every method in which bodies collide, as tests that one line applies to any of them, ours or
-//! yours. Behind the feature `conformance`. Detectors are tested by a method: `mpm_core::conformance::detector`.
+//! What every law must do, every body of particles, and every method in which bodies collide, as tests that one line applies to any of
+//! them, ours or yours. Behind the feature `conformance`. Detectors are tested by a method: `mpm_core::conformance::detector`.
 //!
 //! ```
 //! use mpm_contact::{Coulomb, Frictionless, conformance};
@@ -7,6 +7,13 @@
 //! conformance::law(&Coulomb::new(0.3).unwrap())?;
 //! # Ok::<(), mpm_contact::conformance::Broken>(())
 //! ```
+//! [`particle_body`] is for bodies of particles ([`crate::particles`]); [`Balls`] are one that others may collide with.
+
+mod balls;
+mod particles;
+
+pub use balls::Balls;
+pub use particles::particle_body;
 
 use crate::law::{Contact, ContactLaw, Outcome, Remembers};
 use crate::vector::{difference, dot, length, sum, times};
