@@ -27,7 +27,7 @@
 //! | [`fem`] | explicit finite elements | `fem` |
 //! | [`coupling`] | elements and particles in one scene | `coupling` |
 //! | [`materials`] | constitutive laws, equations of state, failure; the driver of a single point | `mpm-materials` |
-//! | [`contact`] | detectors, normals and laws of contact | `mpm-contact` |
+//! | [`contact`] | detectors, normals and laws of contact; scenes of bodies of particles; points and meshes | `mpm-contact` |
 //! | [`geometry`] | shapes, lattices, seeding, meshes, neighbour search | `impactite-geometry` |
 //! | [`scene`] | what every method shares: bodies, `Solver`, run loop, balances, checkpoints | `impactite-scene` |
 //! | [`observe`], [`watch`] | observers; warnings of energy and momentum that nothing explains | `impactite-scene` |
@@ -41,7 +41,7 @@
 //! - `mesh` (default): bodies from STL and OBJ files.
 //! - `single`: kernels of the most used methods and laws in single precision, too.
 //! - `one-width`: no AVX-512, so that kernels compile faster.
-//! - `conformance`: test suites for laws, shape functions, transfers, grids, detectors and contact laws of one's own.
+//! - `conformance`: test suites for laws, shape functions, transfers, grids, detectors, contact laws and bodies of particles of one's own.
 
 pub use coupling;
 pub use fem;
