@@ -25,6 +25,7 @@
 //! | [`mpm`] | the material point method: parts of a method, grids, bodies, conditions, the step | `mpm-core` |
 //! | [`pcmm`] | the particle-contact meshfree method | `pcmm` |
 //! | [`fem`] | explicit finite elements | `fem` |
+//! | [`sph`] | smoothed particle hydrodynamics of solids | `sph` |
 //! | [`coupling`] | elements and particles in one scene | `coupling` |
 //! | [`materials`] | constitutive laws, equations of state, failure; the driver of a single point | `mpm-materials` |
 //! | [`contact`] | detectors, normals and laws of contact; scenes of bodies of particles; points and meshes | `mpm-contact` |
@@ -54,6 +55,7 @@ pub use mpm_contact as contact;
 pub use mpm_core as mpm;
 pub use mpm_materials as materials;
 pub use pcmm;
+pub use sph;
 
 /// What most programs use: `use impactite::prelude::*;`.
 ///

@@ -106,6 +106,13 @@ pub trait ParticleBody<const D: usize>: Body + Send + Sync + Any {
     /// since the other half of the body cancels them.
     fn facing(&self, n: usize) -> Facing;
 
+    /// Do the places of its particles ([`around`](ParticleBody::around)) say better where its surface points than
+    /// [`facing`](ParticleBody::facing) does? So it is of kernels, which see an edge of a body as rounded: rules for normals that look at
+    /// particles ([`crate::SeparatingPlane`]) then take those. Facets of elements know better.
+    fn by_places(&self) -> bool {
+        false
+    }
+
     /// How far the surface lies beyond the centre of particle `n`, m: zero of particles on the surface, a radius of those that lie
     /// half a spacing within it.
     fn beyond(&self, n: usize) -> f64;

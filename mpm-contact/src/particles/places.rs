@@ -53,8 +53,10 @@ impl<const D: usize> Places<f64, D> for PairPlaces<'_, D> {
     fn spacing(&self) -> f64 {
         self.spacing
     }
+    /// Of pairs without a wall, whose normal is known.
     fn around_nodes(&self) -> bool {
-        false
+        let parts = self.pairs[0].sides.iter().map(|side| self.part(side));
+        parts.clone().all(|part| part.is_some()) && parts.flatten().any(|part| part.by_places())
     }
     fn position(&self, n: usize) -> [f64; D] {
         let [a, b] = &self.pairs[n].sides;

@@ -1,0 +1,29 @@
+//! Smoothed particle hydrodynamics of solids: bodies of particles whose gradients are sums over neighbours.
+//!
+//! Laws are those of [`mpm_materials`]; embeddings, conditions, the run loop, observers and checkpoints those of [`impactite_scene`]: an
+//! [`Sph`] is a [`Solver`](impactite_scene::Solver), and a body of [`mpm_contact::particles::Bodies`].
+
+mod contact;
+mod images;
+mod kernel;
+mod layout;
+mod matrix;
+mod method;
+mod records;
+mod solver;
+mod stabilisation;
+mod step;
+mod sums;
+mod tensors;
+mod view;
+
+pub use kernel::{CubicSpline, Kernel, SmoothingError, WendlandC2};
+pub use layout::Layout;
+pub use method::{
+    Composition, Correction, Form, GradientCorrection, Method, NoCorrection, StretchError, TotalLagrangian,
+    Updated,
+};
+pub use solver::{SMALL, Sph};
+pub use stabilisation::{
+    ArtificialStress, PairViscosity, Stabilisation, StabilisationError, Unstabilised, ZeroEnergyPenalty,
+};

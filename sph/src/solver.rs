@@ -1,0 +1,540 @@
+//! The solver: what it holds, and how it is set up.
+
+use std::sync::{Arc, Mutex};
+
+use impactite_geometry::search::{Reach, VerletLists};
+use impactite_scene::boundary::{BodyForce, check_at};
+use impactite_scene::constants::over;
+use impactite_scene::control::ControlError;
+use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
+use impactite_scene::{
+    Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
+    Side, Solver, StepError, Stopped, TimeControl, Warning, Watch,
+};
+use impactite_simd::Team;
+use mpm_contact::particles::Advice;
+use mpm_materials::material::{Deformation, Response};
+use mpm_materials::point::{flatten, unflatten};
+use mpm_materials::{Constitutive, IntoMaterial, Material, State};
+
+use crate::images::{Images, Mirror, MirrorKind};
+use crate::kernel::Kernel as _;
+use crate::layout::{BODY, Layout, number};
+use crate::matrix::identity;
+use crate::method::{Composition, Form};
+use crate::records::{Has, Records};
+use crate::stabilisation::Stabilisation;
+use crate::sums::{BATCH, Batch, GROUP, Row};
+
+/// The default safety factor of the time step.
+const COURANT: f64 = 0.7;
+/// Particles of a body for which more than one thread is used.
+pub const SMALL: usize = 1000;
+/// The skin of the neighbour lists over the smallest spacing.
+const SKIN: f64 = 0.4;
+
+/// Smoothed particles of one law in `D` dimensions, with the parts of `M`.
+///
+/// A body alone is a scene; several meet in [`mpm_contact::particles::Bodies`]. Particles are sorted in space; they keep the numbers of
+/// their layout.
+#[derive(Clone)]
+pub struct Sph<const D: usize, M> {
+    pub(crate) method: M,
+    pub(crate) material: Arc<dyn Material<f64>>,
+    pub(crate) virgin: Vec<f64>,
+    pub(crate) name: String,
+    /// Of each place, the number in the layout.
+    pub(crate) numbers: Vec<u32>,
+    /// The other way round.
+    pub(crate) places: Vec<u32>,
+    pub(crate) positions: Vec<[f64; D]>,
+    /// Volume at reference density, m^3 (per metre of depth or radian).
+    pub(crate) reference: Vec<f64>,
+    pub(crate) spacing: Vec<f64>,
+    /// How far the surface lies beyond particles, in half spacings.
+    pub(crate) surface: f64,
+    pub(crate) records: Records<D>,
+    pub(crate) batches: Vec<Batch>,
+    /// By neighbours, hoop stress and body force, m/s^2: what the next step begins with.
+    pub(crate) acceleration: Vec<[f64; 4]>,
+    /// Directions in which something else than neighbours moved a particle in the last step, a bit each.
+    pub(crate) held: Vec<u8>,
+    pub(crate) lists: VerletLists<D>,
+    /// Positions of particles and images as the search takes them.
+    pub(crate) points: Vec<[f64; D]>,
+    pub(crate) images: Images<D>,
+    pub(crate) mirrors: Vec<Mirror>,
+    pub(crate) boundaries: Vec<Boundary<D>>,
+    pub(crate) body_force: Option<BodyForce<D>>,
+    pub(crate) team: Team,
+    pub(crate) control: TimeControl,
+    pub(crate) clock: Clock,
+    /// Largest Courant rate, 1/s.
+    pub(crate) rate: f64,
+    /// From the time of the velocities to that of the positions, s.
+    pub(crate) lag: f64,
+    /// Density times squared wave speed at rest, Pa, and that speed, m/s.
+    pub(crate) modulus: f64,
+    pub(crate) speed_at_rest: f64,
+    pub(crate) exchange: Exchange,
+    /// How often the present configuration became the reference.
+    pub(crate) renewals: u64,
+    watcher: Watcher,
+    /// Memory of each thread.
+    pub(crate) memory: Arc<Vec<Mutex<Scratch>>>,
+}
+
+/// Particles on their way through their law.
+#[derive(Debug, Default)]
+pub(crate) struct Scratch {
+    pub deformations: Vec<Deformation<Row>>,
+    pub lengths: Vec<Row>,
+    pub response: Response<f64>,
+}
+
+impl<const D: usize, M: Composition<D>> Sph<D, M> {
+    pub(crate) const HOOP: bool = M::Embedding::HOOP;
+    pub(crate) const HAS: Has = Has {
+        penalty: M::Stabilisation::PENALTY,
+        stress: M::Stabilisation::STRESS,
+        viscosity: M::Stabilisation::VISCOSITY,
+    };
+
+    /// Particles of a law in a layout, with their velocity (m/s) at a position (m). On the caller's thread, with 0.7 of the stable step.
+    ///
+    /// # Errors
+    /// No particle; a position, volume, spacing or velocity that no particle can have; a law without a density.
+    pub fn new(
+        method: M,
+        law: impl IntoMaterial<f64>,
+        layout: &Layout<D>,
+        velocity: impl Fn([f64; D]) -> [f64; D],
+    ) -> Result<Self, SceneError> {
+        layout.check(Self::HOOP)?;
+        let material = law.into_material();
+        let density = material.density();
+        if !(density > 0.0 && density.is_finite()) {
+            return Err(SceneError::Density { law: material.name(), density });
+        }
+        let numbers = layout.order();
+        let (count, virgin) = (numbers.len(), material.virgin());
+        let mut places = vec![0; count];
+        numbers.iter().enumerate().for_each(|(i, &n)| places[n as usize] = i as u32);
+        let pick = |list: &[f64]| -> Vec<f64> { numbers.iter().map(|&n| list[n as usize]).collect() };
+        let positions: Vec<[f64; D]> = numbers.iter().map(|&n| layout.positions[n as usize]).collect();
+        let (reference, spacing) = (pick(&layout.volumes), pick(&layout.spacings));
+        let mut records = Records { particles: count, ..Records::default() };
+        records.resize(0, Self::HAS);
+        for (i, &x) in positions.iter().enumerate() {
+            let v = velocity(x);
+            for value in v {
+                number(value.is_finite(), "velocity", numbers[i] as usize, value, "finite")?;
+            }
+            records.velocity[i][..D].copy_from_slice(&v);
+            records.velocity[i][3] = density * reference[i];
+            records.smoothing[i] = method.kernel().ratio() * spacing[i];
+        }
+        let smallest = spacing.iter().fold(f64::INFINITY, |m, s| m.min(*s));
+        let lists = VerletLists::new(Reach::sum(0.0), SKIN * smallest).map_err(SceneError::Search)?;
+        let speed = material.describe_point(&virgin).map_or(0.0, |said| said.wave_speed);
+        let mut solver = Sph {
+            method,
+            virgin,
+            name: BODY.into(),
+            positions,
+            reference,
+            spacing,
+            surface: layout.surface,
+            records,
+            batches: Vec::new(),
+            acceleration: vec![[0.0; 4]; count],
+            held: vec![0; count],
+            lists,
+            points: Vec::new(),
+            images: Images::default(),
+            mirrors: Vec::new(),
+            boundaries: Vec::new(),
+            body_force: None,
+            team: Team::one(),
+            control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
+            clock: Clock::default(),
+            rate: 0.0,
+            lag: 0.0,
+            modulus: density * speed * speed,
+            speed_at_rest: speed,
+            exchange: Exchange::default(),
+            renewals: 0,
+            watcher: Watcher::default(),
+            memory: Arc::new(vec![Mutex::default()]),
+            material,
+            places,
+            numbers,
+        };
+        if Self::HOOP {
+            solver.mirrors.push(Mirror { axis: 0, at: 0.0, sign: 1.0, kind: MirrorKind::Axis });
+        }
+        solver.make_batches();
+        solver.begin_anew()?;
+        Ok(solver)
+    }
+
+    fn make_batches(&mut self) {
+        let (count, numbers) = (self.positions.len(), self.virgin.len());
+        self.batches = (0..count.div_ceil(BATCH))
+            .map(|b| {
+                let here = (count - b * BATCH).min(BATCH);
+                let mut batch =
+                    Batch { rows: vec![Row::default(); here.div_ceil(GROUP) * numbers], ..Batch::default() };
+                for (at, row) in batch.rows.iter_mut().enumerate() {
+                    row.as_mut().fill(self.virgin[at % numbers]);
+                }
+                for list in [&mut batch.moments, &mut batch.correction] {
+                    list.resize(here, [[0.0; 3]; 3]);
+                }
+                if M::Form::TOTAL {
+                    batch.first.resize(here, [[0.0; 3]; 3]);
+                    batch.deformation.resize(here, identity(D));
+                }
+                batch.stress.resize(here, [0.0; 8]);
+                batch.start.resize(here, [0.0; 4]);
+                if Self::HAS.stress || Self::HAS.viscosity {
+                    batch.stabilising.resize(here, [0.0; 4]);
+                }
+                batch
+            })
+            .collect();
+    }
+
+    /// Call the body so, in messages and files.
+    #[must_use]
+    pub fn named(mut self, name: impl Into<String>) -> Self {
+        self.name = name.into();
+        self
+    }
+
+    /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
+    pub fn set_watch(&mut self, watch: Watch) {
+        self.watcher.set(watch);
+    }
+
+    /// Run on these threads. Results are the same bits for any number. Below [`SMALL`] particles one thread is faster than waking more,
+    /// and is used.
+    pub fn set_team(&mut self, team: Team) {
+        self.team = if self.positions.len() < SMALL { Team::one() } else { team };
+        self.memory = Arc::new((0..self.team.threads()).map(|_| Mutex::default()).collect());
+    }
+
+    /// Choose the time step otherwise. The Courant rate is that at which waves of alternating particles become unstable: a factor of 1 is
+    /// about the limit of a body at rest.
+    ///
+    /// # Errors
+    /// A control that no run can use.
+    pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
+        control.check_without_grid()?;
+        self.control = control;
+        Ok(())
+    }
+
+    /// Add a condition: [`Boundary::hold`](Boundary::check_moving) says what it does to particles. Beyond a plane of symmetry particles have
+    /// mirror images, which are neighbours as others are; an axis of revolution is such a plane by itself. Walls keep the surface
+    /// ([`Layout::surface`]) in front of them. Conditions act in the order they were added.
+    ///
+    /// # Errors
+    /// Numbers that a condition refuses; periodic planes; a particle behind a plane of symmetry.
+    pub fn bound(&mut self, boundary: Boundary<D>) -> Result<(), SceneError> {
+        boundary
+            .check_moving("with smoothed particles; take planes of symmetry, or the material point method")?;
+        if let Boundary::Symmetry { axis, at, side } = boundary {
+            let is_axis = Self::HOOP && axis == 0 && at == 0.0;
+            self.boundaries.push(boundary);
+            if !is_axis {
+                return self.mirror(axis, at, side, MirrorKind::Symmetry);
+            }
+            return Ok(());
+        }
+        self.boundaries.push(boundary);
+        Ok(())
+    }
+
+    /// Add a rigid wall at rest that answers with mirror images of the particles, as printed \[Xiao2015\]: it has no friction, and only
+    /// pushes. Particles that come through nevertheless are stopped at it.
+    ///
+    /// # Errors
+    /// As [`Sph::bound`]; the total Lagrangian form, whose neighbours never change: there take [`Boundary::Wall`].
+    pub fn mirror_wall(&mut self, axis: usize, at: f64, side: Side) -> Result<(), SceneError> {
+        if M::Form::TOTAL {
+            return Err(SceneError::NotWith {
+                what: "a wall of mirror images".into(),
+                method: M::Form::NAME.into(),
+                why: "its neighbours never change: take `Boundary::Wall`",
+            });
+        }
+        let wall = Boundary::<D>::Wall { axis, at, side, velocity: 0.0 };
+        wall.check_moving("with smoothed particles")?;
+        self.mirror(axis, at, side, MirrorKind::Wall)
+    }
+
+    fn mirror(&mut self, axis: usize, at: f64, side: Side, kind: MirrorKind) -> Result<(), SceneError> {
+        let sign = side.sign();
+        for (i, x) in self.positions.iter().enumerate() {
+            let allowed = "in front of the plane that mirrors";
+            number((x[axis] - at) * sign > 0.0, "position", self.numbers[i] as usize, x[axis], allowed)?;
+        }
+        self.mirrors.push(Mirror { axis, at, sign, kind });
+        self.lists.forget();
+        self.begin_anew()
+    }
+
+    /// An acceleration of all particles, m/s^2, over time.
+    pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
+        self.body_force = Some(acceleration);
+    }
+
+    /// Give every particle's state, with its position (m), to `change`, for initial stresses: that of the law `C`, which must be the body's.
+    ///
+    /// # Errors
+    /// Another law; a number that is not finite.
+    pub fn set_states<C: Constitutive<f64>>(
+        &mut self,
+        mut change: impl FnMut([f64; D], C::State<f64>) -> C::State<f64>,
+    ) -> Result<(), SceneError> {
+        let mut names = Vec::new();
+        C::State::<f64>::names("state", &mut names);
+        if names != self.material.state_names() {
+            return Err(SceneError::OtherState { law: self.material.name(), there: names.join(", ") });
+        }
+        let mut state = vec![0.0; self.virgin.len()];
+        for i in 0..self.positions.len() {
+            let batch = &mut self.batches[i / BATCH];
+            batch.read(i % BATCH, &mut state);
+            if let Ok(old) = unflatten::<f64, C::State<f64>>(&state) {
+                state.copy_from_slice(&flatten(&change(self.positions[i], old)));
+            }
+            let broken = state.iter().find(|x| !x.is_finite()).copied();
+            number(broken.is_none(), "state", self.numbers[i] as usize, broken.unwrap_or(0.0), "finite")?;
+            batch.write(i % BATCH, &state);
+        }
+        self.begin_anew()
+    }
+
+    /// The particles' positions, m, sorted in space: [`Sph::numbers`] are those of the layout.
+    pub fn positions(&self) -> &[[f64; D]] {
+        &self.positions
+    }
+    /// Of each particle, its number in the layout.
+    pub fn numbers(&self) -> &[u32] {
+        &self.numbers
+    }
+    /// The velocity of a particle, m/s: that of the middle of the last step.
+    ///
+    /// # Panics
+    /// There is no such particle.
+    pub fn velocity(&self, i: usize) -> [f64; D] {
+        std::array::from_fn(|d| self.records.velocity[i][d])
+    }
+    /// Its mass, kg: per metre of depth in plane strain, per radian around an axis.
+    ///
+    /// # Panics
+    /// There is no such particle.
+    pub fn mass(&self, i: usize) -> f64 {
+        self.records.velocity[i][3]
+    }
+    /// What its neighbours and the body force accelerate it with, m/s^2.
+    ///
+    /// # Panics
+    /// There is no such particle.
+    pub fn acceleration(&self, i: usize) -> [f64; D] {
+        std::array::from_fn(|d| self.acceleration[i][d])
+    }
+    /// The law.
+    pub fn material(&self) -> &dyn Material<f64> {
+        &*self.material
+    }
+    /// A line that names the method.
+    pub fn describe(&self) -> String {
+        self.method.describe()
+    }
+    /// Pairs of neighbours, of particles and images.
+    pub fn pairs(&self) -> usize {
+        self.batches.iter().map(|b| b.near.index.len()).sum()
+    }
+    /// Searches for neighbours made.
+    pub fn searches(&self) -> u64 {
+        self.lists.searches()
+    }
+    /// How often the present configuration became the reference ([`TotalLagrangian::renewed`](crate::TotalLagrangian::renewed)).
+    pub fn renewals(&self) -> u64 {
+        self.renewals
+    }
+    /// Simulated time, s.
+    pub fn time(&self) -> f64 {
+        self.clock.time
+    }
+    /// Steps made.
+    pub fn steps(&self) -> u64 {
+        self.clock.steps
+    }
+    /// The size of the next step by the time control, s.
+    pub fn next_time_step(&self) -> f64 {
+        self.control.next(self.rate, self.clock.last)
+    }
+
+    /// Step until `end` (s), which is met exactly.
+    ///
+    /// # Errors
+    /// As [`Solver::run_until`].
+    pub fn run_until(&mut self, end: f64) -> Result<(), StepError> {
+        Solver::run_until(self, end)
+    }
+
+    /// What the body is made of and what changes in a run, to a file or from one: as [`Solver::archive`], but for the watch.
+    pub(crate) fn archive_body(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let name = self.name.clone();
+        let of = |what: &str| format!("{what} of body `{name}`");
+        file.same(&of("method"), &self.method.describe())?;
+        file.same(&of("ingredients"), &format!("{:?}", self.method))?;
+        file.same(&of("law"), self.material.name())?;
+        file.same(&of("constants of the law"), &self.material.constants())?;
+        file.same(&of("number of particles"), &self.positions.len().to_string())?;
+        file.same(&of("mirrors"), &format!("{:?}", self.mirrors))?;
+        self.clock.archive(file)?;
+        let times = [0.0, self.clock.time];
+        let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
+        file.same(&of("body force"), &force.unwrap_or_default())?;
+        file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
+        for (n, boundary) in self.boundaries.iter().enumerate() {
+            file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
+        }
+        let particles = self.positions.len();
+        file.reals(self.positions.iter_mut().flatten())?;
+        file.reals(self.records.velocity[..particles].iter_mut().flatten())?;
+        file.reals(self.records.place[..particles].iter_mut().flatten())?;
+        for batch in &mut self.batches {
+            for row in &mut batch.rows {
+                file.reals(row.as_mut())?;
+            }
+            file.reals(batch.stress.iter_mut().flatten())?;
+            file.reals(batch.deformation.iter_mut().flatten().flatten())?;
+            file.list(&mut batch.before, &[[0.0; 3]; 3], |file, f| file.reals(f.iter_mut().flatten()))?;
+        }
+        for held in &mut self.held {
+            let mut bits = u64::from(*held);
+            file.word(&mut bits)?;
+            *held = bits as u8;
+        }
+        file.word(&mut self.renewals)?;
+        file.reals([&mut self.rate, &mut self.lag])?;
+        self.exchange.archive(file)?;
+        if file.reads() {
+            self.lists.forget();
+            let resumed = self.go_on();
+            resumed.map_err(|_| file.damaged("particles that have no neighbours"))?;
+        }
+        Ok(())
+    }
+
+    fn look(&mut self) -> Result<(), StepError> {
+        let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
+        let (speed, loss) = (self.speed_at_rest, ADVICE.loss);
+        let at =
+            Look { clock: &clock, exchange: &exchange, rounding: f64::EPSILON, speed, energy: true, loss };
+        let mut watcher = std::mem::take(&mut self.watcher);
+        let bodies: [&dyn Body; 1] = [self];
+        let gain = gain_at_the_fastest(&bodies, |_| ADVICE.gain);
+        let looked = watcher.look(&totals, Self::HOOP, &at, || not_finite(&bodies), gain);
+        self.watcher = watcher;
+        looked
+    }
+
+    fn make_step(&mut self, left: f64) -> Result<f64, StepError> {
+        let dt = self.clock.step_within(self.next_time_step(), left)?;
+        self.check_loads(dt).map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
+        if self.watcher.opens() {
+            let (totals, exchange) = (self.totals(), Solver::exchange(self));
+            self.watcher.open(self.clock.steps, &totals, &exchange, Self::HOOP);
+        }
+        self.step(dt)?;
+        if self.watcher.due(self.clock.steps).is_some() {
+            self.look()?;
+        }
+        Ok(dt)
+    }
+
+    pub(crate) fn check_loads(&self, dt: f64) -> Result<(), SceneError> {
+        let time = self.clock.time;
+        check_at(self.body_force.as_ref(), &self.boundaries, time, &[time + dt])
+    }
+}
+
+/// What is said where energy is lost or gained.
+pub(crate) const ADVICE: Advice = Advice {
+    loss: "by contacts that closed, walls of mirror images, or a reference that was renewed; what keeps more: \
+           `Method::total_lagrangian`, and smaller particles",
+    gain: "the particles there are the fastest; take a smaller Courant factor, a law with bulk viscosity, or `Method::total_lagrangian` \
+           for what stays whole",
+};
+
+/// A vector in three dimensions.
+pub(crate) fn wide<const D: usize>(x: &[f64; D]) -> [f64; 3] {
+    let mut wide = [0.0; 3];
+    wide[..D].copy_from_slice(x);
+    wide
+}
+
+/// A body alone.
+impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {
+    fn method(&self) -> String {
+        format!("smoothed particles: {}", self.method.describe())
+    }
+    fn dimensions(&self) -> usize {
+        D
+    }
+    fn axisymmetric(&self) -> bool {
+        Self::HOOP
+    }
+    fn clock(&self) -> &Clock {
+        &self.clock
+    }
+    fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
+    }
+    fn stable_step(&mut self) -> Result<f64, StepError> {
+        Ok(self.next_time_step())
+    }
+    // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
+    #[inline(never)]
+    fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
+        self.watcher.may_go_on()?;
+        let made = self.make_step(left);
+        self.watcher.note(made)
+    }
+    fn set_team(&mut self, team: Team) {
+        Sph::set_team(self, team);
+    }
+    fn bodies(&self) -> Vec<&dyn Body> {
+        vec![self]
+    }
+    fn exchange(&self) -> Exchange {
+        self.exchange
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.archive_body(file)?;
+        self.watcher.archive(file)
+    }
+    fn stopped_by(&self) -> Option<&StepError> {
+        self.watcher.stopped_by()
+    }
+    fn look_at_the_end(&mut self) -> Result<(), StepError> {
+        if !self.watcher.due_at_the_end(self.clock.steps) {
+            return Ok(());
+        }
+        let looked = self.look();
+        self.watcher.note(looked)
+    }
+    fn warnings(&self) -> &[Warning] {
+        self.watcher.warnings()
+    }
+    fn account(&self) -> Account {
+        self.watcher.account(&self.totals(), &Solver::exchange(self), Self::HOOP)
+    }
+}

@@ -1,0 +1,163 @@
+//! What is done against motions that sums over neighbours do not see, and against particles that clump in tension.
+
+use std::fmt::Debug;
+
+use crate::method::{TotalLagrangian, Updated};
+
+/// A stabilisation that goes with a form `F`.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not go with the form `{F}`",
+    note = "`ZeroEnergyPenalty` is by the deformation gradient of the reference configuration: it is for `TotalLagrangian`",
+    note = "`ArtificialStress` and `PairViscosity` are for `Updated`: under kernels of the reference configuration there is no tensile instability"
+)]
+pub trait Stabilisation<F>: Copy + Debug + Send + Sync + 'static {
+    /// The name in tables and messages.
+    const NAME: &'static str;
+    /// Is there a zero-energy penalty?
+    const PENALTY: bool = false;
+    /// Is there an artificial stress?
+    const STRESS: bool = false;
+    /// Is there a viscosity of pairs?
+    const VISCOSITY: bool = false;
+    /// Stiffness of the penalty over the modulus of longitudinal waves.
+    fn penalty(&self) -> f64 {
+        0.0
+    }
+    /// Part of a tensile stress that pushes particles apart, and the power of the kernel over its value at the spacing.
+    fn artificial(&self) -> (f64, i32) {
+        (0.0, 4)
+    }
+    /// Linear and quadratic coefficient of the viscosity of pairs.
+    fn viscosity(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+}
+
+/// A number of a stabilisation that cannot be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StabilisationError {
+    what: &'static str,
+    value: f64,
+}
+impl std::fmt::Display for StabilisationError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let StabilisationError { what, value } = self;
+        write!(f, "stabilisation: {what} = {value} is not allowed; it must be zero or positive, and finite")
+    }
+}
+impl std::error::Error for StabilisationError {}
+
+fn not_negative(what: &'static str, value: f64) -> Result<f64, StabilisationError> {
+    if value >= 0.0 && value.is_finite() { Ok(value) } else { Err(StabilisationError { what, value }) }
+}
+
+/// None.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Unstabilised;
+macro_rules! nothing {
+    ($($form:ident),*) => {$(
+        impl Stabilisation<$form> for Unstabilised {
+            const NAME: &'static str = "no stabilisation";
+        }
+    )*};
+}
+nothing!(TotalLagrangian, Updated);
+
+/// Springs against what the deformation gradient of a particle leaves of the places of its neighbours: the energy is
+///
+/// U = 1/2 sum_i sum_j alpha rho0 c^2 V_i V_j (-W'/R) |x_ij - F_i X_ij|^2,
+///
+/// with c the speed of longitudinal waves at rest. F_i is the very tensor for which the sum over j is least, so that the force of a pair,
+/// which \[Ganzenmueller2015\] chose along its line, is here the whole derivative of an energy: that is in the books, momentum and angular
+/// momentum are kept to rounding, and what deforms linearly feels nothing. By default alpha is 0.1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ZeroEnergyPenalty(f64);
+impl Default for ZeroEnergyPenalty {
+    fn default() -> Self {
+        ZeroEnergyPenalty(0.1)
+    }
+}
+impl ZeroEnergyPenalty {
+    /// With this alpha.
+    ///
+    /// # Errors
+    /// Negative or not finite.
+    pub fn new(alpha: f64) -> Result<Self, StabilisationError> {
+        Ok(ZeroEnergyPenalty(not_negative("alpha of the zero-energy penalty", alpha)?))
+    }
+}
+impl Stabilisation<TotalLagrangian> for ZeroEnergyPenalty {
+    const NAME: &'static str = "zero-energy penalty";
+    const PENALTY: bool = true;
+    fn penalty(&self) -> f64 {
+        self.0
+    }
+}
+
+/// A pressure that keeps particles in tension from clumping \[Gray2001\]: the tensile principal stresses s of a pair act once more as
+/// -eps s (W(r) / W(d))^4, d the spacing, with a quotient of at most one: where one principal stress is tensile and particles are pressed
+/// together along another one, more of it would feed the motion. By default eps is 0.3. It is no part of the law: what it does is booked
+/// ([`Exchange::impacts`](impactite_scene::Exchange::impacts)).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArtificialStress(f64);
+impl Default for ArtificialStress {
+    fn default() -> Self {
+        ArtificialStress(0.3)
+    }
+}
+impl ArtificialStress {
+    /// With this eps.
+    ///
+    /// # Errors
+    /// Negative or not finite.
+    pub fn new(eps: f64) -> Result<Self, StabilisationError> {
+        Ok(ArtificialStress(not_negative("eps of the artificial stress", eps)?))
+    }
+}
+
+/// A viscosity between particles that approach each other \[Monaghan1992\]: Pi = (-alpha c mu + beta mu^2) / rho, mu = h v.r / (r^2 + 0.01
+/// h^2). It takes energy from velocities that alternate from particle to particle, which no velocity gradient sees; what it takes is booked
+/// ([`Exchange::impacts`](impactite_scene::Exchange::impacts)) and does not heat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PairViscosity([f64; 2]);
+impl Default for PairViscosity {
+    fn default() -> Self {
+        PairViscosity([0.5, 0.5])
+    }
+}
+impl PairViscosity {
+    /// With these alpha and beta.
+    ///
+    /// # Errors
+    /// Negative or not finite.
+    pub fn new(alpha: f64, beta: f64) -> Result<Self, StabilisationError> {
+        let alpha = not_negative("alpha of the viscosity of pairs", alpha)?;
+        Ok(PairViscosity([alpha, not_negative("beta of the viscosity of pairs", beta)?]))
+    }
+}
+
+impl Stabilisation<Updated> for ArtificialStress {
+    const NAME: &'static str = "artificial stress";
+    const STRESS: bool = true;
+    fn artificial(&self) -> (f64, i32) {
+        (self.0, 4)
+    }
+}
+impl Stabilisation<Updated> for PairViscosity {
+    const NAME: &'static str = "viscosity of pairs";
+    const VISCOSITY: bool = true;
+    fn viscosity(&self) -> [f64; 2] {
+        self.0
+    }
+}
+impl Stabilisation<Updated> for (ArtificialStress, PairViscosity) {
+    const NAME: &'static str = "artificial stress, viscosity of pairs";
+    const STRESS: bool = true;
+    const VISCOSITY: bool = true;
+    fn artificial(&self) -> (f64, i32) {
+        Stabilisation::<Updated>::artificial(&self.0)
+    }
+    fn viscosity(&self) -> [f64; 2] {
+        Stabilisation::<Updated>::viscosity(&self.1)
+    }
+}

@@ -1,0 +1,471 @@
+//! A step: velocities, conditions, positions; strain and law; neighbours, kernels, accelerations.
+
+use std::marker::PhantomData;
+
+use impactite_geometry::search::{Points, SearchError};
+use impactite_scene::{Boundary, Cause, MovingPoint, PointKind, SceneError, StepError, Stopped};
+use impactite_simd::Float;
+use mpm_materials::material::{Deformation, Length, Motion, States, StatesMut};
+
+use crate::images::{Images, Mirror, MirrorKind};
+use crate::matrix::{identity, inverse, inverse_of_moments, mean_size, times};
+use crate::method::{Composition, Correction, Form};
+use crate::solver::{Scratch, Sph, wide};
+use crate::stabilisation::Stabilisation;
+use crate::sums::{BATCH, Batch, GROUP, Push, Pushed, Report, Row, Strain, Weigh};
+use crate::tensors;
+
+/// The groups of a batch, by place: they lie behind each other.
+const GROUPS: [u32; BATCH / GROUP] = {
+    let mut groups = [0; BATCH / GROUP];
+    let mut n = 0;
+    while n < groups.len() {
+        groups[n] = n as u32;
+        n += 1;
+    }
+    groups
+};
+
+/// Why a particle at the axis stops a run, and what to do.
+const AT_AXIS: &str =
+    "it came to the axis: take a smaller Courant factor, or a law that stiffens under compression";
+
+impl<const D: usize, M: Composition<D>> Sph<D, M> {
+    /// One step of size `dt`.
+    pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
+        self.accelerate(dt);
+        self.advance(dt)?;
+        self.finish(dt)
+    }
+
+    /// New velocities: leap-frog, from the middle of the last step to that of this one.
+    pub(crate) fn accelerate(&mut self, dt: f64) {
+        let kick = self.lag + 0.5 * dt;
+        let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
+        let particles = self.positions.len();
+        let acceleration = &self.acceleration;
+        let mut mirrored = [false; 3];
+        for mirror in self.mirrors.iter().filter(|m| m.kind != MirrorKind::Axis) {
+            mirrored[mirror.axis] = true;
+        }
+        let velocities = &mut self.records.velocity[..particles];
+        self.team.each_piece(velocities, BATCH, &mut self.batches, |b, velocities, batch| {
+            batch.report.given = Default::default();
+            batch.start.copy_from_slice(velocities);
+            for (n, v) in velocities.iter_mut().enumerate() {
+                let a = &acceleration[b * BATCH + n];
+                let mass = v[3];
+                for d in 0..D {
+                    if mirrored[d] {
+                        batch.report.given.impulse[d] += kick * mass * a[d];
+                    }
+                    batch.report.given.load[d] += kick * mass * force[d];
+                    v[d] += kick * (a[d] + force[d]);
+                }
+            }
+        });
+    }
+
+    /// Conditions, and new positions.
+    pub(crate) fn advance(&mut self, dt: f64) -> Result<(), StepError> {
+        self.obey(dt);
+        let kick = self.lag + 0.5 * dt;
+        let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
+        let velocities = &self.records.velocity;
+        self.team.each_piece(&mut self.positions, BATCH, &mut self.batches, |b, positions, batch| {
+            batch.report.lost = None;
+            for (n, x) in positions.iter_mut().enumerate() {
+                let (v, start) = (&velocities[b * BATCH + n], &batch.start[n]);
+                let (mut work, mut taken) = (0.0, 0.0);
+                for d in 0..D {
+                    let mean = 0.5 * (start[d] + v[d]);
+                    work += force[d] * mean;
+                    if let Some(a) = batch.stabilising.get(n) {
+                        taken -= a[d] * mean;
+                    }
+                    x[d] += dt * v[d];
+                }
+                batch.report.given.work += kick * v[3] * work;
+                batch.report.given.impacts += kick * v[3] * taken;
+                let found = x.iter().all(|x| x.is_finite()) && (!Self::HOOP || x[0] > 0.0);
+                if !found && batch.report.lost.is_none() {
+                    batch.report.lost = Some(n);
+                }
+            }
+        });
+        for batch in &self.batches {
+            self.exchange.add(&batch.report.given);
+        }
+        self.lag = 0.5 * dt;
+        let lost =
+            self.batches.iter().enumerate().find_map(|(b, batch)| Some(b * BATCH + batch.report.lost?));
+        match lost {
+            Some(i) if Self::HOOP && self.positions[i][0] <= 0.0 => {
+                Err(self.broken(i, Cause::Other(AT_AXIS)))
+            }
+            Some(i) => Err(self.broken(i, Cause::Velocity)),
+            None => Ok(()),
+        }
+    }
+
+    /// Velocities as conditions allow.
+    fn obey(&mut self, dt: f64) {
+        let walls = self.mirrors.iter().filter(|m| m.kind == MirrorKind::Wall).map(Mirror::wall);
+        let walls: Vec<Boundary<D>> = walls.collect();
+        if self.boundaries.is_empty() && walls.is_empty() {
+            return;
+        }
+        let particles = self.positions.len();
+        let Sph { records, boundaries, positions, spacing, clock, team, batches, held, .. } = self;
+        let (time, surface) = (clock.time, self.surface);
+        team.each_piece(&mut records.velocity[..particles], BATCH, batches, |b, velocities, batch| {
+            for (n, v) in velocities.iter_mut().enumerate() {
+                let i = b * BATCH + n;
+                let mut point = MovingPoint {
+                    position: positions[i],
+                    mass: v[3],
+                    start: std::array::from_fn(|d| batch.start[n][d]),
+                    velocity: std::array::from_fn(|d| v[d]),
+                    size: spacing[i],
+                    depth: 0.5 * (1.0 + surface) * spacing[i],
+                    tolerance: 0.5 * (0.5 + surface) * spacing[i],
+                };
+                for boundary in boundaries.iter() {
+                    // Walls are met by the surface.
+                    let behind = match *boundary {
+                        Boundary::Wall { axis, side, .. } | Boundary::FrictionWall { axis, side, .. } => {
+                            Some((axis, 0.5 * surface * spacing[i] * side.sign()))
+                        }
+                        _ => None,
+                    };
+                    if let Some((axis, half)) = behind {
+                        point.position[axis] -= half;
+                    }
+                    boundary.hold(&mut point, (time, dt), &mut batch.report.given);
+                    if let Some((axis, half)) = behind {
+                        point.position[axis] += half;
+                    }
+                }
+                // What images did not hold back.
+                for wall in &walls {
+                    wall.hold(&mut point, (time, dt), &mut batch.report.given);
+                }
+                let mut moved = 0;
+                for d in 0..D {
+                    if point.velocity[d] != v[d] {
+                        moved |= 1 << d;
+                        v[d] = point.velocity[d];
+                    }
+                }
+                batch.start[n][3] = f64::from(moved);
+            }
+        });
+        for (b, batch) in batches.iter().enumerate() {
+            for (held, start) in held[b * BATCH..].iter_mut().zip(&batch.start) {
+                *held = start[3] as u8;
+            }
+        }
+    }
+
+    /// Strain, law, neighbours and accelerations at the new positions.
+    pub(crate) fn finish(&mut self, dt: f64) -> Result<(), StepError> {
+        self.strain(dt)?;
+        self.refresh()?;
+        self.push();
+        self.clock.advance(dt);
+        Ok(())
+    }
+
+    /// Velocity gradients and the law.
+    fn strain(&mut self, dt: f64) -> Result<(), StepError> {
+        self.images.fill_velocities(&mut self.records);
+        let numbers = self.virgin.len();
+        let Sph { records, material, memory, team, positions, spacing, batches, .. } = self;
+        team.each(batches, |b, batch| {
+            let Batch { near, moments, .. } = batch;
+            f64::dispatch(Strain { records, near, first: b * BATCH, places: false, out: moments });
+            let Scratch { deformations, lengths, response } = &mut *team.own(memory);
+            let count = batch.moments.len();
+            let groups = count.div_ceil(GROUP);
+            deformations.clear();
+            deformations.resize(groups.div_ceil(2), Deformation::default());
+            lengths.resize(groups, Row::default());
+            for n in 0..count {
+                let i = b * BATCH + n;
+                let increment = times(&batch.moments[n], &batch.correction[n], D);
+                let (to, half, lane) = (&mut deformations[n / GROUP / 2], n / GROUP % 2, n % GROUP);
+                // The increment itself, times one.
+                to.step.0[half].as_mut()[lane] = 1.0;
+                for a in 0..D {
+                    for c in 0..D {
+                        to.gradient[3 * a + c].0[half].as_mut()[lane] = dt * increment[a][c];
+                    }
+                }
+                if Self::HOOP {
+                    let v = records.velocity[i][0];
+                    to.gradient[8].0[half].as_mut()[lane] = dt * v / (positions[i][0] - dt * v);
+                }
+                lengths[n / GROUP].as_mut()[lane] = spacing[i];
+                // F' = K C0, exactly; C = C0 F^-1.
+                if let (Some(first), Some(f)) = (batch.first.get(n), batch.deformation.get_mut(n)) {
+                    let rate = times(&batch.moments[n], first, D);
+                    (0..D).for_each(|a| (0..D).for_each(|c| f[a][c] += dt * rate[a][c]));
+                    batch.correction[n] = times(first, &inverse(f, D), D);
+                }
+            }
+            let groups = &GROUPS[..groups];
+            let motion = Motion { deformation: deformations, dt, length: Length::Each(lengths) };
+            let states = StatesMut { all: &mut batch.rows, stride: numbers, first: 0, groups };
+            material.advance(&motion, states, true, response);
+            let broken = response.faults().iter().map(|f| (f.group * GROUP + f.lane, f.cause));
+            batch.report.trouble = broken.filter(|(n, _)| *n < count).min_by_key(|(n, _)| *n);
+            take(batch, response);
+        });
+        let trouble =
+            self.batches.iter().enumerate().find_map(|(b, batch)| {
+                batch.report.trouble.map(|(n, cause)| (b * BATCH + n, Cause::Law(cause)))
+            });
+        trouble.map_or(Ok(()), |(i, cause)| Err(self.broken(i, cause)))
+    }
+
+    /// What stops the body at a particle.
+    fn broken(&self, i: usize, cause: Cause) -> StepError {
+        let (body, law, position) = (self.name.clone(), self.material.name(), wide(&self.positions[i]));
+        let (kind, number) = (PointKind::Particle, self.numbers[i] as usize);
+        self.clock.stopped(Stopped::Point { kind, body, number, position, law, cause })
+    }
+
+    /// Neighbours, kernels and stresses of the new positions.
+    fn refresh(&mut self) -> Result<(), StepError> {
+        if M::Form::TOTAL {
+            self.tensors();
+            let most = self.batches.iter().map(|b| b.report.stretch).fold(0.0, f64::max);
+            if self.method.form().renewed_at().is_some_and(|limit| most > limit) {
+                self.renewals += 1;
+                // Its springs are at rest then.
+                self.exchange.conversion -= self.penalty_energy();
+                return self.renew().map_err(|error| self.searched(error));
+            }
+            return Ok(());
+        }
+        self.place();
+        self.neighbours().map_err(|error| self.searched(error))?;
+        self.correct();
+        self.tensors();
+        Ok(())
+    }
+
+    fn searched(&self, error: SearchError) -> StepError {
+        self.clock.stopped(Stopped::Scene(SceneError::Search(error)))
+    }
+
+    /// Begin with the states and positions as they are, which are the reference.
+    pub(crate) fn begin_anew(&mut self) -> Result<(), SceneError> {
+        let numbers = self.virgin.len();
+        let Sph { material, memory, team, batches, .. } = self;
+        team.each(batches, |_, batch| {
+            let Scratch { response, .. } = &mut *team.own(memory);
+            let groups = &GROUPS[..batch.stress.len().div_ceil(GROUP)];
+            let states = States { all: &batch.rows, stride: numbers, first: 0, groups };
+            // Viscous stresses, which bound a step by the size of particles, come with the first strain.
+            material.describe(states, f64::INFINITY, response);
+            take(batch, response);
+        });
+        self.renew().map_err(SceneError::Search)?;
+        self.push();
+        Ok(())
+    }
+
+    /// Let the present configuration be the reference.
+    fn renew(&mut self) -> Result<(), SearchError> {
+        self.place();
+        self.neighbours()?;
+        for batch in self.batches.iter_mut().filter(|_| M::Form::TOTAL && self.renewals > 0) {
+            batch.before = (0..batch.stress.len()).filter_map(|n| batch.whole(n, D)).collect();
+            batch.deformation.fill(identity(D));
+        }
+        self.correct();
+        self.tensors();
+        Ok(())
+    }
+
+    /// Go on from positions, states and stresses that were read.
+    pub(crate) fn go_on(&mut self) -> Result<(), SearchError> {
+        self.neighbours()?;
+        self.correct();
+        self.tensors();
+        self.push();
+        Ok(())
+    }
+
+    /// Kernels are taken where particles are.
+    fn place(&mut self) {
+        let particles = self.positions.len();
+        let Sph { records, positions, reference, batches, team, .. } = self;
+        team.each_piece(&mut records.place[..particles], BATCH, batches, |b, places, batch| {
+            for (n, place) in places.iter_mut().enumerate() {
+                let i = b * BATCH + n;
+                place[..D].copy_from_slice(&positions[i]);
+                let volume = reference[i] * batch.stress[n][6];
+                place[3] = if Self::HOOP { volume / positions[i][0] } else { volume };
+            }
+        });
+    }
+
+    /// Neighbours within reach, searched for if they may be others.
+    fn neighbours(&mut self) -> Result<(), SearchError> {
+        let particles = self.positions.len();
+        self.images.fill_places(&mut self.records);
+        let Records { place, smoothing, .. } = &self.records;
+        let point = |i: usize| -> [f64; D] { std::array::from_fn(|d| place[i][d]) };
+        if !self.lists.hold((0..place.len()).map(|i| (point(i), smoothing[i]))) || M::Form::TOTAL {
+            self.points.clear();
+            self.points.extend((0..particles).map(point));
+            let skin = self.lists.skin();
+            self.images = Images::find(&self.mirrors, &self.points, &smoothing[..particles], skin);
+            self.records.resize(self.images.all.len(), Self::HAS);
+            self.images.fill_places(&mut self.records);
+            let Records { place, smoothing, .. } = &self.records;
+            self.points
+                .extend(place[particles..].iter().map(|p| -> [f64; D] { std::array::from_fn(|d| p[d]) }));
+            let points = Points::new(&self.points, smoothing)?;
+            self.lists.forget();
+            self.lists.update(&points, &self.team)?;
+        }
+        let walls = self.mirrors.iter().any(|m| m.kind == MirrorKind::Wall);
+        let power = Self::HAS.stress.then(|| self.method.stabilisation().artificial().1);
+        let Sph { method, records, lists, images, batches, team, .. } = self;
+        let (kernel, lists) = (method.kernel(), lists.lists());
+        team.each(batches, |b, batch| {
+            let (first, count) = (b * BATCH, batch.stress.len());
+            let Batch { near, stress, .. } = batch;
+            f64::dispatch(Weigh { kernel, records, lists, first, count, power, images, walls, stress, near });
+        });
+        Ok(())
+    }
+
+    /// What makes gradients of moments.
+    fn correct(&mut self) {
+        let Sph { records, batches, team, .. } = self;
+        team.each(batches, |b, batch| {
+            if !M::Correction::CORRECTED {
+                return batch.correction.fill(identity(D));
+            }
+            let Batch { near, moments, .. } = batch;
+            f64::dispatch(Strain { records, near, first: b * BATCH, places: true, out: moments });
+            for n in 0..batch.moments.len() {
+                let first = inverse_of_moments(&batch.moments[n], D);
+                batch.correction[n] = if M::Form::TOTAL {
+                    batch.first[n] = first;
+                    times(&first, &inverse(&batch.deformation[n], D), D)
+                } else {
+                    first
+                };
+            }
+        });
+    }
+
+    /// What acts on pairs, and Courant rates.
+    fn tensors(&mut self) {
+        let particles = self.positions.len();
+        let scale = tensors::Scale {
+            penalty: self.method.stabilisation().penalty() * self.modulus,
+            stiffer: self.method.stabilisation().penalty(),
+            hoop: Self::HOOP,
+            corrected: M::Correction::CORRECTED,
+        };
+        let Sph { records, batches, team, reference, positions, .. } = self;
+        let Records { place, smoothing, tensor, .. } = records;
+        team.each_piece(&mut tensor[..particles], BATCH, batches, |b, tensors, batch| {
+            let mut report = Report { rate: 0.0, stretch: 0.0, ..batch.report };
+            for (n, out) in tensors.iter_mut().enumerate() {
+                let i = b * BATCH + n;
+                let said = &batch.stress[n];
+                let area = place[i][3];
+                let volume = reference[i] * said[6];
+                let factor = volume / area;
+                let correction = &batch.correction[n];
+                *out = tensors::columns(said, factor, correction);
+                if Self::HAS.penalty {
+                    let radius = if Self::HOOP { place[i][0] } else { 1.0 };
+                    tensors::less_penalty(out, scale.penalty * radius, &batch.deformation[n]);
+                }
+                if M::Form::TOTAL {
+                    let f = &batch.deformation[n];
+                    let stretch = mean_size(f, D).max(mean_size(&inverse(f, D), D));
+                    report.stretch = report.stretch.max(stretch);
+                }
+                let rate = scale.rate(said[7], mean_size(correction, D), smoothing[i]);
+                report.rate = report.rate.max(rate);
+            }
+            batch.report = report;
+        });
+        if Self::HAS.penalty {
+            for (i, x) in positions.iter().enumerate() {
+                let first = if D == 2 { 2 } else { 0 };
+                records.now[i][first..first + D].copy_from_slice(x);
+                let radius = if Self::HOOP { records.place[i][0] } else { 1.0 };
+                records.bias[i] = scale.penalty * radius;
+            }
+        }
+        if Self::HAS.stress {
+            let eps = self.method.stabilisation().artificial().0;
+            let Sph { records, batches, team, reference, .. } = self;
+            let Records { place, artificial, .. } = records;
+            team.each_piece(&mut artificial[..particles], BATCH, batches, |b, tensors, batch| {
+                for (n, out) in tensors.iter_mut().enumerate() {
+                    let i = b * BATCH + n;
+                    let volume = reference[i] * batch.stress[n][6];
+                    *out = tensors::artificial(&batch.stress[n], eps * volume / place[i][3]);
+                }
+            });
+        }
+        if Self::HAS.viscosity {
+            let Sph { records, batches, reference, .. } = self;
+            for (i, fluid) in records.fluid[..particles].iter_mut().enumerate() {
+                let said = &batches[i / BATCH].stress[i % BATCH];
+                let radius = if Self::HOOP { records.place[i][0] } else { 1.0 };
+                *fluid = [records.velocity[i][3] / (reference[i] * said[6]) * radius, said[7]];
+            }
+        }
+        self.images.fill_tensors(&mut self.records);
+        self.rate = self.batches.iter().map(|b| b.report.rate).fold(0.0, f64::max);
+    }
+
+    /// Accelerations by neighbours, and by hoop stress.
+    fn push(&mut self) {
+        if Self::HAS.viscosity {
+            self.images.fill_velocities(&mut self.records);
+        }
+        let viscosity = self.method.stabilisation().viscosity();
+        let Sph { records, batches, team, acceleration, reference, positions, .. } = self;
+        team.each_piece(acceleration, BATCH, batches, |b, acceleration, batch| {
+            let first = b * BATCH;
+            let Batch { near, stabilising, .. } = batch;
+            let out = Pushed { acceleration, stabilising };
+            let method = PhantomData::<M>;
+            f64::dispatch(Push { records, near, first, viscosity, out, method });
+            if Self::HOOP {
+                for (n, a) in acceleration.iter_mut().enumerate() {
+                    let (i, said) = (first + n, &batch.stress[n]);
+                    let volume = reference[i] * said[6];
+                    a[0] -= volume * said[2] / (records.velocity[i][3] * positions[i][0]);
+                }
+            }
+        });
+    }
+}
+
+use crate::records::Records;
+
+/// Stress, volume ratio and wave speed of the particles of a batch.
+fn take(batch: &mut Batch, response: &mpm_materials::material::Response<f64>) {
+    for (n, said) in batch.stress.iter_mut().enumerate() {
+        let (from, half, lane) = (&response.outputs()[n / GROUP / 2], n / GROUP % 2, n % GROUP);
+        for k in 0..6 {
+            said[k] = from.stress[k].0[half].as_ref()[lane];
+        }
+        said[6] = from.volume_ratio.0[half].as_ref()[lane];
+        said[7] = from.step_speed.0[half].as_ref()[lane];
+    }
+}

@@ -1,0 +1,11 @@
+//! Sums over neighbours, on vectors.
+
+mod batch;
+mod push;
+mod strain;
+mod weigh;
+
+pub(crate) use batch::{BATCH, Batch, GROUP, Report, Row};
+pub(crate) use push::{Push, Pushed};
+pub(crate) use strain::Strain;
+pub(crate) use weigh::Weigh;

@@ -1,0 +1,136 @@
+//! A body as others see it.
+
+use impactite_scene::{Body, PointView, Totals};
+
+use crate::method::Composition;
+use crate::solver::{Sph, wide};
+use crate::sums::BATCH;
+
+impl<const D: usize, M: Composition<D>> Sph<D, M> {
+    /// Sums over particles. Momentum is that of the velocities, which belong to the middle of the last step. Kinetic energy is the sum of m
+    /// v- . v+ / 2 of these and the velocities that forces make half a step after the present: with the internal energy what central
+    /// differences conserve. What is held has that of its velocity.
+    pub fn totals(&self) -> Totals {
+        let mut sum = Totals::default();
+        for (i, x) in self.positions.iter().enumerate() {
+            let (mass, velocity) = (self.mass(i), self.velocity(i));
+            sum.add_point(mass, x, &velocity);
+            for d in (0..D).filter(|d| self.held[i] & 1 << d == 0) {
+                sum.kinetic += self.lag * mass * velocity[d] * self.acceleration[i][d];
+            }
+        }
+        sum.internal = self.internal_energy() + self.penalty_energy();
+        sum
+    }
+
+    /// Internal energy by the law, J: without that of the zero-energy penalty.
+    pub fn internal_energy(&self) -> f64 {
+        let mut state = vec![0.0; self.virgin.len()];
+        let mut sum = 0.0;
+        for (i, volume) in self.reference.iter().enumerate() {
+            self.batches[i / BATCH].read(i % BATCH, &mut state);
+            sum += volume * self.material.energy_of(&state).unwrap_or(f64::NAN);
+        }
+        sum
+    }
+
+    /// Energy in the springs of the zero-energy penalty, J.
+    pub fn penalty_energy(&self) -> f64 {
+        if !Self::HAS.penalty {
+            return 0.0;
+        }
+        let (records, first) = (&self.records, if D == 2 { 2 } else { 0 });
+        let mut sum = 0.0;
+        for i in 0..self.positions.len() {
+            let batch = &self.batches[i / BATCH];
+            let f = &batch.deformation[i % BATCH];
+            let (index, slope) = batch.near.of(i % BATCH);
+            let (place, now) = (&records.place[i], &records.now[i]);
+            let mut own = 0.0;
+            for (&j, &s) in index.iter().zip(slope) {
+                let (other, there) = (&records.place[j as usize], &records.now[j as usize]);
+                let mut square = 0.0;
+                for a in 0..D {
+                    let mut left = there[first + a] - now[first + a];
+                    for c in 0..D {
+                        left -= f[a][c] * (other[c] - place[c]);
+                    }
+                    square += left * left;
+                }
+                own += s * other[3] * square;
+            }
+            sum += 0.5 * records.bias[i] * place[3] * own;
+        }
+        sum
+    }
+
+    /// The numbers of the state of a particle, named by [`Body::state_names`]; `None` if there is no such particle.
+    pub fn particle_state(&self, i: usize) -> Option<Vec<f64>> {
+        let mut state = vec![0.0; self.virgin.len()];
+        (i < self.positions.len()).then(|| {
+            self.batches[i / BATCH].read(i % BATCH, &mut state);
+            state
+        })
+    }
+
+    /// Bytes of memory, by its own count.
+    pub fn bytes(&self) -> usize {
+        let batches: usize = self.batches.iter().map(|b| b.bytes()).sum();
+        batches
+            + self.records.bytes()
+            + self.images.bytes()
+            + self.lists.lists().bytes()
+            + self.acceleration.capacity() * 32
+            + (self.positions.capacity() + self.points.capacity()) * size_of::<[f64; D]>()
+            + 8 * (self.reference.capacity() + self.spacing.capacity())
+            + 4 * self.numbers.capacity()
+            + self.held.capacity()
+    }
+}
+
+impl<const D: usize, M: Composition<D>> Body for Sph<D, M> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn law(&self) -> &'static str {
+        self.material.name()
+    }
+    fn len(&self) -> usize {
+        self.positions.len()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.material.state_names()
+    }
+    fn totals(&self) -> Totals {
+        Sph::totals(self)
+    }
+    /// Particles as they are sorted in space, with the numbers of the layout.
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        let mut point = PointView::default();
+        point.state.resize(self.virgin.len(), 0.0);
+        for (i, x) in self.positions.iter().enumerate() {
+            let batch = &self.batches[i / BATCH];
+            batch.read(i % BATCH, &mut point.state);
+            let said = self.material.describe_point(&point.state);
+            point.number = self.numbers[i] as usize;
+            point.position = wide(x);
+            point.velocity = wide(&self.velocity(i));
+            point.mass = self.mass(i);
+            point.volume = self.reference[i] * said.as_ref().map_or(1.0, |said| said.volume_ratio);
+            point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);
+            point.in_range = said.as_ref().is_none_or(|said| said.in_range);
+            point.failed = said.as_ref().is_some_and(|said| said.failed);
+            if let Some(f) = batch.whole(i % BATCH, D) {
+                for d in 0..D {
+                    for c in 0..D {
+                        point.half_edges[d][c] = 0.5 * self.spacing[i] * f[c][d];
+                    }
+                }
+            }
+            visit(&point);
+        }
+    }
+    fn bytes(&self) -> usize {
+        Sph::bytes(self)
+    }
+}
