@@ -65,6 +65,11 @@ macro_rules! kernel_of_ratio {
 kernel_of_ratio!(CubicSpline);
 kernel_of_ratio!(WendlandC2);
 
+impl WendlandC2 {
+    /// With h of 1.1 spacings, for corrected gradients.
+    pub const NARROW: WendlandC2 = WendlandC2(1.1);
+}
+
 impl Kernel for CubicSpline {
     const NAME: &'static str = "cubic spline";
     fn norm(&self, dimensions: usize) -> f64 {

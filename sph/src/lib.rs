@@ -23,7 +23,7 @@ pub use method::{
     Composition, Correction, Form, GradientCorrection, Method, NoCorrection, StretchError, TotalLagrangian,
     Updated,
 };
-pub use solver::{SMALL, Sph};
+pub use solver::{SMALL, Sph, StepTimes};
 pub use stabilisation::{
     ArtificialStress, PairViscosity, Stabilisation, StabilisationError, Unstabilised, ZeroEnergyPenalty,
 };

@@ -119,7 +119,7 @@ impl Correction<Updated> for NoCorrection {
 /// use impactite_scene::PlaneStrain;
 /// use sph::{GradientCorrection, Method, TotalLagrangian, WendlandC2, ZeroEnergyPenalty};
 /// fn check<M: sph::Composition<2>>(_: M) {}
-/// check(Method::new(PlaneStrain, WendlandC2::default(), TotalLagrangian::default(), GradientCorrection, ZeroEnergyPenalty::default()));
+/// check(Method::new(PlaneStrain, WendlandC2::NARROW, TotalLagrangian::default(), GradientCorrection, ZeroEnergyPenalty::default()));
 /// check(Method::total_lagrangian(PlaneStrain)); // the same
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -145,11 +145,12 @@ impl<E> Method<E, CubicSpline, Updated, NoCorrection, ArtificialStress> {
 }
 
 impl<E> Method<E, WendlandC2, TotalLagrangian, GradientCorrection, ZeroEnergyPenalty> {
-    /// For bodies that stay whole: total Lagrangian, corrected gradients, a penalty on what these do not see.
+    /// For bodies that stay whole: total Lagrangian, corrected gradients, a penalty on what these do not see. Smoothing lengths are 1.1
+    /// spacings: what is exact of linear fields needs no more neighbours, 12 in the plane and 32 in space.
     pub fn total_lagrangian(embedding: E) -> Self {
         Method::new(
             embedding,
-            WendlandC2::default(),
+            WendlandC2::NARROW,
             TotalLagrangian::default(),
             GradientCorrection,
             ZeroEnergyPenalty::default(),

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex};
 
-use impactite_geometry::search::{Reach, VerletLists};
+use impactite_geometry::search::{Reach, SearchMethod, VerletLists};
 use impactite_scene::boundary::{BodyForce, check_at};
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
@@ -30,7 +30,7 @@ use crate::sums::{BATCH, Batch, GROUP, Row};
 const COURANT: f64 = 0.7;
 /// Particles of a body for which more than one thread is used.
 pub const SMALL: usize = 1000;
-/// The skin of the neighbour lists over the smallest spacing.
+/// The skin of the neighbour lists over the smallest spacing, unless told otherwise.
 const SKIN: f64 = 0.4;
 
 /// Smoothed particles of one law in `D` dimensions, with the parts of `M`.
@@ -60,6 +60,9 @@ pub struct Sph<const D: usize, M> {
     /// Directions in which something else than neighbours moved a particle in the last step, a bit each.
     pub(crate) held: Vec<u8>,
     pub(crate) lists: VerletLists<D>,
+    pub(crate) search: SearchMethod,
+    /// Of the parts of steps, where asked for.
+    pub(crate) times: Option<StepTimes>,
     /// Positions of particles and images as the search takes them.
     pub(crate) points: Vec<[f64; D]>,
     pub(crate) images: Images<D>,
@@ -82,6 +85,29 @@ pub struct Sph<const D: usize, M> {
     watcher: Watcher,
     /// Memory of each thread.
     pub(crate) memory: Arc<Vec<Mutex<Scratch>>>,
+}
+
+/// Wall time of parts of steps, s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StepTimes {
+    /// Neighbour lists: search, and whether they still hold.
+    pub search: f64,
+    /// Which neighbours are within reach, and kernels there.
+    pub kernels: f64,
+    /// Gradients and forces: sums over neighbours.
+    pub sums: f64,
+    /// Laws, with velocity gradients from sums.
+    pub law: f64,
+    /// Velocities, conditions and positions.
+    pub motion: f64,
+}
+
+impl StepTimes {
+    /// All of a step but what a scene of several bodies does between them.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.search + self.kernels + self.sums + self.law + self.motion
+    }
 }
 
 /// Particles on their way through their law.
@@ -150,6 +176,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             acceleration: vec![[0.0; 4]; count],
             held: vec![0; count],
             lists,
+            search: SearchMethod::default(),
+            times: None,
             points: Vec::new(),
             images: Images::default(),
             mirrors: Vec::new(),
@@ -233,6 +261,27 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         control.check_without_grid()?;
         self.control = control;
         Ok(())
+    }
+
+    /// Search neighbours so, for pairs that are up to a skin of so many of the smallest spacings out of reach: lists are used until something
+    /// moved half of that. By default sorted cells, with 0.4; with 0 every step searches. Results are the same bits.
+    ///
+    /// # Errors
+    /// A skin that is negative or not finite; places that cannot be searched.
+    pub fn set_search(&mut self, method: SearchMethod, skin: f64) -> Result<(), SceneError> {
+        let smallest = self.spacing.iter().fold(f64::INFINITY, |m, s| m.min(*s));
+        self.lists = VerletLists::new(Reach::sum(0.0), skin * smallest).map_err(SceneError::Search)?;
+        self.search = method;
+        self.go_on().map_err(SceneError::Search)
+    }
+
+    /// Measure from now on what parts of steps take.
+    pub fn measure_steps(&mut self) {
+        self.times = Some(StepTimes::default());
+    }
+    /// What parts of the steps took since [`Sph::measure_steps`].
+    pub fn step_times(&self) -> StepTimes {
+        self.times.unwrap_or_default()
     }
 
     /// Add a condition: [`Boundary::hold`](Boundary::check_moving) says what it does to particles. Beyond a plane of symmetry particles have
@@ -356,7 +405,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     }
     /// Pairs of neighbours, of particles and images.
     pub fn pairs(&self) -> usize {
-        self.batches.iter().map(|b| b.near.index.len()).sum()
+        self.batches.iter().map(|b| b.near.pairs()).sum()
     }
     /// Searches for neighbours made.
     pub fn searches(&self) -> u64 {

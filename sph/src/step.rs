@@ -1,6 +1,7 @@
 //! A step: velocities, conditions, positions; strain and law; neighbours, kernels, accelerations.
 
 use std::marker::PhantomData;
+use std::time::Instant;
 
 use impactite_geometry::search::{Points, SearchError};
 use impactite_scene::{Boundary, Cause, MovingPoint, PointKind, SceneError, StepError, Stopped};
@@ -10,7 +11,7 @@ use mpm_materials::material::{Deformation, Length, Motion, States, StatesMut};
 use crate::images::{Images, Mirror, MirrorKind};
 use crate::matrix::{identity, inverse, inverse_of_moments, mean_size, times};
 use crate::method::{Composition, Correction, Form};
-use crate::solver::{Scratch, Sph, wide};
+use crate::solver::{Scratch, Sph, StepTimes, wide};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Push, Pushed, Report, Row, Strain, Weigh};
 use crate::tensors;
@@ -31,6 +32,19 @@ const AT_AXIS: &str =
     "it came to the axis: take a smaller Courant factor, or a law that stiffens under compression";
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {
+    /// Do a part of a step, and measure it where asked for.
+    fn part<R>(&mut self, of: impl Fn(&mut StepTimes) -> &mut f64, work: impl FnOnce(&mut Self) -> R) -> R {
+        if self.times.is_none() {
+            return work(self);
+        }
+        let begun = Instant::now();
+        let made = work(self);
+        if let Some(times) = &mut self.times {
+            *of(times) += begun.elapsed().as_secs_f64();
+        }
+        made
+    }
+
     /// One step of size `dt`.
     pub(crate) fn step(&mut self, dt: f64) -> Result<(), StepError> {
         self.accelerate(dt);
@@ -40,6 +54,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// New velocities: leap-frog, from the middle of the last step to that of this one.
     pub(crate) fn accelerate(&mut self, dt: f64) {
+        self.part(|t| &mut t.motion, |sph| sph.new_velocities(dt));
+    }
+
+    fn new_velocities(&mut self, dt: f64) {
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let particles = self.positions.len();
@@ -68,6 +86,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// Conditions, and new positions.
     pub(crate) fn advance(&mut self, dt: f64) -> Result<(), StepError> {
+        self.part(|t| &mut t.motion, |sph| sph.new_positions(dt))
+    }
+
+    fn new_positions(&mut self, dt: f64) -> Result<(), StepError> {
         self.obey(dt);
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
@@ -169,9 +191,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// Strain, law, neighbours and accelerations at the new positions.
     pub(crate) fn finish(&mut self, dt: f64) -> Result<(), StepError> {
-        self.strain(dt)?;
+        self.part(|t| &mut t.law, |sph| sph.strain(dt))?;
         self.refresh()?;
-        self.push();
+        self.part(|t| &mut t.sums, Self::push);
         self.clock.advance(dt);
         Ok(())
     }
@@ -238,7 +260,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     /// Neighbours, kernels and stresses of the new positions.
     fn refresh(&mut self) -> Result<(), StepError> {
         if M::Form::TOTAL {
-            self.tensors();
+            self.part(|t| &mut t.sums, Self::tensors);
             let most = self.batches.iter().map(|b| b.report.stretch).fold(0.0, f64::max);
             if self.method.form().renewed_at().is_some_and(|limit| most > limit) {
                 self.renewals += 1;
@@ -250,8 +272,13 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
         self.place();
         self.neighbours().map_err(|error| self.searched(error))?;
-        self.correct();
-        self.tensors();
+        self.part(
+            |t| &mut t.sums,
+            |sph| {
+                sph.correct();
+                sph.tensors();
+            },
+        );
         Ok(())
     }
 
@@ -314,24 +341,33 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// Neighbours within reach, searched for if they may be others.
     fn neighbours(&mut self) -> Result<(), SearchError> {
+        self.part(|t| &mut t.search, Self::search)?;
+        self.part(|t| &mut t.kernels, Self::weigh);
+        Ok(())
+    }
+
+    fn search(&mut self) -> Result<(), SearchError> {
         let particles = self.positions.len();
         self.images.fill_places(&mut self.records);
         let Records { place, smoothing, .. } = &self.records;
         let point = |i: usize| -> [f64; D] { std::array::from_fn(|d| place[i][d]) };
-        if !self.lists.hold((0..place.len()).map(|i| (point(i), smoothing[i]))) || M::Form::TOTAL {
-            self.points.clear();
-            self.points.extend((0..particles).map(point));
-            let skin = self.lists.skin();
-            self.images = Images::find(&self.mirrors, &self.points, &smoothing[..particles], skin);
-            self.records.resize(self.images.all.len(), Self::HAS);
-            self.images.fill_places(&mut self.records);
-            let Records { place, smoothing, .. } = &self.records;
-            self.points
-                .extend(place[particles..].iter().map(|p| -> [f64; D] { std::array::from_fn(|d| p[d]) }));
-            let points = Points::new(&self.points, smoothing)?;
-            self.lists.forget();
-            self.lists.update(&points, &self.team)?;
+        if !M::Form::TOTAL && self.lists.hold((0..place.len()).map(|i| (point(i), smoothing[i]))) {
+            return Ok(());
         }
+        self.points.clear();
+        self.points.extend((0..particles).map(point));
+        let skin = self.lists.skin();
+        self.images = Images::find(&self.mirrors, &self.points, &smoothing[..particles], skin);
+        self.records.resize(self.images.all.len(), Self::HAS);
+        self.images.fill_places(&mut self.records);
+        let Records { place, smoothing, .. } = &self.records;
+        self.points.extend(place[particles..].iter().map(|p| -> [f64; D] { std::array::from_fn(|d| p[d]) }));
+        self.lists.forget();
+        self.lists.update_with(self.search, &Points::new(&self.points, smoothing)?, &self.team)?;
+        Ok(())
+    }
+
+    fn weigh(&mut self) {
         let walls = self.mirrors.iter().any(|m| m.kind == MirrorKind::Wall);
         let power = Self::HAS.stress.then(|| self.method.stabilisation().artificial().1);
         let Sph { method, records, lists, images, batches, team, .. } = self;
@@ -341,7 +377,6 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             let Batch { near, stress, .. } = batch;
             f64::dispatch(Weigh { kernel, records, lists, first, count, power, images, walls, stress, near });
         });
-        Ok(())
     }
 
     /// What makes gradients of moments.

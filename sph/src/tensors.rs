@@ -70,21 +70,66 @@ pub(crate) fn artificial<const D: usize>(said: &[f64; 8], factor: f64) -> [[f64;
     if most.fold(f64::NEG_INFINITY, f64::max) <= 0.0 {
         return columns;
     }
-    let mut stress = Matrix3::zeros();
-    for a in 0..D {
-        for b in 0..D {
-            stress[(a, b)] = said[PLACES[a][b]];
+    let tensile = if D == 2 { tensile_in_plane(said[0], said[1], said[5]) } else { tensile_in_space(said) };
+    for c in 0..D {
+        for a in 0..D {
+            columns[c][a] = -factor * tensile[a][c];
         }
     }
+    columns
+}
+
+/// The tensile part of a stress in the plane: its positive principal values along their axes.
+fn tensile_in_plane(xx: f64, yy: f64, xy: f64) -> Matrix {
+    let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
+    let radius = half.hypot(xy);
+    let [most, least] = [mean + radius, mean - radius];
+    let mut tensile = [[xx, xy, 0.0], [xy, yy, 0.0], [0.0; 3]];
+    if least < 0.0 {
+        // most (S - least I) / (most - least): what is along the axis of the larger one.
+        let scale = if radius > 0.0 { most.max(0.0) / (2.0 * radius) } else { 0.0 };
+        (tensile[0][0], tensile[1][1]) = (scale * (xx - least), scale * (yy - least));
+        (tensile[0][1], tensile[1][0]) = (scale * xy, scale * xy);
+    }
+    tensile
+}
+
+/// The same in space.
+fn tensile_in_space(said: &[f64; 8]) -> Matrix {
+    let stress = Matrix3::from_fn(|a, b| said[PLACES[a][b]]);
     let principal = stress.symmetric_eigen();
+    let mut tensile = [[0.0; 3]; 3];
     for (value, axis) in principal.eigenvalues.iter().zip(principal.eigenvectors.column_iter()) {
-        if *value > 0.0 {
-            for c in 0..D {
-                for a in 0..D {
-                    columns[c][a] -= factor * value * axis[a] * axis[c];
+        for a in 0..3 {
+            for c in 0..3 {
+                tensile[a][c] += value.max(0.0) * axis[a] * axis[c];
+            }
+        }
+    }
+    tensile
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tensile_parts_agree_in_plane_and_space() {
+        for [xx, yy, xy] in [
+            [1.0, 2.0, 0.3],
+            [-1.0, 2.0, 0.7],
+            [-3.0, -1.0, 0.2],
+            [1.0, -1.0, 0.0],
+            [2.0, 2.0, 0.0],
+            [-1.0, -1.0, 0.0],
+        ] {
+            let space = tensile_in_space(&[xx, yy, -1.0, 0.0, 0.0, xy, 1.0, 0.0]);
+            let plane = tensile_in_plane(xx, yy, xy);
+            for a in 0..2 {
+                for c in 0..2 {
+                    assert!((space[a][c] - plane[a][c]).abs() < 1e-14, "{xx} {yy} {xy}: {space:?} {plane:?}");
                 }
             }
         }
     }
-    columns
 }

@@ -4,14 +4,15 @@ use std::marker::PhantomData;
 
 use impactite_simd::Team;
 
-use super::NeighbourSearch;
 use super::cells::SortedCells;
 use super::error::{SearchError, check_length};
 use super::lists::NeighbourLists;
 use super::points::{Points, Reach, distance_squared};
+use super::{NeighbourSearch, SearchMethod};
 
 /// Neighbour lists with a skin \[Verlet1967\]: made for pairs as much farther apart as the skin is thick, and kept until some point has
-/// used up half of it, by its motion and by the growth of its radius together, or the number of points has changed.
+/// used up half of it, by its motion beside the mean one of all and by the growth of its radius together, or the number of points has
+/// changed. What flies as a whole is searched once.
 ///
 /// Until then every list holds all that are within reach of its point, in ascending order, and some that are not: by up to two skins,
 /// less what radii have shrunk.
@@ -21,12 +22,14 @@ use super::points::{Points, Reach, distance_squared};
 /// use impactite_simd::Team;
 /// let mut lists = VerletLists::<1>::new(Reach::uniform(1.0), 0.2)?;
 /// for step in 0..10 {
-///     let positions = [[0.0], [1.0 - 0.04 * f64::from(step)]];
+///     // They fly, and come nearer.
+///     let at = f64::from(step);
+///     let positions = [[at], [at + 1.0 - 0.03 * at]];
 ///     lists.update(&Points::of_positions(&positions)?, &Team::one())?;
 ///     assert_eq!(lists.of(0), [1]);
 /// }
-/// // A search at the start, and one after every third step of 0.04.
-/// assert_eq!(lists.searches(), 4);
+/// // A search at the start, and one after every sixth step: each moves by 0.015 beside the mean.
+/// assert_eq!(lists.searches(), 2);
 /// # Ok::<(), SearchError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -99,13 +102,33 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
     /// As [`NeighbourSearch::neighbours_into`] and [`NeighbourSearch::new`]; all lists are then empty, and the next update
     /// searches.
     pub fn update(&mut self, points: &Points<'_, D>, team: &Team) -> Result<bool, SearchError> {
+        self.update_by(points, |points, wide, lists| S::new(points, wide)?.neighbours_into(team, lists))
+    }
+
+    /// The same, by a search that is chosen at run time.
+    ///
+    /// # Errors
+    /// As [`update`](VerletLists::update).
+    pub fn update_with(
+        &mut self,
+        method: SearchMethod,
+        points: &Points<'_, D>,
+        team: &Team,
+    ) -> Result<bool, SearchError> {
+        self.update_by(points, |points, wide, lists| method.sort(points, wide)?.neighbours_into(team, lists))
+    }
+
+    fn update_by(
+        &mut self,
+        points: &Points<'_, D>,
+        search: impl FnOnce(&Points<'_, D>, Reach, &mut NeighbourLists) -> Result<(), SearchError>,
+    ) -> Result<bool, SearchError> {
         if self.hold((0..points.len()).map(|i| (points.positions()[i], points.radius(i)))) {
             return Ok(false);
         }
         self.searches += 1;
         self.valid = false;
-        let wide = self.reach.widened(self.skin);
-        let found = S::new(points, wide).and_then(|search| search.neighbours_into(team, &mut self.lists));
+        let found = search(points, self.reach.widened(self.skin), &mut self.lists);
         if let Err(refused) = found {
             self.clear(points.len());
             return Err(refused);
@@ -117,7 +140,7 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletLists<D, S> {
 
     /// Do the lists miss no pair of points that are now at these positions with these radii (m)? To ask without copying; an
     /// [`update`](VerletLists::update) asks by itself.
-    pub fn hold(&self, points: impl ExactSizeIterator<Item = ([f64; D], f64)>) -> bool {
+    pub fn hold(&self, points: impl ExactSizeIterator<Item = ([f64; D], f64)> + Clone) -> bool {
         self.valid && self.seen.hold(points, 0.5 * self.skin, self.reach.slope())
     }
 }
@@ -147,13 +170,36 @@ impl<const D: usize> Seen<D> {
         self.radii.extend((0..points.len()).map(|i| points.radius(i)));
     }
 
-    /// Has none of the points used up `slack` (m), by its motion and `slope` times the growth of its radius?
-    fn hold(&self, points: impl ExactSizeIterator<Item = ([f64; D], f64)>, slack: f64, slope: f64) -> bool {
+    /// Has none of the points used up `slack` (m), by its motion beside `drift` (m) and `slope` times the growth of its radius?
+    fn hold_beside(
+        &self,
+        points: impl ExactSizeIterator<Item = ([f64; D], f64)>,
+        (slack, slope): (f64, f64),
+        drift: &[f64; D],
+    ) -> bool {
         self.positions.len() == points.len()
             && points.zip(&self.positions).zip(&self.radii).all(|(((x, radius), before), old)| {
                 let left = slack - slope * (radius - old).max(0.0);
-                left >= 0.0 && distance_squared(&x, before) <= left * left
+                let there = std::array::from_fn(|d| before[d] + drift[d]);
+                left >= 0.0 && distance_squared(&x, &there) <= left * left
             })
+    }
+
+    /// The same, whatever all have moved by together.
+    fn hold(
+        &self,
+        points: impl ExactSizeIterator<Item = ([f64; D], f64)> + Clone,
+        slack: f64,
+        slope: f64,
+    ) -> bool {
+        if self.hold_beside(points.clone(), (slack, slope), &[0.0; D]) {
+            return true;
+        }
+        let mut drift = [0.0; D];
+        for ((x, _), before) in points.clone().zip(&self.positions) {
+            (0..D).for_each(|d| drift[d] += (x[d] - before[d]) / self.positions.len() as f64);
+        }
+        self.hold_beside(points, (slack, slope), &drift)
     }
 }
 
@@ -244,8 +290,10 @@ impl<const D: usize, S: NeighbourSearch<D>> VerletListsBetween<D, S> {
         team: &Team,
     ) -> Result<bool, SearchError> {
         let (half, slope) = (0.5 * self.skin_then, self.reach.slope());
+        // The two sets do not move together.
         let hold = |seen: &Seen<D>, now: &Points<'_, D>| {
-            seen.hold((0..now.len()).map(|i| (now.positions()[i], now.radius(i))), half, slope)
+            let now = (0..now.len()).map(|i| (now.positions()[i], now.radius(i)));
+            seen.hold_beside(now, (half, slope), &[0.0; D])
         };
         if self.valid && hold(&self.seen[0], points) && hold(&self.seen[1], others) {
             return Ok(false);

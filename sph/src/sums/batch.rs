@@ -32,12 +32,17 @@ impl Near {
         let range = self.starts[i] as usize..self.starts[i + 1] as usize;
         (&self.index[range.clone()], &self.slope[range])
     }
-    pub fn clear(&mut self) {
+    /// None, with room for so many.
+    pub fn clear(&mut self, room: usize, close: bool) {
         self.starts.clear();
-        self.index.clear();
-        self.slope.clear();
-        self.close.clear();
         self.starts.push(0);
+        self.index.resize(room, 0);
+        self.slope.resize(room, 0.0);
+        self.close.resize(if close { room } else { 0 }, 0.0);
+    }
+    /// How many pairs.
+    pub fn pairs(&self) -> usize {
+        self.starts.last().map_or(0, |&end| end as usize)
     }
     pub fn bytes(&self) -> usize {
         4 * (self.starts.capacity() + self.index.capacity())

@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use impactite_scene::Embedding;
 use impactite_simd::{Arch, Kernel, Lane, Quad, Vectors};
 
 use super::batch::Near;
@@ -71,7 +72,9 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
             }
             if M::Stabilisation::PENALTY {
                 let apart = A::Quad::load(&records.now[j]) - now;
-                push = apart.mul_add(A::Quad::splat(bias + records.bias[j]), push);
+                // It is the same for all, unless by the radius.
+                let both = if M::Embedding::HOOP { bias + records.bias[j] } else { bias + bias };
+                push = apart.mul_add(A::Quad::splat(both), push);
             }
             sum = push.mul_add(A::Quad::splat(weight), sum);
             if M::Stabilisation::STRESS {

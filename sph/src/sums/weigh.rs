@@ -32,7 +32,9 @@ impl<const D: usize, K: Smoothing> Kernel<f64> for Weigh<'_, D, K> {
     #[inline(always)]
     fn run<A: Arch<f64>>(self) {
         let Weigh { kernel, records, lists, first, count, power, images, walls, stress, near } = self;
-        near.clear();
+        let room = lists.starts()[first + count] as usize - lists.starts()[first] as usize + 1;
+        near.clear(room, power.is_some());
+        let mut end = 0;
         let norm = kernel.norm(D);
         // The spacing is that of the smoothing length.
         let at_spacing: f64 = kernel.value(1.0 / kernel.ratio());
@@ -74,16 +76,18 @@ impl<const D: usize, K: Smoothing> Kernel<f64> for Weigh<'_, D, K> {
                 }
                 for (lane, &j) in chunk.iter().enumerate() {
                     let reached = squares.as_ref()[lane] < reaches.as_ref()[lane];
-                    if reached && !(walls && is_let_go(images, records.particles, j, &stress[i - first])) {
-                        near.index.push(j);
-                        near.slope.push(slopes.as_ref()[lane]);
-                        if let Some(power) = power {
-                            near.close.push((values.as_ref()[lane] / at_spacing).min(1.0).powi(power));
-                        }
+                    let reached =
+                        reached && !(walls && is_let_go(images, records.particles, j, &stress[i - first]));
+                    // Written over by the next one unless it is within reach: nothing to be guessed.
+                    near.index[end] = j;
+                    near.slope[end] = slopes.as_ref()[lane];
+                    if let Some(power) = power {
+                        near.close[end] = (values.as_ref()[lane] / at_spacing).min(1.0).powi(power);
                     }
+                    end += usize::from(reached);
                 }
             }
-            near.starts.push(near.index.len() as u32);
+            near.starts.push(end as u32);
         }
     }
 }
