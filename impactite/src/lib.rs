@@ -115,6 +115,8 @@ mod pages {
     struct Pcmm;
     #[doc = include_str!("../../docs/book/src/restart.md")]
     struct Restart;
+    #[doc = include_str!("../../docs/book/src/sph.md")]
+    struct Sph;
     #[doc = include_str!("../../docs/book/src/time-control.md")]
     struct TimeControl;
     #[doc = include_str!("../../docs/book/src/watch.md")]

@@ -27,11 +27,32 @@ fn main() {
                 b.step_at_most(f64::INFINITY).unwrap();
             }
             let steps = 40;
-            let cpu = || std::fs::read_to_string("/proc/thread-self/schedstat").unwrap().split(' ').next().unwrap().parse::<f64>().unwrap() * 1e-9; let t0 = cpu(); b.measure_steps();
+            let cpu = || {
+                std::fs::read_to_string("/proc/thread-self/schedstat")
+                    .unwrap()
+                    .split(' ')
+                    .next()
+                    .unwrap()
+                    .parse::<f64>()
+                    .unwrap()
+                    * 1e-9
+            };
+            let t0 = cpu();
+            b.measure_steps();
             for _ in 0..steps {
                 b.step_at_most(f64::INFINITY).unwrap();
             }
-            let t = cpu() - t0; let q = b.step_times(); let all = q.total(); print!("search {:.0}% kernels {:.0}% sums {:.0}% law {:.0}% motion {:.0}% ", q.search / all * 100.0, q.kernels / all * 100.0, q.sums / all * 100.0, q.law / all * 100.0, q.motion / all * 100.0);
+            let t = cpu() - t0;
+            let q = b.step_times();
+            let all = q.total();
+            print!(
+                "search {:.0}% kernels {:.0}% sums {:.0}% law {:.0}% motion {:.0}% ",
+                q.search / all * 100.0,
+                q.kernels / all * 100.0,
+                q.sums / all * 100.0,
+                q.law / all * 100.0,
+                q.motion / all * 100.0
+            );
             let p = b.positions().len();
             println!(
                 "{}: {} particles, {:.1} neighbours, {:.2} M/s, {:.0} ns, {} bytes a particle, searches {}",

@@ -4,6 +4,7 @@
 //! [`Sph`] is a [`Solver`](impactite_scene::Solver), and a body of [`mpm_contact::particles::Bodies`].
 
 mod contact;
+mod form;
 mod images;
 mod kernel;
 mod layout;
@@ -17,12 +18,10 @@ mod sums;
 mod tensors;
 mod view;
 
+pub use form::{Correction, Form, GradientCorrection, NoCorrection, StretchError, TotalLagrangian, Updated};
 pub use kernel::{CubicSpline, Kernel, SmoothingError, WendlandC2};
 pub use layout::Layout;
-pub use method::{
-    Composition, Correction, Form, GradientCorrection, Method, NoCorrection, StretchError, TotalLagrangian,
-    Updated,
-};
+pub use method::{Composition, Method};
 pub use solver::{SMALL, Sph, StepTimes};
 pub use stabilisation::{
     ArtificialStress, PairViscosity, Stabilisation, StabilisationError, Unstabilised, ZeroEnergyPenalty,

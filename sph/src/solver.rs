@@ -17,11 +17,12 @@ use mpm_materials::material::{Deformation, Response};
 use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
+use crate::form::Form;
 use crate::images::{Images, Mirror, MirrorKind};
 use crate::kernel::Kernel as _;
 use crate::layout::{BODY, Layout, number};
 use crate::matrix::identity;
-use crate::method::{Composition, Form};
+use crate::method::Composition;
 use crate::records::{Has, Records};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Row};

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-use crate::method::{TotalLagrangian, Updated};
+use crate::form::{TotalLagrangian, Updated};
 
 /// A stabilisation that goes with a form `F`.
 #[diagnostic::on_unimplemented(

@@ -8,9 +8,10 @@ use impactite_scene::{Boundary, Cause, MovingPoint, PointKind, SceneError, StepE
 use impactite_simd::Float;
 use mpm_materials::material::{Deformation, Length, Motion, States, StatesMut};
 
+use crate::form::{Correction, Form};
 use crate::images::{Images, Mirror, MirrorKind};
 use crate::matrix::{identity, inverse, inverse_of_moments, mean_size, times};
-use crate::method::{Composition, Correction, Form};
+use crate::method::Composition;
 use crate::solver::{Scratch, Sph, StepTimes, wide};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Push, Pushed, Report, Row, Strain, Weigh};

@@ -11,6 +11,7 @@ use mpm_core::{
 };
 use mpm_materials::IntoMaterial;
 use pcmm::{Composition, LocalDelaunay, Masses, Packing, Pcmm};
+use sph::{Layout, Sph};
 
 use super::Way;
 use crate::work::{Stopwatch, Work};
@@ -74,6 +75,53 @@ impl<M: Composition<2>> Solved for Pcmm<2, M> {
     }
 }
 
+impl<M: sph::Composition<2>> Solved for Sph<2, M> {
+    fn solver(&mut self) -> &mut dyn Solver {
+        self
+    }
+    fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2])) {
+        for (i, &n) in self.numbers().iter().enumerate() {
+            visit(n as usize, self.mass(i), self.positions()[i], self.velocity(i));
+        }
+    }
+}
+
+/// Rows of smoothed particles on both ends of a box, where walls and clamps are, and half a spacing within its sides.
+fn rows(setup: &Setup, axisymmetric: bool) -> Layout<2> {
+    let along = usize::from(setup.size[1] > setup.size[0]);
+    let h: [f64; 2] = std::array::from_fn(|d| setup.size[d] / setup.cells[d] as f64);
+    let mut counts = setup.cells;
+    counts[along] += 1;
+    let mut layout =
+        Layout { positions: Vec::new(), volumes: Vec::new(), spacings: Vec::new(), surface: 0.0 };
+    for j in 0..counts[1] {
+        for i in 0..counts[0] {
+            let place = |d: usize, n: usize| h[d] * (n as f64 + if d == along { 0.0 } else { 0.5 });
+            let x = [place(0, i), place(1, j)];
+            let row = [i, j][along];
+            let share = if row == 0 || row + 1 == counts[along] { 0.5 } else { 1.0 };
+            layout.positions.push(x);
+            layout.volumes.push(h[0] * h[1] * share * if axisymmetric { x[0] } else { 1.0 });
+            layout.spacings.push((h[0] * h[1]).sqrt());
+        }
+    }
+    layout
+}
+
+fn smoothed<M: sph::Composition<2>>(
+    method: M,
+    setup: Setup,
+    law: impl IntoMaterial<f64>,
+) -> Result<(Vec<[f64; 2]>, Box<dyn Solved>), String> {
+    let layout = rows(&setup, M::Embedding::HOOP);
+    let velocity = setup.velocity;
+    let mut body = Sph::new(method, law, &layout, |x| velocity(x)).map_err(text)?;
+    for boundary in setup.boundaries {
+        body.bound(boundary).map_err(text)?;
+    }
+    Ok((layout.positions, Box::new(body)))
+}
+
 /// A body, and what its steps cost so far.
 pub struct Matter {
     solved: Box<dyn Solved>,
@@ -102,7 +150,7 @@ impl Matter {
         Self::new(way, setup, law, Axisymmetric, kernels, Filling::new().axisymmetric())
     }
 
-    fn new<E: Embedding<2>>(
+    fn new<E: Embedding<2> + std::fmt::Debug>(
         way: Way,
         setup: Setup,
         law: impl IntoMaterial<f64>,
@@ -113,7 +161,7 @@ impl Matter {
         let shape = Cuboid::new([0.0; 2], setup.size).map_err(text)?;
         let h = setup.size[0] / setup.cells[0] as f64;
         let lattice = Lattice::new([0.0; 2], h).map_err(text)?;
-        let velocity = setup.velocity;
+        let velocity = setup.velocity.clone();
         let (rest, mut solved): (_, Box<dyn Solved>) = match way {
             Way::Linear | Way::Impact => {
                 let seeds = fill(&shape, &lattice, 2, &filling).map_err(text)?;
@@ -124,6 +172,8 @@ impl Matter {
                 }
                 (seeds.positions, Box::new(mpm))
             }
+            Way::TotalLagrangian => smoothed(sph::Method::total_lagrangian(space), setup, law)?,
+            Way::Updated => smoothed(sph::Method::updated(space), setup, law)?,
             Way::Contacts => {
                 let packing = Packing::on_nodes(&shape, &lattice).map_err(text)?;
                 let delaunay = LocalDelaunay::new(0.45 * h, 20.0).map_err(text)?;

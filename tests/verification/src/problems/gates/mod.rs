@@ -1,5 +1,5 @@
 //! Gates that all methods are measured by, with one law value: a bar on a rigid wall (A), a beam that swings (C), Taylor bars of steel
-//! (G). By the material point method, particle contacts and finite elements.
+//! (G). By the material point method, particle contacts, smoothed particles and finite elements.
 //!
 //! | gate | scene | against |
 //! |---|---|---|
@@ -52,16 +52,22 @@ pub enum Way {
     Impact,
     /// Particle contacts, `pcmm::Method::consistent`.
     Contacts,
+    /// Smoothed particles, `sph::Method::total_lagrangian`.
+    TotalLagrangian,
+    /// Smoothed particles, `sph::Method::updated`.
+    Updated,
     /// Finite elements.
     Elements(Elements),
 }
 
 impl Way {
     /// All.
-    pub const ALL: [Way; 6] = [
+    pub const ALL: [Way; 8] = [
         Way::Linear,
         Way::Impact,
         Way::Contacts,
+        Way::TotalLagrangian,
+        Way::Updated,
         Way::Elements(Elements::Quadrilaterals(Technology::OnePoint(Hourglass::Stiffness(0.05)))),
         Way::Elements(Elements::Quadrilaterals(Technology::MeanDilatation)),
         Way::Elements(Elements::Triangles(Technology::AveragedVolumes)),
@@ -73,6 +79,8 @@ impl Way {
             Way::Linear => "MPM linear FLIP-MUSL",
             Way::Impact => "MPM quadratic AFLIP",
             Way::Contacts => "PCMM",
+            Way::TotalLagrangian => "SPH total Lagrangian",
+            Way::Updated => "SPH updated",
             Way::Elements(Elements::Quadrilaterals(Technology::OnePoint(_))) => "FE one point",
             Way::Elements(Elements::Quadrilaterals(Technology::MeanDilatation)) => "FE mean dilatation",
             Way::Elements(Elements::Quadrilaterals(_)) => "FE in full",
@@ -87,6 +95,9 @@ impl Way {
             Way::Linear | Way::Elements(Elements::Quadrilaterals(Technology::OnePoint(_))) => 4,
             Way::Impact => 9,
             Way::Contacts | Way::Elements(Elements::Triangles(_)) => 3,
+            // Neighbours within 2.2 and 2.6 spacings.
+            Way::TotalLagrangian => 12,
+            Way::Updated => 20,
             Way::Elements(Elements::Quadrilaterals(_)) => 16,
         }
     }
@@ -109,6 +120,7 @@ impl Way {
             }
             Way::Impact => of(Method::impact(PlaneStrain).into_kernels().facts().time_control()),
             Way::Contacts => 0.5,
+            Way::TotalLagrangian | Way::Updated => 0.7,
             Way::Elements(_) => 0.9,
         }
     }
