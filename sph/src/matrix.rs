@@ -3,9 +3,9 @@
 /// By rows.
 pub(crate) type Matrix = [[f64; 3]; 3];
 
-/// A determinant below which a particle has too few neighbours, or such in a line or plane, for a corrected gradient; that of a whole
-/// neighbourhood is about one, at an edge a twentieth.
-const LEAST: f64 = 1e-3;
+/// The largest sum of a row of the inverse of moments of a neighbourhood beyond which it has too few neighbours, or such in a line or plane,
+/// for a corrected gradient; it is one within a body, two at a face and four at a corner.
+const MOST: f64 = 6.0;
 
 /// Identity in `d` dimensions.
 pub(crate) fn identity(d: usize) -> Matrix {
@@ -52,8 +52,11 @@ fn over(m: &Matrix, det: f64, d: usize) -> Matrix {
 #[inline]
 pub(crate) fn inverse_of_moments(m: &Matrix, d: usize) -> Matrix {
     let det = determinant(m, d);
-    if det > LEAST {
-        return over(m, det, d);
+    if det > 0.0 {
+        let inverse = over(m, det, d);
+        if largest_row(&inverse, d) <= MOST {
+            return inverse;
+        }
     }
     let trace: f64 = (0..d).map(|i| m[i][i]).sum();
     let size = if trace > 0.1 { d as f64 / trace } else { 0.0 };
@@ -80,6 +83,12 @@ pub(crate) fn times(a: &Matrix, b: &Matrix, d: usize) -> Matrix {
         }
     }
     product
+}
+
+/// The largest sum of the amounts of a row: no vector becomes longer by more.
+#[inline]
+pub(crate) fn largest_row(m: &Matrix, d: usize) -> f64 {
+    m[..d].iter().map(|row| row[..d].iter().map(|x| x.abs()).sum()).fold(0.0, f64::max)
 }
 
 /// The root of the mean square of its principal values.

@@ -17,7 +17,7 @@ use mpm_materials::material::{Deformation, Response};
 use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
-use crate::form::Form;
+use crate::form::{Correction as _, Form};
 use crate::images::{Images, Mirror, MirrorKind};
 use crate::kernel::Kernel as _;
 use crate::layout::{BODY, Layout, number};
@@ -199,7 +199,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             places,
             numbers,
         };
-        if Self::HOOP {
+        // Corrected gradients do without: they see an axis as a surface, where the radius that stresses are weighed with is zero. Images
+        // would do no work that goes with their gradients.
+        if Self::HOOP && !M::Correction::CORRECTED {
             solver.mirrors.push(Mirror { axis: 0, at: 0.0, sign: 1.0, kind: MirrorKind::Axis });
         }
         solver.make_batches();
@@ -286,7 +288,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     }
 
     /// Add a condition: [`Boundary::hold`](Boundary::check_moving) says what it does to particles. Beyond a plane of symmetry particles have
-    /// mirror images, which are neighbours as others are; an axis of revolution is such a plane by itself. Walls keep the surface
+    /// mirror images, which are neighbours as others are; beyond an axis of revolution they have some where gradients are not corrected. Walls keep the surface
     /// ([`Layout::surface`]) in front of them. Conditions act in the order they were added.
     ///
     /// # Errors

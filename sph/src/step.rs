@@ -10,7 +10,7 @@ use mpm_materials::material::{Deformation, Length, Motion, States, StatesMut};
 
 use crate::form::{Correction, Form};
 use crate::images::{Images, Mirror, MirrorKind};
-use crate::matrix::{identity, inverse, inverse_of_moments, mean_size, times};
+use crate::matrix::{identity, inverse, inverse_of_moments, largest_row, mean_size, times};
 use crate::method::Composition;
 use crate::solver::{Scratch, Sph, StepTimes, wide};
 use crate::stabilisation::Stabilisation;
@@ -407,7 +407,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let scale = tensors::Scale {
             penalty: self.method.stabilisation().penalty() * self.modulus,
             stiffer: self.method.stabilisation().penalty(),
-            hoop: Self::HOOP,
+            space: if D == 3 { 2 } else { usize::from(Self::HOOP) },
             corrected: M::Correction::CORRECTED,
         };
         let Sph { records, batches, team, reference, positions, .. } = self;
@@ -431,7 +431,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     let stretch = mean_size(f, D).max(mean_size(&inverse(f, D), D));
                     report.stretch = report.stretch.max(stretch);
                 }
-                let rate = scale.rate(said[7], mean_size(correction, D), smoothing[i]);
+                let rate = scale.rate(said[7], largest_row(correction, D), smoothing[i]);
                 report.rate = report.rate.max(rate);
             }
             batch.report = report;

@@ -13,14 +13,15 @@ pub(crate) struct Scale {
     pub penalty: f64,
     /// alpha.
     pub stiffer: f64,
-    /// Is there an axis, and are gradients corrected?
-    pub hoop: bool,
+    /// The plane, around an axis, or space; and are gradients corrected?
+    pub space: usize,
     pub corrected: bool,
 }
 
 /// Squares of the highest frequency of sums over neighbours, over that of waves as long as the smoothing length (c/h), and halved as a step
-/// is bounded by it: measured, as the smallest step that makes noise grow, with and without corrected gradients; and the same near an axis.
-const HIGHEST: [[f64; 2]; 2] = [[0.29, 0.12], [1.9, 0.25]];
+/// is bounded by it: measured, as the smallest step that makes noise grow in blocks, discs and balls, and in a slice of a cylinder. In the plane, around an axis and in
+/// space, each without and with corrected gradients.
+const HIGHEST: [[f64; 2]; 3] = [[0.29, 0.12], [1.9, 0.25], [0.34, 0.17]];
 /// What a zero-energy penalty of 1 adds.
 const PENALISED: f64 = 0.52;
 
@@ -29,7 +30,7 @@ impl Scale {
     /// which grows as particles come nearer to each other, and the smoothing length, m.
     #[inline]
     pub fn rate(&self, speed: f64, correction: f64, smoothing: f64) -> f64 {
-        let highest = HIGHEST[usize::from(self.hoop)][usize::from(self.corrected)];
+        let highest = HIGHEST[self.space][usize::from(self.corrected)];
         let square = highest * correction * correction + PENALISED * self.stiffer;
         speed * square.sqrt() / smoothing
     }
