@@ -19,6 +19,7 @@
 //! | `debris_cloud_2d` | a disc goes through a plate at 5 km/s, by the particle-contact meshfree method |
 //! | `elastic_bar` | an elastic bar hits a wall, by the particle-contact meshfree method, against the exact solution |
 //! | `taylor_copper` | a long copper bar hits a wall, by particle contacts, as printed and ours, by MPM and by finite elements |
+//! | `taylor_4340` | steel bars hit a wall at three speeds, by smoothed particles as printed, updated and total Lagrangian |
 //! | `tungsten_bullet` | a tungsten bullet goes through an aluminium plate, by particle contacts and by MPM, against theory |
 //! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
 //! | `debris_cloud` | a lead sphere through a lead plate: the cloud, seeded and split |

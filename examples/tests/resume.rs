@@ -31,6 +31,12 @@ const BULLET: Case = Case {
 /// By the particle-contact method: a body alone, histories and frames; two simulations.
 const BAR: Case =
     Case { name: "elastic_bar", program: env!("CARGO_BIN_EXE_elastic_bar"), options: &["--cells", "3"] };
+/// By smoothed particles: a body on a wall of mirror images, and one on a wall; histories and frames; two simulations.
+const STEEL: Case = Case {
+    name: "taylor_4340",
+    program: env!("CARGO_BIN_EXE_taylor_4340"),
+    options: &["--cells", "4", "--speed", "224", "--form", "printed,total"],
+};
 
 /// A folder of its own, empty.
 fn folder(name: &str) -> PathBuf {
@@ -194,6 +200,11 @@ fn a_bullet_of_particles_in_contact() {
 #[test]
 fn a_bar_of_particles_in_contact() {
     comes_back(BAR, 2);
+}
+
+#[test]
+fn a_bar_of_smoothed_particles() {
+    comes_back(STEEL, 2);
 }
 
 #[test]

@@ -196,6 +196,56 @@ fn taylor_copper_convergence() {
 }
 
 #[test]
+fn taylor_4340() {
+    // At three speeds three lengths, and energy twice of the total Lagrangian form; momentum and mass.
+    smoke!(
+        taylor_4340,
+        only(3 * (3 + 2) + 2),
+        [
+            "temperature.png",
+            "plastic_strain.png",
+            "failure_damage.png",
+            "energy.png",
+            "history_printed_181.csv",
+            "paraview/updated_224.pvd",
+            "paraview/total_270_000008.vtp"
+        ]
+    );
+}
+
+/// Of one form at one speed of ours; in three dimensions, too, and with three spacings.
+#[test]
+fn taylor_4340_in_space_and_over_spacings() {
+    let name = "taylor_4340_space";
+    let options = ["--resolution", "smoke", "--json", "--speed", "224", "--form", "total", "--cells", "6"];
+    let more = ["--space", "--convergence", "--frames", "0", "--failing"];
+    let value =
+        result(&run(env!("CARGO_BIN_EXE_taylor_4340"), &[&options[..], &more].concat(), name), "taylor_4340");
+    let length = |of: &str| self::of(&value, |n| n == format!("224 m/s, total Lagrangian{of}: length"));
+    assert!((length(" in 3D") / length("") - 1.0).abs() < 5e-3, "a quarter of it is as long: {value}");
+    let table = std::fs::read_to_string(folder(name).join("convergence.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 1 + 3, "three spacings:\n{table}");
+    assert!(folder(name).join("convergence.png").is_file());
+    std::fs::remove_dir_all(folder(name)).expect("removed");
+}
+
+/// With as many particles as are shared among threads.
+#[test]
+fn taylor_4340_does_not_depend_on_threads() {
+    let left = |threads: &str| {
+        let name = format!("taylor_4340-{threads}");
+        let arguments = ["--resolution", "smoke", "--json", "--speed", "300", "--form", "printed,total"];
+        let more = ["--threads", threads, "--frames", "0", "--cells", "10"];
+        let program = env!("CARGO_BIN_EXE_taylor_4340");
+        let value = result(&run(program, &[&arguments[..], &more].concat(), &name), "taylor_4340");
+        let history = std::fs::read(folder(&name).join("history_printed_300.csv")).expect("a history");
+        std::fs::remove_dir_all(folder(&name)).expect("removed");
+        (value["checks"].clone(), history)
+    };
+    assert_eq!(left("1"), left("2"));
+}
+
+#[test]
 fn ball_on_plate() {
     // The energy of both runs: on so coarse a grid force, approach and duration are not judged.
     smoke!(
@@ -655,6 +705,8 @@ fn bad_input_is_refused_by_name() {
     assert!(ball.contains("--plate elements is not allowed"), "{ball}");
     let copper = said(env!("CARGO_BIN_EXE_taylor_copper"), &["--speed", "5"]);
     assert!(copper.contains("'5' for '--speed <V>'") && copper.contains("from 10 to 1000"), "{copper}");
+    let steel = said(env!("CARGO_BIN_EXE_taylor_4340"), &["--form", "printed,magic"]);
+    assert!(steel.contains("'magic' for '--form <FORM,FORM>'") && steel.contains("updated"), "{steel}");
     let concrete = said(env!("CARGO_BIN_EXE_concrete_perforation"), &["--speed", "606,20"]);
     assert!(concrete.contains("'20' for '--speed <M/S,M/S>'"), "{concrete}");
     let column = said(env!("CARGO_BIN_EXE_granular_column"), &["--friction", "60"]);

@@ -9,9 +9,10 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 22] = [
+pub const CASES: [&str; 23] = [
     "taylor_bar",
     "taylor_copper",
+    "taylor_4340",
     "elastic_bar",
     "plate_impact",
     "tnt_slab",
