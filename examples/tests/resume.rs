@@ -102,7 +102,7 @@ fn result(output: &Output) -> Value {
         assert!(object.remove(key).is_some(), "{key}");
     }
     let settings = object["settings"].as_object_mut().expect("settings");
-    settings.retain(|key, _| !["core_seconds", "threads"].contains(&key.as_str()));
+    settings.retain(|key, _| !["core_seconds", "stepping_seconds", "threads"].contains(&key.as_str()));
     for run in settings.get_mut("runs").and_then(Value::as_array_mut).into_iter().flatten() {
         run.as_object_mut().map(|run| run.remove("threads"));
     }
