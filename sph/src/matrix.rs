@@ -4,8 +4,8 @@
 pub(crate) type Matrix = [[f64; 3]; 3];
 
 /// The largest sum of a row of the inverse of moments of a neighbourhood beyond which it has too few neighbours, or such in a line or plane,
-/// for a corrected gradient; it is one within a body, two at a face and four at a corner.
-const MOST: f64 = 6.0;
+/// for a corrected gradient; it is one within a body, two at a face and some six at a corner in space.
+const MOST: f64 = 10.0;
 
 /// Identity in `d` dimensions.
 pub(crate) fn identity(d: usize) -> Matrix {

@@ -197,7 +197,7 @@ fn total_lagrangian<E>(
     penalty: f64,
 ) -> Result<Method<E, WendlandC2, TotalLagrangian, GradientCorrection, ZeroEnergyPenalty>, CaseError> {
     let penalty = ZeroEnergyPenalty::new(penalty).map_err(|e| CaseError::Other(e.to_string()))?;
-    Ok(Method::new(embedding, WendlandC2::default(), TotalLagrangian::default(), GradientCorrection, penalty))
+    Ok(Method::new(embedding, WendlandC2::NARROW, TotalLagrangian::default(), GradientCorrection, penalty))
 }
 
 /// Particles half a spacing within the surface.
