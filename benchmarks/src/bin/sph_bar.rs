@@ -73,7 +73,7 @@ fn main() -> Result<(), Failure> {
             &options,
         );
     }
-    let shape = Cylinder::new([0.0; 3], [0.0, 0.0, length], radius)?;
+    let shape = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], length, radius)?;
     let seeds = fill(&shape, &Lattice::new([0.0; 3], h)?, 1, &Filling::new())?;
     let method = Method::total_lagrangian(FullSpace);
     timed(
