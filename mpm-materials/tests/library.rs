@@ -54,6 +54,7 @@ fn every_material_runs() {
     runs(steel_4340_steinberg(), steel_4340_steinberg(), 7830.0, 5000.0..6000.0);
     runs(steel_elastic(), steel_elastic(), 7850.0, 5900.0..6000.0);
     runs(weldox_460_e(), weldox_460_e(), 7850.0, 6000.0..6200.0);
+    runs(weldox_460_e_uncoupled(), weldox_460_e_uncoupled(), 7750.0, 6300.0..6400.0);
     runs(arne_tool_steel(), arne_tool_steel(), 7850.0, 6100.0..6300.0);
     runs(tungsten_alloy(), tungsten_alloy(), 18167.0, 5000.0..5300.0);
     runs(lead(), lead(), 11350.0, 2200.0..2400.0);

@@ -63,6 +63,13 @@ impl<T: Real> JohnsonCookDamage<T> {
         Self::known([0.05, 3.44, -2.12, 0.002, 0.61])
     }
 
+    /// Weldox 460 E steel, the later set: 0.636, 1.936, -2.969 (karamelo; book, "Material constants"), -0.014, 1.014 at 5e-4 /s (from
+    /// memory of the literature).
+    pub fn weldox_460_e() -> Self {
+        let reference = T::of(5e-4);
+        JohnsonCookDamage { reference, ..Self::known([0.636, 1.936, -2.969, -0.014, 1.014]) }
+    }
+
     fn known(d: [f64; 5]) -> Self {
         let one = T::of(1.0);
         JohnsonCookDamage { d: d.map(T::of), reference: one, smallest: T::of(SMALLEST), localisation: Local }

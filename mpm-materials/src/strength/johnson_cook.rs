@@ -100,6 +100,15 @@ impl<T: Real> JohnsonCook<T> {
         Self::adiabatic([145e9, 1507e6, 177e6, 0.12], 0.016, [294.0, 1723.0, 1.0, 134.0])
     }
 
+    /// Weldox 460 E steel, the later set, not coupled to damage: A 499 MPa, B 382 MPa, n 0.458, G = E/2(1 + nu) from E 211 GPa, nu 0.33
+    /// (karamelo; book, "Material constants"). C 0.0079 at 5e-4 /s, m 0.893, T_melt 1800 K, T_room 293 K and c_p 452 J/(kg K) are from
+    /// memory of the literature; Taylor-Quinney 0.9.
+    pub fn weldox_460_e() -> AdiabaticJohnsonCook<T> {
+        let curve = [211e9 / 2.66, 499e6, 382e6, 0.458];
+        let rate = Logarithmic { c: T::of(0.0079), reference: T::of(5e-4) };
+        JohnsonCook { rate, ..Self::adiabatic(curve, 0.0079, [293.0, 1800.0, 0.893, 452.0]) }
+    }
+
     pub(crate) fn adiabatic(
         curve: [f64; 4],
         c: f64,
