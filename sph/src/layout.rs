@@ -1,8 +1,8 @@
 //! Where particles are at the start, and how they are refused.
 
 use impactite_geometry::{Filling, GeometryError, Lattice, Seeds, Shape, fill};
-use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
+use impactite_scene::{Embedding, SceneError};
 
 /// Most particles.
 const MOST: f64 = (1u32 << 29) as f64;
@@ -160,6 +160,46 @@ impl<const D: usize> Layout<D> {
     }
 }
 
+impl Layout<2> {
+    /// A rectangle of columns between these `edges` along the first axis (rising), each of as many cells from `low` to `high` along the
+    /// second as make it nearly square, a particle in the middle of each: spacings may grow along a body. Volumes are exact.
+    ///
+    /// # Errors
+    /// Less than two edges; edges or ends that do not rise, or are not finite; around an axis, an edge that is negative.
+    pub fn of_columns<E: Embedding<2>>(
+        _embedding: E,
+        edges: &[f64],
+        [low, high]: [f64; 2],
+    ) -> Result<Layout<2>, SceneError> {
+        let height = high - low;
+        let rising = "finite, and above the one before";
+        parameter(
+            height > 0.0 && height.is_finite(),
+            "layout of columns",
+            "end along the second axis",
+            high,
+            rising,
+        )?;
+        let first = edges.first().copied().unwrap_or(f64::NAN);
+        let inside = first.is_finite() && (!E::HOOP || first >= 0.0);
+        parameter(inside, "layout of columns", "first edge", first, "finite, not negative around an axis")?;
+        let mut layout =
+            Layout { positions: Vec::new(), volumes: Vec::new(), spacings: Vec::new(), surface: 1.0 };
+        for pair in edges.windows(2) {
+            let (width, middle) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
+            parameter(width > 0.0 && width.is_finite(), "layout of columns", "edge", pair[1], rising)?;
+            let cells = (height / width).round().max(1.0);
+            let area = width * height / cells;
+            for cell in 0..cells as usize {
+                layout.positions.push([middle, low + (cell as f64 + 0.5) * height / cells]);
+                layout.volumes.push(if E::HOOP { area * middle } else { area });
+                layout.spacings.push(area.sqrt());
+            }
+        }
+        if layout.is_empty() { Err(SceneError::Empty(BODY.into())) } else { Ok(layout) }
+    }
+}
+
 /// What a body is called that has no name.
 pub(crate) const BODY: &str = "body";
 
@@ -179,6 +219,7 @@ pub(crate) fn number(
 mod tests {
     use super::*;
     use impactite_geometry::{Cuboid, Cylinder};
+    use impactite_scene::{Axisymmetric, PlaneStrain};
 
     const H: f64 = 0.5e-3;
 
@@ -228,5 +269,37 @@ mod tests {
         let lattice = Lattice::new([0.0; 2], H).unwrap();
         let speck = Cuboid::new([0.3 * H; 2], [0.31 * H; 2]).unwrap();
         assert!(Layout::on_faces(&speck, &lattice, [false; 2], &Filling::new()).is_err());
+    }
+
+    #[test]
+    fn columns_fill_a_rectangle_exactly() {
+        let edges = [0.0, 0.1, 0.2, 0.35, 0.7];
+        let disc = Layout::of_columns(Axisymmetric, &edges, [1.0, 1.8]).expect("a layout");
+        // 8, 8, 5 and 2 cells.
+        assert_eq!(disc.len(), 23);
+        let volume: f64 = disc.volumes.iter().sum();
+        assert!((volume - 0.8 * 0.7 * 0.7 / 2.0).abs() < 1e-15, "{volume}");
+        assert!((disc.spacings[0] - 0.1).abs() < 1e-15 && (disc.spacings[22] - 0.14f64.sqrt()).abs() < 1e-15);
+        let [r, z] = disc.positions[22];
+        assert!((r - 0.525).abs() < 1e-15 && (z - 1.6).abs() < 1e-15);
+        let plate = Layout::of_columns(PlaneStrain, &edges, [1.0, 1.8]).expect("a layout");
+        let area: f64 = plate.volumes.iter().sum();
+        assert!((area - 0.8 * 0.7).abs() < 1e-15, "{area}");
+        assert_eq!(plate.positions, disc.positions);
+    }
+
+    #[test]
+    fn columns_that_cannot_be_are_refused() {
+        for (edges, ends, said) in [
+            (&[0.0, 0.2, 0.1][..], [0.0, 1.0], "edge = 0.1"),
+            (&[-0.1, 0.2], [0.0, 1.0], "first edge = -0.1"),
+            (&[0.0, 0.2], [1.0, 1.0], "end along the second axis = 1"),
+            (&[0.0, f64::NAN], [0.0, 1.0], "edge = NaN"),
+            (&[], [0.0, 1.0], "first edge = NaN"),
+            (&[0.0], [0.0, 1.0], "no particle"),
+        ] {
+            let error = Layout::of_columns(Axisymmetric, edges, ends).expect_err(said).to_string();
+            assert!(error.contains(said), "{error}");
+        }
     }
 }

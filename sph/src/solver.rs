@@ -228,6 +228,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 }
                 batch.stress.resize(here, [0.0; 8]);
                 batch.start.resize(here, [0.0; 4]);
+                if Self::HAS.stress {
+                    batch.spin.resize(here, [0.0; 3]);
+                }
                 if Self::HAS.stress || Self::HAS.viscosity {
                     batch.stabilising.resize(here, [0.0; 4]);
                 }
@@ -469,6 +472,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             file.reals(batch.deformation.iter_mut().flatten().flatten())?;
             file.list(&mut batch.before, &[[0.0; 3]; 3], |file, f| file.reals(f.iter_mut().flatten()))?;
         }
+        file.reals(self.records.artificial.iter_mut().take(particles).flatten().flatten())?;
         for held in &mut self.held {
             let mut bits = u64::from(*held);
             file.word(&mut bits)?;

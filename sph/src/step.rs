@@ -193,7 +193,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     /// Strain, law, neighbours and accelerations at the new positions.
     pub(crate) fn finish(&mut self, dt: f64) -> Result<(), StepError> {
         self.part(|t| &mut t.law, |sph| sph.strain(dt))?;
-        self.refresh()?;
+        self.refresh(dt)?;
         self.part(|t| &mut t.sums, Self::push);
         self.clock.advance(dt);
         Ok(())
@@ -228,6 +228,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     let v = records.velocity[i][0];
                     to.gradient[8].0[half].as_mut()[lane] = dt * v / (positions[i][0] - dt * v);
                 }
+                if let Some(spin) = batch.spin.get_mut(n) {
+                    let half = |a: usize, b: usize| 0.5 * dt * (increment[a][b] - increment[b][a]);
+                    *spin = [half(1, 0), half(2, 0), half(2, 1)];
+                }
                 lengths[n / GROUP].as_mut()[lane] = spacing[i];
                 // F' = K C0, exactly; C = C0 F^-1.
                 if let (Some(first), Some(f)) = (batch.first.get(n), batch.deformation.get_mut(n)) {
@@ -259,15 +263,15 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     }
 
     /// Neighbours, kernels and stresses of the new positions.
-    fn refresh(&mut self) -> Result<(), StepError> {
+    fn refresh(&mut self, dt: f64) -> Result<(), StepError> {
         if M::Form::TOTAL {
-            self.part(|t| &mut t.sums, Self::tensors);
+            self.part(|t| &mut t.sums, |sph| sph.tensors(dt));
             let most = self.batches.iter().map(|b| b.report.stretch).fold(0.0, f64::max);
             if self.method.form().renewed_at().is_some_and(|limit| most > limit) {
                 self.renewals += 1;
                 // Its springs are at rest then.
                 self.exchange.conversion -= self.penalty_energy();
-                return self.renew().map_err(|error| self.searched(error));
+                return self.renew(dt).map_err(|error| self.searched(error));
             }
             return Ok(());
         }
@@ -277,7 +281,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             |t| &mut t.sums,
             |sph| {
                 sph.correct();
-                sph.tensors();
+                sph.tensors(dt);
             },
         );
         Ok(())
@@ -299,13 +303,13 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             material.describe(states, f64::INFINITY, response);
             take(batch, response);
         });
-        self.renew().map_err(SceneError::Search)?;
+        self.renew(f64::INFINITY).map_err(SceneError::Search)?;
         self.push();
         Ok(())
     }
 
     /// Let the present configuration be the reference.
-    fn renew(&mut self) -> Result<(), SearchError> {
+    fn renew(&mut self, dt: f64) -> Result<(), SearchError> {
         self.place();
         self.neighbours()?;
         for batch in self.batches.iter_mut().filter(|_| M::Form::TOTAL && self.renewals > 0) {
@@ -313,7 +317,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             batch.deformation.fill(identity(D));
         }
         self.correct();
-        self.tensors();
+        self.tensors(dt);
         Ok(())
     }
 
@@ -321,7 +325,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     pub(crate) fn go_on(&mut self) -> Result<(), SearchError> {
         self.neighbours()?;
         self.correct();
-        self.tensors();
+        self.tensors(0.0);
         self.push();
         Ok(())
     }
@@ -401,8 +405,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
     }
 
-    /// What acts on pairs, and Courant rates.
-    fn tensors(&mut self) {
+    /// What acts on pairs, and Courant rates, `dt` seconds after the last time.
+    fn tensors(&mut self, dt: f64) {
         let particles = self.positions.len();
         let scale = tensors::Scale {
             penalty: self.method.stabilisation().penalty() * self.modulus,
@@ -447,12 +451,20 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         if Self::HAS.stress {
             let eps = self.method.stabilisation().artificial().0;
             let Sph { records, batches, team, reference, .. } = self;
-            let Records { place, artificial, .. } = records;
+            let Records { place, artificial, smoothing, .. } = records;
             team.each_piece(&mut artificial[..particles], BATCH, batches, |b, tensors, batch| {
                 for (n, out) in tensors.iter_mut().enumerate() {
                     let i = b * BATCH + n;
-                    let volume = reference[i] * batch.stress[n][6];
-                    *out = tensors::artificial(&batch.stress[n], eps * volume / place[i][3]);
+                    let said = &batch.stress[n];
+                    let volume = reference[i] * said[6];
+                    let now: [[f64; 4]; D] = tensors::artificial(said, eps * volume / place[i][3]);
+                    let part = tensors::followed(dt * said[7] / smoothing[i]);
+                    if part > 0.0 {
+                        *out = tensors::turned(out, &batch.spin[n]);
+                    }
+                    for (out, now) in out.iter_mut().flatten().zip(now.iter().flatten()) {
+                        *out += part * (now - *out);
+                    }
                 }
             });
         }

@@ -60,6 +60,36 @@ pub(crate) fn less_penalty<const D: usize>(columns: &mut [[f64; 4]; D], q: f64, 
     }
 }
 
+/// Times that a wave takes through the smoothing length after which the artificial stress has followed the stress.
+const DELAY: f64 = 20.0;
+
+/// How much of the way to what it should be the artificial stress goes in a step of so many times that a wave takes through the smoothing
+/// length: none in one of no time, all in one without end.
+#[inline]
+pub(crate) fn followed(passages: f64) -> f64 {
+    if passages.is_finite() { passages / (passages + DELAY) } else { 1.0 }
+}
+
+/// Columns of a tensor that has turned by a small spin, of which yx, zx, zy are given: T + W T - T W.
+pub(crate) fn turned<const D: usize>(columns: &[[f64; 4]; D], spin: &[f64; 3]) -> [[f64; 4]; D] {
+    let w = |a: usize, b: usize| match (a, b) {
+        (1, 0) => spin[0],
+        (2, 0) => spin[1],
+        (2, 1) => spin[2],
+        (0, 1) => -spin[0],
+        (0, 2) => -spin[1],
+        (1, 2) => -spin[2],
+        _ => 0.0,
+    };
+    let mut turned = *columns;
+    for c in 0..D {
+        for a in 0..D {
+            turned[c][a] += (0..D).map(|b| w(a, b) * columns[c][b] - columns[b][a] * w(b, c)).sum::<f64>();
+        }
+    }
+    turned
+}
+
 /// Columns of minus the tensile part of the stress, times a factor \[Gray2001\].
 pub(crate) fn artificial<const D: usize>(said: &[f64; 8], factor: f64) -> [[f64; 4]; D] {
     let mut columns = [[0.0; 4]; D];

@@ -68,6 +68,8 @@ pub(crate) struct Batch {
     pub before: Vec<Matrix>,
     /// Cauchy stress, Pa, volume ratio, and the wave speed that steps are held by, m/s.
     pub stress: Vec<[f64; 8]>,
+    /// With artificial stress, how far particles turned in the last step: yx, zx, zy of the spin times the step.
+    pub spin: Vec<[f64; 3]>,
     /// Accelerations that stabilise and are in no energy, m/s^2.
     pub stabilising: Vec<[f64; 4]>,
     /// Velocities at the start of the step, m/s.
@@ -102,6 +104,7 @@ impl Batch {
             + matrices * size_of::<Matrix>()
             + self.stress.capacity() * size_of::<[f64; 8]>()
             + (self.stabilising.capacity() + self.start.capacity()) * size_of::<[f64; 4]>()
+            + self.spin.capacity() * size_of::<[f64; 3]>()
     }
 
     /// How a particle is deformed since the start, in `d` dimensions, where that is known.
