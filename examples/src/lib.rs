@@ -21,6 +21,7 @@
 //! | `taylor_copper` | a long copper bar hits a wall, by particle contacts, as printed and ours, by MPM and by finite elements |
 //! | `taylor_4340` | steel bars hit a wall at three speeds, by smoothed particles as printed, updated and total Lagrangian |
 //! | `tungsten_bullet` | a tungsten bullet goes through an aluminium plate, by particle contacts and by MPM, against theory |
+//! | `plug_weldox` | a blunt projectile punches a plug out of a steel plate, by smoothed particles: size of the plug, residual velocity |
 //! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
 //! | `debris_cloud` | a lead sphere through a lead plate: the cloud, seeded and split |
 //! | `tnt_cased` | TNT in copper, cylinder and cube: speed of the case |

@@ -303,6 +303,17 @@ fn tungsten_bullet() {
 }
 
 #[test]
+fn plug_weldox() {
+    // Shape of the projectile, balances and what artificial stress makes, with two sets of constants. At a millimetre the plate holds.
+    let value = smoke!(
+        plug_weldox,
+        only(2 * 6),
+        ["plug_2001.png", "plug_later.png", "velocities.png", "history_later.csv"]
+    );
+    assert!(of(&value, |name| name == "2001: residual velocity") < 100.0);
+}
+
+#[test]
 fn validation() {
     let name = "validation";
     let (out, tree) = (folder(name), folder("validation-tree"));

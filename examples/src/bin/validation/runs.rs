@@ -22,6 +22,7 @@ pub const CASES: [&str; 23] = [
     "oblique_penetration",
     "concrete_perforation",
     "tungsten_bullet",
+    "plug_weldox",
     "granular_column",
     "slope_failure",
     "gate_flow",

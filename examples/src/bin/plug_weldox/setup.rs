@@ -1,0 +1,174 @@
+//! Projectile, plate and laws.
+
+use clap::ValueEnum;
+use examples::CaseError;
+use mpm_core::Axisymmetric;
+use mpm_materials::{Constitutive, library};
+use sph::{Composition, Layout, Sph};
+
+/// Radius and length of the projectile, m.
+pub const PROJECTILE: [f64; 2] = [10e-3, 80e-3];
+/// Radius and thickness of the plate, m. Its front is z = 0; the projectile flies along z.
+pub const PLATE: [f64; 2] = [250e-3, 8e-3];
+/// Radius within which the plate is as fine as the projectile, m.
+const FINE: f64 = 2.0 * PROJECTILE[0];
+/// Spacing at the rim, m, and growth from column to column on the way there.
+const COARSE: f64 = 1e-3;
+const GROWTH: f64 = 1.0105;
+/// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
+const BULK_VISCOSITY: [f64; 2] = [0.5, 4.0];
+
+/// Constants of Weldox 460 E.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Constants {
+    /// Borvik 2001, coupled to damage: 490 MPa, 807 MPa, 0.73
+    #[value(name = "2001")]
+    Coupled,
+    /// The later set, whose damage does not soften: 499 MPa, 382 MPa, 0.458
+    #[value(name = "later")]
+    Later,
+}
+
+impl Constants {
+    /// In tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Constants::Coupled => "2001",
+            Constants::Later => "later",
+        }
+    }
+    /// The number of the law that is damage, and where it fails.
+    pub fn damage(self) -> (&'static str, f64) {
+        match self {
+            Constants::Coupled => ("damage", 0.30),
+            Constants::Later => ("failure_damage", 1.0),
+        }
+    }
+    /// kg/m^3.
+    pub fn density(self) -> f64 {
+        match self {
+            Constants::Coupled => Constitutive::<f64>::density(&library::weldox_460_e::<f64>()),
+            Constants::Later => Constitutive::<f64>::density(&library::weldox_460_e_uncoupled::<f64>()),
+        }
+    }
+}
+
+/// Form of the particles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Form {
+    /// As printed: cubic spline, gradients as they are, for projectile and plate
+    Printed,
+    /// The plate in the updated form with corrected gradients; the projectile, which stays whole, in the total Lagrangian one
+    Updated,
+    /// The projectile as there; the plate in the total Lagrangian form, whose reference is renewed whenever something is stretched by 5 %
+    Renewed,
+}
+
+impl Form {
+    /// In tables and files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Form::Printed => "printed",
+            Form::Updated => "updated",
+            Form::Renewed => "renewed",
+        }
+    }
+}
+
+/// One shot.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Setup {
+    pub constants: Constants,
+    pub form: Form,
+    /// m/s.
+    pub speed: f64,
+    /// Spacing in the projectile and before it, m, as asked: the nearest that fits the radius.
+    pub spacing: f64,
+    /// Coefficient of friction between projectile and plate.
+    pub friction: f64,
+    /// End of the run, s.
+    pub end: f64,
+    pub threads: usize,
+}
+
+impl Setup {
+    /// In tables and names of files.
+    pub fn name(&self) -> &'static str {
+        self.constants.name()
+    }
+
+    /// Spacings on the radius of the projectile.
+    pub fn cells(&self) -> usize {
+        (PROJECTILE[0] / self.spacing).round().max(2.0) as usize
+    }
+
+    /// The spacing there is, m.
+    pub fn fine(&self) -> f64 {
+        PROJECTILE[0] / self.cells() as f64
+    }
+
+    /// Particles through the plate where it is fine.
+    pub fn rows(&self) -> f64 {
+        (PLATE[1] / self.fine()).round()
+    }
+
+    /// Particles of the projectile.
+    pub fn projectile(&self) -> Result<Layout<2>, CaseError> {
+        let edges: Vec<f64> = (0..=self.cells()).map(|n| n as f64 * self.fine()).collect();
+        Ok(Layout::of_columns(Axisymmetric, &edges, [-PROJECTILE[1], 0.0])?)
+    }
+
+    /// Particles of the plate: as fine as the projectile within twice its radius, then in columns whose widths grow to a millimetre.
+    pub fn plate(&self) -> Result<Layout<2>, CaseError> {
+        let mut edges: Vec<f64> = (0..=2 * self.cells()).map(|n| n as f64 * self.fine()).collect();
+        edges[2 * self.cells()] = FINE;
+        let (mut at, mut width, coarse) = (FINE, self.fine(), COARSE.max(self.fine()));
+        loop {
+            width = (width * GROWTH).min(coarse);
+            if width >= coarse || at + width > PLATE[0] {
+                break;
+            }
+            at += width;
+            edges.push(at);
+        }
+        let rest = ((PLATE[0] - at) / coarse).round().max(1.0);
+        edges.extend((1..=rest as usize).map(|n| at + (PLATE[0] - at) * n as f64 / rest));
+        Ok(Layout::of_columns(Axisymmetric, &edges, [0.0, PLATE[1]])?)
+    }
+
+    /// From here on the plate is held, m: two columns.
+    pub fn rim(&self) -> f64 {
+        PLATE[0] - 2.0 * COARSE.max(self.fine())
+    }
+
+    /// The projectile by a method, flying.
+    pub fn flying<M: Composition<2>>(&self, method: M) -> Result<Sph<2, M>, CaseError> {
+        let [linear, quadratic] = BULK_VISCOSITY;
+        let steel = library::arne_tool_steel().with_bulk_viscosity(linear, quadratic)?;
+        let speed = self.speed;
+        Ok(Sph::new(method, steel, &self.projectile()?, |_| [0.0, speed])?)
+    }
+
+    /// The plate by a method, at rest.
+    pub fn resting<M: Composition<2>>(&self, method: M) -> Result<Sph<2, M>, CaseError> {
+        let [linear, quadratic] = BULK_VISCOSITY;
+        let (layout, rest) = (self.plate()?, |_| [0.0; 2]);
+        Ok(match self.constants {
+            Constants::Coupled => {
+                let steel = library::weldox_460_e().with_bulk_viscosity(linear, quadratic)?;
+                Sph::new(method, steel, &layout, rest)?
+            }
+            Constants::Later => {
+                let steel = library::weldox_460_e_uncoupled().with_bulk_viscosity(linear, quadratic)?;
+                Sph::new(method, steel.compiled(), &layout, rest)?
+            }
+        })
+    }
+
+    /// Exact masses of projectile and plate, kg per radian.
+    pub fn masses(&self) -> [f64; 2] {
+        let arne: f64 = library::arne_tool_steel::<f64>().density();
+        let sizes = [(arne, PROJECTILE), (self.constants.density(), PLATE)];
+        sizes.map(|(density, [radius, length])| 0.5 * density * radius * radius * length)
+    }
+}
