@@ -23,7 +23,7 @@ const MADE: f64 = 0.03;
 const CUT: &str = "a plug is cut by damage";
 const PARTS: &str = "0.05 (2001) and 0.35 (later) at 0.4 mm: particles in the band part before their law fails, as kernels of the present \
                      configuration bear ever less there";
-const MAKES: &str = "7 % at 0.4 mm, half of it after the plug is free, in what of the plate is left in tension; it was 12 and 30 % before \
+const MAKES: &str = "7 % at 0.4 mm, most of it late, in what of the plate stays in tension; it was 12 and 30 % before \
                      artificial stress followed with a delay";
 const HANGS: &str = "at 0.4 mm and 160 µs a thread of particles is left";
 /// From this many spacings on the radius on the band in which the plate shears is narrow enough.
