@@ -57,7 +57,7 @@ def spread(rates):
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--rounds", type=int, default=3)
-    options.add_argument("--spacing", type=float, nargs="*", default=[0.318, 0.204])
+    options.add_argument("--spacing", type=float, nargs="*", default=[0.32, 0.204])
     options.add_argument("--steps", type=int, default=60)
     options.add_argument("--pysph", default=None)
     options = options.parse_args()

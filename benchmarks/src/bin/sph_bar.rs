@@ -15,7 +15,7 @@ use sph::{Composition, Layout, Method, Sph};
 #[command(name = "sph_bar", version)]
 struct Options {
     /// Spacing, mm, 0.1 to 1
-    #[arg(long, value_name = "MM", default_value_t = 0.318)]
+    #[arg(long, value_name = "MM", default_value_t = 0.32)]
     spacing: f64,
     /// Steps, 1 to 100000
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u32).range(1..=100_000))]

@@ -86,34 +86,18 @@ impl<M: sph::Composition<2>> Solved for Sph<2, M> {
     }
 }
 
-/// Rows of smoothed particles on both ends of a box, where walls and clamps are, and half a spacing within its sides.
-fn rows(setup: &Setup, axisymmetric: bool) -> Layout<2> {
-    let along = usize::from(setup.size[1] > setup.size[0]);
-    let h: [f64; 2] = std::array::from_fn(|d| setup.size[d] / setup.cells[d] as f64);
-    let mut counts = setup.cells;
-    counts[along] += 1;
-    let mut layout =
-        Layout { positions: Vec::new(), volumes: Vec::new(), spacings: Vec::new(), surface: 0.0 };
-    for j in 0..counts[1] {
-        for i in 0..counts[0] {
-            let place = |d: usize, n: usize| h[d] * (n as f64 + if d == along { 0.0 } else { 0.5 });
-            let x = [place(0, i), place(1, j)];
-            let row = [i, j][along];
-            let share = if row == 0 || row + 1 == counts[along] { 0.5 } else { 1.0 };
-            layout.positions.push(x);
-            layout.volumes.push(h[0] * h[1] * share * if axisymmetric { x[0] } else { 1.0 });
-            layout.spacings.push((h[0] * h[1]).sqrt());
-        }
-    }
-    layout
-}
+/// A body of smoothed particles, and where they rest.
+type Smoothed = (Vec<[f64; 2]>, Box<dyn Solved>);
 
+/// Rows of smoothed particles on both ends of a box, where walls and clamps are, and half a spacing within its sides.
 fn smoothed<M: sph::Composition<2>>(
     method: M,
     setup: Setup,
     law: impl IntoMaterial<f64>,
-) -> Result<(Vec<[f64; 2]>, Box<dyn Solved>), String> {
-    let layout = rows(&setup, M::Embedding::HOOP);
+    (shape, lattice, filling): (&Cuboid<2>, &Lattice<2>, &Filling),
+) -> Result<Smoothed, String> {
+    let upright = setup.size[1] > setup.size[0];
+    let layout = Layout::on_faces(shape, lattice, [!upright, upright], filling).map_err(text)?;
     let velocity = setup.velocity;
     let mut body = Sph::new(method, law, &layout, |x| velocity(x)).map_err(text)?;
     for boundary in setup.boundaries {
@@ -172,8 +156,10 @@ impl Matter {
                 }
                 (seeds.positions, Box::new(mpm))
             }
-            Way::TotalLagrangian => smoothed(sph::Method::total_lagrangian(space), setup, law)?,
-            Way::Updated => smoothed(sph::Method::updated(space), setup, law)?,
+            Way::TotalLagrangian => {
+                smoothed(sph::Method::total_lagrangian(space), setup, law, (&shape, &lattice, &filling))?
+            }
+            Way::Updated => smoothed(sph::Method::updated(space), setup, law, (&shape, &lattice, &filling))?,
             Way::Contacts => {
                 let packing = Packing::on_nodes(&shape, &lattice).map_err(text)?;
                 let delaunay = LocalDelaunay::new(0.45 * h, 20.0).map_err(text)?;
