@@ -530,13 +530,6 @@ pub(crate) const ADVICE: Advice = Advice {
            for what stays whole",
 };
 
-/// A vector in three dimensions.
-pub(crate) fn wide<const D: usize>(x: &[f64; D]) -> [f64; 3] {
-    let mut wide = [0.0; 3];
-    wide[..D].copy_from_slice(x);
-    wide
-}
-
 /// A body alone.
 impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {
     fn method(&self) -> String {

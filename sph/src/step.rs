@@ -6,13 +6,15 @@ use std::time::Instant;
 use impactite_geometry::search::{Points, SearchError};
 use impactite_scene::{Boundary, Cause, MovingPoint, PointKind, SceneError, StepError, Stopped};
 use impactite_simd::Float;
+use mpm_contact::vector::wide;
 use mpm_materials::material::{Deformation, Length, Motion, States, StatesMut};
 
 use crate::form::{Correction, Form};
 use crate::images::{Images, Mirror, MirrorKind};
 use crate::matrix::{identity, inverse, inverse_of_moments, largest_row, mean_size, times};
 use crate::method::Composition;
-use crate::solver::{Scratch, Sph, StepTimes, wide};
+use crate::records::Records;
+use crate::solver::{Scratch, Sph, StepTimes};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Push, Pushed, Report, Row, Strain, Weigh};
 use crate::tensors;
@@ -269,8 +271,6 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             let most = self.batches.iter().map(|b| b.report.stretch).fold(0.0, f64::max);
             if self.method.form().renewed_at().is_some_and(|limit| most > limit) {
                 self.renewals += 1;
-                // Its springs are at rest then.
-                self.exchange.conversion -= self.penalty_energy();
                 return self.renew(dt).map_err(|error| self.searched(error));
             }
             return Ok(());
@@ -310,12 +310,17 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// Let the present configuration be the reference.
     fn renew(&mut self, dt: f64) -> Result<(), SearchError> {
+        let rest = identity(D);
+        if self.batches.iter().flat_map(|batch| &batch.deformation).any(|f| *f != rest) {
+            // Springs are at rest then.
+            self.exchange.conversion -= self.penalty_energy();
+            for batch in &mut self.batches {
+                batch.before = (0..batch.stress.len()).filter_map(|n| batch.whole(n, D)).collect();
+                batch.deformation.fill(rest);
+            }
+        }
         self.place();
         self.neighbours()?;
-        for batch in self.batches.iter_mut().filter(|_| M::Form::TOTAL && self.renewals > 0) {
-            batch.before = (0..batch.stress.len()).filter_map(|n| batch.whole(n, D)).collect();
-            batch.deformation.fill(identity(D));
-        }
         self.correct();
         self.tensors(dt);
         Ok(())
@@ -414,6 +419,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             space: if D == 3 { 2 } else { usize::from(Self::HOOP) },
             corrected: M::Correction::CORRECTED,
         };
+        let renews = self.method.form().renewed_at().is_some();
         let Sph { records, batches, team, reference, positions, .. } = self;
         let Records { place, smoothing, tensor, .. } = records;
         team.each_piece(&mut tensor[..particles], BATCH, batches, |b, tensors, batch| {
@@ -430,7 +436,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     let radius = if Self::HOOP { place[i][0] } else { 1.0 };
                     tensors::less_penalty(out, scale.penalty * radius, &batch.deformation[n]);
                 }
-                if M::Form::TOTAL {
+                if renews {
                     let f = &batch.deformation[n];
                     let stretch = mean_size(f, D).max(mean_size(&inverse(f, D), D));
                     report.stretch = report.stretch.max(stretch);
@@ -503,8 +509,6 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
     }
 }
-
-use crate::records::Records;
 
 /// Stress, volume ratio and wave speed of the particles of a batch.
 fn take(batch: &mut Batch, response: &mpm_materials::material::Response<f64>) {

@@ -19,8 +19,8 @@ pub(crate) struct Scale {
 }
 
 /// Squares of the highest frequency of sums over neighbours, over that of waves as long as the smoothing length (c/h), and halved as a step
-/// is bounded by it: measured, as the smallest step that makes noise grow in blocks, discs and balls, and in a slice of a cylinder. In the plane, around an axis and in
-/// space, each without and with corrected gradients.
+/// is bounded by it: measured, as the smallest step that makes noise grow in blocks, discs and balls, and in a slice of a cylinder. In the
+/// plane, around an axis and in space, each without and with corrected gradients.
 const HIGHEST: [[f64; 2]; 3] = [[0.29, 0.12], [1.9, 0.25], [0.34, 0.17]];
 /// What a zero-energy penalty of 1 adds.
 const PENALISED: f64 = 0.52;

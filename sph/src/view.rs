@@ -1,9 +1,10 @@
 //! A body as others see it.
 
 use impactite_scene::{Body, PointView, Totals};
+use mpm_contact::vector::wide;
 
 use crate::method::Composition;
-use crate::solver::{Sph, wide};
+use crate::solver::Sph;
 use crate::sums::BATCH;
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {

@@ -205,3 +205,20 @@ fn a_smoothing_length_is_checked_where_it_is_given() {
     let refused: Result<CubicSpline, SmoothingError> = CubicSpline::new(0.1);
     assert!(refused.is_err());
 }
+
+/// A plane of symmetry that is added while a body is under way takes the present configuration for the reference: what was strained so far
+/// stays as it is, and its books close.
+#[test]
+fn a_plane_that_comes_late_makes_no_energy() {
+    let layout = block([0.0; 2], [6.0; 2], 1.0, false);
+    let stretch = |[_, y]: [f64; 2]| [0.0, 50.0 * (y - 3.0)];
+    let mut body = Sph::new(Method::total_lagrangian(PlaneStrain), linear(0.3), &layout, stretch).unwrap();
+    let step = |body: &mut Sph<2, _>| {
+        body.step_at_most(f64::INFINITY).unwrap();
+    };
+    (0..8).for_each(|_| step(&mut body));
+    body.bound(Boundary::Symmetry { axis: 0, at: -0.01, side: Side::Above }).unwrap();
+    (0..40).for_each(|_| step(&mut body));
+    let off = body.account().energy_error();
+    assert!(off.abs() < 0.01, "{off}");
+}
