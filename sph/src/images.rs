@@ -134,6 +134,13 @@ impl<const D: usize> Images<D> {
             records.velocity[particles + n] = image.turn(&records.velocity[image.source as usize]);
         }
     }
+    /// The same of densities and their gradients.
+    pub fn fill_densities(&self, records: &mut Records<D>) {
+        let particles = records.particles;
+        for (n, image) in self.all.iter().enumerate() {
+            records.density[particles + n] = image.turn(&records.density[image.source as usize]);
+        }
+    }
     /// The same of stresses, and of what stabilises.
     pub fn fill_tensors(&self, records: &mut Records<D>) {
         let particles = records.particles;

@@ -24,5 +24,6 @@ pub use layout::Layout;
 pub use method::{Composition, Method};
 pub use solver::{SMALL, Sph, StepTimes};
 pub use stabilisation::{
-    ArtificialStress, PairViscosity, Stabilisation, StabilisationError, Unstabilised, ZeroEnergyPenalty,
+    ArtificialStress, DensityDiffusion, PairViscosity, Stabilisation, StabilisationError, Unstabilised,
+    ZeroEnergyPenalty,
 };

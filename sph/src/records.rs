@@ -17,8 +17,10 @@ pub(crate) struct Records<const D: usize> {
     pub bias: Vec<f64>,
     /// With artificial stress: its columns.
     pub artificial: Vec<[[f64; 4]; D]>,
-    /// With a viscosity of pairs: density, kg/m^3 (times radius around an axis), and speed of sound, m/s.
+    /// With a viscosity of pairs or a diffusion of density: density, kg/m^3 (times radius around an axis), and speed of sound, m/s.
     pub fluid: Vec<[f64; 2]>,
+    /// With a diffusion of density: its gradient, kg/m^4; last the density, kg/m^3.
+    pub density: Vec<[f64; 4]>,
 }
 
 /// Which of them a method has.
@@ -27,6 +29,7 @@ pub(crate) struct Has {
     pub penalty: bool,
     pub stress: bool,
     pub viscosity: bool,
+    pub diffusion: bool,
 }
 
 impl<const D: usize> Records<D> {
@@ -44,13 +47,17 @@ impl<const D: usize> Records<D> {
         if has.stress {
             self.artificial.resize(count, [[0.0; 4]; D]);
         }
-        if has.viscosity {
+        if has.viscosity || has.diffusion {
             self.fluid.resize(count, [0.0; 2]);
+        }
+        if has.diffusion {
+            self.density.resize(count, [0.0; 4]);
         }
     }
 
     pub fn bytes(&self) -> usize {
-        let fours = self.place.capacity() + self.velocity.capacity() + self.now.capacity();
+        let fours = [&self.place, &self.velocity, &self.now, &self.density];
+        let fours: usize = fours.map(|list| list.capacity()).iter().sum();
         let tensors = self.tensor.capacity() + self.artificial.capacity();
         32 * fours
             + tensors * size_of::<[[f64; 4]; D]>()

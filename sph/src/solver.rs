@@ -125,6 +125,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         penalty: M::Stabilisation::PENALTY,
         stress: M::Stabilisation::STRESS,
         viscosity: M::Stabilisation::VISCOSITY,
+        diffusion: M::Stabilisation::DIFFUSION,
     };
 
     /// Particles of a law in a layout, with their velocity (m/s) at a position (m). On the caller's thread, with 0.7 of the stable step.
@@ -233,6 +234,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 }
                 if Self::HAS.stress || Self::HAS.viscosity {
                     batch.stabilising.resize(here, [0.0; 4]);
+                }
+                if Self::HAS.diffusion {
+                    batch.diffusing.resize(here, 0.0);
                 }
                 batch
             })

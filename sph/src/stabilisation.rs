@@ -8,7 +8,7 @@ use crate::form::{TotalLagrangian, Updated};
 #[diagnostic::on_unimplemented(
     message = "`{Self}` does not go with the form `{F}`",
     note = "`ZeroEnergyPenalty` is by the deformation gradient of the reference configuration: it is for `TotalLagrangian`",
-    note = "`ArtificialStress` and `PairViscosity` are for `Updated`: under kernels of the reference configuration there is no tensile instability"
+    note = "`ArtificialStress`, `PairViscosity` and `DensityDiffusion` are for `Updated`: under kernels of the reference configuration there is no tensile instability"
 )]
 pub trait Stabilisation<F>: Copy + Debug + Send + Sync + 'static {
     /// The name in tables and messages.
@@ -19,6 +19,8 @@ pub trait Stabilisation<F>: Copy + Debug + Send + Sync + 'static {
     const STRESS: bool = false;
     /// Is there a viscosity of pairs?
     const VISCOSITY: bool = false;
+    /// Is there a diffusion of density?
+    const DIFFUSION: bool = false;
     /// Stiffness of the penalty over the modulus of longitudinal waves.
     fn penalty(&self) -> f64 {
         0.0
@@ -30,6 +32,10 @@ pub trait Stabilisation<F>: Copy + Debug + Send + Sync + 'static {
     /// Linear and quadratic coefficient of the viscosity of pairs.
     fn viscosity(&self) -> [f64; 2] {
         [0.0; 2]
+    }
+    /// Coefficient of the diffusion of density.
+    fn diffusion(&self) -> f64 {
+        0.0
     }
 }
 
@@ -153,14 +159,80 @@ impl Stabilisation<Updated> for PairViscosity {
         self.0
     }
 }
-impl Stabilisation<Updated> for (ArtificialStress, PairViscosity) {
-    const NAME: &'static str = "artificial stress, viscosity of pairs";
+
+/// A diffusion of density \[Antuono2010\]: densities change by
+///
+/// d rho_i / dt = 2 delta sum_j V_j h_ij c_ij (-W'/r) (rho_j - rho_i - (grad rho_i + grad rho_j) . x_ij / 2)
+///
+/// besides by the divergence of velocity, h and c the means of a pair, the gradients those of the correction. It takes away pressures that
+/// alternate from particle to particle, which no pressure gradient sees, and leaves a density that is linear in space as it is, at surfaces
+/// too. Laws see it as a change of volume without shear; the energy that this gives them is booked
+/// ([`Exchange::impacts`](impactite_scene::Exchange::impacts)). By default delta is 0.1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DensityDiffusion(f64);
+impl Default for DensityDiffusion {
+    fn default() -> Self {
+        DensityDiffusion(0.1)
+    }
+}
+impl DensityDiffusion {
+    /// With this delta.
+    ///
+    /// # Errors
+    /// Negative or not finite.
+    pub fn new(delta: f64) -> Result<Self, StabilisationError> {
+        Ok(DensityDiffusion(not_negative("delta of the diffusion of density", delta)?))
+    }
+}
+impl Stabilisation<Updated> for DensityDiffusion {
+    const NAME: &'static str = "diffusion of density";
+    const DIFFUSION: bool = true;
+    fn diffusion(&self) -> f64 {
+        self.0
+    }
+}
+
+/// Several at once: of each number the one that is not that of none.
+macro_rules! together {
+    ($($first:ident and $second:ident: $name:literal;)*) => {$(
+        impl Stabilisation<Updated> for ($first, $second) {
+            const NAME: &'static str = $name;
+            const STRESS: bool =
+                <$first as Stabilisation<Updated>>::STRESS || <$second as Stabilisation<Updated>>::STRESS;
+            const VISCOSITY: bool =
+                <$first as Stabilisation<Updated>>::VISCOSITY || <$second as Stabilisation<Updated>>::VISCOSITY;
+            const DIFFUSION: bool =
+                <$first as Stabilisation<Updated>>::DIFFUSION || <$second as Stabilisation<Updated>>::DIFFUSION;
+            fn artificial(&self) -> (f64, i32) {
+                // Of two, the first has it.
+                Stabilisation::<Updated>::artificial(&self.0)
+            }
+            fn viscosity(&self) -> [f64; 2] {
+                if <$first as Stabilisation<Updated>>::VISCOSITY { Stabilisation::<Updated>::viscosity(&self.0) } else { Stabilisation::<Updated>::viscosity(&self.1) }
+            }
+            fn diffusion(&self) -> f64 {
+                Stabilisation::<Updated>::diffusion(&self.1)
+            }
+        }
+    )*};
+}
+together! {
+    ArtificialStress and PairViscosity: "artificial stress, viscosity of pairs";
+    ArtificialStress and DensityDiffusion: "artificial stress, diffusion of density";
+    PairViscosity and DensityDiffusion: "viscosity of pairs, diffusion of density";
+}
+impl Stabilisation<Updated> for (ArtificialStress, PairViscosity, DensityDiffusion) {
+    const NAME: &'static str = "artificial stress, viscosity of pairs, diffusion of density";
     const STRESS: bool = true;
     const VISCOSITY: bool = true;
+    const DIFFUSION: bool = true;
     fn artificial(&self) -> (f64, i32) {
         Stabilisation::<Updated>::artificial(&self.0)
     }
     fn viscosity(&self) -> [f64; 2] {
         Stabilisation::<Updated>::viscosity(&self.1)
+    }
+    fn diffusion(&self) -> f64 {
+        Stabilisation::<Updated>::diffusion(&self.2)
     }
 }

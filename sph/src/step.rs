@@ -16,7 +16,7 @@ use crate::method::Composition;
 use crate::records::Records;
 use crate::solver::{Scratch, Sph, StepTimes};
 use crate::stabilisation::Stabilisation;
-use crate::sums::{BATCH, Batch, GROUP, Push, Pushed, Report, Row, Strain, Weigh};
+use crate::sums::{BATCH, Batch, DensityGradient, Diffuse, GROUP, Push, Pushed, Report, Row, Strain, Weigh};
 use crate::tensors;
 
 /// The groups of a batch, by place: they lie behind each other.
@@ -205,7 +205,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     fn strain(&mut self, dt: f64) -> Result<(), StepError> {
         self.images.fill_velocities(&mut self.records);
         let numbers = self.virgin.len();
-        let Sph { records, material, memory, team, positions, spacing, batches, .. } = self;
+        let Sph { records, material, memory, team, positions, spacing, batches, reference, .. } = self;
         team.each(batches, |b, batch| {
             let Batch { near, moments, .. } = batch;
             f64::dispatch(Strain { records, near, first: b * BATCH, places: false, out: moments });
@@ -230,6 +230,11 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     let v = records.velocity[i][0];
                     to.gradient[8].0[half].as_mut()[lane] = dt * v / (positions[i][0] - dt * v);
                 }
+                if let Some(rate) = batch.diffusing.get(n) {
+                    for d in [0, 4, 8] {
+                        to.gradient[d].0[half].as_mut()[lane] -= dt * rate / 3.0;
+                    }
+                }
                 if let Some(spin) = batch.spin.get_mut(n) {
                     let half = |a: usize, b: usize| 0.5 * dt * (increment[a][b] - increment[b][a]);
                     *spin = [half(1, 0), half(2, 0), half(2, 1)];
@@ -248,8 +253,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             material.advance(&motion, states, true, response);
             let broken = response.faults().iter().map(|f| (f.group * GROUP + f.lane, f.cause));
             batch.report.trouble = broken.filter(|(n, _)| *n < count).min_by_key(|(n, _)| *n);
+            let before = work_of_diffusion(batch, &reference[b * BATCH..]);
             take(batch, response);
+            // By the mean of the stresses before and after: what was done to the law, and not by what moves.
+            batch.report.diffused = 0.5 * dt * (before + work_of_diffusion(batch, &reference[b * BATCH..]));
         });
+        if Self::HAS.diffusion {
+            self.exchange.impacts -= self.batches.iter().map(|batch| batch.report.diffused).sum::<f64>();
+        }
         let trouble =
             self.batches.iter().enumerate().find_map(|(b, batch)| {
                 batch.report.trouble.map(|(n, cause)| (b * BATCH + n, Cause::Law(cause)))
@@ -474,7 +485,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 }
             });
         }
-        if Self::HAS.viscosity {
+        if Self::HAS.viscosity || Self::HAS.diffusion {
             let Sph { records, batches, reference, .. } = self;
             for (i, fluid) in records.fluid[..particles].iter_mut().enumerate() {
                 let said = &batches[i / BATCH].stress[i % BATCH];
@@ -482,8 +493,40 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                 *fluid = [records.velocity[i][3] / (reference[i] * said[6]) * radius, said[7]];
             }
         }
+        if Self::HAS.diffusion {
+            let Records { velocity, density, .. } = &mut self.records;
+            for (i, density) in density[..particles].iter_mut().enumerate() {
+                let said = &self.batches[i / BATCH].stress[i % BATCH];
+                density[3] = velocity[i][3] / (self.reference[i] * said[6]);
+            }
+        }
         self.images.fill_tensors(&mut self.records);
+        if Self::HAS.diffusion {
+            self.diffuse();
+        }
         self.rate = self.batches.iter().map(|b| b.report.rate).fold(0.0, f64::max);
+    }
+
+    /// Rates at which density spreads.
+    fn diffuse(&mut self) {
+        self.images.fill_densities(&mut self.records);
+        let Sph { records, batches, team, .. } = self;
+        team.each(batches, |b, batch| {
+            let Batch { near, correction, moments, .. } = batch;
+            let sums = DensityGradient { records, near, first: b * BATCH, correction };
+            moments.iter_mut().enumerate().for_each(|(n, out)| out[0] = sums.of(n));
+        });
+        for (i, density) in records.density[..records.particles].iter_mut().enumerate() {
+            density[..3].copy_from_slice(&batches[i / BATCH].moments[i % BATCH][0]);
+        }
+        self.images.fill_densities(&mut self.records);
+        let delta = self.method.stabilisation().diffusion();
+        let Sph { records, batches, team, .. } = self;
+        team.each(batches, |b, batch| {
+            let Batch { near, diffusing, .. } = batch;
+            let sums = Diffuse { records, near, first: b * BATCH, delta };
+            diffusing.iter_mut().enumerate().for_each(|(n, out)| *out = sums.of(n));
+        });
     }
 
     /// Accelerations by neighbours, and by hoop stress.
@@ -508,6 +551,14 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             }
         });
     }
+}
+
+/// What the diffusion of density does to the laws of a batch in a second, W, at its stresses.
+fn work_of_diffusion(batch: &Batch, reference: &[f64]) -> f64 {
+    let of = |((said, rate), volume): ((&[f64; 8], &f64), &f64)| {
+        -(said[0] + said[1] + said[2]) / 3.0 * rate * volume * said[6]
+    };
+    batch.stress.iter().zip(&batch.diffusing).zip(reference).map(of).sum()
 }
 
 /// Stress, volume ratio and wave speed of the particles of a batch.

@@ -56,7 +56,7 @@ pub(crate) struct Batch {
     /// States: groups of rows, one a number.
     pub rows: Vec<Row>,
     pub near: Near,
-    /// Moments K of velocities, or of places, of the last sum: [`Strain`](super::Strain).
+    /// Moments K of velocities, or of places, of the last sum: [`Strain`](super::Strain); their first rows, gradients of density.
     pub moments: Vec<Matrix>,
     /// What makes velocity gradients of them, C: grad v = K C.
     pub correction: Vec<Matrix>,
@@ -72,6 +72,8 @@ pub(crate) struct Batch {
     pub spin: Vec<[f64; 3]>,
     /// Accelerations that stabilise and are in no energy, m/s^2.
     pub stabilising: Vec<[f64; 4]>,
+    /// With a diffusion of density, the rate at which it makes particles denser: that of the logarithm, 1/s.
+    pub diffusing: Vec<f64>,
     /// Velocities at the start of the step, m/s.
     pub start: Vec<[f64; 4]>,
     pub report: Report,
@@ -88,6 +90,8 @@ pub(crate) struct Report {
     pub trouble: Option<(usize, Breakdown)>,
     /// The first whose velocity is no number, or that came to the axis.
     pub lost: Option<usize>,
+    /// What a diffusion of density did to laws in a step, J.
+    pub diffused: f64,
     /// What mirrors, conditions and loads gave in a step.
     pub given: Exchange,
 }
@@ -105,6 +109,7 @@ impl Batch {
             + self.stress.capacity() * size_of::<[f64; 8]>()
             + (self.stabilising.capacity() + self.start.capacity()) * size_of::<[f64; 4]>()
             + self.spin.capacity() * size_of::<[f64; 3]>()
+            + 8 * self.diffusing.capacity()
     }
 
     /// How a particle is deformed since the start, in `d` dimensions, where that is known.

@@ -3,6 +3,7 @@
 
 mod common;
 mod contact;
+mod diffusion;
 mod errors;
 mod physics;
 mod reference;

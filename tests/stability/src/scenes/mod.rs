@@ -66,6 +66,9 @@ pub fn all() -> Vec<Scene> {
         smoothed::axis(),
         smoothed::rebound(),
         smoothed::rings(),
+        smoothed::column(),
+        smoothed::blocks(),
+        smoothed::alternating_pressure(),
     ]
 }
 
