@@ -150,6 +150,9 @@ impl<const D: usize> Images<D> {
             if !records.artificial.is_empty() {
                 records.artificial[to] = image.tensor(&records.artificial[from]);
             }
+            if !records.balance.is_empty() {
+                records.balance[to] = image.tensor(&records.balance[from]);
+            }
             if !records.fluid.is_empty() {
                 records.fluid[to] = records.fluid[from];
             }

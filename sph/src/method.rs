@@ -51,7 +51,8 @@ impl<E, K, F, C, S> Method<E, K, F, C, S> {
 impl<E> Method<E, CubicSpline, Updated, NoCorrection, ArtificialStress> {
     /// As printed \[Xiao2015\]: direct discretisation, cubic spline, artificial stress. The artificial viscosity is that of the law.
     pub fn printed(embedding: E) -> Self {
-        Method::new(embedding, CubicSpline::default(), Updated, NoCorrection, ArtificialStress::default())
+        let stress = ArtificialStress::default().as_printed();
+        Method::new(embedding, CubicSpline::default(), Updated, NoCorrection, stress)
     }
 }
 

@@ -17,6 +17,8 @@ pub(crate) struct Records<const D: usize> {
     pub bias: Vec<f64>,
     /// With artificial stress: its columns.
     pub artificial: Vec<[[f64; 4]; D]>,
+    /// And, where that is balanced, columns of what is taken off of every pair.
+    pub balance: Vec<[[f64; 4]; D]>,
     /// With a viscosity of pairs or a diffusion of density: density, kg/m^3 (times radius around an axis), and speed of sound, m/s.
     pub fluid: Vec<[f64; 2]>,
     /// With a diffusion of density: its gradient, kg/m^4; last the density, kg/m^3.
@@ -28,6 +30,7 @@ pub(crate) struct Records<const D: usize> {
 pub(crate) struct Has {
     pub penalty: bool,
     pub stress: bool,
+    pub balance: bool,
     pub viscosity: bool,
     pub diffusion: bool,
 }
@@ -47,6 +50,9 @@ impl<const D: usize> Records<D> {
         if has.stress {
             self.artificial.resize(count, [[0.0; 4]; D]);
         }
+        if has.balance {
+            self.balance.resize(count, [[0.0; 4]; D]);
+        }
         if has.viscosity || has.diffusion {
             self.fluid.resize(count, [0.0; 2]);
         }
@@ -58,7 +64,7 @@ impl<const D: usize> Records<D> {
     pub fn bytes(&self) -> usize {
         let fours = [&self.place, &self.velocity, &self.now, &self.density];
         let fours: usize = fours.map(|list| list.capacity()).iter().sum();
-        let tensors = self.tensor.capacity() + self.artificial.capacity();
+        let tensors = self.tensor.capacity() + self.artificial.capacity() + self.balance.capacity();
         32 * fours
             + tensors * size_of::<[[f64; 4]; D]>()
             + 8 * (self.smoothing.capacity() + self.bias.capacity() + 2 * self.fluid.capacity())

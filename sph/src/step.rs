@@ -16,7 +16,9 @@ use crate::method::Composition;
 use crate::records::Records;
 use crate::solver::{Scratch, Sph, StepTimes};
 use crate::stabilisation::Stabilisation;
-use crate::sums::{BATCH, Batch, DensityGradient, Diffuse, GROUP, Push, Pushed, Report, Row, Strain, Weigh};
+use crate::sums::{
+    BATCH, Balance, Batch, DensityGradient, Diffuse, GROUP, Push, Pushed, Report, Row, Strain, Weigh,
+};
 use crate::tensors;
 
 /// The groups of a batch, by place: they lie behind each other.
@@ -379,7 +381,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.points.extend((0..particles).map(point));
         let skin = self.lists.skin();
         self.images = Images::find(&self.mirrors, &self.points, &smoothing[..particles], skin);
-        self.records.resize(self.images.all.len(), Self::HAS);
+        self.records.resize(self.images.all.len(), Self::has(&self.method));
         self.images.fill_places(&mut self.records);
         let Records { place, smoothing, .. } = &self.records;
         self.points.extend(place[particles..].iter().map(|p| -> [f64; D] { std::array::from_fn(|d| p[d]) }));
@@ -484,6 +486,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     }
                 }
             });
+            if !self.records.balance.is_empty() {
+                self.balance();
+            }
         }
         if Self::HAS.viscosity || Self::HAS.diffusion {
             let Sph { records, batches, reference, .. } = self;
@@ -505,6 +510,19 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             self.diffuse();
         }
         self.rate = self.batches.iter().map(|b| b.report.rate).fold(0.0, f64::max);
+    }
+
+    /// What artificial stress does to linear velocity fields, by particle.
+    fn balance(&mut self) {
+        let particles = self.positions.len();
+        let mut balance = std::mem::take(&mut self.records.balance);
+        let Sph { records, batches, team, .. } = self;
+        team.each_piece(&mut balance[..particles], BATCH, batches, |b, tensors, batch| {
+            let Batch { near, .. } = batch;
+            let sums = Balance { records, near, first: b * BATCH };
+            tensors.iter_mut().enumerate().for_each(|(n, out)| *out = sums.of(n));
+        });
+        self.records.balance = balance;
     }
 
     /// Rates at which density spreads.

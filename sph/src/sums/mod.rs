@@ -1,11 +1,13 @@
 //! Sums over neighbours, on vectors.
 
+mod balance;
 mod batch;
 mod diffuse;
 mod push;
 mod strain;
 mod weigh;
 
+pub(crate) use balance::Balance;
 pub(crate) use batch::{BATCH, Batch, GROUP, Report, Row};
 pub(crate) use diffuse::{DensityGradient, Diffuse};
 pub(crate) use push::{Push, Pushed};

@@ -59,7 +59,7 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
         let bias = if M::Stabilisation::PENALTY { records.bias[i] } else { 0.0 };
         let (mut sum, mut extra) = (A::Quad::zero(), A::Quad::zero());
         let (index, slope) = self.near.of(n);
-        let start = self.near.starts[n] as usize;
+        let (start, balanced) = (self.near.starts[n] as usize, !records.balance.is_empty());
         for (k, (&j, &s)) in index.iter().zip(slope).enumerate() {
             let j = j as usize;
             let other = &records.place[j];
@@ -78,15 +78,19 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
             }
             sum = push.mul_add(A::Quad::splat(weight), sum);
             if M::Stabilisation::STRESS {
-                let close = weight * self.near.close[start + k];
+                let both =
+                    |of: &[[[f64; 4]; D]], c: usize| A::Quad::load(&of[j][c]) + A::Quad::load(&of[i][c]);
+                let close = A::Quad::splat(self.near.close[start + k]);
                 let mut push = A::Quad::zero();
                 for c in 0..D {
                     let along = A::Quad::splat(other[c] - own[c]);
-                    let both =
-                        A::Quad::load(&records.artificial[j][c]) + A::Quad::load(&records.artificial[i][c]);
-                    push = both.mul_add(along, push);
+                    let mut stress = both(&records.artificial, c) * close;
+                    if balanced {
+                        stress = stress - both(&records.balance, c);
+                    }
+                    push = stress.mul_add(along, push);
                 }
-                extra = push.mul_add(A::Quad::splat(close), extra);
+                extra = push.mul_add(A::Quad::splat(weight), extra);
             }
             if M::Stabilisation::VISCOSITY {
                 let push = self.viscous(i, j) * weight;

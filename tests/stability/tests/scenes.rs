@@ -66,7 +66,7 @@ scenes! {
     /// Finite elements among particles.
     facets_are_coarse: "T23";
     /// Smoothed particles.
-    particles_are_smoothed: "S1" "S2" "S3" "S4" "S5" "S6" "S7" "S8";
+    particles_are_smoothed: "S1" "S2" "S3" "S4" "S5" "S6" "S7" "S8" "S9";
 }
 
 /// A scene that nothing fails proves nothing.

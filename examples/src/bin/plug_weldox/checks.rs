@@ -3,7 +3,7 @@
 use examples::Check;
 
 use crate::scene::Outcome;
-use crate::setup::{Constants, PLATE, PROJECTILE};
+use crate::setup::{Constants, Form, PLATE, PROJECTILE};
 
 /// Residual speed, m/s, by Recht and Ipson, of a limit of 154.3 m/s from memory.
 pub const RECHT_IPSON: f64 = 72.5;
@@ -21,10 +21,10 @@ const MASS: f64 = 1e-12;
 /// Of the kinetic energy at impact, what artificial stress may make.
 const MADE: f64 = 0.03;
 const CUT: &str = "a plug is cut by damage";
-const PARTS: &str = "0.05 (2001) and 0.35 (later) at 0.4 mm: particles in the band part before their law fails, as kernels of the present \
+const PARTS: &str = "0.1 (2001) and 0.15 (later) at 0.4 mm: particles in the band part before their law fails, as kernels of the present \
                      configuration bear ever less there";
-const MAKES: &str = "7 % at 0.4 mm, most of it late, in what of the plate stays in tension; it was 12 and 30 % before \
-                     artificial stress followed with a delay";
+const THIN: &str = "as printed, 0.4 mm: 8.1 mm (2001) and 8.9 mm (later) by the mass, and 9.2 mm at the widest (2001): what failed flies apart";
+const COLLAR: &str = "11.3 mm at 0.4 mm: particles of the rim that part with the plug hang on at its rear";
 const HANGS: &str = "at 0.4 mm and 160 µs a thread of particles is left";
 /// From this many spacings on the radius on the band in which the plate shears is narrow enough.
 const RESOLVED: usize = 20;
@@ -61,6 +61,7 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
         let source = "radius of the projectile [S]";
         resolved(Check::gate(name(what), 1e3 * value, "mm", 1e3 * PROJECTILE[0], PLUG, source))
     };
+    let by_form = |check: Check| if setup.form == Form::Printed { check.known_miss(THIN) } else { check };
     let most = |what: &str, value: f64, bound: f64, source: &str| {
         Check::at_most(name(what), value, "-", bound, source)
     };
@@ -79,7 +80,7 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
         } else {
             perforated
         }),
-        plug("radius of what flies, by its mass", radius),
+        by_form(plug("radius of what flies, by its mass", radius)),
         resolved(by_damage.known_miss(PARTS)),
         most("projectile, wider by", wide / PROJECTILE[0] - 1.0, WIDER, hardly),
         most("projectile, shorter by", 1.0 - long / PROJECTILE[1], SHORTER, hardly),
@@ -88,8 +89,13 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
         error("energy error", outcome.totals.energy_error, ENERGY),
     ]);
     if let Some(time) = free {
+        let widest = plug("widest radius of the plug", last.plug[2]);
         checks.extend([
-            plug("widest radius of the plug", last.plug[2]),
+            match (setup.form, setup.constants) {
+                (Form::Printed, Constants::Later) => widest,
+                (_, Constants::Later) => widest.known_miss(COLLAR),
+                _ => by_form(widest),
+            },
             shown("plug is free from", 1e6 * time, "µs", "plug and rim hang together before"),
             shown("velocity of the plug", last.plug[0], "m/s", "its centre of mass"),
             shown(
@@ -102,9 +108,12 @@ pub fn of(outcome: &Outcome) -> Vec<Check> {
     }
     let first = outcome.rows.first().map_or(f64::NAN, |row| row.energies[0]);
     let [a, b, c, d, e] = last.energies.map(|part| part / first);
-    let made =
-        most("energy made by what is no law, of that at impact", -e, MADE, "artificial stress, booked");
-    checks.push(if setup.cells() >= RESOLVED { made.known_miss(MAKES) } else { made });
+    checks.push(most(
+        "energy made by what is no law, of that at impact",
+        -e,
+        MADE,
+        "artificial stress, booked",
+    ));
     for (what, part) in [
         ("kinetic energy of the projectile", a),
         ("kinetic energy of plug and plate", b),

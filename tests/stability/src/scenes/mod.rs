@@ -69,6 +69,7 @@ pub fn all() -> Vec<Scene> {
         smoothed::column(),
         smoothed::blocks(),
         smoothed::alternating_pressure(),
+        smoothed::swing(),
     ]
 }
 
