@@ -46,6 +46,7 @@ pub mod methods;
 mod ogive;
 mod outline;
 pub mod peers;
+pub mod plug;
 mod restart;
 pub mod throughput;
 mod water;

@@ -74,3 +74,31 @@ fn processor_seconds(first: usize) -> Option<f64> {
     let [user, system] = [fields.get(first)?, fields.get(first + 1)?].map(|f| f.parse::<f64>().ok());
     Some(TICK * (user? + system?))
 }
+
+/// Processor time of this thread, where the system tells it (Linux), else time of the clock.
+pub struct Stopwatch {
+    clock: Instant,
+    running: Option<u64>,
+}
+
+impl Stopwatch {
+    /// Start.
+    pub fn start() -> Self {
+        Stopwatch { clock: Instant::now(), running: on_processor() }
+    }
+    /// Seconds since the start.
+    pub fn seconds(&self) -> f64 {
+        match (self.running, on_processor()) {
+            (Some(before), Some(now)) => (now - before) as f64 * 1e-9,
+            _ => self.clock.elapsed().as_secs_f64(),
+        }
+    }
+}
+
+/// Nanoseconds that this thread ran. The system brings the number up to date when it looks at the thread: it is
+/// asked to.
+fn on_processor() -> Option<u64> {
+    std::thread::yield_now();
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    text.split_whitespace().next()?.parse().ok()
+}

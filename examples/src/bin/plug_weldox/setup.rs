@@ -2,19 +2,11 @@
 
 use clap::ValueEnum;
 use examples::CaseError;
-use mpm_core::Axisymmetric;
+use examples::plug::Plug;
+pub use examples::plug::{PLATE, PROJECTILE};
 use mpm_materials::{Constitutive, library};
 use sph::{Composition, Layout, Sph};
 
-/// Radius and length of the projectile, m.
-pub const PROJECTILE: [f64; 2] = [10e-3, 80e-3];
-/// Radius and thickness of the plate, m. Its front is z = 0; the projectile flies along z.
-pub const PLATE: [f64; 2] = [250e-3, 8e-3];
-/// Radius within which the plate is as fine as the projectile, m.
-const FINE: f64 = 2.0 * PROJECTILE[0];
-/// Spacing at the rim, m, and growth from column to column on the way there.
-const COARSE: f64 = 1e-3;
-const GROWTH: f64 = 1.0105;
 /// Linear and quadratic coefficient of the bulk viscosity \[M\]; none are printed.
 const BULK_VISCOSITY: [f64; 2] = [0.5, 4.0];
 
@@ -102,9 +94,14 @@ impl Setup {
         (PROJECTILE[0] / self.spacing).round().max(2.0) as usize
     }
 
+    /// Projectile and plate as particles.
+    fn plug(&self) -> Plug {
+        Plug { cells: self.cells() }
+    }
+
     /// The spacing there is, m.
     pub fn fine(&self) -> f64 {
-        PROJECTILE[0] / self.cells() as f64
+        self.plug().fine()
     }
 
     /// Particles through the plate where it is fine.
@@ -112,33 +109,14 @@ impl Setup {
         (PLATE[1] / self.fine()).round()
     }
 
-    /// Particles of the projectile.
-    pub fn projectile(&self) -> Result<Layout<2>, CaseError> {
-        let edges: Vec<f64> = (0..=self.cells()).map(|n| n as f64 * self.fine()).collect();
-        Ok(Layout::of_columns(Axisymmetric, &edges, [-PROJECTILE[1], 0.0])?)
-    }
-
-    /// Particles of the plate: as fine as the projectile within twice its radius, then in columns whose widths grow to a millimetre.
+    /// Particles of the plate.
     pub fn plate(&self) -> Result<Layout<2>, CaseError> {
-        let mut edges: Vec<f64> = (0..=2 * self.cells()).map(|n| n as f64 * self.fine()).collect();
-        edges[2 * self.cells()] = FINE;
-        let (mut at, mut width, coarse) = (FINE, self.fine(), COARSE.max(self.fine()));
-        loop {
-            width = (width * GROWTH).min(coarse);
-            if width >= coarse || at + width > PLATE[0] {
-                break;
-            }
-            at += width;
-            edges.push(at);
-        }
-        let rest = ((PLATE[0] - at) / coarse).round().max(1.0);
-        edges.extend((1..=rest as usize).map(|n| at + (PLATE[0] - at) * n as f64 / rest));
-        Ok(Layout::of_columns(Axisymmetric, &edges, [0.0, PLATE[1]])?)
+        self.plug().plate()
     }
 
     /// From here on the plate is held, m: two columns.
     pub fn rim(&self) -> f64 {
-        PLATE[0] - 2.0 * COARSE.max(self.fine())
+        PLATE[0] - 2.0 * self.plug().coarse()
     }
 
     /// The projectile by a method, flying.
@@ -146,7 +124,7 @@ impl Setup {
         let [linear, quadratic] = BULK_VISCOSITY;
         let steel = library::arne_tool_steel().with_bulk_viscosity(linear, quadratic)?;
         let speed = self.speed;
-        Ok(Sph::new(method, steel, &self.projectile()?, |_| [0.0, speed])?)
+        Ok(Sph::new(method, steel, &self.plug().projectile()?, |_| [0.0, speed])?)
     }
 
     /// The plate by a method, at rest.
