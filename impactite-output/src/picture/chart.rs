@@ -14,10 +14,10 @@ use super::colour::{Rgb, palette};
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
-    label: String,
-    unit: String,
-    factor: f64,
-    log: bool,
+    pub(super) label: String,
+    pub(super) unit: String,
+    pub(super) factor: f64,
+    pub(super) log: bool,
     range: Option<(f64, f64)>,
 }
 
@@ -46,7 +46,7 @@ impl Axis {
         Self { range: Some((low, high)), ..self }
     }
 
-    fn shown(&self, values: impl Iterator<Item = f64>) -> Result<Scale, OutputError> {
+    pub(super) fn shown(&self, values: impl Iterator<Item = f64>) -> Result<Scale, OutputError> {
         if !self.factor.is_finite() || self.factor == 0.0 {
             let what = format!("unit factor of axis {:?}", self.label);
             return Err(OutputError::value(what, self.factor, "finite and not 0"));

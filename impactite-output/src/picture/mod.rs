@@ -1,4 +1,4 @@
-//! Pictures as PNG: shaded particles in space, flat fields, line charts, and panels of them.
+//! Pictures as PNG: shaded particles in space, flat fields, line charts, stacked bars, and panels of them.
 //!
 //! Nothing but the processor is needed: no window, no graphics card, no font files. Letters are those of the
 //! typeface Inter (SIL Open Font License, see `fonts/OFL.txt`).
@@ -20,6 +20,7 @@
 //! ```
 
 mod axis;
+mod bars;
 mod camera;
 mod canvas;
 mod chart;
@@ -33,6 +34,7 @@ mod quantity;
 use super::OutputError;
 use impactite_simd::memory::{Budget, MOST_BYTES};
 
+pub use bars::Bars;
 pub use camera::{Camera, Cut, Mirror};
 pub use canvas::Picture;
 pub use chart::{Axis, Chart, Marker, Series, Stroke};
