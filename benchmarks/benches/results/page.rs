@@ -71,3 +71,8 @@ pub fn table<'a>(head: impl AsRef<[&'a str]>, rows: &[impl AsRef<[String]>]) -> 
     }
     text
 }
+
+/// What was asked of a number, and whether it is so.
+pub fn asked(what: impl std::fmt::Display, met: bool) -> String {
+    format!("{what}: {}", if met { "met" } else { "missed" })
+}

@@ -2,15 +2,12 @@
 //! radii differ.
 
 use std::path::PathBuf;
-use std::time::Instant;
 
+use benchmarks::search::{NAMES, searched};
 use benchmarks::{Cloud, graded, mixed, packing};
 use clap::Parser;
 use mpm_core::Team;
-use mpm_core::geometry::search::{
-    BoxTree, NeighbourLists, NeighbourSearch, PointInBox, Points, Reach, SearchError, SortedCells,
-    StripPointInBox,
-};
+use mpm_core::geometry::search::Reach;
 use mpm_core::output::picture::{Axis, Chart, Series, palette};
 
 /// Nanoseconds of a search from scratch, sorting included: by the number of points, for a square body and for one 64 times as long as
@@ -38,55 +35,17 @@ struct Options {
     out: PathBuf,
 }
 
+impl Options {
+    /// How many kinds of searches, and how often.
+    fn often(&self) -> (usize, u32) {
+        (if self.cells { 1 } else { NAMES.len() }, self.rounds)
+    }
+}
+
 type Failure = Box<dyn std::error::Error>;
 
 /// The tolerance of contact in the packings, in spacings.
 const REACH: f64 = 0.45;
-const NAMES: [&str; 5] = ["cells", "one level", "tree", "PIB", "strip PIB"];
-
-fn search<const D: usize>(
-    kind: usize,
-    points: &Points<'_, D>,
-    reach: Reach,
-    team: &Team,
-) -> Result<NeighbourLists, SearchError> {
-    match kind {
-        0 => SortedCells::new(points, reach)?.neighbours(team),
-        1 => SortedCells::with_levels(points, reach, 1)?.neighbours(team),
-        2 => BoxTree::new(points, reach)?.neighbours(team),
-        3 => PointInBox::new(points, reach)?.neighbours(team),
-        _ => StripPointInBox::new(points, reach)?.neighbours(team),
-    }
-}
-
-/// Seconds of the fastest search of each kind, in alternation, and neighbours a point.
-fn measure<const D: usize>(
-    cloud: &Cloud<D>,
-    reach: Reach,
-    options: &Options,
-    team: &Team,
-) -> Result<(Vec<f64>, f64), Failure> {
-    let points = Points::new(&cloud.positions, &cloud.radii)?;
-    let mut best = vec![f64::INFINITY; if options.cells { 1 } else { NAMES.len() }];
-    let mut found = NeighbourLists::new();
-    for round in 0..options.rounds {
-        for kind in 0..best.len() {
-            // One round of what takes long is enough.
-            if best[kind] < f64::INFINITY && best[kind] > 2.0 {
-                continue;
-            }
-            let clock = Instant::now();
-            let lists = search(kind, &points, reach, team)?;
-            best[kind] = best[kind].min(clock.elapsed().as_secs_f64());
-            if round == 0 && kind == 0 {
-                found = lists;
-            } else if lists != found {
-                return Err(format!("{} finds other neighbours than cells", NAMES[kind]).into());
-            }
-        }
-    }
-    Ok((best, found.list().len() as f64 / points.len() as f64))
-}
 
 fn columns(times: &[f64], scale: f64) -> String {
     times.iter().map(|t| format!("{:>11.0}", 1e9 * t * scale)).collect()
@@ -111,7 +70,8 @@ fn over_numbers(options: &Options, team: &Team) -> Result<(), Failure> {
     for aspect in [1.0, 64.0] {
         let mut times = vec![Vec::new(); NAMES.len()];
         for &count in &counts {
-            let (best, _) = measure(&packing::<2>(count, aspect, 1), Reach::sum(REACH), options, team)?;
+            let cloud = packing::<2>(count, aspect, 1);
+            let best = searched(&cloud, Reach::sum(REACH), options.often(), team)?.seconds;
             println!("{count:>10} {aspect:>8} {}", columns(&best, 1.0 / count as f64));
             times.iter_mut().zip(&best).for_each(|(times, t)| times.push(t / count as f64));
         }
@@ -129,10 +89,11 @@ fn over_numbers(options: &Options, team: &Team) -> Result<(), Failure> {
 fn over_radii<const D: usize>(options: &Options, team: &Team) -> Result<(), Failure> {
     let count = options.count as usize;
     let row = |name: &str, cloud: Cloud<D>, reach: Reach| -> Result<(), Failure> {
-        let (best, neighbours) = measure(&cloud, reach, options, team)?;
-        let pairs = 0.5 * neighbours * count as f64;
-        println!("{D:>3} {name:<16} {neighbours:>10.1} {}", columns(&best, 1.0 / count as f64));
-        println!("{:>3} {:<16} {:>10} {}", "", "", "a pair", columns(&best, 1.0 / pairs));
+        let found = searched(&cloud, reach, options.often(), team)?;
+        let pairs = 0.5 * found.neighbours * count as f64;
+        let columns = |scale: f64| columns(&found.seconds, scale);
+        println!("{D:>3} {name:<16} {:>10.1} {}", found.neighbours, columns(1.0 / count as f64));
+        println!("{:>3} {:<16} {:>10} {}", "", "", "a pair", columns(1.0 / pairs));
         Ok(())
     };
     row("packing", packing(count, 1.0, 1), Reach::sum(REACH))?;

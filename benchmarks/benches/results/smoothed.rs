@@ -1,0 +1,218 @@
+//! Smoothed particles, and other programs beside them.
+
+use std::path::Path;
+use std::process::Command;
+
+use benchmarks::{Stepped, bar, stepped};
+use examples::CaseError;
+use examples::peers::FOLDER;
+use examples::throughput::printed;
+use mpm_core::{Axisymmetric, PlaneStrain};
+use sph::{ArtificialStress, Composition, GradientCorrection, Method, Sph, Updated, WendlandC2};
+
+use crate::page::{asked, table};
+use crate::sample::{Sample, Subject, alternate, attempt};
+
+/// Million updates a second that are asked in space on one thread.
+const RATE: f64 = 3.0;
+/// Times the rate of LAMMPS and of PySPH that are asked.
+const LAMMPS: f64 = 6.0;
+const PYSPH: f64 = 10.0;
+/// Spacings in space, mm: about 53 000 and 200 000 particles.
+const SPACINGS: [f64; 2] = [0.32, 0.204];
+/// Width and length of PySPH's bar, mm, and its spacing; half of that is measured, too.
+const THEIRS: [f64; 2] = [7.6, 25.4];
+const COARSE: f64 = 0.384848;
+/// Their smoothing length over the spacing.
+const RATIO: f64 = 2.0;
+
+/// Rounds, and updates of particles a run.
+#[derive(Clone, Copy)]
+struct Effort {
+    rounds: usize,
+    updates: usize,
+}
+
+impl Effort {
+    fn steps(self, particles: usize) -> u64 {
+        (self.updates / particles).max(10) as u64
+    }
+
+    fn run<const D: usize, M: Composition<D>>(
+        self,
+        bar: Result<Sph<D, M>, CaseError>,
+        threads: usize,
+    ) -> Result<Measured, CaseError> {
+        let mut bar = bar?;
+        let steps = self.steps(bar.positions().len());
+        let run = stepped(&mut bar, threads, steps)?;
+        Ok(Measured { run, neighbours: bar.pairs() as f64 / run.points as f64 })
+    }
+}
+
+/// What came of a run.
+struct Measured {
+    run: Stepped,
+    /// Neighbours a particle; none are known of others.
+    neighbours: f64,
+}
+
+impl crate::sample::Run for Measured {
+    fn rate(&self) -> f64 {
+        self.run.updates_per_second()
+    }
+}
+
+/// A run of another program for so many steps at a spacing (mm).
+fn peer(python: &Path, program: &str, spacing: f64, steps: u64) -> Result<Measured, CaseError> {
+    let mut command = Command::new(python);
+    command.arg(format!("{FOLDER}/sph_bars.py")).arg(program);
+    command.args(["--spacing", &spacing.to_string(), "--steps", &steps.to_string()]);
+    let found = printed(&mut command)?;
+    let number = |key: &str| {
+        found[key]
+            .as_f64()
+            .ok_or_else(|| CaseError::Other(format!("{program}: no number `{key}` in {found}")))
+    };
+    let (points, steps) = (number("particles")? as usize, number("steps")? as u64);
+    let run = Stepped { points, steps, seconds: number("seconds")?, bytes: 0 };
+    Ok(Measured { run, neighbours: f64::NAN })
+}
+
+/// Our rates and memory.
+fn ours(effort: Effort, space: &[f64]) -> Result<Vec<[String; 7]>, CaseError> {
+    type Make<'a> = Box<dyn Fn(usize) -> Result<Measured, CaseError> + 'a>;
+    let cells = bar::PRINTED;
+    let mut bars: Vec<(&str, Make)> = Vec::new();
+    for &spacing in space {
+        let run = move |threads| effort.run(bar::in_space(1e-3 * spacing), threads);
+        bars.push(("space, total Lagrangian", Box::new(run)));
+    }
+    let plane = move |threads| effort.run(bar::half(Method::updated(PlaneStrain), cells), threads);
+    let axis = move |threads| effort.run(bar::half(Method::updated(Axisymmetric), cells), threads);
+    bars.push(("plane strain, updated", Box::new(plane)));
+    bars.push(("around the axis, updated", Box::new(axis)));
+    let mut subjects = Vec::new();
+    for (name, run) in &bars {
+        for threads in [1, 2] {
+            subjects.push(Subject::new(*name, move || run(threads)));
+        }
+    }
+    let samples = alternate(&subjects, effort.rounds)?;
+    let row = |(n, pair): (usize, &[Sample<Measured>])| {
+        let (one, first) = (pair[0].rates(), pair[0].first());
+        [
+            pair[0].name.clone(),
+            first.run.points.to_string(),
+            format!("{:.0}", first.neighbours),
+            one.text(2),
+            if n < space.len() { asked(RATE, one.median >= RATE) } else { "-".into() },
+            pair[1].rates().text(2),
+            format!("{:.0}", first.run.bytes_per_point()),
+        ]
+    };
+    Ok(samples.chunks_exact(2).enumerate().map(row).collect())
+}
+
+/// Rows of ours beside another program, whose sample is the last; none where that failed.
+fn beside(
+    samples: &[Sample<Measured>],
+    least: f64,
+    absent: &mut Vec<String>,
+) -> Result<Vec<[String; 7]>, CaseError> {
+    let Some((theirs, ours)) = samples.split_last() else { return Ok(Vec::new()) };
+    if let Some(failure) = ours.iter().find_map(|sample| sample.failure.clone()) {
+        return Err(CaseError::Other(failure));
+    }
+    if let Some(failure) = &theirs.failure {
+        eprintln!("{} is left out: {failure}", theirs.name);
+        if !absent.contains(&theirs.name) {
+            absent.push(theirs.name.clone());
+        }
+        return Ok(Vec::new());
+    }
+    let row = |ours: &Sample<Measured>| {
+        let (one, ratio) = (ours.first(), ours.over(theirs));
+        [
+            ours.name.clone(),
+            format!("{} ({})", one.run.points, theirs.first().run.points),
+            format!("{:.0}", one.neighbours),
+            ours.rates().text(2),
+            format!("{}: {}", theirs.name, theirs.rates().text(3)),
+            ratio.text(1),
+            asked(format!("{least} times"), ratio.median >= least),
+        ]
+    };
+    Ok(ours.iter().map(row).collect())
+}
+
+/// What stands beside ours, and who is absent.
+type Beside = (Vec<[String; 7]>, Vec<String>);
+
+/// Beside LAMMPS in space and PySPH in the plane, one thread.
+fn peers(effort: Effort, space: &[f64], python: &Path, pysph: &Path) -> Result<Beside, CaseError> {
+    let (mut rows, mut absent) = (Vec::new(), Vec::new());
+    for &spacing in space {
+        let particles = 53_000.0 * (SPACINGS[0] / spacing).powi(3);
+        // They are slower.
+        let steps = (effort.steps(particles as usize) / 2).max(10);
+        let samples = attempt(
+            &[
+                Subject::new("space, total Lagrangian", || effort.run(bar::in_space(1e-3 * spacing), 1)),
+                Subject::new("LAMMPS MACHDYN", || peer(python, "lammps", spacing, steps)),
+            ],
+            effort.rounds,
+        );
+        rows.extend(beside(&samples, LAMMPS, &mut absent)?);
+    }
+    for spacing in [COARSE, 0.5 * COARSE] {
+        // As their bar counts them: both ends of the width.
+        let count = |length: f64| (length / spacing).ceil() as usize;
+        let counts = [count(THEIRS[0]) + 1, count(THEIRS[1])];
+        let steps = (effort.steps(counts[0] * counts[1]) / 4).max(10);
+        let whole = |kernel| {
+            let stress = ArtificialStress::default();
+            let method = Method::new(PlaneStrain, kernel, Updated, GradientCorrection, stress);
+            effort.run(bar::whole(method, counts, 1e-3 * spacing), 1)
+        };
+        let wide = || WendlandC2::new(RATIO).map_err(|error| CaseError::Other(error.to_string()));
+        let samples = attempt(
+            &[
+                Subject::new("plane strain, updated", || whole(WendlandC2::default())),
+                Subject::new("the same, as many neighbours as theirs", || whole(wide()?)),
+                Subject::new("PySPH", || peer(pysph, "pysph", spacing, steps)),
+            ],
+            effort.rounds,
+        );
+        rows.extend(beside(&samples, PYSPH, &mut absent)?);
+    }
+    Ok((rows, absent))
+}
+
+/// Rates and memory, and other programs.
+pub fn cost(quick: bool, python: &Path, pysph: &Path) -> Result<Option<String>, CaseError> {
+    let (effort, space) = if quick {
+        (Effort { rounds: 3, updates: 1_000_000 }, &SPACINGS[..1])
+    } else {
+        (Effort { rounds: 5, updates: 4_000_000 }, &SPACINGS[..])
+    };
+    let ours = ours(effort, space)?;
+    let (theirs, absent) = peers(Effort { rounds: 3, ..effort }, space, python, pysph)?;
+    let absent = if absent.is_empty() {
+        String::new()
+    } else {
+        format!(" Absent on this machine: {}.", absent.join(", "))
+    };
+    Ok(Some(format!(
+        "## Smoothed particles\n\nTaylor bars of 4340 steel, Johnson-Cook with heat and Mie-Grueneisen, 7.595 x 37.97 mm, from their start at \
+         181 m/s; in space by the total Lagrangian form, of 20 x 200 particles by the updated one. Million updates a second; on one thread by \
+         its processor time, on two by the clock. Neighbours and bytes are those of a particle, all scratch included; {RATE} M/s are asked in \
+         space on one thread.\n\n{}\n\
+         Other programs, one thread, processor time, medians of three rounds in alternation: MACHDYN of LAMMPS on the bar in space \
+         (Johnson-Cook, shock equation of state, as many neighbours), and the Taylor bar of PySPH's own examples (plane strain, constant yield \
+         stress, shock equation of state; kernels reach four spacings, ours 2.6 unless told otherwise) as installed and with half the spacing, \
+         ours of as many particles; theirs in brackets.{absent}\n\n{}",
+        table(["bar", "particles", "neighbours", "one thread", "asked", "two threads", "bytes"], &ours),
+        table(["bar", "particles", "neighbours", "ours", "theirs", "ours / theirs", "asked"], &theirs),
+    )))
+}
