@@ -10,15 +10,15 @@ pub fn commit() -> String {
         output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_string())
     };
     let Some(head) = git(&["rev-parse", "--short=9", "HEAD"]) else { return "unknown".into() };
-    // Pages of numbers themselves do not count.
+    // Pages of numbers themselves do not count, from whatever folder this runs.
     let changed = git(&[
         "status",
         "--porcelain",
         "--untracked-files=no",
         "--",
-        ".",
-        ":!docs",
-        ":!benchmarks/RESULTS.md",
+        ":/",
+        ":(top,exclude)docs",
+        ":(top,exclude)benchmarks/RESULTS.md",
     ]);
     if changed.is_some_and(|list| !list.is_empty()) { format!("{head}+") } else { head }
 }
