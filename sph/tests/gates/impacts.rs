@@ -1,4 +1,4 @@
-//! Plates and balls on walls (gates D, E, I), and rings of rubber.
+//! Plates on walls (gates D, E), and rings of rubber.
 
 use impactite_geometry::{Cuboid, Ring};
 use impactite_scene::{Body, Boundary, PlaneStrain, Side, Solver};
@@ -21,7 +21,7 @@ fn plate<M: Composition<2>>(
     part: [f64; 2],
 ) -> [f64; 3] {
     let h = 1e-3;
-    let layout = particles(&Cuboid::new([0.0; 2], [cells as f64 * h, 4.0 * h]).unwrap(), h, false);
+    let layout = particles(&Cuboid::new([0.0; 2], [cells as f64 * h, 4.0 * h]).unwrap(), h);
     let mut bar = Sph::new(method, law, &layout, |_| [-speed, 0.0]).unwrap();
     bar.bound(Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 }).unwrap();
     bar.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).unwrap();
@@ -39,21 +39,16 @@ fn plate<M: Composition<2>>(
     [0, 1, 2].map(|n| sums[n] / sums[3])
 }
 
-/// Copper on copper at 500 m/s without strength: 9.6277 GPa, 9479.54 kg/m^3 behind a shock of 4312.5 m/s.
+/// Copper on copper at 500 m/s without strength: 9.6277 GPa, 9479.54 kg/m^3 behind a shock of 4312.5 m/s; by the printed form, which gate D of
+/// `tests/verification` does not have.
 #[test]
 fn a_shock_has_the_pressure_and_density_of_rankine_and_hugoniot() {
-    let law = || {
-        let eos = MieGruneisen::new(8930.0, 3940.0, 1.49, 2.0).unwrap();
-        Fluid::new(eos).with_bulk_viscosity(0.3, 1.5).unwrap()
-    };
+    let eos = MieGruneisen::new(8930.0, 3940.0, 1.49, 2.0).unwrap();
+    let law = Fluid::new(eos).with_bulk_viscosity(0.3, 1.5).unwrap();
     // After 16 us the shock is at 65 mm.
-    let check = |[pressure, _, density]: [f64; 3], name: &str| {
-        assert!((pressure / 9.6277e9 - 1.0).abs() < 0.01, "{name}: {pressure:e}");
-        assert!((density / 9479.54 - 1.0).abs() < 0.005, "{name}: {density}");
-    };
-    check(plate(Method::total_lagrangian(PlaneStrain), law(), 250.0, 100, 16e-6, [15e-3, 45e-3]), "total");
-    check(plate(Method::updated(PlaneStrain), law(), 250.0, 100, 16e-6, [15e-3, 45e-3]), "updated");
-    check(plate(Method::printed(PlaneStrain), law(), 250.0, 100, 16e-6, [15e-3, 45e-3]), "printed");
+    let [pressure, _, density] = plate(Method::printed(PlaneStrain), law, 250.0, 100, 16e-6, [15e-3, 45e-3]);
+    assert!((pressure / 9.6277e9 - 1.0).abs() < 0.01, "{pressure:e}");
+    assert!((density / 9479.54 - 1.0).abs() < 0.005, "{density}");
 }
 
 /// An elastic precursor and a plastic wave, symmetric at 100 m/s: 0.86667 GPa between them, 1.8492 GPa behind.
@@ -79,7 +74,7 @@ fn rings_of_rubber_bounce() {
     let law = || Solid::new(Elastic::new(26.1e6).unwrap(), LogarithmicBulk::new(1010.0, 121.7e6).unwrap());
     let mut scene = Bodies::new(SurfaceDistance::default(), Pairs::new(Frictionless));
     for (name, x, speed) in [("left", -41e-3, 30.0), ("right", 41e-3, -30.0)] {
-        let ring: Layout<2> = particles(&Ring::new([x, 0.0], 30e-3, 40e-3).unwrap(), h, false);
+        let ring: Layout<2> = particles(&Ring::new([x, 0.0], 30e-3, 40e-3).unwrap(), h);
         scene.add(
             name,
             Sph::new(Method::total_lagrangian(PlaneStrain), law(), &ring, |_| [speed, 0.0]).unwrap(),

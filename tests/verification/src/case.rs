@@ -1,5 +1,6 @@
 //! A case: problem, scheme, resolution; and what comes of it.
 
+use crate::formulation::Formulation;
 use crate::problems::{axis_aligned, bar, column, gas, rigid, ring, vortex};
 use crate::scene::Ended;
 use crate::scheme::Scheme;
@@ -73,13 +74,13 @@ impl Problem {
     }
 }
 
-/// A problem, a scheme and a resolution.
+/// A problem, a scheme (of material points, or another [`Formulation`]) and a resolution.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Case {
+pub struct Case<S = Scheme> {
     /// The problem.
     pub problem: Problem,
     /// The scheme.
-    pub scheme: Scheme,
+    pub scheme: S,
     /// Particles a cell and axis.
     pub per_axis: usize,
     /// Cells along the problem's length.
@@ -100,10 +101,10 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Without measures yet.
-    pub(crate) fn of(scheme: Scheme, dimension: u32, ended: Option<Ended>) -> Self {
+    /// Without measures yet, of a run by what has so many nodes or neighbours a particle; none of one that is not compiled.
+    pub(crate) fn of(nodes: u64, ended: Option<Ended>) -> Self {
         let (mut work, failure) = ended.unwrap_or((Work::default(), Some("no such composition".into())));
-        work.nodes = scheme.kernel.nodes(dimension);
+        work.nodes = nodes;
         Outcome { measures: Vec::new(), work, failure }
     }
     /// A case that could not be set up.
@@ -124,7 +125,7 @@ impl Outcome {
     }
 }
 
-impl Case {
+impl<S: Formulation> Case<S> {
     /// Run it.
     pub fn run(&self) -> Outcome {
         let made = match self.problem {

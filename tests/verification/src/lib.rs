@@ -26,11 +26,13 @@
 pub mod case;
 pub mod empty;
 pub mod fast;
+pub mod formulation;
 pub mod limit;
 pub mod origin;
 pub mod problems;
 pub mod scene;
 pub mod scheme;
+pub mod smoothed;
 pub mod stored;
 pub mod work;
 

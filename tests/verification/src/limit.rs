@@ -51,10 +51,11 @@ struct Bar {
 }
 
 impl Bar {
-    fn of(moment: &Moment<'_, 2>) -> Self {
+    fn of(moment: &Moment<'_, 2>) -> Option<Self> {
+        let grid = moment.grid()?;
         // Weight, slope and arm by node of every particle; the nodes across the bar move alike.
         let mut rows: Vec<(f64, Vec<Reach>)> = Vec::new();
-        moment.footprints(&mut |p| {
+        grid.bodies()[0].footprints(moment.time, &mut |p| {
             rows.push((p.mass, p.nodes.iter().map(|w| (w.node[0], w.value, w.gradient[0])).collect()));
         });
         let nodes = || rows.iter().flat_map(|row| row.1.iter().filter(|w| w.1 != 0.0).map(|w| w.0));
@@ -66,7 +67,7 @@ impl Bar {
             weights: Mat::zeros(p, n),
             slopes: Mat::zeros(p, n),
             arms: Mat::zeros(p, n),
-            bound: moment.frequency().bound,
+            bound: grid.frequency_bound().bound,
         };
         for (k, (mass, weights)) in rows.iter().enumerate() {
             for &(node, value, slope) in weights.iter().filter(|w| (low..=high).contains(&w.0)) {
@@ -78,7 +79,7 @@ impl Bar {
             let x: f64 = (0..n).map(|i| bar.weights[(k, i)] * i as f64).sum();
             (0..n).for_each(|i| bar.arms[(k, i)] = i as f64 - x);
         }
-        bar
+        Some(bar)
     }
 
     /// Nodes that have mass.
@@ -255,7 +256,7 @@ fn stable(scheme: Scheme, per_cell: usize, offset: f64, dt: f64) -> Result<bool,
 
 fn bar(scheme: Scheme, per_cell: usize, offset: f64) -> Result<Bar, String> {
     let mut bar = None;
-    run(scheme, per_cell, offset, (1e-6, 1), &mut |moment| bar = Some(Bar::of(moment)))?;
+    run(scheme, per_cell, offset, (1e-6, 1), &mut |moment| bar = Bar::of(moment))?;
     bar.ok_or("the bar did not make a step".into())
 }
 

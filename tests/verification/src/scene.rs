@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use mpm_core::geometry::{Lattice, Seeds};
 use mpm_core::{
-    BlockGrid, Boundary, Deformable, FieldForce, Footprint, Frequency, GridBody, IntoKernels, Mpm, PointView,
-    TimeControl, Totals,
+    BlockGrid, Body, Boundary, Deformable, FieldForce, IntoKernels, Mpm, PointView, StepError, TimeControl,
+    Totals,
 };
 use mpm_materials::IntoMaterial;
 
@@ -47,30 +47,56 @@ pub struct Moment<'a, const D: usize> {
     pub velocity_time: f64,
     /// Where particles started, by number, m.
     pub starts: &'a [[f64; D]],
-    bodies: &'a [Box<dyn GridBody<f64, D>>],
-    frequency: &'a dyn Fn() -> Frequency,
+    body: &'a dyn Body,
+    grid: Option<&'a Mpm<D>>,
 }
 
 impl<const D: usize> Moment<'_, D> {
     /// Call `visit` for every particle.
     pub fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
-        for body in self.bodies {
-            body.for_each(visit);
-        }
+        self.body.for_each(visit);
     }
-    /// Call `visit` for every particle as its nodes see it.
-    pub fn footprints(&self, visit: &mut dyn FnMut(&Footprint<'_, D>)) {
-        for body in self.bodies {
-            body.footprints(self.time, visit);
-        }
-    }
-    /// The bound of the highest frequency.
-    pub fn frequency(&self) -> Frequency {
-        (self.frequency)()
+    /// The solver, of material points.
+    pub fn grid(&self) -> Option<&Mpm<D>> {
+        self.grid
     }
     /// Totals over the particles.
     pub fn totals(&self) -> Totals {
-        self.bodies.iter().map(|b| b.totals()).fold(Totals::default(), |a, b| a.plus(&b))
+        self.body.totals()
+    }
+}
+
+/// What a scene becomes: one body that goes on by steps.
+pub(crate) trait Stepped<const D: usize> {
+    /// Make a step.
+    fn step(&mut self) -> Result<(), StepError>;
+    /// Time, s.
+    fn time(&self) -> f64;
+    /// The body.
+    fn body(&self) -> &dyn Body;
+    /// The solver, of material points.
+    fn grid(&self) -> Option<&Mpm<D>> {
+        None
+    }
+    /// Bytes of memory.
+    fn bytes(&self) -> usize;
+}
+
+impl<const D: usize> Stepped<D> for Mpm<D> {
+    fn step(&mut self) -> Result<(), StepError> {
+        Mpm::step(self).map(|_| ())
+    }
+    fn time(&self) -> f64 {
+        Mpm::time(self)
+    }
+    fn body(&self) -> &dyn Body {
+        &*self.bodies()[0]
+    }
+    fn grid(&self) -> Option<&Mpm<D>> {
+        Some(self)
+    }
+    fn bytes(&self) -> usize {
+        Mpm::bytes(self)
     }
 }
 
@@ -88,37 +114,57 @@ pub type Ended = (Work, Option<String>);
 impl<C: IntoMaterial<f64> + Clone, const D: usize> Run<'_, C, D> {
     /// Run it by this method.
     pub fn with(self, method: impl IntoKernels<f64, D>) -> Ended {
-        let Run { scene, look } = self;
-        let mut work = Work { particles: scene.seeds.positions.len() as u64, ..Work::default() };
-        let mut mpm = Mpm::new(method, BlockGrid::new(scene.lattice));
-        let mut body = Deformable::new("body", scene.law.clone(), &scene.seeds).moving(&scene.velocity);
-        if let Some(acceleration) = scene.field.clone() {
-            body = body.with_field_force(FieldForce { acceleration });
-        }
+        let scene = self.scene;
+        let body = Deformable::new("body", scene.law.clone(), &scene.seeds).moving(&scene.velocity);
+        self.on(Mpm::new(method, BlockGrid::new(scene.lattice)), body)
+    }
+}
+
+impl<C, const D: usize> Run<'_, C, D> {
+    /// Run this body of the scene in a scene without any.
+    pub(crate) fn on<L: IntoMaterial<f64>>(self, mut mpm: Mpm<D>, body: Deformable<'_, D, L>) -> Ended {
+        let scene = self.scene;
+        let body = match scene.field.clone() {
+            Some(acceleration) => body.with_field_force(FieldForce { acceleration }),
+            None => body,
+        };
         let bounded = mpm
             .add_body(body)
             .and_then(|()| scene.boundaries.iter().try_for_each(|b| mpm.bound(b.clone())))
             .and_then(|()| mpm.set_time_control(TimeControl::Fixed(scene.dt)));
-        if let Err(error) = bounded {
-            return (work, Some(error.to_string()));
+        match bounded {
+            Ok(()) => self.by_steps(&mut mpm),
+            Err(error) => self.refused(error),
         }
+    }
+
+    /// What comes of a scene that could not be set up.
+    pub(crate) fn refused(&self, why: impl std::fmt::Display) -> Ended {
+        let particles = self.scene.seeds.positions.len() as u64;
+        (Work { particles, ..Work::default() }, Some(why.to_string()))
+    }
+
+    /// Make the steps of the scene, and look.
+    pub(crate) fn by_steps(self, solver: &mut dyn Stepped<D>) -> Ended {
+        let Run { scene, look } = self;
+        let mut work = Work { particles: scene.seeds.positions.len() as u64, ..Work::default() };
         while work.steps < scene.steps {
             let stretch = scene.every.min(scene.steps - work.steps);
             let watch = Stopwatch::start();
             for _ in 0..stretch {
-                if let Err(error) = mpm.step() {
+                if let Err(error) = solver.step() {
                     return (work, Some(error.to_string()));
                 }
                 work.steps += 1;
             }
             work.seconds += watch.seconds();
-            work.bytes = mpm.bytes() as u64;
+            work.bytes = solver.bytes() as u64;
             look(&Moment {
-                time: mpm.time(),
-                velocity_time: mpm.time() - 0.5 * scene.dt,
+                time: solver.time(),
+                velocity_time: solver.time() - 0.5 * scene.dt,
                 starts: &scene.seeds.positions,
-                bodies: mpm.bodies(),
-                frequency: &|| mpm.frequency_bound(),
+                body: solver.body(),
+                grid: solver.grid(),
             });
         }
         (work, None)

@@ -2,6 +2,9 @@
 
 use crate::case::{Case, Outcome, Problem};
 use crate::fast;
+use crate::formulation::Formulation;
+use crate::problems::gates::{self, Gate};
+use crate::problems::smoothed::{self, Question};
 
 /// What a stored error may change by.
 pub const TOLERANCE: f64 = 0.02;
@@ -14,19 +17,84 @@ const TABLE: &str = include_str!("../data/errors.csv");
 /// The word for a run that stops.
 const FAILS: &str = "fails";
 
-/// Run the cases of a problem.
-pub fn measure(problem: Problem) -> Vec<(Case, Outcome)> {
-    let cases = fast::cases().into_iter().filter(|c| c.problem == problem);
-    cases.map(|case| (case, case.run())).collect()
+/// What is run and has rows in the table.
+pub trait Stored {
+    /// Problem, scheme, particles a cell and axis, cells and Courant number, as columns.
+    fn key(&self) -> String;
+    /// Cells along the length of the problem.
+    fn cells(&self) -> usize;
+    /// Run it.
+    fn outcome(&self) -> Outcome;
+    /// Are its measures such that a table can hold them?
+    fn is_kept(&self) -> bool {
+        true
+    }
+}
+
+impl<S: Formulation> Stored for Case<S> {
+    fn key(&self) -> String {
+        let Case { problem, scheme, per_axis, cells, courant } = self;
+        columns(problem.name(), &scheme.name(), *per_axis, *cells, *courant)
+    }
+    fn cells(&self) -> usize {
+        self.cells
+    }
+    fn outcome(&self) -> Outcome {
+        self.run()
+    }
+    /// Of a flight there are none: what it measures is round-off, and where that grows, the processor's rounding decides whether the run
+    /// stops in time.
+    fn is_kept(&self) -> bool {
+        self.problem != Problem::Flight
+    }
+}
+
+/// The columns that tell runs apart.
+pub(crate) fn columns(problem: &str, scheme: &str, per_axis: usize, cells: usize, courant: f64) -> String {
+    format!("{problem},{scheme},{per_axis},{cells},{courant}")
+}
+
+/// Runs and what came of them.
+pub type Runs<R = Case> = Vec<(R, Outcome)>;
+
+/// Run a list.
+pub fn measure<R: Stored>(list: impl IntoIterator<Item = R>) -> Runs<R> {
+    let made = |run: R| {
+        let outcome = run.outcome();
+        (run, outcome)
+    };
+    list.into_iter().map(made).collect()
+}
+
+/// Run a list, print what came of it, and hold it to the table.
+///
+/// # Panics
+/// There is nothing to run, or something differs.
+pub fn judged<R: Stored>(list: impl IntoIterator<Item = R>) -> Runs<R> {
+    let runs = measure(list);
+    assert!(!runs.is_empty(), "nothing to run");
+    for (run, outcome) in &runs {
+        let why = outcome.failure.as_deref().unwrap_or_default();
+        println!("{}: {:?} in {:.2} s {why}", run.key(), outcome.measures, outcome.work.seconds);
+    }
+    let found = differences(&runs);
+    assert!(
+        found.is_empty(),
+        "{} differ by more than 2 %; where that is meant, make the table anew: \
+         cargo run --release -p report -- --store > tests/verification/data/errors.csv\n{}",
+        found.len(),
+        found.join("\n")
+    );
+    runs
 }
 
 /// What differs from the table by more than [`TOLERANCE`], in words; runs that stop where none did, or do not where
 /// they did, and what is not in the table.
-pub fn differences(runs: &[(Case, Outcome)]) -> Vec<String> {
+pub fn differences<R: Stored>(runs: &[(R, Outcome)]) -> Vec<String> {
     let mut found = Vec::new();
-    for (case, outcome) in runs {
-        for (quantity, now) in rows(case, outcome) {
-            let key = key(case, quantity);
+    for (run, outcome) in runs {
+        for (quantity, now) in rows(run, outcome) {
+            let key = format!("{},{quantity}", run.key());
             let Some(stored) = TABLE.lines().find_map(|line| line.strip_prefix(&format!("{key},"))) else {
                 found.push(format!("{key}: not stored; now {now}"));
                 continue;
@@ -44,21 +112,29 @@ pub fn differences(runs: &[(Case, Outcome)]) -> Vec<String> {
     found
 }
 
-/// The whole table anew, from runs.
-pub fn table(runs: &[(Case, Outcome)]) -> String {
+/// The whole table anew: runs all that it has.
+pub fn table() -> String {
     let mut text = String::from("problem,scheme,particles a cell and axis,cells,Courant,quantity,value\n");
-    for (case, outcome) in runs {
-        for (quantity, value) in rows(case, outcome) {
-            text.push_str(&format!("{},{value}\n", key(case, quantity)));
+    text += &lines(&measure(fast::cases()));
+    text += &lines(&measure(fast::smoothed()));
+    text += &lines(&measure(Gate::ALL.into_iter().flat_map(gates::stored)));
+    text + &lines(&measure(Question::ALL.into_iter().flat_map(smoothed::stored)))
+}
+
+/// Lines of the table from runs.
+fn lines<R: Stored>(runs: &[(R, Outcome)]) -> String {
+    let mut text = String::new();
+    for (run, outcome) in runs {
+        for (quantity, value) in rows(run, outcome) {
+            text.push_str(&format!("{},{quantity},{value}\n", run.key()));
         }
     }
     text
 }
 
-/// Stored quantities of an outcome and their values. Of a flight there are none: what it measures is round-off, and where
-/// that grows, the processor's rounding decides whether the run stops in time.
-fn rows(case: &Case, outcome: &Outcome) -> Vec<(&'static str, String)> {
-    if case.problem == Problem::Flight {
+/// Stored quantities of an outcome and their values.
+fn rows(run: &impl Stored, outcome: &Outcome) -> Vec<(&'static str, String)> {
+    if !run.is_kept() {
         return Vec::new();
     }
     if outcome.failure.is_some() {
@@ -68,17 +144,16 @@ fn rows(case: &Case, outcome: &Outcome) -> Vec<(&'static str, String)> {
     kept.map(|&(quantity, value)| (quantity, format!("{value:.5e}"))).collect()
 }
 
-fn key(case: &Case, quantity: &str) -> String {
-    let Case { problem, scheme, per_axis, cells, courant } = case;
-    format!("{},{},{per_axis},{cells},{courant},{quantity}", problem.name(), scheme.name())
-}
-
-/// A measure over the grids of the cases that are picked: cells and sizes, coarse first.
-pub fn series(runs: &[(Case, Outcome)], quantity: &str, pick: impl Fn(&Case) -> bool) -> Vec<(usize, f64)> {
+/// A measure over the grids of the runs that are picked: cells and sizes, coarse first.
+pub fn series<R: Stored>(
+    runs: &[(R, Outcome)],
+    quantity: &str,
+    pick: impl Fn(&R) -> bool,
+) -> Vec<(usize, f64)> {
     let mut list: Vec<(usize, f64)> = runs
         .iter()
-        .filter(|(case, _)| pick(case))
-        .map(|(case, outcome)| (case.cells, outcome.get(quantity).abs()))
+        .filter(|(run, _)| pick(run))
+        .map(|(run, outcome)| (run.cells(), outcome.get(quantity).abs()))
         .collect();
     list.sort_by_key(|s| s.0);
     list

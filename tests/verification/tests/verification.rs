@@ -1,31 +1,11 @@
 //! Errors of the stored cases within 2 % of what they were, and orders, limits and failures as theory has them.
 
-use verification::stored::{differences, measure, order, series};
-use verification::{Case, Kernel, Outcome, Problem, Scheme, Velocity};
-
-type Runs = Vec<(Case, Outcome)>;
+use verification::stored::{self, Runs, order, series};
+use verification::{Case, Kernel, Problem, Scheme, Velocity, fast};
 
 /// Run a problem's cases, print them and hold them to the table.
 fn judged(problem: Problem) -> Runs {
-    let runs = measure(problem);
-    assert!(!runs.is_empty(), "no cases of {}", problem.name());
-    for (case, outcome) in &runs {
-        println!(
-            "{}: {:?} {}",
-            case.name(),
-            outcome.measures,
-            outcome.failure.as_deref().unwrap_or_default()
-        );
-    }
-    let found = differences(&runs);
-    assert!(
-        found.is_empty(),
-        "{} differ by more than 2 %; where that is meant, make the table anew: \
-         cargo run --release -p report -- --store > tests/verification/data/errors.csv\n{}",
-        found.len(),
-        found.join("\n")
-    );
-    runs
+    stored::judged(fast::cases().into_iter().filter(|case| case.problem == problem))
 }
 
 /// The order of a scheme over its (at least three) grids.
@@ -128,7 +108,7 @@ fn v3_axis_aligned_strain() {
 #[test]
 fn v3_axis_aligned_strain_in_space() {
     let runs = judged(Problem::Axes3);
-    for scheme in verification::problems::solid_schemes() {
+    for scheme in verification::formulation::solid_schemes() {
         let order = order_of(&runs, scheme, "u", |_| true);
         assert!(order >= 1.8, "{}: order {order}", scheme.name());
     }

@@ -12,7 +12,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::case::{Case, Outcome};
-use crate::problems::{box_of_planes, lattice, rubber, run_plane, run_solid};
+use crate::formulation::Formulation;
+use crate::problems::{box_of_planes, lattice, rubber};
 use crate::scene::{Moment, Norm, Scene, block, worse};
 
 pub(crate) const AMPLITUDE: f64 = 0.05;
@@ -58,7 +59,7 @@ pub(crate) fn force<const D: usize>(x: &[f64; D], t: f64) -> [f64; D] {
     b
 }
 
-fn scene<const D: usize>(case: &Case) -> Result<Scene<mpm_materials::NeoHookean<f64>, D>, String> {
+fn scene<S, const D: usize>(case: &Case<S>) -> Result<Scene<mpm_materials::NeoHookean<f64>, D>, String> {
     let h = 1.0 / case.cells as f64;
     let lattice = lattice([0.0; D], h)?;
     let steps = (case.cells as f64 / case.courant).ceil() as u64;
@@ -127,17 +128,17 @@ impl Errors {
 }
 
 /// The square.
-pub(crate) fn plane(case: &Case) -> Result<Outcome, String> {
-    let scene = scene::<2>(case)?;
+pub(crate) fn plane<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
+    let scene = scene::<_, 2>(case)?;
     let mut errors = Errors::default();
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| errors.look(moment));
+    let outcome = case.scheme.plane(&scene, &mut |moment| errors.look(moment));
     Ok(errors.into(outcome))
 }
 
 /// The cube.
-pub(crate) fn solid(case: &Case) -> Result<Outcome, String> {
-    let scene = scene::<3>(case)?;
+pub(crate) fn solid<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
+    let scene = scene::<_, 3>(case)?;
     let mut errors = Errors::default();
-    let outcome = run_solid(case.scheme, &scene, &mut |moment| errors.look(moment));
+    let outcome = case.scheme.solid(&scene, &mut |moment| errors.look(moment));
     Ok(errors.into(outcome))
 }

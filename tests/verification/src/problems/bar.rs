@@ -1,4 +1,4 @@
-//! Bars with E = rho = length = 1 and nu = 0, so that c = 1: V1, V2, V7. A row of cells between planes of symmetry.
+//! Bars with E = rho = length = 1 and nu = 0, so that c = 1: V1, V2, V7. Rows of cells between planes of symmetry.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -6,24 +6,26 @@ use mpm_core::{Boundary, Side};
 use mpm_materials::NeoHookean;
 
 use crate::case::{Case, Outcome};
-use crate::problems::{box_of_planes, lattice, rubber, run_plane};
+use crate::formulation::Formulation;
+use crate::problems::{box_of_planes, lattice, rubber};
 use crate::scene::{Norm, Scene, block};
 
-fn scene(
-    case: &Case,
+fn scene<S: Formulation>(
+    case: &Case<S>,
     velocity: impl Fn(f64) -> f64 + 'static,
     duration: f64,
 ) -> Result<Scene<NeoHookean<f64>, 2>, String> {
     let h = 1.0 / case.cells as f64;
     let lattice = lattice([0.0; 2], h)?;
     let dt = case.courant * h;
+    let across = case.scheme.across();
     Ok(Scene {
         lattice,
-        seeds: block(&lattice, [0; 2], [case.cells, 1], case.per_axis),
+        seeds: block(&lattice, [0; 2], [case.cells, across], case.per_axis),
         law: rubber(1.0, 1.0, 0.0)?,
         velocity: Box::new(move |x| [velocity(x[0]), 0.0]),
         field: None,
-        boundaries: box_of_planes(1..2, 0.0, h),
+        boundaries: box_of_planes(1..2, 0.0, across as f64 * h),
         dt,
         steps: (duration / dt).round() as u64,
         every: 1,
@@ -34,12 +36,12 @@ fn scene(
 /// `cells` are those
 /// of the bar, half of them in a half wave. Measured is the period, from five of them, by the changes of sign of the
 /// momentum; "period" is its relative error.
-pub(crate) fn period(case: &Case) -> Result<Outcome, String> {
+pub(crate) fn period<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let mut scene = scene(case, |x| 1e-5 * (FRAC_PI_2 * x).sin(), 5.2 * 4.0)?;
     scene.boundaries.push(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above });
     let (mut crossings, mut last) = (Vec::new(), 0.0);
     let dt = scene.dt;
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+    let outcome = case.scheme.plane(&scene, &mut |moment| {
         let now = moment.totals().momentum[0];
         if last * now < 0.0 {
             crossings.push(moment.time - dt + dt * last / (last - now));
@@ -58,12 +60,12 @@ pub(crate) fn period(case: &Case) -> Result<Outcome, String> {
 /// at large strain. Measured is the change of the energy, as seen by the centre of mass, between the means over
 /// the first and the last
 /// period.
-pub(crate) fn drift(case: &Case) -> Result<Outcome, String> {
+pub(crate) fn drift<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let speed = 0.05;
     let scene = scene(case, move |x| speed * (1.0 + (PI * x).cos()), 20.0)?;
     let length = scene.steps / 10;
     let (mut first, mut last, mut step) = (0.0, 0.0, 0);
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+    let outcome = case.scheme.plane(&scene, &mut |moment| {
         let t = moment.totals();
         let drift = t.momentum[0] / t.mass;
         let energy = t.kinetic + t.internal - 0.5 * t.mass * drift * drift;
@@ -80,7 +82,7 @@ pub(crate) fn drift(case: &Case) -> Result<Outcome, String> {
 
 /// V7: a bump of velocity, V exp(-((x - 1/2) / s)^2) with s = 0.08, splits into two that run apart (d'Alembert):
 /// v = [V(x - t) + V(x + t)] / 2. V = 1e-5 c. Measured is the root mean square of the error at t = 0.25, over V.
-pub(crate) fn pulse(case: &Case) -> Result<Outcome, String> {
+pub(crate) fn pulse<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let size = 1e-5;
     let bump = |x: f64| (-((x - 0.5) / 0.08).powi(2)).exp();
     // Half a step before the start the bump is at its middle, and there is no acceleration: v(-dt/2) = V + O(dt^2).
@@ -88,7 +90,7 @@ pub(crate) fn pulse(case: &Case) -> Result<Outcome, String> {
     scene.boundaries.extend(box_of_planes::<2>(0..1, 0.0, 1.0));
     scene.every = scene.steps;
     let mut error = f64::NAN;
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+    let outcome = case.scheme.plane(&scene, &mut |moment| {
         let mut of_v = Norm::default();
         let t = moment.velocity_time;
         moment.for_each(&mut |p| {

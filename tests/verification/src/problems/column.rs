@@ -14,7 +14,8 @@ use std::sync::Arc;
 use mpm_core::{Boundary, Side};
 
 use crate::case::{Case, Outcome};
-use crate::problems::{box_of_planes, lattice, rubber, run_plane};
+use crate::formulation::Formulation;
+use crate::problems::{box_of_planes, lattice, rubber};
 use crate::scene::{Scene, block};
 
 const LENGTH: f64 = 50.0;
@@ -23,7 +24,7 @@ const WEIGHT: f64 = 2.5;
 const YOUNG: f64 = 1e4;
 
 /// `cells` are those of the column.
-pub(crate) fn run(case: &Case) -> Result<Outcome, String> {
+pub(crate) fn run<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let h = LENGTH / case.cells as f64;
     let lattice = lattice([0.0; 2], h)?;
     let c = (YOUNG / DENSITY).sqrt();
@@ -31,12 +32,13 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, String> {
     let period = 4.0 * LENGTH / c;
     let steps = (12.0 * period / dt).round() as u64;
     let ramp = 10.0 * period;
-    let mut boundaries = box_of_planes(0..1, 0.0, h);
+    let across = case.scheme.across();
+    let mut boundaries = box_of_planes(0..1, 0.0, across as f64 * h);
     boundaries.push(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above });
     let every = (period / dt / 40.0).ceil() as u64;
     let scene = Scene {
         lattice,
-        seeds: block(&lattice, [0; 2], [1, case.cells], case.per_axis),
+        seeds: block(&lattice, [0; 2], [across, case.cells], case.per_axis),
         law: rubber(DENSITY, YOUNG, 0.0)?,
         velocity: Box::new(|_| [0.0; 2]),
         field: Some(Arc::new(move |_: &[f64; 2], t: f64| {
@@ -50,7 +52,7 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, String> {
     };
     let mut sums = vec![0.0; scene.seeds.positions.len()];
     let mut looks = 0.0;
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+    let outcome = case.scheme.plane(&scene, &mut |moment| {
         if moment.time > 11.0 * period {
             looks += 1.0;
             moment.for_each(&mut |p| sums[p.number] += p.stress[1]);

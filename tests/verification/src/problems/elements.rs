@@ -103,7 +103,7 @@ fn text(error: impl std::fmt::Display) -> String {
 }
 
 /// A place in (-1, 1) that follows from a number alone.
-fn anywhere(seed: u64) -> f64 {
+pub(crate) fn anywhere(seed: u64) -> f64 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     for shift in [30, 27, 31] {
         z = (z ^ (z >> shift)).wrapping_mul(0xBF58_476D_1CE4_E5B9);

@@ -9,16 +9,13 @@ pub mod gas;
 pub mod gates;
 pub mod rigid;
 pub mod ring;
+pub mod smoothed;
 pub mod statics;
 pub mod vortex;
 
 use mpm_core::geometry::Lattice;
-use mpm_core::{Boundary, FullSpace, PlaneStrain, Side};
-use mpm_materials::{IntoMaterial, Moduli, NeoHookean};
-
-use crate::case::Outcome;
-use crate::scene::{Moment, Run, Scene};
-use crate::scheme::{Scheme, kernels};
+use mpm_core::{Boundary, Side};
+use mpm_materials::{Moduli, NeoHookean};
 
 /// A neo-Hookean law of Young's modulus (Pa) and Poisson's ratio.
 ///
@@ -46,49 +43,4 @@ pub fn box_of_planes<const D: usize>(axes: std::ops::Range<usize>, low: f64, hig
         ]
     })
     .collect()
-}
-
-/// Run a plane scene; `look` fills in the outcome's errors.
-pub(crate) fn run_plane<C: IntoMaterial<f64> + Clone>(
-    scheme: Scheme,
-    scene: &Scene<C, 2>,
-    look: &mut dyn FnMut(&Moment<'_, 2>),
-) -> Outcome {
-    let ended = kernels::<PlaneStrain, 2>(scheme).map(|method| Run { scene, look }.with(method));
-    Outcome::of(scheme, 2, ended)
-}
-
-/// Run a scene in space. Compiled for the schemes of [`solid_schemes`] alone.
-pub(crate) fn run_solid<C: IntoMaterial<f64> + Clone>(
-    scheme: Scheme,
-    scene: &Scene<C, 3>,
-    look: &mut dyn FnMut(&Moment<'_, 3>),
-) -> Outcome {
-    use mpm_core::{CpGimp, Flip, Fmpm, Linear, Method, QuadraticBSpline, Usl};
-
-    use crate::scheme::{Kernel, Velocity};
-    let run = Run { scene, look };
-    let ended = match (scheme.kernel, scheme.velocity, scheme.total) {
-        (Kernel::CpGimp, Velocity::FlipUsl, false) => {
-            Some(run.with(Method::new(CpGimp, Flip, Usl, FullSpace)))
-        }
-        (Kernel::Linear, Velocity::FlipUsl, true) => {
-            Some(run.with(Method::new(Linear, Flip, Usl, FullSpace).total_lagrangian().compiled()))
-        }
-        (Kernel::Quadratic, Velocity::Fmpm4Usl, true) => Some(
-            run.with(Method::new(QuadraticBSpline, Fmpm::<4>, Usl, FullSpace).total_lagrangian().compiled()),
-        ),
-        _ => None,
-    };
-    Outcome::of(scheme, 3, ended)
-}
-
-/// The schemes that problems in space are compiled for.
-pub fn solid_schemes() -> Vec<Scheme> {
-    use crate::scheme::{Kernel, Velocity};
-    vec![
-        Scheme::moving(Kernel::CpGimp, Velocity::FlipUsl),
-        Scheme::total(Kernel::Linear, Velocity::FlipUsl),
-        Scheme::total(Kernel::Quadratic, Velocity::Fmpm4Usl),
-    ]
 }

@@ -5,11 +5,12 @@ use std::f64::consts::PI;
 use mpm_core::geometry::{Ball, Filling, fill};
 
 use crate::case::{Case, Outcome};
-use crate::problems::{lattice, rubber, run_plane};
+use crate::formulation::Formulation;
+use crate::problems::{lattice, rubber};
 use crate::scene::{Scene, block, worse};
 
 /// A block of 4 cells flies obliquely at 0.3 c through `cells` cells. Measured is the largest stress over E.
-pub(crate) fn flight(case: &Case) -> Result<Outcome, String> {
+pub(crate) fn flight<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let lattice = lattice([0.0; 2], 1.0)?;
     let dt = case.courant;
     let scene = Scene {
@@ -24,7 +25,7 @@ pub(crate) fn flight(case: &Case) -> Result<Outcome, String> {
         every: 10,
     };
     let mut largest = 0.0;
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+    let outcome = case.scheme.plane(&scene, &mut |moment| {
         moment.for_each(&mut |p| {
             for s in p.stress {
                 largest = worse(largest, s.abs());
@@ -39,7 +40,7 @@ pub(crate) fn flight(case: &Case) -> Result<Outcome, String> {
 /// particles from a fiftieth of the turn on (before, that of APIC goes from particles to their affine matrices)
 /// and the largest
 /// stress over E; that of the centrifugal force is below (omega R / c)^2 = 4e-4.
-pub(crate) fn turn(case: &Case) -> Result<Outcome, String> {
+pub(crate) fn turn<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let radius = case.cells as f64;
     let omega = 0.02 / radius;
     let lattice = lattice([0.0; 2], 1.0)?;
@@ -58,7 +59,7 @@ pub(crate) fn turn(case: &Case) -> Result<Outcome, String> {
         every: (steps / 50).max(1),
     };
     let (mut start, mut lost, mut largest) = (None, 0.0, 0.0);
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+    let outcome = case.scheme.plane(&scene, &mut |moment| {
         let now = moment.totals().angular_momentum[2];
         lost = worse(lost, (now / *start.get_or_insert(now) - 1.0).abs());
         moment.for_each(&mut |p| {

@@ -16,7 +16,8 @@ use mpm_core::geometry::{Filling, Shell, fill};
 use mpm_core::{Boundary, Side};
 
 use crate::case::{Case, Outcome};
-use crate::problems::{lattice, rubber, run_plane};
+use crate::formulation::Formulation;
+use crate::problems::{lattice, rubber};
 use crate::scene::{Norm, Scene, worse};
 
 const INNER: f64 = 0.4;
@@ -56,7 +57,7 @@ fn force(x: &[f64; 2], t: f64) -> [f64; 2] {
 }
 
 /// `cells` are those in 0.2 m, across the ring.
-pub(crate) fn run(case: &Case) -> Result<Outcome, String> {
+pub(crate) fn run<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let h = (OUTER - INNER) / case.cells as f64;
     let lattice = lattice([0.0; 2], h)?;
     let duration = 2.0 * MIDDLE / SPEED;
@@ -89,7 +90,7 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, String> {
         every: (steps / 20).max(1),
     };
     let (mut mean, mut largest) = (0.0, 0.0);
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+    let outcome = case.scheme.plane(&scene, &mut |moment| {
         let mut of_u = Norm::default();
         moment.for_each(&mut |p| {
             let x = &moment.starts[p.number];

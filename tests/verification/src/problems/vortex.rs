@@ -11,7 +11,8 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use crate::case::{Case, Outcome};
-use crate::problems::{lattice, rubber, run_plane};
+use crate::formulation::Formulation;
+use crate::problems::{lattice, rubber};
 use crate::scene::{Norm, Scene, block, worse};
 
 const SHEAR: f64 = 1000.0 / 2.6;
@@ -56,7 +57,7 @@ fn force(x: &[f64; 2], t: f64) -> [f64; 2] {
 }
 
 /// `cells` are those across the square.
-pub(crate) fn run(case: &Case) -> Result<Outcome, String> {
+pub(crate) fn run<S: Formulation>(case: &Case<S>) -> Result<Outcome, String> {
     let h = 3.0 / case.cells as f64;
     let lattice = lattice([-1.5; 2], h)?;
     let steps = (1.0 / (case.courant * h)).ceil() as u64;
@@ -74,7 +75,7 @@ pub(crate) fn run(case: &Case) -> Result<Outcome, String> {
     };
     let (mut mean, mut largest) = (0.0, 0.0);
     let full = 2.0 * 0.5f64.sin();
-    let outcome = run_plane(case.scheme, &scene, &mut |moment| {
+    let outcome = case.scheme.plane(&scene, &mut |moment| {
         let mut of_u = Norm::default();
         moment.for_each(&mut |p| {
             let (x, _) = motion(&moment.starts[p.number], moment.time);

@@ -7,7 +7,7 @@ use mpm_core::geometry::structured::box_mesh;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{
     Axisymmetric, BlockGrid, Boundary, Embedding, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl,
-    PlaneStrain, Solver,
+    PlaneStrain, PointView, Solver,
 };
 use mpm_materials::IntoMaterial;
 use pcmm::{Composition, LocalDelaunay, Masses, Packing, Pcmm};
@@ -208,6 +208,17 @@ impl Matter {
             points.push(Point { mass, rest: self.rest[n], position, velocity });
         });
         points
+    }
+
+    /// Call `visit` for every particle, or every element.
+    pub fn visit(&mut self, visit: &mut dyn FnMut(&PointView)) {
+        self.solved.solver().bodies().iter().for_each(|body| body.for_each(visit));
+    }
+
+    /// The place of a number of the law among those of a point, by its name.
+    pub fn place_of(&mut self, name: &str) -> Option<usize> {
+        let bodies = self.solved.solver().bodies();
+        bodies.first()?.state_names().iter().position(|n| n == name)
     }
 
     /// Energy that nothing explains, over that at the start.

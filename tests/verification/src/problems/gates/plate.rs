@@ -1,0 +1,115 @@
+//! D: plates of copper without strength that hit each other, half of it: a bar between planes of symmetry on a rigid wall.
+//!
+//! A shock runs into material that comes with u and stops it: U = c0 + s u, p = rho0 U u, rho = rho0 U / (U - u), and the specific energy
+//! u^2 / 2. What the first particles at the wall are heated too much, and the front, are left out of the means.
+
+use std::sync::Arc;
+
+use mpm_core::{Boundary, Side};
+use mpm_materials::{Fluid, MieGruneisen};
+
+use super::Passage;
+use super::matter::{Matter, Setup};
+use crate::case::Outcome;
+
+const LENGTH: f64 = 0.1;
+/// Cells across.
+const ACROSS: usize = 2;
+const DENSITY: f64 = 8930.0;
+const SOUND: f64 = 3940.0;
+const SLOPE: f64 = 1.49;
+const GRUNEISEN: f64 = 2.0;
+/// Half of the closing speed, m/s.
+const SPEED: f64 = 250.0;
+/// Bulk viscosity, linear and quadratic.
+const VISCOSITY: [f64; 2] = [0.3, 1.5];
+/// How much of the plate the shock has passed at the two looks.
+const PASSED: [f64; 2] = [0.4, 0.7];
+/// The part of what it has passed at the last of them that means are taken of.
+const BEHIND: [f64; 2] = [0.2, 0.7];
+
+/// Speed of the shock in the material, m/s.
+const SHOCK: f64 = SOUND + SLOPE * SPEED;
+const PRESSURE: f64 = DENSITY * SHOCK * SPEED;
+/// Density behind the shock, kg/m^3.
+const DENSE: f64 = DENSITY * SHOCK / (SHOCK - SPEED);
+/// Energy that the shock leaves, J/kg.
+const ENERGY: f64 = 0.5 * SPEED * SPEED;
+
+/// What is seen of a point.
+struct Seen {
+    x: f64,
+    volume: f64,
+    pressure: f64,
+    density: f64,
+    /// J/kg.
+    energy: f64,
+}
+
+fn look(plate: &mut Matter) -> Result<Vec<Seen>, String> {
+    let energy = plate.place_of("energy").ok_or("the law keeps no energy")?;
+    let mut seen = Vec::new();
+    plate.visit(&mut |p| {
+        seen.push(Seen {
+            x: p.position[0],
+            volume: p.volume,
+            pressure: p.pressure(),
+            density: p.mass / p.volume,
+            energy: p.state[energy] / DENSITY,
+        });
+    });
+    Ok(seen)
+}
+
+/// Points in a part of what is behind a front at `front` m that means are taken of.
+fn behind(seen: &[Seen], front: f64) -> impl Iterator<Item = &Seen> + Clone {
+    seen.iter().filter(move |s| (BEHIND[0] * front..BEHIND[1] * front).contains(&s.x))
+}
+
+fn mean<'a>(points: impl Iterator<Item = &'a Seen> + Clone, of: fn(&Seen) -> f64) -> f64 {
+    points.clone().map(|s| s.volume * of(s)).sum::<f64>() / points.map(|s| s.volume).sum::<f64>()
+}
+
+pub fn run(passage: Passage) -> Result<Outcome, String> {
+    let eos = MieGruneisen::new(DENSITY, SOUND, SLOPE, GRUNEISEN).map_err(|e| e.to_string())?;
+    let [linear, quadratic] = VISCOSITY;
+    let law = Fluid::new(eos).with_bulk_viscosity(linear, quadratic).map_err(|e| e.to_string())?;
+    let across = ACROSS as f64 * LENGTH / passage.cells as f64;
+    let setup = Setup {
+        size: [LENGTH, across],
+        cells: [passage.cells, ACROSS],
+        velocity: Arc::new(|_| [-SPEED, 0.0]),
+        boundaries: vec![
+            Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 },
+            Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above },
+            Boundary::Symmetry { axis: 1, at: across, side: Side::Below },
+        ],
+    };
+    let mut plate = Matter::in_plane_strain(passage.way, setup, law)?;
+    let times = PASSED.map(|part| part * LENGTH / SHOCK);
+    let mut fronts = [0.0; 2];
+    let mut seen = Vec::new();
+    for (front, time) in fronts.iter_mut().zip(times) {
+        if let Err(failure) = plate.run_until(time) {
+            return Ok(Outcome { work: plate.work, failure: Some(failure), ..Outcome::default() });
+        }
+        seen = look(&mut plate)?;
+        // The middle of the front: as far as the mean pressure would have to reach to make up all of it.
+        let pressure = mean(behind(&seen, (SHOCK - SPEED) * time), |s| s.pressure);
+        *front = seen.iter().map(|s| s.volume * s.pressure).sum::<f64>() / across / pressure;
+    }
+    // The front moves through material that comes with the speed.
+    let shock = (fronts[1] - fronts[0]) / (times[1] - times[0]) + SPEED;
+    let exact = (SHOCK - SPEED) * times[1];
+    let behind = || behind(&seen, exact);
+    let off = |s: &Seen| s.volume * (s.pressure - if s.x < exact { PRESSURE } else { 0.0 }).abs();
+    let profile = seen.iter().map(off).sum::<f64>() / across / LENGTH / PRESSURE;
+    let outcome = Outcome { work: plate.work, ..Outcome::default() };
+    Ok(outcome
+        .with("profile", profile)
+        .with("pressure", mean(behind(), |s| s.pressure) / PRESSURE - 1.0)
+        .with("density", mean(behind(), |s| s.density) / DENSE - 1.0)
+        .with("specific energy", mean(behind(), |s| s.energy) / ENERGY - 1.0)
+        .with("shock", shock / SHOCK - 1.0)
+        .with("energy", plate.energy_error()))
+}
