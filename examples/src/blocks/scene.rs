@@ -5,7 +5,7 @@ use std::path::Path;
 use mpm_contact::Gradients;
 use mpm_core::GridContact;
 use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, RunView, VtkSeries};
-use mpm_core::{Archive, CheckpointError, Mpm, PointView, Team};
+use mpm_core::{Archive, CheckpointError, PointView, Solver, Team};
 use mpm_materials::{BulkViscosity, Elastic, HughesWinget, LinearDensity, NoFailure, Solid};
 
 use crate::{CaseError, Detection, Detector, Law, Simulation, Totals};
@@ -104,14 +104,14 @@ pub trait Seen {
 /// # Errors
 /// A step that breaks, files that cannot be written.
 pub fn run<S: Seen>(
-    mpm: &mut Mpm<2>,
+    solver: &mut (dyn Solver + 'static),
     end: f64,
     watch: Watch<'_>,
     mut simulation: Simulation,
     seen: &mut S,
     look: impl FnMut(&mut S, &RunView<'_>),
 ) -> Result<Totals, CaseError> {
-    mpm.set_team(Team::new(watch.threads)?);
+    solver.set_team(Team::new(watch.threads)?);
     let mut ledger = Ledger::new(Pace::interval(end / 200.0)?);
     let pace = if watch.every > 0.0 { Pace::interval(watch.every)? } else { Pace::every_step() };
     let mut eye = Eye { pace, seen, look };
@@ -121,8 +121,8 @@ pub fn run<S: Seen>(
         series = VtkSeries::create(folder.join("paraview"), name, Pace::interval(end / 40.0)?)?;
         observers.push(&mut series);
     }
-    simulation.until(mpm, observers, end)?;
-    Ok(Totals::of(mpm, &simulation.summary(), &ledger))
+    simulation.until(solver, observers, end)?;
+    Ok(Totals::of(solver, &simulation.summary(), &ledger))
 }
 
 struct Eye<'a, S, F> {

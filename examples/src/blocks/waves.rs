@@ -3,12 +3,17 @@
 
 use std::sync::Arc;
 
+use mpm_contact::particles::Bodies;
+use mpm_contact::{Frictionless, Pairs, SurfaceDistance};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::RunView;
-use mpm_core::{Archive, BlockGrid, Boundary, CheckpointError, Deformable, IntoKernels, Mpm, Side, Traction};
+use mpm_core::{
+    Archive, BlockGrid, Boundary, CheckpointError, Deformable, IntoKernels, Mpm, Side, Solver, Traction,
+};
+use sph::{Layout, Sph};
 
-use crate::blocks::scene::{Asked, Seen, Task, Watch, mean, rubber, run, velocity};
-use crate::{CaseError, Detection, Law, Totals};
+use crate::blocks::scene::{Asked, Rubber, Seen, Task, Watch, mean, rubber, run, velocity};
+use crate::{CaseError, Detection, Law, Simulation, Totals};
 
 /// Density, kg/m^3.
 pub const DENSITY: f64 = 1000.0;
@@ -81,17 +86,52 @@ pub fn strike<M: IntoKernels<f64, 2>>(
     let Task { asked, simulation } = task.into();
     let h = LENGTH / f64::from(cells);
     let (mut mpm, lattice) = strip(method, h, asked)?;
-    let young = DENSITY * WAVE * WAVE;
-    let law = |m: f64| rubber(m * DENSITY, m * young, 0.0, viscosity);
-    mpm.add("first", law(1.0)?, &piece(&lattice, -LENGTH, 0.0)?, |_| [SPEED, 0.0])?;
-    mpm.add("second", law(ratio)?, &piece(&lattice, 0.0, second * LENGTH)?, |_| [0.0; 2])?;
+    mpm.add("first", law(1.0, viscosity)?, &piece(&lattice, -LENGTH, 0.0)?, |_| [SPEED, 0.0])?;
+    mpm.add("second", law(ratio, viscosity)?, &piece(&lattice, 0.0, second * LENGTH)?, |_| [0.0; 2])?;
+    struck(&mut mpm, ratio, 2.0 * h, simulation)
+}
+
+/// Two equal bars as of [`strike`] by smoothed particles, `cells` of them along each, that meet by their surfaces.
+///
+/// # Errors
+/// As [`strike`].
+pub fn strike_of_particles<M: sph::Composition<2>>(
+    method: M,
+    cells: u32,
+    viscosity: f64,
+) -> Result<Struck, CaseError> {
+    let h = LENGTH / f64::from(cells);
+    let lattice = Lattice::new([0.0; 2], h)?;
+    let mut bars = Bodies::new(SurfaceDistance::default(), Pairs::new(Frictionless));
+    for (name, from, speed) in [("first", -LENGTH, SPEED), ("second", 0.0, 0.0)] {
+        let shape = Cuboid::new([from, 0.0], [from + LENGTH, 2.0 * h])?;
+        let layout = Layout::of_seeds(&fill(&shape, &lattice, 1, &Filling::new())?);
+        let mut bar = Sph::new(method, law(1.0, viscosity)?, &layout, |_| [speed, 0.0])?;
+        bar.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above })?;
+        bar.bound(Boundary::Symmetry { axis: 1, at: 2.0 * h, side: Side::Below })?;
+        bars.add(name, bar);
+    }
+    struck(&mut bars, 1.0, 2.0 * h, Simulation::alone())
+}
+
+/// The law of a bar `ratio` times as heavy and stiff.
+fn law(ratio: f64, viscosity: f64) -> Result<Rubber, CaseError> {
+    rubber(ratio * DENSITY, ratio * DENSITY * WAVE * WAVE, 0.0, viscosity)
+}
+
+/// What comes of the impact in a scene of the two bars, with a section of `area` square metres.
+fn struck(
+    scene: &mut (dyn Solver + 'static),
+    ratio: f64,
+    area: f64,
+    simulation: Simulation,
+) -> Result<Struck, CaseError> {
     let impedance = [DENSITY * WAVE, ratio * DENSITY * WAVE];
     let joint = SPEED * impedance[0] / (impedance[0] + impedance[1]);
     let stress = -impedance[1] * joint;
     let when = 0.8 * LENGTH / WAVE;
     let mut history = History { plateau: [f64::NAN; 2], profile: [f64::NAN; 2], last: 0.0, rows: Vec::new() };
-    let area = 2.0 * h;
-    let totals = run(&mut mpm, 3.5 * LENGTH / WAVE, Watch::STEPS, simulation, &mut history, |seen, now| {
+    let totals = run(scene, 3.5 * LENGTH / WAVE, Watch::STEPS, simulation, &mut history, |seen, now| {
         let force = now.contacts().iter().map(|p| p.force[0]).sum::<f64>() / area;
         if force > 0.5 * stress.abs() {
             seen.last = now.time();

@@ -132,10 +132,16 @@ impl Style {
             };
         }
         // Methods beside material points.
-        let beside =
-            [("PCMM", 2), ("FE one point", 3), ("FE mean dilatation", 5), ("FE averaged triangles", 6)];
-        if let Some((name, colour)) = beside.into_iter().find(|(name, _)| method == *name) {
-            return Style { colour, dash: "none", mark: Mark::of(peer, name.starts_with("FE")) };
+        let beside = [
+            ("PCMM", 2, false),
+            ("SPH total Lagrangian", 8, true),
+            ("SPH updated", 8, false),
+            ("FE one point", 3, true),
+            ("FE mean dilatation", 5, true),
+            ("FE averaged triangles", 6, true),
+        ];
+        if let Some((_, colour, ring)) = beside.into_iter().find(|(name, ..)| method == *name) {
+            return Style { colour, dash: "none", mark: Mark::of(peer, ring) };
         }
         let ring = method.starts_with("TL");
         if !variant.is_empty() {

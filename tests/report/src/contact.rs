@@ -11,6 +11,7 @@ use examples::{CaseError, Detection, Law, Totals};
 use mpm_core::{
     Axisymmetric, Flip, IntoKernels, Linear, Method, Musl, PlaneStrain, QuadraticBSpline, TimeControl,
 };
+use verification::smoothed::Smoothed;
 use verification::work::{Stopwatch, Work};
 use verification::{Kernel, Outcome, Scheme, Velocity};
 
@@ -184,9 +185,7 @@ impl Touch {
             let totals = made.totals;
             Ok((made, totals))
         })?;
-        let stress = made.plateau[1] / made.stress - 1.0;
-        let measures = vec![("velocity", made.error), ("overshoot", made.overshoot), ("stress", stress)];
-        Ok(Outcome { measures, work, failure: None })
+        Ok(Outcome { measures: of_bars(&made), work, failure: None })
     }
 
     fn discs<M: IntoKernels<f64, 2>>(self, method: M) -> Result<Outcome, CaseError> {
@@ -223,19 +222,95 @@ impl Touch {
         Ok(Outcome { measures, work, failure: None })
     }
 
-    /// What a run brings, and its work. Core-seconds are those of the whole, by the share that steps have of its
-    /// time by the clock: looks at every step are no work of a method.
     fn timed<R>(self, run: impl FnOnce() -> Result<(R, Totals), CaseError>) -> Result<(R, Work), CaseError> {
-        let (watch, clock) = (Stopwatch::start(), Instant::now());
-        let (made, totals) = run()?;
-        let share = (totals.wall_seconds / clock.elapsed().as_secs_f64()).min(1.0);
-        let work = Work {
-            particles: totals.particles as u64,
-            steps: totals.steps,
-            nodes: self.kernel().nodes(2),
-            seconds: share * watch.seconds(),
-            bytes: totals.bytes as u64,
+        timed(self.kernel().nodes(2), run)
+    }
+}
+
+/// What a run brings, and its work, with so many nodes or neighbours a particle. Core-seconds are those of the whole, by the share that
+/// steps have of its time by the clock: looks at every step are no work of a method.
+fn timed<R>(
+    nodes: u64,
+    run: impl FnOnce() -> Result<(R, Totals), CaseError>,
+) -> Result<(R, Work), CaseError> {
+    let (watch, clock) = (Stopwatch::start(), Instant::now());
+    let (made, totals) = run()?;
+    let share = (totals.wall_seconds / clock.elapsed().as_secs_f64()).min(1.0);
+    let work = Work {
+        particles: totals.particles as u64,
+        steps: totals.steps,
+        nodes,
+        seconds: share * watch.seconds(),
+        bytes: totals.bytes as u64,
+    };
+    Ok((made, work))
+}
+
+/// What is measured of two bars that hit each other.
+fn of_bars(made: &waves::Struck) -> Vec<(&'static str, f64)> {
+    let stress = made.plateau[1] / made.stress - 1.0;
+    vec![("velocity", made.error), ("overshoot", made.overshoot), ("stress", stress)]
+}
+
+/// V8 by smoothed particles, with bulk viscosity or without: contact is that of their surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strike {
+    /// With bulk viscosity?
+    pub viscous: bool,
+    /// The method.
+    pub smoothed: Smoothed,
+    /// Particles along a bar.
+    pub cells: usize,
+}
+
+impl Strike {
+    /// All on these grids, coarse ones first.
+    pub fn all(viscous: bool, cells: &[usize]) -> Vec<Strike> {
+        let of = |&cells| Smoothed::ALL.map(|smoothed| Strike { viscous, smoothed, cells });
+        cells.iter().flat_map(of).collect()
+    }
+
+    fn meeting(self) -> Meeting {
+        if self.viscous { Meeting::Bars } else { Meeting::BareBars }
+    }
+
+    /// Its name.
+    pub fn key(self) -> Key {
+        let scheme = self.smoothed.name().into();
+        Key {
+            problem: self.meeting().name().into(),
+            scheme,
+            per_axis: 1,
+            cells: self.cells,
+            courant: Smoothed::COURANT,
+        }
+    }
+
+    /// The one of a name.
+    pub fn of(key: &Key) -> Option<Strike> {
+        let made = [true, false].into_iter().flat_map(|viscous| Strike::all(viscous, &[key.cells]));
+        made.into_iter().find(|strike| strike.key() == *key)
+    }
+
+    /// Run it.
+    pub fn run(self) -> Outcome {
+        let viscosity = if self.viscous { VISCOSITY } else { 0.0 };
+        let strike = |cells| match self.smoothed {
+            Smoothed::TotalLagrangian => {
+                waves::strike_of_particles(sph::Method::total_lagrangian(PlaneStrain), cells, viscosity)
+            }
+            Smoothed::Updated => {
+                waves::strike_of_particles(sph::Method::updated(PlaneStrain), cells, viscosity)
+            }
         };
-        Ok((made, work))
+        let made = timed(self.smoothed.neighbours(), || {
+            let made = strike(self.cells as u32)?;
+            let totals = made.totals;
+            Ok((made, totals))
+        });
+        match made {
+            Ok((made, work)) => Outcome { measures: of_bars(&made), work, failure: None },
+            Err(error) => Outcome { failure: Some(error.to_string()), ..Outcome::default() },
+        }
     }
 }

@@ -34,6 +34,9 @@ pub fn possible() -> bool {
 fn steps_of(job: &Job) -> &'static str {
     match job {
         Job::Passage(passage) if passage.way.per_axis() == 1 => "*step_at_most*",
+        Job::Long(long) if long.is_smoothed() => "*step_at_most*",
+        Job::Strike(_) => "*step_at_most*",
+        Job::Smoothed(_) => "*smoothed_step*",
         _ => "*step_at_most_here*",
     }
 }

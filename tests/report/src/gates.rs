@@ -1,4 +1,4 @@
-//! The gates that all methods are measured by: elements and particle contacts beside material points.
+//! The gates that all methods are measured by: elements, particle contacts and smoothed particles beside material points.
 
 use verification::problems::gates::{Gate, Passage, Way};
 
@@ -7,8 +7,8 @@ use crate::job::Key;
 /// Cells along the length of a gate.
 pub fn grids(gate: Gate, quick: bool) -> &'static [usize] {
     match (gate, quick) {
-        (Gate::Bar, true) => &[25, 50, 100, 200],
-        (Gate::Bar, false) => &[25, 50, 100, 200, 400, 800],
+        (Gate::Bar | Gate::Plate, true) => &[25, 50, 100, 200],
+        (Gate::Bar | Gate::Plate, false) => &[25, 50, 100, 200, 400, 800],
         (Gate::Beam, true) => &[2, 4, 8],
         (Gate::Beam, false) => &[2, 4, 8, 16],
         (Gate::Taylor, true) => &[4, 6, 8, 12],

@@ -1,10 +1,12 @@
 //! Runs that charts are made of, named by what a file can hold.
 
 use serde::{Deserialize, Serialize};
+use verification::formulation::Formulation;
 use verification::problems::gates::Passage;
+use verification::smoothed::Smoothed;
 use verification::{Case, Outcome, Problem, Scheme};
 
-use crate::contact::Touch;
+use crate::contact::{Strike, Touch};
 use crate::gates;
 use crate::long::Long;
 use crate::soil::Footing;
@@ -15,8 +17,12 @@ use crate::study::Study;
 pub enum Job {
     /// A case of the package `verification`.
     Case(Case),
+    /// One of them by smoothed particles.
+    Smoothed(Case<Smoothed>),
     /// Two bodies that meet.
     Touch(Touch),
+    /// Two bars of smoothed particles that meet.
+    Strike(Strike),
     /// A strip footing.
     Footing(Footing),
     /// A bar that swings for long.
@@ -42,18 +48,24 @@ pub struct Key {
     pub courant: f64,
 }
 
+fn of_case<S: Formulation>(case: &Case<S>) -> Key {
+    Key {
+        problem: case.problem.name().into(),
+        scheme: case.scheme.name(),
+        per_axis: case.per_axis,
+        cells: case.cells,
+        courant: case.courant,
+    }
+}
+
 impl Job {
     /// Its name.
     pub fn key(&self) -> Key {
         match self {
-            Job::Case(case) => Key {
-                problem: case.problem.name().into(),
-                scheme: case.scheme.name(),
-                per_axis: case.per_axis,
-                cells: case.cells,
-                courant: case.courant,
-            },
+            Job::Case(case) => of_case(case),
+            Job::Smoothed(case) => of_case(case),
             Job::Touch(touch) => touch.key(),
+            Job::Strike(strike) => strike.key(),
             Job::Footing(footing) => footing.key(),
             Job::Long(long) => long.key(),
             Job::Study(study) => study.key(),
@@ -64,12 +76,16 @@ impl Job {
     /// The job of a name, if there still is such a one.
     pub fn of(key: &Key) -> Option<Job> {
         if let Some(problem) = Problem::ALL.into_iter().find(|p| p.name() == key.problem) {
-            let scheme = Scheme::named(&key.scheme)?;
             let Key { per_axis, cells, courant, .. } = *key;
+            if let Some(scheme) = Smoothed::named(&key.scheme) {
+                return Some(Job::Smoothed(Case { problem, scheme, per_axis, cells, courant }));
+            }
+            let scheme = Scheme::named(&key.scheme)?;
             return Some(Job::Case(Case { problem, scheme, per_axis, cells, courant }));
         }
         Touch::of(key)
             .map(Job::Touch)
+            .or_else(|| Strike::of(key).map(Job::Strike))
             .or_else(|| Footing::of(key).map(Job::Footing))
             .or_else(|| Long::of(key).map(Job::Long))
             .or_else(|| Study::of(key).map(Job::Study))
@@ -80,7 +96,9 @@ impl Job {
     pub fn run(&self) -> Vec<Outcome> {
         match self {
             Job::Case(case) => vec![case.run()],
+            Job::Smoothed(case) => vec![case.run()],
             Job::Touch(touch) => vec![touch.run()],
+            Job::Strike(strike) => vec![strike.run()],
             Job::Footing(footing) => vec![footing.run()],
             Job::Long(long) => long.run(),
             Job::Study(study) => vec![study.run()],
@@ -109,7 +127,17 @@ impl Job {
                 };
                 Job::Case(Case { cells, courant, ..case })
             }
+            Job::Smoothed(case) => {
+                let (cells, courant) = match case.problem {
+                    Problem::Vortex => (24, 0.2),
+                    Problem::Ring => (8, 0.6),
+                    Problem::Sod | Problem::SodBare => (100, 0.8),
+                    _ => (24, 0.8),
+                };
+                Job::Smoothed(Case { cells, courant, ..case })
+            }
             Job::Touch(touch) => Job::Touch(touch.scaled()),
+            Job::Strike(strike) => Job::Strike(Strike { cells: 50, ..strike }),
             Job::Footing(footing) => Job::Footing(Footing { cells: 1, ..footing }),
             Job::Long(long) => Job::Long(Long { steps: 100, ..long }),
             Job::Study(study) => Job::Study(study.scaled()),

@@ -35,7 +35,7 @@ use examples::peers::Peer;
 use examples::{CaseError, machine};
 use verification::origin::said_by;
 use verification::problems::gates::Gate;
-use verification::{fast, stored};
+use verification::stored;
 
 use counts::Count;
 use job::{Job, Key};
@@ -64,6 +64,9 @@ struct Options {
     /// Folder for page and data
     #[arg(long, value_name = "DIR", default_value = "out/report")]
     out: PathBuf,
+    /// Keep runs that programs of other commits made, and make only what is not there at all
+    #[arg(long)]
+    keep: bool,
     /// Write the page from the runs there are, without new ones
     #[arg(long)]
     draw: bool,
@@ -99,8 +102,7 @@ fn run(options: &Options) -> Made<()> {
         return Ok(());
     }
     if options.store {
-        let runs: Vec<_> = fast::cases().into_iter().map(|case| (case, case.run())).collect();
-        print!("{}", stored::table(&runs));
+        print!("{}", stored::table());
         return Ok(());
     }
     let charts = sweep::charts();
@@ -219,6 +221,11 @@ impl Sweeper<'_> {
         if self.options.quick { (2, 0.1) } else { (5, 3.0) }
     }
 
+    /// The commit whose runs need not be made again; none where all are kept.
+    fn asked(&self) -> Option<&str> {
+        (!self.options.keep).then_some(self.commit)
+    }
+
     fn wants(&self, number: &str) -> bool {
         self.options.charts.is_empty() || self.options.charts.iter().any(|c| c == number)
     }
@@ -236,7 +243,7 @@ impl Sweeper<'_> {
     fn runs(&self, charts: &[sweep::Chart]) -> Made<()> {
         let there = record::read(&self.files.runs)?;
         let jobs = self.jobs(charts);
-        let is_there = |job: &Job| there.iter().any(|r| r.is_of(job, self.commit));
+        let is_there = |job: &Job| there.iter().any(|r| r.is_of(job, self.asked()));
         let missing: Vec<Job> = jobs.iter().filter(|j| !is_there(j)).copied().collect();
         println!("{} runs, {} of them there", jobs.len(), jobs.len() - missing.len());
         let (repeats, brief) = self.repeats();
@@ -280,7 +287,8 @@ impl Sweeper<'_> {
         };
         for job in self.jobs(charts).into_iter().filter(short) {
             let key = job.scaled().key();
-            let known = there.iter().any(|c| c.is_of(&key) && c.commit == self.commit);
+            let known =
+                there.iter().any(|c| c.is_of(&key) && self.asked().is_none_or(|asked| c.commit == asked));
             if !known && !missing.iter().any(|m| m.scaled().key() == key) {
                 missing.push(job);
             }
@@ -431,6 +439,9 @@ impl Sweeper<'_> {
             Ok::<_, ()>(())
         })
         .map_err(|()| "the control failed")?;
+        // Of runs that are kept the noise was what it was.
+        let kept = self.files.making()?.filter(|_| self.options.keep);
+        let band = kept.map_or(band, |before| band.max(before.band));
         let making = page::Making {
             date: said_by("date", &["+%Y-%m-%d"]),
             machine: machine::class(),

@@ -1,17 +1,84 @@
 //! Long time: how the energy of a swinging bar (T17 of the stability scenes) changes with the steps.
 
-use stability::scenes::long::{LENGTH, STEP, swinging_bar};
+use std::f64::consts::PI;
+
+use mpm_core::geometry::Lattice;
+use mpm_core::{PlaneStrain, Solver, TimeControl, Totals};
+use sph::{Composition, Layout, Method, Sph};
+use stability::scenes::long::{LENGTH, SPEED, STEP, swinging_bar};
 use stability::stage::energy;
+use verification::problems::{box_of_planes, rubber};
+use verification::scene::block;
+use verification::smoothed::Smoothed;
 use verification::work::{Stopwatch, Work};
 use verification::{Outcome, Scheme};
 
 use crate::job::Key;
 
+/// What the bar is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bar {
+    /// Material points, two a cell of a metre and axis.
+    Points(Scheme),
+    /// Smoothed particles, half a metre apart.
+    Smoothed(Smoothed),
+}
+
+/// Metres between smoothed particles.
+const SPACING: f64 = 0.5;
+
+impl Bar {
+    /// All.
+    pub fn all() -> Vec<Bar> {
+        let points = Scheme::all().into_iter().map(Bar::Points);
+        points.chain(Smoothed::ALL.map(Bar::Smoothed)).collect()
+    }
+
+    fn name(self) -> String {
+        match self {
+            Bar::Points(scheme) => scheme.name(),
+            Bar::Smoothed(smoothed) => smoothed.name().into(),
+        }
+    }
+
+    /// Nodes or neighbours of a particle.
+    fn nodes(self) -> u64 {
+        match self {
+            Bar::Points(scheme) => scheme.kernel.nodes(2),
+            Bar::Smoothed(smoothed) => smoothed.neighbours(),
+        }
+    }
+
+    fn solver(self) -> Result<Box<dyn Solver>, String> {
+        Ok(match self {
+            Bar::Points(scheme) => Box::new(swinging_bar(scheme)?),
+            Bar::Smoothed(Smoothed::TotalLagrangian) => of_particles(Method::total_lagrangian(PlaneStrain))?,
+            Bar::Smoothed(Smoothed::Updated) => of_particles(Method::updated(PlaneStrain))?,
+        })
+    }
+}
+
+/// The bar of smoothed particles: two rows between planes of symmetry.
+fn of_particles<M: Composition<2>>(method: M) -> Result<Box<dyn Solver>, String> {
+    fn text(error: impl std::fmt::Display) -> String {
+        error.to_string()
+    }
+    let lattice = Lattice::new([0.0; 2], SPACING).map_err(text)?;
+    let seeds = block(&lattice, [0; 2], [(LENGTH / SPACING) as usize, 2], 1);
+    let speed = |[x, _]: [f64; 2]| [SPEED * (PI * x / LENGTH).cos(), 0.0];
+    let mut bar = Sph::new(method, rubber(1.0, 1.0, 0.0)?, &Layout::of_seeds(&seeds), speed).map_err(text)?;
+    for plane in box_of_planes(1..2, 0.0, 2.0 * SPACING) {
+        bar.bound(plane).map_err(text)?;
+    }
+    bar.set_time_control(TimeControl::Fixed(STEP)).map_err(text)?;
+    Ok(Box::new(bar))
+}
+
 /// A bar that swings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Long {
-    /// Scheme.
-    pub scheme: Scheme,
+    /// What it is made of.
+    pub bar: Bar,
     /// Steps.
     pub steps: u64,
 }
@@ -22,20 +89,25 @@ impl Long {
 
     /// Its name. The number of steps is told by the records of a run, not by its name.
     pub fn key(self) -> Key {
+        let (per_axis, cell) = if self.is_smoothed() { (1, SPACING) } else { (2, 1.0) };
         Key {
             problem: Self::PROBLEM.into(),
-            scheme: self.scheme.name(),
-            per_axis: 2,
-            cells: LENGTH as usize,
-            courant: STEP,
+            scheme: self.bar.name(),
+            per_axis,
+            cells: (LENGTH / cell) as usize,
+            courant: STEP / cell,
         }
     }
 
     /// The one of a name, of the length that is asked of a quick sweep.
     pub fn of(key: &Key) -> Option<Long> {
-        let scheme = Scheme::named(&key.scheme)?;
-        let long = Long { scheme, steps: 100_000 };
-        (long.key() == *key).then_some(long)
+        let found = Bar::all().into_iter().map(|bar| Long { bar, steps: 100_000 });
+        found.into_iter().find(|long| long.key() == *key)
+    }
+
+    /// Is it one of smoothed particles?
+    pub fn is_smoothed(self) -> bool {
+        matches!(self.bar, Bar::Smoothed(_))
     }
 
     /// Steps after which it is looked at: 1, 2 and 5 in a decade, and the last.
@@ -52,14 +124,12 @@ impl Long {
     /// Run it: "energy" is the relative change of its mean over a period, from the first one to the last before
     /// each mark.
     pub fn run(self) -> Vec<Outcome> {
-        let mut mpm = match swinging_bar(self.scheme) {
-            Ok(mpm) => mpm,
+        let mut solver = match self.bar.solver() {
+            Ok(solver) => solver,
             Err(why) => return vec![Outcome { failure: Some(why), ..Outcome::default() }],
         };
-        let mut work = Work { nodes: self.scheme.kernel.nodes(2), ..Work::default() };
-        for body in mpm.bodies() {
-            body.for_each(&mut |_| work.particles += 1);
-        }
+        let mut work = Work { nodes: self.bar.nodes(), ..Work::default() };
+        work.particles = solver.moving_points() as u64;
         let period = Self::period();
         let mut first = f64::NAN;
         let mut outcomes = Vec::new();
@@ -71,7 +141,7 @@ impl Long {
                 let stretch = if looked { 1 } else { mark - period - work.steps };
                 let watch = Stopwatch::start();
                 for _ in 0..stretch {
-                    if let Err(error) = mpm.step() {
+                    if let Err(error) = solver.step_at_most(f64::INFINITY) {
                         let failure = Some(error.to_string());
                         outcomes.push(Outcome { measures: Vec::new(), work, failure });
                         return outcomes;
@@ -80,10 +150,10 @@ impl Long {
                 }
                 work.seconds += watch.seconds();
                 if looked {
-                    sum += energy(&mpm.totals());
+                    sum += energy(&totals(&*solver));
                 }
             }
-            work.bytes = mpm.bytes() as u64;
+            work.bytes = solver.bytes() as u64;
             if first.is_nan() {
                 first = sum;
             } else {
@@ -92,4 +162,8 @@ impl Long {
         }
         outcomes
     }
+}
+
+fn totals(solver: &dyn Solver) -> Totals {
+    solver.bodies().iter().map(|b| b.totals()).fold(Totals::default(), |a, b| a.plus(&b))
 }

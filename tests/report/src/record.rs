@@ -58,13 +58,13 @@ impl Record {
         }
     }
 
-    /// Is it a run of this job, to its end, by the program of this commit?
-    pub fn is_of(&self, job: &Job, commit: &str) -> bool {
+    /// Is it a run of this job, to its end, by the program of this commit, if one is asked for?
+    pub fn is_of(&self, job: &Job, commit: Option<&str>) -> bool {
         let ended = match job {
             Job::Long(Long { steps, .. }) => self.steps >= *steps || self.failure.is_some(),
             _ => true,
         };
-        ended && self.commit == commit && self.key == job.key()
+        ended && commit.is_none_or(|commit| self.commit == commit) && self.key == job.key()
     }
 
     /// Does it stand in the place of an older one?
