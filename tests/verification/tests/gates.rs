@@ -28,14 +28,14 @@ fn gate_a_bar_on_a_wall() {
     }
 }
 
-/// C: the frequency within 2 % on the finest grid. Not by updated smoothed particles, whose artificial stress takes from the stiffness
-/// of what is in tension for long: 10 % on eight through the beam.
+/// C: the frequency within 2 % on the finest grid. Not by updated smoothed particles with kernels of 2.6 spacings, 6 % slow with eight through
+/// the beam and 10 % where artificial stress was not balanced.
 #[test]
 fn gate_c_beam() {
     let runs = judged(stored(Gate::Beam));
     for way in ways(&runs) {
         let error = over_grids(&runs, way, "frequency");
-        let allowed = if way == Way::Updated { 0.11 } else { 0.02 };
+        let allowed = if way == Way::Updated { 0.06 } else { 0.02 };
         assert!(error[2] < allowed && error[2] < error[0], "{way:?}: {error:?}");
         assert!(over_grids(&runs, way, "energy")[2] < 1e-3, "{way:?}");
     }
