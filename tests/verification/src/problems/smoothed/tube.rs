@@ -37,15 +37,18 @@ fn slowest() -> f64 {
     (YOUNG / DENSITY).sqrt() / (0.5 * (BORE + OUTER))
 }
 
-/// Forces of the pressure at the bore, N by number: those under which a uniform pressure, within it and at its bore, is in equilibrium; that is one of strains that are
-/// alike `along` both axes, or around the axis along the radius. They
+/// The radius of a place, m.
+type Radius = fn([f64; 2]) -> f64;
+
+/// Forces of the pressure at the bore, N by number: those under which a uniform pressure, within it and at its bore, is in equilibrium; that
+/// is one of strains that are alike `along` both axes, or around the axis along the radius. They
 /// spread over the rows that kernels reach, as the forces of stresses do at a surface; put on the outermost row alone, they would leave a
 /// layer in which the radial stress is off by 40 % of the pressure, however fine.
 fn load<E: Embedding<2> + Debug>(
     by: By,
     space: E,
     (layout, boundaries): (&Layout<2>, &[Boundary<2>]),
-    (radius, along): (fn([f64; 2]) -> f64, [f64; 2]),
+    (radius, along): (Radius, [f64; 2]),
 ) -> Result<Vec<[f64; 2]>, String> {
     let squeeze = |x: [f64; 2]| [0, 1].map(|d| -100.0 * along[d] * x[d]);
     let setup = Setup { layout, velocity: &squeeze, boundaries: boundaries.to_vec() };
