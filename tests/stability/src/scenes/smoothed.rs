@@ -101,6 +101,9 @@ pub fn checkerboard() -> Scene {
 
 /// S2.
 pub fn rotation() -> Scene {
+    /// Balanced artificial stress does less against clumping than a part of every tensile stress, and neither form knows a rest position.
+    const PARTS: &str = "held together by the tension of its spin for turns, the block comes apart: after 13 turns without stabilisation, after 15 with \
+                         balanced artificial stress; as printed it lasts 20, braked by 0.1 %";
     fn trial<M: Composition<2>>(method: M) -> impl Fn(Size) -> Result<Measured, String> {
         move |size| {
             let turns = if size == Size::Fast { 1.0 } else { 20.0 };
@@ -131,8 +134,10 @@ pub fn rotation() -> Scene {
     }
     .holds("total Lagrangian, zero-energy penalty", "gates 3.6", trial(Method::total_lagrangian(PlaneStrain)))
     .holds("updated, corrected, no stabilisation", "gates 3.6", trial(bare_updated(PlaneStrain)))
+    .but(|row| row.noted_when_long(PARTS))
     .fails("updated, gradients as they are", "gates 3.6", trial(plain()))
     .holds("updated, balanced artificial stress", "own", trial(Method::updated(PlaneStrain)))
+    .but(|row| row.noted_when_long(PARTS))
     .fails("updated, artificial stress as printed", "own", trial(printed_stress()))
 }
 
