@@ -24,6 +24,6 @@ pub use layout::Layout;
 pub use method::{Composition, Method};
 pub use solver::{SMALL, Sph, StepTimes};
 pub use stabilisation::{
-    ArtificialStress, DensityDiffusion, PairViscosity, Stabilisation, StabilisationError, Unstabilised,
-    ZeroEnergyPenalty,
+    ArtificialStress, DensityDiffusion, PairViscosity, PrintedArtificialStress, Stabilisation,
+    StabilisationError, Unstabilised, ZeroEnergyPenalty,
 };

@@ -7,7 +7,7 @@ use impactite_scene::Embedding;
 
 use crate::form::{Correction, Form, GradientCorrection, NoCorrection, TotalLagrangian, Updated};
 use crate::kernel::{CubicSpline, Kernel, WendlandC2};
-use crate::stabilisation::{ArtificialStress, Stabilisation, ZeroEnergyPenalty};
+use crate::stabilisation::{ArtificialStress, PrintedArtificialStress, Stabilisation, ZeroEnergyPenalty};
 
 /// The ingredients of a method of smoothed particles.
 ///
@@ -48,10 +48,10 @@ impl<E, K, F, C, S> Method<E, K, F, C, S> {
     }
 }
 
-impl<E> Method<E, CubicSpline, Updated, NoCorrection, ArtificialStress> {
+impl<E> Method<E, CubicSpline, Updated, NoCorrection, PrintedArtificialStress> {
     /// As printed \[Xiao2015\]: direct discretisation, cubic spline, artificial stress. The artificial viscosity is that of the law.
     pub fn printed(embedding: E) -> Self {
-        let stress = ArtificialStress::default().as_printed();
+        let stress = PrintedArtificialStress::default();
         Method::new(embedding, CubicSpline::default(), Updated, NoCorrection, stress)
     }
 }
@@ -71,7 +71,7 @@ impl<E> Method<E, WendlandC2, TotalLagrangian, GradientCorrection, ZeroEnergyPen
 }
 
 impl<E> Method<E, WendlandC2, Updated, GradientCorrection, ArtificialStress> {
-    /// For what flows and tears: updated Lagrangian, corrected gradients, artificial stress.
+    /// For what flows and tears: updated Lagrangian, corrected gradients, balanced artificial stress.
     pub fn updated(embedding: E) -> Self {
         Method::new(
             embedding,

@@ -124,15 +124,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
     pub(crate) const HAS: Has = Has {
         penalty: M::Stabilisation::PENALTY,
         stress: M::Stabilisation::STRESS,
-        balance: false,
+        balance: M::Stabilisation::BALANCE,
         viscosity: M::Stabilisation::VISCOSITY,
         diffusion: M::Stabilisation::DIFFUSION,
     };
-
-    /// The records that its method needs.
-    pub(crate) fn has(method: &M) -> Has {
-        Has { balance: Self::HAS.stress && method.stabilisation().balanced(), ..Self::HAS }
-    }
 
     /// Particles of a law in a layout, with their velocity (m/s) at a position (m). On the caller's thread, with 0.7 of the stable step.
     ///
@@ -158,7 +153,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let positions: Vec<[f64; D]> = numbers.iter().map(|&n| layout.positions[n as usize]).collect();
         let (reference, spacing) = (pick(&layout.volumes), pick(&layout.spacings));
         let mut records = Records { particles: count, ..Records::default() };
-        records.resize(0, Self::has(&method));
+        records.resize(0, Self::HAS);
         for (i, &x) in positions.iter().enumerate() {
             let v = velocity(x);
             for value in v {

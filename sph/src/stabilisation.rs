@@ -17,6 +17,8 @@ pub trait Stabilisation<F>: Copy + Debug + Send + Sync + 'static {
     const PENALTY: bool = false;
     /// Is there an artificial stress?
     const STRESS: bool = false;
+    /// Is what the artificial stress does to linear velocity fields taken off again?
+    const BALANCE: bool = false;
     /// Is there a viscosity of pairs?
     const VISCOSITY: bool = false;
     /// Is there a diffusion of density?
@@ -28,10 +30,6 @@ pub trait Stabilisation<F>: Copy + Debug + Send + Sync + 'static {
     /// Part of a tensile stress that pushes particles apart, and the power of the kernel over its value at the spacing.
     fn artificial(&self) -> (f64, i32) {
         (0.0, 4)
-    }
-    /// Is what the artificial stress does to linear velocity fields taken off again?
-    fn balanced(&self) -> bool {
-        false
     }
     /// Linear and quadratic coefficient of the viscosity of pairs.
     fn viscosity(&self) -> [f64; 2] {
@@ -106,39 +104,52 @@ impl Stabilisation<TotalLagrangian> for ZeroEnergyPenalty {
 }
 
 /// A pressure that keeps particles in tension from clumping \[Gray2001\]: the tensile principal stresses s of a pair act once more as
-/// -eps s (W(r) / W(d))^4, d the spacing, with a quotient of at most one: where one principal stress is tensile and particles are pressed
-/// together along another one, more of it would feed the motion. By default eps is 0.3. It follows the stress with a delay of twenty times
-/// that a wave takes through the smoothing length: a force that depended on the stress at once would be a stiffness that is not symmetric,
-/// under which particles flutter, and makes energy wherever there is tension. It is no part of the law: what it does is booked
+/// R = -eps s times (W(r) / W(d))^4, d the spacing, with a quotient of at most one: where one principal stress is tensile and particles are
+/// pressed together along another one, more of it would feed the motion. By default eps is 0.3. It follows the stress with a delay of twenty
+/// times that a wave takes through the smoothing length: a force that depended on the stress at once would be a stiffness that is not
+/// symmetric, under which particles flutter, and makes energy wherever there is tension. It is no part of the law: what it does is booked
 /// ([`Exchange::impacts`](impactite_scene::Exchange::impacts)).
 ///
-/// As printed it is a part of every tensile stress: a beam that swings is softened by 20 %, whatever the spacing. By default it is
-/// balanced: with T = sum_j V_j (-W'/r) (W(r) / W(d))^4 d (x) d and M the same sum without the quotient, each pair gets the artificial stress
-/// R_i times ((W(r) / W(d))^4 - T M^-1) instead, which pushes apart those that are near and draws those that are far. In a linear velocity
-/// field that does no work, and it keeps the angular momentum.
+/// It is balanced: with T = sum_j V_j (-W'/r) (W(r) / W(d))^4 d (x) d and M the same sum without the quotient, a pair gets
+/// R_i ((W(r) / W(d))^4 - T_i M_i^-1), which pushes apart those that are near and draws those that are far. In a linear velocity field that
+/// does no work, and it keeps the angular momentum. [`PrintedArtificialStress`] is not.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ArtificialStress {
-    eps: f64,
-    balanced: bool,
+pub struct ArtificialStress(f64);
+
+/// [`ArtificialStress`] without its balance, as printed: a part of every tensile stress. A beam that swings is softened by it by some 20 %,
+/// whatever the spacing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PrintedArtificialStress(f64);
+
+macro_rules! artificial {
+    ($($stress:ident: $name:literal, $balance:literal;)*) => {$(
+        impl Default for $stress {
+            fn default() -> Self {
+                $stress(0.3)
+            }
+        }
+        impl $stress {
+            /// With this eps.
+            ///
+            /// # Errors
+            /// Negative or not finite.
+            pub fn new(eps: f64) -> Result<Self, StabilisationError> {
+                Ok($stress(not_negative("eps of the artificial stress", eps)?))
+            }
+        }
+        impl Stabilisation<Updated> for $stress {
+            const NAME: &'static str = $name;
+            const STRESS: bool = true;
+            const BALANCE: bool = $balance;
+            fn artificial(&self) -> (f64, i32) {
+                (self.0, 4)
+            }
+        }
+    )*};
 }
-impl Default for ArtificialStress {
-    fn default() -> Self {
-        ArtificialStress { eps: 0.3, balanced: true }
-    }
-}
-impl ArtificialStress {
-    /// With this eps.
-    ///
-    /// # Errors
-    /// Negative or not finite.
-    pub fn new(eps: f64) -> Result<Self, StabilisationError> {
-        Ok(ArtificialStress { eps: not_negative("eps of the artificial stress", eps)?, balanced: true })
-    }
-    /// Not balanced, as printed.
-    #[must_use]
-    pub fn as_printed(self) -> Self {
-        ArtificialStress { balanced: false, ..self }
-    }
+artificial! {
+    ArtificialStress: "balanced artificial stress", true;
+    PrintedArtificialStress: "artificial stress as printed", false;
 }
 
 /// A viscosity between particles that approach each other \[Monaghan1992\]: Pi = (-alpha c mu + beta mu^2) / rho, mu = h v.r / (r^2 + 0.01
@@ -162,16 +173,6 @@ impl PairViscosity {
     }
 }
 
-impl Stabilisation<Updated> for ArtificialStress {
-    const NAME: &'static str = "artificial stress";
-    const STRESS: bool = true;
-    fn artificial(&self) -> (f64, i32) {
-        (self.eps, 4)
-    }
-    fn balanced(&self) -> bool {
-        self.balanced
-    }
-}
 impl Stabilisation<Updated> for PairViscosity {
     const NAME: &'static str = "viscosity of pairs";
     const VISCOSITY: bool = true;
@@ -212,53 +213,33 @@ impl Stabilisation<Updated> for DensityDiffusion {
     }
 }
 
-/// Several at once: of each number the one that is not that of none.
+/// Several at once: each number is that of the one that has it, and zero of the others.
 macro_rules! together {
-    ($($first:ident and $second:ident: $name:literal;)*) => {$(
-        impl Stabilisation<Updated> for ($first, $second) {
+    ($($name:literal: $($part:ident $n:tt),+;)*) => {$(
+        impl Stabilisation<Updated> for ($($part),+) {
             const NAME: &'static str = $name;
-            const STRESS: bool =
-                <$first as Stabilisation<Updated>>::STRESS || <$second as Stabilisation<Updated>>::STRESS;
-            const VISCOSITY: bool =
-                <$first as Stabilisation<Updated>>::VISCOSITY || <$second as Stabilisation<Updated>>::VISCOSITY;
-            const DIFFUSION: bool =
-                <$first as Stabilisation<Updated>>::DIFFUSION || <$second as Stabilisation<Updated>>::DIFFUSION;
+            const STRESS: bool = $(<$part as Stabilisation<Updated>>::STRESS)||+;
+            const BALANCE: bool = $(<$part as Stabilisation<Updated>>::BALANCE)||+;
+            const VISCOSITY: bool = $(<$part as Stabilisation<Updated>>::VISCOSITY)||+;
+            const DIFFUSION: bool = $(<$part as Stabilisation<Updated>>::DIFFUSION)||+;
             fn artificial(&self) -> (f64, i32) {
-                // Of two, the first has it.
-                Stabilisation::<Updated>::artificial(&self.0)
-            }
-            fn balanced(&self) -> bool {
-                Stabilisation::<Updated>::balanced(&self.0)
+                let parts = [$(Stabilisation::<Updated>::artificial(&self.$n)),+];
+                (parts.iter().map(|part| part.0).sum(), parts[0].1)
             }
             fn viscosity(&self) -> [f64; 2] {
-                if <$first as Stabilisation<Updated>>::VISCOSITY { Stabilisation::<Updated>::viscosity(&self.0) } else { Stabilisation::<Updated>::viscosity(&self.1) }
+                let parts = [$(Stabilisation::<Updated>::viscosity(&self.$n)),+];
+                [0, 1].map(|k| parts.iter().map(|part| part[k]).sum())
             }
             fn diffusion(&self) -> f64 {
-                Stabilisation::<Updated>::diffusion(&self.1)
+                [$(Stabilisation::<Updated>::diffusion(&self.$n)),+].iter().sum()
             }
         }
     )*};
 }
 together! {
-    ArtificialStress and PairViscosity: "artificial stress, viscosity of pairs";
-    ArtificialStress and DensityDiffusion: "artificial stress, diffusion of density";
-    PairViscosity and DensityDiffusion: "viscosity of pairs, diffusion of density";
-}
-impl Stabilisation<Updated> for (ArtificialStress, PairViscosity, DensityDiffusion) {
-    const NAME: &'static str = "artificial stress, viscosity of pairs, diffusion of density";
-    const STRESS: bool = true;
-    const VISCOSITY: bool = true;
-    const DIFFUSION: bool = true;
-    fn artificial(&self) -> (f64, i32) {
-        Stabilisation::<Updated>::artificial(&self.0)
-    }
-    fn balanced(&self) -> bool {
-        Stabilisation::<Updated>::balanced(&self.0)
-    }
-    fn viscosity(&self) -> [f64; 2] {
-        Stabilisation::<Updated>::viscosity(&self.1)
-    }
-    fn diffusion(&self) -> f64 {
-        Stabilisation::<Updated>::diffusion(&self.2)
-    }
+    "balanced artificial stress, viscosity of pairs": ArtificialStress 0, PairViscosity 1;
+    "balanced artificial stress, diffusion of density": ArtificialStress 0, DensityDiffusion 1;
+    "viscosity of pairs, diffusion of density": PairViscosity 0, DensityDiffusion 1;
+    "balanced artificial stress, viscosity of pairs, diffusion of density":
+        ArtificialStress 0, PairViscosity 1, DensityDiffusion 2;
 }

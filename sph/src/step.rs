@@ -381,7 +381,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.points.extend((0..particles).map(point));
         let skin = self.lists.skin();
         self.images = Images::find(&self.mirrors, &self.points, &smoothing[..particles], skin);
-        self.records.resize(self.images.all.len(), Self::has(&self.method));
+        self.records.resize(self.images.all.len(), Self::HAS);
         self.images.fill_places(&mut self.records);
         let Records { place, smoothing, .. } = &self.records;
         self.points.extend(place[particles..].iter().map(|p| -> [f64; D] { std::array::from_fn(|d| p[d]) }));
@@ -486,7 +486,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     }
                 }
             });
-            if !self.records.balance.is_empty() {
+            if Self::HAS.balance {
                 self.balance();
             }
         }

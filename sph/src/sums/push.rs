@@ -59,7 +59,7 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
         let bias = if M::Stabilisation::PENALTY { records.bias[i] } else { 0.0 };
         let (mut sum, mut extra) = (A::Quad::zero(), A::Quad::zero());
         let (index, slope) = self.near.of(n);
-        let (start, balanced) = (self.near.starts[n] as usize, !records.balance.is_empty());
+        let start = self.near.starts[n] as usize;
         for (k, (&j, &s)) in index.iter().zip(slope).enumerate() {
             let j = j as usize;
             let other = &records.place[j];
@@ -85,7 +85,7 @@ impl<const D: usize, M: Composition<D>> Push<'_, D, M> {
                 for c in 0..D {
                     let along = A::Quad::splat(other[c] - own[c]);
                     let mut stress = both(&records.artificial, c) * close;
-                    if balanced {
+                    if M::Stabilisation::BALANCE {
                         stress = stress - both(&records.balance, c);
                     }
                     push = stress.mul_add(along, push);
