@@ -1,8 +1,5 @@
 //! A: a bar on a rigid wall, between planes of symmetry.
 
-use std::sync::Arc;
-
-use mpm_core::{Boundary, Side};
 use mpm_materials::{LinearElastic, Moduli};
 
 use super::Passage;
@@ -36,18 +33,7 @@ fn exact(x: f64, time: f64) -> f64 {
 
 pub fn run(passage: Passage) -> Result<Outcome, String> {
     let law = LinearElastic::new(DENSITY, Moduli::young_poisson(YOUNG, 0.0).map_err(|e| e.to_string())?);
-    let h = LENGTH / passage.cells as f64;
-    let across = ACROSS as f64 * h;
-    let setup = Setup {
-        size: [LENGTH, across],
-        cells: [passage.cells, ACROSS],
-        velocity: Arc::new(|_| [-SPEED, 0.0]),
-        boundaries: vec![
-            Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 },
-            Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above },
-            Boundary::Symmetry { axis: 1, at: across, side: Side::Below },
-        ],
-    };
+    let setup = Setup::on_a_wall(LENGTH, [passage.cells, ACROSS], SPEED);
     let mut bar = Matter::in_plane_strain(passage.way, setup, law.map_err(|e| e.to_string())?)?;
     let transit = LENGTH * (DENSITY / YOUNG).sqrt();
     let mut worst = 0.0;

@@ -7,7 +7,7 @@ use mpm_core::geometry::structured::box_mesh;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{
     Axisymmetric, BlockGrid, Boundary, Embedding, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl,
-    PlaneStrain, PointView, Solver,
+    PlaneStrain, PointView, Side, Solver,
 };
 use mpm_materials::IntoMaterial;
 use pcmm::{Composition, LocalDelaunay, Masses, Packing, Pcmm};
@@ -27,6 +27,24 @@ pub struct Setup {
     pub cells: [usize; 2],
     pub velocity: Velocity,
     pub boundaries: Vec<Boundary<2>>,
+}
+
+impl Setup {
+    /// A bar of so many cells along its `length` (m) and `across`, between planes of symmetry, that meets a wall at the origin at a speed
+    /// (m/s).
+    pub fn on_a_wall(length: f64, [cells, across]: [usize; 2], speed: f64) -> Self {
+        let width = across as f64 * length / cells as f64;
+        Setup {
+            size: [length, width],
+            cells: [cells, across],
+            velocity: Arc::new(move |_| [-speed, 0.0]),
+            boundaries: vec![
+                Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 },
+                Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above },
+                Boundary::Symmetry { axis: 1, at: width, side: Side::Below },
+            ],
+        }
+    }
 }
 
 /// A particle or a node.

@@ -3,9 +3,6 @@
 //! A shock runs into material that comes with u and stops it: U = c0 + s u, p = rho0 U u, rho = rho0 U / (U - u), and the specific energy
 //! u^2 / 2. What the first particles at the wall are heated too much, and the front, are left out of the means.
 
-use std::sync::Arc;
-
-use mpm_core::{Boundary, Side};
 use mpm_materials::{Fluid, MieGruneisen};
 
 use super::Passage;
@@ -74,17 +71,8 @@ pub fn run(passage: Passage) -> Result<Outcome, String> {
     let eos = MieGruneisen::new(DENSITY, SOUND, SLOPE, GRUNEISEN).map_err(|e| e.to_string())?;
     let [linear, quadratic] = VISCOSITY;
     let law = Fluid::new(eos).with_bulk_viscosity(linear, quadratic).map_err(|e| e.to_string())?;
-    let across = ACROSS as f64 * LENGTH / passage.cells as f64;
-    let setup = Setup {
-        size: [LENGTH, across],
-        cells: [passage.cells, ACROSS],
-        velocity: Arc::new(|_| [-SPEED, 0.0]),
-        boundaries: vec![
-            Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 },
-            Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above },
-            Boundary::Symmetry { axis: 1, at: across, side: Side::Below },
-        ],
-    };
+    let setup = Setup::on_a_wall(LENGTH, [passage.cells, ACROSS], SPEED);
+    let across = setup.size[1];
     let mut plate = Matter::in_plane_strain(passage.way, setup, law)?;
     let times = PASSED.map(|part| part * LENGTH / SHOCK);
     let mut fronts = [0.0; 2];
