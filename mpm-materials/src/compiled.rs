@@ -1,5 +1,5 @@
 //! The laws whose kernels are compiled here, once, for all programs: those of [`crate::library`], each without and with bulk viscosity,
-//! and metals with the failures they are most used with.
+//! metals with the failures they are most used with, and linear elasticity in plane stress.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::strength::{
     SteinbergGuinan,
 };
 use crate::viscosity::{BulkViscosity, NoViscosity};
-use crate::{Jwl, LinearElastic, NeoHookean};
+use crate::{Jwl, LinearElastic, NeoHookean, PlaneStress};
 
 macro_rules! compiled {
     ($t:ty: $($law:ty),+ $(,)?) => {$(
@@ -58,6 +58,7 @@ macro_rules! with_viscosity {
 compiled! {
     f64:
     LinearElastic<f64>,
+    PlaneStress<LinearElastic<f64>>,
     NeoHookean<f64>,
 }
 with_viscosity!(f64, NoViscosity);

@@ -19,6 +19,7 @@ pub mod ground;
 pub mod library;
 pub mod material;
 pub mod parameter;
+pub mod plane_stress;
 pub mod point;
 pub mod porous;
 pub mod rate;
@@ -46,6 +47,7 @@ pub use ground::{Geomaterial, Ground, GroundState};
 pub use impactite_simd::lane::{self, Lane, Mask, Real, Wide};
 pub use material::{AnyLaw, Compiled, IntoMaterial, Material, MaySplit};
 pub use parameter::{Check, ParameterError};
+pub use plane_stress::{PlaneStress, PlaneStressState};
 pub use point::{
     Breakdown, CompiledHere, Constitutive, Fault, Increments, Kinematics, Nothing, Pair, Sink, Source, State,
     Update, lane_of, named, pointwise, spread, with_volume,
