@@ -84,6 +84,8 @@ pub enum PointKind {
     Particle,
     /// An element.
     Element,
+    /// A cell of a body that is divided into such.
+    Cell,
     /// A node of elements.
     Node,
 }
@@ -93,6 +95,7 @@ impl std::fmt::Display for PointKind {
         f.write_str(match self {
             PointKind::Particle => "particle",
             PointKind::Element => "element",
+            PointKind::Cell => "cell",
             PointKind::Node => "node",
         })
     }
