@@ -1,0 +1,143 @@
+//! When faces open, and what they bear then.
+
+use std::fmt::Debug;
+
+use impactite_scene::SceneError;
+use impactite_scene::error::parameter;
+
+/// What a face is judged by: the true traction on it, Pa, across it (tension positive) and along it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FaceStress {
+    /// Across, tension positive.
+    pub normal: f64,
+    /// Along, its amount.
+    pub shear: f64,
+}
+
+/// When faces open.
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` does not say when faces open",
+    label = "takes `NoCracks`, `MaximumTension`, `MixedTensionShear`, `Cohesive`, or another type that implements `Criterion`"
+)]
+pub trait Criterion: Copy + Debug + Send + Sync + 'static {
+    /// The name in tables and messages.
+    const NAME: &'static str;
+    /// Do faces open at all? What does not is not asked.
+    const OPENS: bool = true;
+    /// The amount of a traction, Pa, below which no face opens, whatever its direction.
+    fn least(&self) -> f64;
+    /// Traction over strength: a face opens at one.
+    fn utilisation(&self, stress: FaceStress) -> f64;
+    /// The work that an area of crack takes after it began to open, J/m^2; none where a face bears nothing from then on.
+    fn work(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// Faces stay closed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NoCracks;
+impl Criterion for NoCracks {
+    const NAME: &'static str = "no cracks";
+    const OPENS: bool = false;
+    fn least(&self) -> f64 {
+        f64::INFINITY
+    }
+    fn utilisation(&self, _: FaceStress) -> f64 {
+        0.0
+    }
+}
+
+const OWNER: &str = "criterion of cracks";
+const POSITIVE: &str = "positive and finite";
+
+/// A face opens at once where the tension on it reaches the strength, as printed \[Shen2022\]. What a crack takes of energy follows from
+/// what the cells beside it held, and so from their size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MaximumTension(f64);
+impl MaximumTension {
+    /// At this strength, Pa.
+    ///
+    /// # Errors
+    /// Not positive or not finite.
+    pub fn new(strength: f64) -> Result<Self, SceneError> {
+        Ok(MaximumTension(parameter(strength > 0.0, OWNER, "strength", strength, POSITIVE)?))
+    }
+}
+impl Criterion for MaximumTension {
+    const NAME: &'static str = "maximum tension";
+    fn least(&self) -> f64 {
+        self.0
+    }
+    fn utilisation(&self, stress: FaceStress) -> f64 {
+        stress.normal / self.0
+    }
+}
+
+/// A face opens at once where (<t_n> / tension)^2 + (t_s / shear)^2 reaches one, <t_n> zero in compression.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MixedTensionShear {
+    tension: f64,
+    shear: f64,
+}
+impl MixedTensionShear {
+    /// At these strengths, Pa.
+    ///
+    /// # Errors
+    /// Not positive or not finite.
+    pub fn new(tension: f64, shear: f64) -> Result<Self, SceneError> {
+        let tension = parameter(tension > 0.0, OWNER, "strength in tension", tension, POSITIVE)?;
+        Ok(MixedTensionShear {
+            tension,
+            shear: parameter(shear > 0.0, OWNER, "strength in shear", shear, POSITIVE)?,
+        })
+    }
+}
+impl Criterion for MixedTensionShear {
+    const NAME: &'static str = "mixed tension and shear";
+    fn least(&self) -> f64 {
+        self.tension.min(self.shear)
+    }
+    fn utilisation(&self, stress: FaceStress) -> f64 {
+        (stress.normal.max(0.0) / self.tension).hypot(stress.shear / self.shear)
+    }
+}
+
+/// A cohesive face \[Hillerborg1976, CamachoOrtiz1996\]: it begins to open as [`MixedTensionShear`] says and bears from then on a traction
+/// that falls in a straight line with the opening, so that an area takes the same work in cells of any size. On the way back traction
+/// falls in a straight line to nothing.
+///
+/// Cells shall be smaller than E G / strength^2, or the energy that they hold when the face begins to open exceeds what it takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cohesive {
+    strength: MixedTensionShear,
+    work: f64,
+}
+impl Cohesive {
+    /// With this strength in tension, Pa, and the work of an area, J/m^2; the strength in shear is the same.
+    ///
+    /// # Errors
+    /// Not positive or not finite.
+    pub fn new(strength: f64, work: f64) -> Result<Self, SceneError> {
+        Cohesive::mixed(MixedTensionShear::new(strength, strength)?, work)
+    }
+    /// With two strengths.
+    ///
+    /// # Errors
+    /// As [`Cohesive::new`].
+    pub fn mixed(strength: MixedTensionShear, work: f64) -> Result<Self, SceneError> {
+        Ok(Cohesive { strength, work: parameter(work > 0.0, OWNER, "work of an area", work, POSITIVE)? })
+    }
+}
+impl Criterion for Cohesive {
+    const NAME: &'static str = "cohesive faces";
+    fn least(&self) -> f64 {
+        self.strength.least()
+    }
+    fn utilisation(&self, stress: FaceStress) -> f64 {
+        self.strength.utilisation(stress)
+    }
+    fn work(&self) -> Option<f64> {
+        Some(self.work)
+    }
+}

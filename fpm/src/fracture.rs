@@ -1,0 +1,277 @@
+//! Faces that open: what changes then, all of it near them.
+
+use crate::crack::{Criterion, FaceStress};
+use crate::flux::Flux;
+use crate::method::Composition;
+use crate::open::OpenFace;
+use crate::solver::Fpm;
+use crate::step::{subtract, turned, with_identity};
+use crate::sums::{BATCH, jump, lifting, trace};
+use crate::vector::{Tensor, add_dyad, along, apply, cofactor, dot, norm, scaled};
+
+/// A face that is open, as observers see it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crack<const D: usize> {
+    /// Its cells, by number in the [`Cells`](crate::Cells).
+    pub cells: [u32; 2],
+    /// Where it is, m: in the middle between both sides.
+    pub position: [f64; D],
+    /// Where it was in the reference configuration, m.
+    pub reference: [f64; D],
+    /// Unit normal of the reference configuration, from the first cell to the second.
+    pub normal: [f64; D],
+    /// Area of the reference configuration, m^2 (length in the plane, m).
+    pub area: f64,
+    /// When it opened, s; nothing of a notch.
+    pub opened: Option<f64>,
+    /// How far it is open, m: across (negative where it is closed) and along.
+    pub gap: [f64; 2],
+    /// Part of the work of a cohesive face that it took; one where it bears nothing but pressure.
+    pub damage: f64,
+}
+
+impl<const D: usize, M: Composition<D>> Fpm<D, M> {
+    /// Fit the gradients of all cells.
+    pub(crate) fn fit_all(&mut self) {
+        for cell in 0..self.reference.len() {
+            self.fit(cell);
+        }
+        (0..self.reference.len()).for_each(|cell| self.sides.tell(cell));
+    }
+
+    /// Fit that of one; one whose neighbours do not tell its gradient keeps how it is turned.
+    fn fit(&mut self, cell: usize) {
+        let faces = &self.faces;
+        self.sides.sort(cell, |face| faces[face as usize].open);
+        let size = self.sizes[cell];
+        if self.sides.fit(cell, size) {
+            return;
+        }
+        let batch = &mut self.batches[cell / BATCH];
+        if batch.rigid(cell % BATCH).is_none() {
+            batch.rigid.push(((cell % BATCH) as u32, turned(&self.traces[cell].h)));
+        }
+    }
+
+    /// Keep an open face.
+    pub(crate) fn note_crack(&mut self, crack: OpenFace<D>) {
+        let number = self.cracks.len() as u32;
+        for (end, cell) in crack.cells.iter().enumerate() {
+            let to = &mut self.batches[*cell as usize / BATCH].cracks;
+            to.push(((*cell as usize % BATCH) as u32, number, end as u8));
+        }
+        self.cracks.push(crack);
+    }
+
+    /// What open faces bear at the start, or where a run goes on.
+    pub(crate) fn begin_cracks(&mut self) {
+        for crack in &mut self.cracks {
+            let [a, b] = crack.cells.map(|c| &self.traces[c as usize]);
+            crack.resume([a, b]);
+        }
+    }
+
+    /// Open the faces among the candidates that the criterion says, at `time`, s. Costs nothing that grows with the body but to look for
+    /// candidates.
+    pub(crate) fn open_faces(&mut self, time: f64) {
+        let mut failed: Vec<(u32, [f64; D])> = Vec::new();
+        for batch in &self.batches {
+            for &face in &batch.report.candidates {
+                let (force, stress) = self.face_stress(face);
+                if self.method.criterion().utilisation(stress) >= 1.0 {
+                    failed.push((face, force));
+                }
+            }
+        }
+        if failed.is_empty() {
+            return;
+        }
+        failed.sort_by_key(|(face, _)| *face);
+        let cells = sorted(failed.iter().flat_map(|(face, _)| self.faces[*face as usize].cells));
+        let around = self.ring(&cells);
+        let batches = sorted(around.iter().map(|c| c / BATCH as u32));
+        let mut given = 0.0;
+        let penalty =
+            |fpm: &Self| batches.iter().map(|&b| fpm.batches[b as usize].report.penalty).sum::<f64>();
+        let before = penalty(self);
+        for (face, _) in &failed {
+            self.faces[*face as usize].open = true;
+        }
+        cells.iter().for_each(|&c| self.fit(c as usize));
+        for &c in &cells {
+            self.sides.tell(c as usize);
+            self.traces[c as usize] = self.trace_of(c as usize);
+        }
+        // Cracks beside them see other trial functions.
+        let beside = |&c: &u32| {
+            let cracks = self.batches[c as usize / BATCH].cracks.iter();
+            cracks.filter(move |(n, ..)| *n as usize == c as usize % BATCH).map(|(_, crack, _)| *crack)
+        };
+        for crack in sorted(cells.iter().flat_map(beside)) {
+            let crack = &mut self.cracks[crack as usize];
+            let stored = crack.stored;
+            crack.renew(crack.cells.map(|c| &self.traces[c as usize]), self.friction);
+            given += crack.stored - stored;
+        }
+        let (modulus, work) = (self.contact_modulus(), self.method.criterion().work());
+        for (face, force) in &failed {
+            let cells = self.faces[*face as usize].cells;
+            let surface = self.sides.surface[self.side_of(*face, cells[0])];
+            let [a, b] = cells.map(|c| &self.traces[c as usize]);
+            let crack = OpenFace::notch(*face, cells, surface, modulus).opens(time, force, [a, b], work);
+            given += crack.stored;
+            self.note_crack(crack);
+        }
+        self.note_jumps(if M::Flux::LIFTED { &around } else { &cells });
+        batches.iter().for_each(|&b| self.tractions_of(b as usize));
+        given += penalty(self) - before;
+        let farther = self.ring(&around);
+        // Forces that change at once change what velocities half a step from now will be, and so the kinetic energy as it is counted.
+        given -= self.kinetic_of_forces(&farther);
+        sorted(farther.iter().map(|c| c / BATCH as u32)).iter().for_each(|&b| self.forces_of(b as usize));
+        given += self.kinetic_of_forces(&farther);
+        self.exchange.conversion += given;
+        self.dissipated -= given;
+        farther.iter().for_each(|&c| self.renew_rate(c as usize));
+        self.find_rate();
+    }
+
+    /// The part of the kinetic energy of some cells that forces are in, J.
+    fn kinetic_of_forces(&self, cells: &[u32]) -> f64 {
+        cells.iter().map(|&c| self.forced(c as usize)).sum()
+    }
+
+    /// These cells and their neighbours, also across open faces.
+    fn ring(&self, cells: &[u32]) -> Vec<u32> {
+        let near = |&c: &u32| self.sides.of(c as usize).map(|s| self.sides.neighbour[s]);
+        sorted(cells.iter().copied().chain(cells.iter().flat_map(near)))
+    }
+
+    /// The trial function of a cell.
+    fn trace_of(&self, cell: usize) -> crate::sums::Trace<D> {
+        let mut trace = trace(&self.sides, &self.displacement, cell);
+        if let Some(h) = self.batches[cell / BATCH].rigid(cell % BATCH) {
+            trace.h = *h;
+        }
+        trace
+    }
+
+    /// Note by how much gradients changed because neighbours did, which their law sees with the next step.
+    fn note_jumps(&mut self, cells: &[u32]) {
+        for &c in cells {
+            let (cell, n) = (c as usize, c as usize % BATCH);
+            let (trace, per) = (&self.traces[cell], 1.0 / self.volume[cell]);
+            let mut change: Tensor<D> = trace.h;
+            if M::Flux::LIFTED {
+                subtract(&mut change, per, &lifting(&self.sides, &self.traces, cell));
+            }
+            for outer in self.batches[cell / BATCH].outer.iter().filter(|o| o.cell as usize == n) {
+                let load = &self.acting[outer.load as usize];
+                if load.holds() {
+                    add_dyad(&mut change, -per, &load.jump(&trace.at(&outer.arm)), &outer.area);
+                }
+            }
+            let batch = &mut self.batches[cell / BATCH];
+            subtract(&mut change, 1.0, &batch.gradient[n]);
+            batch.jumps.push((n as u32, change));
+        }
+    }
+
+    /// The force of a face on its first cell, N, and the true traction on it.
+    fn face_stress(&self, face: u32) -> ([f64; D], FaceStress) {
+        let [a, b] = self.faces[face as usize].cells;
+        let surface = &self.sides.surface[self.side_of(face, a)];
+        let [own, other] = [a, b].map(|c| &self.traces[c as usize]);
+        let (mut p, mut h) = (self.stress[a as usize], own.h);
+        for i in 0..D {
+            for j in 0..D {
+                p[i][j] = 0.5 * (p[i][j] + self.stress[b as usize][i][j]);
+                h[i][j] = 0.5 * (h[i][j] + other.h[i][j]);
+            }
+        }
+        let force = along(&apply(&p, &surface.area), -surface.stiffness, &jump(own, other, surface));
+        let area = apply(&cofactor(&with_identity(&h)), &surface.area);
+        let size = norm(&area);
+        let normal = scaled(&area, 1.0 / size);
+        let across = dot(&force, &normal);
+        let shear = norm(&along(&force, -across, &normal)) / size;
+        (force, FaceStress { normal: across / size, shear })
+    }
+
+    /// The largest traction of intact faces over what they bear, by the criterion, with where that is, m; nothing without faces.
+    pub fn utilisation(&self) -> Option<(f64, [f64; D])> {
+        let intact = (0..self.faces.len()).filter(|&f| !self.faces[f].open);
+        let of = |f: usize| {
+            let (_, stress) = self.face_stress(f as u32);
+            (self.method.criterion().utilisation(stress), self.faces[f].centroid)
+        };
+        intact.map(of).max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// All faces that are open, in the order in which they opened, notches first.
+    pub fn cracks(&self) -> Vec<Crack<D>> {
+        let of = |crack: &OpenFace<D>| {
+            let surface = &crack.surface;
+            let [a, b] = crack.cells.map(|c| &self.traces[c as usize]);
+            let (here, there) = (a.at(&surface.own), b.at(&surface.other));
+            let reference = along(&self.reference[crack.cells[0] as usize], 1.0, &surface.own);
+            let area = norm(&surface.area);
+            Crack {
+                cells: crack.cells.map(|c| self.numbers[c as usize]),
+                position: std::array::from_fn(|d| reference[d] + 0.5 * (here[d] + there[d])),
+                reference,
+                normal: scaled(&surface.area, 1.0 / area),
+                area,
+                opened: (crack.opened >= 0.0).then_some(crack.opened),
+                gap: crack.gap(),
+                damage: crack.damage(),
+            }
+        };
+        self.cracks.iter().map(of).collect()
+    }
+
+    /// Area of faces that opened, m^2 (length in the plane, m), each by the part of its work that it took.
+    pub fn crack_area(&self) -> f64 {
+        let opened = self.cracks.iter().filter(|c| c.opened >= 0.0);
+        opened.map(|c| c.damage() * norm(&c.surface.area)).sum()
+    }
+
+    /// Energy that cracks took, J: in cohesive faces, and what cells lost when faces opened. Friction is apart
+    /// ([`Exchange::friction`](impactite_scene::Exchange::friction)).
+    pub fn dissipated(&self) -> f64 {
+        self.dissipated
+    }
+
+    /// Pieces that no face joins which bears tension, each with the cells it has, the largest first.
+    pub fn fragments(&self) -> Vec<usize> {
+        let mut parent: Vec<u32> = (0..self.reference.len() as u32).collect();
+        fn root(parent: &mut [u32], mut c: u32) -> u32 {
+            while parent[c as usize] != c {
+                parent[c as usize] = parent[parent[c as usize] as usize];
+                c = parent[c as usize];
+            }
+            c
+        }
+        let intact = self.faces.iter().filter(|f| !f.open).map(|f| f.cells);
+        let bearing = self.cracks.iter().filter(|c| !c.broken()).map(|c| c.cells);
+        for [a, b] in intact.chain(bearing) {
+            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+        let mut sizes = vec![0usize; parent.len()];
+        for c in 0..parent.len() as u32 {
+            sizes[root(&mut parent, c) as usize] += 1;
+        }
+        sizes.retain(|&size| size > 0);
+        sizes.sort_unstable_by(|a, b| b.cmp(a));
+        sizes
+    }
+}
+
+/// Each number once, in order.
+fn sorted(numbers: impl IntoIterator<Item = u32>) -> Vec<u32> {
+    let mut list: Vec<u32> = numbers.into_iter().collect();
+    list.sort_unstable();
+    list.dedup();
+    list
+}

@@ -1,0 +1,224 @@
+//! A body as others see it, and in files.
+
+use impactite_scene::constants::over;
+use impactite_scene::{Archive, Body, CheckpointError, Condition, PointView, Totals};
+
+use crate::method::Composition;
+use crate::open::OpenFace;
+use crate::solver::Fpm;
+use crate::step::{wide, with_identity};
+use crate::sums::{BATCH, Batch};
+use crate::vector::{along, difference, zero};
+
+impl<const D: usize, M: Composition<D>> Fpm<D, M> {
+    /// Sums over cells. Momentum is that of the velocities, which belong to the middle of the last step. Kinetic energy is the sum of m v-
+    /// . v+ / 2 of these and the velocities that faces make half a step after the present: with the internal energy what central
+    /// differences conserve. What is held has that of its velocity.
+    pub fn totals(&self) -> Totals {
+        let mut sum = Totals::default();
+        for i in 0..self.reference.len() {
+            let (mass, velocity) = (self.mass[i], &self.velocity[i]);
+            sum.add_point(mass, &self.position(i), velocity);
+            sum.kinetic += self.forced(i);
+        }
+        sum.internal = self.internal_energy() + self.penalty_energy() + self.stored_in_cracks();
+        sum
+    }
+
+    /// What forces add to m v- . v- / 2 to make it m v- . v+ / 2, J.
+    pub(crate) fn forced(&self, i: usize) -> f64 {
+        let held = self.batches[i / BATCH].held[i % BATCH];
+        let free = (0..D).filter(|d| held & 1 << d == 0);
+        free.map(|d| self.lag * self.mass[i] * self.velocity[i][d] * self.acceleration[i][d]).sum()
+    }
+
+    /// Internal energy by the law, J: without that of the penalty.
+    pub fn internal_energy(&self) -> f64 {
+        let mut state = vec![0.0; self.virgin.len()];
+        let mut sum = 0.0;
+        for (i, volume) in self.volume.iter().enumerate() {
+            self.batches[i / BATCH].read(i % BATCH, &mut state);
+            sum += volume * self.material.energy_of(&state).unwrap_or(f64::NAN);
+        }
+        sum
+    }
+
+    /// Energy of the penalty on jumps, J.
+    pub fn penalty_energy(&self) -> f64 {
+        self.batches.iter().map(|b| b.report.penalty).sum()
+    }
+
+    /// Energy in cohesive faces and closed cracks, J.
+    pub fn stored_in_cracks(&self) -> f64 {
+        self.cracks.iter().map(|c| c.stored).sum()
+    }
+
+    /// The displacement gradients that laws see, as cells are sorted in space.
+    pub fn gradients(&self) -> Vec<[[f64; D]; D]> {
+        self.batches.iter().flat_map(|b| &b.gradient).copied().collect()
+    }
+
+    /// Displacement by the trial function of a cell at a place of the reference configuration, m.
+    ///
+    /// # Panics
+    /// There is no such cell.
+    pub fn displacement_at(&self, i: usize, x: [f64; D]) -> [f64; D] {
+        self.traces[i].at(&difference(&x, &self.reference[i]))
+    }
+
+    /// The numbers of the state of a cell, named by [`Body::state_names`]; `None` if there is no such cell.
+    pub fn cell_state(&self, i: usize) -> Option<Vec<f64>> {
+        let mut state = vec![0.0; self.virgin.len()];
+        (i < self.reference.len()).then(|| {
+            self.batches[i / BATCH].read(i % BATCH, &mut state);
+            state
+        })
+    }
+
+    /// Bytes of memory, by its own count.
+    pub fn bytes(&self) -> usize {
+        let batches: usize = self.batches.iter().map(Batch::bytes).sum();
+        let vectors = 4 * self.reference.capacity();
+        let tensors = self.traces.capacity() + self.stress.capacity() + self.loads.capacity();
+        batches
+            + self.sides.bytes()
+            + 8 * D * (vectors + D * tensors + 2 * self.traces.capacity())
+            + 16 * self.volume.capacity()
+            + self.faces.capacity() * size_of::<crate::Face<D>>()
+            + self.surface.capacity() * size_of::<crate::OuterFace<D>>()
+            + self.cracks.capacity() * size_of::<OpenFace<D>>()
+            + 4 * self.numbers.capacity()
+    }
+
+    /// What the body is made of and what changes in a run, to a file or from one: as
+    /// [`Solver::archive`](impactite_scene::Solver::archive), but for the watch.
+    pub(crate) fn archive_body(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let name = self.name.clone();
+        let of = |what: &str| format!("{what} of body `{name}`");
+        file.same(&of("method"), &self.method.describe())?;
+        file.same(&of("ingredients"), &format!("{:?}", self.method))?;
+        file.same(&of("law"), self.material.name())?;
+        file.same(&of("constants of the law"), &self.material.constants())?;
+        file.same(&of("number of cells"), &self.reference.len().to_string())?;
+        file.same(&of("number of faces"), &self.faces.len().to_string())?;
+        file.same(&of("friction of cracks"), &self.friction.to_string())?;
+        self.clock.archive(file)?;
+        let times = [0.0, self.clock.time];
+        let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
+        file.same(&of("body force"), &force.unwrap_or_default())?;
+        file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
+        for (n, boundary) in self.boundaries.iter().enumerate() {
+            file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
+        }
+        file.same(&of("number of loads"), &self.acting.len().to_string())?;
+        for (n, load) in self.acting.iter_mut().enumerate() {
+            load.archive(file, &format!("load {n} of body `{name}`"), self.clock.time)?;
+        }
+        let mut middle = [0.0; D];
+        self.reference.iter().for_each(|x| middle = along(&middle, 1.0, x));
+        file.same(&of("sum of the places of cells"), &format!("{middle:?}"))?;
+        for list in [&mut self.displacement, &mut self.velocity] {
+            file.reals(list.iter_mut().flatten())?;
+        }
+        for batch in &mut self.batches {
+            archive_batch(batch, file)?;
+        }
+        self.archive_cracks(file)?;
+        file.reals([&mut self.rate, &mut self.sharpness, &mut self.lag, &mut self.dissipated])?;
+        self.exchange.archive(file)?;
+        if file.reads() {
+            self.go_on();
+        }
+        Ok(())
+    }
+
+    fn archive_cracks(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let mut count = self.cracks.len();
+        file.count(&mut count)?;
+        for n in 0..count {
+            let mut face = self.cracks.get(n).map_or(0, |c| c.face);
+            file.index(&mut face, self.faces.len())?;
+            if n == self.cracks.len() {
+                let cells = self.faces[face as usize].cells;
+                let surface = self.sides.surface[self.side_of(face, cells[0])];
+                self.faces[face as usize].open = true;
+                self.note_crack(OpenFace::notch(face, cells, surface, self.contact_modulus()));
+            }
+            self.cracks[n].archive(file)?;
+        }
+        Ok(())
+    }
+}
+
+fn archive_batch<const D: usize>(batch: &mut Batch<D>, file: &mut Archive) -> Result<(), CheckpointError> {
+    for row in &mut batch.rows {
+        file.reals(row.as_mut())?;
+    }
+    file.reals(batch.said.iter_mut().flatten())?;
+    file.reals(batch.gradient.iter_mut().flatten().flatten())?;
+    for held in &mut batch.held {
+        let mut bits = u64::from(*held);
+        file.word(&mut bits)?;
+        *held = bits as u8;
+    }
+    for list in [&mut batch.rigid, &mut batch.jumps] {
+        file.list(list, &(0, zero()), |file, (n, h)| {
+            file.index(n, BATCH)?;
+            file.reals(h.iter_mut().flatten())
+        })?;
+    }
+    Ok(())
+}
+
+impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn law(&self) -> &'static str {
+        self.material.name()
+    }
+    fn len(&self) -> usize {
+        self.reference.len()
+    }
+    fn state_names(&self) -> Vec<String> {
+        self.material.state_names()
+    }
+    fn totals(&self) -> Totals {
+        Fpm::totals(self)
+    }
+    /// Cells as they are sorted in space, with the numbers of their [`Cells`](crate::Cells).
+    fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
+        let mut point = PointView::default();
+        point.state.resize(self.virgin.len(), 0.0);
+        for (i, trace) in self.traces.iter().enumerate() {
+            let batch = &self.batches[i / BATCH];
+            batch.read(i % BATCH, &mut point.state);
+            let said = self.material.describe_point(&point.state);
+            point.number = self.numbers[i] as usize;
+            point.position = wide(&self.position(i));
+            point.velocity = wide(&self.velocity[i]);
+            point.mass = self.mass[i];
+            point.volume = self.volume[i] * said.as_ref().map_or(1.0, |said| said.volume_ratio);
+            point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);
+            point.in_range = said.as_ref().is_none_or(|said| said.in_range);
+            point.failed = said.as_ref().is_some_and(|said| said.failed);
+            // Files know of triangles, quadrilaterals, tetrahedra and bricks.
+            let drawn = self.corners[i].len() == 4 || self.corners[i].len() == if D == 2 { 3 } else { 8 };
+            let of = |x: &[f64; D]| wide(&along(x, 1.0, &trace.at(&difference(x, &self.reference[i]))));
+            point.corners.clear();
+            if drawn {
+                point.corners.extend(self.corners[i].iter().map(of));
+            }
+            let (f, half) = (with_identity(&trace.h), 0.5 * self.sizes[i]);
+            for d in 0..D {
+                for c in 0..D {
+                    point.half_edges[d][c] = half * f[c][d];
+                }
+            }
+            visit(&point);
+        }
+    }
+    fn bytes(&self) -> usize {
+        Fpm::bytes(self)
+    }
+}

@@ -1,0 +1,13 @@
+//! The fragile points method against plain sums, closed solutions and the contracts of the house.
+#![allow(missing_docs)]
+
+mod beam;
+mod cells;
+mod common;
+mod cracks;
+mod errors;
+mod limit;
+mod patch;
+mod reference;
+mod solver;
+mod wave;
