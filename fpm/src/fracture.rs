@@ -142,7 +142,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 
     /// These cells and their neighbours, also across open faces.
-    fn ring(&self, cells: &[u32]) -> Vec<u32> {
+    pub(crate) fn ring(&self, cells: &[u32]) -> Vec<u32> {
         let near = |&c: &u32| self.sides.of(c as usize).map(|s| self.sides.neighbour[s]);
         sorted(cells.iter().copied().chain(cells.iter().flat_map(near)))
     }

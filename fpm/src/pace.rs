@@ -13,18 +13,20 @@ use crate::flux::Flux;
 use crate::method::Composition;
 use crate::solver::Fpm;
 use crate::step::{square_of, subtract, with_identity};
-use crate::sums::{BATCH, Deform, Force, Lift, Load, Trace, Traction, jump};
+use crate::sums::{BATCH, Force, Load, Trace, Traction, jump, lifting, trace};
 use crate::vector::{Tensor, add_dyad, along, apply, dot, inverse, norm, zero};
 
 /// Iterations for the highest frequency. They find it from below, to some half per cent;
 const ITERATIONS: usize = 60;
 /// what is added to its square.
 const MORE: f64 = 1.01;
+/// Cells that they are made for at most, and those among them whose bounds are the highest.
+const MEMBERS: usize = 4096;
+const SEEDS: usize = 8;
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// The bounds of all cells, and how sharp they are.
     pub(crate) fn find_rates(&mut self) {
-        self.find_rows();
         let bound = self.batches.iter().flat_map(|b| &b.rates).map(|r| r[0] + r[1]).fold(0.0, f64::max);
         let highest = MORE * self.highest_square();
         self.sharpness = if highest > 0.0 && bound > 0.0 { (highest / bound).sqrt() } else { 1.0 };
@@ -127,76 +129,150 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         weights.push((cell, own));
     }
 
-    /// The square of the highest frequency at rest, from below, 1/s^2.
+    /// The square of the highest frequency at rest, from below, 1/s^2: of as many cells as iterations are spent on, those around the highest
+    /// bounds.
     fn highest_square(&self) -> f64 {
-        let count = self.reference.len();
-        let mut u: Vec<[f64; D]> = (0..count).map(|i| std::array::from_fn(|d| noise(i * D + d))).collect();
+        let members = self.members();
+        let mut small = Small::new(self, &members);
         let mut square = 0.0;
         let mut before = 0.0;
+        for &i in &members {
+            small.u[i as usize] = std::array::from_fn(|d| noise(i as usize * D + d));
+        }
         for _ in 0..ITERATIONS {
-            let length: f64 = (0..count).map(|i| self.mass[i] * dot(&u[i], &u[i])).sum::<f64>().sqrt();
+            let length = small.norm(self, &members);
             if !(length > 0.0 && length.is_finite()) {
                 break;
             }
-            u.iter_mut().flatten().for_each(|x| *x /= length);
+            members.iter().for_each(|&i| small.u[i as usize].iter_mut().for_each(|x| *x /= length));
             before = square;
-            u = self.linear(&u);
-            square = (0..count).map(|i| self.mass[i] * dot(&u[i], &u[i])).sum::<f64>().sqrt();
+            small.accelerate(self, &members);
+            square = small.norm(self, &members);
         }
         square.max(before)
     }
 
-    /// Accelerations by small displacements at rest.
-    fn linear(&self, u: &[[f64; D]]) -> Vec<[f64; D]> {
-        let count = u.len();
-        let Fpm { sides, volume, mass, rest, acting, .. } = self;
-        let mut traces = vec![Default::default(); count];
-        f64::dispatch(Deform { sides, displacement: u, first: 0, out: &mut traces });
-        let mut lifting = vec![zero(); count];
-        let held = || {
-            let cells = self.batches.iter().enumerate().flat_map(|(b, batch)| {
-                batch.outer.iter().map(move |outer| (b * BATCH + outer.cell as usize, outer))
-            });
-            cells.filter(|(_, outer)| acting[outer.load as usize].holds())
+    /// The cells of the highest bounds, and those around them.
+    fn members(&self) -> Vec<u32> {
+        let count = self.reference.len();
+        if count <= MEMBERS {
+            return (0..count as u32).collect();
+        }
+        let bound = |i: u32| {
+            let [bulk, penalty] = self.batches[i as usize / BATCH].rates[i as usize % BATCH];
+            bulk + penalty
         };
-        let mut seen: Vec<Tensor<D>> = traces.iter().map(|t: &Trace<D>| t.h).collect();
-        if M::Flux::LIFTED {
-            f64::dispatch(Lift { sides, traces: &traces, first: 0, out: &mut lifting });
-            seen.iter_mut().enumerate().for_each(|(i, h)| subtract(h, 1.0 / volume[i], &lifting[i]));
+        let mut order: Vec<u32> = (0..count as u32).collect();
+        order.select_nth_unstable_by(SEEDS, |&a, &b| bound(b).total_cmp(&bound(a)).then(a.cmp(&b)));
+        let mut found: Vec<u32> = order[..SEEDS].to_vec();
+        found.sort_unstable();
+        let mut seen = vec![false; count];
+        found.iter().for_each(|&c| seen[c as usize] = true);
+        let mut next = 0;
+        while found.len() < MEMBERS && next < found.len() {
+            for s in self.sides.of(found[next] as usize) {
+                let c = self.sides.neighbour[s];
+                if !std::mem::replace(&mut seen[c as usize], true) {
+                    found.push(c);
+                }
+            }
+            next += 1;
         }
-        for (cell, outer) in held() {
-            let jump = acting[outer.load as usize].part(&traces[cell].at(&outer.arm));
-            add_dyad(&mut seen[cell], -1.0 / volume[cell], &jump, &outer.area);
+        found.sort_unstable();
+        found
+    }
+}
+
+/// Small displacements at rest, of some cells; the others stay.
+struct Small<const D: usize> {
+    u: Vec<[f64; D]>,
+    traces: Vec<Trace<D>>,
+    stress: Vec<Tensor<D>>,
+    loads: Vec<Load<D>>,
+    /// The cells and their neighbours.
+    around: Vec<u32>,
+}
+
+impl<const D: usize> Small<D> {
+    fn new<M: Composition<D>>(body: &Fpm<D, M>, members: &[u32]) -> Self {
+        let count = body.reference.len();
+        Small {
+            u: vec![[0.0; D]; count],
+            traces: vec![Trace::default(); count],
+            stress: vec![zero(); count],
+            loads: vec![Load::default(); count],
+            around: body.ring(members),
         }
-        let stress: Vec<Tensor<D>> = seen.iter().map(|h| rest.stress(h)).collect();
-        let mut loads = vec![Load::default(); count];
-        f64::dispatch(Traction {
-            sides,
-            traces: &traces,
-            stress: &stress,
-            volume,
-            first: 0,
-            least: f64::INFINITY,
-            out: &mut loads,
-            lifting: &mut lifting,
-            candidates: &mut Vec::new(),
-            method: std::marker::PhantomData::<M>,
-        });
-        for (cell, outer) in held() {
-            let flux = apply(&stress[cell], &outer.area);
-            let force = along(&flux, -outer.stiffness, &traces[cell].at(&outer.arm));
-            loads[cell].add(&acting[outer.load as usize].part(&force), &outer.arm);
+    }
+
+    fn norm<M: Composition<D>>(&self, body: &Fpm<D, M>, members: &[u32]) -> f64 {
+        let of = |&i: &u32| body.mass[i as usize] * dot(&self.u[i as usize], &self.u[i as usize]);
+        members.iter().map(of).sum::<f64>().sqrt()
+    }
+
+    /// Accelerations in place of displacements.
+    fn accelerate<M: Composition<D>>(&mut self, body: &Fpm<D, M>, members: &[u32]) {
+        let Fpm { sides, volume, mass, rest, acting, batches, .. } = body;
+        let Small { u, traces, stress, loads, around } = self;
+        for &c in around.iter() {
+            traces[c as usize] = trace(sides, u, c as usize);
         }
-        // Notches may close, and stick.
-        for crack in &self.cracks {
-            let [a, b] = crack.cells.map(|c| c as usize);
-            let force = jump(&traces[a], &traces[b], &crack.surface).map(|x| -crack.surface.stiffness * x);
-            loads[a].add(&force, &crack.surface.own);
-            loads[b].add(&force.map(|x| -x), &crack.surface.other);
+        let held = |c: usize| {
+            let own = batches[c / BATCH].outer.iter().filter(move |o| o.cell as usize == c % BATCH);
+            own.filter(|o| acting[o.load as usize].holds())
+        };
+        for &c in around.iter() {
+            let (c, per) = (c as usize, 1.0 / volume[c as usize]);
+            let mut seen = traces[c].h;
+            if M::Flux::LIFTED {
+                subtract(&mut seen, per, &lifting(sides, traces, c));
+            }
+            for outer in held(c) {
+                let jump = acting[outer.load as usize].part(&traces[c].at(&outer.arm));
+                add_dyad(&mut seen, -per, &jump, &outer.area);
+            }
+            stress[c] = rest.stress(&seen);
         }
-        let mut out = vec![[0.0; D]; count];
-        f64::dispatch(Force { sides, loads: &loads, mass, first: 0, out: &mut out });
-        out
+        let (mut lifted, mut candidates) = ([zero()], Vec::new());
+        for &c in around.iter() {
+            let first = c as usize;
+            let (out, lifting, candidates) = (&mut loads[first..=first], &mut lifted[..], &mut candidates);
+            let (least, method) = (f64::INFINITY, std::marker::PhantomData::<M>);
+            f64::dispatch(Traction {
+                sides,
+                traces,
+                stress,
+                volume,
+                first,
+                least,
+                out,
+                lifting,
+                candidates,
+                method,
+            });
+            for outer in held(first) {
+                let flux = apply(&stress[first], &outer.area);
+                let force = along(&flux, -outer.stiffness, &traces[first].at(&outer.arm));
+                loads[first].add(&acting[outer.load as usize].part(&force), &outer.arm);
+            }
+            // Notches may close, and stick.
+            for (_, crack, end) in
+                batches[first / BATCH].cracks.iter().filter(|(n, ..)| *n as usize == first % BATCH)
+            {
+                let crack = &body.cracks[*crack as usize];
+                let [a, b] = crack.cells.map(|c| &traces[c as usize]);
+                let force = jump(a, b, &crack.surface).map(|x| -crack.surface.stiffness * x);
+                if *end == 0 {
+                    loads[first].add(&force, &crack.surface.own);
+                } else {
+                    loads[first].add(&force.map(|x| -x), &crack.surface.other);
+                }
+            }
+        }
+        for &c in members {
+            let first = c as usize;
+            f64::dispatch(Force { sides, loads, mass, first, out: &mut u[first..=first] });
+        }
     }
 }
 

@@ -180,7 +180,9 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         solver.make_batches();
         solver.open_notches();
         solver.fit_all();
+        solver.find_rows();
         solver.begin();
+        solver.find_rates();
         Ok(solver)
     }
 
@@ -358,8 +360,15 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             };
             self.batches[cell / BATCH].outer.push(outer);
         }
+        let holds = load.holds();
         self.acting.push(load);
         self.begin();
+        if holds {
+            let mut cells: Vec<u32> = chosen.iter().map(|f| f.cell).collect();
+            cells.dedup();
+            self.ring(&self.ring(&cells)).iter().for_each(|&c| self.renew_rate(c as usize));
+            self.find_rates();
+        }
         Ok(chosen.len())
     }
 

@@ -173,7 +173,6 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.begin_cracks();
         self.tractions(false);
         self.forces();
-        self.find_rates();
     }
 
     /// Trial functions.
