@@ -103,39 +103,43 @@ impl Criterion for MixedTensionShear {
     }
 }
 
-/// A cohesive face \[Hillerborg1976, CamachoOrtiz1996\]: it begins to open as [`MixedTensionShear`] says and bears from then on a traction
-/// that falls in a straight line with the opening, so that an area takes the same work in cells of any size. On the way back traction
-/// falls in a straight line to nothing.
+/// A cohesive face \[Hillerborg1976, CamachoOrtiz1996\]: it begins to open as `S` says and bears from then on a traction that falls in a
+/// straight line with the opening, so that an area takes the same work in cells of any size. On the way back traction falls in a straight
+/// line to nothing.
 ///
-/// Cells shall be smaller than E G / strength^2, or the energy that they hold when the face begins to open exceeds what it takes.
+/// It begins on a line as steep as the penalty eta, at the strength. What that stores at once, strength^2 h / (2 eta), comes from nowhere, and is booked so:
+/// cells shall be smaller than E work / strength^2, of which it is a tenth of the work then.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cohesive {
-    strength: MixedTensionShear,
+pub struct Cohesive<S = MaximumTension> {
+    begins: S,
     work: f64,
 }
 impl Cohesive {
-    /// With this strength in tension, Pa, and the work of an area, J/m^2; the strength in shear is the same.
+    /// With this strength in tension, Pa, and the work of an area, J/m^2.
     ///
     /// # Errors
     /// Not positive or not finite.
     pub fn new(strength: f64, work: f64) -> Result<Self, SceneError> {
-        Cohesive::mixed(MixedTensionShear::new(strength, strength)?, work)
-    }
-    /// With two strengths.
-    ///
-    /// # Errors
-    /// As [`Cohesive::new`].
-    pub fn mixed(strength: MixedTensionShear, work: f64) -> Result<Self, SceneError> {
-        Ok(Cohesive { strength, work: parameter(work > 0.0, OWNER, "work of an area", work, POSITIVE)? })
+        Cohesive::by(MaximumTension::new(strength)?, work)
     }
 }
-impl Criterion for Cohesive {
+impl<S: Criterion> Cohesive<S> {
+    /// Beginning by another criterion, with the work of an area, J/m^2.
+    ///
+    /// # Errors
+    /// Work that is not positive or not finite.
+    pub fn by(begins: S, work: f64) -> Result<Self, SceneError> {
+        Ok(Cohesive { begins, work: parameter(work > 0.0, OWNER, "work of an area", work, POSITIVE)? })
+    }
+}
+impl<S: Criterion> Criterion for Cohesive<S> {
     const NAME: &'static str = "cohesive faces";
+    const OPENS: bool = S::OPENS;
     fn least(&self) -> f64 {
-        self.strength.least()
+        self.begins.least()
     }
     fn utilisation(&self, stress: FaceStress) -> f64 {
-        self.strength.utilisation(stress)
+        self.begins.utilisation(stress)
     }
     fn work(&self) -> Option<f64> {
         Some(self.work)

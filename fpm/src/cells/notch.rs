@@ -1,8 +1,12 @@
 //! Notches: thin cuts that are there from the start.
 
+use super::domain::Domain;
 use super::error::{CellsError, parameter};
 use super::polytope::measure;
-use crate::vector::{difference, dot, norm};
+use crate::vector::{along, difference, dot, norm, scaled};
+
+/// Points nearer to a notch than this part of the spacing make place for those of its rows.
+const NEAR: f64 = 1.1;
 
 /// A piece of a line in the plane, or of a plane in space, that divides cells.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +23,38 @@ impl Notch<2> {
     /// Places that are not finite, or one.
     pub fn segment(from: [f64; 2], to: [f64; 2]) -> Result<Self, CellsError> {
         Notch::of(vec![from, to])
+    }
+}
+
+impl Notch<2> {
+    /// Points with two rows along the notch, `spacing` (m) apart from each other and as far along it, in place of those near it: then its faces lie on it
+    /// and slide along each other, where those of other points would catch. What is not in the domain is left out.
+    ///
+    /// # Errors
+    /// A spacing that is not positive and finite.
+    pub fn lined(
+        &self,
+        points: Vec<[f64; 2]>,
+        domain: &Domain<2>,
+        spacing: f64,
+    ) -> Result<Vec<[f64; 2]>, CellsError> {
+        parameter(spacing > 0.0, "rows along a notch", "spacing", spacing, "positive and finite")?;
+        let (start, length) = (self.corners[0], norm(&self.normal));
+        let way = scaled(&difference(&self.corners[1], &start), 1.0 / length);
+        let side = scaled(&self.normal, 1.0 / length);
+        let far = |x: &[f64; 2]| {
+            let from = difference(x, &start);
+            let nearest = along(&start, dot(&from, &way).clamp(0.0, length), &way);
+            norm(&difference(x, &nearest)) > NEAR * spacing
+        };
+        let mut points: Vec<[f64; 2]> = points.into_iter().filter(far).collect();
+        let count = (length / spacing).round().max(1.0);
+        for k in 0..count as usize {
+            let middle = along(&start, (k as f64 + 0.5) * length / count, &way);
+            let pair = [-0.5, 0.5].map(|part| along(&middle, part * spacing, &side));
+            points.extend(pair.into_iter().filter(|x| domain.contains(*x)));
+        }
+        Ok(points)
     }
 }
 
@@ -56,9 +92,8 @@ impl<const D: usize> Notch<D> {
         let mut x = *a;
         (0..D).for_each(|d| x[d] += part * (b[d] - a[d]));
         if D == 2 {
-            let (along, from) =
-                (difference(&self.corners[1], &self.corners[0]), difference(&x, &self.corners[0]));
-            let share = dot(&from, &along) / dot(&along, &along);
+            let way = difference(&self.corners[1], &self.corners[0]);
+            let share = dot(&difference(&x, &self.corners[0]), &way) / dot(&way, &way);
             return (0.0..=1.0).contains(&share);
         }
         let count = self.corners.len();

@@ -111,6 +111,17 @@ fn notches_open_the_faces_that_they_cross() {
     let open: Vec<_> = cut.faces().iter().filter(|f| f.open).collect();
     assert_eq!(open.len(), 4);
     assert!(open.iter().all(|f| f.normal[1] == 1.0 && (f.centroid[1] - 0.5).abs() < 1e-12));
+    // Points at random catch, those with rows do not.
+    let domain = Domain::cuboid([0.0; 2], [1.0; 2]).unwrap();
+    let points = relaxed(scattered(&domain, 3, |_| 0.1).unwrap(), &domain, 2).unwrap();
+    let off = |points: &[[f64; 2]]| {
+        let cut = Cells::voronoi(points, &domain).unwrap().with_notch(&notch(0.5)).unwrap();
+        let open = cut.faces().iter().filter(|f| f.open);
+        open.map(|f| 1.0 - f.normal[1].abs()).fold(0.0, f64::max)
+    };
+    assert!(off(&points) > 0.05);
+    let lined = notch(0.5).lined(points, &domain, 0.1).unwrap();
+    assert!(off(&lined) < 1e-12, "{}", off(&lined));
     assert!(cells.with_notch(&notch(0.04)).unwrap_err().to_string().contains("at least one"));
 }
 

@@ -4,13 +4,14 @@ use std::sync::Arc;
 
 use fpm::{Cohesive, Composition, Fpm, MaximumTension, Method, Notch};
 use impactite_scene::{PlaneStrain, Solver};
+use mpm_materials::{IntoMaterial, NeoHookean};
 
-use crate::common::{STEEL, lattice, linear, random};
+use crate::common::{STEEL, lattice, linear, moduli, random};
 
 const WORK: f64 = 2e4;
 
 /// A strip with a notch from one side is drawn apart until it is in two. Returns the energy that cracks took over the area of the ligament.
-fn strip<M: Composition<2>>(method: M, h: f64, random_cells: bool) -> f64 {
+fn strip<M: Composition<2>>(method: M, law: impl IntoMaterial<f64>, h: f64, random_cells: bool) -> f64 {
     let (length, width, depth) = (40e-3, 10e-3, 4e-3);
     let cells = if random_cells {
         random([0.0; 2], [length, width], h, 13)
@@ -18,7 +19,7 @@ fn strip<M: Composition<2>>(method: M, h: f64, random_cells: bool) -> f64 {
         lattice([0.0; 2], [(length / h).round() as usize, (width / h).round() as usize], h)
     };
     let notch = Notch::segment([0.5 * length, 0.0], [0.5 * length, depth]).unwrap();
-    let mut strip = Fpm::new(method, linear(0.3), &cells.with_notch(&notch).unwrap(), |_| [0.0; 2]).unwrap();
+    let mut strip = Fpm::new(method, law, &cells.with_notch(&notch).unwrap(), |_| [0.0; 2]).unwrap();
     for side in [-1.0, 1.0] {
         let pull = move |t: f64| [Some(side * (t / 20e-6).min(1.0)), None];
         strip.drive_faces(|f| f.normal[0] * side > 0.5, Arc::new(pull)).unwrap();
@@ -42,12 +43,13 @@ fn cohesive_faces_take_the_same_work_in_cells_of_any_size() {
     let cracks = Cohesive::new(200e6, WORK).unwrap();
     let printed = Method::printed(PlaneStrain).with_cracks(cracks);
     let symmetric = Method::symmetric(PlaneStrain).with_cracks(cracks);
-    let [a, b] = [1e-3, 0.5e-3].map(|h| strip(symmetric, h, false));
+    let [a, b] = [1e-3, 0.5e-3].map(|h| strip(symmetric, linear(0.3), h, false));
     assert!((a / b - 1.0).abs() < 0.1 && (b / WORK - 1.0).abs() < 0.1, "{a} {b}");
-    let a = strip(printed, 1e-3, false);
+    let a = strip(printed, linear(0.3), 1e-3, false);
     assert!((a / WORK - 1.0).abs() < 0.1, "{a}");
-    // The way of a crack through random cells is longer.
-    let a = strip(symmetric, 1e-3, true);
+    // The way of a crack through random cells is longer. Loose cells shake: a law in rates would lose count of its energy.
+    let law = NeoHookean::new(STEEL, moduli(0.3)).unwrap();
+    let a = strip(symmetric, law, 1e-3, true);
     assert!(a / WORK > 0.95 && a / WORK < 1.5, "{a}");
 }
 
@@ -94,7 +96,6 @@ fn a_closed_crack_bears_pressure_and_no_tension() {
         let far: Vec<usize> =
             (0..cells.len()).filter(|&i| (bar.reference()[i][0] - 15e-3).abs() < 1e-3).collect();
         let mean = far.iter().map(|&i| bar.nominal_stresses()[i][0][0]).sum::<f64>() / far.len() as f64;
-        println!("{sign}: {mean:e}, {:?}", bar.cracks()[0]);
         assert!((mean / (sign * 1e8) - wanted).abs() < 0.05, "{sign}: {mean:e}");
         let error = bar.account().energy_error();
         assert!(error.abs() < 1e-3, "{error:e}");
