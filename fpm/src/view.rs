@@ -202,13 +202,9 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
             point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);
             point.in_range = said.as_ref().is_none_or(|said| said.in_range);
             point.failed = said.as_ref().is_some_and(|said| said.failed);
-            // Files know of triangles, quadrilaterals, tetrahedra and bricks.
-            let drawn = self.corners[i].len() == 4 || self.corners[i].len() == if D == 2 { 3 } else { 8 };
             let of = |x: &[f64; D]| wide(&along(x, 1.0, &trace.at(&difference(x, &self.reference[i]))));
             point.corners.clear();
-            if drawn {
-                point.corners.extend(self.corners[i].iter().map(of));
-            }
+            point.corners.extend(self.corners[i].iter().map(of));
             let (f, half) = (with_identity(&trace.h), 0.5 * self.sizes[i]);
             for d in 0..D {
                 for c in 0..D {

@@ -8,7 +8,8 @@ pub struct Cells {
     /// Corners, each once, m.
     pub nodes: Vec<[f64; 3]>,
     /// Those of the cells by place in `nodes`, one cell after the other, in the order of the VTK file format: none (a vertex), two (a line),
-    /// three (a triangle), four (in two dimensions a quadrilateral, in three a tetrahedron) or eight (a brick).
+    /// three (a triangle), four (in two dimensions a quadrilateral, in three a tetrahedron), eight (in three a brick), or in two dimensions
+    /// any more (a polygon).
     pub corners: Vec<u32>,
     /// Where the corners of each particle end in `corners`.
     pub ends: Vec<u32>,
@@ -31,6 +32,7 @@ impl Cells {
             (4, 2) => Some(9),
             (4, _) => Some(10),
             (8, 3) => Some(12),
+            (5.., 2) => Some(7),
             _ => None,
         }
     }
@@ -48,7 +50,11 @@ impl Cells {
         }
         let count = (0..particles).map(|i| self.of(i).len());
         match count.into_iter().find(|&n| Cells::kind(n, dimension).is_none()) {
-            Some(n) => Err(OutputError::value("corners of a cell", n, "0, 2, 3, 4 or, in space, 8")),
+            Some(n) => Err(OutputError::value(
+                "corners of a cell",
+                n,
+                "0, 2, 3, 4, in space 8, or in the plane any more",
+            )),
             None => Ok(()),
         }
     }
