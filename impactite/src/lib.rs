@@ -26,6 +26,7 @@
 //! | [`pcmm`] | the particle-contact meshfree method | `pcmm` |
 //! | [`fem`] | explicit finite elements | `fem` |
 //! | [`sph`] | smoothed particle hydrodynamics of solids | `sph` |
+//! | [`fpm`] | the fragile points method: cells whose faces open as cracks | `fpm` |
 //! | [`coupling`] | elements and particles in one scene | `coupling` |
 //! | [`materials`] | constitutive laws, equations of state, failure; the driver of a single point | `mpm-materials` |
 //! | [`contact`] | detectors, normals and laws of contact; scenes of bodies of particles; points and meshes | `mpm-contact` |
@@ -46,6 +47,7 @@
 
 pub use coupling;
 pub use fem;
+pub use fpm;
 pub use impactite_geometry as geometry;
 pub use impactite_output as output;
 pub use impactite_scene as scene;
@@ -105,6 +107,8 @@ mod pages {
     struct Elements;
     #[doc = include_str!("../../docs/book/src/extending.md")]
     struct Extending;
+    #[doc = include_str!("../../docs/book/src/fpm.md")]
+    struct Fpm;
     #[doc = include_str!("../../docs/book/src/getting-started.md")]
     struct GettingStarted;
     #[doc = include_str!("../../docs/book/src/materials.md")]

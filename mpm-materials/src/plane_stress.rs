@@ -26,6 +26,8 @@ state! {
 /// last step is kept. Waves are as fast as in plates, and the law says how fast those in bulk are: steps are up to some tenth shorter than
 /// need be where a method goes by that alone.
 ///
+/// It is a law of the plane, and not of a point in space: the increments along z are not looked at, and it does not turn out of its plane.
+///
 /// ```
 /// use mpm_materials::{Constitutive, LinearElastic, Moduli, PlaneStress};
 /// # fn main() -> Result<(), mpm_materials::ParameterError> {
