@@ -21,7 +21,7 @@ pub struct FaceStress {
 )]
 pub trait Criterion: Copy + Debug + Send + Sync + 'static {
     /// The name in tables and messages.
-    const NAME: &'static str;
+    fn name(&self) -> &'static str;
     /// Do faces open at all? What does not is not asked.
     const OPENS: bool = true;
     /// The amount of a traction, Pa, below which no face opens, whatever its direction.
@@ -38,8 +38,10 @@ pub trait Criterion: Copy + Debug + Send + Sync + 'static {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NoCracks;
 impl Criterion for NoCracks {
-    const NAME: &'static str = "no cracks";
     const OPENS: bool = false;
+    fn name(&self) -> &'static str {
+        "no cracks"
+    }
     fn least(&self) -> f64 {
         f64::INFINITY
     }
@@ -65,7 +67,9 @@ impl MaximumTension {
     }
 }
 impl Criterion for MaximumTension {
-    const NAME: &'static str = "maximum tension";
+    fn name(&self) -> &'static str {
+        "maximum tension"
+    }
     fn least(&self) -> f64 {
         self.0
     }
@@ -94,7 +98,9 @@ impl MixedTensionShear {
     }
 }
 impl Criterion for MixedTensionShear {
-    const NAME: &'static str = "mixed tension and shear";
+    fn name(&self) -> &'static str {
+        "mixed tension and shear"
+    }
     fn least(&self) -> f64 {
         self.tension.min(self.shear)
     }
@@ -133,8 +139,10 @@ impl<S: Criterion> Cohesive<S> {
     }
 }
 impl<S: Criterion> Criterion for Cohesive<S> {
-    const NAME: &'static str = "cohesive faces";
     const OPENS: bool = S::OPENS;
+    fn name(&self) -> &'static str {
+        "cohesive faces"
+    }
     fn least(&self) -> f64 {
         self.begins.least()
     }
@@ -143,5 +151,69 @@ impl<S: Criterion> Criterion for Cohesive<S> {
     }
     fn work(&self) -> Option<f64> {
         Some(self.work)
+    }
+}
+
+/// A criterion chosen at run time: programs that let a reader choose are compiled once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AnyCriterion {
+    /// Faces stay closed.
+    None(NoCracks),
+    /// At a tension.
+    Tension(MaximumTension),
+    /// At tension and shear.
+    Mixed(MixedTensionShear),
+    /// Cohesive from a tension on.
+    Cohesive(Cohesive),
+    /// Cohesive from tension and shear on.
+    CohesiveMixed(Cohesive<MixedTensionShear>),
+}
+
+impl AnyCriterion {
+    fn chosen<X>(&self, of: impl Fn(&dyn Judges) -> X) -> X {
+        match self {
+            AnyCriterion::None(c) => of(c),
+            AnyCriterion::Tension(c) => of(c),
+            AnyCriterion::Mixed(c) => of(c),
+            AnyCriterion::Cohesive(c) => of(c),
+            AnyCriterion::CohesiveMixed(c) => of(c),
+        }
+    }
+}
+
+/// What an object can do of a [`Criterion`].
+trait Judges {
+    fn name(&self) -> &'static str;
+    fn least(&self) -> f64;
+    fn utilisation(&self, stress: FaceStress) -> f64;
+    fn work(&self) -> Option<f64>;
+}
+impl<C: Criterion> Judges for C {
+    fn name(&self) -> &'static str {
+        Criterion::name(self)
+    }
+    fn least(&self) -> f64 {
+        Criterion::least(self)
+    }
+    fn utilisation(&self, stress: FaceStress) -> f64 {
+        Criterion::utilisation(self, stress)
+    }
+    fn work(&self) -> Option<f64> {
+        Criterion::work(self)
+    }
+}
+
+impl Criterion for AnyCriterion {
+    fn name(&self) -> &'static str {
+        self.chosen(|c| c.name())
+    }
+    fn least(&self) -> f64 {
+        self.chosen(|c| c.least())
+    }
+    fn utilisation(&self, stress: FaceStress) -> f64 {
+        self.chosen(|c| c.utilisation(stress))
+    }
+    fn work(&self) -> Option<f64> {
+        self.chosen(|c| c.work())
     }
 }

@@ -22,8 +22,10 @@ pub struct Crack<const D: usize> {
     pub normal: [f64; D],
     /// Area of the reference configuration, m^2 (length in the plane, m).
     pub area: f64,
-    /// When it opened, s; nothing of a notch.
+    /// When it began to open, s; nothing of a notch.
     pub opened: Option<f64>,
+    /// When it began to bear nothing, s; nothing of a notch, and of a cohesive face that bears yet.
+    pub parted: Option<f64>,
     /// How far it is open, m: across (negative where it is closed) and along.
     pub gap: [f64; 2],
     /// Part of the work of a cohesive face that it took; one where it bears nothing but pressure.
@@ -223,6 +225,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 normal: scaled(&surface.area, 1.0 / area),
                 area,
                 opened: (crack.opened >= 0.0).then_some(crack.opened),
+                parted: (crack.parted >= 0.0).then_some(crack.parted),
                 gap: crack.gap(),
                 damage: crack.damage(),
             }

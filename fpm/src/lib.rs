@@ -29,6 +29,7 @@
 mod cells;
 mod contact;
 mod crack;
+mod damage;
 mod flux;
 mod fracture;
 mod loads;
@@ -45,7 +46,7 @@ mod vector;
 mod view;
 
 pub use cells::{Cells, CellsError, Domain, Face, Notch, OuterFace, relaxed, scattered};
-pub use crack::{Cohesive, Criterion, FaceStress, MaximumTension, MixedTensionShear, NoCracks};
+pub use crack::{AnyCriterion, Cohesive, Criterion, FaceStress, MaximumTension, MixedTensionShear, NoCracks};
 pub use flux::{Flux, Incomplete, Penalty, Symmetric};
 pub use fracture::Crack;
 pub use loads::{FaceHistory, TractionHistory};

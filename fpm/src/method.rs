@@ -95,7 +95,7 @@ pub trait Composition<const D: usize>: Copy + Debug + Send + Sync + 'static {
             Self::Embedding::NAME,
             Self::Flux::NAME,
             self.penalty().eta(),
-            Self::Criterion::NAME
+            self.criterion().name()
         )
     }
 }

@@ -19,6 +19,8 @@ pub(crate) struct OpenFace<const D: usize> {
     pub surface: Surface<D>,
     /// When it opened, s; negative of a notch.
     pub opened: f64,
+    /// When it began to bear nothing, s; negative of one that bears.
+    pub parted: f64,
     /// The gap at which it is closed, m.
     closed: f64,
     /// The opening at which a cohesive face bears nothing, and the widest it had, m; zero of others.
@@ -56,6 +58,7 @@ impl<const D: usize> OpenFace<D> {
             cells,
             surface,
             opened: -1.0,
+            parted: -1.0,
             closed: 0.0,
             origin: [0.0; D],
             first: 0.0,
@@ -70,6 +73,11 @@ impl<const D: usize> OpenFace<D> {
             dissipated: 0.0,
             rubbed: 0.0,
         }
+    }
+
+    /// The same, so wide from the start, m.
+    pub fn with_gap(self, gap: f64) -> Self {
+        OpenFace { closed: -gap, ..self }
     }
 
     /// One that opens now, under this force on its first cell, N, between these trial functions; with the work of an area of crack, J/m^2,
@@ -98,6 +106,9 @@ impl<const D: usize> OpenFace<D> {
             }
         }
         self.bear(&turn, 0.0);
+        if self.broken() {
+            self.parted = time;
+        }
         self
     }
 
@@ -107,8 +118,8 @@ impl<const D: usize> OpenFace<D> {
         self.opening = back(turn, &self.apart);
     }
 
-    /// What it bears between these trial functions, with Coulomb friction.
-    pub fn step(&mut self, traces: [&Trace<D>; 2], friction: f64) -> Taken {
+    /// What it bears between these trial functions at a time, s, with Coulomb friction.
+    pub fn step(&mut self, time: f64, traces: [&Trace<D>; 2], friction: f64) -> Taken {
         let (before, force, stored) = (self.apart, self.force, self.stored);
         let turn = turned(traces);
         self.look(&turn, traces);
@@ -116,6 +127,9 @@ impl<const D: usize> OpenFace<D> {
         let mut work = 0.0;
         for d in 0..D {
             work += 0.5 * (force[d] + self.force[d]) * (self.apart[d] - before[d]);
+        }
+        if self.parted < 0.0 && self.opened >= 0.0 && self.broken() {
+            self.parted = time;
         }
         let taken = Taken { dissipated: work - (self.stored - stored) - rubbed, rubbed };
         self.dissipated += taken.dissipated;
@@ -200,6 +214,7 @@ impl<const D: usize> OpenFace<D> {
         file.reals(vectors.into_iter().flatten())?;
         file.reals([
             &mut self.opened,
+            &mut self.parted,
             &mut self.closed,
             &mut self.first,
             &mut self.last,

@@ -1,5 +1,7 @@
 //! The way of a crack's tip, from the faces that opened.
 
+use std::collections::HashMap;
+
 use crate::fracture::Crack;
 use crate::vector::{difference, norm};
 
@@ -14,29 +16,41 @@ pub struct Tip<const D: usize> {
     pub distance: f64,
 }
 
-/// The way of a crack's tip from a start: every face that opened farther from there than all before.
+/// The way of a crack's tip from a start: every face that came farther from there than all before, of those that hang together with it.
 ///
-/// Every face of [`Fpm::cracks`](crate::Fpm::cracks) says when it opened, so that this may be asked for at any time, also after a run.
+/// Every face of [`Fpm::cracks`](crate::Fpm::cracks) says when it began to open and when it parted, so that this may be asked for at any time,
+/// also after a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TipPath<const D: usize> {
     tips: Vec<Tip<D>>,
 }
 
 impl<const D: usize> TipPath<D> {
-    /// From a place, m, the end of a notch, among those of the `cracks` for which `belongs` holds.
-    pub fn new(cracks: &[Crack<D>], start: [f64; D], belongs: impl Fn(&Crack<D>) -> bool) -> Self {
-        let mut opened: Vec<(f64, [f64; D])> = Vec::new();
-        for crack in cracks.iter().filter(|c| belongs(c)) {
-            if let Some(time) = crack.opened {
-                opened.push((time, crack.reference));
+    /// From a place, m, the end of a notch. `when` says when a face became part of the crack, s ([`Crack::opened`] or [`Crack::parted`]); what
+    /// it says nothing of is left out. Notches are part of it from the start. Faces hang together whose centroids are as near as those of faces that touch;
+    /// those ahead of the crack count when it comes to them. Without a notch it begins with the first face.
+    pub fn new(cracks: &[Crack<D>], start: [f64; D], when: impl Fn(&Crack<D>) -> Option<f64>) -> Self {
+        let time = |c: &Crack<D>| if c.opened.is_none() { Some(f64::NEG_INFINITY) } else { when(c) };
+        let mut faces: Vec<(f64, &Crack<D>)> = cracks.iter().filter_map(|c| Some((time(c)?, c))).collect();
+        faces.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let longest = faces.iter().map(|(_, c)| size(c)).fold(0.0, f64::max);
+        let mut groups = Groups::<D>::new(NEAR * longest);
+        let mut tips = Vec::<Tip<D>>::new();
+        for (time, crack) in faces {
+            let distance = norm(&difference(&crack.reference, &start));
+            let notch = crack.opened.is_none();
+            // A notch is behind the tip, wherever it goes.
+            let face = groups.join(crack, if notch { (0.0, start) } else { (distance, crack.reference) });
+            if notch {
+                groups.unite(0, face);
             }
-        }
-        opened.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut tips: Vec<Tip<D>> = Vec::new();
-        for (time, position) in opened {
-            let distance = norm(&difference(&position, &start));
+            let root = groups.root(0);
+            if notch || groups.root(face) != root {
+                continue;
+            }
+            let (distance, position) = groups.farthest[root];
             if tips.last().is_none_or(|tip| distance > tip.distance) {
-                // Of those that opened together the farthest.
+                // Of those that came together the farthest.
                 if tips.last().is_some_and(|tip| tip.time == time) {
                     tips.pop();
                 }
@@ -70,28 +84,101 @@ impl<const D: usize> TipPath<D> {
     }
 }
 
+/// Faces whose centroids are nearer than this many of their mean sizes touch: those that share a corner in the plane are nearer than one.
+const NEAR: f64 = 1.25;
+
+/// Length of a face, or edge of a square of its area, m.
+fn size<const D: usize>(crack: &Crack<D>) -> f64 {
+    crack.area.powf(1.0 / (D as f64 - 1.0))
+}
+
+/// Faces that touch, in groups.
+struct Groups<const D: usize> {
+    /// Centroids and sizes, m.
+    faces: Vec<([f64; D], f64)>,
+    /// Of each face another of its group, or itself; and of those that are their own the farthest place of the group, m.
+    parents: Vec<usize>,
+    farthest: Vec<(f64, [f64; D])>,
+    /// Faces by boxes of an edge, m.
+    boxes: HashMap<[i64; D], Vec<usize>>,
+    edge: f64,
+}
+
+impl<const D: usize> Groups<D> {
+    fn new(edge: f64) -> Self {
+        let (faces, parents, farthest) = (Vec::new(), Vec::new(), Vec::new());
+        Groups { faces, parents, farthest, boxes: HashMap::new(), edge }
+    }
+
+    /// Which face stands for the group of another.
+    fn root(&mut self, face: usize) -> usize {
+        let mut root = face;
+        while self.parents[root] != root {
+            root = self.parents[root];
+        }
+        self.parents[face] = root;
+        root
+    }
+
+    /// Make one group of two.
+    fn unite(&mut self, a: usize, b: usize) {
+        let [a, b] = [a, b].map(|face| self.root(face));
+        self.parents[b] = a;
+        if self.farthest[b].0 > self.farthest[a].0 {
+            self.farthest[a] = self.farthest[b];
+        }
+    }
+
+    /// A face, with its place as seen from the start, comes to those that it touches. Its number.
+    fn join(&mut self, crack: &Crack<D>, far: (f64, [f64; D])) -> usize {
+        let (x, size, face) = (crack.reference, size(crack), self.faces.len());
+        self.faces.push((x, size));
+        self.parents.push(face);
+        self.farthest.push(far);
+        let at: [i64; D] = std::array::from_fn(|d| (x[d] / self.edge).floor() as i64);
+        for side in 0..3usize.pow(D as u32) {
+            let there = std::array::from_fn(|d| at[d] + (side / 3usize.pow(d as u32) % 3) as i64 - 1);
+            for other in self.boxes.get(&there).cloned().unwrap_or_default() {
+                let (y, other_size) = self.faces[other];
+                if norm(&difference(&x, &y)) <= NEAR * 0.5 * (size + other_size) {
+                    self.unite(other, face);
+                }
+            }
+        }
+        self.boxes.entry(at).or_default().push(face);
+        face
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn a_tip_goes_on_and_a_branch_behind_it_does_not_count() {
-        let crack = |time: f64, x: f64| Crack {
+    fn a_tip_goes_on_and_neither_branches_behind_nor_faces_ahead_count() {
+        let crack = |(time, x): (f64, f64)| Crack {
             cells: [0, 1],
             position: [x, 0.0],
             reference: [x, 0.0],
             normal: [0.0, 1.0],
             area: 1.0,
             opened: (time >= 0.0).then_some(time),
+            parted: (time >= 0.0).then_some(time),
             gap: [0.0; 2],
             damage: 1.0,
         };
-        let cracks = [(-1.0, 0.0), (1.0, 1.5), (1.5, 2.5), (1.6, 0.7), (2.0, 3.0), (2.0, 3.5), (2.5, 4.5)];
-        let cracks: Vec<Crack<2>> = cracks.into_iter().map(|(t, x)| crack(t, x)).collect();
-        let path = TipPath::new(&cracks, [0.0, 0.0], |_| true);
-        let distances: Vec<f64> = path.tips().iter().map(|t| t.distance).collect();
-        assert_eq!(distances, [1.5, 2.5, 3.5, 4.5]);
-        assert!((path.speed(1.75, 2.0).expect("a speed") - 2.0).abs() < 1e-12);
+        // A notch, faces after each other, a branch behind, and one far ahead that the crack never comes to; that at 5.5 is there before the crack.
+        let faces =
+            [(-1.0, 0.5), (0.5, 5.5), (1.0, 1.5), (1.1, 9.0), (1.5, 2.5), (1.6, 0.7), (2.0, 3.0), (2.0, 3.5)];
+        let mut cracks: Vec<Crack<2>> = faces.map(crack).to_vec();
+        let of = |cracks: &[Crack<2>]| TipPath::new(cracks, [0.0, 0.0], |c| c.opened);
+        let distances = |path: &TipPath<2>| path.tips().iter().map(|t| t.distance).collect::<Vec<f64>>();
+        assert_eq!(distances(&of(&cracks)), [1.5, 2.5, 3.5]);
+        cracks.push(crack((2.5, 4.5)));
+        let path = of(&cracks);
+        assert_eq!(distances(&path), [1.5, 2.5, 3.5, 5.5]);
+        assert_eq!(path.tips()[3].time, 2.5);
+        assert!((path.speed(1.5, 1.0).expect("a speed") - 2.0).abs() < 1e-12);
         assert_eq!(path.speed(9.0, 1.0), None);
     }
 }

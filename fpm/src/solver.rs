@@ -217,7 +217,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             if self.faces[face].open {
                 let cells = self.faces[face].cells;
                 let surface = self.sides.surface[self.side_of(face as u32, cells[0])];
-                self.note_crack(OpenFace::notch(face as u32, cells, surface, modulus));
+                let gap = self.faces[face].gap;
+                self.note_crack(OpenFace::notch(face as u32, cells, surface, modulus).with_gap(gap));
             }
         }
     }

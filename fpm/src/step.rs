@@ -153,7 +153,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.acting.iter_mut().for_each(|load| load.update(time, dt));
         self.deform();
         self.strain(dt)?;
-        self.bear();
+        self.bear(time);
         self.tractions(true);
         self.enter_books();
         self.forces();
@@ -283,14 +283,14 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 
     /// What open faces bear.
-    fn bear(&mut self) {
+    fn bear(&mut self, time: f64) {
         let Fpm { cracks, traces, friction, team, .. } = self;
         let (traces, friction) = (&traces[..], *friction);
         let mut taken = vec![Default::default(); cracks.len()];
         let starts: Vec<u32> = (0..=cracks.len() as u32).collect();
         team.each_part(cracks, &starts, &mut taken, |_, crack, taken| {
             let [a, b] = crack[0].cells.map(|c| &traces[c as usize]);
-            *taken = crack[0].step([a, b], friction);
+            *taken = crack[0].step(time, [a, b], friction);
         });
         for taken in taken {
             self.exchange.friction += taken.rubbed;

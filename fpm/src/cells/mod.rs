@@ -32,6 +32,8 @@ pub struct Face<const D: usize> {
     pub centroid: [f64; D],
     /// Is it open from the start, a piece of a notch?
     pub open: bool,
+    /// Of a notch, by how much its sides may come closer before they touch, m.
+    pub gap: f64,
 }
 
 /// A face on the surface of the body.
@@ -175,7 +177,7 @@ impl<const D: usize> Cells<D> {
         for face in &mut self.faces {
             let [a, b] = face.cells.map(|c| &self.points[c as usize]);
             if notch.crosses(a, b) {
-                face.open = true;
+                (face.open, face.gap) = (true, notch.gap());
                 count += 1;
             }
         }
@@ -214,7 +216,7 @@ impl<const D: usize> Parts<D> {
         let size = norm(&area);
         let normal = scaled(&area, if a < b { 1.0 } else { -1.0 } / size);
         let cells = [a.min(b) as u32, a.max(b) as u32];
-        self.faces.push(Face { cells, area: size, normal, centroid, open: false });
+        self.faces.push(Face { cells, area: size, normal, centroid, open: false, gap: 0.0 });
     }
 
     /// Cells of these parts, if such can be.

@@ -14,6 +14,8 @@ pub struct Notch<const D: usize> {
     corners: Vec<[f64; D]>,
     /// Normal times area.
     normal: [f64; D],
+    /// How wide it is, m.
+    gap: f64,
 }
 
 impl Notch<2> {
@@ -77,7 +79,21 @@ impl<const D: usize> Notch<D> {
         }
         let (normal, _) = measure(&corners);
         parameter(norm(&normal) > 0.0, "notch", "length or area", norm(&normal), "positive")?;
-        Ok(Notch { corners, normal })
+        Ok(Notch { corners, normal, gap: 0.0 })
+    }
+
+    /// The same, so wide (m): cells stay as they are, but its sides touch no earlier than when they have come so much closer. Without this they
+    /// touch from the start.
+    ///
+    /// # Errors
+    /// Negative or not finite.
+    pub fn with_gap(self, gap: f64) -> Result<Self, CellsError> {
+        Ok(Notch { gap: parameter(gap >= 0.0, "notch", "gap", gap, "zero or positive, and finite")?, ..self })
+    }
+
+    /// How wide it is, m.
+    pub(crate) fn gap(&self) -> f64 {
+        self.gap
     }
 
     /// Does the way from `a` to `b` go through it?

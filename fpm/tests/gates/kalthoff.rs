@@ -20,10 +20,11 @@ struct Found {
     work: f64,
 }
 
-/// The half model of random cells of 1 mm, with rows of points along the notch, in plane stress.
+/// The half model of random cells of 1 mm, with rows of points along the notch of 0.3 mm, in plane stress. Of a notch whose sides press each other from
+/// the start the crack begins some 4 us earlier.
 fn run(seed: u64) -> Found {
     let (h, domain) = (1e-3, Domain::cuboid([0.0; 2], [0.1; 2]).unwrap());
-    let notch = Notch::segment([0.0, TIP[1]], TIP).unwrap();
+    let notch = Notch::segment([0.0, TIP[1]], TIP).unwrap().with_gap(0.3e-3).unwrap();
     let points = relaxed(scattered(&domain, seed, |_| h).unwrap(), &domain, 3).unwrap();
     let points = notch.lined(points, &domain, h).unwrap();
     let cells = Cells::voronoi(&points, &domain).unwrap().with_notch(&notch).unwrap();
@@ -40,7 +41,7 @@ fn run(seed: u64) -> Found {
     assert!(
         open.iter().filter(|c| c.opened.is_some()).all(|c| c.reference[1] > 0.02 && c.reference[0] > 0.04)
     );
-    let path = TipPath::new(&open, TIP, |_| true);
+    let path = TipPath::new(&plate.cracks(), TIP, |c| c.opened.filter(|_| c.damage > 0.99));
     let at =
         |far: f64| path.tips().iter().find(|t| t.distance > far).copied().expect("the crack went so far");
     let end = at(0.06);
@@ -66,8 +67,8 @@ fn a_crack_runs_up_from_the_notch_as_observed() {
             found.fastest,
             found.work
         );
-        assert!((20e-6..30e-6).contains(&found.begun), "{:e}", found.begun);
-        assert!((60.0..70.0).contains(&found.chord), "{}", found.chord);
+        assert!((23e-6..28e-6).contains(&found.begun), "{:e}", found.begun);
+        assert!((62.0..70.0).contains(&found.chord), "{}", found.chord);
         assert!(found.fastest < 0.75 * RAYLEIGH, "{}", found.fastest);
         assert!((found.work / WORK - 1.0).abs() < 0.1, "{}", found.work);
     }

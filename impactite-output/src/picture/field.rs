@@ -49,6 +49,17 @@ pub struct FieldPicture {
     axes: [String; 2],
     bounds: Option<[[f64; 2]; 2]>,
     letters: Option<f32>,
+    lines: Vec<Lines>,
+}
+
+/// Straight lines over a field.
+#[derive(Debug, Clone)]
+struct Lines {
+    /// Both ends of each, m.
+    ends: Vec<[[f64; 2]; 2]>,
+    /// Pixels.
+    width: f32,
+    colour: Rgb,
 }
 
 /// Samples a pixel side.
@@ -72,6 +83,7 @@ impl FieldPicture {
             axes: ["x".to_string(), "y".to_string()],
             bounds: None,
             letters: None,
+            lines: Vec::new(),
         }
     }
 
@@ -127,6 +139,14 @@ impl FieldPicture {
     #[must_use]
     pub fn letters(self, size: f32) -> Self {
         Self { letters: Some(size), ..self }
+    }
+
+    /// Draw straight lines over the field, each between two places (m), `width` pixels wide (0.1 to 100): outlines, cracks. They are repeated
+    /// across symmetry lines as particles are; those with an end that is not finite are left out.
+    #[must_use]
+    pub fn lines(mut self, ends: impl IntoIterator<Item = [[f64; 2]; 2]>, width: f32, colour: Rgb) -> Self {
+        self.lines.push(Lines { ends: ends.into_iter().collect(), width: width.clamp(0.1, 100.0), colour });
+        self
     }
 
     /// Draw a snapshot.
@@ -187,6 +207,7 @@ impl FieldPicture {
         let y_ticks = if down < 12.0 * size { sy.ticks(3) } else { y_ticks };
 
         self.fill(snapshot, &colours, &frame, factor, &mut picture);
+        self.draw_lines(&frame, factor, &mut picture);
         let titles =
             [axis_title(&self.axes[0], unit, x_ticks.power), axis_title(&self.axes[1], unit, y_ticks.power)];
         frame.draw(&mut picture, [&x_ticks, &y_ticks], [&titles[0], &titles[1]], size);
@@ -209,6 +230,25 @@ impl FieldPicture {
             picture.text(&self.caption, [middle.max(half).min(w - half), caption_at], &pen);
         }
         Ok(picture)
+    }
+
+    fn draw_lines(&self, frame: &Frame, factor: f64, picture: &mut Picture) {
+        let clip = Some(([frame.left, frame.top], [frame.right, frame.bottom]));
+        let (mut from, mut to) = (Vec::new(), Vec::new());
+        for Lines { ends, width, colour } in &self.lines {
+            for [a, b] in ends {
+                let [a, b] = [a, b].map(|x| [x[0], x[1], 0.0]);
+                if !is_place(&a) || !is_place(&b) {
+                    continue;
+                }
+                Mirror::copies(&self.mirrors, a, &mut from);
+                Mirror::copies(&self.mirrors, b, &mut to);
+                for (a, b) in from.iter().zip(&to) {
+                    let line = [a, b].map(|x| frame.at(x[0] * factor, x[1] * factor));
+                    picture.polyline(&line, *width, *colour, None, clip);
+                }
+            }
+        }
     }
 
     /// The box to show, m.
