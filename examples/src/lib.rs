@@ -22,6 +22,8 @@
 //! | `taylor_4340` | steel bars hit a wall at three speeds, by smoothed particles as printed, updated and total Lagrangian |
 //! | `tungsten_bullet` | a tungsten bullet goes through an aluminium plate, by particle contacts and by MPM, against theory |
 //! | `plug_weldox` | a blunt projectile punches a plug out of a steel plate, by smoothed particles: size of the plug, residual velocity |
+//! | `kalthoff` | a plate with notches is struck at its edge, by fragile points: a crack at 70 degrees, or a shear band |
+//! | `glass_branching` | a crack in glass under tension branches, by fragile points |
 //! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
 //! | `debris_cloud` | a lead sphere through a lead plate: the cloud, seeded and split |
 //! | `tnt_cased` | TNT in copper, cylinder and cube: speed of the case |
@@ -36,6 +38,7 @@
 pub mod blocks;
 pub mod case;
 pub mod check;
+pub mod cracks;
 mod detection;
 mod heap;
 mod immersed;

@@ -314,6 +314,19 @@ fn plug_weldox() {
 }
 
 #[test]
+fn kalthoff() {
+    // Energy alone: references are of finer points.
+    let value = smoke!(kalthoff, only(1), ["cracks.png", "modes.png", "speed.png"]);
+    assert!(of(&value, |name| name == "energy error, worst run (at most)") < 1e-3);
+}
+
+#[test]
+fn glass_branching() {
+    let value = smoke!(glass_branching, only(1), ["cracks.png", "speed.png", "energy.png"]);
+    assert!(of(&value, |name| name == "energy error, worst run (at most)") < 1e-3);
+}
+
+#[test]
 fn validation() {
     let name = "validation";
     let (out, tree) = (folder(name), folder("validation-tree"));

@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 24] = [
+pub const CASES: [&str; 26] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",
@@ -33,6 +33,8 @@ pub const CASES: [&str; 24] = [
     "ball_on_plate",
     "pressed_balls",
     "shaken_discs",
+    "kalthoff",
+    "glass_branching",
     "pcmm_distortion",
 ];
 
