@@ -1,6 +1,6 @@
-//! The gates that all methods are measured by: elements, particle contacts and smoothed particles beside material points.
+//! The gates that all methods are measured by: elements, particle contacts, smoothed particles and fragile points beside material points.
 
-use verification::problems::gates::{Gate, Passage, Way};
+use verification::problems::gates::{Gate, Passage};
 
 use crate::job::Key;
 
@@ -8,6 +8,12 @@ use crate::job::Key;
 pub fn grids(gate: Gate, quick: bool) -> &'static [usize] {
     match (gate, quick) {
         (Gate::Bar | Gate::Plate, true) => &[25, 50, 100, 200],
+        (Gate::Cantilever, true) => &[3, 6, 12],
+        (Gate::Cantilever, false) => &[3, 6, 12, 24],
+        (Gate::Pull, true) => &[40, 80, 160],
+        (Gate::Pull, false) => &[40, 80, 160, 320],
+        (Gate::Kalthoff, true) => &[50, 71, 100],
+        (Gate::Kalthoff, false) => &[50, 71, 100, 141, 200],
         (Gate::Bar | Gate::Plate, false) => &[25, 50, 100, 200, 400, 800],
         (Gate::Beam, true) => &[2, 4, 8],
         (Gate::Beam, false) => &[2, 4, 8, 16],
@@ -18,7 +24,7 @@ pub fn grids(gate: Gate, quick: bool) -> &'static [usize] {
 
 /// All of a gate, coarse ones first.
 pub fn all(gate: Gate, quick: bool) -> Vec<Passage> {
-    let of = |&cells| Way::ALL.map(|way| Passage { gate, way, cells });
+    let of = |&cells| gate.ways().into_iter().map(move |way| Passage { gate, way, cells });
     grids(gate, quick).iter().flat_map(of).collect()
 }
 
@@ -31,8 +37,8 @@ pub fn key(Passage { gate, way, cells }: Passage) -> Key {
 /// The one of a name.
 pub fn of(key: &Key) -> Option<Passage> {
     let gate = Gate::ALL.into_iter().find(|gate| gate.name() == key.problem)?;
-    let ways = Way::ALL.map(|way| Passage { gate, way, cells: key.cells });
-    ways.into_iter().find(|passage| self::key(*passage) == *key)
+    let mut ways = gate.ways().into_iter().map(|way| Passage { gate, way, cells: key.cells });
+    ways.find(|passage| self::key(*passage) == *key)
 }
 
 /// The coarsest grid.

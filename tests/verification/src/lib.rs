@@ -27,6 +27,7 @@ pub mod case;
 pub mod empty;
 pub mod fast;
 pub mod formulation;
+pub mod fragile;
 pub mod limit;
 pub mod origin;
 pub mod problems;

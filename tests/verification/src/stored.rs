@@ -9,7 +9,7 @@ use crate::problems::smoothed::{self, Question};
 /// What a stored error may change by.
 pub const TOLERANCE: f64 = 0.02;
 
-/// Below this, measures are sums of round-off: they have criteria of their own and are not stored.
+/// Below this, measures are sums of round-off mostly: they have criteria of their own and are not stored.
 pub const ROUND_OFF: f64 = 1e-9;
 
 /// Read where it stands, so that a new one compiles nothing anew.
@@ -26,6 +26,10 @@ pub trait Stored {
     fn cells(&self) -> usize;
     /// Run it.
     fn outcome(&self) -> Outcome;
+    /// Below this its measures are sums of round-off: they are not stored.
+    fn round_off(&self) -> f64 {
+        ROUND_OFF
+    }
     /// Are its measures such that a table can hold them?
     fn is_kept(&self) -> bool {
         true
@@ -145,7 +149,7 @@ fn rows(run: &impl Stored, outcome: &Outcome) -> Vec<(&'static str, String)> {
     if outcome.failure.is_some() {
         return vec![("run", FAILS.into())];
     }
-    let kept = outcome.measures.iter().filter(|m| m.1.is_nan() || m.1.abs() > ROUND_OFF);
+    let kept = outcome.measures.iter().filter(|m| m.1.is_nan() || m.1.abs() > run.round_off());
     kept.map(|&(quantity, value)| (quantity, format!("{value:.5e}"))).collect()
 }
 

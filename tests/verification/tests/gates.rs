@@ -1,7 +1,8 @@
 //! Gates by all methods: errors within 2 % of what they were, and within what theory and references allow.
 
+use verification::fragile::{Flux, Fragile};
 use verification::problems::gates::{Gate, Passage, Way, stored};
-use verification::stored::{Runs, judged, series};
+use verification::stored::{Runs, judged, order, series};
 
 /// A measure of a way over its grids, coarse first.
 fn over_grids(runs: &Runs<Passage>, way: Way, quantity: &str) -> Vec<f64> {
@@ -9,12 +10,20 @@ fn over_grids(runs: &Runs<Passage>, way: Way, quantity: &str) -> Vec<f64> {
 }
 
 /// The ways that are stored.
-fn ways(runs: &Runs<Passage>) -> impl Iterator<Item = Way> + '_ {
-    Way::ALL.into_iter().filter(|way| runs.iter().any(|(passage, _)| passage.way == *way))
+fn ways(runs: &Runs<Passage>) -> Vec<Way> {
+    let mut ways: Vec<Way> = runs.iter().map(|(passage, _)| passage.way).collect();
+    ways.dedup();
+    ways
+}
+
+/// Fragile points with the symmetric flux.
+fn is_symmetric(way: Way) -> bool {
+    matches!(way, Way::Fragile(Fragile { flux: Flux::Symmetric, .. }))
 }
 
 /// A: the velocity comes nearer to d'Alembert's fronts with every grid, and the bar leaves the wall with 10 m/s, but for what is left in waves
-/// as short as a cell, which is less with every grid.
+/// as short as a cell, which is less with every grid: 2.5 % of the speed on the finest, 2.7 % with the symmetric flux of fragile points, with
+/// which short waves are fastest.
 #[test]
 fn gate_a_bar_on_a_wall() {
     let runs = judged(stored(Gate::Bar));
@@ -24,7 +33,29 @@ fn gate_a_bar_on_a_wall() {
             assert!(error.windows(2).all(|pair| pair[1] < 0.85 * pair[0]), "{way:?}: {quantity} {error:?}");
         }
         let rebound = over_grids(&runs, way, "rebound");
-        assert!(rebound[2] < 0.025, "{way:?}: rebound {rebound:?}");
+        assert!(rebound[2] < if is_symmetric(way) { 0.027 } else { 0.025 }, "{way:?}: rebound {rebound:?}");
+    }
+}
+
+/// B: the end nearer to its path with every grid, at least as fast as first order has it, and its lowest place within 1.5 % on the finest. Material
+/// points by splines meet the clamp and the load half a cell beside them and stay at first order; random cells with the symmetric flux, which
+/// is stiff, have 31 % on six through the beam and 7 % on twelve.
+#[test]
+fn gate_b_cantilever() {
+    let runs = judged(stored(Gate::Cantilever));
+    for way in ways(&runs) {
+        let path = over_grids(&runs, way, "path");
+        assert!(path.windows(2).all(|pair| pair[1] < 0.55 * pair[0]), "{way:?}: path {path:?}");
+        let allowed = match way {
+            Way::Impact => 0.11,
+            Way::Fragile(Fragile { flux: Flux::Symmetric, random: true }) => 0.07,
+            _ => 0.035,
+        };
+        assert!(path[2] < allowed, "{way:?}: path {path:?}");
+        let lowest = over_grids(&runs, way, "lowest");
+        assert!(lowest[2] < 0.015, "{way:?}: lowest {lowest:?}");
+        let allowed = if way == Way::Impact { 3e-3 } else { 1e-3 };
+        assert!(over_grids(&runs, way, "energy")[2] < allowed, "{way:?}");
     }
 }
 
@@ -55,7 +86,8 @@ fn gate_d_plate() {
         let profile = over_grids(&runs, way, "profile");
         assert!(profile.windows(2).all(|pair| pair[1] < 0.65 * pair[0]), "{way:?}: {profile:?}");
         let energy = over_grids(&runs, way, "specific energy");
-        assert!(energy[2] < 0.03 && energy[2] < 0.5 * energy[0], "{way:?}: {energy:?}");
+        let allowed = if is_symmetric(way) { 0.032 } else { 0.03 };
+        assert!(energy[2] < allowed && energy[2] < 0.5 * energy[0], "{way:?}: {energy:?}");
     }
 }
 
@@ -69,5 +101,25 @@ fn gate_g_bars_of_steel() {
         assert!(length.iter().all(|error| *error < 3e-3), "{way:?}: length {length:?}");
         let face = over_grids(&runs, way, "face")[1];
         assert!(face < if way == Way::Updated { 0.05 } else { 0.03 }, "{way:?}: face {face}");
+    }
+}
+
+/// The plate that is pulled: second order where the pull is smooth, about 5/3 where its rate jumps. Not by material points with splines, whose
+/// load acts within the end (first order), nor by the incomplete flux of fragile points, whose errors of both signs nearly cancel: they are a
+/// third of those of the symmetric one, and fall unevenly.
+#[test]
+fn a_plate_that_is_pulled() {
+    let runs = judged(stored(Gate::Pull));
+    for way in ways(&runs) {
+        let of = |quantity| order(&series(&runs, quantity, |passage| passage.way == way));
+        let [smooth, half] = ["smooth", "half sine"].map(of);
+        let least = match way {
+            Way::Impact => [0.95, 0.95],
+            Way::Fragile(Fragile { flux: Flux::Incomplete, .. }) => [1.55, 1.4],
+            _ => [1.95, 1.65],
+        };
+        assert!(smooth > least[0] && half > least[1], "{way:?}: orders {smooth} and {half}");
+        let finest = over_grids(&runs, way, "smooth")[2];
+        assert!(finest < if way == Way::Impact { 0.016 } else { 5e-4 }, "{way:?}: {finest}");
     }
 }

@@ -34,6 +34,7 @@ pub fn run(passage: Passage) -> Result<Outcome, String> {
         cells: [(SIZE[0] / SIZE[1]).round() as usize * passage.cells, passage.cells],
         velocity: Arc::new(mode),
         boundaries: vec![Boundary::Fixed { axis: 0, at: 0.0, side: Side::Above }],
+        load: None,
     };
     let mut beam = Matter::in_plane_strain(passage.way, setup, law)?;
     // The part of the mode in the displacement.

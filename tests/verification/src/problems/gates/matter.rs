@@ -6,20 +6,23 @@ use fem::{Fem, MeshBody};
 use mpm_core::geometry::structured::box_mesh;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, Embedding, Flip, IntoKernels, Kernels, Linear, Method, Mpm, Musl,
-    PlaneStrain, PointView, Side, Solver,
+    Axisymmetric, BlockGrid, Boundary, Deformable, Embedding, Flip, IntoKernels, Kernels, Linear, Method,
+    Mpm, Musl, PlaneStrain, PointView, Side, Traction,
 };
 use mpm_materials::IntoMaterial;
-use pcmm::{Composition, LocalDelaunay, Masses, Packing, Pcmm};
-use sph::{Layout, Sph};
+use pcmm::{LocalDelaunay, Masses, Packing, Pcmm};
 
 use super::Way;
+use super::solved::{self, Solved, smoothed, text, unloaded};
 use crate::work::{Stopwatch, Work};
 
 /// A velocity, m/s, of a place, m.
 pub type Velocity = Arc<dyn Fn([f64; 2]) -> [f64; 2] + Send + Sync>;
 
-/// A box from the origin, and what holds it.
+/// A traction, Pa, over time, s.
+pub type Load = Arc<dyn Fn(f64) -> [f64; 2] + Send + Sync>;
+
+/// A box from the origin, what holds it and what acts on it.
 pub struct Setup {
     /// Edges, m.
     pub size: [f64; 2],
@@ -27,6 +30,8 @@ pub struct Setup {
     pub cells: [usize; 2],
     pub velocity: Velocity,
     pub boundaries: Vec<Boundary<2>>,
+    /// What acts on the end far along x.
+    pub load: Option<Load>,
 }
 
 impl Setup {
@@ -43,6 +48,7 @@ impl Setup {
                 Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above },
                 Boundary::Symmetry { axis: 1, at: width, side: Side::Below },
             ],
+            load: None,
         }
     }
 }
@@ -57,73 +63,6 @@ pub struct Point {
     pub velocity: [f64; 2],
 }
 
-/// What differs from method to method.
-trait Solved {
-    fn solver(&mut self) -> &mut dyn Solver;
-    /// Mass, position and velocity of every particle or node, with its place among those of the start.
-    fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2]));
-}
-
-impl Solved for Mpm<2> {
-    fn solver(&mut self) -> &mut dyn Solver {
-        self
-    }
-    fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2])) {
-        let plane = |x: [f64; 3]| [x[0], x[1]];
-        self.bodies()[0].for_each(&mut |p| visit(p.number, p.mass, plane(p.position), plane(p.velocity)));
-    }
-}
-
-impl Solved for Fem<2> {
-    fn solver(&mut self) -> &mut dyn Solver {
-        self
-    }
-    fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2])) {
-        let nodes = self.body(0).nodes().iter().enumerate();
-        nodes.for_each(|(n, node)| visit(n, node.mass, node.position, node.velocity));
-    }
-}
-
-impl<M: Composition<2>> Solved for Pcmm<2, M> {
-    fn solver(&mut self) -> &mut dyn Solver {
-        self
-    }
-    fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2])) {
-        self.particles().iter().enumerate().for_each(|(n, p)| visit(n, p.mass, p.position, p.velocity));
-    }
-}
-
-impl<M: sph::Composition<2>> Solved for Sph<2, M> {
-    fn solver(&mut self) -> &mut dyn Solver {
-        self
-    }
-    fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2])) {
-        for (i, &n) in self.numbers().iter().enumerate() {
-            visit(n as usize, self.mass(i), self.positions()[i], self.velocity(i));
-        }
-    }
-}
-
-/// A body of smoothed particles, and where they rest.
-type Smoothed = (Vec<[f64; 2]>, Box<dyn Solved>);
-
-/// Rows of smoothed particles on both ends of a box, where walls and clamps are, and half a spacing within its sides.
-fn smoothed<M: sph::Composition<2>>(
-    method: M,
-    setup: Setup,
-    law: impl IntoMaterial<f64>,
-    (shape, lattice, filling): (&Cuboid<2>, &Lattice<2>, &Filling),
-) -> Result<Smoothed, String> {
-    let upright = setup.size[1] > setup.size[0];
-    let layout = Layout::on_faces(shape, lattice, [!upright, upright], filling).map_err(text)?;
-    let velocity = setup.velocity;
-    let mut body = Sph::new(method, law, &layout, |x| velocity(x)).map_err(text)?;
-    for boundary in setup.boundaries {
-        body.bound(boundary).map_err(text)?;
-    }
-    Ok((layout.positions, Box::new(body)))
-}
-
 /// A body, and what its steps cost so far.
 pub struct Matter {
     solved: Box<dyn Solved>,
@@ -131,12 +70,12 @@ pub struct Matter {
     pub work: Work,
 }
 
-fn text(error: impl std::fmt::Display) -> String {
-    error.to_string()
-}
-
 impl Matter {
     pub fn in_plane_strain(way: Way, setup: Setup, law: impl IntoMaterial<f64>) -> Result<Self, String> {
+        if let Way::Fragile(fragile) = way {
+            let (rest, solved) = solved::fragile(fragile, setup, law)?;
+            return Ok(Self::of(way, rest, solved));
+        }
         let kernels = match way {
             Way::Linear => Method::new(Linear, Flip, Musl, PlaneStrain).into_kernels(),
             _ => Method::impact(PlaneStrain).into_kernels(),
@@ -164,11 +103,20 @@ impl Matter {
         let h = setup.size[0] / setup.cells[0] as f64;
         let lattice = Lattice::new([0.0; 2], h).map_err(text)?;
         let velocity = setup.velocity.clone();
-        let (rest, mut solved): (_, Box<dyn Solved>) = match way {
+        let (rest, solved): (_, Box<dyn Solved>) = match way {
             Way::Linear | Way::Impact => {
                 let seeds = fill(&shape, &lattice, 2, &filling).map_err(text)?;
                 let mut mpm = Mpm::new(kernels, BlockGrid::new(lattice));
-                mpm.add("body", law, &seeds, |x| velocity(x)).map_err(text)?;
+                let mut body = Deformable::new("body", law, &seeds).moving(|x| velocity(x));
+                if let Some(history) = setup.load {
+                    // The last particles: nearer to the end than half a cell.
+                    let [length, width] = setup.size;
+                    let region =
+                        Cuboid::new([length - 0.5 * h, -h], [length + h, width + h]).map_err(text)?;
+                    let region = Arc::new(region);
+                    body = body.with_traction(Traction { region, axis: 0, history, revolved: false });
+                }
+                mpm.add_body(body).map_err(text)?;
                 for boundary in setup.boundaries {
                     mpm.bound(boundary).map_err(text)?;
                 }
@@ -179,6 +127,7 @@ impl Matter {
             }
             Way::Updated => smoothed(sph::Method::updated(space), setup, law, (&shape, &lattice, &filling))?,
             Way::Contacts => {
+                unloaded(&setup)?;
                 let packing = Packing::on_nodes(&shape, &lattice).map_err(text)?;
                 let delaunay = LocalDelaunay::new(0.45 * h, 20.0).map_err(text)?;
                 let method = pcmm::Method::consistent(space, delaunay);
@@ -200,19 +149,27 @@ impl Matter {
                 for boundary in setup.boundaries {
                     fem.bound(boundary).map_err(text)?;
                 }
-                (rest, Box::new(fem))
+                let solved: Box<dyn Solved> = match setup.load {
+                    Some(load) => Box::new(solved::Loaded::new(fem, setup.size[0], load)),
+                    None => Box::new(fem),
+                };
+                (rest, solved)
             }
+            Way::Fragile(_) | Way::Cracks(_) => return Err(format!("{} does not run this", way.name())),
         };
-        let work =
-            Work { particles: solved.solver().moving_points() as u64, nodes: way.nodes(), ..Work::default() };
-        Ok(Matter { solved, rest, work })
+        Ok(Self::of(way, rest, solved))
+    }
+
+    fn of(way: Way, rest: Vec<[f64; 2]>, mut solved: Box<dyn Solved>) -> Self {
+        let particles = solved.solver().moving_points() as u64;
+        Matter { solved, rest, work: Work { particles, nodes: way.nodes(), ..Work::default() } }
     }
 
     /// Step until `end`, s.
     pub fn run_until(&mut self, end: f64) -> Result<(), String> {
         let watch = Stopwatch::start();
+        let made = self.solved.run_until(end);
         let solver = self.solved.solver();
-        let made = solver.run_until(end);
         self.work.seconds += watch.seconds();
         self.work.steps = solver.steps();
         self.work.bytes = solver.bytes() as u64;

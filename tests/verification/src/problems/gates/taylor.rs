@@ -31,6 +31,7 @@ pub fn run(passage: Passage) -> Result<Outcome, String> {
                 Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above },
                 Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 },
             ],
+            load: None,
         };
         let mut bar = Matter::around_the_axis(passage.way, setup, library::steel_4340())?;
         let made = bar.run_until(END);

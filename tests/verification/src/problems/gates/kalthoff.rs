@@ -1,0 +1,97 @@
+//! H: the plate of Kalthoff and Winkler: a crack runs up from a notch that is struck below (case 2.3 of \[Shen2022\]).
+//!
+//! Half of it, 0.1 m x 0.1 m, in plane stress, of random cells, with rows of points along the notch. What runs are measured by are the ranges
+//! that printed computations, an independent one by peridynamics and the experiment leave: their middle, and half their width.
+
+use std::sync::Arc;
+
+use fpm::{
+    Cells, Cohesive, Criterion, Domain, Fpm, MaximumTension, Method, Notch, TipPath, relaxed, scattered,
+};
+use mpm_core::{Boundary, PlaneStrain, Side, Solver};
+use mpm_materials::{LinearElastic, Moduli, PlaneStress};
+
+use super::Passage;
+use crate::case::Outcome;
+use crate::fragile::{Cracks, Opening};
+use crate::work::{Stopwatch, Work};
+
+const SIZE: f64 = 0.1;
+/// The end of the notch, m.
+const TIP: [f64; 2] = [0.05, 0.025];
+/// Of the edge below the notch, m/s, from `RAMP` s on.
+const SPEED: f64 = 16.5;
+const RAMP: f64 = 1e-6;
+const END: f64 = 90e-6;
+/// Largest tension that a face bears, Pa.
+const STRENGTH: f64 = 1773e6;
+/// What a crack takes, J/m^2.
+const WORK: f64 = 2.213e4;
+/// Speed of Rayleigh waves, m/s.
+const RAYLEIGH: f64 = 2799.0;
+/// How far the crack has gone where its chord is taken, m.
+const FAR: f64 = 0.06;
+/// The middles of what is accepted: angle of the chord, 64 to 70 degrees, and start, 23 to 28 us.
+const CHORD: f64 = 67.0;
+const START: f64 = 25.5e-6;
+/// How far it has gone when it has started, m.
+const BEGUN: f64 = 2e-3;
+
+fn text(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+/// The plate with its notch.
+fn cells(h: f64, seed: u64) -> Result<Cells<2>, String> {
+    let domain = Domain::cuboid([0.0; 2], [SIZE; 2]).map_err(text)?;
+    let notch = Notch::segment([0.0, TIP[1]], TIP).map_err(text)?;
+    let points = relaxed(scattered(&domain, seed, |_| h).map_err(text)?, &domain, 3).map_err(text)?;
+    let points = notch.lined(points, &domain, h).map_err(text)?;
+    Cells::voronoi(&points, &domain).map_err(text)?.with_notch(&notch).map_err(text)
+}
+
+pub fn run(passage: Passage, cracks: Cracks) -> Result<Outcome, String> {
+    match cracks.opening {
+        Opening::Strength => opened(passage, cracks, MaximumTension::new(STRENGTH).map_err(text)?),
+        Opening::Cohesive => opened(passage, cracks, Cohesive::new(STRENGTH, WORK).map_err(text)?),
+    }
+}
+
+fn opened(passage: Passage, cracks: Cracks, criterion: impl Criterion) -> Result<Outcome, String> {
+    let cells = cells(SIZE / passage.cells as f64, cracks.seed)?;
+    let moduli = Moduli::young_poisson(190e9, 0.3).map_err(text)?;
+    let steel = PlaneStress::new(LinearElastic::new(8000.0, moduli).map_err(text)?);
+    let method = Method::symmetric(PlaneStrain).with_cracks(criterion);
+    let mut plate = Fpm::new(method, steel, &cells, |_| [0.0; 2]).map_err(text)?;
+    let strike = |t: f64| [Some(SPEED * (t / RAMP).min(1.0)), None];
+    let struck = plate.drive_faces(|f| f.normal[0] < -0.5 && f.centroid[1] < TIP[1], Arc::new(strike));
+    struck.map_err(text)?;
+    plate.bound(Boundary::Symmetry { axis: 1, at: 0.0, side: Side::Above }).map_err(text)?;
+    let watch = Stopwatch::start();
+    let made = plate.run_until(END);
+    let work = Work {
+        particles: cells.len() as u64,
+        steps: plate.steps(),
+        nodes: passage.way.nodes(),
+        seconds: watch.seconds(),
+        bytes: plate.bytes() as u64,
+    };
+    let outcome = Outcome { work, failure: made.err().map(text), ..Outcome::default() };
+    if outcome.failure.is_some() {
+        return Ok(outcome);
+    }
+    let path = TipPath::new(&plate.cracks(), TIP, |crack| crack.damage > 0.99);
+    let beyond = |far: f64| path.tips().iter().find(|tip| tip.distance > far);
+    let (Some(start), Some(end)) = (beyond(BEGUN), beyond(FAR)) else {
+        return Ok(Outcome { failure: Some("the crack stops on its way".into()), ..outcome });
+    };
+    let chord = (end.position[1] - TIP[1]).atan2(end.position[0] - TIP[0]).to_degrees();
+    let times = (25..70).map(|t| f64::from(t) * 1e-6);
+    let fastest = times.filter_map(|t| path.speed(t, 8e-6)).fold(0.0, f64::max);
+    Ok(outcome
+        .with("angle", chord / CHORD - 1.0)
+        .with("work of the crack", plate.dissipated() / plate.crack_area() / WORK - 1.0)
+        .with("start", start.time / START - 1.0)
+        .with("speed over that of Rayleigh waves", fastest / RAYLEIGH)
+        .with("energy", plate.account().energy_error()))
+}
