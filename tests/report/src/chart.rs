@@ -61,6 +61,8 @@ pub enum Mark {
     Disc,
     /// In the reference configuration, or in single precision.
     Ring,
+    /// Cells of points at random.
+    Triangle,
     /// Taichi.
     Square,
     /// Warp.
@@ -88,6 +90,15 @@ impl Mark {
                 write!(
                     out,
                     "<circle class=\"{kind} c{colour}\" cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{size}\">{title}</circle>"
+                )
+            }
+            Mark::Triangle => {
+                let (half, high) = (size + 0.5, 1.8 * size);
+                write!(
+                    out,
+                    "<path class=\"peer c{colour}\" d=\"M{x:.1} {:.1}l{half} {high}h-{:.1}z\">{title}</path>",
+                    y - 0.6 * high,
+                    2.0 * half
                 )
             }
             Mark::Square => {
@@ -142,6 +153,13 @@ impl Style {
         ];
         if let Some((_, colour, ring)) = beside.into_iter().find(|(name, ..)| method == *name) {
             return Style { colour, dash: "none", mark: Mark::of(peer, ring) };
+        }
+        if let Some(cells) = method.strip_prefix("FPM ") {
+            let colour = if cells.starts_with("strength") { 1 } else { 7 };
+            let broken = cells.starts_with("printed") || cells.ends_with("second set");
+            let squares = ["printed", "symmetric"].contains(&cells);
+            let mark = if squares { Mark::Ring } else { Mark::Triangle };
+            return Style { colour, dash: if broken { "7 4" } else { "none" }, mark };
         }
         let ring = method.starts_with("TL");
         if !variant.is_empty() {

@@ -1,7 +1,7 @@
 //! Which runs are not beaten: none is both cheaper and more accurate.
 
 use verification::Scheme;
-use verification::problems::gates::Way;
+use verification::problems::gates::{Gate, Way};
 
 use crate::contact::DETECTIONS;
 use crate::job::Key;
@@ -95,10 +95,11 @@ pub fn growing<'a>(runs: &[&'a Record], error: &str, least: f64) -> Vec<&'a Reco
 pub fn schemes(runs: &[&Record]) -> Vec<String> {
     let mut list: Vec<String> = runs.iter().map(|r| r.scheme().to_string()).collect();
     let all = Scheme::all();
+    let ways: Vec<Way> = Gate::ALL.into_iter().flat_map(Gate::ways).collect();
     let rank = |name: &str| {
         let (peer, name) = peers::split(name);
         let (method, variant) = name.split_once(", ").unwrap_or((name, ""));
-        let gate = Way::ALL.iter().position(|way| way.name() == method);
+        let gate = ways.iter().position(|way| way.name() == method);
         let method = all.iter().position(|s| s.name() == method);
         (peer, gate, method, DETECTIONS.iter().position(|d| d.name() == variant), variant.to_string())
     };

@@ -279,10 +279,10 @@ impl Sweeper<'_> {
         }
         let there: Vec<Count> = record::lines(&self.files.counts)?;
         let mut missing: Vec<Job> = Vec::new();
-        // Those of the study and the bars of steel take minutes under callgrind, and say nothing that others do not.
+        // Those of the study, the bars of steel and Kalthoff's plate take minutes under callgrind, and say nothing that others do not.
         let short = |job: &Job| match job {
             Job::Study(_) => false,
-            Job::Passage(passage) => passage.gate != Gate::Taylor,
+            Job::Passage(passage) => !matches!(passage.gate, Gate::Taylor | Gate::Kalthoff),
             _ => true,
         };
         for job in self.jobs(charts).into_iter().filter(short) {

@@ -68,7 +68,7 @@ pub fn page(data: &Data) -> String {
          the broad grey line the best of all (nothing is both cheaper and more accurate). Discs move through the grid \
          (updated Lagrangian), rings stay in the reference configuration (total Lagrangian, TL, and finite elements, FE); so do discs and \
          rings of smoothed particles (SPH), whose kernels are those of the present or of the reference configuration, and which have one \
-         particle where material points have about one. \
+         particle where material points have about one. Cells of fragile points (FPM) stay in the reference configuration: squares are rings, cells of points at random triangles. \
          A run that stopped, or whose error exceeds 1, is a cross on the top edge: none is left out.</p>"
     );
     contents(&mut out, data);
@@ -228,7 +228,7 @@ fn reading(out: &mut String, chart: &Chart, runs: &[&Record], band: f64) {
     out.push_str("<p><b>Reading.</b> ");
     // Material points in the present configuration.
     let through_the_grid =
-        |r: &&Record| !["TL", "SPH", "FE", "PCMM"].iter().any(|beside| r.scheme().starts_with(beside));
+        |r: &&Record| !["TL", "SPH", "FPM", "FE", "PCMM"].iter().any(|beside| r.scheme().starts_with(beside));
     for &target in chart.targets {
         let of_all = cheapest(runs.iter().copied(), chart.error, Cost::Seconds, target);
         let moving =
@@ -267,7 +267,7 @@ fn reading(out: &mut String, chart: &Chart, runs: &[&Record], band: f64) {
                     round(ratio)
                 );
             }
-            None if !through_the_grid(&first) => {
+            None if runs.iter().any(through_the_grid) && !through_the_grid(&first) => {
                 out.push_str("; none that moves through the grid gets there")
             }
             _ => {}
