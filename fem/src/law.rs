@@ -18,10 +18,14 @@ pub(crate) struct Probe {
     pub speed: f64,
     /// [`Material::shock_viscosity`].
     pub shock: [f64; 2],
+    /// Is its change of volume not that of the motion, as that of plates that become thinner?
+    pub apart: bool,
 }
 
 /// Compression of the point, so that laws that carry no tension carry shear, and the shear strain.
 const STRAINS: [f64; 2] = [1e-8, 1e-9];
+/// What the change of volume may differ by from that of the motion by rounding, over it.
+const APART: f64 = 1e-3;
 
 impl Probe {
     /// Of this law.
@@ -42,6 +46,7 @@ impl Probe {
         let (stride, groups, mut response) = (material.numbers(), &[0][..], Response::default());
         material.describe(States { all: &rows, stride, first: 0, groups }, f64::INFINITY, &mut response);
         let speed = response.outputs()[0].step_speed.0[0].as_ref()[0];
+        let before = response.outputs()[0].volume_ratio.0[0].as_ref()[0];
         let mut deformation = [Deformation::default()];
         let [closed, sheared] = STRAINS;
         for (place, strain) in [(0, -closed), (4, -closed), (8, -closed), (1, sheared)] {
@@ -53,8 +58,10 @@ impl Probe {
         let states = StatesMut { all: &mut rows, stride, first: 0, groups };
         material.advance(&motion, states, false, &mut response);
         let shear = (response.outputs()[0].stress[5].0[0].as_ref()[0] / sheared).max(0.0);
+        let less = 1.0 - response.outputs()[0].volume_ratio.0[0].as_ref()[0] / before;
+        let apart = (less / (3.0 * closed) - 1.0).abs() > APART;
         let bulk = (density * speed * speed - 4.0 / 3.0 * shear).max(0.0);
-        Ok(Probe { density, shear, bulk, speed, shock: material.shock_viscosity() })
+        Ok(Probe { density, shear, bulk, speed, shock: material.shock_viscosity(), apart })
     }
 
     /// The modulus of hourglass springs: that of shear, or of a law without one a hundredth of the bulk modulus, Pa.

@@ -106,6 +106,11 @@ impl<S: Shape, R: Rule, const HOOP: bool> Give<'_, S, R, HOOP> {
                     g.hoop[m] = g.hoop[m] * scale;
                 }
             }
+            if !R::DILATATION && !R::AVERAGED && self.of.probe.apart {
+                let by_law = reference::<P>(&self.batch.reference, place, half, lane)
+                    * P::from_pair(&said.volume_ratio, half, lane);
+                stress = stress * (by_law / (g.volume * P::of(S::SCALE)));
+            }
             self.push(octet, (half, lane), &stress, &g, &x, &mut forces);
         }
         let mut nodal = S::nodal(&forces);
