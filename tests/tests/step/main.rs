@@ -12,6 +12,7 @@ mod flight;
 mod loads;
 mod merging;
 mod observe;
+mod plates;
 mod restart;
 mod resting;
 mod solver;
