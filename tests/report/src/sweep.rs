@@ -348,7 +348,7 @@ pub fn charts() -> Vec<Chart> {
             id: "c14-bar",
             title: "Gates of all methods: a bar on a wall",
             about: "Gate A, an elastic bar of 0.2 m without Poisson's ratio hits a rigid wall at 10 m/s, without bulk viscosity, by material points, particle \
-                    contacts, smoothed particles and finite elements with one law value: velocity along the bar at seven moments until it has left, against d'Alembert's \
+                    contacts, smoothed particles, finite elements and fragile points with one law value: velocity along the bar at seven moments until it has left, against d'Alembert's \
                     fronts. Cells are those along the bar; work counts points of integration and their nodes.",
             problem: Gate::Bar.name(),
             error: "velocity",
