@@ -29,6 +29,7 @@
 //! | `tnt_cased` | TNT in copper, cylinder and cube: speed of the case |
 //! | `gate_flow` | water behind an elastic gate that opens: its tip, statics against beams, a dam break against experiment |
 //! | `wedge_entry` | a wedge enters water, elements of one to eight cells: what comes through, forces against theory |
+//! | `wave_plate` | waves along a plate that is drawn at its end, by fragile points, against exact ones: peaks, orders |
 //! | `validation` | runs all cases and writes docs/validation.md |
 //! | `throughput` | particle updates a second on fixed scenes |
 //!
@@ -40,6 +41,7 @@ pub mod case;
 pub mod check;
 pub mod cracks;
 mod detection;
+pub mod fragile;
 mod heap;
 mod immersed;
 mod law;

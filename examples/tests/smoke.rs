@@ -692,6 +692,16 @@ fn shaken_discs() {
 }
 
 #[test]
+fn wave_plate() {
+    // Peaks, speed of waves and energy, of two fluxes: jumps, half a sine with its first periods, a ramp.
+    smoke!(
+        wave_plate,
+        only(2 * (2 * (2 + 2) + (6 + 2) + (4 + 2))),
+        ["waves.png", "plate.png", "history_half-sine_symmetric.csv", "paraview/step_incomplete.pvd"]
+    );
+}
+
+#[test]
 fn throughput() {
     let value = smoke!(throughput, .., []);
     let runs = value["settings"]["runs"].as_array().expect("runs");

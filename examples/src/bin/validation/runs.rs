@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 26] = [
+pub const CASES: [&str; 28] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",
@@ -36,6 +36,7 @@ pub const CASES: [&str; 26] = [
     "kalthoff",
     "glass_branching",
     "pcmm_distortion",
+    "wave_plate",
 ];
 
 const RESOLUTIONS: [(Resolution, &str); 3] =
