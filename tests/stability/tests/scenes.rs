@@ -67,6 +67,8 @@ scenes! {
     facets_are_coarse: "T23";
     /// Smoothed particles.
     particles_are_smoothed: "S1" "S2" "S3" "S4" "S5" "S6" "S7" "S8" "S9";
+    /// Fragile points.
+    cells_are_fragile: "P1" "P2" "P3" "P3c" "T11f" "T11w" "P5" "P5f" "P6";
 }
 
 /// A scene that nothing fails proves nothing.

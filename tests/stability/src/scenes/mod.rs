@@ -4,6 +4,7 @@ pub mod crossing;
 pub mod crushing;
 pub mod elements;
 pub mod facets;
+pub mod fragile;
 pub mod gas;
 pub mod limits;
 pub mod locking;
@@ -70,6 +71,15 @@ pub fn all() -> Vec<Scene> {
         smoothed::blocks(),
         smoothed::alternating_pressure(),
         smoothed::swing(),
+        fragile::checkerboard(),
+        fragile::stiff_penalty(),
+        fragile::alone(),
+        fragile::chain(),
+        fragile::beam(),
+        fragile::flutter(),
+        fragile::closed(),
+        fragile::slides(),
+        fragile::halved(),
     ]
 }
 
