@@ -48,6 +48,9 @@ fn usual() -> f64 {
     Penalty::default().eta()
 }
 
+/// What came of a run, or after how many steps what stopped it; or why there is none.
+type Ran<T> = Result<Result<T, (u64, StepError)>, String>;
+
 /// What a run measures, or what stopped it.
 fn measured(steps: u64, ran: Result<f64, StepError>) -> Measured {
     match ran {
@@ -349,7 +352,7 @@ pub fn closed() -> Scene {
     fn trial(flux: impl Flux, sign: f64, cut: Cut) -> impl Fn(Size) -> Result<Measured, String> {
         move |_| {
             let (long, high, width) = (60.0, 6.0, 25.0);
-            let passed = |open: bool| -> Result<Result<(f64, f64, u64), (u64, StepError)>, String> {
+            let passed = |open: bool| -> Ran<(f64, f64, u64)> {
                 let slit = match cut {
                     Cut::Straight => notch([30.0, -1.0], [30.0, high + 1.0])?,
                     Cut::Oblique => notch([28.5, -1.0], [31.5, high + 1.0])?,
@@ -481,11 +484,7 @@ pub fn slides() -> Scene {
 /// P6.
 pub fn halved() -> Scene {
     /// Of a strip that is drawn apart: work of the crack over the way it went, J/m^2, and steps.
-    fn strip(
-        cracks: impl Criterion,
-        flux: impl Flux,
-        finer: usize,
-    ) -> Result<Result<(f64, u64), (u64, StepError)>, String> {
+    fn strip(cracks: impl Criterion, flux: impl Flux, finer: usize) -> Ran<(f64, u64)> {
         let (h, counts) = (1e-3 / finer as f64, [20, 10].map(|n| n * finer));
         let (length, width, depth) = (20e-3, 10e-3, 4e-3);
         let body = Cuboid::new([0.0; 2], [length, width]).map_err(text)?;
