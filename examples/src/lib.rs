@@ -18,7 +18,7 @@
 //! | `tnt_slab` | a slab of TNT burns from a wall: the front, the pressure and the wave behind it against exact flow |
 //! | `debris_cloud_2d` | a disc goes through a plate at 5 km/s, by the particle-contact meshfree method |
 //! | `elastic_bar` | an elastic bar hits a wall, by the particle-contact meshfree method, against the exact solution |
-//! | `taylor_copper` | a long copper bar hits a wall, by particle contacts, as printed and ours, by MPM and by finite elements |
+//! | `taylor_copper` | a long copper bar hits a wall, by particle contacts, as printed and ours, by MPM, finite elements and fragile points |
 //! | `taylor_4340` | steel bars hit a wall at three speeds, by smoothed particles as printed, updated and total Lagrangian |
 //! | `tungsten_bullet` | a tungsten bullet goes through an aluminium plate, by particle contacts and by MPM, against theory |
 //! | `plug_weldox` | a blunt projectile punches a plug out of a steel plate, by smoothed particles: size of the plug, residual velocity |
@@ -30,6 +30,7 @@
 //! | `gate_flow` | water behind an elastic gate that opens: its tip, statics against beams, a dam break against experiment |
 //! | `wedge_entry` | a wedge enters water, elements of one to eight cells: what comes through, forces against theory |
 //! | `wave_plate` | waves along a plate that is drawn at its end, by fragile points, against exact ones: peaks, orders |
+//! | `cantilever_pulse` | a cantilever under a shear pulse, by fragile points, against finite elements: tip, modes, stress |
 //! | `validation` | runs all cases and writes docs/validation.md |
 //! | `throughput` | particle updates a second on fixed scenes |
 //!

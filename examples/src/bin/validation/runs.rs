@@ -37,6 +37,7 @@ pub const CASES: [&str; 28] = [
     "glass_branching",
     "pcmm_distortion",
     "wave_plate",
+    "cantilever_pulse",
 ];
 
 const RESOLUTIONS: [(Resolution, &str); 3] =
