@@ -29,6 +29,8 @@ pub struct Outcome {
     pub sizes: [f64; 2],
     /// Energy of hourglass forces over internal energy; none of methods without any.
     pub hourglass: Option<f64>,
+    /// When it stopped, s, and why, if it did not come to its end.
+    pub broke: Option<(f64, String)>,
     pub snapshot: Snapshot,
     pub totals: Totals,
 }

@@ -2,9 +2,9 @@
 
 use examples::{Check, Totals};
 
-use crate::beside;
 use crate::scene::{END, Outcome, Parts, Setup, Space};
 use crate::{SPEED, STANDARD};
+use crate::{beside, points};
 
 const LENGTH_TOLERANCE: f64 = 0.02;
 const RADIUS_TOLERANCE: f64 = 0.05;
@@ -135,29 +135,50 @@ pub fn beside(outcome: &beside::Outcome) -> Vec<Check> {
         Some(_) => OF_ELEMENTS,
         None => [LENGTH_TOLERANCE, RADIUS_TOLERANCE],
     };
+    let fragile = outcome.method == points::NAME;
     let name = |what: &str| format!("{}: {what}", outcome.name());
     let size = |what, value, reference, tolerance| {
         sized(name(what), value, reference, tolerance, source(space), outcome.bar.speed)
     };
     let length = size(LENGTH, length, l, within);
     let mut face = size(FACE, radius, r, of_face);
-    if outcome.hourglass.is_none() && space == Space::PlaneStrain && cells >= 10 {
+    if outcome.hourglass.is_none() && !fragile && space == Space::PlaneStrain && cells >= 10 {
         face = face.known_miss(
             "5.4 % too wide with 10 cells on the radius, 1.9 % with 4: finer grids do not come nearer",
         );
     }
+    if fragile {
+        face = face.known_miss(YIELDS);
+    }
     let mut rows = vec![length, face];
+    let free = "conservation";
     if let Some(share) = outcome.hourglass {
+        let limit = "5 % of the internal energy";
+        rows.push(Check::at_most(
+            name("energy of hourglass forces / internal"),
+            share,
+            "-",
+            HOURGLASS,
+            limit,
+        ));
+    }
+    if fragile || outcome.hourglass.is_some() {
         let Totals { energy_error, momentum_error, .. } = outcome.totals;
-        let (limit, free) = ("5 % of the internal energy", "conservation");
         rows.extend([
-            Check::at_most(name("energy of hourglass forces / internal"), share, "-", HOURGLASS, limit),
             Check::gate(name("energy error"), energy_error, "-", 0.0, ENERGY_TOLERANCE, free),
             Check::gate(name("momentum error"), momentum_error, "-", 0.0, MOMENTUM_TOLERANCE, free),
         ]);
     }
+    if let Some((time, cause)) = &outcome.broke {
+        let reason = format!("the end; broke: {cause}");
+        rows.push(Check::at_least(name("time reached"), 1e6 * time, "µs", 1e6 * END, &reason));
+    }
     rows
 }
+
+/// Why the face of cells is too small.
+const YIELDS: &str = "the penalty is by Young's modulus and does not yield as copper does: in plane strain 35 % with 5 cells on the radius, 22 % \
+                      with 10, 7 % with 20; with a penalty of 5 E 34, 27 %, of 0.1 E 11 % with 10 and 4 % with 20, but the foot goes ragged";
 
 /// Hourglass energy over internal energy, at most.
 const HOURGLASS: f64 = 0.05;

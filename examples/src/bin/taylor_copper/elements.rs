@@ -53,7 +53,7 @@ pub fn impact(bar: Bar, integration: Integration, files: Option<Files>) -> Resul
 }
 
 /// A quarter of the bar in three dimensions, of bricks.
-fn quarter(across: u32, along: usize) -> Result<ElementMesh<3>, CaseError> {
+pub fn quarter(across: u32, along: usize) -> Result<ElementMesh<3>, CaseError> {
     let whole = Cylinder::new([0.0; 3], [0.0, 0.0, 1.0], LENGTH, RADIUS)?;
     let mesh = cylinder_mesh(&whole, Butterfly::of_edge(RADIUS, RADIUS / f64::from(across))?, along)?;
     let inside = |nodes: &[u32]| {
@@ -105,6 +105,7 @@ fn run<const D: usize, E: Embedding<D>>(
         method,
         bar,
         sizes: sizes(&fem, &ends),
+        broke: None,
         hourglass: Some(fem.body(0).hourglass_energy() / fem.body(0).internal_energy()),
         snapshot: fem.snapshot()?,
         totals,

@@ -6,8 +6,8 @@ use examples::CaseError;
 use mpm_core::output::picture::{ColourMap, FieldPicture, Mirror, Panels, Picture, Quantity};
 use mpm_core::output::{OutputError, ParticleSize, Snapshot};
 
-use crate::beside;
 use crate::scene::{LENGTH, Outcome, Parts, RADIUS, Space};
+use crate::{beside, points};
 
 /// Draw the feet of all bars side by side.
 pub fn draw(
@@ -22,17 +22,18 @@ pub fn draw(
     for bar in bars.iter().filter(|b| b.setup.space != Space::Quarter) {
         let half = bar.setup.space == Space::Axisymmetric || bar.setup.parts != Parts::Printed;
         let title = format!("{}, {} particles", bar.setup.name, bar.totals.particles);
-        panels = panels.panel(title, foot(&bar.snapshot, gaps(bar.setup.spacing()), half)?);
+        panels = panels.panel(title, foot(&bar.snapshot, Some(gaps(bar.setup.spacing())), half)?);
     }
     for outcome in beside.iter().filter(|b| b.bar.space != Space::Quarter) {
         let snapshot = &outcome.snapshot;
-        let elements = snapshot.cells().is_some();
-        let (size, what) = if elements {
+        let (size, what) = if outcome.method == points::NAME {
+            (None, "cells")
+        } else if snapshot.cells().is_some() {
             // As large as they are, and more: they are flat at the face.
             let size = |n: usize| 1.5 * snapshot.size_of(n);
-            (ParticleSize::Each((0..snapshot.len()).map(size).collect()), "elements")
+            (Some(ParticleSize::Each((0..snapshot.len()).map(size).collect())), "elements")
         } else {
-            (gaps(snapshot.size_of(0)), "particles")
+            (Some(gaps(snapshot.size_of(0))), "particles")
         };
         let title = format!("{}, {} {what}", outcome.name(), outcome.totals.particles);
         panels = panels.panel(title, foot(snapshot, size, true)?);
@@ -46,11 +47,17 @@ fn gaps(spacing: f64) -> ParticleSize {
     ParticleSize::Uniform(1.7 * spacing)
 }
 
-fn foot(snapshot: &Snapshot, size: ParticleSize, half: bool) -> Result<Picture, OutputError> {
+/// By particles of some size, or by cells as they are.
+fn foot(snapshot: &Snapshot, size: Option<ParticleSize>, half: bool) -> Result<Picture, OutputError> {
     let strain =
         Quantity::scalar("plastic_strain").label("plastic strain").range(0.0, 2.0).map(ColourMap::Viridis);
-    let s = Snapshot::new(2, snapshot.time(), snapshot.step(), snapshot.positions().to_vec(), size)?
-        .with_scalar("plastic_strain", snapshot.scalar("plastic_strain")?.to_vec())?;
+    let s = match size {
+        Some(size) => {
+            Snapshot::new(2, snapshot.time(), snapshot.step(), snapshot.positions().to_vec(), size)?
+                .with_scalar("plastic_strain", snapshot.scalar("plastic_strain")?.to_vec())?
+        }
+        None => snapshot.clone(),
+    };
     let mut picture = FieldPicture::new(420, 560)
         .colour_by(strain)
         .bounds([-3.8 * RADIUS, -0.02 * LENGTH], [3.8 * RADIUS, 0.82 * LENGTH]);

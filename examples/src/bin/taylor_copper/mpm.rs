@@ -50,7 +50,7 @@ fn run(
         });
     }
     let sizes = sizes(&seeds, &places);
-    Ok(Outcome { method: "mpm", bar, sizes, hourglass: None, snapshot, totals })
+    Ok(Outcome { method: "mpm", bar, sizes, hourglass: None, broke: None, snapshot, totals })
 }
 
 /// Length and radius of the face: particles lie a quarter of a cell within the surface they had, and are continued to
