@@ -80,7 +80,7 @@ fn opened(passage: Passage, cracks: Cracks, criterion: impl Criterion) -> Result
     if outcome.failure.is_some() {
         return Ok(outcome);
     }
-    let path = TipPath::new(&plate.cracks(), TIP, |crack| crack.damage > 0.99);
+    let path = TipPath::new(&plate.cracks(), TIP, |crack| crack.opened.filter(|_| crack.damage > 0.99));
     let beyond = |far: f64| path.tips().iter().find(|tip| tip.distance > far);
     let (Some(start), Some(end)) = (beyond(BEGUN), beyond(FAR)) else {
         return Ok(Outcome { failure: Some("the crack stops on its way".into()), ..outcome });
