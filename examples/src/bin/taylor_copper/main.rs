@@ -43,7 +43,7 @@ struct Options {
     /// How finite elements are integrated
     #[arg(long, value_enum, default_value = "mean-dilatation")]
     integration: Integration,
-    /// Penalty of fragile points over Young's modulus, 0.001 to 100: that of elastic bodies, 5, holds back what flows, with less than 1 the foot goes ragged
+    /// Penalty of fragile points over Young's modulus, 0.001 to 100: that of elastic bodies, 5, holds back what flows
     #[arg(long, value_name = "ETA", default_value_t = 1.0, value_parser = within(1e-3, 100.0))]
     eta: f64,
     /// Instead: errors over costs of finite elements and material points, axisymmetric, on one thread
