@@ -15,17 +15,8 @@ use mpm_core::{Archive, Boundary, CheckpointError, PlaneStrain, SceneError, Side
 use mpm_materials::{Constitutive, IntoMaterial, LinearElastic, Material, PlaneStress};
 use serde::Serialize;
 
+use crate::fragile::Joint;
 use crate::{CaseError, Restart, Totals};
-
-/// The flux between cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum FluxOption {
-    /// Incomplete, as printed
-    Printed,
-    /// Symmetric: forces are the derivative of an energy
-    Symmetric,
-}
 
 /// When faces open.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
@@ -55,16 +46,6 @@ pub enum Plane {
 
 /// What is said of speeds, m/s, over a time of this, s.
 pub const WINDOW: f64 = 8e-6;
-
-impl FluxOption {
-    /// In tables.
-    pub fn words(self) -> &'static str {
-        match self {
-            FluxOption::Printed => "printed",
-            FluxOption::Symmetric => "symmetric",
-        }
-    }
-}
 
 impl CrackOption {
     /// In tables.
@@ -163,7 +144,7 @@ pub struct Torn<'a> {
     /// In plane strain.
     pub law: Arc<dyn Material<f64>>,
     /// What joins cells.
-    pub flux: FluxOption,
+    pub flux: Joint,
     /// Penalty over Young's modulus.
     pub eta: f64,
     /// When faces open.
@@ -288,12 +269,10 @@ pub fn broken(crack: &Crack<2>) -> bool {
 pub fn tear(torn: &Torn, restart: &Restart) -> Result<Outcome, CaseError> {
     let penalty = Penalty::new(torn.eta)?;
     match torn.flux {
-        FluxOption::Printed => {
+        Joint::Incomplete => {
             run(Method::new(PlaneStrain, Incomplete, penalty, torn.criterion), torn, restart)
         }
-        FluxOption::Symmetric => {
-            run(Method::new(PlaneStrain, Symmetric, penalty, torn.criterion), torn, restart)
-        }
+        Joint::Symmetric => run(Method::new(PlaneStrain, Symmetric, penalty, torn.criterion), torn, restart),
     }
 }
 

@@ -4,6 +4,7 @@ use clap::{Args, ValueEnum};
 use fpm::{Cells, Domain, Penalty, relaxed, scattered};
 use mpm_core::geometry::Cuboid;
 use mpm_core::geometry::structured::box_mesh;
+use serde::Serialize;
 
 use crate::CaseError;
 
@@ -20,11 +21,12 @@ pub enum Points {
 }
 
 /// What joins the cells.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Joint {
-    /// The incomplete flux, as printed.
+    /// The incomplete flux, as printed
     Incomplete,
-    /// The symmetric one.
+    /// The symmetric one: forces are the derivative of an energy
     Symmetric,
 }
 

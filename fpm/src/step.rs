@@ -4,6 +4,7 @@ use std::marker::PhantomData;
 
 use impactite_scene::{Cause, Exchange, MovingPoint, PointKind, StepError, Stopped};
 use impactite_simd::Float;
+use mpm_materials::Breakdown;
 use mpm_materials::material::{Deformation, Length, Motion, Response, States, StatesMut};
 
 use crate::crack::Criterion;
@@ -240,10 +241,9 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             batch.report.jumped += half_work(stress);
         });
         self.find_rate();
-        let trouble =
-            self.batches.iter().enumerate().find_map(|(b, batch)| {
-                batch.report.trouble.map(|(n, cause)| (b * BATCH + n, Cause::Law(cause)))
-            });
+        let trouble = self.batches.iter().enumerate().find_map(|(b, batch)| {
+            batch.report.trouble.map(|(n, cause)| (b * BATCH + n, told::<M::Flux>(cause)))
+        });
         trouble.map_or(Ok(()), |(i, cause)| Err(self.broken(i, cause)))
     }
 
@@ -516,3 +516,17 @@ pub(crate) fn turned<const D: usize>(h: &Tensor<D>) -> Tensor<D> {
     (0..D).for_each(|a| (0..D).for_each(|c| turn[a][c] -= one[a][c]));
     turn
 }
+
+/// Why a cell cannot go on, with what helps.
+fn told<X: Flux>(cause: Breakdown) -> Cause {
+    match cause {
+        Breakdown::InvertedVolume if X::LIFTED => Cause::Other(FOLDED),
+        Breakdown::InvertedVolume => Cause::Other(FLUTTERED),
+        other => Cause::Law(other),
+    }
+}
+
+const FOLDED: &str = "its volume became zero or negative: it was pressed flat, neighbours went through each other, or faces opened in matter that flowed; take smaller \
+                      cells, a larger penalty, or elements";
+const FLUTTERED: &str = "its volume became zero or negative: it was pressed flat, or motion from cell to cell grew, which the incomplete flux does not hold back in long or nearly \
+                         incompressible motion; take `Method::symmetric`, a larger penalty, or smaller cells";

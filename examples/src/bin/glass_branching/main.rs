@@ -8,7 +8,8 @@ mod setup;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::cracks::{self, CrackOption, FluxOption, Plane};
+use examples::cracks::{self, CrackOption, Plane};
+use examples::fragile::Joint;
 use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
 use branches::Branches;
@@ -35,7 +36,7 @@ struct Options {
     cracks: Vec<CrackOption>,
     /// Flux between cells
     #[arg(long, value_enum, default_value = "symmetric")]
-    flux: FluxOption,
+    flux: Joint,
     /// Plane strain or plane stress
     #[arg(long, value_enum, default_value = "strain")]
     plane: Plane,

@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use examples::CaseError;
-use examples::cracks::{CrackOption, FluxOption, Load, Plane, Torn, random_cells};
+use examples::cracks::{CrackOption, Load, Plane, Torn, random_cells};
+use examples::fragile::Joint;
 use fpm::{Cells, Domain, Notch};
 use mpm_materials::{LinearElastic, Moduli};
 use serde::Serialize;
@@ -22,7 +23,7 @@ pub const RAYLEIGH: f64 = 2119.0;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub cracks: CrackOption,
-    pub flux: FluxOption,
+    pub flux: Joint,
     pub plane: Plane,
     /// Tension on the long edges, Pa.
     pub load: f64,

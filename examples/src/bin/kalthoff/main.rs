@@ -9,7 +9,8 @@ mod setup;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::cracks::{self, CrackOption, FluxOption, Plane};
+use examples::cracks::{self, CrackOption, Plane};
+use examples::fragile::Joint;
 use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
 use band::Band;
@@ -30,7 +31,7 @@ struct Options {
     runs: Runs,
     /// Flux between cells, of one run in place of those of the case
     #[arg(long, value_enum)]
-    flux: Option<FluxOption>,
+    flux: Option<Joint>,
     /// When faces open, of one run in place of those of the case
     #[arg(long, value_enum)]
     cracks: Option<CrackOption>,
@@ -96,20 +97,20 @@ enum Runs {
 
 impl Options {
     fn setups(&self) -> Vec<Setup> {
-        use {CrackOption as C, FluxOption as F, Plane as P, Steel as S};
+        use {CrackOption as C, Joint as F, Plane as P, Steel as S};
         let given = |list: &[u32]| if self.points.is_empty() { list.to_vec() } else { self.points.clone() };
         let printed = given(self.common.resolution.choose(&[2500], &[6516, 11995], &[6516, 11995]));
         let ours = given(self.common.resolution.choose(&[2500], &[6516, 11995], &[6516, 11995, 26000]));
         let banded = given(self.common.resolution.choose(&[2500], &[11995], &[24000]));
         let seeds = if self.seed.is_empty() { vec![1, 2] } else { self.seed.clone() };
         let is = |runs| self.runs == runs || self.runs == Runs::All;
-        let mut kinds: Vec<(Steel, FluxOption, CrackOption, Plane, f64, &[u32])> = Vec::new();
+        let mut kinds: Vec<Kind> = Vec::new();
         if self.flux.is_some() || self.cracks.is_some() {
             let (flux, cracks) = (self.flux.unwrap_or(F::Symmetric), self.cracks.unwrap_or(C::Cohesive));
             kinds.push((S::Elastic, flux, cracks, P::Strain, self.speed, &ours));
         } else {
             if is(Runs::Printed) {
-                kinds.push((S::Elastic, F::Printed, C::Strength, P::Strain, self.speed, &printed));
+                kinds.push((S::Elastic, F::Incomplete, C::Strength, P::Strain, self.speed, &printed));
             }
             if is(Runs::Cohesive) {
                 for plane in [P::Strain, P::Stress] {
@@ -154,6 +155,9 @@ impl Options {
         setups
     }
 }
+
+/// A set of runs: what is different of them, and the numbers of points.
+type Kind<'a> = (Steel, Joint, CrackOption, Plane, f64, &'a [u32]);
 
 /// A run, and what came of it.
 struct Run {

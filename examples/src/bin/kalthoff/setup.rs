@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use examples::CaseError;
-use examples::cracks::{CrackOption, FluxOption, Load, Plane, Torn, random_cells};
+use examples::cracks::{CrackOption, Load, Plane, Torn, random_cells};
+use examples::fragile::Joint;
 use fpm::{Cells, Domain, Notch};
 use mpm_materials::strength::{Adiabatic, Heat, Logarithmic};
 use mpm_materials::{
@@ -49,7 +50,7 @@ pub enum Steel {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub steel: Steel,
-    pub flux: FluxOption,
+    pub flux: Joint,
     pub cracks: CrackOption,
     pub plane: Plane,
     /// Points that are asked for; those along the notch come in place of others.
@@ -78,13 +79,13 @@ impl Setup {
     pub fn name(&self) -> String {
         let Setup { points, seed, speed, .. } = self;
         let steel = if self.steel == Steel::Yielding { "yielding_" } else { "" };
-        let words = format!("{} {} {}", self.flux.words(), self.cracks.words(), self.plane.words());
+        let words = format!("{} {} {}", self.flux.name(), self.cracks.words(), self.plane.words());
         format!("{steel}{}_{points}_{seed}_{speed}", words.replace(' ', "_"))
     }
 
     /// In tables.
     pub fn words(&self) -> String {
-        let (flux, cracks, plane) = (self.flux.words(), self.cracks.words(), self.plane.words());
+        let (flux, cracks, plane) = (self.flux.name(), self.cracks.words(), self.plane.words());
         let Setup { points, seed, speed, .. } = self;
         match self.steel {
             Steel::Elastic => format!("{flux}, {cracks}, {plane}, {points} points, seed {seed}"),

@@ -19,6 +19,8 @@ use crate::work::{Stopwatch, Work};
 const SIZE: f64 = 0.1;
 /// The end of the notch, m.
 const TIP: [f64; 2] = [0.05, 0.025];
+/// Width of the notch, m.
+const GAP: f64 = 0.3e-3;
 /// Of the edge below the notch, m/s, from `RAMP` s on.
 const SPEED: f64 = 16.5;
 const RAMP: f64 = 1e-6;
@@ -44,7 +46,7 @@ fn text(error: impl std::fmt::Display) -> String {
 /// The plate with its notch.
 fn cells(h: f64, seed: u64) -> Result<Cells<2>, String> {
     let domain = Domain::cuboid([0.0; 2], [SIZE; 2]).map_err(text)?;
-    let notch = Notch::segment([0.0, TIP[1]], TIP).map_err(text)?;
+    let notch = Notch::segment([0.0, TIP[1]], TIP).and_then(|n| n.with_gap(GAP)).map_err(text)?;
     let points = relaxed(scattered(&domain, seed, |_| h).map_err(text)?, &domain, 3).map_err(text)?;
     let points = notch.lined(points, &domain, h).map_err(text)?;
     Cells::voronoi(&points, &domain).map_err(text)?.with_notch(&notch).map_err(text)
