@@ -13,6 +13,7 @@ mod compile;
 mod contact;
 mod cycle;
 mod elements;
+mod fragile;
 mod kernels;
 mod page;
 mod peers;
@@ -98,6 +99,8 @@ enum Section {
     Elements,
     /// Smoothed particles, and other programs beside them
     Smoothed,
+    /// Fragile points, elements and peridynamics beside them, and what opening a face takes
+    Fragile,
     /// Searches for neighbours
     Search,
     /// What a step of smoothed particles is made of
@@ -139,6 +142,7 @@ fn run(options: &Options) -> Result<ExitCode, CaseError> {
             Section::Peers => peers::compare(options.quick, &options.python)?,
             Section::Elements => elements::cost(options.quick)?,
             Section::Smoothed => smoothed::cost(options.quick, &options.python, &options.pysph)?,
+            Section::Fragile => fragile::cost(options.quick, &options.python)?,
             Section::Search => search::times(options.quick)?,
             Section::Cycle => cycle::shares_of_steps(options.quick, &options.chart)?,
             Section::Compile => compile::times(&options.before)?,

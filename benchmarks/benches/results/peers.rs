@@ -3,15 +3,31 @@
 use std::path::Path;
 use std::process::Command;
 
+use benchmarks::Stepped;
 use examples::CaseError;
 use examples::peers::{Asked, FOLDER, Peer};
-use examples::throughput::{Job, Kernel, Spread, Way, timed};
+use examples::throughput::{Job, Kernel, Spread, Way, printed, timed};
 use mpm_core::{FullSpace, Method, Mls, QuadraticBSpline, Usl};
 use mpm_materials::{LinearElastic, Moduli, NeoHookean};
 
 use crate::page::table;
 use crate::sample::{Subject, alternate};
 use crate::scenes::{blocks, linear_flip};
+
+/// A run of another program of particles, one thread, for so many steps at a spacing (mm): `peers/particles.py`.
+pub fn of_particles(python: &Path, program: &str, spacing: f64, steps: u64) -> Result<Stepped, CaseError> {
+    let mut command = Command::new(python);
+    command.arg(format!("{FOLDER}/particles.py")).arg(program);
+    command.args(["--spacing", &spacing.to_string(), "--steps", &steps.to_string()]);
+    let found = printed(&mut command)?;
+    let number = |key: &str| {
+        found[key]
+            .as_f64()
+            .ok_or_else(|| CaseError::Other(format!("{program}: no number `{key}` in {found}")))
+    };
+    let (points, steps) = (number("particles")? as usize, number("steps")? as u64);
+    Ok(Stepped { points, steps, seconds: number("seconds")?, bytes: 0 })
+}
 
 /// A run of the kernel in C: the number after "Mpups", its own median of three.
 fn rate(command: &mut Command) -> Option<f64> {

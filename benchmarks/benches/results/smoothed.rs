@@ -1,16 +1,14 @@
 //! Smoothed particles, and other programs beside them.
 
 use std::path::Path;
-use std::process::Command;
 
 use benchmarks::{Stepped, bar, stepped};
 use examples::CaseError;
-use examples::peers::FOLDER;
-use examples::throughput::printed;
 use mpm_core::{Axisymmetric, PlaneStrain};
 use sph::{ArtificialStress, Composition, GradientCorrection, Method, Sph, Updated, WendlandC2};
 
 use crate::page::{asked, table};
+use crate::peers::of_particles;
 use crate::sample::{Sample, Subject, alternate, attempt};
 
 /// Million updates a second that are asked in space on one thread.
@@ -65,18 +63,7 @@ impl crate::sample::Run for Measured {
 
 /// A run of another program for so many steps at a spacing (mm).
 fn peer(python: &Path, program: &str, spacing: f64, steps: u64) -> Result<Measured, CaseError> {
-    let mut command = Command::new(python);
-    command.arg(format!("{FOLDER}/sph_bars.py")).arg(program);
-    command.args(["--spacing", &spacing.to_string(), "--steps", &steps.to_string()]);
-    let found = printed(&mut command)?;
-    let number = |key: &str| {
-        found[key]
-            .as_f64()
-            .ok_or_else(|| CaseError::Other(format!("{program}: no number `{key}` in {found}")))
-    };
-    let (points, steps) = (number("particles")? as usize, number("steps")? as u64);
-    let run = Stepped { points, steps, seconds: number("seconds")?, bytes: 0 };
-    Ok(Measured { run, neighbours: f64::NAN })
+    Ok(Measured { run: of_particles(python, program, spacing, steps)?, neighbours: f64::NAN })
 }
 
 /// Our rates and memory.
@@ -159,7 +146,7 @@ fn peers(effort: Effort, space: &[f64], python: &Path, pysph: &Path) -> Result<B
         let samples = attempt(
             &[
                 Subject::new("space, total Lagrangian", || effort.run(bar::in_space(1e-3 * spacing), 1)),
-                Subject::new("LAMMPS MACHDYN", || peer(python, "lammps", spacing, steps)),
+                Subject::new("LAMMPS MACHDYN", || peer(python, "machdyn", spacing, steps)),
             ],
             effort.rounds,
         );

