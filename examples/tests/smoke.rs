@@ -315,15 +315,22 @@ fn plug_weldox() {
 
 #[test]
 fn kalthoff() {
-    // Energy alone: references are of finer points.
+    // Energy alone is judged: references are of finer points. There is a crack, upwards, and a band, forwards.
     let value = smoke!(kalthoff, only(1), ["cracks.png", "modes.png", "speed.png"]);
-    assert!(of(&value, |name| name == "energy error, worst run (at most)") < 1e-3);
+    let first = "symmetric, cohesive, plane stress, 2500 points, seed 2: angle of the first 10 mm";
+    assert!((50.0..85.0).contains(&of(&value, |name| name == first)));
+    let band = of(&value, |name| name.ends_with("direction of the band"));
+    assert!((-25.0..10.0).contains(&band), "{band}");
 }
 
 #[test]
 fn glass_branching() {
     let value = smoke!(glass_branching, only(1), ["cracks.png", "speed.png", "energy.png"]);
-    assert!(of(&value, |name| name == "energy error, worst run (at most)") < 1e-3);
+    let branches = |load: &str| {
+        let start = format!("cohesive, {load} MPa");
+        of(&value, |name| name.starts_with(&start) && name.ends_with("branches beside each other, at most"))
+    };
+    assert!(branches("1") >= 2.0 && branches("1.5") >= 2.0);
 }
 
 #[test]

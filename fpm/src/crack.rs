@@ -169,51 +169,30 @@ pub enum AnyCriterion {
     CohesiveMixed(Cohesive<MixedTensionShear>),
 }
 
-impl AnyCriterion {
-    fn chosen<X>(&self, of: impl Fn(&dyn Judges) -> X) -> X {
-        match self {
-            AnyCriterion::None(c) => of(c),
-            AnyCriterion::Tension(c) => of(c),
-            AnyCriterion::Mixed(c) => of(c),
-            AnyCriterion::Cohesive(c) => of(c),
-            AnyCriterion::CohesiveMixed(c) => of(c),
+/// The same of whichever it is.
+macro_rules! chosen {
+    ($any:ident, $one:ident => $what:expr) => {
+        match $any {
+            AnyCriterion::None($one) => $what,
+            AnyCriterion::Tension($one) => $what,
+            AnyCriterion::Mixed($one) => $what,
+            AnyCriterion::Cohesive($one) => $what,
+            AnyCriterion::CohesiveMixed($one) => $what,
         }
-    }
-}
-
-/// What an object can do of a [`Criterion`].
-trait Judges {
-    fn name(&self) -> &'static str;
-    fn least(&self) -> f64;
-    fn utilisation(&self, stress: FaceStress) -> f64;
-    fn work(&self) -> Option<f64>;
-}
-impl<C: Criterion> Judges for C {
-    fn name(&self) -> &'static str {
-        Criterion::name(self)
-    }
-    fn least(&self) -> f64 {
-        Criterion::least(self)
-    }
-    fn utilisation(&self, stress: FaceStress) -> f64 {
-        Criterion::utilisation(self, stress)
-    }
-    fn work(&self) -> Option<f64> {
-        Criterion::work(self)
-    }
+    };
 }
 
 impl Criterion for AnyCriterion {
     fn name(&self) -> &'static str {
-        self.chosen(|c| c.name())
+        chosen!(self, c => c.name())
     }
     fn least(&self) -> f64 {
-        self.chosen(|c| c.least())
+        chosen!(self, c => c.least())
     }
     fn utilisation(&self, stress: FaceStress) -> f64 {
-        self.chosen(|c| c.utilisation(stress))
+        chosen!(self, c => c.utilisation(stress))
     }
     fn work(&self) -> Option<f64> {
-        self.chosen(|c| c.work())
+        chosen!(self, c => c.work())
     }
 }

@@ -93,6 +93,11 @@ impl Setup {
         }
     }
 
+    /// Is it as strong as references are of?
+    pub fn is_printed_steel(&self) -> bool {
+        self.strength == 1773e6 && (!self.cracks.has_energy() || (self.energy - 22.13e3).abs() < 1.0)
+    }
+
     /// Speed of Rayleigh waves by Viktorov's fit, as the paper has it, m/s.
     pub fn rayleigh(&self) -> f64 {
         let shear = (YOUNG / (2.0 * (1.0 + POISSON) * DENSITY)).sqrt();
