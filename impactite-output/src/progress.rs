@@ -72,6 +72,11 @@ impl Progress {
         self.bar.suspend(|| eprintln!("{text}"));
     }
 
+    /// Write by other means while the bar is away.
+    pub fn suspend<R>(&self, write: impl FnOnce() -> R) -> R {
+        self.bar.suspend(write)
+    }
+
     /// Leave the bar as it stands and start a new line.
     pub fn finish(&mut self) {
         self.bar.abandon();

@@ -1,6 +1,7 @@
 //! The run loop: steps, observers, checkpoints and restart, for a solver of any method.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use crate::archive::{Archive, CheckpointError};
@@ -32,6 +33,16 @@ pub enum RunError {
         time: f64,
         /// What was wrong with it.
         source: CheckpointError,
+    },
+    /// It was [asked to stop](Run::stop_when).
+    #[error("the run was asked to stop at t = {time:.6e} s, after {steps} steps{}", saved.as_ref().map_or(String::new(), |p| format!("; it goes on from `{}`", p.display())))]
+    Interrupted {
+        /// Simulated time, s.
+        time: f64,
+        /// Steps made since the scene was set up.
+        steps: u64,
+        /// The checkpoint that was written.
+        saved: Option<PathBuf>,
     },
     /// An end that cannot be reached.
     #[error("end = {end} s is not allowed; it must be finite and not before the time reached, {time} s")]
@@ -82,6 +93,7 @@ pub struct Run<'a> {
     observers: Vec<&'a mut dyn Observer>,
     checkpoints: Option<Checkpoints>,
     preface: Option<&'a mut Preface<'a>>,
+    stop: Option<&'a AtomicBool>,
     summary: RunSummary,
     /// Did it go on from a checkpoint, in whose run the observers looked when they were due?
     resumed: bool,
@@ -91,7 +103,7 @@ impl<'a> Run<'a> {
     /// Of this solver, without observers and checkpoints.
     pub fn new(solver: &'a mut (dyn Solver + 'static)) -> Self {
         let summary = RunSummary::default();
-        Run { solver, observers: Vec::new(), checkpoints: None, preface: None, summary, resumed: false }
+        Run { solver, observers: Vec::new(), checkpoints: None, preface: None, stop: None, summary, resumed: false }
     }
 
     /// Show the run to an observer, too.
@@ -137,6 +149,12 @@ impl<'a> Run<'a> {
         preface: &'a mut (dyn FnMut(&mut Archive) -> Result<(), CheckpointError> + 'a),
     ) -> Self {
         Run { preface: Some(preface), ..self }
+    }
+
+    /// Stop after the step in which `stop` becomes true, with a checkpoint if the run writes any, and [`RunError::Interrupted`]: for signals.
+    #[must_use]
+    pub fn stop_when(self, stop: &'a AtomicBool) -> Self {
+        Run { stop: Some(stop), ..self }
     }
 
     /// The checkpoint `path` of a run with a [preface](Run::preface), to be read from the preface on.
@@ -247,6 +265,12 @@ impl<'a> Run<'a> {
             self.tell(known);
             self.show(end, self.solver.reached(end))?;
             self.save_if_due()?;
+            if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) && !self.solver.reached(end) {
+                self.save()?;
+                let saved = self.checkpoints.as_ref().map(|c| c.path.clone());
+                let (time, steps) = (self.solver.time(), self.solver.steps());
+                return Err(RunError::Interrupted { time, steps, saved });
+            }
         }
         let known = self.solver.warnings().len();
         self.solver.look_at_the_end()?;
@@ -288,17 +312,21 @@ impl<'a> Run<'a> {
             }
             Every::WallClock(interval) => checkpoints.last.elapsed() >= *interval,
         };
-        if due {
-            let path = checkpoints.path.clone();
-            let written = not_stopped(self.solver).and_then(|()| {
-                let mut file = Archive::create(&path)?;
-                self.archive(&mut file)?;
-                file.close()
-            });
-            written.map_err(|source| RunError::Checkpoint { time, source })?;
-            if let Some(checkpoints) = &mut self.checkpoints {
-                (checkpoints.last, checkpoints.written) = (Instant::now(), checkpoints.written + 1);
-            }
+        if due { self.save() } else { Ok(()) }
+    }
+
+    /// Write a checkpoint, where the run writes any.
+    fn save(&mut self) -> Result<(), RunError> {
+        let Some(checkpoints) = &self.checkpoints else { return Ok(()) };
+        let (path, time) = (checkpoints.path.clone(), self.solver.time());
+        let written = not_stopped(self.solver).and_then(|()| {
+            let mut file = Archive::create(&path)?;
+            self.archive(&mut file)?;
+            file.close()
+        });
+        written.map_err(|source| RunError::Checkpoint { time, source })?;
+        if let Some(checkpoints) = &mut self.checkpoints {
+            (checkpoints.last, checkpoints.written) = (Instant::now(), checkpoints.written + 1);
         }
         Ok(())
     }

@@ -15,7 +15,7 @@
 //! | [`Pictures`] | PNG pictures |
 //! | [`Snapshots`] | snapshots, for pictures after the run |
 //! | [`SmallStrain`] | which bodies stayed at small strain: where elements would have done |
-//! | [`Progress`] | a bar on the terminal |
+//! | [`Progress`] | a bar on the terminal, lines in a log |
 //!
 //! What they keep goes into the checkpoints of a run, so that a run that is broken off and resumed leaves the files and numbers of
 //! one that was not.
@@ -63,7 +63,7 @@ pub use ledger::{Ledger, LedgerEntry};
 pub use pace::Pace;
 pub use pictures::{Pictures, Snapshots, VtkSeries};
 pub use probe::{Probe, ProbeRow, Probes, Quantity};
-pub use progress::Progress;
+pub use progress::{LineKind, Progress};
 pub use strain::{BodyStrain, SmallStrain};
 pub use view::RunView;
 

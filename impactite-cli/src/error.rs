@@ -1,0 +1,68 @@
+//! Why a scene could not be run.
+
+use std::path::PathBuf;
+
+use impactite::observe::ObserveError;
+use impactite::output::OutputError;
+use impactite::scene::{CheckpointError, RunError};
+use impactite_input::InputError;
+use impactite_input::measured::MeasureError;
+use impactite_report::ReportError;
+
+/// Why a scene could not be run.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum CliError {
+    /// The file.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The run.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// An observer.
+    #[error(transparent)]
+    Observe(#[from] ObserveError),
+    /// A picture or a file of numbers.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A measure.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
+    /// The page.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+    /// A checkpoint that cannot be resumed from.
+    #[error("cannot resume from `{}`: {source}", path.display())]
+    Resume {
+        /// The checkpoint.
+        path: PathBuf,
+        /// Why.
+        source: CheckpointError,
+    },
+    /// A file or folder.
+    #[error("`{}`: {source}", path.display())]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// What the operating system said.
+        source: std::io::Error,
+    },
+    /// An option.
+    #[error("{option}: {why}")]
+    Option {
+        /// The option.
+        option: String,
+        /// What is wrong with it.
+        why: String,
+    },
+}
+
+impl CliError {
+    pub(crate) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> CliError {
+        let path = path.into();
+        |source| CliError::File { path, source }
+    }
+    pub(crate) fn option(option: impl Into<String>, why: impl Into<String>) -> CliError {
+        CliError::Option { option: option.into(), why: why.into() }
+    }
+}

@@ -1,0 +1,10 @@
+//! What the program `impactite` does, for programs of one's own: run a scene file in a folder, resume it, vary it.
+
+pub mod error;
+pub mod job;
+pub mod pictures;
+pub mod sweep;
+pub mod templates;
+
+pub use error::CliError;
+pub use job::{Job, Outcome};

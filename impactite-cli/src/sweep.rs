@@ -1,0 +1,143 @@
+//! Runs over lists of values.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use impactite::output::History;
+use impactite::output::picture::{Axis, Chart, Marker, Panels, Series};
+use impactite_input::Source;
+
+use crate::job::{Job, Outcome};
+use crate::CliError;
+
+/// One key and the values that it takes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Values {
+    /// The key, as `bodies.rod.speed`.
+    pub key: String,
+    /// The values, as they are written in files.
+    pub list: Vec<String>,
+}
+
+impl std::str::FromStr for Values {
+    type Err = String;
+    /// `KEY=A,B,C`, or `KEY=A..B/N` for N values from A to B.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (key, list) = text.split_once('=').ok_or("write KEY=A,B,C or KEY=A..B/N")?;
+        if let Some((range, count)) = list.rsplit_once('/')
+            && let Some((from, to)) = range.split_once("..")
+        {
+            let number = |s: &str| s.trim().parse::<f64>().map_err(|_| format!("`{s}` is no number"));
+            let (from, to) = (number(from)?, number(to)?);
+            let count: usize = count.trim().parse().map_err(|_| format!("`{count}` is no number of values"))?;
+            if !(2..=1000).contains(&count) {
+                return Err(format!("{count} values are not allowed; there must be 2 to 1000"));
+            }
+            let value = |n: usize| from + (to - from) * n as f64 / (count - 1) as f64;
+            return Ok(Values { key: key.trim().into(), list: (0..count).map(|n| value(n).to_string()).collect() });
+        }
+        let list: Vec<String> = list.split(',').map(|s| s.trim().to_string()).collect();
+        if key.trim().is_empty() || list.iter().any(String::is_empty) {
+            return Err("write KEY=A,B,C or KEY=A..B/N".into());
+        }
+        Ok(Values { key: key.trim().into(), list })
+    }
+}
+
+/// A run of a sweep: the values of the keys, and what came.
+#[derive(Clone, Debug)]
+pub struct Point {
+    /// A value a key.
+    pub values: Vec<String>,
+    /// What came.
+    pub outcome: Result<Outcome, String>,
+}
+
+/// All combinations of values, each in a folder of its own (`001`, ...); then `sweep.csv` and, of one key with numbers, the chart `sweep.png`.
+///
+/// A run that fails is a row that says so; the others go on.
+///
+/// # Errors
+/// A key that the scene has not, a file that cannot be written; asked to stop.
+pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point>, CliError> {
+    let mut combinations: Vec<Vec<String>> = vec![Vec::new()];
+    for values in keys {
+        combinations = combinations
+            .iter()
+            .flat_map(|before| values.list.iter().map(|v| [before.clone(), vec![v.clone()]].concat()))
+            .collect();
+    }
+    let sources: Result<Vec<Source>, CliError> = combinations
+        .iter()
+        .map(|combination| {
+            let mut source = base.source.clone();
+            for (values, value) in keys.iter().zip(combination) {
+                source = source.set(&format!("{}={value}", values.key))?;
+            }
+            // What is no scene says so before the first run.
+            source.parse()?;
+            Ok(source)
+        })
+        .collect();
+    let mut points = Vec::new();
+    for (n, (source, values)) in sources?.into_iter().zip(combinations).enumerate() {
+        let folder = base.folder.join(format!("{:03}", n + 1));
+        tracing::info!("{}", keys.iter().zip(&values).map(|(k, v)| format!("{} = {v}", k.key)).collect::<Vec<_>>().join(", "));
+        let outcome = Job { source, folder, ..base.clone() }.run(stop);
+        if let Err(CliError::Run(interrupted @ impactite::scene::RunError::Interrupted { .. })) = outcome {
+            return Err(interrupted.into());
+        }
+        points.push(Point { values, outcome: outcome.map_err(|e| e.to_string()) });
+    }
+    write(&base.folder, keys, &points)?;
+    Ok(points)
+}
+
+fn number(text: &str) -> Option<f64> {
+    let number = text.trim_matches('"').split_whitespace().next()?;
+    number.parse().ok()
+}
+
+fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliError> {
+    let done: Vec<(&Point, &Outcome)> = points.iter().filter_map(|p| Some((p, p.outcome.as_ref().ok()?))).collect();
+    let Some((_, first)) = done.first() else { return Ok(()) };
+    let columns = keys.iter().map(|k| (k.key.clone(), "-".to_string()));
+    let columns = columns.chain(first.measures.iter().map(|(name, _, unit)| (name.clone(), unit.to_string())));
+    let columns = columns.chain([("energy error".to_string(), "-".to_string()), ("time in steps".to_string(), "s".to_string())]);
+    let mut file = History::create(folder.join("sweep.csv"), columns)?;
+    for (point, outcome) in &done {
+        let keys = point.values.iter().map(|v| number(v).unwrap_or(f64::NAN));
+        let row: Vec<f64> = keys
+            .chain(outcome.measures.iter().map(|m| m.1))
+            .chain([outcome.energy_error, outcome.wall_seconds])
+            .collect();
+        file.push(&row)?;
+    }
+    let ([key], false) = (keys, first.measures.is_empty()) else { return Ok(()) };
+    let x: Option<Vec<f64>> = done.iter().map(|(p, _)| number(&p.values[0])).collect();
+    let Some(x) = x.filter(|x| x.len() > 1) else { return Ok(()) };
+    let mut panels = Panels::new(first.measures.len().min(3)).title(format!("{} over {}", first.case, key.key));
+    for (m, (name, _, unit)) in first.measures.iter().enumerate() {
+        let y: Vec<f64> = done.iter().map(|(_, o)| o.measures[m].1).collect();
+        let chart = Chart::new(640, 520).x(Axis::new(&key.key)).y(Axis::new(name).unit(*unit, 1.0));
+        let chart = chart.series(Series::new(name, &x, &y)?.marker(Marker::Circle));
+        panels = panels.panel("", chart.draw()?);
+    }
+    panels.compose()?.save(folder.join("sweep.png"))?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_lists_or_ranges() {
+        let parse = |s: &str| s.parse::<Values>();
+        assert_eq!(parse("a.b=1,2 m").unwrap().list, ["1", "2 m"]);
+        assert_eq!(parse("speed=100..200/3").unwrap().list, ["100", "150", "200"]);
+        for bad in ["speed", "=1,2", "speed=", "speed=1,,2", "speed=1..x/3", "speed=1..2/1"] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
+}

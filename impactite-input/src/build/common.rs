@@ -1,0 +1,469 @@
+//! What all methods have in common.
+
+use std::sync::Arc;
+
+use impactite::contact::{Adhesion, Coulomb, Frictionless, Pairs, SlipWeakening, Stick};
+use impactite::geometry::{Bounds, Filling, Shape};
+use impactite::mpm::{Axisymmetric, Boundary, FullSpace, Kernels, PlaneStrain, Side, TimeControl, Watch};
+use impactite::scene::boundary::{BodyForce, VelocityHistory};
+use impactite::scene::{Embedding, SceneError, Solver};
+
+use super::{At, Folder, Made, known, material, mpm, shape, wrong};
+use crate::model::body::Body;
+use crate::model::condition::{self, Condition};
+use crate::model::contact::{Law, Pair};
+use crate::model::method::{Fpm, Method, Mpm, TimeStep};
+use crate::model::{SceneFile, Space, fixed, formulas};
+
+/// A velocity (m/s) by position (m).
+pub(super) type Velocity<const D: usize> = Arc<dyn Fn([f64; D]) -> [f64; D] + Send + Sync>;
+
+/// How scenes of each dimension lie in space.
+pub(crate) trait Setting<const D: usize>: Embedding<D> + std::fmt::Debug + Copy {
+    /// Kernels of the material point method.
+    fn kernels(self, options: &Mpm) -> Made<Kernels<f64, D>>;
+    /// A scene of fragile points.
+    fn fpm(self, world: &World<'_, D>, options: &Fpm) -> Made<Box<dyn Solver>>;
+}
+
+macro_rules! settings {
+    ($($space:ty, $d:literal => $fpm:expr;)*) => {$(
+        impl Setting<$d> for $space {
+            fn kernels(self, options: &Mpm) -> Made<Kernels<f64, $d>> {
+                mpm::kernels!(self, options)
+            }
+            fn fpm(self, world: &World<'_, $d>, options: &Fpm) -> Made<Box<dyn Solver>> {
+                let build: fn(Self, &World<'_, $d>, &Fpm) -> Made<Box<dyn Solver>> = $fpm;
+                build(self, world, options)
+            }
+        }
+    )*};
+}
+settings! {
+    FullSpace, 3 => super::fpm::build;
+    PlaneStrain, 2 => super::fpm::build;
+    Axisymmetric, 2 => |_, _, _| wrong("space", "fragile points are of `3d`, `plane strain` or `plane stress`");
+}
+
+/// A scene's file, in its dimensions.
+pub(crate) struct World<'a, const D: usize> {
+    pub scene: &'a SceneFile,
+    pub folder: &'a Folder,
+}
+
+/// What is wrong whatever the method: names, and what does not go together.
+pub(super) fn check(scene: &SceneFile) -> Made<()> {
+    for (name, body) in &scene.bodies {
+        let key = format!("bodies.{name}");
+        match (&body.material, &body.rigid) {
+            (None, None) => return wrong(key, "needs a `material`, or is `rigid`"),
+            (Some(_), Some(_)) => {
+                return wrong(format!("{key}.material"), "a rigid body has a `density` instead");
+            }
+            (Some(material), None) => {
+                known(
+                    &format!("{key}.material"),
+                    "material",
+                    material,
+                    scene.materials.keys().map(String::as_str),
+                )?;
+            }
+            (None, Some(_)) => {}
+        }
+        if body.velocity.is_some() && (body.speed.is_some() || body.direction.is_some()) {
+            return wrong(format!("{key}.velocity"), "either `velocity`, or `speed` with `direction`");
+        }
+        if body.speed.is_some() != body.direction.is_some() {
+            return wrong(key, "`speed` and `direction` go together");
+        }
+        let only = |used: bool, field: &str, methods: &str, fits: bool| {
+            if used && !fits {
+                return wrong(format!("{key}.{field}"), format!("is for the method `{methods}` alone"));
+            }
+            Ok(())
+        };
+        let (mpm, fem, fpm) = (
+            matches!(scene.method, Method::Mpm(_)),
+            matches!(scene.method, Method::Fem(_)),
+            matches!(scene.method, Method::Fpm(_)),
+        );
+        only(body.rigid.is_some(), "rigid", "mpm", mpm)?;
+        only(body.deactivated, "deactivated", "mpm", mpm)?;
+        only(body.split_at.is_some(), "split_at", "mpm", mpm)?;
+        only(body.elements.is_some(), "elements", "mpm", mpm)?;
+        only(!body.lit.is_empty(), "lit", "mpm", mpm)?;
+        only(body.traction.is_some(), "traction", "mpm, fpm", mpm || fpm)?;
+        only(!body.notches.is_empty(), "notches", "fpm", fpm)?;
+        only(body.erosion.is_some(), "erosion", "fem, and elements in mpm", fem || body.elements.is_some())?;
+        only(
+            body.mesh.is_some(),
+            "mesh",
+            "fem, fpm, and elements in mpm",
+            fem || fpm || body.elements.is_some(),
+        )?;
+    }
+    for (name, measure) in &scene.measures {
+        describe::check(scene, &format!("measures.{name}"), measure)?;
+    }
+    for (n, check) in scene.checks.iter().enumerate() {
+        known(
+            &format!("checks[{n}].measure"),
+            "measure",
+            &check.measure,
+            scene.measures.keys().map(String::as_str),
+        )?;
+        if !(check.tolerance > 0.0) {
+            return wrong(
+                format!("checks[{n}].tolerance"),
+                format!("{} is not allowed; it must be positive", check.tolerance),
+            );
+        }
+        describe::reference(scene, n)?;
+    }
+    Ok(())
+}
+
+impl<'a, const D: usize> World<'a, D> {
+    pub fn new(scene: &'a SceneFile, folder: &'a Folder) -> Self {
+        World { scene, folder }
+    }
+    pub fn space(&self) -> Space {
+        self.scene.space
+    }
+    pub fn revolved(&self) -> bool {
+        self.space() == Space::Axisymmetric
+    }
+    pub fn filling(&self) -> Filling {
+        if self.revolved() { Filling::new().axisymmetric() } else { Filling::new() }
+    }
+
+    /// The law of a body that has one.
+    pub fn law(&self, key: &str, body: &Body) -> Made<material::Law> {
+        let Some(name) = &body.material else {
+            return wrong(key, "needs a `material`");
+        };
+        let Some(spec) = self.scene.materials.get(name) else {
+            return wrong(format!("{key}.material"), format!("no material has the name `{name}`"));
+        };
+        material::build(&format!("materials.{name}"), spec, self.space() == Space::PlaneStress)
+    }
+
+    /// The shape of a body.
+    pub fn shape(&self, key: &str, body: &Body) -> Made<Arc<dyn Shape<D>>> {
+        match &body.shape {
+            Some(spec) => shape::build(&format!("{key}.shape"), spec, self.folder),
+            None => wrong(key, "needs a `shape`"),
+        }
+    }
+
+    /// The velocity of a body at the start, which turns about the middle of these bounds.
+    pub fn velocity(&self, key: &str, body: &Body, bounds: &Bounds<D>) -> Made<Velocity<D>> {
+        let centre: [f64; D] = std::array::from_fn(|d| 0.5 * (bounds.min[d] + bounds.max[d]));
+        let spin = self.spin(key, body)?;
+        let turning = move |x: &[f64; D]| {
+            let arm: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] - centre[d] } else { 0.0 });
+            let v = [
+                spin[1] * arm[2] - spin[2] * arm[1],
+                spin[2] * arm[0] - spin[0] * arm[2],
+                spin[0] * arm[1] - spin[1] * arm[0],
+            ];
+            std::array::from_fn::<f64, D, _>(|d| v[d])
+        };
+        let turns = spin != [0.0; 3];
+        if let (Some(speed), Some(direction)) = (&body.speed, &body.direction) {
+            let key = format!("{key}.direction");
+            let direction: [f64; D] = fixed(direction).at(&key)?;
+            let length = direction.iter().map(|c| c * c).sum::<f64>().sqrt();
+            if !(length > 0.0 && length.is_finite()) {
+                return wrong(key, "needs a length");
+            }
+            let v = direction.map(|c| c / length * speed.value);
+            return Ok(if turns { Arc::new(move |x| sum(v, turning(&x))) } else { Arc::new(move |_| v) });
+        }
+        let Some(list) = &body.velocity else {
+            return Ok(if turns { Arc::new(move |x| turning(&x)) } else { Arc::new(|_| [0.0; D]) });
+        };
+        let key = format!("{key}.velocity");
+        let formulas: [_; D] = formulas(list).at(&key)?;
+        for (n, formula) in formulas.iter().enumerate() {
+            formula.check(self.space().coordinates(), true, false).at(format!("{key}[{n}]"))?;
+        }
+        let revolved = self.revolved();
+        let at =
+            move |x: [f64; D]| -> [f64; D] { std::array::from_fn(|d| formulas[d].at(&x, revolved, 0.0)) };
+        Ok(if turns { Arc::new(move |x| sum(at(x), turning(&x))) } else { Arc::new(at) })
+    }
+
+    /// The angular velocity of a body at the start.
+    pub fn spin(&self, key: &str, body: &Body) -> Made<[f64; 3]> {
+        let Some(list) = &body.spin else { return Ok([0.0; 3]) };
+        let key = format!("{key}.spin");
+        if self.revolved() {
+            return wrong(key, "around an axis nothing spins");
+        }
+        match (self.space().dimensions(), &list[..]) {
+            (2, [about]) => Ok([0.0, 0.0, about.value]),
+            (3, [x, y, z]) => Ok([x.value, y.value, z.value]),
+            (2, _) => wrong(key, "in the plane it is one number, `[\"30 rad/s\"]`"),
+            _ => wrong(key, "in space it is three numbers"),
+        }
+    }
+
+    /// The conditions, each with its key.
+    pub fn conditions(&self) -> Made<Vec<(String, Boundary<D>)>> {
+        let list = self.scene.conditions.iter().enumerate();
+        list.map(|(n, condition)| {
+            let key = format!("conditions[{n}]");
+            let boundary = self.condition(&key, condition)?;
+            Ok((key, boundary))
+        })
+        .collect()
+    }
+
+    fn condition(&self, key: &str, condition: &Condition) -> Made<Boundary<D>> {
+        let axis = |axis, word: &str| self.space().axis(axis).at(format!("{key}.{word}.axis"));
+        Ok(match condition {
+            Condition::Symmetry(plane) => Boundary::Symmetry {
+                axis: axis(plane.axis, "symmetry")?,
+                at: plane.at.value,
+                side: side(plane.side),
+            },
+            Condition::Fixed(plane) => Boundary::Fixed {
+                axis: axis(plane.axis, "fixed")?,
+                at: plane.at.value,
+                side: side(plane.side),
+            },
+            Condition::Wall(wall) => {
+                let (axis, at, side) = (axis(wall.axis, "wall")?, wall.at.value, side(wall.side));
+                let velocity = match &wall.velocity {
+                    Some(list) => fixed(list).at(format!("{key}.wall.velocity"))?,
+                    None => [0.0; D],
+                };
+                let drags = (0..D).any(|d| d != axis && velocity[d] != 0.0);
+                match &wall.friction {
+                    Some(friction) => {
+                        Boundary::FrictionWall { axis, at, side, velocity, friction: friction.value }
+                    }
+                    None if drags => {
+                        return wrong(
+                            format!("{key}.wall.velocity"),
+                            "a wall without `friction` drags nothing along",
+                        );
+                    }
+                    None => Boundary::Wall { axis, at, side, velocity: velocity[axis] },
+                }
+            }
+            Condition::Absorbing(plane) => Boundary::Absorbing {
+                axis: axis(plane.axis, "absorbing")?,
+                at: plane.at.value,
+                side: side(plane.side),
+                longitudinal: plane.longitudinal.value,
+                shear: plane.shear.value,
+            },
+            Condition::Periodic(period) => Boundary::Periodic {
+                axis: axis(period.axis, "periodic")?,
+                low: period.low.value,
+                high: period.high.value,
+            },
+            Condition::Prescribed(prescribed) => {
+                let list = &prescribed.velocity;
+                if list.len() != D {
+                    let message = format!("has {} components; the scene has {D} dimensions", list.len());
+                    return wrong(format!("{key}.prescribed.velocity"), message);
+                }
+                for (n, part) in list.iter().enumerate() {
+                    if let Some(formula) = &part.0 {
+                        let key = format!("{key}.prescribed.velocity[{n}]");
+                        formula.check(self.space().coordinates(), false, true).at(key)?;
+                    }
+                }
+                let list = list.clone();
+                let velocity: VelocityHistory = Arc::new(move |t| {
+                    std::array::from_fn(|d| Some(list.get(d)?.0.as_ref()?.at(&[0.0; D], false, t)))
+                });
+                Boundary::Prescribed {
+                    region: shape::build(
+                        &format!("{key}.prescribed.region"),
+                        &prescribed.region,
+                        self.folder,
+                    )?,
+                    velocity,
+                }
+            }
+        })
+    }
+
+    /// The acceleration of everything.
+    pub fn gravity(&self) -> Made<Option<BodyForce<D>>> {
+        let Some(list) = &self.scene.gravity else { return Ok(None) };
+        let list: [_; D] = formulas(list).at("gravity")?;
+        for (n, formula) in list.iter().enumerate() {
+            formula.check(self.space().coordinates(), false, true).at(format!("gravity[{n}]"))?;
+        }
+        Ok(Some(Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)))))
+    }
+
+    /// How steps are chosen, of a solver that takes `usual` of the stable one.
+    pub fn time_control(&self) -> Option<TimeControl> {
+        Some(match self.scene.time_step.as_ref()? {
+            TimeStep::Factor(factor) => TimeControl::Courant { factor: factor.value, growth: 1.1 },
+            TimeStep::Fixed(step) => TimeControl::Fixed(step.value),
+        })
+    }
+
+    /// What the run watches over.
+    pub fn watch(&self) -> Watch {
+        if self.scene.only_warn { Watch::default().only_warn() } else { Watch::default() }
+    }
+
+    /// The laws of contact of bodies, in this order of names.
+    pub fn laws(&self, names: &[&str]) -> Made<Option<Pairs<f64>>> {
+        let Some(contact) = &self.scene.contact else { return Ok(None) };
+        let mut pairs = of_law("contact.law", &contact.law, None, Pairs::new(Frictionless))?;
+        for (n, Pair { between, law }) in contact.pairs.iter().enumerate() {
+            let key = format!("contact.pairs[{n}]");
+            let place =
+                |k: usize| known(&format!("{key}.between[{k}]"), "body", &between[k], names.iter().copied());
+            let (one, other) = (place(0)?, place(1)?);
+            if one == other {
+                return wrong(format!("{key}.between"), "must be two bodies");
+            }
+            pairs = of_law(&format!("{key}.law"), law, Some([one, other]), pairs)?;
+        }
+        Ok(Some(pairs))
+    }
+}
+
+/// Pairs with this law for two bodies, or for all.
+fn of_law(key: &str, law: &Law, pair: Option<[usize; 2]>, pairs: Pairs<f64>) -> Made<Pairs<f64>> {
+    macro_rules! with {
+        ($law:expr) => {{
+            let law = $law;
+            match pair {
+                Some([one, other]) => pairs.with(one, other, law),
+                None => Pairs::new(law),
+            }
+        }};
+    }
+    Ok(match law {
+        Law::Friction(mu) if mu.value == 0.0 => with!(Frictionless),
+        Law::Friction(mu) => with!(Coulomb::new(mu.value).at(key)?),
+        Law::SlipWeakening(w) => {
+            with!(SlipWeakening::new(w.at_rest.value, w.sliding.value, w.distance.value).at(key)?)
+        }
+        Law::Stick(_) => with!(Stick),
+        Law::Adhesion(a) => with!(Adhesion::new(a.strength.value, a.shear.value, a.friction.value).at(key)?),
+    })
+}
+
+fn side(side: condition::Side) -> Side {
+    match side {
+        condition::Side::Above => Side::Above,
+        condition::Side::Below => Side::Below,
+    }
+}
+
+fn sum<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
+    std::array::from_fn(|d| a[d] + b[d])
+}
+
+/// The key of a scene that an error of a body speaks of.
+pub(super) fn of_body(key: &str, error: SceneError) -> super::Wrong {
+    super::Wrong { key: key.into(), message: error.to_string(), help: None }
+}
+
+pub(crate) mod describe {
+    //! Measures: what they are called, and whether they are of what there is.
+
+    use super::{At, Made, SceneFile, known, wrong};
+    use crate::model::measure::{Measurement, Reference};
+    use crate::quantity::Parameters;
+
+    /// The body of a measure, and its axis.
+    pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
+        let body = |name: &str, word: &str| {
+            known(&format!("{key}.{word}.body"), "body", name, scene.bodies.keys().map(String::as_str))
+                .map(|_| ())
+        };
+        use Measurement as M;
+        match measure {
+            M::Extent(of)
+            | M::Highest(of)
+            | M::Lowest(of)
+            | M::Centre(of)
+            | M::MeanVelocity(of)
+            | M::Momentum(of) => {
+                let word = word(measure);
+                body(&of.body, word)?;
+                scene.space.axis(of.axis).at(format!("{key}.{word}.axis"))?;
+                Ok(())
+            }
+            M::Kinetic(of) | M::Internal(of) | M::Mass(of) | M::FailedShare(of) => {
+                body(&of.body, word(measure))
+            }
+            M::Largest(of) | M::Mean(of) => body(&of.body, word(measure)),
+            M::EnergyError(_) => Ok(()),
+        }
+    }
+
+    /// The word of files.
+    pub fn word(measure: &Measurement) -> &'static str {
+        use Measurement as M;
+        match measure {
+            M::Extent(_) => "extent",
+            M::Highest(_) => "highest",
+            M::Lowest(_) => "lowest",
+            M::Centre(_) => "centre",
+            M::MeanVelocity(_) => "mean_velocity",
+            M::Momentum(_) => "momentum",
+            M::Kinetic(_) => "kinetic",
+            M::Internal(_) => "internal",
+            M::Mass(_) => "mass",
+            M::Largest(_) => "largest",
+            M::Mean(_) => "mean",
+            M::FailedShare(_) => "failed_share",
+            M::EnergyError(_) => "energy_error",
+        }
+    }
+
+    /// The SI unit of a measure; "-" of plain numbers.
+    pub fn unit(measure: &Measurement) -> &'static str {
+        use Measurement as M;
+        match measure {
+            M::Extent(_) | M::Highest(_) | M::Lowest(_) | M::Centre(_) => "m",
+            M::MeanVelocity(_) => "m/s",
+            M::Momentum(_) => "kg m/s",
+            M::Kinetic(_) | M::Internal(_) => "J",
+            M::Mass(_) => "kg",
+            M::Largest(of) | M::Mean(of) => match of.field.as_str() {
+                "pressure" | "von_mises" => "Pa",
+                "speed" => "m/s",
+                "temperature" => "K",
+                _ => "-",
+            },
+            M::FailedShare(_) | M::EnergyError(_) => "-",
+        }
+    }
+
+    /// What a measure should be, in SI units.
+    pub fn reference(scene: &SceneFile, check: usize) -> Made<f64> {
+        let of = &scene.checks[check];
+        let key = format!("checks[{check}].reference");
+        let Some(measure) = scene.measures.get(&of.measure) else {
+            return wrong(key, format!("no measure has the name `{}`", of.measure));
+        };
+        match &of.reference {
+            Reference::Number(number) if number.is_finite() => Ok(*number),
+            Reference::Number(number) => wrong(key, format!("{number} is not finite")),
+            Reference::Text(text) => {
+                let unit = unit(measure);
+                let mut parameters = Parameters::default();
+                for (name, number) in &scene.numbers {
+                    // As plain numbers in SI units, that a reference may be written with.
+                    parameters.define(name, &format!("{number:?}")).at(&key)?;
+                }
+                parameters.quantity(text, if unit == "-" { "" } else { unit }).at(key)
+            }
+        }
+    }
+}

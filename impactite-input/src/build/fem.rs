@@ -1,0 +1,48 @@
+//! Scenes of finite elements.
+
+use impactite::fem::Fem as Scene;
+use impactite::scene::Solver;
+
+use super::common::{Setting, World, of_body};
+use super::{At, Made, known, mesh, wrong};
+use crate::model::contact::Detector;
+use crate::model::method::Fem;
+
+pub(super) fn build<E: Setting<D>, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Fem,
+) -> Made<Box<dyn Solver>> {
+    let mut fem = Scene::new(embedding);
+    let names: Vec<&str> = world.scene.bodies.keys().map(String::as_str).collect();
+    for (name, body) in &world.scene.bodies {
+        fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
+    }
+    if let Some(contact) = &world.scene.contact {
+        if contact.detector != Detector::default() {
+            return wrong("contact.detector", "of elements nodes meet facets: there is nothing to choose");
+        }
+    }
+    match world.laws(&names)? {
+        Some(laws) => fem.touch(laws).at("contact")?,
+        None if !options.touch_themselves.is_empty() => {
+            return wrong("method.fem.touch_themselves", "the scene needs a `contact`");
+        }
+        None => {}
+    }
+    for (n, name) in options.touch_themselves.iter().enumerate() {
+        let key = format!("method.fem.touch_themselves[{n}]");
+        fem.touch_itself(known(&key, "body", name, names.iter().copied())?).at(key)?;
+    }
+    for (key, boundary) in world.conditions()? {
+        fem.bound(boundary).at(key)?;
+    }
+    if let Some(gravity) = world.gravity()? {
+        fem.set_body_force(gravity);
+    }
+    if let Some(control) = world.time_control() {
+        fem.set_time_control(control).at("time_step")?;
+    }
+    fem.set_watch(world.watch());
+    Ok(Box::new(fem))
+}

@@ -1,0 +1,209 @@
+//! Scenes of fragile points.
+
+use std::sync::Arc;
+
+use impactite::fpm::{
+    AnyCriterion, Cells, Cohesive, Domain, Flux, Fpm as Body, Incomplete, MaximumTension, Method,
+    MixedTensionShear, NoCracks, Notch, Penalty, Space, Symmetric, relaxed, scattered,
+};
+use impactite::geometry::{Cuboid, Lattice, Polygon, fill};
+use impactite::scene::{Embedding, Solver};
+
+use super::common::{World, of_body};
+use super::{At, Made, mesh, particles, shape, wrong};
+use crate::model::body::Body as Spec;
+use crate::model::method::{Cracks, Flux as FluxWord, Fpm, Points};
+use crate::model::shape::Shape;
+use crate::model::{fixed, formulas};
+
+/// Lloyd's steps of random points.
+const LLOYD: usize = 3;
+
+pub(super) fn build<E, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Fpm,
+) -> Made<Box<dyn Solver>>
+where
+    E: Space<D> + Embedding<D> + Copy + std::fmt::Debug,
+    NotchMaker: MakesNotches<D>,
+{
+    match options.flux {
+        FluxWord::Symmetric => of_flux(Symmetric, embedding, world, options),
+        FluxWord::Incomplete => of_flux(Incomplete, embedding, world, options),
+    }
+}
+
+fn of_flux<X: Flux, E, const D: usize>(
+    flux: X,
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Fpm,
+) -> Made<Box<dyn Solver>>
+where
+    E: Space<D> + Embedding<D> + Copy + std::fmt::Debug,
+    NotchMaker: MakesNotches<D>,
+{
+    let penalty = match options.penalty {
+        Some(eta) => Penalty::new(eta.value).at("method.fpm.penalty")?,
+        None => Penalty::default(),
+    };
+    let criterion = criterion(options)?;
+    particles::scene(world, |name| {
+        let (key, spec) = (format!("bodies.{name}"), &world.scene.bodies[name]);
+        let cells = cells(world, &key, spec, options)?;
+        let velocity = world.velocity(&key, spec, &cells.bounds())?;
+        let method = Method::new(embedding, flux, penalty, criterion);
+        let law = world.law(&key, spec)?.material;
+        let body = Body::new(method, law, &cells, move |x| velocity(x));
+        let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
+        if let Some(friction) = options.friction {
+            body.set_friction(friction.value).at("method.fpm.friction")?;
+        }
+        for (key, boundary) in world.conditions()? {
+            body.bound(boundary).at(key)?;
+        }
+        if let Some(load) = &spec.traction {
+            let key = format!("{key}.traction");
+            let region = shape::build::<D>(&format!("{key}.region"), &load.region, world.folder)?;
+            let axis = world.space().axis(load.normal).at(format!("{key}.normal"))?;
+            let list: [_; D] = formulas(&load.traction).at(format!("{key}.traction"))?;
+            for (n, formula) in list.iter().enumerate() {
+                formula.check(world.space().coordinates(), false, true).at(format!("{key}.traction[{n}]"))?;
+            }
+            let history = Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)));
+            body.load_faces(|f| f.normal[axis].abs() > 0.5 && region.contains(f.centroid), history)
+                .at(key)?;
+        }
+        if let Some(gravity) = world.gravity()? {
+            body.set_body_force(gravity);
+        }
+        if let Some(control) = world.time_control() {
+            body.set_time_control(control).at("time_step")?;
+        }
+        body.set_watch(world.watch());
+        Ok(body)
+    })
+}
+
+fn criterion(options: &Fpm) -> Made<AnyCriterion> {
+    let Some(cracks) = &options.cracks else { return Ok(AnyCriterion::None(NoCracks)) };
+    let key = "method.fpm.cracks";
+    Ok(match cracks {
+        Cracks::MaximumTension(k) => AnyCriterion::Tension(MaximumTension::new(k.strength.value).at(key)?),
+        Cracks::MixedTensionShear(k) => {
+            AnyCriterion::Mixed(MixedTensionShear::new(k.tension.value, k.shear.value).at(key)?)
+        }
+        Cracks::Cohesive(k) => {
+            AnyCriterion::Cohesive(Cohesive::new(k.strength.value, k.energy.value).at(key)?)
+        }
+    })
+}
+
+fn cells<const D: usize>(world: &World<'_, D>, key: &str, spec: &Spec, options: &Fpm) -> Made<Cells<D>>
+where
+    NotchMaker: MakesNotches<D>,
+{
+    let mut notches = Vec::new();
+    for (n, notch) in spec.notches.iter().enumerate() {
+        let key = format!("{key}.notches[{n}]");
+        let corners: Made<Vec<[f64; D]>> =
+            notch.corners.iter().map(|c| fixed(c).at(format!("{key}.corners"))).collect();
+        let mut made = NotchMaker::notch(&key, corners?)?;
+        if let Some(gap) = notch.gap {
+            made = made.with_gap(gap.value).at(&key)?;
+        }
+        notches.push((key, made));
+    }
+    let mut cells = if spec.mesh.is_some() {
+        Cells::of_mesh(&mesh::of(world, key, spec)?).at(format!("{key}.mesh"))?
+    } else {
+        let spacing = options.spacing.value;
+        let domain = domain(key, spec)?;
+        let mut points = match options.points {
+            Points::Random => {
+                let points = scattered(&domain, options.seed, |_| spacing).at("method.fpm.spacing")?;
+                relaxed(points, &domain, LLOYD).at("method.fpm.spacing")?
+            }
+            Points::Lattice => {
+                let lattice = Lattice::new([0.0; D], spacing).at("method.fpm.spacing")?;
+                let shape = world.shape(key, spec)?;
+                fill(&*shape, &lattice, 1, &world.filling()).at(format!("{key}.shape"))?.positions
+            }
+        };
+        for (key, notch) in &notches {
+            points = NotchMaker::lined(notch, points, &domain, spacing).at(key)?;
+        }
+        Cells::voronoi(&points, &domain).at(format!("{key}.shape"))?
+    };
+    for (key, notch) in &notches {
+        cells = cells.with_notch(notch).at(key)?;
+    }
+    Ok(cells)
+}
+
+/// Convex bodies, which Voronoi cells are cut to.
+fn domain<const D: usize>(key: &str, spec: &Spec) -> Made<Domain<D>> {
+    let key = format!("{key}.shape");
+    match &spec.shape {
+        Some(Shape::Box(s)) => {
+            let cuboid = Cuboid::<D>::new(fixed(&s.from).at(&key)?, fixed(&s.to).at(&key)?).at(&key)?;
+            Domain::cuboid(cuboid.min(), cuboid.max()).at(key)
+        }
+        Some(Shape::Polygon(s)) => {
+            let polygon = Polygon::new(s.corners.iter().map(|c| c.map(|x| x.value)).collect()).at(&key)?;
+            let any: Box<dyn std::any::Any> = Box::new(Domain::polygon(&polygon).at(&key)?);
+            match any.downcast() {
+                Ok(domain) => Ok(*domain),
+                Err(_) => wrong(key, "a polygon is a shape of the plane"),
+            }
+        }
+        Some(_) => {
+            wrong(key, "cells of points are cut to a `box` or a convex `polygon`; other bodies have a `mesh`")
+        }
+        None => wrong(key, "needs a `shape`, or a `mesh`"),
+    }
+}
+
+/// Notches of the plane and of space.
+pub(super) struct NotchMaker;
+
+pub(super) trait MakesNotches<const D: usize> {
+    fn notch(key: &str, corners: Vec<[f64; D]>) -> Made<Notch<D>>;
+    fn lined(
+        notch: &Notch<D>,
+        points: Vec<[f64; D]>,
+        domain: &Domain<D>,
+        spacing: f64,
+    ) -> Result<Vec<[f64; D]>, impactite::fpm::CellsError>;
+}
+impl MakesNotches<2> for NotchMaker {
+    fn notch(key: &str, corners: Vec<[f64; 2]>) -> Made<Notch<2>> {
+        match corners[..] {
+            [from, to] => Notch::segment(from, to).at(key),
+            _ => wrong(key, "in the plane a notch has two ends"),
+        }
+    }
+    fn lined(
+        notch: &Notch<2>,
+        points: Vec<[f64; 2]>,
+        domain: &Domain<2>,
+        spacing: f64,
+    ) -> Result<Vec<[f64; 2]>, impactite::fpm::CellsError> {
+        notch.lined(points, domain, spacing)
+    }
+}
+impl MakesNotches<3> for NotchMaker {
+    fn notch(key: &str, corners: Vec<[f64; 3]>) -> Made<Notch<3>> {
+        Notch::polygon(corners).at(key)
+    }
+    /// In space points stay where they are.
+    fn lined(
+        _: &Notch<3>,
+        points: Vec<[f64; 3]>,
+        _: &Domain<3>,
+        _: f64,
+    ) -> Result<Vec<[f64; 3]>, impactite::fpm::CellsError> {
+        Ok(points)
+    }
+}

@@ -1,0 +1,485 @@
+//! Laws of materials.
+
+use std::sync::Arc;
+
+use impactite::geometry::Seeds;
+use impactite::materials::{
+    Adiabatic, BulkViscosity, Cone, Constitutive, Detonation, DruckerPrager, Elastic, Explosive, Fluid,
+    Ground, Heat, IdealGas, IntoMaterial, J2, JohnsonCook, JohnsonCookDamage, Jwl, JwlConstants,
+    LinearDensity, LinearElastic, Logarithmic, LogarithmicBulk, Material, MieGruneisen, Moduli, MohrCoulomb,
+    NeoHookean, Newtonian, PlaneStress, PlasticStrainLimit, Solid, Tait, TensilePressure, library,
+};
+use impactite::mpm::{Deformable, Mpm, Traction};
+
+use super::common::Velocity;
+use super::{At, Made, wrong};
+use crate::model::material::{
+    ElasticConstants, Eos, ExplosiveLaw, Failure, FluidLaw, FrictionConstants, GroundLaw, Library,
+    Material as Spec, Strength,
+};
+
+/// A law, ready for a body.
+#[derive(Clone)]
+pub(crate) struct Law {
+    pub material: Arc<dyn Material<f64>>,
+    /// Of an explosive, what lights it.
+    pub explosive: Option<Charge>,
+}
+
+/// An explosive with its viscosity or without.
+#[derive(Clone, Copy)]
+pub(crate) enum Charge {
+    Plain(Explosive<f64>),
+    Viscous(Explosive<f64, Jwl<f64>, BulkViscosity<f64>>),
+}
+
+impl From<Arc<dyn Material<f64>>> for Law {
+    fn from(material: Arc<dyn Material<f64>>) -> Self {
+        Law { material, explosive: None }
+    }
+}
+
+impl Law {
+    /// Add a body of particles of this law.
+    pub fn add<const D: usize>(
+        &self,
+        mpm: &mut Mpm<D>,
+        name: &str,
+        seeds: &Seeds<D>,
+        velocity: &Velocity<D>,
+        traction: Option<Traction<D>>,
+        splitting: Option<impactite::mpm::Splitting>,
+        lit: &[([f64; 3], f64)],
+    ) -> Result<(), String> {
+        let velocity = velocity.clone();
+        macro_rules! body {
+            ($law:expr) => {{
+                let mut body = Deformable::new(name, $law, seeds).moving(move |x| velocity(x));
+                if let Some(traction) = traction {
+                    body = body.with_traction(traction);
+                }
+                body
+            }};
+        }
+        macro_rules! lights {
+            ($charge:expr) => {{
+                let charge = $charge;
+                let mut wave = Detonation::new(charge.detonation_speed()).map_err(|e| e.to_string())?;
+                for (at, time) in lit {
+                    wave = wave.from_point(*at, *time).map_err(|e| e.to_string())?;
+                }
+                let state = move |x: [f64; D]| {
+                    let x: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] } else { 0.0 });
+                    wave.arrival(x).and_then(|t| charge.lit_after(t).ok()).unwrap_or_else(|| charge.virgin())
+                };
+                mpm.add_body(body!(charge).in_state(state)).map_err(|e| e.to_string())
+            }};
+        }
+        match (self.explosive, lit.is_empty()) {
+            (Some(Charge::Plain(charge)), false) => lights!(charge),
+            (Some(Charge::Viscous(charge)), false) => lights!(charge),
+            _ => {
+                let mut body = body!(self.material.clone());
+                if let Some(splitting) = splitting {
+                    body = body.with_splitting(splitting);
+                }
+                mpm.add_body(body).map_err(|e| e.to_string())
+            }
+        }
+    }
+}
+
+/// A law whose kernels are compiled in the library.
+fn there<L: IntoMaterial<f64>>(law: L) -> Law {
+    Law::from(law.into_material())
+}
+
+/// One whose kernels are compiled here.
+fn here<C: Constitutive<f64>>(law: C) -> Law {
+    Law::from(law.compiled().into_material())
+}
+
+/// The law of a material at `key`; of a plate without stress across, if `plate`.
+pub(super) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
+    let kinds = [
+        ("library", spec.library.is_some()),
+        ("elastic", spec.elastic.is_some()),
+        ("neo_hookean", spec.neo_hookean.is_some()),
+        ("strength", spec.strength.is_some()),
+        ("ground", spec.ground.is_some()),
+        ("fluid", spec.fluid.is_some()),
+        ("explosive", spec.explosive.is_some()),
+    ];
+    let given: Vec<&str> = kinds.iter().filter(|k| k.1).map(|k| k.0).collect();
+    let [kind] = given[..] else {
+        let all = kinds.map(|k| k.0).join(", ");
+        let message = match given.len() {
+            0 => format!("says of what kind it is by none of {all}"),
+            _ => format!("is of several kinds: {}; take one of {all}", given.join(", ")),
+        };
+        return wrong(key, message);
+    };
+    let only = |used: bool, field: &str, kinds: &[&str]| {
+        if used && !kinds.contains(&kind) {
+            return wrong(
+                format!("{key}.{field}"),
+                format!("goes with {}, not with `{kind}`", kinds.join(", ")),
+            );
+        }
+        Ok(())
+    };
+    only(spec.eos.is_some(), "eos", &["strength"])?;
+    only(spec.failure.is_some(), "failure", &["strength", "library"])?;
+    only(
+        spec.bulk_viscosity.is_some(),
+        "bulk_viscosity",
+        &["library", "strength", "ground", "fluid", "explosive"],
+    )?;
+    if plate && kind != "elastic" {
+        return wrong(
+            key,
+            "in plane stress materials are `elastic`: of no other is a law of plates compiled",
+        );
+    }
+    let viscosity = spec.bulk_viscosity.map(|list| list.map(|q| q.value));
+    if let Some(constants) = &spec.elastic {
+        let key = format!("{key}.elastic");
+        let law = LinearElastic::new(constants.density.value, moduli(&key, constants)?).at(key)?;
+        return Ok(if plate { there(PlaneStress::new(law)) } else { there(law) });
+    }
+    if let Some(constants) = &spec.neo_hookean {
+        let key = format!("{key}.neo_hookean");
+        return Ok(there(NeoHookean::new(constants.density.value, moduli(&key, constants)?).at(key)?));
+    }
+    if let Some(name) = spec.library {
+        return of_library(key, name, spec.failure.as_ref(), viscosity);
+    }
+    if let Some(strength) = &spec.strength {
+        let Some(eos) = &spec.eos else { return wrong(key, "`strength` goes with an `eos`") };
+        return metal(key, strength, eos, spec.failure.as_ref(), viscosity);
+    }
+    if let Some(ground) = &spec.ground {
+        return of_ground(key, ground, viscosity);
+    }
+    if let Some(fluid) = &spec.fluid {
+        return of_fluid(key, fluid, viscosity);
+    }
+    match &spec.explosive {
+        Some(ExplosiveLaw::Jwl(k)) => {
+            let key = format!("{key}.explosive.jwl");
+            let constants = JwlConstants {
+                density: k.density.value,
+                a: k.a.value,
+                b: k.b.value,
+                r1: k.r1.value,
+                r2: k.r2.value,
+                omega: k.omega.value,
+                energy: k.energy.value,
+            };
+            let mut charge = Explosive::new(Jwl::new(constants).at(&key)?).at(&key)?;
+            if let Some(speed) = k.detonation_speed {
+                charge = charge.with_detonation_speed(speed.value).at(&key)?;
+            }
+            explosive(&key, charge, viscosity)
+        }
+        None => wrong(key, "is of no kind"),
+    }
+}
+
+fn moduli(key: &str, k: &ElasticConstants) -> Made<Moduli<f64>> {
+    Moduli::young_poisson(k.young.value, k.poisson.value).at(key)
+}
+
+fn explosive(key: &str, charge: Explosive<f64>, viscosity: Option<[f64; 2]>) -> Made<Law> {
+    Ok(match viscosity {
+        Some([linear, quadratic]) => {
+            let charge = charge.with_bulk_viscosity(linear, quadratic).at(key)?;
+            Law { explosive: Some(Charge::Viscous(charge)), ..there(charge) }
+        }
+        None => Law { explosive: Some(Charge::Plain(charge)), ..there(charge) },
+    })
+}
+
+/// A law with bulk viscosity or without, both compiled in the library.
+macro_rules! viscous {
+    ($key:expr, $law:expr, $viscosity:expr) => {
+        viscous!($key, $law, $viscosity, there)
+    };
+    // With kernels compiled here, viscosity is a coefficient of zero where there is none: one law to compile instead of two.
+    ($key:expr, $law:expr, $viscosity:expr, here) => {{
+        let [linear, quadratic] = $viscosity.unwrap_or([0.0; 2]);
+        here($law.with_bulk_viscosity(linear, quadratic).at(format!("{}.bulk_viscosity", $key))?)
+    }};
+    ($key:expr, $law:expr, $viscosity:expr, there) => {{
+        let law = $law;
+        match $viscosity {
+            Some([linear, quadratic]) => {
+                there(law.with_bulk_viscosity(linear, quadratic).at(format!("{}.bulk_viscosity", $key))?)
+            }
+            None => there(law),
+        }
+    }};
+}
+
+fn of_library(key: &str, name: Library, failure: Option<&Failure>, viscosity: Option<[f64; 2]>) -> Made<Law> {
+    macro_rules! adiabatic {
+        ($law:expr) => {
+            with_failure(key, $law, failure, viscosity)
+        };
+    }
+    macro_rules! plain {
+        ($law:expr) => {{
+            let law = $law;
+            match failure {
+                None => Ok(viscous!(key, law, viscosity)),
+                Some(Failure::PlasticStrain(limit)) => {
+                    let failure = PlasticStrainLimit::new(limit.limit.value)
+                        .at(format!("{key}.failure.plastic_strain"))?;
+                    Ok(viscous!(key, law.with_failure(failure), viscosity, here))
+                }
+                Some(other) => wrong(
+                    format!("{key}.failure"),
+                    format!(
+                        "`{}` is not compiled for this material; take `plastic_strain`, or none",
+                        failure_word(other)
+                    ),
+                ),
+            }
+        }};
+    }
+    if failure.is_some()
+        && !matches!(
+            name,
+            Library::Aluminium6061T6
+                | Library::AluminiumFeng2014
+                | Library::CopperFeng2014
+                | Library::CopperOfhc
+                | Library::Steel4340
+                | Library::TungstenAlloy
+                | Library::CopperTaylor
+                | Library::CopperCasing
+                | Library::Lead
+        )
+    {
+        return wrong(
+            format!("{key}.failure"),
+            "no failure is compiled for this material beside what it has",
+        );
+    }
+    if viscosity.is_some() && matches!(name, Library::SteelElastic) {
+        return wrong(format!("{key}.bulk_viscosity"), "`steel_elastic` has none; take `strength` and `eos`");
+    }
+    match name {
+        Library::Aluminium6061T6 => adiabatic!(library::aluminium_6061_t6()),
+        Library::AluminiumFeng2014 => adiabatic!(library::aluminium_feng_2014()),
+        Library::CopperFeng2014 => adiabatic!(library::copper_feng_2014()),
+        Library::CopperOfhc => adiabatic!(library::copper_ofhc()),
+        Library::Steel4340 => adiabatic!(library::steel_4340()),
+        Library::TungstenAlloy => adiabatic!(library::tungsten_alloy()),
+        Library::CopperTaylor => plain!(library::copper_taylor()),
+        Library::CopperCasing => plain!(library::copper_casing()),
+        Library::Lead => plain!(library::lead()),
+        Library::CopperSteinberg => Ok(viscous!(key, library::copper_steinberg(), viscosity)),
+        Library::Steel4340Steinberg => Ok(viscous!(key, library::steel_4340_steinberg(), viscosity)),
+        Library::SteelElastic => Ok(there(library::steel_elastic())),
+        Library::Weldox460E => Ok(viscous!(key, library::weldox_460_e(), viscosity)),
+        Library::Weldox460EUncoupled => Ok(viscous!(key, library::weldox_460_e_uncoupled(), viscosity, here)),
+        Library::ArneToolSteel => Ok(viscous!(key, library::arne_tool_steel(), viscosity)),
+        Library::Concrete48 => Ok(viscous!(key, library::concrete_48(), viscosity)),
+        Library::SlopeSoil => Ok(viscous!(key, library::slope_soil(), viscosity)),
+        Library::AluminiumBars => Ok(viscous!(key, library::aluminium_bars(), viscosity)),
+        Library::DrySand => Ok(viscous!(key, library::dry_sand(), viscosity)),
+        Library::Tnt => explosive(key, library::tnt(), viscosity),
+        Library::Air => Ok(viscous!(key, library::air(), viscosity)),
+        Library::Water => Ok(viscous!(key, library::water(), viscosity)),
+        Library::WaterShocked => Ok(viscous!(key, library::water_shocked(), viscosity)),
+    }
+}
+
+fn failure_word(failure: &Failure) -> &'static str {
+    match failure {
+        Failure::JohnsonCook(_) => "johnson_cook",
+        Failure::TensilePressure(_) => "tensile_pressure",
+        Failure::PlasticStrain(_) => "plastic_strain",
+    }
+}
+
+/// A metal with rate and heat, and a failure.
+fn with_failure(
+    key: &str,
+    law: library::Metal<f64>,
+    failure: Option<&Failure>,
+    viscosity: Option<[f64; 2]>,
+) -> Made<Law> {
+    let at = |word: &str| format!("{key}.failure.{word}");
+    Ok(match failure {
+        None => viscous!(key, law, viscosity),
+        Some(Failure::JohnsonCook(k)) => {
+            let damage =
+                JohnsonCookDamage::new(k.d.map(|d| d.value), k.reference.value).at(at("johnson_cook"))?;
+            viscous!(key, law.with_failure(damage), viscosity)
+        }
+        Some(Failure::TensilePressure(k)) => {
+            let spall = TensilePressure::new(k.strength.value).at(at("tensile_pressure"))?;
+            viscous!(key, law.with_failure(spall), viscosity)
+        }
+        Some(Failure::PlasticStrain(k)) => {
+            let limit = PlasticStrainLimit::new(k.limit.value).at(at("plastic_strain"))?;
+            viscous!(key, law.with_failure(limit), viscosity, here)
+        }
+    })
+}
+
+fn metal(
+    key: &str,
+    strength: &Strength,
+    eos: &Eos,
+    failure: Option<&Failure>,
+    viscosity: Option<[f64; 2]>,
+) -> Made<Law> {
+    let shock = |k: &crate::model::material::ShockConstants| {
+        MieGruneisen::new(k.density.value, k.sound_speed.value, k.slope.value, k.gruneisen.value)
+            .at(format!("{key}.eos.mie_gruneisen"))
+    };
+    let bulk = |k: &crate::model::material::BulkConstants| {
+        LogarithmicBulk::new(k.density.value, k.bulk_modulus.value).at(format!("{key}.eos.logarithmic_bulk"))
+    };
+    match (strength, eos, failure) {
+        (Strength::Elastic(s), eos, None) => {
+            let strength = Elastic::new(s.shear_modulus.value).at(format!("{key}.strength.elastic"))?;
+            Ok(match eos {
+                Eos::LinearDensity(k) => {
+                    let eos = LinearDensity::new(k.density.value, k.sound_speed.value);
+                    viscous!(
+                        key,
+                        Solid::new(strength, eos.at(format!("{key}.eos.linear_density"))?),
+                        viscosity
+                    )
+                }
+                Eos::LogarithmicBulk(k) => viscous!(key, Solid::new(strength, bulk(k)?), viscosity),
+                Eos::MieGruneisen(k) => viscous!(key, Solid::new(strength, shock(k)?), viscosity, here),
+            })
+        }
+        (Strength::J2(s), eos, failure) => {
+            let strength = J2::linear(s.shear_modulus.value, s.yield_stress.value, s.hardening.value)
+                .at(format!("{key}.strength.j2"))?;
+            match (eos, failure) {
+                (Eos::LogarithmicBulk(k), None) => {
+                    Ok(viscous!(key, Solid::new(strength, bulk(k)?), viscosity))
+                }
+                (Eos::MieGruneisen(k), None) => {
+                    Ok(viscous!(key, Solid::new(strength, shock(k)?), viscosity, here))
+                }
+                (Eos::LogarithmicBulk(k), Some(Failure::PlasticStrain(limit))) => {
+                    let limit = PlasticStrainLimit::new(limit.limit.value)
+                        .at(format!("{key}.failure.plastic_strain"))?;
+                    Ok(viscous!(key, Solid::new(strength, bulk(k)?).with_failure(limit), viscosity, here))
+                }
+                _ => not_compiled(key),
+            }
+        }
+        (Strength::JohnsonCook(s), Eos::MieGruneisen(k), failure) => {
+            let at = format!("{key}.strength.johnson_cook");
+            let plain = JohnsonCook::new(s.shear_modulus.value, s.a.value, s.b.value, s.n.value).at(&at)?;
+            match (&s.rate, &s.heat) {
+                (None, None) => match failure {
+                    None => Ok(viscous!(key, Solid::new(plain, shock(k)?), viscosity)),
+                    Some(Failure::PlasticStrain(limit)) => {
+                        let limit = PlasticStrainLimit::new(limit.limit.value)
+                            .at(format!("{key}.failure.plastic_strain"))?;
+                        Ok(viscous!(key, Solid::new(plain, shock(k)?).with_failure(limit), viscosity, here))
+                    }
+                    Some(_) => not_compiled(key),
+                },
+                (Some(rate), Some(heat)) => {
+                    let rate =
+                        Logarithmic::new(rate.c.value, rate.reference.value).at(format!("{at}.rate"))?;
+                    let heat = Adiabatic::new(Heat {
+                        room: heat.room.value,
+                        melt: heat.melt.value,
+                        exponent: heat.m.value,
+                        heat_capacity: heat.capacity.value,
+                        taylor_quinney: heat.taylor_quinney.map_or(0.9, |q| q.value),
+                    });
+                    let strength = plain.with_rate(rate).with_heat(heat.at(format!("{at}.heat"))?);
+                    with_failure(key, Solid::new(strength, shock(k)?), failure, viscosity)
+                }
+                _ => wrong(at, "`rate` and `heat` go together: no law with one of them alone is compiled"),
+            }
+        }
+        _ => not_compiled(key),
+    }
+}
+
+/// What of metals is compiled, in words.
+pub(crate) const METALS: &str = "elastic with any eos; j2 with logarithmic_bulk (and failure plastic_strain) or mie_gruneisen; johnson_cook with \
+     mie_gruneisen, without rate and heat (and failure plastic_strain) or with both (and any failure)";
+
+fn not_compiled(key: &str) -> Made<Law> {
+    wrong(
+        key,
+        format!(
+            "no kernels of this strength, eos and failure together are compiled in this program; there are: {METALS}"
+        ),
+    )
+}
+
+fn of_ground(key: &str, ground: &GroundLaw, viscosity: Option<[f64; 2]>) -> Made<Law> {
+    let moduli =
+        |k: &FrictionConstants, key: &str| Moduli::young_poisson(k.young.value, k.poisson.value).at(key);
+    match ground {
+        GroundLaw::DruckerPrager(k) => {
+            let at = format!("{key}.ground.drucker_prager");
+            let (density, moduli) = (k.density.value, moduli(k, &at)?);
+            let angles = (k.friction.value, k.cohesion.value, k.dilatancy.value);
+            let mut law = DruckerPrager::matching(density, moduli, Cone::Outer, angles.0, angles.1, angles.2)
+                .at(&at)?;
+            if let Some(tension) = k.tension {
+                law = law.with_tension_cap(tension.value).at(&at)?;
+            }
+            Ok(viscous!(key, Ground::new(law), viscosity))
+        }
+        GroundLaw::MohrCoulomb(k) => {
+            let at = format!("{key}.ground.mohr_coulomb");
+            let (density, moduli) = (k.density.value, moduli(k, &at)?);
+            let mut law =
+                MohrCoulomb::new(density, moduli, k.friction.value, k.cohesion.value, k.dilatancy.value)
+                    .at(&at)?;
+            if let Some(tension) = k.tension {
+                law = law.with_tension_cutoff(tension.value).at(&at)?;
+            }
+            Ok(viscous!(key, Ground::new(law), viscosity, here))
+        }
+    }
+}
+
+fn of_fluid(key: &str, fluid: &FluidLaw, viscosity: Option<[f64; 2]>) -> Made<Law> {
+    macro_rules! sheared {
+        ($key:expr, $eos:expr, $shear:expr) => {{
+            let fluid = Fluid::new($eos.at(&$key)?);
+            Ok(match $shear {
+                Some(shear) => {
+                    let shear = Newtonian::new(shear.value).at(&$key)?;
+                    viscous!(key, fluid.with_shear_viscosity(shear), viscosity, here)
+                }
+                None => viscous!(key, fluid, viscosity),
+            })
+        }};
+    }
+    match fluid {
+        FluidLaw::IdealGas(k) => {
+            let at = format!("{key}.fluid.ideal_gas");
+            sheared!(at, IdealGas::new(k.density.value, k.gamma.value, k.pressure.value), k.viscosity)
+        }
+        FluidLaw::Tait(k) => {
+            let at = format!("{key}.fluid.tait");
+            sheared!(at, Tait::new(k.density.value, k.sound_speed.value), k.viscosity)
+        }
+        FluidLaw::MieGruneisen(k) => {
+            let at = format!("{key}.fluid.mie_gruneisen");
+            let eos =
+                MieGruneisen::new(k.density.value, k.sound_speed.value, k.slope.value, k.gruneisen.value);
+            Ok(viscous!(key, Fluid::new(eos.at(&at)?), viscosity))
+        }
+    }
+}

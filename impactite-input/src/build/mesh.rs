@@ -1,0 +1,120 @@
+//! Meshes of bodies.
+
+use impactite::fem::{Erosion, MeshBody};
+use impactite::geometry::structured::{
+    Butterfly, ball_mesh, box_mesh, cylinder_mesh, half_disc_mesh, tube_mesh,
+};
+use impactite::geometry::{Ball, Cuboid, Cylinder, ElementMesh, Tube};
+
+use super::common::World;
+use super::{At, Made, wrong};
+use crate::model::body::{Body, Mesh, MeshFile};
+use crate::model::fixed;
+use crate::model::shape::Shape;
+use crate::quantity::{Length, Quantity};
+
+/// The mesh of a body.
+pub(super) fn of<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<ElementMesh<D>> {
+    match &body.mesh {
+        None => wrong(key, "needs a `mesh`: a file, or `edge` with a `shape`"),
+        Some(Mesh::Gmsh(file)) => {
+            read(world, key, "gmsh", file, |path, unit| ElementMesh::read_gmsh(path, unit))
+        }
+        Some(Mesh::Abaqus(file)) => {
+            read(world, key, "abaqus", file, |path, unit| ElementMesh::read_abaqus(path, unit))
+        }
+        Some(Mesh::Edge(edge)) => match &body.shape {
+            Some(shape) => regular(world, &format!("{key}.mesh"), shape, edge),
+            None => wrong(key, "a mesh by its `edge` is of a `shape`"),
+        },
+    }
+}
+
+fn read<const D: usize>(
+    world: &World<'_, D>,
+    key: &str,
+    word: &str,
+    file: &MeshFile,
+    read: impl Fn(std::path::PathBuf, f64) -> Result<ElementMesh<D>, impactite::geometry::GeometryError>,
+) -> Made<ElementMesh<D>> {
+    read(world.folder.0.join(&file.file), file.unit.value).at(format!("{key}.mesh.{word}"))
+}
+
+/// A regular mesh with about these edges.
+fn regular<const D: usize>(
+    world: &World<'_, D>,
+    key: &str,
+    shape: &Shape,
+    edge: &Quantity<Length>,
+) -> Made<ElementMesh<D>> {
+    let edge = edge.value;
+    if !(edge > 0.0) {
+        return wrong(format!("{key}.edge"), format!("{edge} m is not allowed; it must be positive"));
+    }
+    let count = |length: f64| (length / edge).round().max(1.0).min(1e9) as usize;
+    match (shape, D) {
+        (Shape::Box(s), _) => {
+            let (from, to): ([f64; D], [f64; D]) = (fixed(&s.from).at(key)?, fixed(&s.to).at(key)?);
+            let cuboid = Cuboid::new(from, to).at(key)?;
+            let counts: [usize; D] = std::array::from_fn(|d| count(cuboid.max()[d] - cuboid.min()[d]));
+            box_mesh(&cuboid, counts).at(key)
+        }
+        (Shape::Ball(s), 2) if world.revolved() => {
+            let ball = Ball::new(fixed::<2, _>(&s.centre).at(key)?, s.radius.value).at(key)?;
+            let section = Butterfly::of_edge(s.radius.value, edge).at(key)?;
+            same(key, half_disc_mesh(&ball, section).at(key)?)
+        }
+        (Shape::Ball(s), _) => {
+            let ball = Ball::<D>::new(fixed(&s.centre).at(key)?, s.radius.value).at(key)?;
+            ball_mesh(&ball, Butterfly::of_edge(s.radius.value, edge).at(key)?).at(key)
+        }
+        (Shape::Cylinder(s), 3) => {
+            let (start, direction) = (fixed(&s.start).at(key)?, fixed(&s.direction).at(key)?);
+            let rod = Cylinder::<3>::new(start, direction, s.length.value, s.radius.value).at(key)?;
+            let section = Butterfly::of_edge(s.radius.value, edge).at(key)?;
+            same(key, cylinder_mesh(&rod, section, count(s.length.value)).at(key)?)
+        }
+        (Shape::Tube(s), 3) => {
+            let (start, direction) = (fixed(&s.start).at(key)?, fixed(&s.direction).at(key)?);
+            let tube =
+                Tube::<3>::new(start, direction, s.length.value, s.inner.value, s.outer.value).at(key)?;
+            let around = count(std::f64::consts::PI * (s.inner.value + s.outer.value)).max(3);
+            let section = [count(s.outer.value - s.inner.value), around];
+            same(key, tube_mesh(&tube, section, count(s.length.value)).at(key)?)
+        }
+        _ => wrong(
+            key,
+            "regular meshes are of `box` and `ball`, in space also of `cylinder` and `tube`; others come from files of Gmsh or Abaqus",
+        ),
+    }
+}
+
+/// A mesh of `N` dimensions as one of `D`, if these are the same.
+fn same<const N: usize, const D: usize>(key: &str, mesh: ElementMesh<N>) -> Made<ElementMesh<D>> {
+    let any: Box<dyn std::any::Any> = Box::new(mesh);
+    match any.downcast() {
+        Ok(mesh) => Ok(*mesh),
+        Err(_) => wrong(key, format!("is of {N} dimensions")),
+    }
+}
+
+/// A body of elements.
+pub(super) fn body<const D: usize>(world: &World<'_, D>, name: &str, body: &Body) -> Made<MeshBody<D>> {
+    let key = format!("bodies.{name}");
+    let mesh = of(world, &key, body)?;
+    let velocity = world.velocity(&key, body, &mesh.bounds())?;
+    let made = MeshBody::new(name, mesh, world.law(&key, body)?.material).moving(move |x| velocity(x));
+    let Some(spec) = &body.erosion else { return Ok(made) };
+    let mut erosion = Erosion::none();
+    if let Some(strain) = spec.plastic_strain {
+        erosion = erosion
+            .or(impactite::fem::Criterion::State { name: "plastic_strain".into(), at_least: strain.value });
+    }
+    if spec.failed {
+        erosion = erosion.or(impactite::fem::Criterion::Failed);
+    }
+    if let Some(volume) = spec.volume {
+        erosion = erosion.or(impactite::fem::Criterion::Volume(volume.value));
+    }
+    Ok(made.eroding(erosion))
+}

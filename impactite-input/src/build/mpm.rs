@@ -1,0 +1,316 @@
+//! Scenes of the material point method, with bodies of finite elements among the particles.
+
+use std::sync::Arc;
+
+use impactite::contact::{
+    Approach, Coulomb, Frictionless, Regression, SlipWeakening, Stick, SurfaceDistance,
+};
+use impactite::coupling::Elements;
+use impactite::fem::Fem;
+use impactite::geometry::{Lattice, fill};
+use impactite::mpm::{
+    BlockGrid, ContactAlgorithm, GridContact, Mpm as Scene, OneField, Rigid, Splitting, Traction, Twist,
+};
+use impactite::scene::Solver;
+
+use super::common::{Setting, World, of_body};
+use super::{At, Made, mesh, shape, wrong};
+use crate::model::body::{Body, MeetBy, Traction as Load};
+use crate::model::contact::{Detector, Law};
+use crate::model::method::Mpm;
+use crate::model::{fixed, formulas};
+
+/// The kernels of a method of these options, in one of the embeddings.
+macro_rules! kernels {
+    ($space:expr, $options:expr) => {{
+        use impactite::mpm::{
+            Aflip, Apic, Blend, CpGimp, Flip, IntoKernels, Linear, Method, Mls, Musl, QuadraticBSpline, Usl,
+        };
+        use $crate::model::method::{Purpose, ShapeFunction as S, StressUpdate as U, Transfer as X};
+        let (space, options) = ($space, $options);
+        macro_rules! made {
+            ($method:expr) => {{
+                if options.mean_dilatation {
+                    $method.mean_dilatation().compiled().into_kernels()
+                } else {
+                    $method.into_kernels()
+                }
+            }};
+        }
+        let key = "method.mpm.parts";
+        match (&options.parts, options.purpose) {
+            (Some(_), Some(_)) => $crate::build::wrong(key, "either `for` or `parts`"),
+            (None, purpose) => Ok(match purpose.unwrap_or_default() {
+                Purpose::Impact => made!(Method::impact(space)),
+                Purpose::ContactAtRest => made!(Method::contact_at_rest(space)),
+                Purpose::LargeElastic => {
+                    if options.mean_dilatation {
+                        return $crate::build::wrong(
+                            "method.mpm.mean_dilatation",
+                            "is not compiled for `large elastic`",
+                        );
+                    }
+                    Method::large_elastic(space).into_kernels()
+                }
+            }),
+            (Some(parts), None) => {
+                if parts.relaxation.is_some() != (parts.transfer == X::Blend) {
+                    return $crate::build::wrong(
+                        key,
+                        "`relaxation` is of the transfer `blend`, which needs it",
+                    );
+                }
+                let blend = |tau: &Option<$crate::quantity::Quantity<$crate::quantity::Time>>| {
+                    $crate::build::At::at(
+                        Blend::new(tau.map_or(0.0, |q| q.value)),
+                        format!("{key}.relaxation"),
+                    )
+                };
+                if options.mean_dilatation {
+                    return $crate::build::wrong(
+                        "method.mpm.mean_dilatation",
+                        "is compiled for `for = \"impact\"` and `\"contact at rest\"`",
+                    );
+                }
+                Ok(match (parts.shape_function, parts.transfer, parts.stress_update) {
+                    (S::Linear, X::Flip, U::Musl) => Method::new(Linear, Flip, Musl, space).into_kernels(),
+                    (S::Linear, X::Blend, U::Musl) => {
+                        Method::new(Linear, blend(&parts.relaxation)?, Musl, space).into_kernels()
+                    }
+                    (S::Cpgimp, X::Flip, U::Musl) => Method::new(CpGimp, Flip, Musl, space).into_kernels(),
+                    (S::Cpgimp, X::Flip, U::Usl) => Method::new(CpGimp, Flip, Usl, space).into_kernels(),
+                    (S::Cpgimp, X::Blend, U::Musl) => {
+                        Method::new(CpGimp, blend(&parts.relaxation)?, Musl, space).into_kernels()
+                    }
+                    (S::QuadraticBSpline, X::Flip, U::Musl) => {
+                        Method::new(QuadraticBSpline, Flip, Musl, space).into_kernels()
+                    }
+                    (S::QuadraticBSpline, X::Apic, U::Usl) => {
+                        Method::new(QuadraticBSpline, Apic, Usl, space).into_kernels()
+                    }
+                    (S::QuadraticBSpline, X::Aflip, U::Usl) => {
+                        Method::new(QuadraticBSpline, Aflip::default(), Usl, space).into_kernels()
+                    }
+                    (S::QuadraticBSpline, X::Mls, U::Usl) => {
+                        Method::new(QuadraticBSpline, Mls, Usl, space).into_kernels()
+                    }
+                    _ => {
+                        return $crate::build::wrong(
+                            key,
+                            format!(
+                                "no kernels of these together are compiled in this program; there are {}",
+                                $crate::build::mpm::PARTS
+                            ),
+                        );
+                    }
+                })
+            }
+        }
+    }};
+}
+pub(super) use kernels;
+
+/// What of parts is compiled, in words.
+pub(crate) const PARTS: &str = "linear with flip or blend and musl; cpgimp with flip and musl or usl, or blend and musl; quadratic_b_spline \
+     with flip and musl, or apic, aflip or mls and usl";
+
+pub(super) fn build<E: Setting<D>, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Mpm,
+) -> Made<Box<dyn Solver>> {
+    let kernels = embedding.kernels(options)?;
+    let origin = match &options.origin {
+        Some(origin) => fixed(origin).at("method.mpm.origin")?,
+        None => [0.0; D],
+    };
+    let lattice = Lattice::new(origin, options.cell.value).at("method.mpm.cell")?;
+    if !(1..=8).contains(&options.particles_per_cell) {
+        let message = format!("{} is not allowed; it must be 1 to 8", options.particles_per_cell);
+        return wrong("method.mpm.particles_per_cell", message);
+    }
+    let bodies = &world.scene.bodies;
+    // Bodies of elements come after those of particles, as clients of their scene.
+    let order: Vec<(&String, &Body)> = bodies
+        .iter()
+        .filter(|(_, b)| b.elements.is_none())
+        .chain(bodies.iter().filter(|(_, b)| b.elements.is_some()))
+        .collect();
+    let names: Vec<&str> = order.iter().map(|(name, _)| name.as_str()).collect();
+    let contact: Arc<dyn ContactAlgorithm<f64, D>> = match world.laws(&names)? {
+        None => Arc::new(OneField),
+        Some(laws) => match world.scene.contact.as_ref().map(|c| c.detector).unwrap_or_default() {
+            Detector::SurfaceDistance => Arc::new(GridContact::new(SurfaceDistance::default(), laws)),
+            Detector::Approach => {
+                Arc::new(GridContact::new(Approach::<impactite::contact::Gradients>::default(), laws))
+            }
+            Detector::Regression => Arc::new(GridContact::new(Regression, laws)),
+        },
+    };
+    let mut mpm = Scene::of(kernels, BlockGrid::new(lattice), contact);
+    let conditions = world.conditions()?;
+    // Periods before the bodies, since these are told where they are.
+    let (periods, others): (Vec<_>, Vec<_>) =
+        conditions.into_iter().partition(|(_, b)| matches!(b, impactite::mpm::Boundary::Periodic { .. }));
+    for (key, boundary) in periods {
+        mpm.bound(boundary).at(key)?;
+    }
+    let parts = options.particles_per_cell as usize;
+    for (name, body) in &order {
+        let key = format!("bodies.{name}");
+        if body.elements.is_some() {
+            continue;
+        }
+        let shape = world.shape(&key, body)?;
+        let seeds = fill(&*shape, &lattice, parts, &world.filling()).at(format!("{key}.shape"))?;
+        match &body.rigid {
+            Some(_) => {
+                let rigid = rigid(world, &key, body)?;
+                mpm.add_rigid(name, &rigid, &seeds).at(&key)?;
+            }
+            None => {
+                let law = world.law(&key, body)?;
+                let velocity = world.velocity(&key, body, &shape.bounds())?;
+                let traction = body
+                    .traction
+                    .as_ref()
+                    .map(|t| traction(world, &format!("{key}.traction"), t))
+                    .transpose()?;
+                let splitting = body
+                    .split_at
+                    .map(|q| Splitting::at(q.value))
+                    .transpose()
+                    .at(format!("{key}.split_at"))?;
+                if !body.lit.is_empty() && law.explosive.is_none() {
+                    return wrong(format!("{key}.lit"), "its material is no explosive");
+                }
+                let mut lit = Vec::new();
+                for (n, start) in body.lit.iter().enumerate() {
+                    let at: [f64; D] = fixed(&start.at).at(format!("{key}.lit[{n}].at"))?;
+                    lit.push((std::array::from_fn(|d| if d < D { at[d] } else { 0.0 }), start.time.value));
+                }
+                law.add(&mut mpm, name, &seeds, &velocity, traction, splitting, &lit).at(&key)?;
+            }
+        }
+    }
+    for (name, body) in order.iter().filter(|(_, b)| b.elements.is_some()) {
+        add_elements(embedding, world, &mut mpm, name, body)?;
+    }
+    for (key, boundary) in others {
+        mpm.bound(boundary).at(key)?;
+    }
+    if let Some(gravity) = world.gravity()? {
+        mpm.set_body_force(move |t| gravity(t));
+    }
+    if let Some(control) = world.time_control() {
+        mpm.set_time_control(control).at("time_step")?;
+    }
+    mpm.set_watch(world.watch());
+    let resting: Vec<&str> =
+        bodies.iter().filter(|(_, b)| b.deactivated).map(|(name, _)| name.as_str()).collect();
+    if let Some(first) = resting.first() {
+        mpm.deactivate(&resting).at(format!("bodies.{first}.deactivated"))?;
+    }
+    Ok(Box::new(mpm))
+}
+
+/// A body of elements among the particles.
+fn add_elements<E: Setting<D>, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    mpm: &mut Scene<D>,
+    name: &str,
+    body: &Body,
+) -> Made<()> {
+    let key = format!("bodies.{name}");
+    let mut fem = Fem::new(embedding);
+    fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&key, e))?;
+    for (key, boundary) in world.conditions()? {
+        fem.bound(boundary).at(key)?;
+    }
+    if let Some(gravity) = world.gravity()? {
+        fem.set_body_force(gravity);
+    }
+    let by = body.elements.as_ref().map(|e| e.by).unwrap_or_default();
+    let elements = match by {
+        MeetBy::Grid => Elements::on_the_grid(fem),
+        MeetBy::Surface => {
+            let Some(contact) = &world.scene.contact else {
+                return wrong(&key, "elements and particles meet by a law: the scene needs a `contact`");
+            };
+            let law = contact
+                .pairs
+                .iter()
+                .find(|pair| pair.between.iter().any(|n| n == name))
+                .map_or(&contact.law, |pair| &pair.law);
+            match law {
+                Law::Friction(mu) if mu.value == 0.0 => Elements::by_surface(fem, Frictionless),
+                Law::Friction(mu) => Elements::by_surface(fem, Coulomb::new(mu.value).at("contact.law")?),
+                Law::Stick(_) => Elements::by_surface(fem, Stick),
+                Law::SlipWeakening(w) => {
+                    let law = SlipWeakening::new(w.at_rest.value, w.sliding.value, w.distance.value)
+                        .at("contact.law")?;
+                    Elements::by_surface(fem, law)
+                }
+                Law::Adhesion(_) => {
+                    return wrong(
+                        "contact",
+                        "bonds of elements and particles are not there: take `friction` or `stick`",
+                    );
+                }
+            }
+        }
+    };
+    mpm.add_client(elements.map_err(|e| of_body(&key, e))?).map_err(|e| of_body(&key, e))
+}
+
+fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Made<Traction<D>> {
+    let list: [_; D] = formulas(&load.traction).at(format!("{key}.traction"))?;
+    for (n, formula) in list.iter().enumerate() {
+        formula.check(world.space().coordinates(), false, true).at(format!("{key}.traction[{n}]"))?;
+    }
+    Ok(Traction {
+        region: shape::build(&format!("{key}.region"), &load.region, world.folder)?,
+        axis: world.space().axis(load.normal).at(format!("{key}.normal"))?,
+        history: Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t))),
+        revolved: world.revolved(),
+    })
+}
+
+fn rigid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<Rigid<D>> {
+    let Some(spec) = &body.rigid else { return wrong(key, "is not rigid") };
+    let at = format!("{key}.rigid");
+    let spin = world.spin(key, body)?;
+    let list = match (&body.velocity, &body.speed, &body.direction) {
+        (Some(list), ..) => Some(formulas::<D, _>(list).at(format!("{key}.velocity"))?),
+        _ => None,
+    };
+    if let Some(list) = &list {
+        for (n, formula) in list.iter().enumerate() {
+            formula
+                .check(world.space().coordinates(), false, spec.prescribed)
+                .at(format!("{key}.velocity[{n}]"))?;
+        }
+    }
+    // Without spin, which the body has of itself.
+    let plain = Body { spin: None, velocity: None, ..body.clone() };
+    let along =
+        world.velocity(key, &plain, &impactite::geometry::Bounds { min: [0.0; D], max: [0.0; D] })?([0.0; D]);
+    let velocity = move |t: f64| -> [f64; D] {
+        list.as_ref().map_or(along, |list| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)))
+    };
+    let mut rigid = if spec.prescribed {
+        Rigid::prescribed(spec.density.value, move |t| Twist { velocity: velocity(t), spin }).at(at.clone())?
+    } else {
+        Rigid::free(spec.density.value).at(at.clone())?.with_velocity(velocity(0.0)).with_spin(spin)
+    };
+    let mut held = [false; D];
+    for (n, axis) in spec.hold.iter().enumerate() {
+        held[world.space().axis(*axis).at(format!("{at}.hold[{n}]"))?] = true;
+    }
+    if spec.prescribed && (held.contains(&true) || spec.no_turning) {
+        return wrong(at, "`hold` and `no_turning` are of bodies that others move");
+    }
+    rigid = if held.contains(&true) { rigid.holding(held) } else { rigid };
+    Ok(if spec.no_turning { rigid.without_turning() } else { rigid })
+}

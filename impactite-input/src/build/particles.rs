@@ -1,0 +1,128 @@
+//! Scenes of smoothed particles and of the particle-contact method.
+
+use impactite::contact::particles::{Bodies, ParticleBody};
+use impactite::contact::{Approach, ContactDetector, Gradients, Regression, SurfaceDistance};
+use impactite::geometry::{Lattice, fill};
+use impactite::pcmm::{LocalDelaunay, Masses, Method as PcmmMethod, Packing, Pcmm as PcmmBody};
+use impactite::scene::Solver;
+use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
+
+use super::common::{Setting, World, of_body};
+use super::{At, Made, wrong};
+use crate::model::contact::Detector;
+use crate::model::method::{Pcmm, Sph, SphForm};
+
+/// Bodies one by one, and then one of them, or a scene of all.
+///
+/// `make` makes the body of a name; it has its conditions and loads. `alone` says that there is one body only.
+pub(super) fn scene<const D: usize, B, F>(world: &World<'_, D>, mut make: F) -> Made<Box<dyn Solver>>
+where
+    B: ParticleBody<D> + Solver,
+    F: FnMut(&str) -> Made<B>,
+{
+    let names: Vec<&str> = world.scene.bodies.keys().map(String::as_str).collect();
+    let laws = world.laws(&names)?;
+    if let ([name], None) = (&names[..], &laws) {
+        return Ok(Box::new(make(name)?));
+    }
+    let Some(laws) = laws else {
+        return wrong("bodies", "several bodies need a `contact`, or they would pass through each other");
+    };
+    fn joined<const D: usize, S: ContactDetector<f64, D>, B: ParticleBody<D>>(
+        world: &World<'_, D>,
+        mut bodies: Bodies<D, S>,
+        mut make: impl FnMut(&str) -> Made<B>,
+        names: &[&str],
+    ) -> Made<Box<dyn Solver>> {
+        for name in names {
+            bodies.add(*name, make(name)?);
+        }
+        if let Some(control) = world.time_control() {
+            bodies.set_time_control(control).at("time_step")?;
+        }
+        bodies.set_watch(world.watch());
+        Ok(Box::new(bodies))
+    }
+    match world.scene.contact.as_ref().map(|c| c.detector).unwrap_or_default() {
+        Detector::SurfaceDistance => {
+            joined(world, Bodies::new(SurfaceDistance::default(), laws), make, &names)
+        }
+        Detector::Approach => {
+            joined(world, Bodies::new(Approach::<Gradients>::default(), laws), make, &names)
+        }
+        Detector::Regression => joined(world, Bodies::new(Regression, laws), make, &names),
+    }
+}
+
+pub(super) fn sph<E: Setting<D>, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Sph,
+) -> Made<Box<dyn Solver>> {
+    let lattice = Lattice::new([0.0; D], options.spacing.value).at("method.sph.spacing")?;
+    macro_rules! with {
+        ($method:expr) => {
+            scene(world, |name| {
+                let (key, spec) = (format!("bodies.{name}"), &world.scene.bodies[name]);
+                let shape = world.shape(&key, spec)?;
+                let seeds = fill(&*shape, &lattice, 1, &world.filling()).at(format!("{key}.shape"))?;
+                let velocity = world.velocity(&key, spec, &shape.bounds())?;
+                let law = world.law(&key, spec)?.material;
+                let body = SphBody::new($method, law, &Layout::of_seeds(&seeds), move |x| velocity(x));
+                let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
+                for (key, boundary) in world.conditions()? {
+                    body.bound(boundary).at(key)?;
+                }
+                if let Some(gravity) = world.gravity()? {
+                    body.set_body_force(gravity);
+                }
+                if let Some(control) = world.time_control() {
+                    body.set_time_control(control).at("time_step")?;
+                }
+                body.set_watch(world.watch());
+                Ok(body)
+            })
+        };
+    }
+    match options.form {
+        SphForm::TotalLagrangian => with!(SphMethod::total_lagrangian(embedding)),
+        SphForm::Updated => with!(SphMethod::updated(embedding)),
+    }
+}
+
+/// Tolerance of contact over the spacing, and the stretch it allows: elements of a body that flows stay together (book, "PCMM").
+const TOLERANCE: f64 = 0.5;
+const STRETCH: f64 = 2.0;
+
+pub(super) fn pcmm<E: Setting<D>, const D: usize>(
+    embedding: E,
+    world: &World<'_, D>,
+    options: &Pcmm,
+) -> Made<Box<dyn Solver>> {
+    let spacing = options.spacing.value;
+    let lattice = Lattice::new([0.0; D], spacing).at("method.pcmm.spacing")?;
+    scene(world, |name| {
+        let (key, spec) = (format!("bodies.{name}"), &world.scene.bodies[name]);
+        let shape = world.shape(&key, spec)?;
+        let packing =
+            Packing::on_nodes(&*shape, &lattice).map_err(|e| of_body(&format!("{key}.shape"), e))?;
+        let velocity = world.velocity(&key, spec, &shape.bounds())?;
+        let law = world.law(&key, spec)?.material;
+        let delaunay = LocalDelaunay::new(TOLERANCE * spacing, STRETCH).at("method.pcmm.spacing")?;
+        let method = PcmmMethod::consistent(embedding, delaunay);
+        let body: Result<PcmmBody<D, _>, _> =
+            PcmmBody::new(method, law, &packing, move |x| velocity(x), Masses::FromElements);
+        let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
+        for (key, boundary) in world.conditions()? {
+            body.bound(boundary).at(key)?;
+        }
+        if let Some(gravity) = world.gravity()? {
+            body.set_body_force(gravity);
+        }
+        if let Some(control) = world.time_control() {
+            body.set_time_control(control).at("time_step")?;
+        }
+        body.set_watch(world.watch());
+        Ok(body)
+    })
+}

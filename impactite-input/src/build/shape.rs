@@ -1,0 +1,180 @@
+//! Shapes.
+
+use std::sync::Arc;
+
+use impactite::geometry::{
+    Ball, Compose, Cuboid, Cylinder, Frustum, GeometryError, HalfSpace, OgiveRod, Polygon, Shape, Shell,
+    TriangleMesh, Tube,
+};
+
+use nalgebra::Rotation;
+
+use super::{At, Folder, Made, wrong};
+use crate::model::fixed;
+use crate::model::shape::{MovedShape, Shape as Spec};
+
+type AnyShape<const D: usize> = Arc<dyn Shape<D>>;
+
+/// The shape of a file, in `D` dimensions.
+pub(super) fn build<const D: usize>(key: &str, spec: &Spec, folder: &Folder) -> Made<AnyShape<D>> {
+    macro_rules! point {
+        ($list:expr, $field:literal) => {
+            fixed::<D, _>($list).at(format!("{key}.{}.{}", word(spec), $field))?
+        };
+    }
+    let here = format!("{key}.{}", word(spec));
+    Ok(match spec {
+        Spec::Box(s) => Arc::new(Cuboid::new(point!(&s.from, "from"), point!(&s.to, "to")).at(here)?),
+        Spec::Ball(s) => Arc::new(Ball::new(point!(&s.centre, "centre"), s.radius.value).at(here)?),
+        Spec::Shell(s) => {
+            Arc::new(Shell::new(point!(&s.centre, "centre"), s.inner.value, s.outer.value).at(here)?)
+        }
+        Spec::Cylinder(s) => {
+            let (start, direction) = (point!(&s.start, "start"), point!(&s.direction, "direction"));
+            Arc::new(Cylinder::new(start, direction, s.length.value, s.radius.value).at(here)?)
+        }
+        Spec::Tube(s) => {
+            let (start, direction) = (point!(&s.start, "start"), point!(&s.direction, "direction"));
+            Arc::new(Tube::new(start, direction, s.length.value, s.inner.value, s.outer.value).at(here)?)
+        }
+        Spec::Frustum(s) => {
+            let (start, direction) = (point!(&s.start, "start"), point!(&s.direction, "direction"));
+            let radii = s.radii.map(|r| r.value);
+            Arc::new(Frustum::new(start, direction, s.length.value, radii).at(here)?)
+        }
+        Spec::OgiveRod(s) => {
+            let (tail, direction) = (point!(&s.tail, "tail"), point!(&s.direction, "direction"));
+            let rod = OgiveRod::new(tail, direction, s.diameter.value, s.length.value, s.crh.value);
+            Arc::new(rod.at(here)?)
+        }
+        Spec::HalfSpace(s) => {
+            Arc::new(HalfSpace::new(point!(&s.point, "point"), point!(&s.outward, "outward")).at(here)?)
+        }
+        Spec::Polygon(s) => {
+            let corners = s.corners.iter().map(|c| c.map(|x| x.value)).collect();
+            let polygon: AnyShape<2> = Arc::new(Polygon::new(corners).at(&here)?);
+            of_dimension(polygon).ok_or(()).or_else(|()| wrong(here, "a polygon is a shape of the plane"))?
+        }
+        Spec::Surface(s) => {
+            let path = folder.0.join(&s.file);
+            let obj = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+            let read = if obj {
+                TriangleMesh::read_obj(path, s.unit.value)
+            } else {
+                TriangleMesh::read_stl(path, s.unit.value)
+            };
+            let surface: AnyShape<3> = Arc::new(read.at(&here)?);
+            of_dimension(surface)
+                .ok_or(())
+                .or_else(|()| wrong(here, "a surface of triangles is a shape of space"))?
+        }
+        Spec::Union(list) => folded(&here, list, folder, |a, b| Arc::new(a.or(b)))?,
+        Spec::Intersection(list) => folded(&here, list, folder, |a, b| Arc::new(a.and(b)))?,
+        Spec::Difference(list) => folded(&here, list, folder, |a, b| Arc::new(a.minus(b)))?,
+        Spec::Moved(s) => moved(&here, s, folder)?,
+    })
+}
+
+fn folded<const D: usize>(
+    key: &str,
+    list: &[Spec],
+    folder: &Folder,
+    join: impl Fn(AnyShape<D>, AnyShape<D>) -> AnyShape<D>,
+) -> Made<AnyShape<D>> {
+    let mut all = None;
+    for (n, spec) in list.iter().enumerate() {
+        let next = build(&format!("{key}[{n}]"), spec, folder)?;
+        all = Some(match all {
+            Some(before) => join(before, next),
+            None => next,
+        });
+    }
+    all.map_or_else(|| wrong(key, "needs at least one shape"), Ok)
+}
+
+fn moved<const D: usize>(key: &str, spec: &MovedShape, folder: &Folder) -> Made<AnyShape<D>> {
+    let mut shape = build::<D>(&format!("{key}.shape"), &spec.shape, folder)?;
+    if let Some(turn) = &spec.turn {
+        let pivot = match &spec.about {
+            Some(about) => fixed(about).at(format!("{key}.about"))?,
+            None => [0.0; D],
+        };
+        shape = match (&spec.axis, D) {
+            (None, 2) => turned_in_the_plane(shape, turn.value, pivot).at(key)?,
+            (Some(axis), 3) => {
+                let axis: [f64; 3] = fixed(axis).at(format!("{key}.axis"))?;
+                turned_in_space(shape, axis, turn.value, pivot).at(key)?
+            }
+            (Some(_), _) => return wrong(format!("{key}.axis"), "in the plane a turn needs no axis"),
+            (None, _) => return wrong(key, "a turn in space needs an `axis`"),
+        };
+    } else if spec.axis.is_some() || spec.about.is_some() {
+        return wrong(key, "`axis` and `about` are of a `turn`");
+    }
+    if let Some(by) = &spec.by {
+        let by = fixed(by).at(format!("{key}.by"))?;
+        shape = Arc::new(shape.translated(by).at(key)?);
+    }
+    Ok(shape)
+}
+
+/// A rotation of as many dimensions as the shape.
+fn rotation<const D: usize>(matrix: [[f64; 3]; 3]) -> Rotation<f64, D> {
+    Rotation::from_matrix_unchecked(nalgebra::SMatrix::from_fn(|i, j| matrix[i][j]))
+}
+
+fn turned_in_the_plane<const D: usize>(
+    shape: AnyShape<D>,
+    angle: f64,
+    pivot: [f64; D],
+) -> Result<AnyShape<D>, GeometryError> {
+    let (s, c) = angle.sin_cos();
+    Ok(Arc::new(shape.rotated(rotation([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), pivot)?))
+}
+
+/// Rodrigues' formula.
+fn turned_in_space<const D: usize>(
+    shape: AnyShape<D>,
+    axis: [f64; 3],
+    angle: f64,
+    pivot: [f64; D],
+) -> Result<AnyShape<D>, String> {
+    let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err("the axis needs a length".into());
+    }
+    let [x, y, z] = axis.map(|c| c / length);
+    let (s, c) = angle.sin_cos();
+    let k = 1.0 - c;
+    let matrix = [
+        [c + x * x * k, x * y * k - z * s, x * z * k + y * s],
+        [y * x * k + z * s, c + y * y * k, y * z * k - x * s],
+        [z * x * k - y * s, z * y * k + x * s, c + z * z * k],
+    ];
+    Ok(Arc::new(shape.rotated(rotation(matrix), pivot).map_err(|e| e.to_string())?))
+}
+
+/// A shape of `N` dimensions as one of `D`, if these are the same.
+fn of_dimension<const N: usize, const D: usize>(shape: AnyShape<N>) -> Option<AnyShape<D>> {
+    let any: Box<dyn std::any::Any> = Box::new(shape);
+    any.downcast::<AnyShape<D>>().ok().map(|shape| *shape)
+}
+
+fn word(spec: &Spec) -> &'static str {
+    match spec {
+        Spec::Box(_) => "box",
+        Spec::Ball(_) => "ball",
+        Spec::Shell(_) => "shell",
+        Spec::Cylinder(_) => "cylinder",
+        Spec::Tube(_) => "tube",
+        Spec::Frustum(_) => "frustum",
+        Spec::OgiveRod(_) => "ogive_rod",
+        Spec::Polygon(_) => "polygon",
+        Spec::HalfSpace(_) => "half_space",
+        Spec::Surface(_) => "surface",
+        Spec::Union(_) => "union",
+        Spec::Intersection(_) => "intersection",
+        Spec::Difference(_) => "difference",
+        Spec::Moved(_) => "moved",
+    }
+}

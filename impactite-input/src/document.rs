@@ -1,0 +1,290 @@
+//! The text of a scene: reading it, changing keys, and finding where things are.
+
+use std::ops::Range;
+use std::path::Path;
+
+use toml_edit::{Document, DocumentMut, Item, Table, TableLike, Value};
+
+use crate::error::{Fault, InputError};
+use crate::model::SceneFile;
+use crate::quantity::Parameters;
+
+/// A scene as text, in TOML.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// What errors call it.
+    pub name: String,
+    /// The text.
+    pub text: String,
+}
+
+/// One step down from a table or a list.
+#[derive(Clone, Debug, PartialEq)]
+enum Step {
+    Key(String),
+    Number(usize),
+}
+
+impl Source {
+    /// A TOML text.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        Source { name: name.into(), text: text.into() }
+    }
+
+    /// The file `path`: TOML, or JSON if it ends with `.json`.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or is no text in UTF-8; JSON that is none.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
+        let path = path.as_ref();
+        let text =
+            std::fs::read_to_string(path).map_err(|source| InputError::Read { path: path.into(), source })?;
+        let name = path.display().to_string();
+        if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
+            return Source::from_json(name, &text);
+        }
+        Ok(Source::new(name, text))
+    }
+
+    /// A JSON text, as TOML.
+    ///
+    /// # Errors
+    /// What is no JSON; a `null`, which TOML has not; a top that is no object.
+    pub fn from_json(name: impl Into<String>, text: &str) -> Result<Self, InputError> {
+        let name = name.into();
+        let fault = |line: Option<usize>, column: usize, message: String| Fault {
+            file: name.clone(),
+            line,
+            column: column.max(1),
+            width: 1,
+            text: line.and_then(|l| text.lines().nth(l - 1)).unwrap_or_default().into(),
+            key: String::new(),
+            message,
+            help: None,
+        };
+        let value: serde_json::Value = serde_json::from_str(text)
+            .map_err(|e| Box::new(fault(Some(e.line().max(1)), e.column(), format!("no JSON: {e}"))))?;
+        match toml_edit::ser::to_string_pretty(&value) {
+            Ok(toml) => Ok(Source::new(name, toml)),
+            Err(why) => Err(Box::new(fault(None, 1, format!("no scene: {why}"))).into()),
+        }
+    }
+
+    /// The same with one key changed: `bodies.rod.speed=600`. The value is TOML, or a text where it is no TOML. Tables on the way are made.
+    ///
+    /// # Errors
+    /// No `=`; a key through something that is no table; a list that is not so long; a text that is no TOML.
+    pub fn set(&self, assignment: &str) -> Result<Self, InputError> {
+        let wrong = |why: String| InputError::Set { assignment: assignment.into(), why };
+        let (key, value) = assignment
+            .split_once('=')
+            .ok_or_else(|| wrong("write KEY=VALUE, as bodies.rod.speed=600".into()))?;
+        let (key, value) = (key.trim(), value.trim());
+        let mut document: DocumentMut = self
+            .text
+            .parse()
+            .map_err(|e: toml_edit::TomlError| InputError::from(Box::new(self.syntax(&e))))?;
+        let value: Value = value.parse().unwrap_or_else(|_| Value::from(value));
+        let steps = steps_of(key);
+        let Some((last, way)) = steps.split_last() else { return Err(wrong("the key is empty".into())) };
+        let mut here: &mut Item = document.as_item_mut();
+        for step in way {
+            here = down(here, step).map_err(wrong)?;
+        }
+        let place = down(here, last).map_err(wrong)?;
+        *place = Item::Value(value);
+        Ok(Source { name: self.name.clone(), text: document.to_string() })
+    }
+
+    /// The scene.
+    ///
+    /// # Errors
+    /// With its place: what is no TOML; keys that there are not (near misses are suggested), values of other kinds, quantities of other measures.
+    pub fn parse(&self) -> Result<SceneFile, InputError> {
+        let document = Document::parse(self.text.as_str()).map_err(|e| Box::new(self.syntax(&e)))?;
+        let parameters = self.parameters(&document)?;
+        let read = parameters.during(|| {
+            let from = toml_edit::de::Deserializer::from(document.clone());
+            serde_path_to_error::deserialize::<_, SceneFile>(from)
+        });
+        let mut scene = read.map_err(|error| {
+            let path = error.path().to_string();
+            let path = if path == "." { String::new() } else { path };
+            let inner = error.into_inner();
+            let (message, help) = helped(inner.message());
+            Box::new(self.fault(inner.span(), path, message, help))
+        })?;
+        scene.numbers = parameters.numbers().clone();
+        Ok(scene)
+    }
+
+    fn parameters(&self, document: &Document<&str>) -> Result<Parameters, InputError> {
+        let mut parameters = Parameters::default();
+        let Some(item) = document.get("parameters") else { return Ok(parameters) };
+        let Some(table) = item.as_table_like() else {
+            let fault = self.fault(
+                item.span(),
+                "parameters".into(),
+                "must be a table of names and values".into(),
+                None,
+            );
+            return Err(Box::new(fault).into());
+        };
+        for (name, item) in table.iter() {
+            let text = match item.as_value() {
+                Some(Value::String(text)) => text.value().clone(),
+                Some(Value::Integer(number)) => number.value().to_string(),
+                Some(Value::Float(number)) if number.value().is_finite() => format!("{:?}", number.value()),
+                _ => String::new(),
+            };
+            let defined = if text.trim().is_empty() {
+                Err("must be a number, or a text with a unit".into())
+            } else {
+                parameters.define(name, &text)
+            };
+            if let Err(why) = defined {
+                return Err(Box::new(self.fault(item.span(), format!("parameters.{name}"), why, None)).into());
+            }
+        }
+        Ok(parameters)
+    }
+
+    /// A fault at a key, as `bodies.rod.shape`, or at what of it there is.
+    #[must_use]
+    pub fn fault_at(&self, key: &str, message: impl Into<String>, help: Option<String>) -> Fault {
+        let span = Document::parse(self.text.as_str()).ok().and_then(|document| {
+            let mut here = document.as_item().clone();
+            let mut span = None;
+            for step in steps_of(key) {
+                let next = match &step {
+                    Step::Key(key) => here.get(key.as_str()).cloned(),
+                    Step::Number(n) => here.get(*n).cloned(),
+                };
+                let Some(next) = next else { break };
+                let at_key = match (&here, &step) {
+                    (Item::Table(table), Step::Key(key)) => table.key(key).and_then(|k| k.span()),
+                    (Item::Value(Value::InlineTable(table)), Step::Key(key)) => {
+                        table.key(key).and_then(|k| k.span())
+                    }
+                    _ => None,
+                };
+                span = match &next {
+                    // The heading of a table, not all of it.
+                    Item::Table(_) | Item::ArrayOfTables(_) => at_key.or(next.span()),
+                    _ => next.span().or(at_key),
+                }
+                .or(span);
+                here = next;
+            }
+            span
+        });
+        self.fault(span, key.into(), message.into(), help)
+    }
+
+    fn syntax(&self, error: &toml_edit::TomlError) -> Fault {
+        self.fault(error.span(), String::new(), format!("no TOML: {}", error.message()), None)
+    }
+
+    fn fault(&self, span: Option<Range<usize>>, key: String, message: String, help: Option<String>) -> Fault {
+        let (file, message) = (self.name.clone(), message.replace('\n', "; "));
+        let Some(span) = span.filter(|s| s.start <= self.text.len()) else {
+            return Fault { file, line: None, column: 1, width: 0, text: String::new(), key, message, help };
+        };
+        // A span of bytes; a character that it would cut belongs to it.
+        let start = (0..=span.start).rev().find(|&i| self.text.is_char_boundary(i)).unwrap_or(0);
+        let before = &self.text[..start];
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        let text = self.text[line_start..].lines().next().unwrap_or_default();
+        let column = before[line_start..].chars().count() + 1;
+        let end = span.end.min(line_start + text.len());
+        let width = self.text.get(start..end).map_or(1, |s| s.chars().count()).max(1);
+        let line = Some(before.matches('\n').count() + 1);
+        Fault { file, line, column, width, text: text.into(), key, message, help }
+    }
+}
+
+/// The steps of a key: `bodies.rod.velocity[2]`.
+fn steps_of(key: &str) -> Vec<Step> {
+    let mut steps = Vec::new();
+    for part in key.split('.').filter(|p| !p.is_empty()) {
+        let (name, numbers) = part.split_once('[').unwrap_or((part, ""));
+        if !name.is_empty() {
+            steps.push(Step::Key(name.trim_matches('"').into()));
+        }
+        steps.extend(numbers.split(['[', ']']).filter_map(|n| n.parse().ok()).map(Step::Number));
+    }
+    steps
+}
+
+fn down<'a>(item: &'a mut Item, step: &Step) -> Result<&'a mut Item, String> {
+    match step {
+        Step::Key(key) => {
+            if item.is_none() {
+                *item = Item::Table(Table::new());
+            }
+            if item.as_table_like().is_none() {
+                return Err(format!("`{key}` is asked for in what is no table"));
+            }
+            item.as_table_like_mut()
+                .map(|t: &mut dyn TableLike| t.entry(key).or_insert(Item::None))
+                .ok_or_else(String::new)
+        }
+        Step::Number(n) => {
+            let count = match &*item {
+                Item::Value(Value::Array(list)) => list.len(),
+                Item::ArrayOfTables(list) => list.len(),
+                _ => return Err(format!("[{n}] is asked for in what is no list")),
+            };
+            item.get_mut(*n).ok_or_else(|| format!("[{n}] is asked for in a list of {count}"))
+        }
+    }
+}
+
+/// A message of serde, and what was probably meant.
+fn helped(message: &str) -> (String, Option<String>) {
+    let names: Vec<&str> = message.split('`').skip(1).step_by(2).collect();
+    let unknown = ["unknown field", "unknown variant"].iter().any(|start| message.starts_with(start));
+    let (Some((&wrong, right)), true) = (names.split_first(), unknown) else { return (message.into(), None) };
+    (message.into(), near(wrong, right.iter().copied()).map(|name| format!("did you mean `{name}`?")))
+}
+
+/// The name that is most like another one, if it is much.
+pub(crate) fn near<'a>(wrong: &str, right: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let alike = |name: &&str| strsim::damerau_levenshtein(&wrong.to_lowercase(), &name.to_lowercase());
+    let best = right.into_iter().min_by_key(alike)?;
+    (alike(&best) <= 1 + wrong.chars().count() / 4).then_some(best)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_set_in_tables_lists_and_where_there_were_none() {
+        let source = Source::new("t", "a = 1\n[b]\nc = [1, 2]\n[[d]]\ne = 1\n");
+        let set = |s: &str| source.set(s).map(|s| s.text);
+        assert!(set("a=2").unwrap().contains("a = 2"));
+        assert!(set("b.c[1]=\"3 m\"").unwrap().contains("c = [1, \"3 m\"]"));
+        assert!(set("b.c[1]=3 m").unwrap().contains("\"3 m\""));
+        assert!(set("d[0].e=5").unwrap().contains("e = 5"));
+        let made = set("new.deep.key=600").unwrap();
+        assert_eq!(made.parse::<DocumentMut>().unwrap()["new"]["deep"]["key"].as_integer(), Some(600));
+        for (bad, why) in [
+            ("a", "KEY=VALUE"),
+            ("=3", "empty"),
+            ("a.b=3", "no table"),
+            ("b.c[7]=1", "list of 2"),
+            ("a[0]=1", "no list"),
+        ] {
+            let said = source.set(bad).unwrap_err().to_string();
+            assert!(said.contains(why), "{bad}: {said}");
+        }
+    }
+
+    #[test]
+    fn near_misses_are_suggested() {
+        assert_eq!(near("radios", ["centre", "radius"]), Some("radius"));
+        assert_eq!(near("frction", ["friction", "fraction"]), Some("friction"));
+        assert_eq!(near("colour", ["friction", "spacing"]), None);
+    }
+}

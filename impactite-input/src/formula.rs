@@ -1,0 +1,235 @@
+//! Expressions of place and time.
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use exmex::{Express, FlatEx};
+use serde::de::{Deserialize, Deserializer, Error, Visitor};
+
+use crate::quantity::{Measure, Quantity, with_parameters};
+
+/// A quantity that may depend on place and time: a number, a text with a unit, or a formula in SI units that begins with `=`:
+/// `"= -190 * (1 - z / 0.0254)"`. Variables are `x`, `y`, `z`, around an axis `r` and `z` (m), and `t` (s); the file's parameters are numbers in SI units.
+#[derive(Clone, Debug)]
+pub struct Formula<U> {
+    what: What,
+    measure: PhantomData<U>,
+}
+
+#[derive(Clone, Debug)]
+enum What {
+    Constant(f64),
+    Varies(Arc<Varies>),
+}
+
+#[derive(Debug)]
+struct Varies {
+    text: String,
+    formula: FlatEx<f64>,
+    /// What each of its variables is, in its order.
+    variables: Vec<Variable>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Variable {
+    X,
+    Y,
+    Z,
+    /// The distance from the axis: the first coordinate.
+    R,
+    T,
+    Number(f64),
+}
+
+/// Which coordinates there are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coordinates {
+    /// x, y, z.
+    Space,
+    /// x, y.
+    Plane,
+    /// r, z.
+    Revolved,
+}
+
+impl<U: Measure> Formula<U> {
+    /// The same everywhere and always.
+    #[must_use]
+    pub fn constant(value: f64) -> Self {
+        Formula { what: What::Constant(value), measure: PhantomData }
+    }
+
+    /// The value, if it is the same everywhere and always.
+    #[must_use]
+    pub fn as_constant(&self) -> Option<f64> {
+        match self.what {
+            What::Constant(value) => Some(value),
+            What::Varies(_) => None,
+        }
+    }
+
+    /// Refuse coordinates that there are not, places where only time is known (`place` false), and time where only place is (`time` false).
+    ///
+    /// # Errors
+    /// Such a variable, by name.
+    pub fn check(&self, coordinates: Coordinates, place: bool, time: bool) -> Result<(), String> {
+        let What::Varies(varies) = &self.what else { return Ok(()) };
+        for (variable, name) in varies.variables.iter().zip(varies.formula.var_names()) {
+            let here = match variable {
+                Variable::Number(_) => true,
+                Variable::T => time,
+                Variable::X => place && coordinates != Coordinates::Revolved,
+                Variable::Y => place && coordinates != Coordinates::Revolved,
+                Variable::Z => place && coordinates != Coordinates::Plane,
+                Variable::R => place && coordinates == Coordinates::Revolved,
+            };
+            if !here {
+                let there = match coordinates {
+                    _ if !place => "",
+                    Coordinates::Space => "x, y, z",
+                    Coordinates::Plane => "x, y",
+                    Coordinates::Revolved => "r, z",
+                };
+                let list: Vec<&str> =
+                    [there, if time { "t" } else { "" }].into_iter().filter(|s| !s.is_empty()).collect();
+                return Err(format!(
+                    "`{}` cannot depend on `{name}`; it may on {}",
+                    varies.text,
+                    list.join(", ")
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    /// The value at a place (m) and time (s). Not a number where the formula has none.
+    #[must_use]
+    pub fn at<const D: usize>(&self, x: &[f64; D], revolved: bool, time: f64) -> f64 {
+        let varies = match &self.what {
+            What::Constant(value) => return *value,
+            What::Varies(varies) => varies,
+        };
+        let along = |d: usize| x.get(d).copied().unwrap_or(f64::NAN);
+        let values: Vec<f64> = varies
+            .variables
+            .iter()
+            .map(|variable| match *variable {
+                Variable::X | Variable::R => along(0),
+                Variable::Y => along(1),
+                Variable::Z if revolved => along(1),
+                Variable::Z => along(2),
+                Variable::T => time,
+                Variable::Number(number) => number,
+            })
+            .collect();
+        varies.formula.eval(&values).unwrap_or(f64::NAN)
+    }
+
+    fn of(text: &str) -> Result<Self, String> {
+        let formula = exmex::parse::<f64>(text).map_err(|why| why.to_string())?;
+        let variables = formula.var_names().iter().map(|name| {
+            Ok(match name.as_str() {
+                "x" => Variable::X,
+                "y" => Variable::Y,
+                "z" => Variable::Z,
+                "r" => Variable::R,
+                "t" => Variable::T,
+                other => Variable::Number(with_parameters(|p| p.numbers().get(other).copied()).ok_or_else(|| {
+                    let known = with_parameters(|p| p.numbers().keys().cloned().collect::<Vec<_>>().join(", "));
+                    let known = if known.is_empty() { "the file has none".into() } else { format!("the file has {known}") };
+                    format!("`{other}` is neither a coordinate (x, y, z, r), nor the time t, nor a parameter ({known})")
+                })?),
+            })
+        });
+        let variables = variables.collect::<Result<Vec<_>, String>>()?;
+        let what = What::Varies(Arc::new(Varies { text: text.trim().into(), formula, variables }));
+        Ok(Formula { what, measure: PhantomData })
+    }
+}
+
+impl<U: Measure> From<Quantity<U>> for Formula<U> {
+    fn from(quantity: Quantity<U>) -> Self {
+        Formula::constant(quantity.value)
+    }
+}
+
+impl<'de, U: Measure> Deserialize<'de> for Formula<U> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Reads<U>(PhantomData<U>);
+        impl<U: Measure> Visitor<'_> for Reads<U> {
+            type Value = Formula<U>;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                write!(
+                    f,
+                    "a {}: a number in {unit}, a text with a unit, or a formula of place and time in {unit}, \"= ...\"",
+                    U::NAME,
+                    unit = if U::UNIT.is_empty() { "1" } else { U::UNIT }
+                )
+            }
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
+                if value.is_finite() {
+                    Ok(Formula::constant(value))
+                } else {
+                    Err(E::custom(format!("{value} is not finite")))
+                }
+            }
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
+                Ok(Formula::constant(value as f64))
+            }
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
+                Ok(Formula::constant(value as f64))
+            }
+            fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+                match text.trim_start().strip_prefix('=') {
+                    Some(formula) => Formula::of(formula)
+                        .map_err(|why| E::custom(format!("`{text}` is no formula: {why}"))),
+                    None => {
+                        let value = with_parameters(|p| p.quantity(text, U::UNIT));
+                        value.map(Formula::constant).map_err(|why| {
+                            let unit =
+                                if U::UNIT.is_empty() { String::new() } else { format!(" in {}", U::UNIT) };
+                            E::custom(format!("`{text}` is no {}{unit}: {why}", U::NAME))
+                        })
+                    }
+                }
+            }
+        }
+        from.deserialize_any(Reads(PhantomData))
+    }
+}
+
+impl<U: Measure> schemars::JsonSchema for Formula<U> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        format!("{}Formula", <Quantity<U> as schemars::JsonSchema>::schema_name()).into()
+    }
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let unit = if U::UNIT.is_empty() { "1" } else { U::UNIT };
+        schemars::json_schema!({
+            "description": format!("A {} in {unit}, a text with a unit, or a formula in SI units of x, y, z (r, z) and t: \"= ...\"", U::NAME),
+            "type": ["number", "string"],
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::{Parameters, Speed};
+
+    #[test]
+    fn formulas_see_place_time_and_parameters() {
+        let mut p = Parameters::default();
+        p.define("length", "25.4 mm").unwrap();
+        let f = p.during(|| Formula::<Speed>::of("-190 * (1 - z / length) + 0*t")).unwrap();
+        assert_eq!(f.at(&[0.0, 0.0, 0.0127], false, 0.0), -95.0);
+        assert_eq!(f.at(&[0.0, 0.0127], true, 0.0), -95.0);
+        assert!(f.check(Coordinates::Space, true, true).is_ok());
+        assert!(f.check(Coordinates::Plane, true, true).unwrap_err().contains("`z`"));
+        assert!(f.check(Coordinates::Space, true, false).unwrap_err().contains("`t`"));
+        assert!(f.check(Coordinates::Space, false, true).unwrap_err().contains("`z`"));
+        let why = Formula::<Speed>::of("3 * speed").unwrap_err();
+        assert!(why.contains("`speed`"), "{why}");
+        assert!(Formula::<Speed>::of("3 *").is_err());
+        assert!(Formula::<Speed>::of("").is_err());
+    }
+}

@@ -1,0 +1,54 @@
+//! Scenes of [`impactite`] from files.
+//!
+//! A scene file is TOML (or JSON of the same shape). Quantities are numbers in SI units or texts with units; named parameters can be
+//! used in all of them; velocities and loads may be formulas of place and time. What is wrong is told with file, line, column, key, value and what is allowed.
+//!
+//! ```
+//! use impactite_input::Source;
+//!
+//! let source = Source::new("ball.toml", r#"
+//! title = "A ball on a wall"
+//! space = "axisymmetric"
+//! end = "1 us"
+//! parameters = { radius = "2 mm" }
+//! method.mpm = { cell = "radius / 4" }
+//! materials.copper.library = "copper_taylor"
+//! conditions = [
+//!     { symmetry = { axis = "r", at = 0 } },
+//!     { wall = { axis = "z", at = 0 } },
+//! ]
+//!
+//! [bodies.ball]
+//! material = "copper"
+//! shape.ball = { centre = [0, "radius"], radius = "radius" }
+//! velocity = [0, "-200 m/s"]
+//! "#);
+//! let scene = source.parse()?;
+//! let mut solver = source.build(&scene)?;
+//! solver.run_until(scene.end.value)?;
+//! assert!(solver.totals().internal > 0.0);
+//!
+//! let wrong = source.set("bodies.ball.velocity=[0, \"-200 m\"]")?;
+//! let said = wrong.parse().unwrap_err().to_string();
+//! assert!(said.contains("bodies.ball.velocity[1]") && said.contains("speed"), "{said}");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod build;
+mod document;
+mod error;
+pub mod formula;
+pub mod list;
+pub mod measured;
+pub mod model;
+pub mod quantity;
+
+pub use document::Source;
+pub use error::{Fault, InputError};
+pub use model::SceneFile;
+
+/// The JSON Schema of scene files: editors that know TOML check and complete by it.
+#[must_use]
+pub fn schema() -> schemars::Schema {
+    schemars::schema_for!(SceneFile)
+}

@@ -1,0 +1,164 @@
+//! Bodies.
+
+use std::path::PathBuf;
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::shape::Shape;
+use super::{Axis, Vector};
+use crate::formula::Formula;
+use crate::quantity::{Density, Length, Plain, Pressure, Quantity, Speed, Spin, Time};
+
+/// A body: a shape (or a mesh) of a material, with its motion at the start and what acts on it alone.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Name of its material; none of a rigid body.
+    #[serde(default)]
+    pub material: Option<String>,
+    /// What it fills.
+    #[serde(default)]
+    pub shape: Option<Shape>,
+    /// Elements of a file or a regular mesh: for `fem`, for bodies of elements among particles (`elements`), and for `fpm`.
+    #[serde(default)]
+    pub mesh: Option<Mesh>,
+    /// In a scene of `mpm`, compute this body by finite elements.
+    #[serde(default)]
+    pub elements: Option<ElementsAmongParticles>,
+    /// Velocity at the start: numbers, or formulas of place. Instead of it `speed` with `direction`.
+    #[serde(default)]
+    pub velocity: Option<Vec<Formula<Speed>>>,
+    /// Speed at the start, along `direction`.
+    #[serde(default)]
+    pub speed: Option<Quantity<Speed>>,
+    /// Direction of `speed`; of any length.
+    #[serde(default)]
+    pub direction: Option<Vector<Plain>>,
+    /// Angular velocity at the start, about the centre of the shape's bounds; in the plane one number, in space three.
+    #[serde(default)]
+    pub spin: Option<Vec<Quantity<Spin>>>,
+    /// A rigid body (`mpm`).
+    #[serde(default)]
+    pub rigid: Option<Rigid>,
+    /// Deactivated until another body comes near (`mpm`).
+    #[serde(default)]
+    pub deactivated: bool,
+    /// Split particles at this stretch (`mpm`); 2 is usual.
+    #[serde(default)]
+    pub split_at: Option<Quantity<Plain>>,
+    /// A load on a part of its surface.
+    #[serde(default)]
+    pub traction: Option<Traction>,
+    /// Where an explosive is lit.
+    #[serde(default)]
+    pub lit: Vec<Lit>,
+    /// Elements leave (`fem`).
+    #[serde(default)]
+    pub erosion: Option<Erosion>,
+    /// Faces that are open from the start (`fpm`).
+    #[serde(default)]
+    pub notches: Vec<Notch>,
+}
+
+macro_rules! parts {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name { $($(#[$inner])* pub $field: $type,)* }
+    )*};
+}
+
+parts! {
+    /// What a rigid body is like.
+    Rigid {
+        /// Density.
+        density: Quantity<Density>,
+        /// Does it move as its velocity and spin say, whatever meets it? Then these may be formulas of time.
+        #[serde(default)]
+        prescribed: bool,
+        /// Axes along which its velocity stays as it starts.
+        #[serde(default)]
+        hold: Vec<Axis>,
+        /// Does it not turn?
+        #[serde(default)]
+        no_turning: bool,
+    }
+    /// A dead load.
+    Traction {
+        /// It acts on the particles, or faces of the surface, that start in this shape. For particles it should hold one layer.
+        region: Shape,
+        /// The axis that the loaded faces are normal to.
+        normal: Axis,
+        /// Traction: numbers, or formulas of time.
+        traction: Vec<Formula<Pressure>>,
+    }
+    /// A start of a detonation.
+    Lit {
+        /// A place.
+        at: Vector<Length>,
+        /// When.
+        #[serde(default)]
+        time: Quantity<Time>,
+    }
+    /// When elements leave: by any of these.
+    Erosion {
+        /// Plastic strain.
+        #[serde(default)]
+        plastic_strain: Option<Quantity<Plain>>,
+        /// Points that failed.
+        #[serde(default)]
+        failed: bool,
+        /// Part of the reference volume.
+        #[serde(default)]
+        volume: Option<Quantity<Plain>>,
+    }
+    /// A straight cut in the plane; in space a flat convex one.
+    Notch {
+        /// Ends, or corners in space.
+        corners: Vec<Vector<Length>>,
+        /// How wide it is.
+        #[serde(default)]
+        gap: Option<Quantity<Length>>,
+    }
+    /// How elements and particles meet.
+    ElementsAmongParticles {
+        /// The way.
+        #[serde(default)]
+        by: MeetBy,
+    }
+}
+
+/// How elements and particles meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum MeetBy {
+    /// Particles meet the facets of the mesh: elements of any size.
+    #[default]
+    Surface,
+    /// On the grid: elements about as large as cells.
+    Grid,
+}
+
+/// Where elements are from.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Mesh {
+    /// A regular mesh of the body's `shape` (box, ball, cylinder, tube, shell of the plane) with edges of about this length.
+    Edge(Quantity<Length>),
+    /// A file of Gmsh.
+    Gmsh(MeshFile),
+    /// A file of Abaqus.
+    Abaqus(MeshFile),
+}
+
+parts! {
+    /// A file with elements.
+    MeshFile {
+        /// The file; beside the scene's file unless the path is absolute.
+        file: PathBuf,
+        /// Length of a unit of the file.
+        unit: Quantity<Length>,
+    }
+}

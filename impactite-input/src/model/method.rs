@@ -1,0 +1,243 @@
+//! Methods.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use super::Vector;
+use crate::quantity::{Length, Plain, Pressure, Quantity, SurfaceEnergy, Time};
+
+/// The method of a scene.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Method {
+    /// Material point method.
+    Mpm(Mpm),
+    /// Finite elements.
+    Fem(Fem),
+    /// Smoothed particles.
+    Sph(Sph),
+    /// Fragile points.
+    Fpm(Fpm),
+    /// Particle-contact meshfree method.
+    Pcmm(Pcmm),
+}
+
+macro_rules! parts {
+    ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name { $($(#[$inner])* pub $field: $type,)* }
+    )*};
+}
+
+parts! {
+    /// Material point method.
+    Mpm {
+        /// Edge of a cell of the background grid.
+        cell: Quantity<Length>,
+        /// What it is for: the parts of the method follow. Instead of it `parts`.
+        #[serde(default, rename = "for")]
+        purpose: Option<Purpose>,
+        /// Shape function, transfer and stress update.
+        #[serde(default)]
+        parts: Option<Parts>,
+        /// Particles a cell along each axis; 2 if not given.
+        #[serde(default = "two")]
+        particles_per_cell: u32,
+        /// Where a node of the grid lies; at the origin if not given.
+        #[serde(default)]
+        origin: Option<Vector<Length>>,
+        /// The mean dilatation of a cell, against volumetric locking.
+        #[serde(default)]
+        mean_dilatation: bool,
+    }
+    /// Finite elements.
+    Fem {
+        /// Which bodies also touch themselves.
+        #[serde(default)]
+        touch_themselves: Vec<String>,
+    }
+    /// Smoothed particles.
+    Sph {
+        /// Distance of particles.
+        spacing: Quantity<Length>,
+        /// Form.
+        #[serde(default)]
+        form: SphForm,
+    }
+    /// Fragile points.
+    Fpm {
+        /// Distance of points.
+        spacing: Quantity<Length>,
+        /// Where points are, for bodies without a mesh.
+        #[serde(default)]
+        points: Points,
+        /// Seed of random points.
+        #[serde(default = "one")]
+        seed: u64,
+        /// Flux.
+        #[serde(default)]
+        flux: Flux,
+        /// Penalty over Young's modulus; 5 if not given.
+        #[serde(default)]
+        penalty: Option<Quantity<Plain>>,
+        /// When faces open; never if not given.
+        #[serde(default)]
+        cracks: Option<Cracks>,
+        /// Coefficient of friction of cracks that close.
+        #[serde(default)]
+        friction: Option<Quantity<Plain>>,
+    }
+    /// Particle-contact meshfree method.
+    Pcmm {
+        /// Distance of particles.
+        spacing: Quantity<Length>,
+    }
+    /// A choice of parts.
+    Parts {
+        /// Shape function.
+        shape_function: ShapeFunction,
+        /// Transfer.
+        transfer: Transfer,
+        /// When stress is updated in a step.
+        stress_update: StressUpdate,
+        /// Time constant with which FLIP relaxes towards PIC: for the transfer `blend`.
+        #[serde(default)]
+        relaxation: Option<Quantity<Time>>,
+    }
+    /// A tension.
+    MaximumTension {
+        /// The strength.
+        strength: Quantity<Pressure>,
+    }
+    /// Tension and shear.
+    MixedTensionShear {
+        /// Tensile strength.
+        tension: Quantity<Pressure>,
+        /// Shear strength.
+        shear: Quantity<Pressure>,
+    }
+    /// Strength and fracture energy.
+    Cohesive {
+        /// Strength.
+        strength: Quantity<Pressure>,
+        /// Fracture energy.
+        energy: Quantity<SurfaceEnergy>,
+    }
+}
+
+fn two() -> u32 {
+    2
+}
+fn one() -> u64 {
+    1
+}
+
+/// What a method is for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+pub enum Purpose {
+    /// Impact, penetration, fragments: quadratic B-splines, AFLIP, stress last.
+    #[default]
+    #[serde(rename = "impact")]
+    Impact,
+    /// Bodies that rest on each other: quadratic B-splines, APIC, stress last.
+    #[serde(rename = "contact at rest")]
+    ContactAtRest,
+    /// Large elastic deformation of bodies that neither break nor flow: linear, total Lagrangian.
+    #[serde(rename = "large elastic")]
+    LargeElastic,
+}
+
+/// A shape function.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeFunction {
+    /// Linear.
+    Linear,
+    /// cpGIMP.
+    Cpgimp,
+    /// Quadratic B-splines.
+    QuadraticBSpline,
+}
+
+/// A transfer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Transfer {
+    /// FLIP.
+    Flip,
+    /// A blend of FLIP and PIC.
+    Blend,
+    /// APIC.
+    Apic,
+    /// AFLIP.
+    Aflip,
+    /// MLS-MPM.
+    Mls,
+}
+
+/// When stress is updated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum StressUpdate {
+    /// Last, with velocities mapped anew (MUSL).
+    Musl,
+    /// Last (USL).
+    Usl,
+}
+
+/// The form of smoothed particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum SphForm {
+    /// For bodies that stay whole.
+    #[default]
+    TotalLagrangian,
+    /// For what flows and tears.
+    Updated,
+}
+
+/// Where points of cells are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Points {
+    /// At random, made more even by three of Lloyd's steps: cracks find their way.
+    #[default]
+    Random,
+    /// On a lattice: squares and cubes.
+    Lattice,
+}
+
+/// A flux.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Flux {
+    /// The derivative of an energy.
+    #[default]
+    Symmetric,
+    /// As printed.
+    Incomplete,
+}
+
+/// When faces open.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Cracks {
+    /// Where tension reaches a strength.
+    MaximumTension(MaximumTension),
+    /// Where tension and shear do.
+    MixedTensionShear(MixedTensionShear),
+    /// With fracture energy.
+    Cohesive(Cohesive),
+}
+
+/// How steps are chosen.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TimeStep {
+    /// This part of the stable step.
+    Factor(Quantity<Plain>),
+    /// Always the same.
+    Fixed(Quantity<Time>),
+}

@@ -1,0 +1,327 @@
+//! Numbers with units, and what they may be written with.
+
+use std::cell::RefCell;
+use std::marker::PhantomData;
+use std::time::{Duration, Instant};
+
+use fend_core::{Context, Interrupt};
+use indexmap::IndexMap;
+use serde::de::{Deserialize, Deserializer, Error, Visitor};
+
+/// What a quantity measures.
+pub trait Measure: Copy + Default + 'static {
+    /// What it is called.
+    const NAME: &'static str;
+    /// The SI unit as it is written in files; empty of plain numbers.
+    const UNIT: &'static str;
+}
+
+macro_rules! measures {
+    ($($(#[$doc:meta])* $name:ident: $words:literal, $unit:literal;)*) => {$(
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+        pub struct $name;
+        impl Measure for $name {
+            const NAME: &'static str = $words;
+            const UNIT: &'static str = $unit;
+        }
+    )*
+        /// Every measure: name and SI unit.
+        pub const MEASURES: &[(&str, &str)] = &[$(($words, $unit)),*];
+    };
+}
+
+measures! {
+    /// A plain number.
+    Plain: "number", "";
+    /// m.
+    Length: "length", "m";
+    /// m^2.
+    Area: "area", "m^2";
+    /// s.
+    Time: "time", "s";
+    /// m/s.
+    Speed: "speed", "m/s";
+    /// m/s^2.
+    Acceleration: "acceleration", "m/s^2";
+    /// rad/s.
+    Spin: "angular velocity", "rad/s";
+    /// rad.
+    Angle: "angle", "rad";
+    /// kg.
+    Mass: "mass", "kg";
+    /// kg/m^3.
+    Density: "density", "kg/m^3";
+    /// Pa.
+    Pressure: "pressure", "Pa";
+    /// Pa s.
+    Viscosity: "viscosity", "Pa s";
+    /// 1/s.
+    Rate: "rate", "1/s";
+    /// K.
+    Temperature: "temperature", "K";
+    /// J/(kg K).
+    HeatCapacity: "heat capacity", "J/(kg K)";
+    /// J/m^2.
+    SurfaceEnergy: "energy of an area", "J/m^2";
+    /// J/m^3.
+    EnergyDensity: "energy of a volume", "J/m^3";
+    /// J.
+    Energy: "energy", "J";
+    /// N.
+    Force: "force", "N";
+    /// kg m/s.
+    Momentum: "momentum", "kg m/s";
+}
+
+/// A number in SI units. In files it is a number, which is then in SI units, or a text with a unit: `"7.6 mm"`, `"190 m/s"`, `"48 MPa"`,
+/// or arithmetic with units and the file's parameters: `"2 * radius / 10"`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Quantity<U> {
+    /// In SI units.
+    pub value: f64,
+    measure: PhantomData<U>,
+}
+
+impl<U: Measure> Quantity<U> {
+    /// So many SI units.
+    #[must_use]
+    pub fn new(value: f64) -> Self {
+        Quantity { value, measure: PhantomData }
+    }
+}
+
+thread_local! {
+    /// The parameters of the file that is being read.
+    static PARAMETERS: RefCell<Parameters> = RefCell::new(Parameters::default());
+}
+
+/// Named values of a file, with which its quantities may be written.
+#[derive(Clone, Default)]
+pub struct Parameters {
+    context: Context,
+    /// As numbers in SI units, by name.
+    numbers: IndexMap<String, f64>,
+}
+
+impl std::fmt::Debug for Parameters {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.numbers.fmt(f)
+    }
+}
+
+impl Parameters {
+    /// Add one: its name, and a number or a text with a unit, which may be written with those before it.
+    ///
+    /// # Errors
+    /// A name that is none or that stands for a unit or a variable of formulas; a text that is no quantity.
+    pub fn define(&mut self, name: &str, value: &str) -> Result<(), String> {
+        let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        if !letters || !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+            return Err(format!("`{name}` is no name: a letter, then letters, digits and `_`"));
+        }
+        if let Some(why) = taken(name) {
+            return Err(format!("`{name}` cannot be the name of a parameter: {why}"));
+        }
+        let number = self.in_any_unit(value)?;
+        evaluate(&format!("{name} = ({value})"), &mut self.context)?;
+        self.numbers.insert(name.into(), number);
+        Ok(())
+    }
+
+    /// As numbers in SI units, by name.
+    #[must_use]
+    pub fn numbers(&self) -> &IndexMap<String, f64> {
+        &self.numbers
+    }
+
+    /// A quantity in the SI unit `unit` (none: a plain number).
+    ///
+    /// # Errors
+    /// A text that is no quantity; another measure.
+    pub fn quantity(&self, text: &str, unit: &str) -> Result<f64, String> {
+        let mut context = self.context.clone();
+        let asked = if unit.is_empty() { text.to_string() } else { format!("({text}) to ({unit})") };
+        let said = evaluate(&format!("({asked}) to 17 sf"), &mut context)?;
+        let plain = said.strip_prefix("approx. ").unwrap_or(&said);
+        let (number, rest) = plain.split_once(' ').unwrap_or((plain, ""));
+        if unit.is_empty() && !rest.is_empty() {
+            return Err(format!("`{text}` is {plain}, and a number without a unit is asked for"));
+        }
+        match number.replace(',', "").parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(format!("`{text}` is too large")),
+            Err(_) => Err(format!("`{text}` is {plain}, which is no number")),
+        }
+    }
+
+    fn in_any_unit(&self, text: &str) -> Result<f64, String> {
+        let mut first = None;
+        for (_, unit) in MEASURES {
+            match self.quantity(text, unit) {
+                Ok(value) => return Ok(value),
+                Err(why) => first = first.or(Some(why)),
+            }
+        }
+        // What is no quantity of any kind says so as a plain number.
+        Err(first.unwrap_or_default())
+    }
+
+    /// Read with these parameters: quantities and formulas that `read` makes of a file on this thread are written with them.
+    pub fn during<R>(&self, read: impl FnOnce() -> R) -> R {
+        let before = PARAMETERS.replace(self.clone());
+        let made = read();
+        PARAMETERS.set(before);
+        made
+    }
+}
+
+/// What a name stands for already.
+fn taken(name: &str) -> Option<String> {
+    if ["x", "y", "z", "r", "t"].contains(&name) {
+        return Some("it is a variable of formulas".into());
+    }
+    let known = evaluate(name, &mut Context::new()).ok()?;
+    Some(format!("it is a unit or a constant ({known})"))
+}
+
+/// The value of a text, which must take no longer than a tenth of a second.
+fn evaluate(text: &str, context: &mut Context) -> Result<String, String> {
+    /// Stops what would take for ever: `"10^10^10"`.
+    struct Until(Instant);
+    impl Interrupt for Until {
+        fn should_interrupt(&self) -> bool {
+            Instant::now() > self.0
+        }
+    }
+    let until = Until(Instant::now() + Duration::from_millis(100));
+    match fend_core::evaluate_with_interrupt(text, context, &until) {
+        Ok(value) => Ok(value.get_main_result().to_string()),
+        Err(why) if why == "interrupted" => Err("takes too long to evaluate".into()),
+        Err(why) => Err(why),
+    }
+}
+
+/// What the parameters of the file being read make of a text.
+pub(crate) fn with_parameters<R>(read: impl FnOnce(&Parameters) -> R) -> R {
+    PARAMETERS.with_borrow(read)
+}
+
+impl<'de, U: Measure> Deserialize<'de> for Quantity<U> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Reads<U>(PhantomData<U>);
+        impl<U: Measure> Visitor<'_> for Reads<U> {
+            type Value = Quantity<U>;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                match U::UNIT {
+                    "" => write!(f, "a number"),
+                    unit => {
+                        write!(f, "a {}: a number in {unit}, or a text with a unit as \"3 {unit}\"", U::NAME)
+                    }
+                }
+            }
+            fn visit_f64<E: Error>(self, value: f64) -> Result<Self::Value, E> {
+                if value.is_finite() {
+                    Ok(Quantity::new(value))
+                } else {
+                    Err(E::custom(format!("{value} is not finite")))
+                }
+            }
+            fn visit_i64<E: Error>(self, value: i64) -> Result<Self::Value, E> {
+                Ok(Quantity::new(value as f64))
+            }
+            fn visit_u64<E: Error>(self, value: u64) -> Result<Self::Value, E> {
+                Ok(Quantity::new(value as f64))
+            }
+            fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+                let value = with_parameters(|p| p.quantity(text, U::UNIT));
+                value.map(Quantity::new).map_err(|why| {
+                    let unit = if U::UNIT.is_empty() { String::new() } else { format!(" in {}", U::UNIT) };
+                    E::custom(format!("`{text}` is no {}{unit}: {why}", U::NAME))
+                })
+            }
+        }
+        from.deserialize_any(Reads(PhantomData))
+    }
+}
+
+impl<U: Measure> schemars::JsonSchema for Quantity<U> {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        let words: String = U::NAME.split(' ').map(capital).collect();
+        words.into()
+    }
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let unit = if U::UNIT.is_empty() { "1" } else { U::UNIT };
+        schemars::json_schema!({
+            "description": format!("A {} in {unit}, or a text with a unit, or arithmetic with the file's parameters", U::NAME),
+            "type": ["number", "string"],
+        })
+    }
+}
+
+fn capital(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map_or(String::new(), |c| c.to_uppercase().collect::<String>() + letters.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn length(text: &str) -> Result<f64, String> {
+        Parameters::default().quantity(text, Length::UNIT)
+    }
+
+    /// The bits of a literal in a program: decimal units are exact until the last step.
+    #[test]
+    fn units_are_exact() {
+        assert_eq!(length("7.6 mm"), Ok(7.6e-3));
+        assert_eq!(length("3.8mm"), Ok(3.8e-3));
+        assert_eq!(length("25.4 mm"), Ok(25.4e-3));
+        assert_eq!(length("1 inch"), Ok(0.0254));
+        let p = Parameters::default();
+        assert_eq!(p.quantity("80 us", "s"), Ok(80e-6));
+        assert_eq!(p.quantity("80 µs", "s"), Ok(80e-6));
+        assert_eq!(p.quantity("-190 m/s", "m/s"), Ok(-190.0));
+        assert_eq!(p.quantity("8.96 g/cm^3", "kg/m^3"), Ok(8960.0));
+        assert_eq!(p.quantity("48 MPa", "Pa"), Ok(48e6));
+        assert_eq!(p.quantity("383 J/(kg K)", "J/(kg K)"), Ok(383.0));
+        assert_eq!(p.quantity("1/4", ""), Ok(0.25));
+        assert!((p.quantity("30 deg", "rad").unwrap_or(0.0) - std::f64::consts::FRAC_PI_6).abs() < 1e-16);
+        assert!((p.quantity("60 rpm", "rad/s").unwrap_or(0.0) - std::f64::consts::TAU).abs() < 1e-14);
+    }
+
+    #[test]
+    fn another_measure_is_refused_with_both() {
+        let why = length("190 m/s").unwrap_err();
+        assert!(why.contains("meter / second") && why.contains("meter"), "{why}");
+        let why = length("7.6").unwrap_err();
+        assert!(why.contains("unitless"), "{why}");
+        assert!(Parameters::default().quantity("3 m", "").is_err());
+    }
+
+    #[test]
+    fn what_never_ends_is_refused_in_time() {
+        let start = Instant::now();
+        for text in ["10^10^10 m", "(1e9)! m", "1e999999999 m", "0/0 m", "1/0 m", "", "m m m (", "sin m"] {
+            assert!(length(text).is_err(), "{text}");
+        }
+        assert!(start.elapsed() < Duration::from_secs(5), "{:?}", start.elapsed());
+    }
+
+    #[test]
+    fn parameters_go_into_quantities_in_order() {
+        let mut p = Parameters::default();
+        p.define("radius", "3.8 mm").unwrap();
+        p.define("cells", "10").unwrap();
+        p.define("spacing", "radius / cells").unwrap();
+        assert_eq!(p.quantity("spacing", "m"), Ok(0.38e-3));
+        assert_eq!(p.numbers()["spacing"], 0.38e-3);
+        assert_eq!(p.quantity("2 * cells", ""), Ok(20.0));
+        for (name, value) in
+            [("m", "3"), ("x", "3"), ("2x", "3"), ("a-b", "3"), ("fine", "nonsense nobody knows")]
+        {
+            assert!(p.define(name, value).is_err(), "{name} = {value}");
+        }
+    }
+}
