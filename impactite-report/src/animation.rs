@@ -1,0 +1,270 @@
+//! Animated PNG files, made from PNG files of equal size.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use png::{BitDepth, BlendOp, ColorType, Compression, Decoder, DisposeOp, Encoder, Transformations};
+
+use crate::error::ReportError;
+
+/// Frames at most: of more, some are left out at equal distances.
+pub const MOST_FRAMES: usize = 60;
+/// Width at most, pixels: of wider frames, squares of pixels become their mean.
+pub const WIDEST: usize = 640;
+/// A frame is shown so long, s / 1000, and the last one before it begins anew.
+pub const DELAY: u16 = 100;
+/// The same of the last frame.
+pub const LAST_DELAY: u16 = 1500;
+
+/// A picture of three bytes a pixel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Pixels {
+    width: usize,
+    height: usize,
+    bytes: Vec<u8>,
+}
+
+/// Bytes of a pixel.
+const RGB: usize = 3;
+
+/// Which of `count` frames are taken: the first, the last, and others at equal distances, [`MOST_FRAMES`] at most.
+#[must_use]
+pub fn taken(count: usize) -> Vec<usize> {
+    match count {
+        0..=MOST_FRAMES => (0..count).collect(),
+        _ => (0..MOST_FRAMES).map(|n| n * (count - 1) / (MOST_FRAMES - 1)).collect(),
+    }
+}
+
+/// An animated PNG of these PNG files, in order, that goes round and round: of [`MOST_FRAMES`] frames at most ([`taken`]) and
+/// [`WIDEST`] pixels in width. The same files give the same bytes.
+///
+/// # Errors
+/// No files; one that cannot be read, is no PNG, or has another size than the first.
+pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError> {
+    let frames: Vec<&Path> = taken(files.len()).into_iter().map(|n| files[n].as_ref()).collect();
+    let Some(first) = frames.first() else {
+        return Err(ReportError::Field { field: "frames", value: "0".into(), allowed: "at least 1" });
+    };
+    let mut before = read(first)?;
+    let (width, height) = (before.width, before.height);
+    let scaled = width.div_ceil(WIDEST);
+    before = before.averaged(scaled);
+
+    let failed = |error| ReportError::damaged(first, format!("no animation: {error}"));
+    let mut bytes = Vec::new();
+    let mut encoder = Encoder::new(&mut bytes, before.width as u32, before.height as u32);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::Balanced);
+    encoder.set_animated(frames.len() as u32, 0).map_err(failed)?;
+    encoder.set_blend_op(BlendOp::Source).map_err(failed)?;
+    encoder.set_dispose_op(DisposeOp::None).map_err(failed)?;
+    let mut writer = encoder.write_header().map_err(failed)?;
+    let delay = |n: usize| if n + 1 == frames.len() { LAST_DELAY } else { DELAY };
+    writer.set_frame_delay(delay(0), 1000).map_err(failed)?;
+    writer.write_image_data(&before.bytes).map_err(failed)?;
+    for (n, path) in frames.iter().enumerate().skip(1) {
+        let frame = read(path)?;
+        if (frame.width, frame.height) != (width, height) {
+            let why = format!(
+                "it has {} x {} pixels, and the frames before it {width} x {height}",
+                frame.width, frame.height
+            );
+            return Err(ReportError::damaged(path, why));
+        }
+        let frame = frame.averaged(scaled);
+        let [left, top, right, bottom] = frame.changed_from(&before);
+        writer.set_frame_dimension((right - left) as u32, (bottom - top) as u32).map_err(failed)?;
+        writer.set_frame_position(left as u32, top as u32).map_err(failed)?;
+        writer.set_frame_delay(delay(n), 1000).map_err(failed)?;
+        writer.write_image_data(&frame.cut([left, top, right, bottom])).map_err(failed)?;
+        before = frame;
+    }
+    writer.finish().map_err(failed)?;
+    Ok(bytes)
+}
+
+/// A PNG file as three bytes a pixel, what is transparent on white.
+fn read(path: &Path) -> Result<Pixels, ReportError> {
+    let file = File::open(path).map_err(ReportError::read(path))?;
+    let mut decoder = Decoder::new(BufReader::new(file));
+    decoder.set_transformations(Transformations::normalize_to_color8());
+    let damaged = |error: png::DecodingError| ReportError::damaged(path, format!("no PNG picture: {error}"));
+    let mut reader = decoder.read_info().map_err(damaged)?;
+    let size = reader.output_buffer_size();
+    let size = size.ok_or_else(|| ReportError::damaged(path, "it is too large"))?;
+    let mut bytes = vec![0; size];
+    let info = reader.next_frame(&mut bytes).map_err(damaged)?;
+    bytes.truncate(info.buffer_size());
+    let on_white = |c: u8, alpha: u8| {
+        let (c, alpha) = (u32::from(c), u32::from(alpha));
+        ((c * alpha + 255 * (255 - alpha) + 127) / 255) as u8
+    };
+    let bytes = match info.color_type {
+        ColorType::Rgb => bytes,
+        ColorType::Rgba => {
+            bytes.chunks_exact(4).flat_map(|p| [0, 1, 2].map(|c| on_white(p[c], p[3]))).collect()
+        }
+        ColorType::GrayscaleAlpha => {
+            bytes.chunks_exact(2).flat_map(|p| [on_white(p[0], p[1]); RGB]).collect()
+        }
+        // Palettes are colours by now.
+        ColorType::Grayscale | ColorType::Indexed => bytes.iter().flat_map(|&c| [c; RGB]).collect(),
+    };
+    Ok(Pixels { width: info.width as usize, height: info.height as usize, bytes })
+}
+
+impl Pixels {
+    /// Squares of `n` by `n` pixels as one, their mean; those at the right and lower edge are of what there is.
+    fn averaged(self, n: usize) -> Pixels {
+        if n <= 1 {
+            return self;
+        }
+        let (width, height) = (self.width.div_ceil(n), self.height.div_ceil(n));
+        let mut bytes = Vec::with_capacity(RGB * width * height);
+        for y in 0..height {
+            for x in 0..width {
+                let columns = n * x..(n * (x + 1)).min(self.width);
+                let rows = n * y..(n * (y + 1)).min(self.height);
+                let count = (columns.len() * rows.len()) as u32;
+                for c in 0..RGB {
+                    let row = |y: usize| {
+                        columns
+                            .clone()
+                            .map(move |x| (y * self.width + x) * RGB + c)
+                            .map(|at| u32::from(self.bytes[at]))
+                    };
+                    let sum: u32 = rows.clone().flat_map(row).sum();
+                    bytes.push(((sum + count / 2) / count) as u8);
+                }
+            }
+        }
+        Pixels { width, height, bytes }
+    }
+
+    /// Left, top, right, bottom of what differs from a picture of the same size; a pixel at least.
+    fn changed_from(&self, other: &Pixels) -> [usize; 4] {
+        let [mut left, mut top, mut right, mut bottom] = [self.width, self.height, 0, 0];
+        let pixels = self.bytes.chunks_exact(RGB).zip(other.bytes.chunks_exact(RGB));
+        for (n, _) in pixels.enumerate().filter(|(_, (a, b))| a != b) {
+            let (x, y) = (n % self.width, n / self.width);
+            (left, right) = (left.min(x), right.max(x + 1));
+            (top, bottom) = (top.min(y), bottom.max(y + 1));
+        }
+        if right == 0 { [0, 0, 1, 1] } else { [left, top, right, bottom] }
+    }
+
+    /// The bytes within left, top, right, bottom.
+    fn cut(&self, [left, top, right, bottom]: [usize; 4]) -> Vec<u8> {
+        let row = |y: usize| &self.bytes[(y * self.width + left) * RGB..(y * self.width + right) * RGB];
+        (top..bottom).flat_map(row).copied().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    fn save(folder: &Path, name: &str, pixels: &Pixels) -> PathBuf {
+        let path = folder.join(name);
+        let file = File::create(&path).expect("a file");
+        let mut encoder = Encoder::new(file, pixels.width as u32, pixels.height as u32);
+        encoder.set_color(ColorType::Rgb);
+        encoder.set_depth(BitDepth::Eight);
+        let mut writer = encoder.write_header().expect("a header");
+        writer.write_image_data(&pixels.bytes).expect("pixels");
+        path
+    }
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("impactite-report-{name}-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        folder
+    }
+
+    /// A square that moves over a ground of many colours.
+    fn frame(width: usize, height: usize, at: usize) -> Pixels {
+        let colour = |n: usize| {
+            let (x, y) = (n % width, n / width);
+            let within = (at..at + 5).contains(&x) && (3..7).contains(&y);
+            if within { [250, 20, at as u8] } else { [x as u8, y as u8, (x * y) as u8] }
+        };
+        Pixels { width, height, bytes: (0..width * height).flat_map(colour).collect() }
+    }
+
+    /// The frames that a viewer shows, and how long each, s / 1000.
+    fn shown(bytes: &[u8]) -> Vec<(Pixels, u16)> {
+        let mut reader = Decoder::new(std::io::Cursor::new(bytes)).read_info().expect("a PNG");
+        let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+        let count = reader.info().animation_control().expect("an animation").num_frames;
+        let mut canvas = Pixels { width, height, bytes: vec![0; RGB * width * height] };
+        let mut list = Vec::new();
+        for _ in 0..count {
+            let mut part = vec![0; reader.output_buffer_size().expect("a size")];
+            let info = reader.next_frame(&mut part).expect("a frame");
+            let control = *reader.info().frame_control().expect("a frame of an animation");
+            let (w, left, top) = (info.width as usize, control.x_offset as usize, control.y_offset as usize);
+            for y in 0..info.height as usize {
+                let at = ((top + y) * width + left) * RGB;
+                canvas.bytes[at..at + w * RGB].copy_from_slice(&part[y * w * RGB..(y + 1) * w * RGB]);
+            }
+            assert_eq!(control.delay_den, 1000);
+            list.push((canvas.clone(), control.delay_num));
+        }
+        list
+    }
+
+    #[test]
+    fn it_decodes_to_the_frames_that_it_was_made_from() {
+        let folder = folder("frames");
+        // The third is as the second: nothing changes.
+        let frames = [2, 9, 9, 20, 0].map(|at| frame(40, 30, at));
+        let files: Vec<PathBuf> =
+            frames.iter().enumerate().map(|(n, f)| save(&folder, &format!("{n}.png"), f)).collect();
+        let bytes = animated_png(&files).expect("an animation");
+        let shown = shown(&bytes);
+        assert_eq!(shown.iter().map(|(p, _)| p).collect::<Vec<_>>(), frames.iter().collect::<Vec<_>>());
+        assert_eq!(
+            shown.iter().map(|(_, d)| *d).collect::<Vec<_>>(),
+            [DELAY, DELAY, DELAY, DELAY, LAST_DELAY]
+        );
+        assert_eq!(animated_png(&files).expect("again"), bytes);
+
+        let other = save(&folder, "other.png", &frame(41, 30, 0));
+        let error = animated_png(&[files[0].clone(), other]).expect_err("another size").to_string();
+        assert!(error.contains("other.png") && error.contains("41 x 30 pixels"), "{error}");
+        let text = folder.join("text.png");
+        std::fs::write(&text, "no picture").expect("written");
+        let error = animated_png(&[text]).expect_err("no PNG").to_string();
+        assert!(error.contains("text.png") && error.contains("no PNG picture"), "{error}");
+        assert!(animated_png::<PathBuf>(&[]).is_err());
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+
+    #[test]
+    fn it_is_bounded() {
+        assert_eq!(taken(3), [0, 1, 2]);
+        let some = taken(1000);
+        assert_eq!((some.len(), some[0], some[MOST_FRAMES - 1]), (MOST_FRAMES, 0, 999));
+        assert!(some.windows(2).all(|w| (16..=17).contains(&(w[1] - w[0]))));
+
+        let folder = folder("wide");
+        let wide = frame(1300, 11, 4);
+        let shown = shown(&animated_png(&[save(&folder, "wide.png", &wide)]).expect("an animation"));
+        assert_eq!((shown[0].0.width, shown[0].0.height), (434, 4));
+        // Three by three pixels become their mean; at the corner one by two are left.
+        let mean = |xs: &[usize], ys: &[usize], c: usize| {
+            let all = ys.iter().flat_map(|y| xs.iter().map(move |x| (y * 1300 + x) * RGB + c));
+            let count = (xs.len() * ys.len()) as f64;
+            (all.map(|at| f64::from(wide.bytes[at])).sum::<f64>() / count).round() as u8
+        };
+        for c in 0..RGB {
+            assert_eq!(shown[0].0.bytes[c], mean(&[0, 1, 2], &[0, 1, 2], c));
+            assert_eq!(shown[0].0.bytes[(3 * 434 + 433) * RGB + c], mean(&[1299], &[9, 10], c));
+        }
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+}

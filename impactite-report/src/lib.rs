@@ -1,0 +1,48 @@
+//! The report of a run: one page, `report.html`, that needs nothing beside itself.
+//!
+//! A program adds a [`Recorder`] to its [`Run`](impactite_scene::Run), puts what it knows into a [`Record`], saves that in the folder of
+//! the run and has the page written:
+//!
+//! ```
+//! use impactite_report::{Check, Record, Recorder, write_page};
+//! use impactite_scene::observe::Pace;
+//! use impactite_scene::{Run, Solver};
+//!
+//! fn run(solver: &mut dyn Solver, folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {
+//!     let mut recorder = Recorder::new(Pace::interval(1.0e-7)?);
+//!     let summary = Run::new(&mut *solver).observe(&mut recorder).until(80.0e-6)?;
+//!     Record::new("Taylor bar")
+//!         .symmetry_planes(2)
+//!         .bodies_of(&*solver)
+//!         .balances(&recorder)
+//!         .summary(&summary, 2)
+//!         .check(Check::within("length", 16.3e-3, "m", 16.2e-3, 0.02, "[S]"))
+//!         .save(folder)?;
+//!     write_page(folder)?;
+//!     Ok(())
+//! }
+//! ```
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`record`] | what is known of a run, as `run.json` |
+//! | [`recorder`] | the observer that keeps balances, steps and warnings over time |
+//! | [`folder`] | reading what a run left, finished or not |
+//! | [`page`] | the page |
+//! | [`animation`] | animated PNG files |
+//!
+//! Energy errors are printed by [`percent`] everywhere: the change of the total energy over the largest energy so far, with its sign.
+
+pub mod animation;
+mod error;
+pub mod folder;
+mod number;
+pub mod page;
+pub mod record;
+pub mod recorder;
+
+pub use error::ReportError;
+pub use number::percent;
+pub use page::write_page;
+pub use record::{Check, Frames, HistoryRecord, Record};
+pub use recorder::{Recorder, Warned};

@@ -1,0 +1,315 @@
+//! Charts: what they show, as data for the script of the page, and drawn once for where no script runs and for paper.
+
+use maud::{Markup, html};
+
+use crate::number::{readable, significant};
+use crate::record::Column;
+
+/// A chart of lines over one axis, in the units that it is drawn in.
+pub(crate) struct Chart {
+    pub title: String,
+    x: Axis,
+    unit: String,
+    lines: Vec<Line>,
+}
+
+struct Axis {
+    label: String,
+    values: Vec<f64>,
+}
+
+struct Line {
+    name: String,
+    values: Vec<f64>,
+}
+
+/// Points of a line on the page at most, about.
+const MOST_POINTS: usize = 2000;
+/// The same of the drawing.
+const MOST_DRAWN: usize = 400;
+/// Lines of a chart at most: as many as there are colours.
+const MOST_LINES: usize = 8;
+/// Numbers without a unit share a chart if they differ by less than this factor.
+const ALIKE: f64 = 1e3;
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().filter(|x| x.is_finite()).fold(0.0, |most, x| most.max(x.abs()))
+}
+
+/// Charts of columns over the first one: a chart a unit, and more where lines would be too many, or numbers without a unit too
+/// different to be seen together. Columns that count steps are left out.
+pub(crate) fn charts(title: &str, columns: &[Column]) -> Vec<Chart> {
+    let Some((x, rest)) = columns.split_first() else { return Vec::new() };
+    let mut groups: Vec<(String, Vec<&Column>)> = Vec::new();
+    for column in rest.iter().filter(|c| c.name != "step") {
+        let alike = |others: &[&Column]| {
+            let [a, b] = [largest(&column.values), largest(&others[0].values)];
+            column.unit != "-" || a == 0.0 || b == 0.0 || (a < ALIKE * b && b < ALIKE * a)
+        };
+        // An energy error is per cent wherever it is shown.
+        let unit = if is_energy_error(column) { "%" } else { &column.unit };
+        let there = groups
+            .iter_mut()
+            .find(|(u, others)| u == unit && others.len() < MOST_LINES && (unit == "%" || alike(others)));
+        match there {
+            Some((_, others)) => others.push(column),
+            None => groups.push((unit.into(), vec![column])),
+        }
+    }
+    let several = groups.len() > 1;
+    let chart = |(_, columns): (String, Vec<&Column>)| {
+        let names: Vec<&str> = columns.iter().map(|c| c.name.as_str()).collect();
+        let title = if several { format!("{title}: {}", names.join(", ")) } else { title.to_string() };
+        Chart::new(title, x, &columns)
+    };
+    groups.into_iter().map(chart).collect()
+}
+
+fn is_energy_error(column: &Column) -> bool {
+    column.name.contains("energy error") && column.unit == "-"
+}
+
+impl Chart {
+    /// Of these columns, of one unit, over `x`.
+    pub(crate) fn new(title: String, x: &Column, columns: &[&Column]) -> Self {
+        let most = columns.iter().fold(0.0, |most: f64, c| most.max(largest(&c.values)));
+        let first = columns.first();
+        let (unit, factor) = match first {
+            Some(column) if is_energy_error(column) => ("%".into(), 100.0),
+            Some(column) => readable(most, &column.unit),
+            None => ("-".into(), 1.0),
+        };
+        let (x_unit, x_factor) = readable(largest(&x.values), &x.unit);
+        let label = if x_unit == "-" { x.name.clone() } else { format!("{} [{x_unit}]", x.name) };
+        let rows: Vec<usize> = (0..x.values.len()).filter(|&n| x.values[n].is_finite()).collect();
+        let taken = |values: &[f64], factor: f64| {
+            rows.iter().map(|&n| values.get(n).map_or(f64::NAN, |v| v * factor)).collect()
+        };
+        let line = |c: &&Column| Line { name: c.name.clone(), values: taken(&c.values, factor) };
+        let lines: Vec<Line> = columns.iter().map(line).collect();
+        let whole = Chart { title, x: Axis { label, values: taken(&x.values, x_factor) }, unit, lines };
+        whole.thinned(MOST_POINTS)
+    }
+
+    /// Has it anything to show: two points with numbers, at least?
+    pub(crate) fn shows(&self) -> bool {
+        let numbers = |line: &Line| line.values.iter().filter(|v| v.is_finite()).count();
+        self.lines.iter().any(|line| numbers(line) >= 2)
+    }
+
+    /// About so many points, extremes of every line among them.
+    fn thinned(&self, most: usize) -> Chart {
+        let rows = self.x.values.len();
+        let mut kept: Vec<usize> = if rows <= most {
+            (0..rows).collect()
+        } else {
+            let parts = (most / (2 * self.lines.len().max(1))).max(1);
+            let mut kept = vec![0, rows - 1];
+            for part in 0..parts {
+                let range = part * rows / parts..(part + 1) * rows / parts;
+                for line in &self.lines {
+                    let finite = range.clone().filter(|&n| line.values[n].is_finite());
+                    let by = |a: &usize, b: &usize| line.values[*a].total_cmp(&line.values[*b]);
+                    kept.extend(finite.clone().min_by(by));
+                    kept.extend(finite.max_by(by));
+                }
+            }
+            kept
+        };
+        kept.sort_unstable();
+        kept.dedup();
+        let of = |values: &[f64]| kept.iter().map(|&n| values[n]).collect();
+        let line = |l: &Line| Line { name: l.name.clone(), values: of(&l.values) };
+        Chart {
+            title: self.title.clone(),
+            x: Axis { label: self.x.label.clone(), values: of(&self.x.values) },
+            unit: self.unit.clone(),
+            lines: self.lines.iter().map(line).collect(),
+        }
+    }
+
+    /// Does it run from left to right, as the script needs it?
+    pub(crate) fn is_ordered(&self) -> bool {
+        self.x.values.windows(2).all(|w| w[0] <= w[1])
+    }
+
+    /// As the script reads it.
+    pub(crate) fn json(&self) -> serde_json::Value {
+        // Seven digits: more than a screen shows, and half as long.
+        let short = |x: f64| significant(x, 7).parse::<f64>().ok().and_then(serde_json::Number::from_f64);
+        let list = |values: &[f64]| -> serde_json::Value {
+            values.iter().map(|&x| short(x).map_or(serde_json::Value::Null, Into::into)).collect()
+        };
+        let data: Vec<serde_json::Value> = [&self.x.values]
+            .into_iter()
+            .chain(self.lines.iter().map(|l| &l.values))
+            .map(|v| list(v))
+            .collect();
+        let names: Vec<&str> = self.lines.iter().map(|l| l.name.as_str()).collect();
+        serde_json::json!({ "x": self.x.label, "unit": self.unit, "lines": names, "data": data })
+    }
+
+    /// The label of the vertical axis.
+    fn vertical(&self) -> String {
+        match (self.lines.as_slice(), self.unit.as_str()) {
+            ([line], "-") => line.name.clone(),
+            ([line], unit) => format!("{} [{unit}]", line.name),
+            (_, "-") => String::new(),
+            (_, unit) => format!("[{unit}]"),
+        }
+    }
+
+    /// Drawn, with the names of its lines.
+    pub(crate) fn drawn(&self) -> Markup {
+        const SIZE: [f64; 2] = [720.0, 300.0];
+        const LEFT: f64 = 76.0;
+        const TOP: f64 = 26.0;
+        const RIGHT: f64 = 16.0;
+        const BOTTOM: f64 = 44.0;
+        let thin = self.thinned(MOST_DRAWN);
+        let x = Range::of(&thin.x.values, 0.0);
+        let all: Vec<f64> = thin.lines.iter().flat_map(|l| l.values.iter().copied()).collect();
+        let y = Range::of(&all, 0.05);
+        let at_x = |v: f64| LEFT + x.part(v) * (SIZE[0] - LEFT - RIGHT);
+        let at_y = |v: f64| SIZE[1] - BOTTOM - y.part(v) * (SIZE[1] - TOP - BOTTOM);
+        let points = |line: &Line| {
+            let pairs = thin.x.values.iter().zip(&line.values);
+            // A number that is none parts the line.
+            let mut path = String::new();
+            let mut begins = true;
+            for (&u, &v) in pairs {
+                if v.is_finite() {
+                    let command = if begins { 'M' } else { 'L' };
+                    path += &format!("{command}{:.1} {:.1}", at_x(u), at_y(v));
+                }
+                begins = !v.is_finite();
+            }
+            path
+        };
+        html! {
+            svg viewBox=(format!("0 0 {} {}", SIZE[0], SIZE[1])) role="img" aria-label=(self.title) {
+                @for tick in y.ticks(5) {
+                    line.grid x1=(LEFT) x2=(SIZE[0] - RIGHT) y1=(tenth(at_y(tick))) y2=(tenth(at_y(tick))) {}
+                    text x=(LEFT - 8.0) y=(tenth(at_y(tick) + 4.5)) text-anchor="end" { (significant(tick, 6)) }
+                }
+                @for tick in x.ticks(7) {
+                    line.grid x1=(tenth(at_x(tick))) x2=(tenth(at_x(tick))) y1=(TOP) y2=(SIZE[1] - BOTTOM) {}
+                    text x=(tenth(at_x(tick))) y=(SIZE[1] - BOTTOM + 18.0) text-anchor="middle" { (significant(tick, 6)) }
+                }
+                @for (n, line) in thin.lines.iter().enumerate() {
+                    path.line class=(format!("c{}", n + 1)) d=(points(line)) {}
+                }
+                text.faint x=(LEFT - 60.0) y="14" { (self.vertical()) }
+                text.faint x=(SIZE[0] - RIGHT) y=(SIZE[1] - 6.0) text-anchor="end" { (self.x.label) }
+            }
+            @if self.lines.len() > 1 {
+                div.legend {
+                    @for (n, line) in self.lines.iter().enumerate() {
+                        span { i class=(format!("c{}", n + 1)) {} (line.name) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn tenth(x: f64) -> String {
+    format!("{x:.1}")
+}
+
+/// From here to there.
+struct Range {
+    low: f64,
+    high: f64,
+}
+
+impl Range {
+    /// Of all that are numbers, and a part more on both sides.
+    fn of(values: &[f64], more: f64) -> Self {
+        let numbers = values.iter().copied().filter(|v| v.is_finite());
+        let (mut low, mut high) =
+            numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        if low > high {
+            (low, high) = (0.0, 1.0);
+        }
+        if low == high {
+            let half = if low == 0.0 { 0.5 } else { 0.5 * low.abs() };
+            (low, high) = (low - half, high + half);
+        }
+        let more = more * (high - low);
+        Range { low: low - more, high: high + more }
+    }
+
+    /// Where between its ends, 0 to 1.
+    fn part(&self, v: f64) -> f64 {
+        (v - self.low) / (self.high - self.low)
+    }
+
+    /// Round numbers within it, about `count`.
+    fn ticks(&self, count: usize) -> Vec<f64> {
+        let raw = (self.high - self.low) / count as f64;
+        let power = 10_f64.powf(raw.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|s| *s >= raw).unwrap_or(raw);
+        let first = (self.low / step).ceil();
+        let ticks = (0..=2 * count).map(|n| (first + n as f64) * step);
+        ticks.take_while(|t| *t <= self.high + 1e-9 * step).map(|t| if t == 0.0 { 0.0 } else { t }).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn column(name: &str, unit: &str, values: impl IntoIterator<Item = f64>) -> Column {
+        Column { name: name.into(), unit: unit.into(), values: values.into_iter().collect() }
+    }
+
+    #[test]
+    fn a_chart_a_unit_and_an_energy_error_is_per_cent() {
+        let columns = [
+            column("time", "s", [0.0, 8.0e-5]),
+            column("step", "-", [0.0, 100.0]),
+            column("kinetic energy", "J", [2000.0, 100.0]),
+            column("internal energy", "J", [0.0, 1900.0]),
+            column("energy error", "-", [0.0, -0.012]),
+            column("momentum error", "-", [0.0, 1e-15]),
+            column("friction angle", "-", [0.3, 0.4]),
+        ];
+        let charts = charts("Ledger", &columns);
+        let json: Vec<_> = charts.iter().map(Chart::json).collect();
+        assert_eq!(charts.len(), 4);
+        assert_eq!(json[0]["x"], "time [µs]");
+        assert_eq!((&json[0]["unit"], &json[0]["data"][1][0]), (&"kJ".into(), &2.0.into()));
+        assert_eq!(json[0]["lines"], serde_json::json!(["kinetic energy", "internal energy"]));
+        assert_eq!((&json[1]["unit"], &json[1]["data"][1][1]), (&"%".into(), &(-1.2).into()));
+        // Numbers without a unit that are far apart are not drawn together.
+        assert_eq!(json[2]["lines"], serde_json::json!(["momentum error"]));
+        assert_eq!(charts[0].title, "Ledger: kinetic energy, internal energy");
+        assert!(charts.iter().all(|c| c.shows() && c.is_ordered()));
+        assert_eq!(super::charts("nothing", &[]).len(), 0);
+    }
+
+    #[test]
+    fn thinning_keeps_ends_and_peaks() {
+        let x = column("time", "s", (0..100_000).map(f64::from));
+        let mut y = column("force", "N", (0..100_000).map(|n| f64::from(n).sin()));
+        (y.values[31_415], y.values[27_182]) = (77.0, f64::NAN);
+        let chart = Chart::new("f".into(), &x, &[&y]);
+        let xs = &chart.x.values;
+        assert!(xs.len() > MOST_POINTS / 2 && xs.len() <= MOST_POINTS + 2, "{}", xs.len());
+        assert_eq!((xs[0], xs[xs.len() - 1]), (0.0, 99_999.0));
+        assert!(xs.contains(&31_415.0) && chart.is_ordered());
+        let back = column("x", "m", [0.0, 1.0, 0.5]);
+        assert!(!Chart::new("loop".into(), &back, &[&y]).is_ordered());
+    }
+
+    #[test]
+    fn ticks_are_round() {
+        assert_eq!(
+            Range::of(&[0.0, 80.0], 0.0).ticks(8),
+            [0.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0]
+        );
+        assert_eq!(Range::of(&[3.0, 3.0, f64::NAN], 0.0).ticks(3), [2.0, 3.0, 4.0]);
+        assert!(Range::of(&[f64::NAN], 0.0).ticks(3).len() > 1);
+    }
+}

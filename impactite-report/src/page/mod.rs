@@ -1,0 +1,132 @@
+//! The page of a run: one file that asks for nothing beside itself, read with and without scripts, on a screen and on paper.
+//!
+//! All text of a record is escaped. A file that the record names and that is not there or cannot be read is named at its place, and
+//! the rest of the page is as it would be: a run that was broken off has a page, too.
+
+mod chart;
+mod parts;
+mod sections;
+
+use std::path::{Path, PathBuf};
+
+use impactite_output::write_whole;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use crate::error::ReportError;
+use crate::record::Record;
+use chart::Chart;
+
+/// The page in the folder of its run.
+pub const FILE: &str = "report.html";
+
+/// Read the record in `folder` ([`Record::open`]) and write its page, `report.html`, there. Returns its path.
+///
+/// # Errors
+/// Those of [`Record::open`]; a page that cannot be written.
+pub fn write_page(folder: impl AsRef<Path>) -> Result<PathBuf, ReportError> {
+    let folder = folder.as_ref();
+    let path = folder.join(FILE);
+    write_whole(&path, page(&Record::open(folder)?, folder))?;
+    Ok(path)
+}
+
+const STYLE: &str =
+    concat!(include_str!("../../vendor/uplot/uPlot.min.css"), "\n", include_str!("style.css"));
+const PLOT: &str = include_str!("../../vendor/uplot/uPlot.iife.min.js");
+const CHARTS: &str = include_str!("charts.js");
+/// What goes wrong in a script is kept where a test finds it.
+const WATCH: &str = "addEventListener('error',e=>{document.body.dataset.error=e.message})";
+/// Nothing is fetched from anywhere.
+const POLICY: &str =
+    "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
+
+/// The page of `record`, whose files are in `folder`.
+#[must_use]
+pub fn page(record: &Record, folder: &Path) -> String {
+    let mut charts = Charts::default();
+    let sections = [
+        ("", sections::pictures(record, folder)),
+        ("checks", sections::checks(record)),
+        ("histories", sections::histories(record, folder, &mut charts)),
+        ("balances", sections::balances(record, &mut charts)),
+        ("scene", sections::scene(record)),
+        ("time", sections::timing(record, &mut charts)),
+        ("step", sections::step(record, &mut charts)),
+        ("warnings", sections::warnings(record)),
+        ("files", sections::files(folder)),
+    ];
+    let titles = |id: &str| match id {
+        "checks" => "Checks",
+        "histories" => "Histories",
+        "balances" => "Balances",
+        "scene" => "Scene",
+        "time" => "Where the time went",
+        "step" => "What limited the step",
+        "warnings" => "Warnings",
+        _ => "Files",
+    };
+    let there = || sections.iter().filter(|(id, body)| !id.is_empty() && body.is_some());
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (record.title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                script { (PreEscaped(WATCH)) }
+                main {
+                    (sections::head(record))
+                    nav { @for (id, _) in there() { a href={ "#" (id) } { (titles(id)) } } }
+                    @for (id, body) in &sections {
+                        @if let Some(body) = body {
+                            @if id.is_empty() { (body) } @else { section id=(id) { h2 { (titles(id)) } (body) } }
+                        }
+                    }
+                }
+                @if !charts.list.is_empty() {
+                    script type="application/json" id="charts" { (PreEscaped(charts.json())) }
+                    script { (PreEscaped(PLOT)) }
+                    script { (PreEscaped(CHARTS)) }
+                }
+            }
+        }
+    };
+    page.into_string()
+}
+
+/// The charts of a page that its script draws, in order.
+#[derive(Default)]
+struct Charts {
+    list: Vec<serde_json::Value>,
+}
+
+impl Charts {
+    /// A figure of this chart: drawn, and drawn again by the script where it can.
+    fn figure(&mut self, chart: &Chart) -> Markup {
+        let number = chart.is_ordered().then(|| {
+            self.list.push(chart.json());
+            self.list.len() - 1
+        });
+        html! { figure.chart data-chart=[number] { figcaption { (chart.title) } (chart.drawn()) } }
+    }
+
+    /// Figures of those that show something.
+    fn figures(&mut self, charts: &[Chart]) -> Option<Markup> {
+        let mut figures: Vec<Markup> = charts.iter().filter(|c| c.shows()).map(|c| self.figure(c)).collect();
+        match figures.len() {
+            0 => None,
+            1 => figures.pop(),
+            _ => Some(html! { div.pair { @for figure in &figures { (figure) } } }),
+        }
+    }
+
+    /// As a script element may hold it: without `<`, that could end it.
+    fn json(&self) -> String {
+        serde_json::Value::from(self.list.clone()).to_string().replace('<', "\\u003c")
+    }
+}

@@ -1,0 +1,378 @@
+//! Keeps what a report shows of a run over its time.
+
+use std::time::SystemTime;
+
+use impactite_scene::balance::{Books, share};
+use impactite_scene::observe::{ObserveError, Observer, Pace, RunView};
+use impactite_scene::{Archive, CheckpointError, Finding, Warning};
+
+/// Rows kept at most.
+pub const MOST_ROWS: usize = 4096;
+
+/// A run at one moment. Per radian in axisymmetric scenes, per metre of depth in plane strain.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Row {
+    /// Time, s.
+    pub time: f64,
+    /// Steps made.
+    pub step: u64,
+    /// Size of the last step, s; NaN before the first.
+    pub dt: f64,
+    /// Points that carry mass.
+    pub points: usize,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Kinetic energy, J.
+    pub kinetic: f64,
+    /// Internal energy, plastic work and heat included, J.
+    pub internal: f64,
+    /// Work of boundaries, loads and body forces since the first row, J.
+    pub work: f64,
+    /// Work of friction since the first row, J.
+    pub friction: f64,
+    /// Kinetic energy that plastic impacts of points took since the first row, J.
+    pub impacts: f64,
+    /// Energy that came with points split, merged, made or removed since the first row, J.
+    pub conversion: f64,
+    /// Energy that nothing explains, J ([`impactite_scene::Account::unexplained`]); negative: lost.
+    pub unexplained: f64,
+    /// The same over the largest kinetic energy, or sum of kinetic and internal energy, so far.
+    pub energy_error: f64,
+    /// Momentum, kg m/s.
+    pub momentum: [f64; 3],
+    /// Amount of the momentum that nothing explains over the largest sum of m |v| so far.
+    pub momentum_error: f64,
+    /// Seconds by the clock on the wall spent in steps so far.
+    pub wall_seconds: f64,
+    /// Point updates so far.
+    pub updates: f64,
+}
+
+impl Row {
+    /// kinetic + internal - work + friction + impacts - conversion, J: constant if energy is conserved.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.kinetic + self.internal - self.work + self.friction + self.impacts - self.conversion
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let Row { time, step, dt, points, mass, kinetic, internal, work, friction, impacts, .. } = self;
+        file.word(step)?;
+        file.count(points)?;
+        file.reals([time, dt, mass, kinetic, internal, work, friction, impacts])?;
+        file.reals([&mut self.conversion, &mut self.unexplained, &mut self.energy_error])?;
+        file.reals(&mut self.momentum)?;
+        file.reals([&mut self.momentum_error, &mut self.wall_seconds, &mut self.updates])
+    }
+}
+
+/// What a run warned of, in words.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+#[non_exhaustive]
+pub struct Warned {
+    /// Steps made.
+    pub step: u64,
+    /// Time, s.
+    #[serde(with = "crate::number::real")]
+    pub time: f64,
+    /// What it is about, in two or three words.
+    pub title: String,
+    /// What was found, and its likely cause.
+    pub found: String,
+    /// What to do about it; empty where the finding does not say.
+    pub remedy: String,
+}
+
+/// In words: what it is about, and the body.
+fn title(finding: &Finding) -> (&'static str, &str) {
+    match finding {
+        Finding::EnergyGain { body, .. } => ("energy gained", body),
+        Finding::EnergyLoss { .. } => ("energy lost", ""),
+        Finding::NotFinite { body } => ("not finite", body),
+        Finding::Momentum { .. } => ("momentum from nowhere", ""),
+        Finding::Torn { body, .. } => ("body torn", body),
+        Finding::Locking { body, .. } => ("locking suspected", body),
+        Finding::Hourglass { body, .. } => ("hourglass energy", body),
+        Finding::WidePoints { body, .. } => ("points too far apart", body),
+        Finding::LoneFailure { body, .. } => ("points failed alone", body),
+        _ => ("warning", ""),
+    }
+}
+
+/// The message of a finding is what was found, a semicolon, and what to do. Semicolons in names, which stand in backquotes, are none.
+fn parted(message: &str) -> (String, String) {
+    let mut quoted = false;
+    let end = message.char_indices().find(|&(n, c)| {
+        quoted ^= c == '`';
+        !quoted && message[n..].starts_with("; ")
+    });
+    end.map_or((message.into(), String::new()), |(n, _)| (message[..n].into(), message[n + 2..].into()))
+}
+
+impl From<&Warning> for Warned {
+    fn from(warning: &Warning) -> Self {
+        let message = warning.finding.to_string();
+        let (found, remedy) = match &warning.finding {
+            // Its message ends with where the energy went and what keeps more.
+            Finding::EnergyLoss { remedy, .. } => {
+                (message.trim_end_matches(remedy).trim_end_matches([',', ' ']).into(), (*remedy).into())
+            }
+            _ => parted(&message),
+        };
+        let (about, body) = title(&warning.finding);
+        let title = if body.is_empty() { about.to_string() } else { format!("{about}: {body}") };
+        Warned { step: warning.step, time: warning.time, title, found, remedy }
+    }
+}
+
+impl Warned {
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let Warned { step, time, title, found, remedy } = self;
+        file.word(step)?;
+        file.real(time)?;
+        [title, found, remedy].into_iter().try_for_each(|text| file.text(text))
+    }
+}
+
+/// An observer that keeps the balances of a run, its steps and its rate over time, and what it warned of, for a
+/// [`Record`](crate::Record).
+///
+/// It keeps [`MOST_ROWS`] rows at most: where there would be more, it drops every second one and keeps every second look from then on.
+/// The first and the last look are always there, and errors are the worst of all looks, kept or not. What it keeps goes into
+/// checkpoints: a run that is resumed has the rows, errors and warnings of one that was not broken off, bit for bit, but for what is a
+/// matter of the clock on the wall.
+///
+/// The energy error is that of [`impactite_scene::observe::Ledger`].
+///
+/// ```
+/// use impactite_report::Recorder;
+/// use impactite_scene::observe::Pace;
+/// let mut recorder = Recorder::new(Pace::interval(1.0e-7)?);
+/// // Run::new(&mut scene).observe(&mut recorder).until(80.0e-6)?;
+/// assert_eq!(recorder.rows().len(), 0);
+/// # Ok::<(), impactite_scene::observe::ObserveError>(())
+/// ```
+pub struct Recorder {
+    pace: Pace,
+    books: Books,
+    /// Looks so far, and one of how many is kept.
+    looks: u64,
+    stride: u64,
+    rows: Vec<Row>,
+    last: Option<Row>,
+    /// The unexplained energy that is largest by amount, J, and the most momentum missing, kg m/s; NaN from the first look that found
+    /// that.
+    worst_unexplained: f64,
+    worst_missing: f64,
+    /// The change of mass since the first look that is largest by amount, kg.
+    worst_mass: f64,
+    warnings: Vec<Warned>,
+    /// Where the run is to end, s, and is it there?
+    end: f64,
+    reached: bool,
+    clock: WallClock,
+}
+
+/// When a run began and ended by the clock on the wall.
+#[derive(Clone, Copy, Debug, Default)]
+struct WallClock {
+    /// In earlier pieces of the run, s.
+    before: f64,
+    started: Option<SystemTime>,
+    ended: Option<SystemTime>,
+    looked: Option<std::time::Instant>,
+    seconds: f64,
+}
+
+impl Recorder {
+    /// Look at this pace.
+    #[must_use]
+    pub fn new(pace: Pace) -> Self {
+        Recorder {
+            pace,
+            books: Books::default(),
+            looks: 0,
+            stride: 1,
+            rows: Vec::new(),
+            last: None,
+            worst_unexplained: 0.0,
+            worst_missing: 0.0,
+            worst_mass: 0.0,
+            warnings: Vec::new(),
+            end: f64::NAN,
+            reached: false,
+            clock: WallClock::default(),
+        }
+    }
+
+    /// What was seen, in order of time.
+    #[must_use]
+    pub fn rows(&self) -> Vec<Row> {
+        let kept = self.rows.last().map(|row| row.step);
+        self.rows.iter().chain(self.last.iter().filter(|last| Some(last.step) != kept)).copied().collect()
+    }
+
+    /// What the run warned of, in order of time.
+    #[must_use]
+    pub fn warnings(&self) -> &[Warned] {
+        &self.warnings
+    }
+
+    /// The energy that nothing explains, the largest by amount of all looks, with its sign, over the largest energy of the whole run.
+    #[must_use]
+    pub fn worst_energy_error(&self) -> f64 {
+        share(self.worst_unexplained, self.books.scales()[0])
+    }
+
+    /// The largest amount of momentum that nothing explains, of all looks, over the largest sum of m |v| of the whole run.
+    #[must_use]
+    pub fn worst_momentum_error(&self) -> f64 {
+        share(self.worst_missing, self.books.scales()[1])
+    }
+
+    /// The change of the mass since the first look, the largest by amount of all looks, with its sign, over the mass at that look.
+    #[must_use]
+    pub fn worst_mass_error(&self) -> f64 {
+        share(self.worst_mass, self.books.mass())
+    }
+
+    /// The largest energy of the run, J, and the largest sum of m |v|, kg m/s, which errors are relative to.
+    #[must_use]
+    pub fn scales(&self) -> [f64; 2] {
+        self.books.scales()
+    }
+
+    /// The time that the run has come to, and the one it is to end at, s; none before the first look.
+    #[must_use]
+    pub fn time_and_end(&self) -> Option<[f64; 2]> {
+        self.last.map(|last| [last.time, self.end])
+    }
+
+    /// Has the run come to its end?
+    #[must_use]
+    pub fn reached(&self) -> bool {
+        self.reached
+    }
+
+    /// When it looked first, in this process, and when the run was over or it looked last.
+    #[must_use]
+    pub fn started_and_ended(&self) -> Option<[SystemTime; 2]> {
+        let started = self.clock.started?;
+        Some([started, self.clock.ended.unwrap_or(started)])
+    }
+
+    /// Seconds by the clock on the wall from the first look to the last, observers and files included, pieces of a run added up.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.clock.before + self.clock.seconds
+    }
+
+    fn keep(&mut self, row: Row) {
+        if self.looks.is_multiple_of(self.stride) {
+            self.rows.push(row);
+            if self.rows.len() > MOST_ROWS {
+                let mut n = 0;
+                self.rows.retain(|_| {
+                    n += 1;
+                    n % 2 == 1
+                });
+                self.stride *= 2;
+            }
+        }
+        self.looks += 1;
+        self.last = Some(row);
+    }
+}
+
+impl WallClock {
+    fn look(&mut self) {
+        let now = std::time::Instant::now();
+        let first = *self.looked.get_or_insert(now);
+        self.seconds = (now - first).as_secs_f64();
+        let time = SystemTime::now();
+        self.started.get_or_insert(time);
+        self.ended = Some(time);
+    }
+}
+
+/// Where `worst` keeps what is largest by amount, and what is no number.
+fn worse(worst: &mut f64, now: f64) {
+    if now.is_nan() || now.abs() > worst.abs() {
+        *worst = now;
+    }
+}
+
+impl Observer for Recorder {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let totals = now.totals();
+        let account = self.books.enter(totals, &now.exchange(), now.axisymmetric());
+        worse(&mut self.worst_unexplained, account.unexplained);
+        worse(&mut self.worst_missing, account.missing());
+        worse(&mut self.worst_mass, totals.mass - self.books.mass());
+        let clock = now.solver().clock();
+        self.keep(Row {
+            time: now.time(),
+            step: now.step(),
+            dt: clock.last.unwrap_or(f64::NAN),
+            points: totals.particles,
+            mass: totals.mass,
+            kinetic: account.kinetic,
+            internal: account.internal,
+            work: account.work,
+            friction: account.friction,
+            impacts: account.impacts,
+            conversion: account.conversion,
+            unexplained: account.unexplained,
+            energy_error: account.energy_error(),
+            momentum: totals.momentum,
+            momentum_error: share(account.missing(), account.momentum_scale),
+            wall_seconds: now.wall_seconds(),
+            updates: now.rate() * now.wall_seconds(),
+        });
+        self.end = now.end();
+        self.reached = clock.reached(now.end());
+        self.clock.look();
+        Ok(())
+    }
+
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.books.archive(file)?;
+        file.word(&mut self.looks)?;
+        file.word(&mut self.stride)?;
+        if self.stride == 0 {
+            return Err(file.damaged("of 0 looks one is kept"));
+        }
+        file.list(&mut self.rows, &Row::default(), |file, row| row.archive(file))?;
+        file.option(&mut self.last, |file, row| row.archive(file))?;
+        file.reals([
+            &mut self.worst_unexplained,
+            &mut self.worst_missing,
+            &mut self.worst_mass,
+            &mut self.end,
+        ])?;
+        file.list(&mut self.warnings, &Warned::default(), |file, warned| warned.archive(file))?;
+        let mut seconds = self.seconds();
+        file.real(&mut seconds)?;
+        if file.reads() {
+            self.clock = WallClock { before: seconds, ..WallClock::default() };
+            self.reached = false;
+        }
+        Ok(())
+    }
+
+    fn warned(&mut self, warning: &Warning) {
+        let warned = Warned::from(warning);
+        // A run that is resumed finds again what it warned of before.
+        if self.warnings.iter().all(|known| known.title != warned.title) {
+            self.warnings.push(warned);
+        }
+    }
+
+    fn finish(&mut self) {
+        self.clock.look();
+    }
+}
