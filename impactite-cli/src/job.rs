@@ -4,8 +4,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use impactite::observe::{HistoryCsv, LineKind, ObserveError, Observer, Pace, Pictures, Progress, RunView, VtkSeries};
-use impactite::output::VtkOptions;
+use impactite::observe::{
+    HistoryCsv, LineKind, ObserveError, Observer, Pace, Pictures, Progress, RunView, VtkSeries,
+};
+use impactite::output::Column;
 use impactite::parallel::Team;
 use impactite::scene::{Archive, CheckpointError, Run, RunError, Solver};
 use impactite_input::model::condition::Condition;
@@ -154,19 +156,23 @@ impl Job {
         let histories = out.histories.map(|q| q.value);
         let mut recorder = Recorder::new(pace(histories, ROWS)?);
         let mut measures = measures(scene, folder, pace(histories, ROWS)?)?;
-        let mut progress = Progress::new(&scene.title).with_a_line_every(self.log).with_lines(|kind, line| match kind {
-            LineKind::Warning => tracing::warn!("{line}"),
-            _ => tracing::info!("{line}"),
-        });
+        let mut progress =
+            Progress::new(&scene.title).with_a_line_every(self.log).with_lines(|kind, line| match kind {
+                LineKind::Warning => tracing::warn!("{line}"),
+                _ => tracing::info!("{line}"),
+            });
         let draws = Draws::new(scene);
-        let mut pictures =
-            Pictures::create(folder.join("pictures"), "scene", pace(out.pictures.map(|q| q.value), PICTURES)?, |s| draws.draw(s))?;
-        let mut options = VtkOptions::default();
-        if let Some(fields) = &out.fields {
-            options = options.fields(fields.iter().cloned());
-        }
+        let mut pictures = Pictures::create(
+            folder.join("pictures"),
+            "scene",
+            pace(out.pictures.map(|q| q.value), PICTURES)?,
+            |s| draws.draw(s),
+        )?;
         let mut frames =
-            VtkSeries::create(folder.join("paraview"), "scene", pace(out.frames.map(|q| q.value), FRAMES)?)?.with_options(options);
+            VtkSeries::create(folder.join("paraview"), "scene", pace(out.frames.map(|q| q.value), FRAMES)?)?;
+        if let Some(fields) = &out.fields {
+            frames = frames.with_fields(fields);
+        }
 
         let mut heading = self.source.clone();
         let mut preface = |file: &mut Archive| preface(&mut heading, file);
@@ -193,13 +199,19 @@ impl Job {
         let summary = run.summary();
         drop(run);
         if let Err(RunError::Interrupted { time, .. }) = &ended {
-            tracing::warn!("asked to stop at t = {time:.4e} s; `impactite resume {}` goes on", folder.display());
+            tracing::warn!(
+                "asked to stop at t = {time:.4e} s; `impactite resume {}` goes on",
+                folder.display()
+            );
         }
 
         let columns = measured::columns(scene);
         let values = measured::measure(scene, solver)?;
         let checks = if ended.is_ok() { checks(scene, &columns, &values) } else { Vec::new() };
-        let shown = columns.iter().zip(&values).map(|((name, unit), value)| Check::shown(name, *value, unit, "measured at the end"));
+        let shown = columns
+            .iter()
+            .zip(&values)
+            .map(|((name, unit), value)| Check::shown(name, *value, unit, "measured at the end"));
         let mut record = Record::new(&scene.title)
             .scene(&self.source.text)
             .symmetry_planes(planes(scene))
@@ -212,7 +224,7 @@ impl Job {
             .setup(setup)
             .checks(checks.clone())
             .checks(shown.filter(|s| !checks.iter().any(|c| c.name == s.name)));
-        for (name, number) in &scene.numbers {
+        for (name, number) in scene.known.numbers() {
             record = record.setting(name, number, "SI");
         }
         if !columns.is_empty() {
@@ -237,9 +249,9 @@ impl Job {
         if path.exists() {
             std::fs::remove_file(&path).map_err(CliError::file(&path))?;
         }
-        let [met, missed] = record.met();
+        let [met, judged] = record.met();
         let settings = serde_json::json!({
-            "method": solver.method(), "space": scene.space.name(), "threads": threads, "parameters": scene.numbers,
+            "method": solver.method(), "space": scene.space.name(), "threads": threads, "parameters": scene.known.numbers(),
         });
         let outcome = Outcome {
             case: scene.title.clone(),
@@ -251,14 +263,19 @@ impl Job {
             wall_seconds: summary.wall_seconds,
             particle_updates_per_second: summary.rate(),
             peak_memory_bytes: peak_memory().unwrap_or_else(|| solver.bytes()),
-            measures: columns.iter().zip(&values).map(|((name, unit), value)| (name.clone(), *value, *unit)).collect(),
+            measures: columns
+                .iter()
+                .zip(&values)
+                .map(|((name, unit), value)| (name.clone(), *value, *unit))
+                .collect(),
             checks,
             met,
-            missed,
+            missed: judged - met,
             energy_error: recorder.worst_energy_error(),
             momentum_error: recorder.worst_momentum_error(),
         };
-        let json = serde_json::to_string(&outcome).map_err(|e| CliError::option("result.json", e.to_string()))?;
+        let json =
+            serde_json::to_string(&outcome).map_err(|e| CliError::option("result.json", e.to_string()))?;
         impactite::output::write_whole(folder.join("result.json"), format!("{json}\n"))?;
         Ok(outcome)
     }
@@ -274,10 +291,15 @@ fn measures(scene: &SceneFile, folder: &Path, pace: Pace) -> Result<Option<Histo
         return Ok(None);
     }
     let names = measured::columns(scene);
-    let columns = std::iter::once(("time".to_string(), "s")).chain(names);
+    let columns: Vec<Column> = [("time", "s")]
+        .into_iter()
+        .chain(names.iter().map(|(name, unit)| (name.as_str(), *unit)))
+        .map(Column::from)
+        .collect();
     let scene = scene.clone();
     let measuring: Measuring = Box::new(move |now| {
-        let values = measured::measure(&scene, now.solver()).map_err(|e| ObserveError::Other(e.to_string()))?;
+        let values =
+            measured::measure(&scene, now.solver()).map_err(|e| ObserveError::Other(e.to_string()))?;
         Ok(std::iter::once(now.time()).chain(values).collect())
     });
     Ok(Some(HistoryCsv::create(folder.join(MEASURES), columns, pace, measuring)?))

@@ -176,7 +176,12 @@ fn log(options: &Options) {
         _ => "trace",
     };
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(level));
-    tracing_subscriber::fmt().with_env_filter(filter).with_target(false).with_writer(std::io::stderr).compact().init();
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_target(false)
+        .with_writer(std::io::stderr)
+        .compact()
+        .init();
 }
 
 /// Set by SIGINT and SIGTERM; a second one ends the program at once.
@@ -198,7 +203,11 @@ fn perform(command: Command, stop: &AtomicBool) -> Result<ExitCode, CliError> {
             told(&job.run(stop)?, &job.folder, &options.how)
         }
         Command::Resume(ResumeOptions { folder, how }) => {
-            let folder = if folder.is_file() { folder.parent().map(Path::to_path_buf).unwrap_or_default() } else { folder };
+            let folder = if folder.is_file() {
+                folder.parent().map(Path::to_path_buf).unwrap_or_default()
+            } else {
+                folder
+            };
             let job = with(Job::resume(&folder)?, &how);
             told(&job.run(stop)?, &job.folder, &how)
         }
@@ -209,7 +218,13 @@ fn perform(command: Command, stop: &AtomicBool) -> Result<ExitCode, CliError> {
             impactite_input::measured::measure(&scene, &*solver)?;
             println!("{}: {}", scene.title, solver.method());
             for body in solver.bodies() {
-                println!("  {}: {} points, {:.4e} kg, {}", body.name(), body.len(), body.totals().mass, body.law());
+                println!(
+                    "  {}: {} points, {:.4e} kg, {}",
+                    body.name(),
+                    body.len(),
+                    body.totals().mass,
+                    body.law()
+                );
             }
             Ok(ExitCode::SUCCESS)
         }
@@ -219,10 +234,14 @@ fn perform(command: Command, stop: &AtomicBool) -> Result<ExitCode, CliError> {
             job.report &= !run.how.no_report;
             let points = sweep(&job, &over, stop)?;
             for point in &points {
-                let keys: Vec<String> = over.iter().zip(&point.values).map(|(k, v)| format!("{} = {v}", k.key)).collect();
+                let keys: Vec<String> =
+                    over.iter().zip(&point.values).map(|(k, v)| format!("{} = {v}", k.key)).collect();
                 match &point.outcome {
                     Ok(outcome) => {
-                        let list = outcome.measures.iter().map(|(name, value, unit)| format!("{name} {value:.5e} {unit}"));
+                        let list = outcome
+                            .measures
+                            .iter()
+                            .map(|(name, value, unit)| format!("{name} {value:.5e} {unit}"));
                         println!("{}: {}", keys.join(", "), list.collect::<Vec<_>>().join(", "));
                     }
                     Err(why) => println!("{}: {why}", keys.join(", ")),
@@ -326,9 +345,14 @@ fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, 
         100.0 * outcome.energy_error,
     );
     let page = folder.join("report.html");
-    println!("files in {}{}", folder.display(), if how.no_report { String::new() } else { format!("; look at {}", page.display()) });
+    println!(
+        "files in {}{}",
+        folder.display(),
+        if how.no_report { String::new() } else { format!("; look at {}", page.display()) }
+    );
     if how.json {
-        let json = serde_json::to_string(outcome).map_err(|e| CliError::Option { option: "--json".into(), why: e.to_string() })?;
+        let json = serde_json::to_string(outcome)
+            .map_err(|e| CliError::Option { option: "--json".into(), why: e.to_string() })?;
         println!("{json}");
     }
     Ok(if outcome.missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })

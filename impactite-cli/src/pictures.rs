@@ -58,8 +58,10 @@ impl Draws {
         let (width, height) = SIZE;
         let caption = format!("t = {}", moment(snapshot.time()));
         if self.space == Space::Full {
-            let mut picture =
-                ParticlePicture::new(width, height).title(&self.title).caption(caption).mirrored(self.mirrors.clone());
+            let mut picture = ParticlePicture::new(width, height)
+                .title(&self.title)
+                .caption(caption)
+                .mirrored(self.mirrors.clone());
             if let Some(colour) = &self.colour {
                 picture = picture.colour_by(colour.clone());
             }
@@ -68,8 +70,10 @@ impl Draws {
             }
             return picture.draw(snapshot);
         }
-        let mut picture =
-            FieldPicture::new(width, height).title(&self.title).caption(caption).mirrored(self.mirrors.clone());
+        let mut picture = FieldPicture::new(width, height)
+            .title(&self.title)
+            .caption(caption)
+            .mirrored(self.mirrors.clone());
         if let Some(colour) = &self.colour {
             picture = picture.colour_by(colour.clone());
         }

@@ -7,8 +7,8 @@ use impactite::output::History;
 use impactite::output::picture::{Axis, Chart, Marker, Panels, Series};
 use impactite_input::Source;
 
-use crate::job::{Job, Outcome};
 use crate::CliError;
+use crate::job::{Job, Outcome};
 
 /// One key and the values that it takes.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,12 +29,16 @@ impl std::str::FromStr for Values {
         {
             let number = |s: &str| s.trim().parse::<f64>().map_err(|_| format!("`{s}` is no number"));
             let (from, to) = (number(from)?, number(to)?);
-            let count: usize = count.trim().parse().map_err(|_| format!("`{count}` is no number of values"))?;
+            let count: usize =
+                count.trim().parse().map_err(|_| format!("`{count}` is no number of values"))?;
             if !(2..=1000).contains(&count) {
                 return Err(format!("{count} values are not allowed; there must be 2 to 1000"));
             }
             let value = |n: usize| from + (to - from) * n as f64 / (count - 1) as f64;
-            return Ok(Values { key: key.trim().into(), list: (0..count).map(|n| value(n).to_string()).collect() });
+            return Ok(Values {
+                key: key.trim().into(),
+                list: (0..count).map(|n| value(n).to_string()).collect(),
+            });
         }
         let list: Vec<String> = list.split(',').map(|s| s.trim().to_string()).collect();
         if key.trim().is_empty() || list.iter().any(String::is_empty) {
@@ -82,7 +86,10 @@ pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point
     let mut points = Vec::new();
     for (n, (source, values)) in sources?.into_iter().zip(combinations).enumerate() {
         let folder = base.folder.join(format!("{:03}", n + 1));
-        tracing::info!("{}", keys.iter().zip(&values).map(|(k, v)| format!("{} = {v}", k.key)).collect::<Vec<_>>().join(", "));
+        tracing::info!(
+            "{}",
+            keys.iter().zip(&values).map(|(k, v)| format!("{} = {v}", k.key)).collect::<Vec<_>>().join(", ")
+        );
         let outcome = Job { source, folder, ..base.clone() }.run(stop);
         if let Err(CliError::Run(interrupted @ impactite::scene::RunError::Interrupted { .. })) = outcome {
             return Err(interrupted.into());
@@ -99,11 +106,12 @@ fn number(text: &str) -> Option<f64> {
 }
 
 fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliError> {
-    let done: Vec<(&Point, &Outcome)> = points.iter().filter_map(|p| Some((p, p.outcome.as_ref().ok()?))).collect();
+    let done: Vec<(&Point, &Outcome)> =
+        points.iter().filter_map(|p| Some((p, p.outcome.as_ref().ok()?))).collect();
     let Some((_, first)) = done.first() else { return Ok(()) };
-    let columns = keys.iter().map(|k| (k.key.clone(), "-".to_string()));
-    let columns = columns.chain(first.measures.iter().map(|(name, _, unit)| (name.clone(), unit.to_string())));
-    let columns = columns.chain([("energy error".to_string(), "-".to_string()), ("time in steps".to_string(), "s".to_string())]);
+    let columns = keys.iter().map(|k| (k.key.as_str(), "-"));
+    let columns = columns.chain(first.measures.iter().map(|(name, _, unit)| (name.as_str(), *unit)));
+    let columns: Vec<(&str, &str)> = columns.chain([("energy error", "-"), ("time in steps", "s")]).collect();
     let mut file = History::create(folder.join("sweep.csv"), columns)?;
     for (point, outcome) in &done {
         let keys = point.values.iter().map(|v| number(v).unwrap_or(f64::NAN));
@@ -116,7 +124,8 @@ fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliErro
     let ([key], false) = (keys, first.measures.is_empty()) else { return Ok(()) };
     let x: Option<Vec<f64>> = done.iter().map(|(p, _)| number(&p.values[0])).collect();
     let Some(x) = x.filter(|x| x.len() > 1) else { return Ok(()) };
-    let mut panels = Panels::new(first.measures.len().min(3)).title(format!("{} over {}", first.case, key.key));
+    let mut panels =
+        Panels::new(first.measures.len().min(3)).title(format!("{} over {}", first.case, key.key));
     for (m, (name, _, unit)) in first.measures.iter().enumerate() {
         let y: Vec<f64> = done.iter().map(|(_, o)| o.measures[m].1).collect();
         let chart = Chart::new(640, 520).x(Axis::new(&key.key)).y(Axis::new(name).unit(*unit, 1.0));

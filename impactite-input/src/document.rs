@@ -73,7 +73,7 @@ impl Source {
     /// The same with one key changed: `bodies.rod.speed=600`. The value is TOML, or a text where it is no TOML. Tables on the way are made.
     ///
     /// # Errors
-    /// No `=`; a key through something that is no table; a list that is not so long; a text that is no TOML.
+    /// No `=`; a parameter that the file has not, since it would change nothing; a key through something that is no table; a list that is not so long; a text that is no TOML.
     pub fn set(&self, assignment: &str) -> Result<Self, InputError> {
         let wrong = |why: String| InputError::Set { assignment: assignment.into(), why };
         let (key, value) = assignment
@@ -87,6 +87,20 @@ impl Source {
         let value: Value = value.parse().unwrap_or_else(|_| Value::from(value));
         let steps = steps_of(key);
         let Some((last, way)) = steps.split_last() else { return Err(wrong("the key is empty".into())) };
+        if let [Step::Key(table), Step::Key(name)] = &steps[..]
+            && table == "parameters"
+        {
+            let there = document.get(table).and_then(Item::as_table_like);
+            let names: Vec<&str> = there.into_iter().flat_map(|t| t.iter().map(|(name, _)| name)).collect();
+            if !names.contains(&name.as_str()) {
+                let meant = near(name, names.iter().copied())
+                    .map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+                return Err(wrong(format!(
+                    "the file has no parameter `{name}`; it has {}{meant}",
+                    names.join(", ")
+                )));
+            }
+        }
         let mut here: &mut Item = document.as_item_mut();
         for step in way {
             here = down(here, step).map_err(wrong)?;
@@ -114,7 +128,8 @@ impl Source {
             let (message, help) = helped(inner.message());
             Box::new(self.fault(inner.span(), path, message, help))
         })?;
-        scene.numbers = parameters.numbers().clone();
+        scene.known = parameters;
+        scene.expand().map_err(|(key, why)| Box::new(self.fault_at(&key, why, None)))?;
         Ok(scene)
     }
 

@@ -260,6 +260,21 @@ impl Snapshot {
         self.fields.iter().map(|(name, values)| (name.as_str(), values))
     }
 
+    /// The same with these fields alone.
+    ///
+    /// # Errors
+    /// There is none of a name; the error lists those there are.
+    pub fn with_fields_only<S: AsRef<str>>(mut self, names: &[S]) -> Result<Self, OutputError> {
+        let missing = names.iter().map(AsRef::as_ref).find(|name| self.fields.iter().all(|(n, _)| n != name));
+        if let Some(name) = missing {
+            let names: Vec<String> = self.fields.iter().map(|(n, _)| format!("{n:?}")).collect();
+            let (kind, name, available) = ("such", name.to_string(), names.join(", "));
+            return Err(OutputError::NoSuchField { kind, name, available });
+        }
+        self.fields.retain(|(name, _)| names.iter().any(|n| n.as_ref() == name));
+        Ok(self)
+    }
+
     /// A scalar field by name.
     ///
     /// # Errors

@@ -377,12 +377,11 @@ pub(crate) mod describe {
 
     use super::{At, Made, SceneFile, known, wrong};
     use crate::model::measure::{Measurement, Reference};
-    use crate::quantity::Parameters;
 
     /// The body of a measure, and its axis.
     pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
         let body = |name: &str, word: &str| {
-            known(&format!("{key}.{word}.body"), "body", name, scene.bodies.keys().map(String::as_str))
+            known(&format!("{key}.{word}.body"), "body", name, scene.expanded.keys().map(String::as_str))
                 .map(|_| ())
         };
         use Measurement as M;
@@ -457,12 +456,7 @@ pub(crate) mod describe {
             Reference::Number(number) => wrong(key, format!("{number} is not finite")),
             Reference::Text(text) => {
                 let unit = unit(measure);
-                let mut parameters = Parameters::default();
-                for (name, number) in &scene.numbers {
-                    // As plain numbers in SI units, that a reference may be written with.
-                    parameters.define(name, &format!("{number:?}")).at(&key)?;
-                }
-                parameters.quantity(text, if unit == "-" { "" } else { unit }).at(key)
+                scene.known.quantity(text, if unit == "-" { "" } else { unit }).at(key)
             }
         }
     }

@@ -14,8 +14,8 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     options: &Fem,
 ) -> Made<Box<dyn Solver>> {
     let mut fem = Scene::new(embedding);
-    let names: Vec<&str> = world.scene.bodies.keys().map(String::as_str).collect();
-    for (name, body) in &world.scene.bodies {
+    let names: Vec<&str> = world.scene.expanded.keys().map(String::as_str).collect();
+    for (name, body) in &world.scene.expanded {
         fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
     }
     if let Some(contact) = &world.scene.contact {

@@ -50,7 +50,7 @@ where
     };
     let criterion = criterion(options)?;
     particles::scene(world, |name| {
-        let (key, spec) = (format!("bodies.{name}"), &world.scene.bodies[name]);
+        let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
         let cells = cells(world, &key, spec, options)?;
         let velocity = world.velocity(&key, spec, &cells.bounds())?;
         let method = Method::new(embedding, flux, penalty, criterion);

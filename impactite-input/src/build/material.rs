@@ -7,14 +7,14 @@ use impactite::materials::{
     Adiabatic, BulkViscosity, Cone, Constitutive, Detonation, DruckerPrager, Elastic, Explosive, Fluid,
     Ground, Heat, IdealGas, IntoMaterial, J2, JohnsonCook, JohnsonCookDamage, Jwl, JwlConstants,
     LinearDensity, LinearElastic, Logarithmic, LogarithmicBulk, Material, MieGruneisen, Moduli, MohrCoulomb,
-    NeoHookean, Newtonian, PlaneStress, PlasticStrainLimit, Solid, Tait, TensilePressure, library,
+    NeoHookean, Newtonian, PlaneStress, PlasticStrainLimit, Removed, Solid, Tait, TensilePressure, library,
 };
 use impactite::mpm::{Deformable, Mpm, Traction};
 
 use super::common::Velocity;
 use super::{At, Made, wrong};
 use crate::model::material::{
-    ElasticConstants, Eos, ExplosiveLaw, Failure, FluidLaw, FrictionConstants, GroundLaw, Library,
+    ConeWord, ElasticConstants, Eos, ExplosiveLaw, Failure, FluidLaw, FrictionConstants, GroundLaw, Library,
     Material as Spec, Strength,
 };
 
@@ -24,6 +24,14 @@ pub(crate) struct Law {
     pub material: Arc<dyn Material<f64>>,
     /// Of an explosive, what lights it.
     pub explosive: Option<Charge>,
+}
+
+/// Where a charge is lit: m, and s.
+pub(crate) struct Start {
+    pub at: [f64; 3],
+    /// The normal of the plane that is lit at once.
+    pub plane: Option<[f64; 3]>,
+    pub time: f64,
 }
 
 /// An explosive with its viscosity or without.
@@ -49,7 +57,7 @@ impl Law {
         velocity: &Velocity<D>,
         traction: Option<Traction<D>>,
         splitting: Option<impactite::mpm::Splitting>,
-        lit: &[([f64; 3], f64)],
+        lit: &[Start],
     ) -> Result<(), String> {
         let velocity = velocity.clone();
         macro_rules! body {
@@ -65,8 +73,12 @@ impl Law {
             ($charge:expr) => {{
                 let charge = $charge;
                 let mut wave = Detonation::new(charge.detonation_speed()).map_err(|e| e.to_string())?;
-                for (at, time) in lit {
-                    wave = wave.from_point(*at, *time).map_err(|e| e.to_string())?;
+                for start in lit {
+                    wave = match start.plane {
+                        Some(normal) => wave.from_plane(start.at, normal, start.time),
+                        None => wave.from_point(start.at, start.time),
+                    }
+                    .map_err(|e| e.to_string())?;
                 }
                 let state = move |x: [f64; D]| {
                     let x: [f64; 3] = std::array::from_fn(|d| if d < D { x[d] } else { 0.0 });
@@ -135,6 +147,11 @@ pub(super) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
         "bulk_viscosity",
         &["library", "strength", "ground", "fluid", "explosive"],
     )?;
+    let explodes = kind == "explosive" || spec.library == Some(Library::Tnt);
+    if spec.burn_width.is_some() && !explodes {
+        return wrong(format!("{key}.burn_width"), "is of explosives");
+    }
+    let width = spec.burn_width.map(|q| q.value);
     if plate && kind != "elastic" {
         return wrong(
             key,
@@ -152,7 +169,7 @@ pub(super) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
         return Ok(there(NeoHookean::new(constants.density.value, moduli(&key, constants)?).at(key)?));
     }
     if let Some(name) = spec.library {
-        return of_library(key, name, spec.failure.as_ref(), viscosity);
+        return of_library(key, name, spec.failure.as_ref(), viscosity, width);
     }
     if let Some(strength) = &spec.strength {
         let Some(eos) = &spec.eos else { return wrong(key, "`strength` goes with an `eos`") };
@@ -180,17 +197,30 @@ pub(super) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
             if let Some(speed) = k.detonation_speed {
                 charge = charge.with_detonation_speed(speed.value).at(&key)?;
             }
-            explosive(&key, charge, viscosity)
+            explosive(&key, charge, viscosity, width)
         }
         None => wrong(key, "is of no kind"),
     }
 }
 
 fn moduli(key: &str, k: &ElasticConstants) -> Made<Moduli<f64>> {
-    Moduli::young_poisson(k.young.value, k.poisson.value).at(key)
+    match (k.young, k.poisson, k.bulk_modulus, k.shear_modulus) {
+        (Some(young), Some(poisson), None, None) => Moduli::young_poisson(young.value, poisson.value).at(key),
+        (None, None, Some(bulk), Some(shear)) => Moduli::bulk_shear(bulk.value, shear.value).at(key),
+        _ => wrong(key, "needs `young` and `poisson`, or `bulk_modulus` and `shear_modulus`"),
+    }
 }
 
-fn explosive(key: &str, charge: Explosive<f64>, viscosity: Option<[f64; 2]>) -> Made<Law> {
+fn explosive(
+    key: &str,
+    charge: Explosive<f64>,
+    viscosity: Option<[f64; 2]>,
+    width: Option<f64>,
+) -> Made<Law> {
+    let charge = match width {
+        Some(cells) => charge.with_burn_width(cells).at(key)?,
+        None => charge,
+    };
     Ok(match viscosity {
         Some([linear, quadratic]) => {
             let charge = charge.with_bulk_viscosity(linear, quadratic).at(key)?;
@@ -221,7 +251,13 @@ macro_rules! viscous {
     }};
 }
 
-fn of_library(key: &str, name: Library, failure: Option<&Failure>, viscosity: Option<[f64; 2]>) -> Made<Law> {
+fn of_library(
+    key: &str,
+    name: Library,
+    failure: Option<&Failure>,
+    viscosity: Option<[f64; 2]>,
+    width: Option<f64>,
+) -> Made<Law> {
     macro_rules! adiabatic {
         ($law:expr) => {
             with_failure(key, $law, failure, viscosity)
@@ -232,7 +268,7 @@ fn of_library(key: &str, name: Library, failure: Option<&Failure>, viscosity: Op
             let law = $law;
             match failure {
                 None => Ok(viscous!(key, law, viscosity)),
-                Some(Failure::PlasticStrain(limit)) => {
+                Some(Failure::PlasticStrain(limit)) if !limit.removed => {
                     let failure = PlasticStrainLimit::new(limit.limit.value)
                         .at(format!("{key}.failure.plastic_strain"))?;
                     Ok(viscous!(key, law.with_failure(failure), viscosity, here))
@@ -289,7 +325,7 @@ fn of_library(key: &str, name: Library, failure: Option<&Failure>, viscosity: Op
         Library::SlopeSoil => Ok(viscous!(key, library::slope_soil(), viscosity)),
         Library::AluminiumBars => Ok(viscous!(key, library::aluminium_bars(), viscosity)),
         Library::DrySand => Ok(viscous!(key, library::dry_sand(), viscosity)),
-        Library::Tnt => explosive(key, library::tnt(), viscosity),
+        Library::Tnt => explosive(key, library::tnt(), viscosity, width),
         Library::Air => Ok(viscous!(key, library::air(), viscosity)),
         Library::Water => Ok(viscous!(key, library::water(), viscosity)),
         Library::WaterShocked => Ok(viscous!(key, library::water_shocked(), viscosity)),
@@ -325,7 +361,11 @@ fn with_failure(
         }
         Some(Failure::PlasticStrain(k)) => {
             let limit = PlasticStrainLimit::new(k.limit.value).at(at("plastic_strain"))?;
-            viscous!(key, law.with_failure(limit), viscosity, here)
+            if k.removed {
+                viscous!(key, law.with_failure(Removed(limit)), viscosity, here)
+            } else {
+                viscous!(key, law.with_failure(limit), viscosity, here)
+            }
         }
     })
 }
@@ -370,7 +410,7 @@ fn metal(
                 (Eos::MieGruneisen(k), None) => {
                     Ok(viscous!(key, Solid::new(strength, shock(k)?), viscosity, here))
                 }
-                (Eos::LogarithmicBulk(k), Some(Failure::PlasticStrain(limit))) => {
+                (Eos::LogarithmicBulk(k), Some(Failure::PlasticStrain(limit))) if !limit.removed => {
                     let limit = PlasticStrainLimit::new(limit.limit.value)
                         .at(format!("{key}.failure.plastic_strain"))?;
                     Ok(viscous!(key, Solid::new(strength, bulk(k)?).with_failure(limit), viscosity, here))
@@ -384,7 +424,7 @@ fn metal(
             match (&s.rate, &s.heat) {
                 (None, None) => match failure {
                     None => Ok(viscous!(key, Solid::new(plain, shock(k)?), viscosity)),
-                    Some(Failure::PlasticStrain(limit)) => {
+                    Some(Failure::PlasticStrain(limit)) if !limit.removed => {
                         let limit = PlasticStrainLimit::new(limit.limit.value)
                             .at(format!("{key}.failure.plastic_strain"))?;
                         Ok(viscous!(key, Solid::new(plain, shock(k)?).with_failure(limit), viscosity, here))
@@ -413,7 +453,7 @@ fn metal(
 
 /// What of metals is compiled, in words.
 pub(crate) const METALS: &str = "elastic with any eos; j2 with logarithmic_bulk (and failure plastic_strain) or mie_gruneisen; johnson_cook with \
-     mie_gruneisen, without rate and heat (and failure plastic_strain) or with both (and any failure)";
+     mie_gruneisen, without rate and heat (and failure plastic_strain) or with both (and any failure); `removed` with rate and heat alone";
 
 fn not_compiled(key: &str) -> Made<Law> {
     wrong(
@@ -431,9 +471,14 @@ fn of_ground(key: &str, ground: &GroundLaw, viscosity: Option<[f64; 2]>) -> Made
         GroundLaw::DruckerPrager(k) => {
             let at = format!("{key}.ground.drucker_prager");
             let (density, moduli) = (k.density.value, moduli(k, &at)?);
+            let cone = match k.cone {
+                None | Some(ConeWord::Outer) => Cone::Outer,
+                Some(ConeWord::Inner) => Cone::Inner,
+                Some(ConeWord::PlaneStrain) => Cone::PlaneStrain,
+            };
             let angles = (k.friction.value, k.cohesion.value, k.dilatancy.value);
-            let mut law = DruckerPrager::matching(density, moduli, Cone::Outer, angles.0, angles.1, angles.2)
-                .at(&at)?;
+            let mut law =
+                DruckerPrager::matching(density, moduli, cone, angles.0, angles.1, angles.2).at(&at)?;
             if let Some(tension) = k.tension {
                 law = law.with_tension_cap(tension.value).at(&at)?;
             }
@@ -441,6 +486,12 @@ fn of_ground(key: &str, ground: &GroundLaw, viscosity: Option<[f64; 2]>) -> Made
         }
         GroundLaw::MohrCoulomb(k) => {
             let at = format!("{key}.ground.mohr_coulomb");
+            if k.cone.is_some() {
+                return wrong(
+                    format!("{at}.cone"),
+                    "Mohr and Coulomb's law is the pyramid itself: a cone is of `drucker_prager`",
+                );
+            }
             let (density, moduli) = (k.density.value, moduli(k, &at)?);
             let mut law =
                 MohrCoulomb::new(density, moduli, k.friction.value, k.cohesion.value, k.dilatancy.value)

@@ -14,6 +14,7 @@ use impactite::mpm::{
 use impactite::scene::Solver;
 
 use super::common::{Setting, World, of_body};
+use super::material::Start;
 use super::{At, Made, mesh, shape, wrong};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
@@ -28,30 +29,13 @@ macro_rules! kernels {
         };
         use $crate::model::method::{Purpose, ShapeFunction as S, StressUpdate as U, Transfer as X};
         let (space, options) = ($space, $options);
-        macro_rules! made {
-            ($method:expr) => {{
-                if options.mean_dilatation {
-                    $method.mean_dilatation().compiled().into_kernels()
-                } else {
-                    $method.into_kernels()
-                }
-            }};
-        }
         let key = "method.mpm.parts";
         match (&options.parts, options.purpose) {
             (Some(_), Some(_)) => $crate::build::wrong(key, "either `for` or `parts`"),
             (None, purpose) => Ok(match purpose.unwrap_or_default() {
-                Purpose::Impact => made!(Method::impact(space)),
-                Purpose::ContactAtRest => made!(Method::contact_at_rest(space)),
-                Purpose::LargeElastic => {
-                    if options.mean_dilatation {
-                        return $crate::build::wrong(
-                            "method.mpm.mean_dilatation",
-                            "is not compiled for `large elastic`",
-                        );
-                    }
-                    Method::large_elastic(space).into_kernels()
-                }
+                Purpose::Impact => Method::impact(space).into_kernels(),
+                Purpose::ContactAtRest => Method::contact_at_rest(space).into_kernels(),
+                Purpose::LargeElastic => Method::large_elastic(space).into_kernels(),
             }),
             (Some(parts), None) => {
                 if parts.relaxation.is_some() != (parts.transfer == X::Blend) {
@@ -66,12 +50,6 @@ macro_rules! kernels {
                         format!("{key}.relaxation"),
                     )
                 };
-                if options.mean_dilatation {
-                    return $crate::build::wrong(
-                        "method.mpm.mean_dilatation",
-                        "is compiled for `for = \"impact\"` and `\"contact at rest\"`",
-                    );
-                }
                 Ok(match (parts.shape_function, parts.transfer, parts.stress_update) {
                     (S::Linear, X::Flip, U::Musl) => Method::new(Linear, Flip, Musl, space).into_kernels(),
                     (S::Linear, X::Blend, U::Musl) => {
@@ -129,7 +107,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         let message = format!("{} is not allowed; it must be 1 to 8", options.particles_per_cell);
         return wrong("method.mpm.particles_per_cell", message);
     }
-    let bodies = &world.scene.bodies;
+    let bodies = &world.scene.expanded;
     // Bodies of elements come after those of particles, as clients of their scene.
     let order: Vec<(&String, &Body)> = bodies
         .iter()
@@ -187,7 +165,14 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
                 let mut lit = Vec::new();
                 for (n, start) in body.lit.iter().enumerate() {
                     let at: [f64; D] = fixed(&start.at).at(format!("{key}.lit[{n}].at"))?;
-                    lit.push((std::array::from_fn(|d| if d < D { at[d] } else { 0.0 }), start.time.value));
+                    let wide =
+                        |x: [f64; D]| -> [f64; 3] { std::array::from_fn(|d| if d < D { x[d] } else { 0.0 }) };
+                    let plane = start
+                        .plane
+                        .as_ref()
+                        .map(|p| fixed::<D, _>(p).at(format!("{key}.lit[{n}].plane")))
+                        .transpose()?;
+                    lit.push(Start { at: wide(at), plane: plane.map(wide), time: start.time.value });
                 }
                 law.add(&mut mpm, name, &seeds, &velocity, traction, splitting, &lit).at(&key)?;
             }

@@ -20,7 +20,7 @@ where
     B: ParticleBody<D> + Solver,
     F: FnMut(&str) -> Made<B>,
 {
-    let names: Vec<&str> = world.scene.bodies.keys().map(String::as_str).collect();
+    let names: Vec<&str> = world.scene.expanded.keys().map(String::as_str).collect();
     let laws = world.laws(&names)?;
     if let ([name], None) = (&names[..], &laws) {
         return Ok(Box::new(make(name)?));
@@ -63,7 +63,7 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
     macro_rules! with {
         ($method:expr) => {
             scene(world, |name| {
-                let (key, spec) = (format!("bodies.{name}"), &world.scene.bodies[name]);
+                let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
                 let shape = world.shape(&key, spec)?;
                 let seeds = fill(&*shape, &lattice, 1, &world.filling()).at(format!("{key}.shape"))?;
                 let velocity = world.velocity(&key, spec, &shape.bounds())?;
@@ -100,15 +100,17 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     options: &Pcmm,
 ) -> Made<Box<dyn Solver>> {
     let spacing = options.spacing.value;
+    let tolerance = options.tolerance.map_or(TOLERANCE, |q| q.value);
+    let stretch = options.stretch.map_or(STRETCH, |q| q.value);
     let lattice = Lattice::new([0.0; D], spacing).at("method.pcmm.spacing")?;
     scene(world, |name| {
-        let (key, spec) = (format!("bodies.{name}"), &world.scene.bodies[name]);
+        let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
         let shape = world.shape(&key, spec)?;
         let packing =
             Packing::on_nodes(&*shape, &lattice).map_err(|e| of_body(&format!("{key}.shape"), e))?;
         let velocity = world.velocity(&key, spec, &shape.bounds())?;
         let law = world.law(&key, spec)?.material;
-        let delaunay = LocalDelaunay::new(TOLERANCE * spacing, STRETCH).at("method.pcmm.spacing")?;
+        let delaunay = LocalDelaunay::new(tolerance * spacing, stretch).at("method.pcmm")?;
         let method = PcmmMethod::consistent(embedding, delaunay);
         let body: Result<PcmmBody<D, _>, _> =
             PcmmBody::new(method, law, &packing, move |x| velocity(x), Masses::FromElements);

@@ -59,6 +59,9 @@ pub struct Body {
     /// Faces that are open from the start (`fpm`).
     #[serde(default)]
     pub notches: Vec<Notch>,
+    /// As many such bodies, by their names and a number from 1.
+    #[serde(default)]
+    pub repeat: Option<Repeat>,
 }
 
 macro_rules! parts {
@@ -98,6 +101,9 @@ parts! {
     Lit {
         /// A place.
         at: Vector<Length>,
+        /// Lit in the whole plane through the place with this normal.
+        #[serde(default)]
+        plane: Option<Vector<Plain>>,
         /// When.
         #[serde(default)]
         time: Quantity<Time>,
@@ -113,6 +119,13 @@ parts! {
         /// Part of the reference volume.
         #[serde(default)]
         volume: Option<Quantity<Plain>>,
+    }
+    /// Bodies in rows.
+    Repeat {
+        /// How many along each axis.
+        counts: Vec<u32>,
+        /// Their distance along each axis.
+        step: Vector<Length>,
     }
     /// A straight cut in the plane; in space a flat convex one.
     Notch {

@@ -4,8 +4,8 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::quantity::{
-    Angle, Density, EnergyDensity, HeatCapacity, Length, Plain, Pressure, Quantity, Rate, Speed,
-    SurfaceEnergy, Temperature, Time, Viscosity,
+    Angle, Density, EnergyDensity, HeatCapacity, Plain, Pressure, Quantity, Rate, Speed, Temperature,
+    Viscosity,
 };
 
 /// A material: exactly one of `library`, `elastic`, `neo_hookean`, `strength` with `eos`, `ground`, `fluid`, `explosive`; metals with
@@ -40,6 +40,9 @@ pub struct Material {
     /// An explosive.
     #[serde(default)]
     pub explosive: Option<ExplosiveLaw>,
+    /// Width of the burn of an explosive, in cells; 1.5 if not given.
+    #[serde(default)]
+    pub burn_width: Option<Quantity<Plain>>,
     /// Artificial bulk viscosity against ringing behind shocks: linear and quadratic coefficient, as `[0.06, 1.5]`.
     #[serde(default)]
     pub bulk_viscosity: Option<[Quantity<Plain>; 2]>,
@@ -139,7 +142,7 @@ pub enum Eos {
     MieGruneisen(ShockConstants),
 }
 
-/// When metal fails; it then bears no tension and no shear.
+/// When metal fails; it then bears compression alone, as rubble.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Failure {
@@ -155,7 +158,7 @@ pub enum Failure {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum GroundLaw {
-    /// Drucker-Prager, matched to Mohr and Coulomb at the outer (compressive) cone.
+    /// Drucker-Prager, matched to Mohr and Coulomb by `cone`.
     DruckerPrager(FrictionConstants),
     /// Mohr-Coulomb.
     MohrCoulomb(FrictionConstants),
@@ -186,10 +189,18 @@ constants! {
     ElasticConstants {
         /// Density rho0.
         density: Quantity<Density>,
-        /// Young's modulus E.
-        young: Quantity<Pressure>,
+        /// Young's modulus E, with `poisson`; instead of both `bulk_modulus` and `shear_modulus`.
+        #[serde(default)]
+        young: Option<Quantity<Pressure>>,
         /// Poisson's ratio nu.
-        poisson: Quantity<Plain>,
+        #[serde(default)]
+        poisson: Option<Quantity<Plain>>,
+        /// Bulk modulus K.
+        #[serde(default)]
+        bulk_modulus: Option<Quantity<Pressure>>,
+        /// Shear modulus G.
+        #[serde(default)]
+        shear_modulus: Option<Quantity<Pressure>>,
     }
     /// Shear modulus.
     Shear {
@@ -286,6 +297,9 @@ constants! {
     StrainLimit {
         /// The plastic strain.
         limit: Quantity<Plain>,
+        /// Does what failed bear nothing from then on, and meet nothing?
+        #[serde(default)]
+        removed: bool,
     }
     /// Elasticity, friction and cohesion.
     FrictionConstants {
@@ -306,6 +320,9 @@ constants! {
         /// Tensile strength; that of the apex if none is given.
         #[serde(default)]
         tension: Option<Quantity<Pressure>>,
+        /// Which cone of Drucker and Prager stands for Mohr and Coulomb's pyramid; `outer` if none is given.
+        #[serde(default)]
+        cone: Option<ConeWord>,
     }
     /// Of a gas.
     GasConstants {
@@ -351,9 +368,14 @@ constants! {
     }
 }
 
-/// Measures that cracks of faces are given in; here since cohesive laws are of materials and methods alike.
-pub type FractureEnergy = Quantity<SurfaceEnergy>;
-/// A width over which a failure strain was measured.
-pub type ReferenceSize = Quantity<Length>;
-/// A moment.
-pub type Moment = Quantity<Time>;
+/// A cone through, or beside, Mohr and Coulomb's pyramid.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ConeWord {
+    /// Through its inner edges: exact in triaxial extension, safe elsewhere.
+    Inner,
+    /// Through its outer edges: exact in triaxial compression.
+    Outer,
+    /// Equal limit loads in plane strain.
+    PlaneStrain,
+}

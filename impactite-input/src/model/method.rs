@@ -48,9 +48,6 @@ parts! {
         /// Where a node of the grid lies; at the origin if not given.
         #[serde(default)]
         origin: Option<Vector<Length>>,
-        /// The mean dilatation of a cell, against volumetric locking.
-        #[serde(default)]
-        mean_dilatation: bool,
     }
     /// Finite elements.
     Fem {
@@ -93,6 +90,12 @@ parts! {
     Pcmm {
         /// Distance of particles.
         spacing: Quantity<Length>,
+        /// Particles touch that are this much further apart than their radii, in spacings; 0.5 if not given. At least 0.42 where they begin on a lattice.
+        #[serde(default)]
+        tolerance: Option<Quantity<Plain>>,
+        /// Elements are cracks where gaps are this many tolerances; 2 if not given, 20 for metal that flows.
+        #[serde(default)]
+        stretch: Option<Quantity<Plain>>,
     }
     /// A choice of parts.
     Parts {

@@ -14,7 +14,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use crate::formula::{Coordinates, Formula};
-use crate::quantity::{Acceleration, Measure, Quantity, Time};
+use crate::quantity::{Acceleration, Measure, Parameters, Quantity, Time};
 use body::Body;
 use condition::Condition;
 use contact::Contact;
@@ -69,10 +69,70 @@ pub struct SceneFile {
     /// What is written while the scene runs.
     #[serde(default)]
     pub output: Output,
-    /// The parameters in SI units.
+    /// The bodies of the scene, repeated ones one by one.
     #[serde(skip)]
     #[schemars(skip)]
-    pub numbers: IndexMap<String, f64>,
+    pub expanded: IndexMap<String, Body>,
+    /// The parameters, with their units.
+    #[serde(skip)]
+    #[schemars(skip)]
+    pub known: Parameters,
+}
+
+/// Most bodies that a repetition makes.
+const MOST: u64 = 4096;
+
+impl SceneFile {
+    /// Bodies that are repeated, one by one.
+    ///
+    /// # Errors
+    /// The key, and what is wrong there.
+    pub(crate) fn expand(&mut self) -> Result<(), (String, String)> {
+        let mut all = IndexMap::new();
+        for (name, body) in &self.bodies {
+            let Some(repeat) = &body.repeat else {
+                all.insert(name.clone(), body.clone());
+                continue;
+            };
+            let key = format!("bodies.{name}.repeat");
+            let dimensions = self.space.dimensions();
+            if repeat.counts.len() != dimensions || repeat.step.len() != dimensions {
+                return Err((key, format!("`counts` and `step` need {dimensions} components")));
+            }
+            let count = repeat
+                .counts
+                .iter()
+                .map(|&c| u64::from(c))
+                .try_fold(1u64, u64::checked_mul)
+                .unwrap_or(u64::MAX);
+            if !(1..=MOST).contains(&count) {
+                return Err((key, format!("makes {count} bodies; 1 to {MOST} are allowed")));
+            }
+            let Some(shape) = &body.shape else {
+                return Err((key, "is of bodies with a `shape`".into()));
+            };
+            for n in 0..count {
+                let mut rest = n;
+                let by = repeat.counts.iter().zip(&repeat.step).map(|(&count, step)| {
+                    let place = rest % u64::from(count);
+                    rest /= u64::from(count);
+                    Quantity::new(place as f64 * step.value)
+                });
+                let moved = shape::MovedShape {
+                    shape: shape.clone(),
+                    by: Some(by.collect()),
+                    turn: None,
+                    axis: None,
+                    about: None,
+                };
+                let one =
+                    Body { shape: Some(shape::Shape::Moved(Box::new(moved))), repeat: None, ..body.clone() };
+                all.insert(format!("{name} {}", n + 1), one);
+            }
+        }
+        self.expanded = all;
+        Ok(())
+    }
 }
 
 /// A named value: a number, or a text with a unit or arithmetic with the parameters before it.

@@ -13,6 +13,7 @@ pub struct VtkSeries {
     pace: Pace,
     series: output::VtkSeries,
     times: Vec<f64>,
+    fields: Option<Vec<String>>,
 }
 
 impl VtkSeries {
@@ -25,13 +26,19 @@ impl VtkSeries {
         name: impl Into<String>,
         pace: Pace,
     ) -> Result<Self, ObserveError> {
-        Ok(VtkSeries { pace, series: output::VtkSeries::create(folder, name)?, times: Vec::new() })
+        Ok(VtkSeries { pace, series: output::VtkSeries::create(folder, name)?, times: Vec::new(), fields: None })
     }
 
     /// Write frames so.
     #[must_use]
     pub fn with_options(self, options: VtkOptions) -> Self {
         VtkSeries { series: self.series.with_options(options), ..self }
+    }
+
+    /// Write these fields alone.
+    #[must_use]
+    pub fn with_fields<S: Into<String>>(self, names: impl IntoIterator<Item = S>) -> Self {
+        VtkSeries { fields: Some(names.into_iter().map(Into::into).collect()), ..self }
     }
 
     /// The path of the `.pvd` file.
@@ -52,7 +59,12 @@ impl Observer for VtkSeries {
         &mut self.pace
     }
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
-        self.series.write(&now.snapshot()?)?;
+        let snapshot = now.snapshot()?;
+        let snapshot = match &self.fields {
+            Some(names) => snapshot.with_fields_only(names)?,
+            None => snapshot,
+        };
+        self.series.write(&snapshot)?;
         self.times.push(now.time());
         Ok(())
     }

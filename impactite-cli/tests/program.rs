@@ -1,0 +1,229 @@
+//! The program as a person uses it.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// A small scene: a rubber disc falls on a floor.
+const DISC: &str = r#"
+title = "Disc <on> a floor"
+space = "plane strain"
+end = "2 ms"
+method.mpm = { cell = "2 mm" }
+materials.rubber.neo_hookean = { density = "1 g/cm^3", young = "1 MPa", poisson = 0.4 }
+conditions = [{ wall = { axis = "y", at = 0 } }]
+
+[parameters]
+radius = "10 mm"
+speed = "2 m/s"
+
+[bodies.disc]
+material = "rubber"
+shape.ball = { centre = [0, "radius + 1 mm"], radius = "radius" }
+velocity = [0, "-speed"]
+
+[measures]
+height = { centre = { body = "disc", axis = "y" } }
+velocity = { mean_velocity = { body = "disc", axis = "y" } }
+
+[[checks]]
+measure = "height"
+reference = "8.4 mm"
+tolerance = 0.2
+source = "a look"
+"#;
+
+fn program() -> Command {
+    Command::new(env!("CARGO_BIN_EXE_impactite"))
+}
+
+fn folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("impactite-program-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).expect("a folder");
+    folder
+}
+
+fn scene(folder: &Path, text: &str) -> PathBuf {
+    let path = folder.join("scene.toml");
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stdout).to_string() + &String::from_utf8_lossy(&output.stderr)
+}
+
+fn run(arguments: &[&str]) -> Output {
+    program().args(arguments).output().expect("the program")
+}
+
+#[test]
+fn a_run_leaves_its_page_its_numbers_and_the_same_bits_for_any_number_of_threads() {
+    let folder = folder("run");
+    let path = scene(&folder, DISC);
+    let mut results = Vec::new();
+    for threads in ["1", "2"] {
+        let out = folder.join(threads);
+        let output = run(&[
+            "run",
+            path.to_str().unwrap(),
+            "--out",
+            out.to_str().unwrap(),
+            "--threads",
+            threads,
+            "--json",
+        ]);
+        assert!(output.status.success(), "{}", said(&output));
+        let text = String::from_utf8_lossy(&output.stdout).to_string();
+        let last: serde_json::Value =
+            serde_json::from_str(text.lines().last().unwrap()).expect("JSON on the last line");
+        assert_eq!((&last["met"], &last["missed"]), (&1.into(), &0.into()));
+        assert!(last["energy_error"].as_f64().unwrap().abs() < 0.05, "{last}");
+        for file in
+            ["report.html", "run.json", "result.json", "measures.csv", "scene.toml", "paraview/scene.pvd"]
+        {
+            assert!(out.join(file).exists(), "{file}");
+        }
+        let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+        assert!(page.contains("Disc &lt;on&gt; a floor") && !page.contains("Disc <on>"));
+        results.push((last["measures"].clone(), std::fs::read(out.join("measures.csv")).unwrap()));
+    }
+    assert_eq!(results[0], results[1]);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn what_is_wrong_is_told_with_its_place() {
+    let folder = folder("wrong");
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("\"-speed\"", "\"-speeed\"", &["bodies.disc.velocity[1]", "speeed"]),
+        ("radius = \"radius\"", "radius = \"-radius\"", &["bodies.disc", "radius", "positive"]),
+        ("radius = \"radius\"", "radios = \"radius\"", &["radios", "did you mean `radius`?"]),
+        ("\"rubber\"", "\"rubbr\"", &["bodies.disc.material", "did you mean `rubber`?"]),
+        ("axis = \"y\", at", "axis = \"r\", at", &["conditions[0].wall.axis", "the axes are x, y"]),
+        ("\"1 MPa\"", "\"1 mm\"", &["materials.rubber", "pressure", "1 mm"]),
+        ("poisson = 0.4", "poisson = 0.6", &["materials.rubber.neo_hookean", "0.6"]),
+        ("cell = \"2 mm\"", "cell = 0", &["method.mpm.cell", "0"]),
+        ("measure = \"height\"", "measure = \"heigt\"", &["checks[0].measure", "did you mean `height`?"]),
+    ];
+    for (from, to, words) in cases {
+        assert!(DISC.contains(from), "{from}");
+        let path = scene(&folder, &DISC.replacen(from, to, 1));
+        let output = run(&["check", path.to_str().unwrap()]);
+        let text = said(&output);
+        assert!(!output.status.success(), "{to}: {text}");
+        for word in *words {
+            assert!(text.contains(word), "{to}: no `{word}` in\n{text}");
+        }
+        assert!(text.contains("scene.toml:") && text.contains("^"), "{to}: no place in\n{text}");
+    }
+    for (arguments, word) in [
+        (vec!["run", "nowhere.toml"], "nowhere.toml"),
+        (vec!["new", "nothing"], "taylor_bar"),
+        (vec!["report", "nowhere"], "nowhere"),
+        (vec!["resume", "nowhere"], "nowhere"),
+    ] {
+        let output = run(&arguments);
+        assert!(!output.status.success() && said(&output).contains(word), "{arguments:?}: {}", said(&output));
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// Interrupted by a signal, and killed: what comes of going on is what came without.
+#[cfg(unix)]
+#[test]
+fn interrupted_or_killed_it_goes_on_to_the_same_bits() {
+    let folder = folder("resume");
+    let path = scene(&folder, DISC);
+    let fine = ["--set", "method.mpm.cell=\"0.25 mm\"", "--no-pictures"];
+    let start = |out: &Path| {
+        let mut command = program();
+        command
+            .args(["run", path.to_str().unwrap(), "--out", out.to_str().unwrap(), "--checkpoint", "0.05"])
+            .args(fine);
+        command.stdout(Stdio::null()).stderr(Stdio::piped());
+        command
+    };
+    let whole = folder.join("whole");
+    assert!(start(&whole).status().expect("the program").success());
+    for signal in ["INT", "KILL"] {
+        let out = folder.join(signal);
+        let mut child = start(&out).spawn().expect("the program");
+        let begun = Instant::now();
+        while !out.join("run.checkpoint").exists() {
+            assert!(begun.elapsed() < Duration::from_secs(60), "no checkpoint");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        let kill =
+            Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status().expect("kill");
+        assert!(kill.success());
+        let status = child.wait().expect("the program's end");
+        assert!(!status.success(), "{signal}: it was over before");
+        if signal == "INT" {
+            assert_eq!(status.code(), Some(130));
+            let page = std::fs::read_to_string(out.join("report.html")).expect("a page of what there is");
+            assert!(page.contains("asked to stop"));
+        }
+        let output = run(&["resume", out.to_str().unwrap(), "--no-pictures"]);
+        assert!(output.status.success(), "{signal}: {}", said(&output));
+        let same =
+            |file: &str| std::fs::read(whole.join(file)).unwrap() == std::fs::read(out.join(file)).unwrap();
+        assert!(same("measures.csv"), "{signal}: another history");
+        let numbers = |of: &Path| -> serde_json::Value {
+            let text = std::fs::read_to_string(of.join("result.json")).unwrap();
+            let all: serde_json::Value = serde_json::from_str(&text).unwrap();
+            serde_json::json!([all["measures"], all["steps"], all["energy_error"], all["momentum_error"]])
+        };
+        assert_eq!(numbers(&whole), numbers(&out), "{signal}");
+        assert!(!out.join("run.checkpoint").exists());
+    }
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_sweep_has_a_table_and_a_chart() {
+    let folder = folder("sweep");
+    let path = scene(&folder, DISC);
+    let out = folder.join("out");
+    let output = run(&[
+        "sweep",
+        path.to_str().unwrap(),
+        "--out",
+        out.to_str().unwrap(),
+        "--over",
+        "parameters.speed=1 m/s,2 m/s,3 m/s",
+        "--no-pictures",
+    ]);
+    assert!(output.status.success(), "{}", said(&output));
+    let table = std::fs::read_to_string(out.join("sweep.csv")).unwrap();
+    assert_eq!(table.lines().count(), 4, "{table}");
+    let rows: Vec<Vec<f64>> =
+        table.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
+    assert_eq!(rows.iter().map(|r| r[0]).collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
+    // What flies faster is more squeezed by then.
+    assert!(rows[0][1] > rows[2][1], "{table}");
+    assert!(out.join("sweep.png").exists() && out.join("001/report.html").exists());
+    let output = run(&["sweep", path.to_str().unwrap(), "--over", "parameters.sped=1,2"]);
+    assert!(!output.status.success() && said(&output).contains("did you mean `speed`?"), "{}", said(&output));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn lists_schema_and_templates() {
+    for topic in ["methods", "laws", "materials", "contacts", "conditions", "shapes", "measures", "templates"]
+    {
+        let output = run(&["list", topic]);
+        assert!(output.status.success() && output.stdout.len() > 20, "{topic}: {}", said(&output));
+    }
+    let schema: serde_json::Value = serde_json::from_slice(&run(&["schema"]).stdout).expect("JSON");
+    assert!(schema["properties"]["bodies"].is_object());
+    let folder = folder("new");
+    let path = folder.join("bar.toml");
+    let made = run(&["new", "taylor_bar", path.to_str().unwrap()]);
+    assert!(made.status.success(), "{}", said(&made));
+    let checked = run(&["check", path.to_str().unwrap()]);
+    assert!(checked.status.success(), "{}", said(&checked));
+    assert!(!run(&["new", "taylor_bar", path.to_str().unwrap()]).status.success(), "it writes over a file");
+    std::fs::remove_dir_all(folder).unwrap();
+}
