@@ -1,5 +1,6 @@
 //! Reads what a run left in its folder.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -7,7 +8,9 @@ use serde::Deserialize;
 
 use crate::error::ReportError;
 use crate::number::{quantity, real};
-use crate::record::{Balances, Check, Column, FILE, FORMAT, HistoryRecord, PictureRecord, Progress, Record};
+use crate::record::{
+    Balances, Check, Column, FILE, FORMAT, Frames, HistoryRecord, PictureRecord, Progress, Record,
+};
 
 /// The result of an example case, in its folder.
 const RESULT: &str = "result.json";
@@ -65,10 +68,22 @@ struct Case {
     particle_updates_per_second: f64,
     peak_memory_bytes: usize,
     checks: Vec<Check>,
+    #[serde(default)]
+    not_judged: Vec<NotJudged>,
     #[serde(with = "real")]
     energy_error: f64,
     #[serde(with = "real")]
     momentum_error: f64,
+}
+
+/// A row that says nothing at the resolution of its case.
+#[derive(Deserialize)]
+struct NotJudged {
+    name: String,
+    #[serde(with = "real")]
+    value: f64,
+    unit: String,
+    reason: String,
 }
 
 fn of_case(folder: &Path, path: &Path) -> Result<Record, ReportError> {
@@ -82,7 +97,7 @@ fn of_case(folder: &Path, path: &Path) -> Result<Record, ReportError> {
     let mut record = Record::new(&case.case)
         .setting("resolution", words(&case.resolution), "")
         .setting("points, all simulations", case.particles, "")
-        .setting("simulated time, all simulations", quantity(case.simulated_seconds, "s"), "")
+        .setting("simulated time, all simulations", quantity(case.simulated_seconds, "s", 4), "")
         .checks(case.checks);
     if let serde_json::Value::Object(settings) = &case.settings {
         for (name, value) in settings {
@@ -90,7 +105,12 @@ fn of_case(folder: &Path, path: &Path) -> Result<Record, ReportError> {
         }
     }
     record.balances = Some(Balances::errors(case.energy_error, case.momentum_error));
-    record.progress = Progress::Finished { time: case.simulated_seconds };
+    // It is written at the end of a case, whose simulations may end at several times.
+    record.progress = Progress::Finished { time: None };
+    for row in case.not_judged {
+        let remark = format!("not judged at this resolution: {}", row.reason);
+        record.checks.push(Check::shown(row.name, row.value, &row.unit, &remark));
+    }
     record.timing.steps = case.steps;
     record.timing.stepping = Some(case.wall_seconds);
     record.timing.updates = case.wall_seconds * case.particle_updates_per_second;
@@ -98,16 +118,28 @@ fn of_case(folder: &Path, path: &Path) -> Result<Record, ReportError> {
     // Another program, maybe of another version.
     record.machine.versions.clear();
     record.machine.features.clear();
+    let mut series: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for name in names(folder)? {
         let title = || name.rsplit_once('.').map_or(&*name, |(stem, _)| stem).replace('_', " ");
         if name.ends_with(".csv") {
             record.histories.push(HistoryRecord::new(title(), &name));
+        } else if let Some(of) = frame_of(&name) {
+            series.entry(of.into()).or_default().push(name);
         } else if name.ends_with(".png") {
             record.pictures.push(PictureRecord { file: name.clone(), caption: title() });
         }
     }
+    let longest = series.into_iter().rev().max_by_key(|(_, files)| files.len());
+    record.animation =
+        longest.map(|(of, files)| Frames { files, caption: of.replace('_', " "), times: Vec::new() });
     record.check_fields().map_err(|error| ReportError::damaged(path, error))?;
     Ok(record)
+}
+
+/// The series that a file is a frame of, `bar` of `bar_000007.png`.
+fn frame_of(name: &str) -> Option<&str> {
+    let (of, number) = name.strip_suffix(".png")?.rsplit_once('_')?;
+    (number.len() == 6 && number.bytes().all(|b| b.is_ascii_digit())).then_some(of)
 }
 
 /// Names of the files in a folder, in order; those in the making and those that are no text are left out.
@@ -253,16 +285,24 @@ mod tests {
             "simulated_seconds":8e-5,"wall_seconds":2.0,"particle_updates_per_second":204.0,"peak_memory_bytes":1000,
             "checks":[{"name":"length","value":0.0163,"unit":"m","reference":0.0162,"tolerance":0.02,"source":"[S]","pass":true,"known":null},
             {"name":"width","value":null,"unit":"m","reference":0.0142,"tolerance":0.02,"source":"[S]","pass":false,"known":"too coarse"}],
-            "met":1,"missed":1,"shown":0,"not_judged":[],"energy_error":-0.012,"momentum_error":1e-15}"#;
+            "met":1,"missed":1,"shown":0,"not_judged":[{"name":"spall","value":1.0,"unit":"m","reason":"two cells"}],"energy_error":-0.012,"momentum_error":1e-15}"#;
         fs::write(folder.0.join(RESULT), json).expect("written");
         fs::write(folder.0.join("length_copper.csv"), "time [s],length [m]\n0,1\n").expect("written");
-        fs::write(folder.0.join("bar.png"), "").expect("written");
+        for name in ["bar.png", "film_000001.png", "film_000000.png", "other_000000.png", "bar_12.png"] {
+            fs::write(folder.0.join(name), "").expect("written");
+        }
         let record = Record::open(&folder.0).expect("a record");
         assert_eq!((record.title.as_str(), record.met()), ("taylor_bar", [1, 2]));
         assert!(record.checks[1].value.is_nan());
         assert_eq!(record.checks[1].known.as_deref(), Some("too coarse"));
         assert_eq!(record.histories, [HistoryRecord::new("length copper", "length_copper.csv")]);
-        assert_eq!(record.pictures[0].file, "bar.png");
+        let pictures: Vec<&str> = record.pictures.iter().map(|p| p.file.as_str()).collect();
+        assert_eq!(pictures, ["bar.png", "bar_12.png"]);
+        assert_eq!(record.animation.as_ref().expect("frames").files, ["film_000000.png", "film_000001.png"]);
+        assert_eq!(
+            (record.checks[2].pass, &*record.checks[2].source),
+            (None, "not judged at this resolution: two cells")
+        );
         assert_eq!(record.balances.map(|b| b.energy_error), Some(-0.012));
         assert_eq!(record.timing.rate(), Some(204.0));
     }

@@ -86,6 +86,11 @@ pub fn percent(share: f64) -> String {
     }
 }
 
+/// Is it an energy error as a share, which is shown by [`percent`]?
+pub(crate) fn is_energy_error(name: &str, unit: &str) -> bool {
+    name.contains("energy error") && unit == "-"
+}
+
 /// A number to `digits` significant ones, without needless noughts.
 pub(crate) fn significant(x: f64, digits: usize) -> String {
     let size = x.abs();
@@ -130,19 +135,20 @@ pub(crate) fn readable(largest: f64, unit: &str) -> (String, f64) {
     let size = largest.abs();
     // Of what may be per radian or metre of depth the first word is the unit.
     let (first, rest) = unit.split_once(' ').map_or((unit, ""), |(first, _)| (first, &unit[first.len()..]));
-    let longest = if first == "s" { 1.0 } else { f64::INFINITY };
-    if !PREFIXED.contains(&first) || !(size > 0.0 && size.is_finite()) || (first == "m" && size >= 1.0) {
+    if !(PREFIXED.contains(&first) && size > 0.0 && size.is_finite()) {
         return (unit.into(), 1.0);
     }
-    let fits = |&&(one, _): &&(f64, &str)| size >= one * 0.999_999 && one <= longest;
+    // Seconds and metres are not counted by thousands.
+    let most = if ["s", "m"].contains(&first) { 1.0 } else { f64::INFINITY };
+    let fits = |&&(one, _): &&(f64, &str)| size >= one * 0.999_999 && one <= most;
     let (one, prefix) = PREFIXES.iter().find(fits).unwrap_or(&(1e-12, "p"));
     (format!("{prefix}{first}{rest}"), 1.0 / one)
 }
 
-/// A number in `unit` with it, to four digits: `80 µs`.
-pub(crate) fn quantity(x: f64, unit: &str) -> String {
+/// A number in `unit` with it, to so many digits: `80 µs`.
+pub(crate) fn quantity(x: f64, unit: &str, digits: usize) -> String {
     let (unit, factor) = readable(x, unit);
-    let number = significant(x * factor, 4);
+    let number = significant(x * factor, digits);
     if unit.is_empty() || unit == "-" { number } else { format!("{number} {unit}") }
 }
 
@@ -177,13 +183,13 @@ mod tests {
         assert_eq!(significant(9.9996, 4), "10");
         assert_eq!(significant(-2.5e-13, 4), "-2.5e-13");
         assert_eq!(significant(1e7, 4), "1e7");
-        assert_eq!(quantity(8.0e-5, "s"), "80 µs");
-        assert_eq!(quantity(3600.0, "s"), "3600 s");
-        assert_eq!(quantity(-2.5e9, "Pa"), "-2.5 GPa");
-        assert_eq!(quantity(1200.0, "J per radian"), "1.2 kJ per radian");
-        assert_eq!(quantity(8.9, "-"), "8.9");
-        assert_eq!(quantity(0.0, "J"), "0 J");
-        assert_eq!(quantity(2500.0, "m"), "2500 m");
+        assert_eq!(quantity(8.0e-5, "s", 4), "80 µs");
+        assert_eq!(quantity(3600.0, "s", 4), "3600 s");
+        assert_eq!(quantity(-2.5e9, "Pa", 4), "-2.5 GPa");
+        assert_eq!(quantity(1200.0, "J per radian", 4), "1.2 kJ per radian");
+        assert_eq!(quantity(8.9, "-", 4), "8.9");
+        assert_eq!(quantity(0.0, "J", 4), "0 J");
+        assert_eq!(quantity(2500.0, "m", 4), "2500 m");
         assert_eq!(percent(f64::NAN), "NaN %");
     }
 }

@@ -237,15 +237,15 @@ pub enum Progress {
     Unknown,
     /// To its end.
     Finished {
-        /// The end.
-        #[serde(with = "real")]
-        time: f64,
+        /// The end, if that is known.
+        #[serde(default, with = "maybe")]
+        time: Option<f64>,
     },
     /// An error stopped it.
     Stopped {
-        /// Where.
-        #[serde(with = "real")]
-        time: f64,
+        /// Where, if that is known.
+        #[serde(default, with = "maybe")]
+        time: Option<f64>,
         /// What it said.
         error: String,
     },
@@ -479,8 +479,7 @@ impl Check {
     ) -> Self {
         let scale = if reference == 0.0 { 1.0 } else { reference.abs() };
         let met = (value - reference).abs() <= tolerance * scale;
-        let check = Check::judged(name, value, unit, reference, source, met);
-        Check { tolerance: Some(tolerance), ..check }
+        Check::judged(name, value, unit, reference, source, met).with_tolerance(tolerance)
     }
 
     /// `value` beside `reference`, which another one judged.
@@ -495,6 +494,12 @@ impl Check {
     ) -> Self {
         let shown = Check::shown(name, value, unit, source);
         Check { reference: Some(reference), pass: Some(met), ..shown }
+    }
+
+    /// How far from the reference it may be, as [`Check::tolerance`].
+    #[must_use]
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        Check { tolerance: Some(tolerance), ..self }
     }
 
     /// Declared as missed at present, and why.
@@ -648,10 +653,11 @@ impl Record {
     pub fn balances(mut self, recorder: &Recorder) -> Self {
         self.balances = Some(Balances::of(recorder));
         self.warnings = recorder.warnings().to_vec();
+        self.warnings.extend(recorder.removed());
         if let Some([time, end]) = recorder.time_and_end() {
             self.progress = match self.progress {
-                Progress::Stopped { error, .. } => Progress::Stopped { time, error },
-                _ if recorder.reached() => Progress::Finished { time },
+                Progress::Stopped { error, .. } => Progress::Stopped { time: Some(time), error },
+                _ if recorder.reached() => Progress::Finished { time: Some(time) },
                 _ => Progress::Interrupted { time, end },
             };
         }
@@ -685,13 +691,20 @@ impl Record {
         self
     }
 
+    /// The run stands at `time`, s, and is to go on to `end`: of a record that is saved before the run is over, so that a run that is
+    /// broken off has a page, too.
+    #[must_use]
+    pub fn unfinished(self, time: f64, end: f64) -> Self {
+        Record { progress: Progress::Interrupted { time, end }, ..self }
+    }
+
     /// An error stopped the run.
     #[must_use]
     pub fn stopped(mut self, error: &dyn std::fmt::Display) -> Self {
         let time = match self.progress {
             Progress::Finished { time } | Progress::Stopped { time, .. } => time,
-            Progress::Interrupted { time, .. } => time,
-            Progress::Unknown => f64::NAN,
+            Progress::Interrupted { time, .. } => Some(time),
+            Progress::Unknown => None,
         };
         self.progress = Progress::Stopped { time, error: error.to_string() };
         self

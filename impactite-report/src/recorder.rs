@@ -6,6 +6,8 @@ use impactite_scene::balance::{Books, share};
 use impactite_scene::observe::{ObserveError, Observer, Pace, RunView};
 use impactite_scene::{Archive, CheckpointError, Finding, Warning};
 
+use crate::number::percent;
+
 /// Rows kept at most.
 pub const MOST_ROWS: usize = 4096;
 
@@ -267,6 +269,11 @@ impl Recorder {
         self.clock.before + self.clock.seconds
     }
 
+    /// A warning of points that are gone since the first look.
+    pub(crate) fn removed(&self) -> Option<Warned> {
+        removed(self.rows.first()?, self.last.as_ref()?)
+    }
+
     fn keep(&mut self, row: Row) {
         if self.looks.is_multiple_of(self.stride) {
             self.rows.push(row);
@@ -293,6 +300,23 @@ impl WallClock {
         self.started.get_or_insert(time);
         self.ended = Some(time);
     }
+}
+
+/// A warning of points that are gone.
+fn removed(first: &Row, last: &Row) -> Option<Warned> {
+    let gone = first.points.checked_sub(last.points).filter(|gone| *gone > 0)?;
+    let mass = percent(share(last.mass - first.mass, first.mass));
+    Some(Warned {
+        step: last.step,
+        time: last.time,
+        title: "points removed".into(),
+        found: format!(
+            "{gone} of {} points that carried mass are gone, and {mass} of the mass with them: eroded, merged, or removed",
+            first.points
+        ),
+        remedy: "if nothing of the scene is to be eroded or merged, look for points that failed or left the grid; energy and momentum that                  went with them are in the balances"
+            .into(),
+    })
 }
 
 /// Where `worst` keeps what is largest by amount, and what is no number.
@@ -331,7 +355,8 @@ impl Observer for Recorder {
             momentum: totals.momentum,
             momentum_error: share(account.missing(), account.momentum_scale),
             wall_seconds: now.wall_seconds(),
-            updates: now.rate() * now.wall_seconds(),
+            // A count, that division and multiplication by a time may have moved off its whole number.
+            updates: (now.rate() * now.wall_seconds()).round(),
         });
         self.end = now.end();
         self.reached = clock.reached(now.end());
@@ -374,5 +399,38 @@ impl Observer for Recorder {
 
     fn finish(&mut self) {
         self.clock.look();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_that_are_gone_are_warned_of() {
+        let row = |points, mass| Row { points, mass, step: 7, ..Row::default() };
+        assert_eq!(removed(&row(160, 2.0), &row(160, 2.0)), None);
+        // Split, or added.
+        assert_eq!(removed(&row(160, 2.0), &row(170, 2.0)), None);
+        let warned = removed(&row(160, 2.0), &row(150, 1.9)).expect("a warning");
+        assert!(
+            warned.found.starts_with("10 of 160 points that carried mass are gone, and -5.00 % of the mass")
+        );
+        assert_eq!(warned.step, 7);
+    }
+
+    #[test]
+    fn messages_are_parted_at_the_remedy() {
+        let pair = |found: &str, remedy: &str| (found.to_string(), remedy.to_string());
+        assert_eq!(parted("body `a; b` broke; mend it"), pair("body `a; b` broke", "mend it"));
+        assert_eq!(parted("no remedy"), pair("no remedy", ""));
+        let loss = Finding::EnergyLoss {
+            share: 0.12,
+            joules: 3.0,
+            remedy: "by contacts; what keeps more: smaller cells",
+        };
+        let warned = Warned::from(&Warning { step: 1, time: 0.5, finding: loss });
+        assert_eq!(warned.found, "3.0000e0 J of energy are gone, 12.0 % of the largest energy of the run");
+        assert_eq!(warned.remedy, "by contacts; what keeps more: smaller cells");
     }
 }

@@ -223,12 +223,13 @@ fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Vec<Vec<String>> {
 }
 
 /// The libraries, leaf first.
-const LIBRARIES: [&str; 12] = [
+const LIBRARIES: [&str; 13] = [
     "impactite-simd",
     "mpm-materials",
     "impactite-geometry",
     "impactite-output",
     "impactite-scene",
+    "impactite-report",
     "mpm-contact",
     "mpm-core",
     "pcmm",

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use crate::number::{readable, significant};
+use crate::number::{is_energy_error, readable, significant};
 use crate::record::Column;
 
 /// A chart of lines over one axis, in the units that it is drawn in.
@@ -47,7 +47,7 @@ pub(crate) fn charts(title: &str, columns: &[Column]) -> Vec<Chart> {
             column.unit != "-" || a == 0.0 || b == 0.0 || (a < ALIKE * b && b < ALIKE * a)
         };
         // An energy error is per cent wherever it is shown.
-        let unit = if is_energy_error(column) { "%" } else { &column.unit };
+        let unit = if is_energy_error(&column.name, &column.unit) { "%" } else { &column.unit };
         let there = groups
             .iter_mut()
             .find(|(u, others)| u == unit && others.len() < MOST_LINES && (unit == "%" || alike(others)));
@@ -65,27 +65,24 @@ pub(crate) fn charts(title: &str, columns: &[Column]) -> Vec<Chart> {
     groups.into_iter().map(chart).collect()
 }
 
-fn is_energy_error(column: &Column) -> bool {
-    column.name.contains("energy error") && column.unit == "-"
-}
-
 impl Chart {
     /// Of these columns, of one unit, over `x`.
     pub(crate) fn new(title: String, x: &Column, columns: &[&Column]) -> Self {
         let most = columns.iter().fold(0.0, |most: f64, c| most.max(largest(&c.values)));
-        let first = columns.first();
-        let (unit, factor) = match first {
-            Some(column) if is_energy_error(column) => ("%".into(), 100.0),
+        let is_error = |c: &Column| is_energy_error(&c.name, &c.unit);
+        let (unit, factor) = match columns.first() {
+            Some(column) if is_error(column) => ("%".into(), 1.0),
             Some(column) => readable(most, &column.unit),
             None => ("-".into(), 1.0),
         };
+        let factor = |c: &Column| if is_error(c) { 100.0 } else { factor };
         let (x_unit, x_factor) = readable(largest(&x.values), &x.unit);
         let label = if x_unit == "-" { x.name.clone() } else { format!("{} [{x_unit}]", x.name) };
         let rows: Vec<usize> = (0..x.values.len()).filter(|&n| x.values[n].is_finite()).collect();
         let taken = |values: &[f64], factor: f64| {
             rows.iter().map(|&n| values.get(n).map_or(f64::NAN, |v| v * factor)).collect()
         };
-        let line = |c: &&Column| Line { name: c.name.clone(), values: taken(&c.values, factor) };
+        let line = |c: &&Column| Line { name: c.name.clone(), values: taken(&c.values, factor(c)) };
         let lines: Vec<Line> = columns.iter().map(line).collect();
         let whole = Chart { title, x: Axis { label, values: taken(&x.values, x_factor) }, unit, lines };
         whole.thinned(MOST_POINTS)
@@ -210,6 +207,42 @@ impl Chart {
                 }
             }
         }
+    }
+}
+
+/// The charts of a page that its script draws, in order.
+#[derive(Default)]
+pub(crate) struct Charts {
+    list: Vec<serde_json::Value>,
+}
+
+impl Charts {
+    pub(crate) fn is_empty(&self) -> bool {
+        self.list.is_empty()
+    }
+
+    /// A figure of this chart: drawn, and drawn again by the script where it can.
+    fn figure(&mut self, chart: &Chart) -> Markup {
+        let number = chart.is_ordered().then(|| {
+            self.list.push(chart.json());
+            self.list.len() - 1
+        });
+        html! { figure.chart data-chart=[number] { figcaption { (chart.title) } (chart.drawn()) } }
+    }
+
+    /// Figures of those that show something.
+    pub(crate) fn figures(&mut self, charts: &[Chart]) -> Option<Markup> {
+        let mut figures: Vec<Markup> = charts.iter().filter(|c| c.shows()).map(|c| self.figure(c)).collect();
+        match figures.len() {
+            0 => None,
+            1 => figures.pop(),
+            _ => Some(html! { div.pair { @for figure in &figures { (figure) } } }),
+        }
+    }
+
+    /// As a script element may hold it: without `<`, that could end it.
+    pub(crate) fn json(&self) -> String {
+        serde_json::Value::from(self.list.clone()).to_string().replace('<', "\\u003c")
     }
 }
 

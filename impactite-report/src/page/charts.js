@@ -13,13 +13,14 @@
   // As wide as its longest number, so that none is cut.
   const room = (u, values, axis, cycle) => {
     const own = u.axes[axis];
-    if (cycle > 1) return own._size;
     const longest = (values || []).reduce((a, b) => (b && b.length > a.length ? b : a), "");
     u.ctx.save();
     u.ctx.font = own.font[0];
     const width = u.ctx.measureText(longest).width / devicePixelRatio;
     u.ctx.restore();
-    return Math.ceil(own.ticks.size + own.gap + width + 2);
+    const wanted = Math.ceil(own.ticks.size + own.gap + width + 2);
+    // Never less than before, so that the search for room comes to an end.
+    return cycle > 1 ? Math.max(own._size, wanted) : wanted;
   };
   const axis = label => ({
     label, font, labelFont: font, labelSize: label ? 20 : 0, labelGap: 0,
@@ -41,7 +42,7 @@
       width: place.clientWidth, height: 300,
       scales: { x: { time: false } },
       series: [{ label: chart.x, value }, ...chart.lines.map(line)],
-      axes: [axis(chart.x), { ...axis(vertical), size: room }],
+      axes: [{ ...axis(chart.x), size: 30 }, { ...axis(vertical), size: room }],
       cursor: { sync: { key: chart.x, setSeries: false }, drag: { x: true, y: false }, focus: { prox: 24 } },
       focus: { alpha: 0.35 },
     };

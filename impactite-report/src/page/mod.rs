@@ -10,11 +10,11 @@ mod sections;
 use std::path::{Path, PathBuf};
 
 use impactite_output::write_whole;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, PreEscaped, html};
 
 use crate::error::ReportError;
 use crate::record::Record;
-use chart::Chart;
+use chart::Charts;
 
 /// The page in the folder of its run.
 pub const FILE: &str = "report.html";
@@ -53,7 +53,7 @@ pub fn page(record: &Record, folder: &Path) -> String {
         ("time", sections::timing(record, &mut charts)),
         ("step", sections::step(record, &mut charts)),
         ("warnings", sections::warnings(record)),
-        ("files", sections::files(folder)),
+        ("files", sections::files(folder, FILE)),
     ];
     let titles = |id: &str| match id {
         "checks" => "Checks",
@@ -82,13 +82,16 @@ pub fn page(record: &Record, folder: &Path) -> String {
                 main {
                     (sections::head(record))
                     nav { @for (id, _) in there() { a href={ "#" (id) } { (titles(id)) } } }
+                    @if !charts.is_empty() {
+                        p.hint.faint hidden { small { "Drag across a chart to zoom, double-click to see all of it, click a name to hide its line." } }
+                    }
                     @for (id, body) in &sections {
                         @if let Some(body) = body {
                             @if id.is_empty() { (body) } @else { section id=(id) { h2 { (titles(id)) } (body) } }
                         }
                     }
                 }
-                @if !charts.list.is_empty() {
+                @if !charts.is_empty() {
                     script type="application/json" id="charts" { (PreEscaped(charts.json())) }
                     script { (PreEscaped(PLOT)) }
                     script { (PreEscaped(CHARTS)) }
@@ -97,36 +100,4 @@ pub fn page(record: &Record, folder: &Path) -> String {
         }
     };
     page.into_string()
-}
-
-/// The charts of a page that its script draws, in order.
-#[derive(Default)]
-struct Charts {
-    list: Vec<serde_json::Value>,
-}
-
-impl Charts {
-    /// A figure of this chart: drawn, and drawn again by the script where it can.
-    fn figure(&mut self, chart: &Chart) -> Markup {
-        let number = chart.is_ordered().then(|| {
-            self.list.push(chart.json());
-            self.list.len() - 1
-        });
-        html! { figure.chart data-chart=[number] { figcaption { (chart.title) } (chart.drawn()) } }
-    }
-
-    /// Figures of those that show something.
-    fn figures(&mut self, charts: &[Chart]) -> Option<Markup> {
-        let mut figures: Vec<Markup> = charts.iter().filter(|c| c.shows()).map(|c| self.figure(c)).collect();
-        match figures.len() {
-            0 => None,
-            1 => figures.pop(),
-            _ => Some(html! { div.pair { @for figure in &figures { (figure) } } }),
-        }
-    }
-
-    /// As a script element may hold it: without `<`, that could end it.
-    fn json(&self) -> String {
-        serde_json::Value::from(self.list.clone()).to_string().replace('<', "\\u003c")
-    }
 }

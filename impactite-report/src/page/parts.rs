@@ -53,9 +53,9 @@ fn sides(path: &Path) -> Result<[u32; 2], ReportError> {
     Ok([reader.info().width, reader.info().height])
 }
 
-/// What cannot be shown, and why.
-pub(super) fn missing(error: &ReportError) -> Markup {
-    html! { p.note { (error.to_string()) } }
+/// What cannot be shown, and why. Files are named from the folder of the page on, wherever that is.
+pub(super) fn missing(error: &ReportError, folder: &Path) -> Markup {
+    html! { p.note { (error.to_string().replace(&format!("{}/", folder.display()), "")) } }
 }
 
 /// Seconds by the clock on the wall, as people say them.
@@ -64,7 +64,7 @@ pub(super) fn duration(seconds: f64) -> String {
         s if (100.0..1e10).contains(&s) => {
             humantime::format_duration(Duration::from_secs(s.round() as u64)).to_string()
         }
-        s => quantity(s, "s"),
+        s => quantity(s, "s", 3),
     }
 }
 

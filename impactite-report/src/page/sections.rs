@@ -5,13 +5,17 @@ use std::time::{Duration, SystemTime};
 
 use maud::{Markup, html};
 
-use super::chart::{Chart, charts};
+use super::chart::{Chart, Charts, charts};
 use super::parts::{address, bars, bytes, data_uri, duration, missing, picture};
-use super::{Charts, FILE};
 use crate::animation::animated_png;
 use crate::folder::{history, names};
-use crate::number::{percent, quantity, significant};
+use crate::number::{is_energy_error, percent, significant};
 use crate::record::{Balances, Check, Column, Frames, Progress, Record};
+
+/// A number with its unit, to four digits.
+fn quantity(x: f64, unit: &str) -> String {
+    crate::number::quantity(x, unit, 4)
+}
 
 /// Shares of an energy gained and lost that are remarkable, and bad: where the watch of a run warns and stops by default.
 const REMARKABLE: f64 = 0.02;
@@ -42,11 +46,11 @@ type Said = (&'static str, &'static str, String);
 
 fn verdict(record: &Record) -> Markup {
     let mut said: Vec<Said> = Vec::new();
+    let at = |time: &Option<f64>| time.map_or(String::new(), |time| format!(" at {}", quantity(time, "s")));
     said.push(match &record.progress {
         Progress::Unknown => ("run", "", "not told whether it ended".into()),
-        Progress::Finished { time } => ("run", "good", format!("finished at {}", quantity(*time, "s"))),
-        Progress::Stopped { time, .. } if time.is_nan() => ("run", "bad", "stopped by an error".into()),
-        Progress::Stopped { time, .. } => ("run", "bad", format!("stopped at {}", quantity(*time, "s"))),
+        Progress::Finished { time } => ("run", "good", format!("finished{}", at(time))),
+        Progress::Stopped { time, .. } => ("run", "bad", format!("stopped by an error{}", at(time))),
         Progress::Interrupted { time, end } => {
             ("run", "fair", format!("at {} of {}", quantity(*time, "s"), quantity(*end, "s")))
         }
@@ -61,8 +65,8 @@ fn verdict(record: &Record) -> Markup {
         let e = balances.energy_error;
         let rank = match e {
             e if e.is_nan() || e > BAD => "bad",
-            e if e > REMARKABLE || e < -BAD => "fair",
-            _ => "good",
+            e if (-BAD..=REMARKABLE).contains(&e) => "good",
+            _ => "fair",
         };
         said.push(("energy error", rank, percent(e)));
         let p = balances.momentum_error;
@@ -88,7 +92,7 @@ fn verdict(record: &Record) -> Markup {
 pub(super) fn pictures(record: &Record, folder: &Path) -> Option<Markup> {
     let shown = |file: &str, caption: &str| match picture(folder, file, caption) {
         Ok(image) => html! { figure { (image) figcaption { (caption) } } },
-        Err(error) => missing(&error),
+        Err(error) => missing(&error, folder),
     };
     let mut pictures = record.pictures.iter().map(|p| shown(&p.file, &p.caption));
     let main = pictures.next();
@@ -123,12 +127,12 @@ fn animation(frames: &Frames, folder: &Path) -> Markup {
         n => format!(" {n} of {} frames are not there.", all.len()),
     };
     match made {
-        Err(error) => missing(&error),
+        Err(error) => missing(&error, folder),
         Ok((moving, still)) => {
             let still = data_uri("image/png", &still);
             html! {
                 figure {
-                    picture {
+                    picture.moving {
                         source media="print, (prefers-reduced-motion: reduce)" srcset=(still);
                         img src=(data_uri("image/png", &moving)) alt=(frames.caption);
                     }
@@ -146,20 +150,19 @@ pub(super) fn checks(record: &Record) -> Option<Markup> {
     }
     let mut rows: Vec<&Check> = record.checks.iter().collect();
     rows.sort_by_key(|check| check.rank());
-    let number = |x: f64, unit: &str| quantity(x, unit);
     Some(html! {
         div.wide {
             table.full {
-                thead { tr { th { "quantity" } th.number { "this run" } th.number { "reference" } th.number { "difference" } th.number { "allowed" } th { "met?" } th { "source" } } }
+                thead { tr { th { "quantity" } th { "met?" } th.number { "this run" } th.number { "reference" } th.number { "difference" } th.number { "allowed" } th.source { "source" } } }
                 @for check in rows {
                     tr {
                         td.name { (check.name) }
-                        td.number { (number(check.value, &check.unit)) }
-                        td.number { @if let Some(r) = check.reference { (number(r, &check.unit)) } }
+                        td { (met(check)) }
+                        td.number { (of_check(check, check.value)) }
+                        td.number { @if let Some(r) = check.reference { (of_check(check, r)) } }
                         td.number { (difference(check)) }
                         td.number { (allowed(check)) }
-                        td { (met(check)) }
-                        td { small { (check.source) } }
+                        td.source { small { (check.source) @if let Some(reason) = &check.known { br; "declared as missed: " (reason) } } }
                     }
                 }
             }
@@ -167,10 +170,15 @@ pub(super) fn checks(record: &Record) -> Option<Markup> {
     })
 }
 
+/// A number of a check with its unit.
+fn of_check(check: &Check, x: f64) -> String {
+    if is_energy_error(&check.name, &check.unit) { percent(x) } else { quantity(x, &check.unit) }
+}
+
 /// In per cent of the reference, or in the unit where that is 0.
 fn difference(check: &Check) -> String {
     match check.reference {
-        Some(0.0) => quantity(check.value, &check.unit),
+        Some(0.0) => of_check(check, check.value),
         Some(r) => {
             let share = check.value / r - 1.0;
             if share.is_finite() { format!("{:+.2} %", 100.0 * share) } else { String::new() }
@@ -181,27 +189,18 @@ fn difference(check: &Check) -> String {
 
 fn allowed(check: &Check) -> String {
     match (check.tolerance, check.reference) {
-        (Some(t), Some(0.0)) => format!("± {}", quantity(t, &check.unit)),
+        (Some(t), Some(0.0)) => format!("± {}", of_check(check, t).trim_start_matches('+')),
         (Some(t), _) => format!("± {} %", significant(100.0 * t, 3)),
         _ => String::new(),
     }
 }
 
 fn met(check: &Check) -> Markup {
-    match (check.pass, &check.known) {
-        (Some(true), None) => html! { span.good { "met" } },
-        (Some(true), Some(reason)) => {
-            html! { span.good { "met" } small { " though declared as missed: " (reason) } }
-        }
-        (Some(false), None) => html! { b.bad { "missed" } },
-        (Some(false), Some(reason)) => html! { b.bad { "missed" } small { ", as declared: " (reason) } },
-        (None, _) => html! { span.faint { "shown" } },
+    match check.pass {
+        Some(true) => html! { span.good { "met" } },
+        Some(false) => html! { b.bad { "missed" } },
+        None => html! { span.faint { "shown" } },
     }
-}
-
-/// How the charts are used, where they can be.
-fn hint() -> Markup {
-    html! { p.hint.faint hidden { small { "Drag across a chart to zoom, double-click to see all of it, click a name to hide its line." } } }
 }
 
 pub(super) fn histories(record: &Record, folder: &Path, all: &mut Charts) -> Option<Markup> {
@@ -219,13 +218,13 @@ pub(super) fn histories(record: &Record, folder: &Path, all: &mut Charts) -> Opt
             charts(&history_of.title, &columns)
         });
         shown.push(match read {
-            Err(error) => missing(&error),
+            Err(error) => missing(&error, folder),
             Ok(charts) => all.figures(&charts).unwrap_or_else(|| {
                 html! { p.faint { (history_of.title) ": " code { (history_of.file) } " has no two rows of numbers yet." } }
             }),
         });
     }
-    Some(html! { (hint()) @for figures in &shown { (figures) br; } })
+    Some(html! { @for figures in &shown { div.history { (figures) } } })
 }
 
 /// Columns of the balances by their names.
@@ -301,12 +300,12 @@ pub(super) fn balances(record: &Record, all: &mut Charts) -> Option<Markup> {
             br;
             div.wide {
                 table {
-                    thead { tr { th { "of all bodies" } th.number { "at the start" } th.number { "at the end" } th.number { "change" } } }
+                    thead { tr { th { "of all bodies" } th.number { "first" } th.number { "last" } th.number { "change" } } }
                     @for row in &rows { (row) }
                 }
             }
         }
-        @if let Some(figures) = &figures { (hint()) (figures) }
+        @if let Some(figures) = &figures { br; (figures) }
         details {
             summary { "What the errors are" }
             dl.definitions {
@@ -341,7 +340,7 @@ pub(super) fn scene(record: &Record) -> Option<Markup> {
         @if !record.bodies.is_empty() {
             div.wide {
                 table.full {
-                    caption { "Bodies at the end" @if let Some(share) = record.part.share() { ", " (share) } }
+                    caption { "Bodies at the time of the record" @if let Some(share) = record.part.share() { ", " (share) } }
                     thead { tr { th { "body" } th { "law" } th.number { "points" } th.number { "mass" } } }
                     @for body in &record.bodies {
                         tr { td.name { (body.name) } td.name { (body.material) } td.number { (body.points) } td.number { (quantity(body.mass, &mass_unit)) } }
@@ -419,7 +418,11 @@ pub(super) fn step(record: &Record, all: &mut Charts) -> Option<Markup> {
         let (at_least, least) = pairs().min_by(|a, b| a.1.total_cmp(b.1))?;
         let (at_most, most) = pairs().max_by(|a, b| a.1.total_cmp(b.1))?;
         let said = |dt: &f64, at: &f64| format!("{} (at t = {})", quantity(*dt, "s"), quantity(*at, "s"));
-        Some([said(least, at_least), said(most, at_most)])
+        // Rounding makes steps differ that are all the same.
+        if most - least <= 1e-6 * most {
+            return Some(format!("All steps seen: {}.", quantity(*most, "s")));
+        }
+        Some(format!("Smallest step seen: {}; largest: {}.", said(least, at_least), said(most, at_most)))
     });
     if limits.is_empty() && extremes.is_none() {
         return None;
@@ -428,7 +431,7 @@ pub(super) fn step(record: &Record, all: &mut Charts) -> Option<Markup> {
         history.and_then(|(time, steps)| all.figures(&[Chart::new("Time step".into(), time, &[steps])]));
     let bodies: Vec<_> = record.bodies.iter().filter(|body| body.smallest.is_finite()).collect();
     Some(html! {
-        @if let Some([least, most]) = &extremes { p { "Smallest step seen: " (least) "; largest: " (most) "." } }
+        @if let Some(seen) = &extremes { p { (seen) } }
         @if limits.is_empty() {
             p.faint { "Which body or condition limited each step is not recorded. A stable step is proportional to the size of a point or cell over wave speed plus point speed: small points and fast ones are the first suspects." }
         } @else { (bars(&limits)) }
@@ -437,7 +440,7 @@ pub(super) fn step(record: &Record, all: &mut Charts) -> Option<Markup> {
             br;
             div.wide {
                 table {
-                    caption { "Bodies at the end" }
+                    caption { "Bodies at the time of the record" }
                     thead { tr { th { "body" } th.number { "smallest point" } th.number { "fastest point" } } }
                     @for body in bodies { tr { td.name { (body.name) } td.number { (quantity(body.smallest, "m")) } td.number { (quantity(body.fastest, "m/s")) } } }
                 }
@@ -461,12 +464,13 @@ pub(super) fn warnings(record: &Record) -> Option<Markup> {
     })
 }
 
-pub(super) fn files(folder: &Path) -> Option<Markup> {
+/// The files of the folder but for `page`.
+pub(super) fn files(folder: &Path, page: &str) -> Option<Markup> {
     let names = match names(folder) {
         Ok(names) => names,
-        Err(error) => return Some(missing(&error)),
+        Err(error) => return Some(missing(&error, folder)),
     };
-    let names: Vec<&String> = names.iter().filter(|name| *name != FILE).collect();
+    let names: Vec<&String> = names.iter().filter(|name| *name != page).collect();
     if names.is_empty() {
         return None;
     }
