@@ -314,8 +314,9 @@ fn removed(first: &Row, last: &Row) -> Option<Warned> {
             "{gone} of {} points that carried mass are gone, and {mass} of the mass with them: eroded, merged, or removed",
             first.points
         ),
-        remedy: "if nothing of the scene is to be eroded or merged, look for points that failed or left the grid; energy and momentum that                  went with them are in the balances"
-            .into(),
+        remedy:
+            "if nothing of the scene is to be eroded or merged, look for points that failed or left the grid"
+                .into(),
     })
 }
 

@@ -150,24 +150,32 @@ fn charts_are_drawn_in_a_browser() {
         document.body.dataset.sizes=[...document.querySelectorAll('.uplot canvas')].map(c=>c.width*c.height>0?1:0).join('');\
         document.body.dataset.painted=[...document.querySelectorAll('.uplot canvas')].map(c=>\
         c.getContext('2d').getImageData(0,0,c.width,c.height).data.some(x=>x>0)?1:0).join('');\
+        document.body.dataset.drawn=[...document.querySelectorAll('svg path')].map(p=>\
+        getComputedStyle(p).stroke!=='none'&&p.getTotalLength()>100?1:0).join('');\
         document.body.dataset.wide=document.documentElement.scrollWidth-innerWidth;\
         document.body.dataset.pictures=[...document.images].map(i=>i.naturalWidth>0?1:0).join('')</script></body>";
     let text = fs::read_to_string(&page).expect("the page");
     let questions = folder.0.join("questions.html");
     fs::write(&questions, text.replace("</body>", asked)).expect("written");
-    let looked = look(browser, &folder.0, &questions, &["--dump-dom", "--window-size=1200,900"]);
-    let (dom, said) = (String::from_utf8_lossy(&looked.stdout), String::from_utf8_lossy(&looked.stderr));
-    assert!(looked.status.success(), "{said}");
-    assert!(!said.contains("CONSOLE"), "the console says:\n{said}");
-    let of = |name| attribute(&dom, name);
-    assert_eq!(of("data-error"), None);
-    let charts: usize = of("data-charts").and_then(|n| n.parse().ok()).expect("a number of charts");
-    // Height and force; energy, its error, momentum, its error; rate; time step.
-    assert_eq!(charts, 8);
-    assert_eq!(of("data-sizes"), Some("1".repeat(charts)));
-    assert_eq!(of("data-painted"), Some("1".repeat(charts)));
-    assert_eq!(of("data-loaded"), Some(String::new()));
-    assert_eq!(of("data-pictures"), Some("11".into()));
+    for window in ["--window-size=1200,900", "--window-size=420,900"] {
+        let looked = look(browser, &folder.0, &questions, &["--dump-dom", window]);
+        let (dom, said) = (String::from_utf8_lossy(&looked.stdout), String::from_utf8_lossy(&looked.stderr));
+        assert!(looked.status.success(), "{said}");
+        assert!(!said.contains("CONSOLE"), "the console says:\n{said}");
+        let of = |name| attribute(&dom, name);
+        assert_eq!(of("data-error"), None);
+        let charts: usize = of("data-charts").and_then(|n| n.parse().ok()).expect("a number of charts");
+        // Height and force; energy, its error, momentum, its error; rate; time step.
+        assert_eq!(charts, 8);
+        assert_eq!(of("data-sizes"), Some("1".repeat(charts)));
+        assert_eq!(of("data-painted"), Some("1".repeat(charts)));
+        // The drawings for paper: three lines of energies, two of momenta.
+        assert_eq!(of("data-drawn"), Some("1".repeat(charts + 3)));
+        assert_eq!(of("data-loaded"), Some(String::new()));
+        assert_eq!(of("data-pictures"), Some("111".into()));
+        // Nothing but tables, within their places, is wider than the window.
+        assert_eq!(of("data-wide"), Some("0".into()), "{window}");
+    }
 
     for (name, size, arguments) in [
         ("wide.png", "--window-size=1200,5200", [].as_slice()),
@@ -183,4 +191,6 @@ fn charts_are_drawn_in_a_browser() {
         let size = fs::metadata(&shot).map_or(0, |data| data.len());
         assert!(size > 50_000, "{name} has {size} bytes");
     }
+    let bytes = |name: &str| fs::read(folder.0.join(name)).expect("a picture");
+    assert_ne!(bytes("wide.png"), bytes("dark.png"), "light and dark look the same");
 }

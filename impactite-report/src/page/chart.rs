@@ -158,8 +158,8 @@ impl Chart {
 
     /// Drawn, with the names of its lines.
     pub(crate) fn drawn(&self) -> Markup {
-        const SIZE: [f64; 2] = [720.0, 300.0];
-        const LEFT: f64 = 76.0;
+        const SIZE: [f64; 2] = [560.0, 280.0];
+        const LEFT: f64 = 66.0;
         const TOP: f64 = 26.0;
         const RIGHT: f64 = 16.0;
         const BOTTOM: f64 = 44.0;
@@ -189,14 +189,14 @@ impl Chart {
                     line.grid x1=(LEFT) x2=(SIZE[0] - RIGHT) y1=(tenth(at_y(tick))) y2=(tenth(at_y(tick))) {}
                     text x=(LEFT - 8.0) y=(tenth(at_y(tick) + 4.5)) text-anchor="end" { (significant(tick, 6)) }
                 }
-                @for tick in x.ticks(7) {
+                @for tick in x.ticks(6) {
                     line.grid x1=(tenth(at_x(tick))) x2=(tenth(at_x(tick))) y1=(TOP) y2=(SIZE[1] - BOTTOM) {}
                     text x=(tenth(at_x(tick))) y=(SIZE[1] - BOTTOM + 18.0) text-anchor="middle" { (significant(tick, 6)) }
                 }
                 @for (n, line) in thin.lines.iter().enumerate() {
-                    path.line class=(format!("c{}", n + 1)) d=(points(line)) {}
+                    path class=(format!("line c{}", n + 1)) d=(points(line)) {}
                 }
-                text.faint x=(LEFT - 60.0) y="14" { (self.vertical()) }
+                text.faint x="4" y="14" { (self.vertical()) }
                 text.faint x=(SIZE[0] - RIGHT) y=(SIZE[1] - 6.0) text-anchor="end" { (self.x.label) }
             }
             @if self.lines.len() > 1 {

@@ -18,12 +18,12 @@
     u.ctx.font = own.font[0];
     const width = u.ctx.measureText(longest).width / devicePixelRatio;
     u.ctx.restore();
-    const wanted = Math.ceil(own.ticks.size + own.gap + width + 2);
+    const wanted = Math.ceil(own.ticks.size + own.gap + width + 8);
     // Never less than before, so that the search for room comes to an end.
     return cycle > 1 ? Math.max(own._size, wanted) : wanted;
   };
   const axis = label => ({
-    label, font, labelFont: font, labelSize: label ? 20 : 0, labelGap: 0,
+    label, font, labelFont: font, labelSize: label ? 22 : 0, labelGap: 0,
     stroke: colour("--ink"),
     grid: { stroke: colour("--rule"), width: 1 },
     ticks: { stroke: colour("--rule"), width: 1, size: 5 },

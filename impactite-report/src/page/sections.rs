@@ -129,13 +129,10 @@ fn animation(frames: &Frames, folder: &Path) -> Markup {
     match made {
         Err(error) => missing(&error, folder),
         Ok((moving, still)) => {
-            let still = data_uri("image/png", &still);
             html! {
                 figure {
-                    picture.moving {
-                        source media="print, (prefers-reduced-motion: reduce)" srcset=(still);
-                        img src=(data_uri("image/png", &moving)) alt=(frames.caption);
-                    }
+                    img.moving src=(data_uri("image/png", &moving)) alt=(frames.caption);
+                    img.moving.still src=(data_uri("image/png", &still)) alt="";
                     figcaption { (frames.caption) (until) (left_out) }
                 }
             }
