@@ -3,9 +3,15 @@
 //! All text of a record is escaped. A file that the record names and that is not there or cannot be read is named at its place, and
 //! the rest of the page is as it would be: a run that was broken off has a page, too.
 
+mod balances;
 mod chart;
+mod checks;
+mod head;
+mod media;
 mod parts;
-mod sections;
+mod scene;
+mod time;
+mod warnings;
 
 use std::path::{Path, PathBuf};
 
@@ -45,15 +51,15 @@ const POLICY: &str =
 pub fn page(record: &Record, folder: &Path) -> String {
     let mut charts = Charts::default();
     let sections = [
-        ("", sections::pictures(record, folder)),
-        ("checks", sections::checks(record)),
-        ("histories", sections::histories(record, folder, &mut charts)),
-        ("balances", sections::balances(record, &mut charts)),
-        ("scene", sections::scene(record)),
-        ("time", sections::timing(record, &mut charts)),
-        ("step", sections::step(record, &mut charts)),
-        ("warnings", sections::warnings(record)),
-        ("files", sections::files(folder, FILE)),
+        ("", media::pictures(record, folder)),
+        ("checks", checks::checks(record)),
+        ("histories", media::histories(record, folder, &mut charts)),
+        ("balances", balances::balances(record, &mut charts)),
+        ("scene", scene::scene(record)),
+        ("time", time::timing(record, &mut charts)),
+        ("step", time::step(record, &mut charts)),
+        ("warnings", warnings::warnings(record)),
+        ("files", media::files(folder, FILE)),
     ];
     let titles = |id: &str| match id {
         "checks" => "Checks",
@@ -80,7 +86,7 @@ pub fn page(record: &Record, folder: &Path) -> String {
             body {
                 script { (PreEscaped(WATCH)) }
                 main {
-                    (sections::head(record))
+                    (head::head(record))
                     nav { @for (id, _) in there() { a href={ "#" (id) } { (titles(id)) } } }
                     @if !charts.is_empty() {
                         p.hint.faint hidden { small { "Drag across a chart to zoom, double-click to see all of it, click a name to hide its line." } }

@@ -10,7 +10,7 @@ use base64::engine::general_purpose::STANDARD;
 use maud::{Markup, html};
 
 use crate::error::ReportError;
-use crate::number::quantity;
+use crate::number;
 
 /// Pictures above this size, bytes, are not put into the page.
 const MOST_BYTES: u64 = 16 << 20;
@@ -53,6 +53,11 @@ fn sides(path: &Path) -> Result<[u32; 2], ReportError> {
     Ok([reader.info().width, reader.info().height])
 }
 
+/// A number with its unit, to four digits.
+pub(super) fn quantity(x: f64, unit: &str) -> String {
+    number::quantity(x, unit, 4)
+}
+
 /// What cannot be shown, and why. Files are named from the folder of the page on, wherever that is.
 pub(super) fn missing(error: &ReportError, folder: &Path) -> Markup {
     html! { p.note { (error.to_string().replace(&format!("{}/", folder.display()), "")) } }
@@ -64,7 +69,7 @@ pub(super) fn duration(seconds: f64) -> String {
         s if (100.0..1e10).contains(&s) => {
             humantime::format_duration(Duration::from_secs(s.round() as u64)).to_string()
         }
-        s => quantity(s, "s", 3),
+        s => number::quantity(s, "s", 3),
     }
 }
 

@@ -1,0 +1,96 @@
+//! Balances of mass, momentum and energy.
+
+use maud::{Markup, html};
+
+use super::chart::{Chart, Charts};
+use super::parts::quantity;
+use crate::number::{percent, significant};
+use crate::record::{Balances, Column, Record};
+
+/// Columns of the balances by their names.
+fn columns<'a>(balances: &'a Balances, names: &[&str]) -> Vec<&'a Column> {
+    names.iter().filter_map(|name| balances.column(name)).collect()
+}
+
+fn first_and_last(column: &Column) -> Option<[f64; 2]> {
+    Some([*column.values.first()?, *column.values.last()?])
+}
+
+pub(super) fn balances(record: &Record, all: &mut Charts) -> Option<Markup> {
+    let balances = record.balances.as_ref()?;
+    let unit = |unit: &str| record.part.unit(unit);
+    let errors = [
+        ("mass", balances.mass_error.map(percent), None, Balances::MASS_ERROR),
+        (
+            "momentum",
+            Some(significant(balances.momentum_error, 3)),
+            balances.momentum_scale.map(|s| quantity(s, &unit("kg m/s"))),
+            Balances::MOMENTUM_ERROR,
+        ),
+        (
+            "energy",
+            Some(percent(balances.energy_error)),
+            balances.energy_scale.map(|s| quantity(s, &unit("J"))),
+            Balances::ENERGY_ERROR,
+        ),
+    ];
+    let entries = ["mass", "momentum x", "momentum y", "momentum z", "kinetic energy", "internal energy"];
+    let given = ["work", "friction", "impacts", "conversion", "total"];
+    let row = |column: &Column| {
+        let [first, last] = first_and_last(column)?;
+        let shown = |x: f64| quantity(x, &unit(&column.unit));
+        Some(
+            html! { tr { td { (column.name) } td.number { (shown(first)) } td.number { (shown(last)) } td.number { (shown(last - first)) } } },
+        )
+    };
+    let named = [&entries[..], &given[..]].concat();
+    let rows: Vec<Markup> = columns(balances, &named).into_iter().filter_map(row).collect();
+    let figures = balances.column("time").and_then(|time| {
+        let is_zero = |c: &Column| c.values.iter().all(|v| *v == 0.0);
+        let mut energies = columns(balances, &["kinetic energy", "internal energy", "total"]);
+        energies.extend(columns(balances, &given[..4]).into_iter().filter(|c| !is_zero(c)));
+        let momenta = columns(balances, &entries[1..4]);
+        let list = [
+            ("Energy", energies),
+            ("Energy error", columns(balances, &["energy error"])),
+            ("Momentum", momenta.into_iter().filter(|c| !is_zero(c)).collect()),
+            ("Momentum error", columns(balances, &["momentum error"])),
+        ];
+        let mut list: Vec<(&str, Vec<&Column>)> = list.into_iter().filter(|(_, c)| !c.is_empty()).collect();
+        if balances.mass_error.is_some_and(|e| e != 0.0) {
+            list.push(("Mass", columns(balances, &["mass"])));
+        }
+        let charts: Vec<Chart> = list.into_iter().map(|(t, c)| Chart::new(t.into(), time, &c)).collect();
+        all.figures(&charts)
+    });
+    Some(html! {
+        @if let Some(note) = record.part.note() { p { (note) } }
+        div.wide {
+            table {
+                caption { "Errors: the worst of the run" }
+                thead { tr { th { "balance" } th.number { "error" } th.number { "largest of the run" } } }
+                @for (what, error, scale, _) in &errors {
+                    @if let Some(error) = error {
+                        tr { td { (what) } td.number { (error) } td.number { @if let Some(scale) = scale { (scale) } } }
+                    }
+                }
+            }
+        }
+        @if !rows.is_empty() {
+            br;
+            div.wide {
+                table {
+                    thead { tr { th { "of all bodies" } th.number { "first" } th.number { "last" } th.number { "change" } } }
+                    @for row in &rows { (row) }
+                }
+            }
+        }
+        @if let Some(figures) = &figures { br; (figures) }
+        details {
+            summary { "What the errors are" }
+            dl.definitions {
+                @for (what, error, _, meaning) in &errors { @if error.is_some() { dt { (what) " error" } dd { (meaning) "." } } }
+            }
+        }
+    })
+}

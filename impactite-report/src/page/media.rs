@@ -1,0 +1,107 @@
+//! Files of a run: pictures, an animation, histories, and all by their names.
+
+use std::path::Path;
+
+use maud::{Markup, html};
+
+use super::chart::{Charts, charts};
+use super::parts::{address, bytes, data_uri, missing, picture, quantity};
+use crate::animation::animated_png;
+use crate::folder::{history, names};
+use crate::record::{Column, Frames, Record};
+
+/// The main picture and the animation, then the other pictures.
+pub(super) fn pictures(record: &Record, folder: &Path) -> Option<Markup> {
+    let shown = |file: &str, caption: &str| match picture(folder, file, caption) {
+        Ok(image) => html! { figure { (image) figcaption { (caption) } } },
+        Err(error) => missing(&error, folder),
+    };
+    let mut pictures = record.pictures.iter().map(|p| shown(&p.file, &p.caption));
+    let main = pictures.next();
+    let moving = record.animation.as_ref().filter(|frames| !frames.files.is_empty());
+    if main.is_none() && moving.is_none() {
+        return None;
+    }
+    let rest: Vec<Markup> = pictures.collect();
+    Some(html! {
+        div.pair {
+            @if let Some(main) = main { (main) }
+            @if let Some(frames) = moving { (animation(frames, folder)) }
+        }
+        @if !rest.is_empty() { details open[rest.len() <= 4] { summary { "More pictures (" (rest.len()) ")" } div.pair { @for picture in rest { (picture) } } } }
+    })
+}
+
+fn animation(frames: &Frames, folder: &Path) -> Markup {
+    let all: Vec<_> = frames.files.iter().map(|file| folder.join(file)).collect();
+    // A run that was broken off left the first ones.
+    let there = all.iter().take_while(|path| path.is_file()).count();
+    let made = animated_png(&all[..there]).and_then(|moving| {
+        let still = animated_png(&all[there - 1..there])?;
+        Ok((moving, still))
+    });
+    let until = match (frames.times.first(), there.checked_sub(1).and_then(|n| frames.times.get(n))) {
+        (Some(&from), Some(&to)) => format!(" From {} to {}.", quantity(from, "s"), quantity(to, "s")),
+        _ => String::new(),
+    };
+    let left_out = match all.len() - there {
+        0 => String::new(),
+        n => format!(" {n} of {} frames are not there.", all.len()),
+    };
+    match made {
+        Err(error) => missing(&error, folder),
+        Ok((moving, still)) => {
+            html! {
+                figure {
+                    img.moving src=(data_uri("image/png", &moving)) alt=(frames.caption);
+                    img.moving.still src=(data_uri("image/png", &still)) alt="";
+                    figcaption { (frames.caption) (until) (left_out) }
+                }
+            }
+        }
+    }
+}
+
+pub(super) fn histories(record: &Record, folder: &Path, all: &mut Charts) -> Option<Markup> {
+    if record.histories.is_empty() {
+        return None;
+    }
+    let mut shown = Vec::new();
+    for history_of in &record.histories {
+        let read = history(&folder.join(&history_of.file)).map(|columns| {
+            let chosen = |(n, c): &(usize, Column)| {
+                *n == 0 || history_of.columns.is_empty() || history_of.columns.contains(&c.name)
+            };
+            let columns: Vec<Column> =
+                columns.into_iter().enumerate().filter(chosen).map(|(_, c)| c).collect();
+            charts(&history_of.title, &columns)
+        });
+        shown.push(match read {
+            Err(error) => missing(&error, folder),
+            Ok(charts) => all.figures(&charts).unwrap_or_else(|| {
+                html! { p.faint { (history_of.title) ": " code { (history_of.file) } " has no two rows of numbers yet." } }
+            }),
+        });
+    }
+    Some(html! { @for figures in &shown { div.history { (figures) } } })
+}
+
+/// The files of the folder but for `page`.
+pub(super) fn files(folder: &Path, page: &str) -> Option<Markup> {
+    let names = match names(folder) {
+        Ok(names) => names,
+        Err(error) => return Some(missing(&error, folder)),
+    };
+    let names: Vec<&String> = names.iter().filter(|name| *name != page).collect();
+    if names.is_empty() {
+        return None;
+    }
+    let size =
+        |name: &str| std::fs::metadata(folder.join(name)).map_or(String::new(), |data| bytes(data.len()));
+    Some(html! {
+        details open[names.len() <= 20] {
+            summary { (names.len()) " files beside this page" }
+            div.wide { table { @for name in names { tr { td.name { a href={ "./" (address(name)) } { (name) } } td.number { (size(name)) } } } } }
+        }
+    })
+}

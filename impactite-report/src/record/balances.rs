@@ -1,0 +1,107 @@
+//! Balances of mass, momentum and energy over a run, and what their errors are.
+
+use serde::{Deserialize, Serialize};
+
+use crate::number::{maybe, real, reals};
+use crate::recorder::{Recorder, Row};
+
+/// Numbers over time, a column each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Column {
+    /// What it is.
+    pub name: String,
+    /// Its unit; "-" if it has none.
+    pub unit: String,
+    /// The numbers.
+    #[serde(with = "reals")]
+    pub values: Vec<f64>,
+}
+
+/// Balances of mass, momentum and energy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Balances {
+    /// What they are over time; all columns have one length. Empty where errors alone are known.
+    pub series: Vec<Column>,
+    /// [`Recorder::worst_mass_error`].
+    #[serde(default, with = "maybe")]
+    pub mass_error: Option<f64>,
+    /// [`Recorder::worst_momentum_error`].
+    #[serde(with = "real")]
+    pub momentum_error: f64,
+    /// [`Recorder::worst_energy_error`].
+    #[serde(with = "real")]
+    pub energy_error: f64,
+    /// The largest sum of m |v| of the run, kg m/s.
+    #[serde(default, with = "maybe")]
+    pub momentum_scale: Option<f64>,
+    /// The largest kinetic energy, or sum of kinetic and internal energy, of the run, J.
+    #[serde(default, with = "maybe")]
+    pub energy_scale: Option<f64>,
+}
+
+impl Balances {
+    /// What is meant by the mass error.
+    pub const MASS_ERROR: &str = "change of the mass of all bodies since the start, over the mass at the start; negative: lost. Mass goes with points that are removed";
+    /// What is meant by the momentum error.
+    pub const MOMENTUM_ERROR: &str = "amount of the change of momentum since the start that no impulse of boundaries, loads and body forces explains, over the largest sum of m |v| so far; around an axis along that alone";
+    /// What is meant by the energy error.
+    pub const ENERGY_ERROR: &str = "change since the start of kinetic + internal energy − work + friction + impacts − conversion, over the largest kinetic energy, or sum of kinetic and internal energy, so far; negative: energy was lost";
+
+    /// The numbers of this column, if it is there.
+    #[must_use]
+    pub fn column(&self, name: &str) -> Option<&Column> {
+        self.series.iter().find(|column| column.name == name)
+    }
+
+    /// Errors alone.
+    pub(crate) fn errors(energy_error: f64, momentum_error: f64) -> Self {
+        Balances {
+            series: Vec::new(),
+            mass_error: None,
+            momentum_error,
+            energy_error,
+            momentum_scale: None,
+            energy_scale: None,
+        }
+    }
+
+    pub(crate) fn of(recorder: &Recorder) -> Self {
+        let rows = recorder.rows();
+        let column = |name: &str, unit: &str, of: &dyn Fn(&Row) -> f64| Column {
+            name: name.into(),
+            unit: unit.into(),
+            values: rows.iter().map(of).collect(),
+        };
+        let series = vec![
+            column("time", "s", &|r| r.time),
+            column("step", "-", &|r| r.step as f64),
+            column("time step", "s", &|r| r.dt),
+            column("points", "-", &|r| r.points as f64),
+            column("mass", "kg", &|r| r.mass),
+            column("kinetic energy", "J", &|r| r.kinetic),
+            column("internal energy", "J", &|r| r.internal),
+            column("work", "J", &|r| r.work),
+            column("friction", "J", &|r| r.friction),
+            column("impacts", "J", &|r| r.impacts),
+            column("conversion", "J", &|r| r.conversion),
+            column("total", "J", &Row::total),
+            column("energy error", "-", &|r| r.energy_error),
+            column("momentum x", "kg m/s", &|r| r.momentum[0]),
+            column("momentum y", "kg m/s", &|r| r.momentum[1]),
+            column("momentum z", "kg m/s", &|r| r.momentum[2]),
+            column("momentum error", "-", &|r| r.momentum_error),
+            column("wall clock", "s", &|r| r.wall_seconds),
+            column("updates", "-", &|r| r.updates),
+        ];
+        let [energy_scale, momentum_scale] = recorder.scales();
+        Balances {
+            series,
+            mass_error: Some(recorder.worst_mass_error()),
+            momentum_error: recorder.worst_momentum_error(),
+            energy_error: recorder.worst_energy_error(),
+            momentum_scale: Some(momentum_scale),
+            energy_scale: Some(energy_scale),
+        }
+    }
+}

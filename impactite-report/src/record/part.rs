@@ -1,0 +1,82 @@
+//! What part of the whole a scene is.
+
+use serde::{Deserialize, Serialize};
+
+/// What part of the whole the scene is: extensive quantities are of that part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub struct Part {
+    /// Planes of symmetry at which the whole was cut: a quarter has two.
+    pub planes: u32,
+    /// How a scene of less than three dimensions lies in space.
+    pub per: Per,
+}
+
+/// What extensive quantities are per.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Per {
+    /// Nothing: they are whole.
+    #[default]
+    Whole,
+    /// Radian, around an axis: times 2 pi for a whole turn.
+    Radian,
+    /// Metre of depth.
+    Depth,
+    /// Square metre of cross-section, along a line.
+    Area,
+}
+
+impl Part {
+    /// The part in words, `one quarter of the body`; none of the whole.
+    #[must_use]
+    pub fn share(&self) -> Option<String> {
+        match self.planes {
+            0 => None,
+            1 => Some("one half of the body".into()),
+            2 => Some("one quarter of the body".into()),
+            3 => Some("one eighth of the body".into()),
+            n => Some(format!("one part in {} of the body", 2_f64.powi(n.min(64) as i32))),
+        }
+    }
+
+    /// What masses, momenta, forces and energies are of, in a sentence; none where they are of the whole.
+    #[must_use]
+    pub fn note(&self) -> Option<String> {
+        let factor = 2_f64.powi(self.planes.min(64) as i32);
+        let per = match self.per {
+            Per::Whole => None,
+            Per::Radian => Some("per radian (times 2π for a whole turn)"),
+            Per::Depth => Some("per metre of depth"),
+            Per::Area => Some("per square metre of cross-section"),
+        };
+        let what = "masses, momenta, forces and energies are";
+        match (self.share(), per) {
+            (None, None) => None,
+            (None, Some(per)) => Some(format!("{} {per}.", capital(what))),
+            (Some(share), None) => {
+                Some(format!("{}: {what} of that part (times {factor} for the whole).", capital(&share)))
+            }
+            (Some(share), Some(per)) => Some(format!(
+                "{}: {what} of that part (times {factor} for the whole), and {per}.",
+                capital(&share)
+            )),
+        }
+    }
+
+    /// `unit` of an extensive quantity: `J per radian`.
+    pub(crate) fn unit(&self, unit: &str) -> String {
+        match self.per {
+            Per::Whole => unit.into(),
+            Per::Radian => format!("{unit} / rad"),
+            Per::Depth => format!("{unit} / m"),
+            Per::Area => format!("{unit} / m²"),
+        }
+    }
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}
