@@ -34,8 +34,8 @@ pub(super) fn pictures(record: &Record, folder: &Path) -> Option<Markup> {
 
 fn animation(frames: &Frames, folder: &Path) -> Markup {
     let all: Vec<_> = frames.files.iter().map(|file| folder.join(file)).collect();
-    // A run that was broken off left the first ones.
-    let there = all.iter().take_while(|path| path.is_file()).count();
+    // A run that was broken off left the first ones; where it left none, the first one is named as missing.
+    let there = all.iter().take_while(|path| path.is_file()).count().max(1);
     let made = animated_png(&all[..there]).and_then(|moving| {
         let still = animated_png(&all[there - 1..there])?;
         Ok((moving, still))

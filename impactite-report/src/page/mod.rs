@@ -107,3 +107,77 @@ pub fn page(record: &Record, folder: &Path) -> String {
     };
     page.into_string()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::{Balances, Check, Column, Frames};
+
+    fn of(record: &Record) -> String {
+        page(record, Path::new("/nowhere/at/all"))
+    }
+
+    #[test]
+    fn runs_that_were_broken_off_have_a_page() {
+        let bare = of(&Record::new("a run"));
+        assert!(bare.contains("not told whether it ended") && bare.contains("none is judged"));
+        assert!(!bare.contains("id=\"charts\""), "a page without charts needs no script for them");
+        assert!(of(&Record::new("a run").unfinished(1.0e-6, 8.0e-5)).contains("at 1 µs of 80 µs"));
+        let stopped =
+            of(&Record::new("a run").unfinished(1.0e-6, 8.0e-5).stopped(&"step 3: <broken> & gone"));
+        assert!(stopped.contains("stopped by an error at 1 µs"));
+        assert!(stopped.contains("step 3: &lt;broken&gt; &amp; gone"));
+    }
+
+    #[test]
+    fn files_that_are_not_there_are_named_at_their_place() {
+        let frames = Frames::series("frames", "bar", 3).times([0.0, 1.0, 2.0]);
+        let record = Record::new("a run").picture("bar.png", "").picture("bar.tiff", "").frames(frames);
+        let page = of(&record.history("Length", "length.csv"));
+        for words in [
+            "cannot read `bar.png`",
+            "`bar.tiff` cannot be used: it must be a PNG, JPEG, WebP or SVG file",
+            "cannot read `frames/bar_000000.png`",
+            "cannot read `length.csv`",
+            "cannot read `/nowhere/at/all`",
+        ] {
+            assert!(page.contains(words), "the page lacks {words:?}");
+        }
+    }
+
+    /// What is no number, too large or too small to draw is no reason to have no page.
+    #[test]
+    fn numbers_that_are_none_are_shown() {
+        let column = |name: &str, unit: &str, values: &[f64]| Column {
+            name: name.into(),
+            unit: unit.into(),
+            values: values.to_vec(),
+        };
+        for values in [[f64::NAN; 3], [f64::INFINITY; 3], [f64::MAX, -f64::MAX, 0.0], [5e-324, 0.0, 5e-324]] {
+            let mut balances = Balances::errors(values[0], values[1]);
+            balances.mass_error = Some(values[0]);
+            balances.series = vec![
+                column("time", "s", &[0.0, 1.0, 2.0]),
+                column("time step", "s", &values),
+                column("mass", "kg", &values),
+                column("kinetic energy", "J", &values),
+                column("energy error", "-", &values),
+                column("wall clock", "s", &values),
+                column("updates", "-", &values),
+            ];
+            let mut record = Record::new("a run")
+                .check(Check::within("a", values[0], "J", values[1], 0.1, ""))
+                .check(Check::shown("b", values[0], "m", ""))
+                .setup(values[0]);
+            record.balances = Some(balances);
+            record.timing.stepping = Some(values[0]);
+            record.timing.steps = 3;
+            record.machine.started = Some(u64::MAX);
+            let page = of(&record);
+            assert!(page.contains("energy error") && page.ends_with("</html>"));
+        }
+        let mut record = Record::new("a run");
+        record.balances = Some(Balances::errors(f64::NAN, 0.0));
+        assert!(of(&record).contains("<div class=\"bad\"><dt>energy error</dt><dd>NaN %</dd>"));
+    }
+}

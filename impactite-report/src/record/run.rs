@@ -26,7 +26,7 @@ pub struct BodyRecord {
     pub material: String,
     /// Its points.
     pub points: usize,
-    /// Mass, kg, of the [`Part`] that is computed.
+    /// Mass, kg, of the part that is computed.
     #[serde(with = "real")]
     pub mass: f64,
     /// Width of its smallest point, m; NaN of a body without points.
