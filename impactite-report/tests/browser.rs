@@ -150,6 +150,13 @@ fn charts_are_drawn_in_a_browser() {
         document.body.dataset.sizes=[...document.querySelectorAll('.uplot canvas')].map(c=>c.width*c.height>0?1:0).join('');\
         document.body.dataset.painted=[...document.querySelectorAll('.uplot canvas')].map(c=>\
         c.getContext('2d').getImageData(0,0,c.width,c.height).data.some(x=>x>0)?1:0).join('');\
+        const plot=document.querySelectorAll('.uplot')[2],over=plot.querySelector('.u-over'),box=over.getBoundingClientRect();\
+        const mouse=(type,x)=>new MouseEvent(type,{clientX:box.left+x*box.width,clientY:box.top+0.5*box.height,bubbles:true});\
+        const axis=()=>plot.querySelector('.u-value').textContent;\
+        over.dispatchEvent(mouse('mouseenter',0.5));over.dispatchEvent(mouse('mousemove',0.5));\
+        document.body.dataset.read=axis();\
+        plot.querySelectorAll('.u-series th')[1].click();\
+        document.body.dataset.off=plot.querySelectorAll('.u-series.u-off').length;\
         document.body.dataset.drawn=[...document.querySelectorAll('svg path')].map(p=>\
         getComputedStyle(p).stroke!=='none'&&p.getTotalLength()>100?1:0).join('');\
         document.body.dataset.wide=document.documentElement.scrollWidth-innerWidth;\
@@ -169,6 +176,10 @@ fn charts_are_drawn_in_a_browser() {
         assert_eq!(charts, 8);
         assert_eq!(of("data-sizes"), Some("1".repeat(charts)));
         assert_eq!(of("data-painted"), Some("1".repeat(charts)));
+        // Half way along the axis of the third chart the time is read; a click on a name hides its line.
+        let read: f64 = of("data-read").and_then(|text| text.parse().ok()).expect("a time");
+        assert!((read - 2.0).abs() < 0.1, "{read} ms");
+        assert_eq!(of("data-off"), Some("1".into()));
         // The drawings for paper: three lines of energies, two of momenta.
         assert_eq!(of("data-drawn"), Some("1".repeat(charts + 3)));
         assert_eq!(of("data-loaded"), Some(String::new()));
