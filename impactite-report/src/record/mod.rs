@@ -323,7 +323,7 @@ impl Record {
         let folder = folder.as_ref();
         std::fs::create_dir_all(folder).map_err(impactite_output::OutputError::file("create", folder))?;
         let path = folder.join(FILE);
-        let json = serde_json::to_string_pretty(self).map_err(|error| ReportError::damaged(&path, error))?;
+        let json = serde_json::to_string(self).map_err(|error| ReportError::damaged(&path, error))?;
         write_whole(&path, json + "\n")?;
         Ok(path)
     }
