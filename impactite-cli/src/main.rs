@@ -9,7 +9,7 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use impactite::parallel::Team;
 use impactite::scene::RunError;
-use impactite_cli::job::{CHECKPOINT, SCENE};
+use impactite_cli::job::CHECKPOINT;
 use impactite_cli::sweep::{Values, sweep};
 use impactite_cli::templates::TEMPLATES;
 use impactite_cli::{CliError, Job, Outcome};
@@ -299,7 +299,6 @@ fn job(options: &RunOptions) -> Result<Job, CliError> {
             folder.display()
         );
     }
-    let _ = SCENE;
     Ok(with(Job::new(source, folder), &options.how))
 }
 
@@ -324,12 +323,20 @@ fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, 
     for check in checks {
         let verdict = if check.pass == Some(true) { "met" } else { "MISSED" };
         let reference = check.reference.unwrap_or(f64::NAN);
-        let off = 100.0 * (check.value / reference - 1.0);
+        let allowed = check.tolerance.unwrap_or(0.0);
+        // Of a reference of zero the difference is the value.
+        let (off, allowed) = if reference == 0.0 {
+            (String::new(), format!("{allowed:.1e}"))
+        } else {
+            (
+                format!("{:+.2} %; ", 100.0 * (check.value / reference - 1.0)),
+                format!("{:.1} %", 100.0 * allowed),
+            )
+        };
         println!(
-            "{verdict}: {} {:.4e} {unit}, reference {reference:.4e} {unit} ({off:+.2} %; {:.1} % allowed), {}",
+            "{verdict}: {} {:.4e} {unit}, reference {reference:.4e} {unit} ({off}{allowed} allowed), {}",
             check.name,
             check.value,
-            100.0 * check.tolerance.unwrap_or(0.0),
             check.source,
             unit = check.unit,
         );

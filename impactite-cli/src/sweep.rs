@@ -135,18 +135,3 @@ fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliErro
     panels.compose()?.save(folder.join("sweep.png"))?;
     Ok(())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_are_lists_or_ranges() {
-        let parse = |s: &str| s.parse::<Values>();
-        assert_eq!(parse("a.b=1,2 m").unwrap().list, ["1", "2 m"]);
-        assert_eq!(parse("speed=100..200/3").unwrap().list, ["100", "150", "200"]);
-        for bad in ["speed", "=1,2", "speed=", "speed=1,,2", "speed=1..x/3", "speed=1..2/1"] {
-            assert!(parse(bad).is_err(), "{bad}");
-        }
-    }
-}

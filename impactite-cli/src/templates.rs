@@ -10,4 +10,14 @@ macro_rules! templates {
 
 templates! {
     "taylor_bar": "a copper bar hits a wall; a quarter in three dimensions",
+    "rings": "two rubber rings collide",
+    "rolling_cylinder": "a cylinder rolls down an incline: friction, gravity over time",
+    "pressed_balls": "balls in a container are pressed: repeated bodies, traction",
+    "oblique_penetration": "an ogive rod through a plate, obliquely",
+    "concrete_perforation": "a rod through concrete, axisymmetric",
+    "debris_cloud": "a sphere on a plate at several km/s",
+    "tnt": "a detonation",
+    "granular_column": "a column of bars collapses",
+    "elastic_bar": "a bar on a wall, by the particle-contact method",
+    "copper_bar": "a copper bar on a wall, by the particle-contact method",
 }

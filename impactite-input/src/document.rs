@@ -269,37 +269,3 @@ pub(crate) fn near<'a>(wrong: &str, right: impl IntoIterator<Item = &'a str>) ->
     let best = right.into_iter().min_by_key(alike)?;
     (alike(&best) <= 1 + wrong.chars().count() / 4).then_some(best)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn keys_are_set_in_tables_lists_and_where_there_were_none() {
-        let source = Source::new("t", "a = 1\n[b]\nc = [1, 2]\n[[d]]\ne = 1\n");
-        let set = |s: &str| source.set(s).map(|s| s.text);
-        assert!(set("a=2").unwrap().contains("a = 2"));
-        assert!(set("b.c[1]=\"3 m\"").unwrap().contains("c = [1, \"3 m\"]"));
-        assert!(set("b.c[1]=3 m").unwrap().contains("\"3 m\""));
-        assert!(set("d[0].e=5").unwrap().contains("e = 5"));
-        let made = set("new.deep.key=600").unwrap();
-        assert_eq!(made.parse::<DocumentMut>().unwrap()["new"]["deep"]["key"].as_integer(), Some(600));
-        for (bad, why) in [
-            ("a", "KEY=VALUE"),
-            ("=3", "empty"),
-            ("a.b=3", "no table"),
-            ("b.c[7]=1", "list of 2"),
-            ("a[0]=1", "no list"),
-        ] {
-            let said = source.set(bad).unwrap_err().to_string();
-            assert!(said.contains(why), "{bad}: {said}");
-        }
-    }
-
-    #[test]
-    fn near_misses_are_suggested() {
-        assert_eq!(near("radios", ["centre", "radius"]), Some("radius"));
-        assert_eq!(near("frction", ["friction", "fraction"]), Some("friction"));
-        assert_eq!(near("colour", ["friction", "spacing"]), None);
-    }
-}

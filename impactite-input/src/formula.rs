@@ -210,26 +210,3 @@ impl<U: Measure> schemars::JsonSchema for Formula<U> {
         })
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::quantity::{Parameters, Speed};
-
-    #[test]
-    fn formulas_see_place_time_and_parameters() {
-        let mut p = Parameters::default();
-        p.define("length", "25.4 mm").unwrap();
-        let f = p.during(|| Formula::<Speed>::of("-190 * (1 - z / length) + 0*t")).unwrap();
-        assert_eq!(f.at(&[0.0, 0.0, 0.0127], false, 0.0), -95.0);
-        assert_eq!(f.at(&[0.0, 0.0127], true, 0.0), -95.0);
-        assert!(f.check(Coordinates::Space, true, true).is_ok());
-        assert!(f.check(Coordinates::Plane, true, true).unwrap_err().contains("`z`"));
-        assert!(f.check(Coordinates::Space, true, false).unwrap_err().contains("`t`"));
-        assert!(f.check(Coordinates::Space, false, true).unwrap_err().contains("`z`"));
-        let why = Formula::<Speed>::of("3 * speed").unwrap_err();
-        assert!(why.contains("`speed`"), "{why}");
-        assert!(Formula::<Speed>::of("3 *").is_err());
-        assert!(Formula::<Speed>::of("").is_err());
-    }
-}

@@ -112,19 +112,3 @@ fn fields(schema: &Value, of: &Value) -> Vec<String> {
     let names = of["properties"].as_object().into_iter().flatten().map(|(name, _)| name);
     names.map(|n| if required.contains(&n.as_str()) { n.clone() } else { format!("{n}?") }).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_list_has_lines_with_words() {
-        for (topic, word) in Topic::ALL {
-            let lines = topic.lines();
-            assert!(lines.len() >= 5, "{word}: {lines:?}");
-            assert!(lines.iter().all(|l| !l.what.is_empty()), "{word}: {lines:?}");
-        }
-        let friction = Topic::Conditions.lines().into_iter().find(|l| l.name == "wall").unwrap();
-        assert_eq!(friction.fields, ["axis", "at", "friction?", "side?", "velocity?"]);
-    }
-}

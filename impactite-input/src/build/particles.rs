@@ -1,7 +1,7 @@
 //! Scenes of smoothed particles and of the particle-contact method.
 
+use impactite::contact::SurfaceDistance;
 use impactite::contact::particles::{Bodies, ParticleBody};
-use impactite::contact::{Approach, ContactDetector, Gradients, Regression, SurfaceDistance};
 use impactite::geometry::{Lattice, fill};
 use impactite::pcmm::{LocalDelaunay, Masses, Method as PcmmMethod, Packing, Pcmm as PcmmBody};
 use impactite::scene::Solver;
@@ -28,30 +28,21 @@ where
     let Some(laws) = laws else {
         return wrong("bodies", "several bodies need a `contact`, or they would pass through each other");
     };
-    fn joined<const D: usize, S: ContactDetector<f64, D>, B: ParticleBody<D>>(
-        world: &World<'_, D>,
-        mut bodies: Bodies<D, S>,
-        mut make: impl FnMut(&str) -> Made<B>,
-        names: &[&str],
-    ) -> Made<Box<dyn Solver>> {
-        for name in names {
-            bodies.add(*name, make(name)?);
-        }
-        if let Some(control) = world.time_control() {
-            bodies.set_time_control(control).at("time_step")?;
-        }
-        bodies.set_watch(world.watch());
-        Ok(Box::new(bodies))
+    if world.scene.contact.as_ref().is_some_and(|c| c.detector != Detector::default()) {
+        return wrong(
+            "contact.detector",
+            "bodies of particles meet by `surface_distance`: no other detector is compiled for them",
+        );
     }
-    match world.scene.contact.as_ref().map(|c| c.detector).unwrap_or_default() {
-        Detector::SurfaceDistance => {
-            joined(world, Bodies::new(SurfaceDistance::default(), laws), make, &names)
-        }
-        Detector::Approach => {
-            joined(world, Bodies::new(Approach::<Gradients>::default(), laws), make, &names)
-        }
-        Detector::Regression => joined(world, Bodies::new(Regression, laws), make, &names),
+    let mut bodies = Bodies::new(SurfaceDistance::default(), laws);
+    for name in names {
+        bodies.add(name, make(name)?);
     }
+    if let Some(control) = world.time_control() {
+        bodies.set_time_control(control).at("time_step")?;
+    }
+    bodies.set_watch(world.watch());
+    Ok(Box::new(bodies))
 }
 
 pub(super) fn sph<E: Setting<D>, const D: usize>(

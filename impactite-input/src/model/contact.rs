@@ -14,7 +14,7 @@ pub struct Contact {
     /// Laws of pairs of bodies.
     #[serde(default)]
     pub pairs: Vec<Pair>,
-    /// How contact is found on the grid (`mpm`) and between particles (`sph`, `pcmm`, `fpm`).
+    /// How contact is found on the grid (`mpm`); between particles (`sph`, `pcmm`, `fpm`) it is by the distance of the surfaces.
     #[serde(default)]
     pub detector: Detector,
 }
