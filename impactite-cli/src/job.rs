@@ -309,7 +309,7 @@ fn checks(scene: &SceneFile, columns: &[(String, &'static str)], values: &[f64])
     let judged = |(n, check): (usize, &impactite_input::model::measure::Check)| {
         let (place, reference) = measured::reference(scene, n)?;
         let (name, unit) = &columns[place];
-        Some(Check::within(name, values[place], unit, reference, check.tolerance, &check.source))
+        Some(Check::within(name, values[place], unit, reference, check.tolerance.value, &check.source))
     };
     scene.checks.iter().enumerate().filter_map(judged).collect()
 }

@@ -223,7 +223,7 @@ fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Vec<Vec<String>> {
 }
 
 /// The libraries, leaf first.
-const LIBRARIES: [&str; 13] = [
+const LIBRARIES: [&str; 15] = [
     "impactite-simd",
     "mpm-materials",
     "impactite-geometry",
@@ -237,6 +237,8 @@ const LIBRARIES: [&str; 13] = [
     "sph",
     "fpm",
     "coupling",
+    "impactite-input",
+    "impactite-cli",
 ];
 
 fn library(name: &str) -> Library {

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use mpm_core::geometry::{Ball, Filling, Lattice, fill};
-use mpm_core::{
+use impactite::materials::{IntoMaterial, LinearElastic, Material, Moduli, NeoHookean, library};
+use impactite::mpm::geometry::{Ball, Filling, Lattice, fill};
+use impactite::mpm::{
     Apic, Blend, BlockGrid, Boundary, CpGimp, Flip, IntoKernels, Kernels, Linear, Method, Mls, Mpm, Musl,
     PlaneStrain, QuadraticBSpline, Side, Usl,
 };
-use mpm_materials::{IntoMaterial, LinearElastic, Material, Moduli, NeoHookean, library};
 
 use crate::{StandardLinearSolid, tent_apic};
 

@@ -10,7 +10,7 @@ pub mod viscoelastic;
 pub use tent::TentAveragedHat;
 pub use viscoelastic::StandardLinearSolid;
 
-use mpm_core::{Apic, IntoKernels, Kernels, Method, PlaneStrain, Usl};
+use impactite::mpm::{Apic, IntoKernels, Kernels, Method, PlaneStrain, Usl};
 
 /// APIC on the tent-averaged linear shape function, in plane strain.
 pub fn tent_apic() -> Kernels<f64, 2> {

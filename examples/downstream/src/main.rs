@@ -1,8 +1,8 @@
 //! A viscoelastic disk falls on a wall and bounces: how much of its energy comes back?
 
 use downstream::{StandardLinearSolid, tent_apic};
-use mpm_core::geometry::{Ball, Filling, Lattice, fill};
-use mpm_core::{BlockGrid, Boundary, Mpm, Side};
+use impactite::mpm::geometry::{Ball, Filling, Lattice, fill};
+use impactite::mpm::{BlockGrid, Boundary, Mpm, Side};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lattice = Lattice::new([0.0, 0.0], 0.005)?;

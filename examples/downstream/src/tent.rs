@@ -4,10 +4,10 @@
 //! With S the twice integrated tent of half width 1/2 and area 1 (a ramp with a rounded foot),
 //! N(x) = S(x + 1) - 2 S(x) + S(x - 1).
 
-use mpm_core::dim::{Extent, Stencil};
-use mpm_core::shape::Weights;
-use mpm_core::{AffineShape, FixedDomain, ShapeFunction};
-use mpm_materials::{Lane, Real};
+use impactite::materials::{Lane, Real};
+use impactite::mpm::dim::{Extent, Stencil};
+use impactite::mpm::shape::Weights;
+use impactite::mpm::{AffineShape, FixedDomain, ShapeFunction};
 
 /// See the module.
 #[derive(Clone, Copy, Debug, Default)]

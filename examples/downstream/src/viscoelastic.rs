@@ -8,7 +8,7 @@
 
 use std::sync::Arc;
 
-use mpm_materials::{
+use impactite::materials::{
     Breakdown, Check, Constitutive, Fault, HughesWinget, IntoMaterial, Kinematics, Lane, Material,
     ObjectiveRate, ParameterError, Sym3, Update, point::finite_state, state,
 };

@@ -2,11 +2,11 @@
 
 use downstream::choose::{self, Failure, LAWS, METHODS};
 use downstream::{StandardLinearSolid, TentAveragedHat};
-use mpm_core::{
+use impactite::materials::{Constitutive, library};
+use impactite::mpm::{
     Apic, Blend, CpGimp, Flip, IntoKernels, Linear, Method, Mls, Mpm, Musl, PlaneStrain, QuadraticBSpline,
     Usl,
 };
-use mpm_materials::{Constitutive, library};
 
 const STEPS: usize = 40;
 

@@ -1,11 +1,11 @@
 //! The batteries of the framework, a line each.
 
 use downstream::{StandardLinearSolid, TentAveragedHat};
-use mpm_core::{Apic, Flip, FullSpace, Method, Musl, PlaneStrain, Usl, conforms};
-use mpm_materials::conformance::{
+use impactite::materials::conformance::{
     Options, cycles, inversion, isotropy, lanes, not_a_number, objectivity, purity, virgin, wave_speed, work,
 };
-use mpm_materials::conformance_suite;
+use impactite::materials::conformance_suite;
+use impactite::mpm::{Apic, Flip, FullSpace, Method, Musl, PlaneStrain, Usl, conforms};
 
 fn rubber(relaxation_time: f64) -> StandardLinearSolid {
     StandardLinearSolid::new(1000.0, 2.0e7, 1.0e6, 2.0e6, relaxation_time).expect("constants")
@@ -44,7 +44,7 @@ conforms! {
 /// Shear held fixed: the overstress decays by e a relaxation time.
 #[test]
 fn stress_relaxes() {
-    use mpm_materials::{Constitutive, Kinematics, Mat3};
+    use impactite::materials::{Constitutive, Kinematics, Mat3};
     let law = rubber(0.5);
     let step = |shear: f64| Kinematics {
         increment: Mat3([[0.0, shear, 0.0], [0.0; 3], [0.0; 3]]),

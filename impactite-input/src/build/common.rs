@@ -4,46 +4,17 @@ use std::sync::Arc;
 
 use impactite::contact::{Adhesion, Coulomb, Frictionless, Pairs, SlipWeakening, Stick};
 use impactite::geometry::{Bounds, Filling, Shape};
-use impactite::mpm::{Axisymmetric, Boundary, FullSpace, Kernels, PlaneStrain, Side, TimeControl, Watch};
+use impactite::mpm::{Boundary, Side, TimeControl, Watch};
 use impactite::scene::boundary::{BodyForce, VelocityHistory};
-use impactite::scene::{Embedding, SceneError, Solver};
 
-use super::{At, Folder, Made, known, material, mpm, shape, wrong};
+use super::material::{self, Velocity};
+use super::wrong::{At, Folder, Made, known, wrong};
+use super::{describe, shape};
 use crate::model::body::Body;
 use crate::model::condition::{self, Condition};
 use crate::model::contact::{Law, Pair};
-use crate::model::method::{Fpm, Method, Mpm, TimeStep};
+use crate::model::method::{Method, TimeStep};
 use crate::model::{SceneFile, Space, fixed, formulas};
-
-/// A velocity (m/s) by position (m).
-pub(super) type Velocity<const D: usize> = Arc<dyn Fn([f64; D]) -> [f64; D] + Send + Sync>;
-
-/// How scenes of each dimension lie in space.
-pub(crate) trait Setting<const D: usize>: Embedding<D> + std::fmt::Debug + Copy {
-    /// Kernels of the material point method.
-    fn kernels(self, options: &Mpm) -> Made<Kernels<f64, D>>;
-    /// A scene of fragile points.
-    fn fpm(self, world: &World<'_, D>, options: &Fpm) -> Made<Box<dyn Solver>>;
-}
-
-macro_rules! settings {
-    ($($space:ty, $d:literal => $fpm:expr;)*) => {$(
-        impl Setting<$d> for $space {
-            fn kernels(self, options: &Mpm) -> Made<Kernels<f64, $d>> {
-                mpm::kernels!(self, options)
-            }
-            fn fpm(self, world: &World<'_, $d>, options: &Fpm) -> Made<Box<dyn Solver>> {
-                let build: fn(Self, &World<'_, $d>, &Fpm) -> Made<Box<dyn Solver>> = $fpm;
-                build(self, world, options)
-            }
-        }
-    )*};
-}
-settings! {
-    FullSpace, 3 => super::fpm::build;
-    PlaneStrain, 2 => super::fpm::build;
-    Axisymmetric, 2 => |_, _, _| wrong("space", "fragile points are of `3d`, `plane strain` or `plane stress`");
-}
 
 /// A scene's file, in its dimensions.
 pub(crate) struct World<'a, const D: usize> {
@@ -112,10 +83,10 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
             &check.measure,
             scene.measures.keys().map(String::as_str),
         )?;
-        if !(check.tolerance > 0.0) {
+        if check.tolerance.value <= 0.0 {
             return wrong(
                 format!("checks[{n}].tolerance"),
-                format!("{} is not allowed; it must be positive", check.tolerance),
+                format!("{} is not allowed; it must be positive", check.tolerance.value),
             );
         }
         describe::reference(scene, n)?;
@@ -365,99 +336,4 @@ fn side(side: condition::Side) -> Side {
 
 fn sum<const D: usize>(a: [f64; D], b: [f64; D]) -> [f64; D] {
     std::array::from_fn(|d| a[d] + b[d])
-}
-
-/// The key of a scene that an error of a body speaks of.
-pub(super) fn of_body(key: &str, error: SceneError) -> super::Wrong {
-    super::Wrong { key: key.into(), message: error.to_string(), help: None }
-}
-
-pub(crate) mod describe {
-    //! Measures: what they are called, and whether they are of what there is.
-
-    use super::{At, Made, SceneFile, known, wrong};
-    use crate::model::measure::{Measurement, Reference};
-
-    /// The body of a measure, and its axis.
-    pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
-        let body = |name: &str, word: &str| {
-            known(&format!("{key}.{word}.body"), "body", name, scene.expanded.keys().map(String::as_str))
-                .map(|_| ())
-        };
-        use Measurement as M;
-        match measure {
-            M::Extent(of)
-            | M::Highest(of)
-            | M::Lowest(of)
-            | M::Centre(of)
-            | M::MeanVelocity(of)
-            | M::Momentum(of) => {
-                let word = word(measure);
-                body(&of.body, word)?;
-                scene.space.axis(of.axis).at(format!("{key}.{word}.axis"))?;
-                Ok(())
-            }
-            M::Kinetic(of) | M::Internal(of) | M::Mass(of) | M::FailedShare(of) => {
-                body(&of.body, word(measure))
-            }
-            M::Largest(of) | M::Mean(of) => body(&of.body, word(measure)),
-            M::EnergyError(_) => Ok(()),
-        }
-    }
-
-    /// The word of files.
-    pub fn word(measure: &Measurement) -> &'static str {
-        use Measurement as M;
-        match measure {
-            M::Extent(_) => "extent",
-            M::Highest(_) => "highest",
-            M::Lowest(_) => "lowest",
-            M::Centre(_) => "centre",
-            M::MeanVelocity(_) => "mean_velocity",
-            M::Momentum(_) => "momentum",
-            M::Kinetic(_) => "kinetic",
-            M::Internal(_) => "internal",
-            M::Mass(_) => "mass",
-            M::Largest(_) => "largest",
-            M::Mean(_) => "mean",
-            M::FailedShare(_) => "failed_share",
-            M::EnergyError(_) => "energy_error",
-        }
-    }
-
-    /// The SI unit of a measure; "-" of plain numbers.
-    pub fn unit(measure: &Measurement) -> &'static str {
-        use Measurement as M;
-        match measure {
-            M::Extent(_) | M::Highest(_) | M::Lowest(_) | M::Centre(_) => "m",
-            M::MeanVelocity(_) => "m/s",
-            M::Momentum(_) => "kg m/s",
-            M::Kinetic(_) | M::Internal(_) => "J",
-            M::Mass(_) => "kg",
-            M::Largest(of) | M::Mean(of) => match of.field.as_str() {
-                "pressure" | "von_mises" => "Pa",
-                "speed" => "m/s",
-                "temperature" => "K",
-                _ => "-",
-            },
-            M::FailedShare(_) | M::EnergyError(_) => "-",
-        }
-    }
-
-    /// What a measure should be, in SI units.
-    pub fn reference(scene: &SceneFile, check: usize) -> Made<f64> {
-        let of = &scene.checks[check];
-        let key = format!("checks[{check}].reference");
-        let Some(measure) = scene.measures.get(&of.measure) else {
-            return wrong(key, format!("no measure has the name `{}`", of.measure));
-        };
-        match &of.reference {
-            Reference::Number(number) if number.is_finite() => Ok(*number),
-            Reference::Number(number) => wrong(key, format!("{number} is not finite")),
-            Reference::Text(text) => {
-                let unit = unit(measure);
-                scene.known.quantity(text, if unit == "-" { "" } else { unit }).at(key)
-            }
-        }
-    }
 }

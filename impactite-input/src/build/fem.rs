@@ -3,8 +3,10 @@
 use impactite::fem::Fem as Scene;
 use impactite::scene::Solver;
 
-use super::common::{Setting, World, of_body};
-use super::{At, Made, known, mesh, wrong};
+use super::common::World;
+use super::kernels::Setting;
+use super::mesh;
+use super::wrong::{At, Made, known, of_body, wrong};
 use crate::model::contact::Detector;
 use crate::model::method::Fem;
 
@@ -18,10 +20,8 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     for (name, body) in &world.scene.expanded {
         fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
     }
-    if let Some(contact) = &world.scene.contact {
-        if contact.detector != Detector::default() {
-            return wrong("contact.detector", "of elements nodes meet facets: there is nothing to choose");
-        }
+    if world.scene.contact.as_ref().is_some_and(|c| c.detector != Detector::default()) {
+        return wrong("contact.detector", "of elements nodes meet facets: there is nothing to choose");
     }
     match world.laws(&names)? {
         Some(laws) => fem.touch(laws).at("contact")?,

@@ -9,8 +9,9 @@ use impactite::fpm::{
 use impactite::geometry::{Cuboid, Lattice, Polygon, fill};
 use impactite::scene::{Embedding, Solver};
 
-use super::common::{World, of_body};
-use super::{At, Made, mesh, particles, shape, wrong};
+use super::common::World;
+use super::wrong::{At, Made, of_body, wrong};
+use super::{mesh, particles, shape};
 use crate::model::body::Body as Spec;
 use crate::model::method::{Cracks, Flux as FluxWord, Fpm, Points};
 use crate::model::shape::Shape;

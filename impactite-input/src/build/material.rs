@@ -9,14 +9,16 @@ use impactite::materials::{
     LinearDensity, LinearElastic, Logarithmic, LogarithmicBulk, Material, MieGruneisen, Moduli, MohrCoulomb,
     NeoHookean, Newtonian, PlaneStress, PlasticStrainLimit, Removed, Solid, Tait, TensilePressure, library,
 };
-use impactite::mpm::{Deformable, Mpm, Traction};
+use impactite::mpm::{Deformable, Mpm, Splitting, Traction};
 
-use super::common::Velocity;
-use super::{At, Made, wrong};
+use super::wrong::{At, Made, wrong};
 use crate::model::material::{
     ConeWord, ElasticConstants, Eos, ExplosiveLaw, Failure, FluidLaw, FrictionConstants, GroundLaw, Library,
     Material as Spec, Strength,
 };
+
+/// A velocity (m/s) by position (m).
+pub(super) type Velocity<const D: usize> = Arc<dyn Fn([f64; D]) -> [f64; D] + Send + Sync>;
 
 /// A law, ready for a body.
 #[derive(Clone)]
@@ -24,6 +26,13 @@ pub(crate) struct Law {
     pub material: Arc<dyn Material<f64>>,
     /// Of an explosive, what lights it.
     pub explosive: Option<Charge>,
+}
+
+/// What acts on a body of particles alone.
+pub(crate) struct Acting<'a, const D: usize> {
+    pub traction: Option<Traction<D>>,
+    pub splitting: Option<Splitting>,
+    pub lit: &'a [Start],
 }
 
 /// Where a charge is lit: m, and s.
@@ -55,10 +64,9 @@ impl Law {
         name: &str,
         seeds: &Seeds<D>,
         velocity: &Velocity<D>,
-        traction: Option<Traction<D>>,
-        splitting: Option<impactite::mpm::Splitting>,
-        lit: &[Start],
+        acting: Acting<'_, D>,
     ) -> Result<(), String> {
+        let Acting { traction, splitting, lit } = acting;
         let velocity = velocity.clone();
         macro_rules! body {
             ($law:expr) => {{

@@ -7,7 +7,7 @@ use impactite::geometry::structured::{
 use impactite::geometry::{Ball, Cuboid, Cylinder, ElementMesh, Tube};
 
 use super::common::World;
-use super::{At, Made, wrong};
+use super::wrong::{At, Made, wrong};
 use crate::model::body::{Body, Mesh, MeshFile};
 use crate::model::fixed;
 use crate::model::shape::Shape;
@@ -17,12 +17,8 @@ use crate::quantity::{Length, Quantity};
 pub(super) fn of<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<ElementMesh<D>> {
     match &body.mesh {
         None => wrong(key, "needs a `mesh`: a file, or `edge` with a `shape`"),
-        Some(Mesh::Gmsh(file)) => {
-            read(world, key, "gmsh", file, |path, unit| ElementMesh::read_gmsh(path, unit))
-        }
-        Some(Mesh::Abaqus(file)) => {
-            read(world, key, "abaqus", file, |path, unit| ElementMesh::read_abaqus(path, unit))
-        }
+        Some(Mesh::Gmsh(file)) => read(world, key, "gmsh", file, ElementMesh::read_gmsh),
+        Some(Mesh::Abaqus(file)) => read(world, key, "abaqus", file, ElementMesh::read_abaqus),
         Some(Mesh::Edge(edge)) => match &body.shape {
             Some(shape) => regular(world, &format!("{key}.mesh"), shape, edge),
             None => wrong(key, "a mesh by its `edge` is of a `shape`"),
@@ -48,10 +44,10 @@ fn regular<const D: usize>(
     edge: &Quantity<Length>,
 ) -> Made<ElementMesh<D>> {
     let edge = edge.value;
-    if !(edge > 0.0) {
+    if edge <= 0.0 {
         return wrong(format!("{key}.edge"), format!("{edge} m is not allowed; it must be positive"));
     }
-    let count = |length: f64| (length / edge).round().max(1.0).min(1e9) as usize;
+    let count = |length: f64| (length / edge).round().clamp(1.0, 1e9) as usize;
     match (shape, D) {
         (Shape::Box(s), _) => {
             let (from, to): ([f64; D], [f64; D]) = (fixed(&s.from).at(key)?, fixed(&s.to).at(key)?);

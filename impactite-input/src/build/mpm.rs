@@ -13,84 +13,15 @@ use impactite::mpm::{
 };
 use impactite::scene::Solver;
 
-use super::common::{Setting, World, of_body};
-use super::material::Start;
-use super::{At, Made, mesh, shape, wrong};
+use super::common::World;
+use super::kernels::Setting;
+use super::material::{Acting, Start};
+use super::wrong::{At, Made, of_body, wrong};
+use super::{mesh, shape};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
 use crate::model::method::Mpm;
 use crate::model::{fixed, formulas};
-
-/// The kernels of a method of these options, in one of the embeddings.
-macro_rules! kernels {
-    ($space:expr, $options:expr) => {{
-        use impactite::mpm::{
-            Aflip, Apic, Blend, CpGimp, Flip, IntoKernels, Linear, Method, Mls, Musl, QuadraticBSpline, Usl,
-        };
-        use $crate::model::method::{Purpose, ShapeFunction as S, StressUpdate as U, Transfer as X};
-        let (space, options) = ($space, $options);
-        let key = "method.mpm.parts";
-        match (&options.parts, options.purpose) {
-            (Some(_), Some(_)) => $crate::build::wrong(key, "either `for` or `parts`"),
-            (None, purpose) => Ok(match purpose.unwrap_or_default() {
-                Purpose::Impact => Method::impact(space).into_kernels(),
-                Purpose::ContactAtRest => Method::contact_at_rest(space).into_kernels(),
-                Purpose::LargeElastic => Method::large_elastic(space).into_kernels(),
-            }),
-            (Some(parts), None) => {
-                if parts.relaxation.is_some() != (parts.transfer == X::Blend) {
-                    return $crate::build::wrong(
-                        key,
-                        "`relaxation` is of the transfer `blend`, which needs it",
-                    );
-                }
-                let blend = |tau: &Option<$crate::quantity::Quantity<$crate::quantity::Time>>| {
-                    $crate::build::At::at(
-                        Blend::new(tau.map_or(0.0, |q| q.value)),
-                        format!("{key}.relaxation"),
-                    )
-                };
-                Ok(match (parts.shape_function, parts.transfer, parts.stress_update) {
-                    (S::Linear, X::Flip, U::Musl) => Method::new(Linear, Flip, Musl, space).into_kernels(),
-                    (S::Linear, X::Blend, U::Musl) => {
-                        Method::new(Linear, blend(&parts.relaxation)?, Musl, space).into_kernels()
-                    }
-                    (S::Cpgimp, X::Flip, U::Musl) => Method::new(CpGimp, Flip, Musl, space).into_kernels(),
-                    (S::Cpgimp, X::Flip, U::Usl) => Method::new(CpGimp, Flip, Usl, space).into_kernels(),
-                    (S::Cpgimp, X::Blend, U::Musl) => {
-                        Method::new(CpGimp, blend(&parts.relaxation)?, Musl, space).into_kernels()
-                    }
-                    (S::QuadraticBSpline, X::Flip, U::Musl) => {
-                        Method::new(QuadraticBSpline, Flip, Musl, space).into_kernels()
-                    }
-                    (S::QuadraticBSpline, X::Apic, U::Usl) => {
-                        Method::new(QuadraticBSpline, Apic, Usl, space).into_kernels()
-                    }
-                    (S::QuadraticBSpline, X::Aflip, U::Usl) => {
-                        Method::new(QuadraticBSpline, Aflip::default(), Usl, space).into_kernels()
-                    }
-                    (S::QuadraticBSpline, X::Mls, U::Usl) => {
-                        Method::new(QuadraticBSpline, Mls, Usl, space).into_kernels()
-                    }
-                    _ => {
-                        return $crate::build::wrong(
-                            key,
-                            format!(
-                                "no kernels of these together are compiled in this program; there are {}",
-                                $crate::build::mpm::PARTS
-                            ),
-                        );
-                    }
-                })
-            }
-        }
-    }};
-}
-pub(super) use kernels;
-
-/// What of parts is compiled, in words.
-pub(crate) const PARTS: &str = "linear with flip or blend and musl; cpgimp with flip and musl or usl, or blend and musl; quadratic_b_spline \
-     with flip and musl, or apic, aflip or mls and usl";
 
 pub(super) fn build<E: Setting<D>, const D: usize>(
     embedding: E,
@@ -174,7 +105,8 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
                         .transpose()?;
                     lit.push(Start { at: wide(at), plane: plane.map(wide), time: start.time.value });
                 }
-                law.add(&mut mpm, name, &seeds, &velocity, traction, splitting, &lit).at(&key)?;
+                law.add(&mut mpm, name, &seeds, &velocity, Acting { traction, splitting, lit: &lit })
+                    .at(&key)?;
             }
         }
     }

@@ -7,8 +7,9 @@ use impactite::pcmm::{LocalDelaunay, Masses, Method as PcmmMethod, Packing, Pcmm
 use impactite::scene::Solver;
 use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
 
-use super::common::{Setting, World, of_body};
-use super::{At, Made, wrong};
+use super::common::World;
+use super::kernels::Setting;
+use super::wrong::{At, Made, of_body, wrong};
 use crate::model::contact::Detector;
 use crate::model::method::{Pcmm, Sph, SphForm};
 

@@ -9,7 +9,7 @@ use impactite::geometry::{
 
 use nalgebra::Rotation;
 
-use super::{At, Folder, Made, wrong};
+use super::wrong::{At, Folder, Made, wrong};
 use crate::model::fixed;
 use crate::model::shape::{MovedShape, Shape as Spec};
 

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::Axis;
+use crate::quantity::{Plain, Quantity};
 
 /// A number of the scene at a time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -74,7 +75,7 @@ pub struct Check {
     /// What it should be: a number in SI units, or a text with a unit.
     pub reference: Reference,
     /// Allowed difference over the reference (absolute where the reference is 0).
-    pub tolerance: f64,
+    pub tolerance: Quantity<Plain>,
     /// Where the reference is from.
     pub source: String,
 }

@@ -1,0 +1,86 @@
+//! Measures: what they are called, and whether they are of what there is.
+
+use super::wrong::{At, Made, known, wrong};
+use crate::model::SceneFile;
+use crate::model::measure::{Measurement, Reference};
+
+/// The body of a measure, and its axis.
+pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
+    let body = |name: &str, word: &str| {
+        known(&format!("{key}.{word}.body"), "body", name, scene.expanded.keys().map(String::as_str))
+            .map(|_| ())
+    };
+    use Measurement as M;
+    match measure {
+        M::Extent(of)
+        | M::Highest(of)
+        | M::Lowest(of)
+        | M::Centre(of)
+        | M::MeanVelocity(of)
+        | M::Momentum(of) => {
+            let word = word(measure);
+            body(&of.body, word)?;
+            scene.space.axis(of.axis).at(format!("{key}.{word}.axis"))?;
+            Ok(())
+        }
+        M::Kinetic(of) | M::Internal(of) | M::Mass(of) | M::FailedShare(of) => body(&of.body, word(measure)),
+        M::Largest(of) | M::Mean(of) => body(&of.body, word(measure)),
+        M::EnergyError(_) => Ok(()),
+    }
+}
+
+/// The word of files.
+pub fn word(measure: &Measurement) -> &'static str {
+    use Measurement as M;
+    match measure {
+        M::Extent(_) => "extent",
+        M::Highest(_) => "highest",
+        M::Lowest(_) => "lowest",
+        M::Centre(_) => "centre",
+        M::MeanVelocity(_) => "mean_velocity",
+        M::Momentum(_) => "momentum",
+        M::Kinetic(_) => "kinetic",
+        M::Internal(_) => "internal",
+        M::Mass(_) => "mass",
+        M::Largest(_) => "largest",
+        M::Mean(_) => "mean",
+        M::FailedShare(_) => "failed_share",
+        M::EnergyError(_) => "energy_error",
+    }
+}
+
+/// The SI unit of a measure; "-" of plain numbers.
+pub fn unit(measure: &Measurement) -> &'static str {
+    use Measurement as M;
+    match measure {
+        M::Extent(_) | M::Highest(_) | M::Lowest(_) | M::Centre(_) => "m",
+        M::MeanVelocity(_) => "m/s",
+        M::Momentum(_) => "kg m/s",
+        M::Kinetic(_) | M::Internal(_) => "J",
+        M::Mass(_) => "kg",
+        M::Largest(of) | M::Mean(of) => match of.field.as_str() {
+            "pressure" | "von_mises" => "Pa",
+            "speed" => "m/s",
+            "temperature" => "K",
+            _ => "-",
+        },
+        M::FailedShare(_) | M::EnergyError(_) => "-",
+    }
+}
+
+/// What a measure should be, in SI units.
+pub fn reference(scene: &SceneFile, check: usize) -> Made<f64> {
+    let of = &scene.checks[check];
+    let key = format!("checks[{check}].reference");
+    let Some(measure) = scene.measures.get(&of.measure) else {
+        return wrong(key, format!("no measure has the name `{}`", of.measure));
+    };
+    match &of.reference {
+        Reference::Number(number) if number.is_finite() => Ok(*number),
+        Reference::Number(number) => wrong(key, format!("{number} is not finite")),
+        Reference::Text(text) => {
+            let unit = unit(measure);
+            scene.known.quantity(text, if unit == "-" { "" } else { unit }).at(key)
+        }
+    }
+}

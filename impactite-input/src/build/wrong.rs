@@ -1,0 +1,59 @@
+//! What is wrong with a scene, and where files are.
+
+use std::path::PathBuf;
+
+use impactite::scene::SceneError;
+
+use crate::document::near;
+
+/// What is wrong with a scene, at a key.
+#[derive(Debug)]
+pub(crate) struct Wrong {
+    pub key: String,
+    pub message: String,
+    pub help: Option<String>,
+}
+
+pub(crate) type Made<T> = Result<T, Wrong>;
+
+/// What is wrong, at this key.
+pub(crate) fn wrong<T>(key: impl Into<String>, message: impl Into<String>) -> Made<T> {
+    Err(Wrong { key: key.into(), message: message.into(), help: None })
+}
+
+/// Errors with their key.
+pub(crate) trait At<T> {
+    /// At this key.
+    fn at(self, key: impl Into<String>) -> Made<T>;
+}
+impl<T, E: std::fmt::Display> At<T> for Result<T, E> {
+    fn at(self, key: impl Into<String>) -> Made<T> {
+        self.map_err(|e| Wrong { key: key.into(), message: e.to_string(), help: None })
+    }
+}
+
+/// The name that a key holds, among those there are.
+pub(crate) fn known<'a>(
+    key: &str,
+    what: &str,
+    name: &str,
+    names: impl IntoIterator<Item = &'a str>,
+) -> Made<usize> {
+    let names: Vec<&str> = names.into_iter().collect();
+    if let Some(place) = names.iter().position(|n| *n == name) {
+        return Ok(place);
+    }
+    let help = near(name, names.iter().copied()).map(|n| format!("did you mean `{n}`?"));
+    let there =
+        if names.is_empty() { "there is none".into() } else { format!("there are {}", names.join(", ")) };
+    Err(Wrong { key: key.into(), message: format!("no {what} has the name `{name}`; {there}"), help })
+}
+
+/// Where files that a scene names are.
+#[derive(Clone, Debug, Default)]
+pub struct Folder(pub PathBuf);
+
+/// What is wrong with a body, as its solver says.
+pub(super) fn of_body(key: &str, error: SceneError) -> Wrong {
+    Wrong { key: key.into(), message: error.to_string(), help: None }
+}

@@ -1,0 +1,109 @@
+//! Space, axes and vectors.
+
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+use crate::formula::{Coordinates, Formula};
+use crate::quantity::{Measure, Quantity};
+
+/// How a scene lies in space.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+pub enum Space {
+    /// Three dimensions: x, y, z.
+    #[serde(rename = "3d")]
+    Full,
+    /// x and y; nothing moves along z, and everything is per metre of depth.
+    #[serde(rename = "plane strain")]
+    PlaneStrain,
+    /// x and y, without stress along z: plates, one metre thick at the start. For materials that have a law of plates (`elastic`).
+    #[serde(rename = "plane stress")]
+    PlaneStress,
+    /// r and z around the axis r = 0; everything is per radian.
+    #[serde(rename = "axisymmetric")]
+    Axisymmetric,
+}
+
+impl Space {
+    /// 2 or 3.
+    #[must_use]
+    pub fn dimensions(self) -> usize {
+        if self == Space::Full { 3 } else { 2 }
+    }
+    /// Which coordinates there are.
+    #[must_use]
+    pub fn coordinates(self) -> Coordinates {
+        match self {
+            Space::Full => Coordinates::Space,
+            Space::PlaneStrain | Space::PlaneStress => Coordinates::Plane,
+            Space::Axisymmetric => Coordinates::Revolved,
+        }
+    }
+    /// The number of an axis.
+    ///
+    /// # Errors
+    /// An axis that there is not.
+    pub fn axis(self, axis: Axis) -> Result<usize, String> {
+        let (there, list): (&[Axis], &str) = match self {
+            Space::Full => (&[Axis::X, Axis::Y, Axis::Z], "x, y, z"),
+            Space::PlaneStrain | Space::PlaneStress => (&[Axis::X, Axis::Y], "x, y"),
+            Space::Axisymmetric => (&[Axis::R, Axis::Z], "r, z"),
+        };
+        let missing = || format!("there is no axis {} here; the axes are {list}", axis.name());
+        there.iter().position(|a| *a == axis).ok_or_else(missing)
+    }
+    /// The word of files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Space::Full => "3d",
+            Space::PlaneStrain => "plane strain",
+            Space::PlaneStress => "plane stress",
+            Space::Axisymmetric => "axisymmetric",
+        }
+    }
+}
+
+/// A coordinate axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Axis {
+    /// x.
+    X,
+    /// y.
+    Y,
+    /// z; around an axis the axis itself.
+    Z,
+    /// The distance from the axis.
+    R,
+}
+
+impl Axis {
+    /// Its letter.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Axis::X => "x",
+            Axis::Y => "y",
+            Axis::Z => "z",
+            Axis::R => "r",
+        }
+    }
+}
+
+/// A place, direction or vector of the scene: 2 or 3 quantities.
+pub type Vector<U> = Vec<Quantity<U>>;
+
+/// As many numbers as there are dimensions.
+pub(crate) fn fixed<const D: usize, U: Measure>(list: &[Quantity<U>]) -> Result<[f64; D], String> {
+    let numbers: Vec<f64> = list.iter().map(|q| q.value).collect();
+    numbers.try_into().map_err(|list: Vec<f64>| components(list.len(), D))
+}
+
+/// As many formulas as there are dimensions.
+pub(crate) fn formulas<const D: usize, U: Measure>(list: &[Formula<U>]) -> Result<[Formula<U>; D], String> {
+    list.to_vec().try_into().map_err(|list: Vec<_>| components(list.len(), D))
+}
+
+fn components(found: usize, dimensions: usize) -> String {
+    format!("has {found} components; the scene has {dimensions} dimensions")
+}
