@@ -28,7 +28,7 @@ impl Draws {
             mirrors.push(match plane.axis {
                 Axis::X | Axis::R => Mirror::x(plane.at.value),
                 Axis::Z if scene.space == Space::Full => Mirror::z(plane.at.value),
-                Axis::Y | Axis::Z => Mirror::y(plane.at.value),
+                _ => Mirror::y(plane.at.value),
             });
         }
         let colour = scene.output.colour.as_ref().map(|colour| {

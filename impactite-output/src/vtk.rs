@@ -149,7 +149,7 @@ impl VtkSeries {
 }
 
 /// Write one snapshot as a `.vtp` file at `path`, or as a `.vtu` file if it has cells, whole or not at all. Beside its fields it holds `body`
-/// (Int32), `size` (m, if particles differ) and the field data `TimeValue` (s), `Step` and, if all particles are
+/// (Int32), a field `particle` in 64 bits, `size` (m, if particles differ) and the field data `TimeValue` (s), `Step` and, if all particles are
 /// alike, `ParticleSize` (m).
 ///
 /// # Errors
@@ -270,6 +270,11 @@ impl Appended {
         }
         for (name, values) in snapshot.fields() {
             match values {
+                // Numbers of particles, which single precision would round from 16 million on.
+                FieldValues::Scalar(v) if name == "particle" => {
+                    let bytes: Vec<u8> = v.iter().flat_map(|&x| (x as i64).to_le_bytes()).collect();
+                    self.array("Int64", name, "", &bytes)?;
+                }
                 FieldValues::Scalar(v) => self.floats(name, "", v.iter().copied())?,
                 FieldValues::Vector(v) => {
                     self.floats(name, " NumberOfComponents=\"3\"", v.iter().flatten().copied())?;

@@ -312,3 +312,19 @@ fn a_hidden_progress_bar_is_silent() {
     }
     progress.finish();
 }
+
+/// Numbers of particles beyond what single precision holds.
+#[test]
+fn numbers_of_particles_are_whole() {
+    let number = f64::from(1u32 << 24) + 1.0;
+    let snapshot = Snapshot::new(3, 0.0, 0, vec![[0.0; 3]], ParticleSize::Uniform(1.0)).expect("a snapshot");
+    let snapshot = snapshot.with_scalar("particle", vec![number]).expect("a field");
+    let path = std::env::temp_dir().join(format!("impactite-numbers-{}.vtp", std::process::id()));
+    let options = VtkOptions { compressed: false, ..VtkOptions::default() };
+    write_vtp(&path, &snapshot, options).expect("a file");
+    let bytes = std::fs::read(&path).expect("the file");
+    std::fs::remove_file(path).expect("the file");
+    let text = String::from_utf8_lossy(&bytes);
+    assert!(text.contains("type=\"Int64\" Name=\"particle\""));
+    assert!(bytes.windows(8).any(|w| w == (number as i64).to_le_bytes()));
+}

@@ -12,6 +12,7 @@ use crate::quantity::{Density, Length, Plain, Pressure, Quantity, Speed, Spin, T
 
 /// A body: a shape (or a mesh) of a material, with its motion at the start and what acts on it alone.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Name of its material; none of a rigid body.
@@ -68,6 +69,7 @@ macro_rules! parts {
     ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Debug, Deserialize, JsonSchema)]
+        #[non_exhaustive]
         #[serde(deny_unknown_fields)]
         pub struct $name { $($(#[$inner])* pub $field: $type,)* }
     )*};
@@ -145,6 +147,7 @@ parts! {
 
 /// How elements and particles meet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum MeetBy {
     /// Particles meet the facets of the mesh: elements of any size.
@@ -156,6 +159,7 @@ pub enum MeetBy {
 
 /// Where elements are from.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Mesh {
     /// A regular mesh of the body's `shape` (box, ball, cylinder, tube, shell of the plane) with edges of about this length.

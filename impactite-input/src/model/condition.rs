@@ -10,6 +10,7 @@ use crate::quantity::{Length, Plain, Quantity, Speed};
 
 /// A condition on velocities.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
     /// A plane of symmetry.
@@ -30,6 +31,7 @@ macro_rules! parts {
     ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Debug, Deserialize, JsonSchema)]
+        #[non_exhaustive]
         #[serde(deny_unknown_fields)]
         pub struct $name { $($(#[$inner])* pub $field: $type,)* }
     )*};
@@ -37,6 +39,7 @@ macro_rules! parts {
 
 /// On which side of a plane the material is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
     /// Where the coordinate is larger.

@@ -7,6 +7,7 @@ use crate::quantity::{Length, Plain, Pressure, Quantity};
 
 /// How bodies act on each other.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
     /// The law of all pairs that are not among `pairs`.
@@ -21,6 +22,7 @@ pub struct Contact {
 
 /// A pair of bodies with a law of their own.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Pair {
     /// The names of the bodies.
@@ -31,6 +33,7 @@ pub struct Pair {
 
 /// How contact is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Detector {
     /// By the distance of the surfaces along a separating plane.
@@ -44,6 +47,7 @@ pub enum Detector {
 
 /// A contact law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Law {
     /// Coulomb friction with this coefficient; 0: none.
@@ -58,11 +62,13 @@ pub enum Law {
 
 /// No options.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Nothing {}
 
 /// Friction that falls with slip.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct SlipWeakening {
     /// Static coefficient.
@@ -75,6 +81,7 @@ pub struct SlipWeakening {
 
 /// Strength of a bond.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Adhesion {
     /// Tensile strength.

@@ -11,6 +11,7 @@ use crate::quantity::{
 /// A material: exactly one of `library`, `elastic`, `neo_hookean`, `strength` with `eos`, `ground`, `fluid`, `explosive`; metals with
 /// `failure`, all but the first three kinds with `bulk_viscosity`.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Material {
     /// A named set of the library (`impactite list materials`).
@@ -52,6 +53,7 @@ macro_rules! library {
     ($($(#[$doc:meta])* $name:ident = $word:literal,)*) => {
         /// Named sets of constants, with their sources in the book, "Material constants".
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
         pub enum Library { $($(#[$doc])* #[serde(rename = $word)] $name,)* }
         impl Library {
             /// All of them, with their names.
@@ -113,6 +115,7 @@ macro_rules! constants {
     ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Debug, Deserialize, JsonSchema)]
+        #[non_exhaustive]
         #[serde(deny_unknown_fields)]
         pub struct $name { $($(#[$inner])* pub $field: $type,)* }
     )*};
@@ -120,6 +123,7 @@ macro_rules! constants {
 
 /// Resistance to shear.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Strength {
     /// Elastic.
@@ -132,6 +136,7 @@ pub enum Strength {
 
 /// Pressure by density and energy.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Eos {
     /// p = c^2 (rho - rho0).
@@ -144,6 +149,7 @@ pub enum Eos {
 
 /// When metal fails; it then bears compression alone, as rubble.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Failure {
     /// Damage of Johnson and Cook, D1 to D5 (rate and temperature in D4, D5).
@@ -156,6 +162,7 @@ pub enum Failure {
 
 /// Soil, concrete, granular matter.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum GroundLaw {
     /// Drucker-Prager, matched to Mohr and Coulomb by `cone`.
@@ -166,6 +173,7 @@ pub enum GroundLaw {
 
 /// A fluid.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum FluidLaw {
     /// An ideal gas.
@@ -178,6 +186,7 @@ pub enum FluidLaw {
 
 /// An explosive with JWL products.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum ExplosiveLaw {
     /// JWL.
@@ -370,6 +379,7 @@ constants! {
 
 /// A cone through, or beside, Mohr and Coulomb's pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum ConeWord {
     /// Through its inner edges: exact in triaxial extension, safe elsewhere.

@@ -8,6 +8,7 @@ use crate::quantity::{Plain, Quantity};
 
 /// A number of the scene at a time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Measurement {
     /// Extent of a body along an axis, between the surfaces of its outermost points, m.
@@ -40,6 +41,7 @@ pub enum Measurement {
 
 /// Of a body, along an axis.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct OfBody {
     /// The body's name.
@@ -50,6 +52,7 @@ pub struct OfBody {
 
 /// Of a body.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Whole {
     /// The body's name.
@@ -58,6 +61,7 @@ pub struct Whole {
 
 /// A field of a body.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Field {
     /// The body's name.
@@ -68,6 +72,7 @@ pub struct Field {
 
 /// What a measure should be at the end.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Check {
     /// Name of the measure.
@@ -82,6 +87,7 @@ pub struct Check {
 
 /// A number in the measure's SI unit, or a text with a unit.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(untagged)]
 pub enum Reference {
     /// In SI units.

@@ -8,6 +8,7 @@ use crate::quantity::{Length, Plain, Pressure, Quantity, SurfaceEnergy, Time};
 
 /// The method of a scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Material point method.
@@ -26,6 +27,7 @@ macro_rules! parts {
     ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Debug, Deserialize, JsonSchema)]
+        #[non_exhaustive]
         #[serde(deny_unknown_fields)]
         pub struct $name { $($(#[$inner])* pub $field: $type,)* }
     )*};
@@ -139,6 +141,7 @@ fn one() -> u64 {
 
 /// What a method is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 pub enum Purpose {
     /// Impact, penetration, fragments: quadratic B-splines, AFLIP, stress last.
     #[default]
@@ -154,6 +157,7 @@ pub enum Purpose {
 
 /// A shape function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum ShapeFunction {
     /// Linear.
@@ -166,6 +170,7 @@ pub enum ShapeFunction {
 
 /// A transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Transfer {
     /// FLIP.
@@ -182,6 +187,7 @@ pub enum Transfer {
 
 /// When stress is updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum StressUpdate {
     /// Last, with velocities mapped anew (MUSL).
@@ -192,6 +198,7 @@ pub enum StressUpdate {
 
 /// The form of smoothed particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum SphForm {
     /// For bodies that stay whole.
@@ -203,6 +210,7 @@ pub enum SphForm {
 
 /// Where points of cells are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Points {
     /// At random, made more even by three of Lloyd's steps: cracks find their way.
@@ -214,6 +222,7 @@ pub enum Points {
 
 /// A flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Flux {
     /// The derivative of an energy.
@@ -225,6 +234,7 @@ pub enum Flux {
 
 /// When faces open.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Cracks {
     /// Where tension reaches a strength.
@@ -237,6 +247,7 @@ pub enum Cracks {
 
 /// How steps are chosen.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum TimeStep {
     /// This part of the stable step.

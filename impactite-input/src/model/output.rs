@@ -7,6 +7,7 @@ use crate::quantity::{Plain, Quantity, Time};
 
 /// What is written while a scene runs, and how often.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Output {
     /// Simulated time between rows of histories; a thousandth of `end` if not given.
@@ -31,6 +32,7 @@ pub struct Output {
 
 /// The colour of pictures.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Colour {
     /// A field: a number of the law's state, `pressure`, `von_mises`, `velocity` (its magnitude).

@@ -18,6 +18,7 @@ use crate::quantity::{Acceleration, Parameters, Quantity, Time};
 
 /// A scene: bodies of materials, how they are computed, what acts on them, and what is written.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
     /// A name for pages and pictures.
@@ -129,6 +130,7 @@ impl SceneFile {
 
 /// A named value: a number, or a text with a unit or arithmetic with the parameters before it.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(untagged)]
 pub enum Parameter {
     /// A plain number.

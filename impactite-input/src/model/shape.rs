@@ -10,6 +10,7 @@ use crate::quantity::{Angle, Length, Plain, Quantity};
 
 /// A solid. Coordinates are x, y, z; in plane scenes x, y; around an axis r, z.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// A box between two corners; in the plane a rectangle.
@@ -46,6 +47,7 @@ macro_rules! parts {
     ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
         $(#[$doc])*
         #[derive(Clone, Debug, Deserialize, JsonSchema)]
+        #[non_exhaustive]
         #[serde(deny_unknown_fields)]
         pub struct $name { $($(#[$inner])* pub $field: $type,)* }
     )*};

@@ -8,6 +8,7 @@ use crate::quantity::{Measure, Quantity};
 
 /// How a scene lies in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 pub enum Space {
     /// Three dimensions: x, y, z.
     #[serde(rename = "3d")]
@@ -65,6 +66,7 @@ impl Space {
 
 /// A coordinate axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// x.
