@@ -73,8 +73,13 @@ fn a_run_leaves_its_page_its_numbers_and_the_same_bits_for_any_number_of_threads
             "--threads",
             threads,
             "--json",
+            "--log-every",
+            "0",
         ]);
         assert!(output.status.success(), "{}", said(&output));
+        // Without a terminal the log has lines of how far it is.
+        let log = String::from_utf8_lossy(&output.stderr);
+        assert!(log.contains("end expected") && log.contains("energy error"), "{log}");
         let text = String::from_utf8_lossy(&output.stdout).to_string();
         let last: serde_json::Value =
             serde_json::from_str(text.lines().last().unwrap()).expect("JSON on the last line");

@@ -3,7 +3,7 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use exmex::{Express, FlatEx};
+use exmex::{Express, FlatEx, FloatOpsFactory, MatchLiteral};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 use crate::quantity::{Measure, Quantity, with_parameters};
@@ -25,9 +25,37 @@ enum What {
 #[derive(Debug)]
 struct Varies {
     text: String,
-    formula: FlatEx<f64>,
+    formula: Parsed,
     /// What each of its variables is, in its order.
     variables: Vec<Variable>,
+}
+
+type Parsed = FlatEx<f64, FloatOpsFactory<f64>, Numbers>;
+
+/// Numbers as in files: also `3.2e6`, which the evaluator does not know by itself.
+#[derive(Clone, Debug)]
+struct Numbers;
+
+impl MatchLiteral for Numbers {
+    fn is_literal(text: &str) -> Option<&str> {
+        let digits = |from: usize| text[from..].bytes().take_while(u8::is_ascii_digit).count();
+        let whole = digits(0);
+        let mut end = whole;
+        if text[end..].starts_with('.') {
+            end += 1 + digits(end + 1);
+        }
+        // A dot alone is no number.
+        if whole == 0 && end < 2 {
+            return None;
+        }
+        if text[end..].starts_with(['e', 'E']) {
+            let sign = usize::from(text[end + 1..].starts_with(['+', '-']));
+            let exponent = digits(end + 1 + sign);
+            // `2e` is two times Euler's number in no file: without digits the letter is left for a name.
+            end += if exponent > 0 { 1 + sign + exponent } else { 0 };
+        }
+        Some(&text[..end])
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,7 +154,7 @@ impl<U: Measure> Formula<U> {
     }
 
     fn of(text: &str) -> Result<Self, String> {
-        let formula = exmex::parse::<f64>(text).map_err(|why| why.to_string())?;
+        let formula = Parsed::parse(text).map_err(|why| why.to_string())?;
         let variables = formula.var_names().iter().map(|name| {
             Ok(match name.as_str() {
                 "x" => Variable::X,

@@ -82,6 +82,9 @@ fn formulas_see_place_time_and_parameters() {
     assert!(f.check(Coordinates::Plane, true, true).unwrap_err().contains("`z`"));
     assert!(f.check(Coordinates::Space, true, false).unwrap_err().contains("`t`"));
     assert!(f.check(Coordinates::Space, false, true).unwrap_err().contains("`z`"));
+    let value = |text: &str| formula(text).map(|f| f.at(&[2.0, 3.0], false, 0.5));
+    assert_eq!(value("3.2e6 * min(t / 2.5e-1, 1)"), Ok(3.2e6));
+    assert_eq!(value("1E-3*x + .5 + 2.*y"), Ok(6.502));
     let why = formula("3 * speed").unwrap_err();
     assert!(why.contains("`speed`"), "{why}");
     assert!(formula("3 *").is_err());
