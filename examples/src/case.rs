@@ -441,13 +441,23 @@ pub fn peak_memory() -> Option<usize> {
 /// stream.
 pub fn start<O: Parser>(run: impl FnOnce(&O) -> Result<ExitCode, CaseError>) -> ExitCode {
     machine::into_huge_pages();
-    told(run(&O::parse()))
+    let mut command = command::<O>();
+    let parsed = O::from_arg_matches(&command.clone().get_matches());
+    told(run(&parsed.unwrap_or_else(|error| error.format(&mut command).exit())))
+}
+
+/// The options of a program. Those with a value take a negative number for one, so that what is said of it is what is allowed.
+fn command<O: Parser>() -> Command {
+    O::command().mut_args(|argument| {
+        let negative = argument.get_action().takes_values();
+        argument.allow_negative_numbers(negative)
+    })
 }
 
 /// The same for a case, whose options hold [`Common`] and whose simulations can be resumed.
 pub fn start_case<O: Parser>(run: impl FnOnce(&O, &Restart) -> Result<ExitCode, CaseError>) -> ExitCode {
     machine::into_huge_pages();
-    let mut command = O::command();
+    let mut command = command::<O>();
     let matches = command.clone().get_matches();
     let (name, given) = (command.get_name().to_string(), given(&command, &matches));
     let parsed = O::from_arg_matches(&matches).and_then(|options| {

@@ -766,6 +766,15 @@ fn bad_input_is_refused_by_name() {
     assert!(slope.contains("'9' for '--spacing <M,M>'"), "{slope}");
     let friction = said(rolling, &["--friction", "0.3,-1"]);
     assert!(friction.contains("'-1' for '--friction <MU>'"), "{friction}");
+    // Negative numbers are values, not options.
+    let gap = said(env!("CARGO_BIN_EXE_kalthoff"), &["--gap", "-1"]);
+    assert!(gap.contains("'-1' for '--gap <MM>'") && gap.contains("from 0 to 10"), "{gap}");
+    let load = said(env!("CARGO_BIN_EXE_glass_branching"), &["--strength", "-3.08"]);
+    assert!(load.contains("'-3.08' for '--strength <MPA>'") && load.contains("from 0.1"), "{load}");
+    let points = said(env!("CARGO_BIN_EXE_wave_plate"), &["--points", "-1"]);
+    assert!(points.contains("'-1' for '--points"), "{points}");
+    let poisson = said(env!("CARGO_BIN_EXE_cantilever_pulse"), &["--nu", "-0.3"]);
+    assert!(poisson.contains("'-0.3' for '--nu <NU>'") && poisson.contains("from 0 to"), "{poisson}");
     let folder = said(bar, &["--resolution", "smoke", "--out", "/dev/null/here"]);
     assert!(folder.contains("/dev/null/here"), "{folder}");
     let steps = said(speed, &["--steps", "0"]);
