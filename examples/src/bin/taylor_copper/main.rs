@@ -191,7 +191,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     }
     for outcome in &beside {
         totals = totals.plus(&outcome.totals);
-        checks.extend(checks::beside(outcome));
+        checks.extend(checks::beside(outcome, options.eta));
     }
     figures::draw(&bars, &beside, options.speed, &folder)?;
     let settings = serde_json::json!({
