@@ -121,5 +121,15 @@ fn every_list_has_lines_with_words() {
         assert!(lines.iter().all(|l| !l.what.is_empty()), "{word}: {lines:?}");
     }
     let friction = Topic::Conditions.lines().into_iter().find(|l| l.name == "wall").unwrap();
-    assert_eq!(friction.fields, ["at", "axis", "friction?", "side?", "velocity?"]);
+    assert_eq!(friction.fields, ["axis", "at", "side?", "velocity?", "friction?"]);
+}
+
+/// Parameters are written with those before them, and bodies are added as they stand there.
+#[test]
+fn keys_of_json_keep_their_order() {
+    let json =
+        r#"{"parameters": {"width": "2 m", "spacing": "width / 2"}, "bodies": {"second": {}, "first": {}}}"#;
+    let text = Source::from_json("t", json).unwrap().text;
+    let place = |word: &str| text.find(word).unwrap();
+    assert!(place("width") < place("spacing") && place("second") < place("first"), "{text}");
 }
