@@ -1,0 +1,146 @@
+//! Errors as exceptions: what Python has a name for by that name, the rest as `SceneError` and `RunError`.
+
+use std::path::Path;
+
+use impactite::scene::{CheckpointError, RunError as Broken, StepError, Stopped};
+use impactite_cli::CliError;
+use impactite_input::{Fault, InputError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
+use pyo3::prelude::*;
+
+pyo3::create_exception!(
+    impactite,
+    SceneError,
+    PyValueError,
+    "What is wrong with a scene. The message shows its place; `file`, `line`, `column`, `key`, `reason` and `help` have the parts, \
+     None where there is none."
+);
+pyo3::create_exception!(
+    impactite,
+    RunError,
+    PyRuntimeError,
+    "A run that cannot go on. `step` and `time` (s) say when; `body`, `number` and `position` (m) which point stopped it, None where \
+     none did."
+);
+
+/// The exceptions, with attributes that are None where an error has no such part.
+pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    let none = module.py().None();
+    let (scene, run) = (module.py().get_type::<SceneError>(), module.py().get_type::<RunError>());
+    for name in ["file", "line", "column", "key", "reason", "help"] {
+        scene.setattr(name, &none)?;
+    }
+    for name in ["step", "time", "body", "number", "position"] {
+        run.setattr(name, &none)?;
+    }
+    module.add("SceneError", scene)?;
+    module.add("RunError", run)
+}
+
+/// Why a call failed, before Python is told: made where the interpreter is not held.
+#[derive(Debug)]
+pub enum Failed {
+    /// The scene.
+    Input(InputError),
+    /// A step.
+    Step(StepError),
+    /// A checkpoint.
+    Checkpoint(std::path::PathBuf, CheckpointError),
+    /// A job.
+    Job(CliError),
+    /// A value that is not allowed.
+    Value(String),
+    /// A simulation that is not to be used any more.
+    Unusable(String),
+}
+
+impl From<InputError> for Failed {
+    fn from(error: InputError) -> Self {
+        Failed::Input(error)
+    }
+}
+impl From<StepError> for Failed {
+    fn from(error: StepError) -> Self {
+        Failed::Step(error)
+    }
+}
+impl From<CliError> for Failed {
+    fn from(error: CliError) -> Self {
+        Failed::Job(error)
+    }
+}
+
+impl From<Failed> for PyErr {
+    fn from(failed: Failed) -> Self {
+        match failed {
+            Failed::Input(error) | Failed::Job(CliError::Input(error)) => input(&error),
+            Failed::Step(error) | Failed::Job(CliError::Run(Broken::Step(error))) => step(&error),
+            Failed::Job(CliError::File { path, source }) => file(&path, &source),
+            Failed::Job(error @ CliError::Option { .. }) => PyValueError::new_err(error.to_string()),
+            Failed::Job(error) => RunError::new_err(error.to_string()),
+            Failed::Checkpoint(path, error) => RunError::new_err(format!("`{}`: {error}", path.display())),
+            Failed::Value(why) => PyValueError::new_err(why),
+            Failed::Unusable(why) => RunError::new_err(why),
+        }
+    }
+}
+
+/// `FileNotFoundError` and its like, with the name of the file.
+fn file(path: &Path, error: &std::io::Error) -> PyErr {
+    let path = path.display().to_string();
+    match error.raw_os_error() {
+        // Of the number Python makes the class, of all three the message.
+        Some(number) => {
+            let said = error.to_string();
+            let said = said.split(" (os error").next().unwrap_or_default().to_string();
+            PyOSError::new_err((number, said, path))
+        }
+        None => PyOSError::new_err(format!("`{path}`: {error}")),
+    }
+}
+
+fn input(error: &InputError) -> PyErr {
+    match error {
+        InputError::Read { path, source } => file(path, source),
+        InputError::At(fault) => at(fault),
+        InputError::Set { assignment, why } => SceneError::new_err(format!("set: {assignment}: {why}")),
+        // The enumeration may grow.
+        other => SceneError::new_err(other.to_string()),
+    }
+}
+
+/// A fault with its place, in the message and as attributes.
+fn at(fault: &Fault) -> PyErr {
+    let error = SceneError::new_err(fault.to_string());
+    with(error, |value| {
+        value.setattr("file", &fault.file)?;
+        value.setattr("line", fault.line)?;
+        value.setattr("column", fault.line.map(|_| fault.column))?;
+        value.setattr("key", Some(&fault.key).filter(|key| !key.is_empty()))?;
+        value.setattr("reason", &fault.message)?;
+        value.setattr("help", &fault.help)
+    })
+}
+
+fn step(error: &StepError) -> PyErr {
+    let (body, number, position) = match &error.what {
+        Stopped::Point { body, number, position, .. } => (Some(body), Some(*number), Some(*position)),
+        Stopped::Outside { body, particle, position, .. } => (Some(body), Some(*particle), Some(*position)),
+        _ => (None, None, None),
+    };
+    with(RunError::new_err(error.to_string()), |value| {
+        value.setattr("step", error.step)?;
+        value.setattr("time", error.time)?;
+        value.setattr("body", body)?;
+        value.setattr("number", number)?;
+        value.setattr("position", position.map(|[x, y, z]| (x, y, z)))
+    })
+}
+
+/// The exception with attributes; should one not be set, what Python says of that.
+fn with(error: PyErr, set: impl FnOnce(&Bound<'_, PyAny>) -> PyResult<()>) -> PyErr {
+    Python::attach(|py| match set(error.value(py)) {
+        Ok(()) => error,
+        Err(other) => other,
+    })
+}

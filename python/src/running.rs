@@ -1,0 +1,160 @@
+//! A scene that goes on by steps, as a simulation and its bodies share it.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex, MutexGuard};
+use std::time::{Duration, Instant};
+
+use impactite::parallel::Team;
+use impactite::scene::Solver;
+use impactite_input::{SceneFile, Source};
+use pyo3::prelude::*;
+
+use crate::error::Failed;
+use crate::fields::{Columns, Fields};
+
+/// How long Python waits at most to be asked whether Ctrl-C was pressed, unless one step takes longer.
+const PIECE: Duration = Duration::from_millis(50);
+
+/// A scene that is set up, on threads.
+pub struct Running {
+    /// What it was made from.
+    pub scene: Arc<SceneFile>,
+    /// How many threads.
+    pub threads: usize,
+    /// Taken by whoever does not hold the interpreter, which a thread that steps may wait for.
+    state: Mutex<State>,
+    /// The arrays of each body.
+    gathered: Mutex<Vec<Option<Gathered>>>,
+}
+
+/// The arrays of a body.
+struct Gathered {
+    /// [`State::changes`] when they were.
+    changes: u64,
+    fields: Arc<Fields>,
+}
+
+struct State {
+    solver: Box<dyn Solver>,
+    /// Counts what changed the scene.
+    changes: u64,
+    /// Why it is not to be used any more.
+    unusable: Option<String>,
+}
+
+impl Running {
+    /// The scene, set up.
+    pub fn new(source: &Source, scene: Arc<SceneFile>, threads: Option<usize>) -> Result<Self, Failed> {
+        let all = || std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST);
+        let team = Team::new(threads.unwrap_or_else(all)).map_err(|e| Failed::Value(e.to_string()))?;
+        let threads = team.threads();
+        let mut solver = source.build(&scene)?;
+        solver.set_team(team);
+        let gathered = solver.bodies().iter().map(|_| None).collect();
+        let state = State { solver, changes: 0, unusable: None };
+        Ok(Running { scene, threads, state: Mutex::new(state), gathered: Mutex::new(gathered) })
+    }
+
+    fn lock(&self) -> Result<MutexGuard<'_, State>, Failed> {
+        let broken = || Failed::Unusable("the simulation broke off within a step and cannot go on".into());
+        let state = self.state.lock().map_err(|_| broken())?;
+        match &state.unusable {
+            Some(why) => Err(Failed::Unusable(why.clone())),
+            None => Ok(state),
+        }
+    }
+
+    /// What `look` finds, between two steps.
+    pub fn look<R: Send>(
+        &self,
+        py: Python<'_>,
+        look: impl FnOnce(&mut dyn Solver) -> R + Send,
+    ) -> PyResult<R> {
+        Ok(py.detach(|| Ok::<R, Failed>(look(&mut *self.lock()?.solver)))?)
+    }
+
+    /// The arrays of the body at this place: gathered once a state.
+    pub fn fields(&self, py: Python<'_>, place: usize) -> PyResult<Arc<Fields>> {
+        let kept = |changes: u64| {
+            let gathered = self.gathered.lock().ok()?;
+            let there = gathered.get(place)?.as_ref()?;
+            (there.changes == changes).then(|| there.fields.clone())
+        };
+        let found = py.detach(|| {
+            let state = self.lock()?;
+            if let Some(fields) = kept(state.changes) {
+                return Ok(Ok(fields));
+            }
+            let solver = &*state.solver;
+            let bodies = solver.bodies();
+            let body = bodies.get(place).ok_or_else(|| Failed::Value(format!("there is no body {place}")))?;
+            let columns = Columns::of(*body, solver.dimensions(), solver.axisymmetric());
+            Ok::<_, Failed>(Err((state.changes, columns)))
+        })?;
+        let (changes, columns) = match found {
+            Ok(fields) => return Ok(fields),
+            Err(gathered) => gathered,
+        };
+        // Another thread may have been faster, and all are to have the same arrays.
+        let fields = Arc::new(Fields::new(py, columns)?);
+        if let Some(fields) = kept(changes) {
+            return Ok(fields);
+        }
+        if let Some(slot) = self.gathered.lock().ok().as_mut().and_then(|all| all.get_mut(place)) {
+            *slot = Some(Gathered { changes, fields: fields.clone() });
+        }
+        Ok(fields)
+    }
+
+    /// Give back the memory of arrays that nobody else holds.
+    fn forget(&self) {
+        if let Ok(mut gathered) = self.gathered.lock() {
+            gathered.fill_with(|| None);
+        }
+    }
+
+    /// At most so many steps towards `end`, s; Python is asked every now and then. Returns how many were made.
+    pub fn advance(&self, py: Python<'_>, end: f64, most: u64) -> PyResult<u64> {
+        self.forget();
+        let mut made = 0;
+        loop {
+            let done = py.detach(|| {
+                let mut state = self.lock()?;
+                let start = Instant::now();
+                if !end.is_finite() || state.solver.clock().is_past(end) {
+                    let time = state.solver.time();
+                    return Err(Failed::Value(format!(
+                        "end = {end} s is not allowed; it must be finite and not before the time reached, {time} s"
+                    )));
+                }
+                while made < most && !state.solver.reached(end) {
+                    if start.elapsed() >= PIECE {
+                        return Ok(false);
+                    }
+                    state.changes += 1;
+                    state.solver.step_towards(end)?;
+                    made += 1;
+                }
+                if state.solver.reached(end) {
+                    state.solver.look_at_the_end()?;
+                }
+                Ok::<bool, Failed>(true)
+            })?;
+            py.check_signals()?;
+            if done {
+                return Ok(made);
+            }
+        }
+    }
+
+    /// Go on from a checkpoint; where that fails it is not used any more.
+    pub fn resume(&self, path: &Path) -> Result<(), Failed> {
+        self.forget();
+        let mut state = self.lock()?;
+        state.changes += 1;
+        state.solver.resume(path).map_err(|error| {
+            state.unusable = Some(format!("the simulation was left half resumed by `{}`", path.display()));
+            Failed::Checkpoint(path.into(), error)
+        })
+    }
+}

@@ -1,0 +1,159 @@
+//! Simulations as Python sees them.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use impactite_input::measured;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::body::Body;
+use crate::error::{Failed, SceneError};
+use crate::running::Running;
+
+/// A scene that is set up and goes on by steps, made by `Scene.simulation`.
+///
+/// A step that cannot be made raises `RunError`. While it steps other threads of Python run; one that asks it for something waits for
+/// a step to end. Ctrl-C stops it between two steps, after which it may go on.
+#[pyclass(frozen, module = "impactite")]
+pub struct Simulation(Arc<Running>);
+
+impl Simulation {
+    /// Of a scene that is set up.
+    pub fn new(running: Running) -> Self {
+        Simulation(Arc::new(running))
+    }
+}
+
+#[pymethods]
+impl Simulation {
+    /// Make `n` steps, or fewer where the scene ends. Returns how many were made: 0 at the end.
+    #[pyo3(signature = (n=1))]
+    fn step(&self, py: Python<'_>, n: u64) -> PyResult<u64> {
+        let end = self.0.scene.end.value;
+        // A scene that was run beyond its end makes no more steps towards it.
+        if self.0.look(py, |solver| solver.reached(end))? { Ok(0) } else { self.0.advance(py, end, n) }
+    }
+
+    /// Step until the time `t`, s, which is met exactly: the last steps are shortened for it. It may be after the end of the scene.
+    fn run_until(&self, py: Python<'_>, t: f64) -> PyResult<()> {
+        self.0.advance(py, t, u64::MAX).map(drop)
+    }
+
+    /// Step until the scene ends: the same bits as `impactite.run`.
+    fn run(&self, py: Python<'_>) -> PyResult<()> {
+        let end = self.0.scene.end.value;
+        if self.0.look(py, |solver| solver.reached(end))? { Ok(()) } else { self.run_until(py, end) }
+    }
+
+    /// Simulated time, s.
+    #[getter]
+    fn time(&self, py: Python<'_>) -> PyResult<f64> {
+        self.0.look(py, |solver| solver.time())
+    }
+    /// Steps made.
+    #[getter]
+    fn steps(&self, py: Python<'_>) -> PyResult<u64> {
+        self.0.look(py, |solver| solver.steps())
+    }
+    /// Size of the last step, s; None before the first.
+    #[getter]
+    fn dt(&self, py: Python<'_>) -> PyResult<Option<f64>> {
+        self.0.look(py, |solver| solver.clock().last)
+    }
+    /// Has the scene come to its end?
+    #[getter]
+    fn reached_end(&self, py: Python<'_>) -> PyResult<bool> {
+        let end = self.0.scene.end.value;
+        self.0.look(py, |solver| solver.reached(end))
+    }
+    /// When the scene ends, s.
+    #[getter]
+    fn end(&self) -> f64 {
+        self.0.scene.end.value
+    }
+    /// The method, in a line of words.
+    #[getter]
+    fn method(&self, py: Python<'_>) -> PyResult<String> {
+        self.0.look(py, |solver| solver.method())
+    }
+    /// Dimensions of the scene, 2 or 3.
+    #[getter]
+    fn dimensions(&self, py: Python<'_>) -> PyResult<usize> {
+        self.0.look(py, |solver| solver.dimensions())
+    }
+    /// Threads that it steps on.
+    #[getter]
+    fn threads(&self) -> usize {
+        self.0.threads
+    }
+
+    /// The bodies, by name. They show the simulation as it is when they are asked.
+    #[getter]
+    fn bodies<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyDict>> {
+        let py = slf.py();
+        let said = slf.get().0.look(py, |solver| {
+            let of = |b: &&dyn impactite::scene::Body| (b.name().to_string(), b.law(), b.state_names());
+            solver.bodies().iter().map(of).collect::<Vec<_>>()
+        })?;
+        let all = PyDict::new(py);
+        for (place, (name, law, states)) in said.into_iter().enumerate() {
+            all.set_item(&name, Body::new(slf.get().0.clone(), place, name.clone(), law, states))?;
+        }
+        Ok(all)
+    }
+
+    /// The measures of the scene as it stands, in SI units, by name. Of a quarter model they are those of the quarter.
+    fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let values = self.0.look(py, |solver| measured::measure(&self.0.scene, solver))?;
+        let values = values.map_err(|error| SceneError::new_err(error.to_string()))?;
+        let all = PyDict::new(py);
+        self.0.scene.measures.keys().zip(values).try_for_each(|(name, value)| all.set_item(name, value))?;
+        Ok(all)
+    }
+
+    /// Energies, J (per radian around an axis, per metre of depth in the plane).
+    ///
+    /// `kinetic`, `internal`, `total` (their sum), `work` of loads, `friction`, `impacts`, `unexplained`; and `error`, what nothing
+    /// explains over the largest energy so far.
+    fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (totals, account) = self.0.look(py, |solver| (solver.totals(), solver.account()))?;
+        let all = PyDict::new(py);
+        for (name, value) in [
+            ("kinetic", totals.kinetic),
+            ("internal", totals.internal),
+            ("total", totals.kinetic + totals.internal),
+            ("work", account.work),
+            ("friction", account.friction),
+            ("impacts", account.impacts),
+            ("unexplained", account.unexplained),
+            ("error", account.energy_error()),
+        ] {
+            all.set_item(name, value)?;
+        }
+        Ok(all)
+    }
+
+    /// What the run warned of so far.
+    #[getter]
+    fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.0.look(py, |solver| solver.warnings().iter().map(ToString::to_string).collect())
+    }
+
+    /// Write a checkpoint to the file `path`, which is the old one or the new one at any time.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        let written = self.0.look(py, |solver| solver.save(&path))?;
+        Ok(written.map_err(|error| Failed::Checkpoint(path, error))?)
+    }
+
+    /// Go on from the checkpoint `path` that a simulation of the same scene saved, bit for bit. After a `RunError` this simulation is
+    /// not to be used any more.
+    fn resume(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        Ok(py.detach(|| self.0.resume(&path))?)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let (time, steps) = self.0.look(py, |solver| (solver.time(), solver.steps()))?;
+        Ok(format!("<impactite.Simulation {:?}, t = {time} s, {steps} steps>", self.0.scene.title))
+    }
+}
