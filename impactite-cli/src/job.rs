@@ -151,6 +151,10 @@ impl Job {
         measured::measure(scene, solver)?;
 
         let end = scene.end.value;
+        if !self.resume {
+            // What a run that is killed leaves is a page, too.
+            self.described(scene, solver).unfinished(0.0, end).save(folder)?;
+        }
         let pace = |given: Option<f64>, usual: f64| Pace::interval(given.unwrap_or(end / usual));
         let out = &scene.output;
         let histories = out.histories.map(|q| q.value);
@@ -212,21 +216,13 @@ impl Job {
             .iter()
             .zip(&values)
             .map(|((name, unit), value)| Check::shown(name, *value, unit, "measured at the end"));
-        let mut record = Record::new(&scene.title)
-            .scene(&self.source.text)
-            .symmetry_planes(planes(scene))
-            .version("impactite", env!("CARGO_PKG_VERSION"))
-            .setting("space", scene.space.name(), "")
-            .setting("end", end, "s")
-            .bodies_of(&*solver)
+        let mut record = self
+            .described(scene, solver)
             .balances(&recorder)
             .summary(&summary, threads)
             .setup(setup)
             .checks(checks.clone())
             .checks(shown.filter(|s| !checks.iter().any(|c| c.name == s.name)));
-        for (name, number) in scene.known.numbers() {
-            record = record.setting(name, number, "SI");
-        }
         if !columns.is_empty() {
             record = record.history("measures", MEASURES);
         }
@@ -278,6 +274,23 @@ impl Job {
             serde_json::to_string(&outcome).map_err(|e| CliError::option("result.json", e.to_string()))?;
         impactite::output::write_whole(folder.join("result.json"), format!("{json}\n"))?;
         Ok(outcome)
+    }
+}
+
+impl Job {
+    /// What is known of a scene before it runs.
+    fn described(&self, scene: &SceneFile, solver: &dyn Solver) -> Record {
+        let mut record = Record::new(&scene.title)
+            .scene(&self.source.text)
+            .symmetry_planes(planes(scene))
+            .version("impactite", env!("CARGO_PKG_VERSION"))
+            .setting("space", scene.space.name(), "")
+            .setting("end", scene.end.value, "s")
+            .bodies_of(solver);
+        for (name, number) in scene.known.numbers() {
+            record = record.setting(name, number, "SI");
+        }
+        record
     }
 }
 
