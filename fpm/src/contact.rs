@@ -26,7 +26,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// Areas of the faces of a cell that have nothing behind them, each times its outward normal, in the reference configuration, m^2.
     fn bare(&self, i: usize) -> [f64; D] {
         let sum = self.outer_of(i).fold([0.0; D], |sum, f| along(&sum, f.area, &f.normal));
-        let open = self.sides.intact[i] as usize..self.sides.of(i).end;
+        let open = self.sides.of(i).filter(|&s| !self.joins(i, s));
         open.fold(sum, |sum, s| along(&sum, 1.0, &self.sides.surface[s].area))
     }
 }
@@ -44,12 +44,12 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Fpm<D, M> {
 
     fn may_touch(&self, n: usize) -> bool {
         let i = self.place_of(n);
-        self.sides.intact_of(i).end < self.sides.of(i).end || self.bare(i) != [0.0; D]
+        self.sides.of(i).any(|s| !self.joins(i, s)) || self.bare(i) != [0.0; D]
     }
 
     fn facing(&self, n: usize) -> Facing {
         let i = self.place_of(n);
-        if self.sides.intact_of(i).is_empty() {
+        if !self.sides.of(i).any(|s| self.joins(i, s)) {
             return Facing::LONE;
         }
         // Nanson's formula.
@@ -69,7 +69,8 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Fpm<D, M> {
 
     fn around(&self, n: usize, visit: &mut dyn FnMut(usize)) {
         let i = self.place_of(n);
-        let mut near: Vec<u32> = self.sides.intact_of(i).map(|s| self.sides.neighbour[s]).collect();
+        let mut near: Vec<u32> =
+            self.sides.of(i).filter(|&s| self.joins(i, s)).map(|s| self.sides.neighbour[s]).collect();
         near.push(i as u32);
         near.sort_unstable();
         near.dedup();

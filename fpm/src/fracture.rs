@@ -6,8 +6,8 @@ use crate::method::Composition;
 use crate::open::OpenFace;
 use crate::solver::Fpm;
 use crate::step::{subtract, turned, with_identity};
-use crate::sums::{BATCH, jump, lifting, trace};
-use crate::vector::{Tensor, add_dyad, along, apply, cofactor, dot, norm, scaled};
+use crate::sums::{BATCH, jump};
+use crate::vector::{along, apply, cofactor, dot, norm, scaled};
 
 /// A face that is open, as observers see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,8 +59,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     pub(crate) fn note_crack(&mut self, crack: OpenFace<D>) {
         let number = self.cracks.len() as u32;
         for (end, cell) in crack.cells.iter().enumerate() {
-            let to = &mut self.batches[*cell as usize / BATCH].cracks;
-            to.push(((*cell as usize % BATCH) as u32, number, end as u8));
+            let (to, n) = (&mut self.batches[*cell as usize / BATCH].cracks, (*cell as usize % BATCH) as u32);
+            to.insert(to.partition_point(|c| c.0 <= n), (n, number, end as u8));
         }
         self.cracks.push(crack);
     }
@@ -73,31 +73,62 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// Open the faces among the candidates that the criterion says, at `time`, s. Costs nothing that grows with the body but to look for
-    /// candidates.
+    /// Open the faces among the candidates that the criterion says, at `time`, s, and part those that softened whose
+    /// cells turned away from each other. Costs
+    /// nothing that grows with the body but to look for candidates.
     pub(crate) fn open_faces(&mut self, time: f64) {
         let mut failed: Vec<(u32, [f64; D])> = Vec::new();
         for batch in &self.batches {
             for &face in &batch.report.candidates {
-                let (force, stress) = self.face_stress(face);
+                if self.softens(face) {
+                    continue;
+                }
+                let (force, stress) = self.judged(face);
                 if self.method.criterion().utilisation(stress) >= 1.0 {
                     failed.push((face, force));
                 }
             }
         }
-        if failed.is_empty() {
+        failed.sort_by_key(|(face, _)| *face);
+        let began = self.method.criterion().work().filter(|_| !failed.is_empty());
+        if let Some(work) = began {
+            let modulus = self.contact_modulus();
+            for (face, force) in failed.drain(..) {
+                let cells = self.faces[face as usize].cells;
+                let surface = self.sides.surface[self.side_of(face, cells[0])];
+                let [a, b] = cells.map(|c| &self.traces[c as usize]);
+                let crack = OpenFace::notch(face, cells, surface, modulus).begins(time, &force, [a, b], work);
+                self.begin_softening(self.cracks.len() as u32);
+                self.note_crack(crack);
+            }
+        }
+        let strayed = |&n: &u32| {
+            let crack = &self.cracks[n as usize];
+            crack.strayed(crack.cells.map(|c| &self.traces[c as usize]))
+        };
+        let parted: Vec<u32> = self.softening.cracks.iter().copied().filter(strayed).collect();
+        if failed.is_empty() && parted.is_empty() {
+            if began.is_some() {
+                self.renew_softening(&[]);
+            }
             return;
         }
-        failed.sort_by_key(|(face, _)| *face);
-        let cells = sorted(failed.iter().flat_map(|(face, _)| self.faces[*face as usize].cells));
+        let faces = || {
+            failed.iter().map(|(face, _)| *face).chain(parted.iter().map(|&n| self.cracks[n as usize].face))
+        };
+        let faces: Vec<u32> = faces().collect();
+        let cells = sorted(faces.iter().flat_map(|&face| self.faces[face as usize].cells));
         let around = self.ring(&cells);
         let batches = sorted(around.iter().map(|c| c / BATCH as u32));
         let mut given = 0.0;
         let penalty =
             |fpm: &Self| batches.iter().map(|&b| fpm.batches[b as usize].report.penalty).sum::<f64>();
         let before = penalty(self);
-        for (face, _) in &failed {
-            self.faces[*face as usize].open = true;
+        for &face in &faces {
+            self.faces[face as usize].open = true;
+        }
+        for &crack in &parted {
+            self.cracks[crack as usize].softens = false;
         }
         cells.iter().for_each(|&c| self.fit(c as usize));
         for &c in &cells {
@@ -105,24 +136,33 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             self.traces[c as usize] = self.trace_of(c as usize);
         }
         // Cracks beside them see other trial functions.
-        let beside = |&c: &u32| {
-            let cracks = self.batches[c as usize / BATCH].cracks.iter();
-            cracks.filter(move |(n, ..)| *n as usize == c as usize % BATCH).map(|(_, crack, _)| *crack)
-        };
-        for crack in sorted(cells.iter().flat_map(beside)) {
-            let crack = &mut self.cracks[crack as usize];
+        let beside = |&c: &u32| self.cracks_of(c as usize).map(|(crack, _)| crack);
+        for n in sorted(cells.iter().flat_map(beside)) {
+            let crack = &mut self.cracks[n as usize];
+            if crack.softens || parted.binary_search(&n).is_ok() {
+                continue;
+            }
             let stored = crack.stored;
             crack.renew(crack.cells.map(|c| &self.traces[c as usize]), self.friction);
             given += crack.stored - stored;
         }
-        let (modulus, work) = (self.contact_modulus(), self.method.criterion().work());
+        let modulus = self.contact_modulus();
         for (face, force) in &failed {
             let cells = self.faces[*face as usize].cells;
             let surface = self.sides.surface[self.side_of(*face, cells[0])];
             let [a, b] = cells.map(|c| &self.traces[c as usize]);
-            let crack = OpenFace::notch(*face, cells, surface, modulus).opens(time, force, [a, b], work);
+            let crack = OpenFace::notch(*face, cells, surface, modulus).opens(time, force, [a, b]);
             given += crack.stored;
             self.note_crack(crack);
+        }
+        for &crack in &parted {
+            let crack = &mut self.cracks[crack as usize];
+            let stored = crack.stored;
+            crack.parts(time, crack.cells.map(|c| &self.traces[c as usize]));
+            given += crack.stored - stored;
+        }
+        if !parted.is_empty() {
+            self.renew_softening(&cells);
         }
         self.note_jumps(if M::Flux::LIFTED { &around } else { &cells });
         batches.iter().for_each(|&b| self.tractions_of(b as usize));
@@ -149,49 +189,32 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         sorted(cells.iter().copied().chain(cells.iter().flat_map(near)))
     }
 
-    /// The trial function of a cell.
-    fn trace_of(&self, cell: usize) -> crate::sums::Trace<D> {
-        let mut trace = trace(&self.sides, &self.displacement, cell);
-        if let Some(h) = self.batches[cell / BATCH].rigid(cell % BATCH) {
-            trace.h = *h;
-        }
-        trace
-    }
-
     /// Note by how much gradients changed because neighbours did, which their law sees with the next step.
     fn note_jumps(&mut self, cells: &[u32]) {
         for &c in cells {
             let (cell, n) = (c as usize, c as usize % BATCH);
-            let (trace, per) = (&self.traces[cell], 1.0 / self.volume[cell]);
-            let mut change: Tensor<D> = trace.h;
-            if M::Flux::LIFTED {
-                subtract(&mut change, per, &lifting(&self.sides, &self.traces, cell));
-            }
-            for outer in self.batches[cell / BATCH].outer.iter().filter(|o| o.cell as usize == n) {
-                let load = &self.acting[outer.load as usize];
-                if load.holds() {
-                    add_dyad(&mut change, -per, &load.jump(&trace.at(&outer.arm)), &outer.area);
-                }
-            }
+            let mut change = self.seen_of(cell);
             let batch = &mut self.batches[cell / BATCH];
             subtract(&mut change, 1.0, &batch.gradient[n]);
             batch.jumps.push((n as u32, change));
         }
     }
 
-    /// The force of a face on its first cell, N, and the true traction on it.
-    fn face_stress(&self, face: u32) -> ([f64; D], FaceStress) {
+    /// The force on the first cell of a face, N, and the true traction, by which it is judged: of a cohesive one the whole force between its
+    /// cells, which is what it will bear.
+    fn judged(&self, face: u32) -> ([f64; D], FaceStress) {
         let [a, b] = self.faces[face as usize].cells;
+        let mut force = self.face_force(face);
+        if self.method.criterion().work().is_some() {
+            force = self.force_between(face, &force);
+        }
         let surface = &self.sides.surface[self.side_of(face, a)];
-        let [own, other] = [a, b].map(|c| &self.traces[c as usize]);
-        let (mut p, mut h) = (self.stress[a as usize], own.h);
+        let (mut h, other) = (self.traces[a as usize].h, &self.traces[b as usize].h);
         for i in 0..D {
             for j in 0..D {
-                p[i][j] = 0.5 * (p[i][j] + self.stress[b as usize][i][j]);
-                h[i][j] = 0.5 * (h[i][j] + other.h[i][j]);
+                h[i][j] = 0.5 * (h[i][j] + other[i][j]);
             }
         }
-        let force = along(&apply(&p, &surface.area), -surface.stiffness, &jump(own, other, surface));
         let area = apply(&cofactor(&with_identity(&h)), &surface.area);
         let size = norm(&area);
         let normal = scaled(&area, 1.0 / size);
@@ -200,11 +223,25 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         (force, FaceStress { normal: across / size, shear })
     }
 
+    /// The force that the traction on a face is on its first cell, N.
+    fn face_force(&self, face: u32) -> [f64; D] {
+        let [a, b] = self.faces[face as usize].cells;
+        let surface = &self.sides.surface[self.side_of(face, a)];
+        let [own, other] = [a, b].map(|c| &self.traces[c as usize]);
+        let mut p = self.stress[a as usize];
+        for i in 0..D {
+            for j in 0..D {
+                p[i][j] = 0.5 * (p[i][j] + self.stress[b as usize][i][j]);
+            }
+        }
+        along(&apply(&p, &surface.area), -surface.stiffness, &jump(own, other, surface))
+    }
+
     /// The largest traction of intact faces over what they bear, by the criterion, with where that is, m; nothing without faces.
     pub fn utilisation(&self) -> Option<(f64, [f64; D])> {
-        let intact = (0..self.faces.len()).filter(|&f| !self.faces[f].open);
+        let intact = (0..self.faces.len()).filter(|&f| !self.faces[f].open && !self.softens(f as u32));
         let of = |f: usize| {
-            let (_, stress) = self.face_stress(f as u32);
+            let (_, stress) = self.judged(f as u32);
             (self.method.criterion().utilisation(stress), self.faces[f].centroid)
         };
         intact.map(of).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -255,9 +292,9 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             }
             c
         }
-        let intact = self.faces.iter().filter(|f| !f.open).map(|f| f.cells);
-        let bearing = self.cracks.iter().filter(|c| !c.broken()).map(|c| c.cells);
-        for [a, b] in intact.chain(bearing) {
+        let mut broken = vec![false; self.faces.len()];
+        self.cracks.iter().for_each(|c| broken[c.face as usize] = c.broken());
+        for [a, b] in self.faces.iter().zip(broken).filter(|(_, broken)| !broken).map(|(f, _)| f.cells) {
             let (a, b) = (root(&mut parent, a), root(&mut parent, b));
             parent[a.max(b) as usize] = a.min(b);
         }

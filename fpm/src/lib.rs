@@ -39,6 +39,7 @@ mod pace;
 mod path;
 mod rest;
 mod sides;
+mod soften;
 mod solver;
 mod step;
 mod sums;

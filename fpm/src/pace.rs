@@ -256,13 +256,14 @@ impl<const D: usize> Small<D> {
                 loads[first].add(&acting[outer.load as usize].part(&force), &outer.arm);
             }
             // Notches may close, and stick.
-            for (_, crack, end) in
-                batches[first / BATCH].cracks.iter().filter(|(n, ..)| *n as usize == first % BATCH)
-            {
-                let crack = &body.cracks[*crack as usize];
+            for (crack, end) in body.cracks_of(first) {
+                let crack = &body.cracks[crack as usize];
+                if crack.softens {
+                    continue;
+                }
                 let [a, b] = crack.cells.map(|c| &traces[c as usize]);
                 let force = jump(a, b, &crack.surface).map(|x| -crack.surface.stiffness * x);
-                if *end == 0 {
+                if end == 0 {
                     loads[first].add(&force, &crack.surface.own);
                 } else {
                     loads[first].add(&force.map(|x| -x), &crack.surface.other);

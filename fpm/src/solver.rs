@@ -23,6 +23,7 @@ use crate::method::Composition;
 use crate::open::OpenFace;
 use crate::rest::Rest;
 use crate::sides::Sides;
+use crate::soften::Softening;
 use crate::sums::{BATCH, Batch, GROUP, Load, Outer, Row, Trace};
 use crate::vector::{Tensor, dot, scaled, zero};
 
@@ -73,6 +74,8 @@ pub struct Fpm<const D: usize, M> {
     pub(crate) acting: Vec<FaceLoad<D>>,
     /// In the order in which they opened.
     pub(crate) cracks: Vec<OpenFace<D>>,
+    /// Those of them that soften.
+    pub(crate) softening: Softening<D>,
     pub(crate) friction: f64,
     pub(crate) boundaries: Vec<Boundary<D>>,
     /// Of each of them that is a wall, how far beyond each point the surface is along its axis, m.
@@ -154,6 +157,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             batches: Vec::new(),
             acting: Vec::new(),
             cracks: Vec::new(),
+            softening: Softening::default(),
             friction: 0.0,
             boundaries: Vec::new(),
             walls: Vec::new(),

@@ -153,10 +153,12 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         let time = self.clock.time + dt;
         self.acting.iter_mut().for_each(|load| load.update(time, dt));
         self.deform();
+        self.soften();
         self.strain(dt)?;
-        self.bear(time);
+        self.bear();
         self.tractions(true);
         self.enter_books();
+        self.enter_openings(time);
         self.forces();
         if M::Criterion::OPENS {
             self.open_faces(time);
@@ -178,11 +180,17 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
 
     /// Trial functions.
     pub(crate) fn deform(&mut self) {
-        let Fpm { traces, sides, displacement, batches, team, .. } = self;
+        let Fpm { traces, sides, displacement, cracks, batches, team, .. } = self;
         team.each_piece(traces, BATCH, batches, |b, traces, batch| {
             f64::dispatch(Deform { sides, displacement, first: b * BATCH, out: traces });
             for (n, h) in &batch.rigid {
                 traces[*n as usize].h = *h;
+            }
+            for &(n, crack, end) in &batch.cracks {
+                let crack = &cracks[crack as usize];
+                if crack.softens {
+                    crack.take_from_gradient(sides, end, &mut traces[n as usize].h);
+                }
             }
         });
     }
@@ -191,12 +199,24 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     fn strain(&mut self, dt: f64) -> Result<(), StepError> {
         let numbers = self.virgin.len();
         let Fpm {
-            stress, traces, sides, acting, volume, sizes, material, memory, team, batches, rest, ..
+            stress,
+            traces,
+            sides,
+            cracks,
+            acting,
+            volume,
+            sizes,
+            material,
+            memory,
+            team,
+            batches,
+            rest,
+            ..
         } = self;
         team.each_piece(stress, BATCH, batches, |b, stress, batch| {
             let first = b * BATCH;
             let Scratch { seen, deformations, lengths, response } = &mut *team.own(memory);
-            look::<D, M>(sides, traces, first, volume, batch, acting, seen);
+            look::<D, M>(sides, traces, cracks, first, volume, batch, acting, seen);
             let count = stress.len();
             let groups = count.div_ceil(GROUP);
             deformations.clear();
@@ -272,6 +292,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// Go on from what was read.
     pub(crate) fn go_on(&mut self) {
         self.fit_all();
+        self.find_softening();
         self.deform();
         for (i, p) in self.stress.iter_mut().enumerate() {
             let batch = &self.batches[i / BATCH];
@@ -283,14 +304,16 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 
     /// What open faces bear.
-    fn bear(&mut self, time: f64) {
+    fn bear(&mut self) {
         let Fpm { cracks, traces, friction, team, .. } = self;
         let (traces, friction) = (&traces[..], *friction);
         let mut taken = vec![Default::default(); cracks.len()];
         let starts: Vec<u32> = (0..=cracks.len() as u32).collect();
         team.each_part(cracks, &starts, &mut taken, |_, crack, taken| {
             let [a, b] = crack[0].cells.map(|c| &traces[c as usize]);
-            *taken = crack[0].step(time, [a, b], friction);
+            if !crack[0].softens {
+                *taken = crack[0].step([a, b], friction);
+            }
         });
         for taken in taken {
             self.exchange.friction += taken.rubbed;
@@ -384,11 +407,13 @@ impl<const D: usize, M: Composition<D>> Around<'_, D, M> {
         }
         for &(n, crack, end) in cracks.iter() {
             let crack = &self.cracks[crack as usize];
-            if end == 0 {
-                loads[n as usize].add(&crack.force, &crack.surface.own);
-            } else {
-                loads[n as usize].add(&crack.force.map(|x| -x), &crack.surface.other);
+            crack.load(end, &mut loads[n as usize]);
+            if crack.softens {
+                report.penalty += crack.off_the_penalty(crack.cells.map(|c| &traces[c as usize]));
             }
+        }
+        if !M::Flux::LIFTED {
+            lift_openings(cracks, self.cracks, lifting);
         }
         report.flux = 0.0;
         for (n, before) in before.iter_mut().enumerate() {
@@ -414,6 +439,7 @@ impl<const D: usize, M: Composition<D>> Around<'_, D, M> {
 fn look<const D: usize, M: Composition<D>>(
     sides: &crate::sides::Sides<D>,
     traces: &[Trace<D>],
+    cracks: &[crate::open::OpenFace<D>],
     first: usize,
     volume: &[f64],
     batch: &mut Batch<D>,
@@ -426,6 +452,7 @@ fn look<const D: usize, M: Composition<D>>(
     if M::Flux::LIFTED {
         let out = &mut batch.lifting;
         f64::dispatch(Lift { sides, traces, first, out });
+        lift_openings(&batch.cracks, cracks, out);
         for (n, (h, lifting)) in seen.iter_mut().zip(out.iter()).enumerate() {
             subtract(h, 1.0 / volume[first + n], lifting);
         }
@@ -435,6 +462,20 @@ fn look<const D: usize, M: Composition<D>>(
         if load.holds() {
             let jump = load.jump(&traces[first + n].at(&outer.arm));
             add_dyad(&mut seen[n], -1.0 / volume[first + n], &jump, &outer.area);
+        }
+    }
+}
+
+/// What openings of faces that soften add to sums of A/2 [u] (x) N.
+fn lift_openings<const D: usize>(
+    sides: &[(u32, u32, u8)],
+    cracks: &[crate::open::OpenFace<D>],
+    out: &mut [Tensor<D>],
+) {
+    for &(n, crack, _) in sides {
+        let crack = &cracks[crack as usize];
+        if crack.softens {
+            add_dyad(&mut out[n as usize], 0.5, &crack.apart, &crack.surface.area);
         }
     }
 }

@@ -87,6 +87,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             + self.faces.capacity() * size_of::<crate::Face<D>>()
             + self.surface.capacity() * size_of::<crate::OuterFace<D>>()
             + self.cracks.capacity() * size_of::<OpenFace<D>>()
+            + self.softening.bytes()
             + 4 * self.numbers.capacity()
     }
 
@@ -141,10 +142,10 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             if n == self.cracks.len() {
                 let cells = self.faces[face as usize].cells;
                 let surface = self.sides.surface[self.side_of(face, cells[0])];
-                self.faces[face as usize].open = true;
                 self.note_crack(OpenFace::notch(face, cells, surface, self.contact_modulus()));
             }
             self.cracks[n].archive(file)?;
+            self.faces[face as usize].open = !self.cracks[n].softens;
         }
         Ok(())
     }

@@ -54,7 +54,7 @@ pub(crate) struct Batch<const D: usize> {
     pub outer: Vec<Outer<D>>,
     /// Cells whose neighbours are too few, or in a line or plane, with their gradient, which stays.
     pub rigid: Vec<(u32, Tensor<D>)>,
-    /// Sides that are open: the cell, the crack, and which of its two sides.
+    /// Sides that are open, by cell: the cell, the crack, and which of its two sides.
     pub cracks: Vec<(u32, u32, u8)>,
     /// Changes of gradients that came with new neighbours, and that the law has yet to see.
     pub jumps: Vec<(u32, Tensor<D>)>,

@@ -1,6 +1,7 @@
 //! The fragile points method against plain sums, closed solutions and the contracts of the house.
 #![allow(missing_docs)]
 
+mod bar;
 mod beam;
 mod cells;
 mod common;

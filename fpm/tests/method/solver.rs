@@ -48,6 +48,16 @@ fn corner() -> impl Solver {
     block
 }
 
+/// A bar that is drawn apart everywhere, so that all faces across it soften, with enough cells for threads.
+fn softening() -> impl Solver {
+    let cells = random([0.0; 2], [52.0 * H, 20.0 * H], H, 6);
+    let method = Method::symmetric(PlaneStrain).with_cracks(Cohesive::new(300e6, 3e3).unwrap());
+    let away = |[x, _]: [f64; 2]| [1500.0 * (x - 26.0 * H), 0.0];
+    let mut bar = Fpm::new(method, linear(0.3), &cells, away).unwrap();
+    bar.set_friction(0.2).unwrap();
+    bar
+}
+
 /// Two halves that fly through each other in one step.
 fn broken() -> impl Solver {
     let speed = |[x, _]: [f64; 2]| [if x < 2.5 * H { 4.0e3 } else { -4.0e3 }, 0.0];
@@ -60,6 +70,7 @@ fn broken() -> impl Solver {
 solver_conforms! {
     impact: super::bar, SolverTests::until(8.0e-6).energy_within(2e-3).breaking(1.0e-5, super::broken);
     tearing: super::torn, SolverTests::until(16.0e-6).energy_within(2e-3);
+    softening: super::softening, SolverTests::until(4.0e-6).energy_within(2e-3);
     cohesive: super::corner, SolverTests::until(2.0e-6).energy_within(2e-3);
 }
 
@@ -76,6 +87,9 @@ fn the_scenes_tear() {
     assert!(after > before + 3 && before > 5, "{before} {after}");
     let after = open::<3, Method<FullSpace, fpm::Symmetric, Cohesive>>(corner(), 2e-6);
     assert!(after > 5, "{after}");
+    type Softens = Method<PlaneStrain, fpm::Symmetric, Cohesive>;
+    let [halfway, after] = [2e-6, 4e-6].map(|end| open::<2, Softens>(softening(), end));
+    assert!(halfway > 100 && after > 100, "{halfway} {after}");
 }
 
 #[test]
