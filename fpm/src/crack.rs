@@ -113,8 +113,10 @@ impl Criterion for MixedTensionShear {
 /// straight line with the opening, so that an area takes the same work in cells of any size. On the way back traction falls in a straight
 /// line to nothing.
 ///
-/// It begins on a line as steep as the penalty eta, at the strength. What that stores at once, strength^2 h / (2 eta), comes from nowhere, and is booked so:
-/// cells shall be smaller than E work / strength^2, of which it is a tenth of the work then.
+/// The traction that it is judged by, and bears, is the whole force between its two cells over its area: what their gradients make of each other's
+/// displacement too. Where a stress is the same everywhere that is the traction of the stress. It opens from zero, and its cells see each other
+/// across it less the opening, so that nothing jumps. Cells shall be smaller than E work / strength^2: where they are wider than ten times that, a face
+/// falls faster than matter gives way, and parts at once.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cohesive<S = MaximumTension> {
     begins: S,

@@ -15,6 +15,10 @@
 //!
 //! Openings and T are turned back with the mean rotation of both cells.
 
+use std::marker::PhantomData;
+
+use impactite_simd::Float;
+
 use crate::flux::Flux;
 use crate::method::Composition;
 use crate::solver::Fpm;
@@ -23,10 +27,6 @@ use crate::sums::{BATCH, Load, Trace, Traction, jump, lifting, trace};
 use crate::vector::{
     Tensor, add_dyad, along, apply, difference, largest_row, norm, product, rotation, scaled, zero,
 };
-
-use std::marker::PhantomData;
-
-use impactite_simd::Float;
 
 /// Sweeps in a step, at most, and the change of a traction over the strength that they go on for.
 const SWEEPS: usize = 100;
@@ -368,8 +368,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     fn load(&mut self, cell: usize) {
         let Fpm { sides, traces, stress, volume, acting, .. } = &*self;
         let (first, least, method) = (cell, f64::INFINITY, PhantomData::<M>);
-        let (mut out, mut lifted, mut found) = ([Load::default()], [zero()], Vec::new());
-        let (mut load, lifting, candidates) = (&mut out[..], &mut lifted[..], &mut found);
+        let (mut loads, mut lifted, mut found) = ([Load::default()], [zero()], Vec::new());
+        let (out, lifting, candidates) = (&mut loads[..], &mut lifted[..], &mut found);
         f64::dispatch(Traction {
             sides,
             traces,
@@ -377,7 +377,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             volume,
             first,
             least,
-            out: &mut load,
+            out,
             lifting,
             candidates,
             method,
@@ -386,12 +386,12 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         for outer in batch.outer.iter().filter(|o| o.cell as usize == cell % BATCH) {
             let mut outer = *outer;
             let (trace, p) = (&traces[cell], &stress[cell]);
-            acting[outer.load as usize].act(&mut outer, trace, p, &mut out[0], false);
+            acting[outer.load as usize].act(&mut outer, trace, p, &mut loads[0], false);
         }
         for (crack, end) in self.cracks_of(cell) {
-            self.cracks[crack as usize].load(end, &mut out[0]);
+            self.cracks[crack as usize].load(end, &mut loads[0]);
         }
-        self.loads[cell] = out[0];
+        self.loads[cell] = loads[0];
     }
 
     /// Openings at which T is what faces bear.

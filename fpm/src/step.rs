@@ -216,7 +216,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         team.each_piece(stress, BATCH, batches, |b, stress, batch| {
             let first = b * BATCH;
             let Scratch { seen, deformations, lengths, response } = &mut *team.own(memory);
-            look::<D, M>(sides, traces, cracks, first, volume, batch, acting, seen);
+            look::<D, M>((sides, cracks), traces, first, volume, batch, acting, seen);
             let count = stress.len();
             let groups = count.div_ceil(GROUP);
             deformations.clear();
@@ -437,9 +437,8 @@ impl<const D: usize, M: Composition<D>> Around<'_, D, M> {
 /// both less what jumps are on faces that are held.
 #[inline(always)]
 fn look<const D: usize, M: Composition<D>>(
-    sides: &crate::sides::Sides<D>,
+    (sides, cracks): (&crate::sides::Sides<D>, &[crate::open::OpenFace<D>]),
     traces: &[Trace<D>],
-    cracks: &[crate::open::OpenFace<D>],
     first: usize,
     volume: &[f64],
     batch: &mut Batch<D>,
