@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use clap::ValueEnum;
 use fpm::{
-    AnyCriterion, Cells, Cohesive, Composition, Crack, Domain, FaceHistory, Fpm, Incomplete, MaximumTension,
-    Method, MixedTensionShear, NoCracks, Notch, OuterFace, Penalty, Symmetric, TipPath, TractionHistory,
-    relaxed, scattered,
+    AnyCriterion, Cells, Cohesive, Composition, Crack, Criterion, Domain, FaceHistory, Fpm, Incomplete,
+    MaximumTension, Method, MixedTensionShear, NoCracks, Notch, OuterFace, Penalty, Symmetric, TipPath,
+    TractionHistory, relaxed, scattered,
 };
 use mpm_core::observe::{Ledger, LedgerEntry, ObserveError, Observer, Pace, Progress, RunView, VtkSeries};
 use mpm_core::output::{History, Snapshot};
@@ -32,6 +32,16 @@ pub enum CrackOption {
     CohesiveMixed,
     /// Never
     None,
+}
+
+/// Cells of a cohesive face while it softens.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Softening {
+    /// They stay joined: an area takes the energy that is given
+    Joined,
+    /// They part as the face begins to soften
+    Parted,
 }
 
 /// Plane strain, or plane stress.
@@ -63,13 +73,21 @@ impl CrackOption {
     ///
     /// # Errors
     /// Numbers that the criterion refuses.
-    pub fn criterion(self, tension: f64, shear: f64, work: f64) -> Result<AnyCriterion, SceneError> {
+    pub fn criterion(
+        self,
+        tension: f64,
+        shear: f64,
+        work: f64,
+        softening: Softening,
+    ) -> Result<AnyCriterion, SceneError> {
         let mixed = || MixedTensionShear::new(tension, shear);
         Ok(match self {
             CrackOption::Strength => AnyCriterion::Tension(MaximumTension::new(tension)?),
             CrackOption::Mixed => AnyCriterion::Mixed(mixed()?),
-            CrackOption::Cohesive => AnyCriterion::Cohesive(Cohesive::new(tension, work)?),
-            CrackOption::CohesiveMixed => AnyCriterion::CohesiveMixed(Cohesive::by(mixed()?, work)?),
+            CrackOption::Cohesive => AnyCriterion::Cohesive(softening.of(Cohesive::new(tension, work)?)),
+            CrackOption::CohesiveMixed => {
+                AnyCriterion::CohesiveMixed(softening.of(Cohesive::by(mixed()?, work)?))
+            }
             CrackOption::None => AnyCriterion::None(NoCracks),
         })
     }
@@ -77,6 +95,15 @@ impl CrackOption {
     /// Does a crack take an energy that is given?
     pub fn has_energy(self) -> bool {
         matches!(self, CrackOption::Cohesive | CrackOption::CohesiveMixed)
+    }
+}
+
+impl Softening {
+    fn of<S: Criterion>(self, cohesive: Cohesive<S>) -> Cohesive<S> {
+        match self {
+            Softening::Joined => cohesive,
+            Softening::Parted => cohesive.parted(),
+        }
     }
 }
 

@@ -73,9 +73,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// Open the faces among the candidates that the criterion says, at `time`, s, and part those that softened whose
-    /// cells turned away from each other. Costs
-    /// nothing that grows with the body but to look for candidates.
+    /// Open the faces among the candidates that the criterion says, at `time`, s, and part those that softened whose cells turned away from
+    /// each other. Costs nothing that grows with the body but to look for candidates.
     pub(crate) fn open_faces(&mut self, time: f64) {
         let mut failed: Vec<(u32, [f64; D])> = Vec::new();
         for batch in &self.batches {
@@ -90,7 +89,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             }
         }
         failed.sort_by_key(|(face, _)| *face);
-        let began = self.method.criterion().work().filter(|_| !failed.is_empty());
+        let (work, joined) = (self.method.criterion().work(), self.method.criterion().stays_joined());
+        let began = work.filter(|_| joined && !failed.is_empty());
         if let Some(work) = began {
             let modulus = self.contact_modulus();
             for (face, force) in failed.drain(..) {
@@ -151,7 +151,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             let cells = self.faces[*face as usize].cells;
             let surface = self.sides.surface[self.side_of(*face, cells[0])];
             let [a, b] = cells.map(|c| &self.traces[c as usize]);
-            let crack = OpenFace::notch(*face, cells, surface, modulus).opens(time, force, [a, b]);
+            let crack = OpenFace::notch(*face, cells, surface, modulus).opens(time, force, [a, b], work);
             given += crack.stored;
             self.note_crack(crack);
         }
@@ -200,12 +200,13 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         }
     }
 
-    /// The force on the first cell of a face, N, and the true traction, by which it is judged: of a cohesive one the whole force between its
-    /// cells, which is what it will bear.
+    /// The force on the first cell of a face, N, and the true traction, by which it is judged: of a cohesive one whose cells stay joined the
+    /// whole force between them, which is what it will bear.
     fn judged(&self, face: u32) -> ([f64; D], FaceStress) {
         let [a, b] = self.faces[face as usize].cells;
         let mut force = self.face_force(face);
-        if self.method.criterion().work().is_some() {
+        let criterion = self.method.criterion();
+        if criterion.work().is_some() && criterion.stays_joined() {
             force = self.force_between(face, &force);
         }
         let surface = &self.sides.surface[self.side_of(face, a)];

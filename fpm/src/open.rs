@@ -11,8 +11,8 @@ use crate::vector::{
 /// A face that opened, or was open from the start.
 ///
 /// Traction is a function of the opening, the displacement of the second side less that of the first, turned back with the mean of both
-/// cells: pieces of a crack may turn together. While a face softens ([`crate::soften`]) the opening is a variable of its own; of others it is
-/// how far trial functions are apart.
+/// cells: pieces of a crack may turn together. While a face softens between cells that stay joined ([`crate::soften`]) the opening is a variable
+/// of its own; of others it is how far trial functions are apart.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct OpenFace<const D: usize> {
     /// Number of the face, and its cells, by place.
@@ -24,7 +24,7 @@ pub(crate) struct OpenFace<const D: usize> {
     pub opened: f64,
     /// When it began to bear nothing, s; negative of one that bears.
     pub parted: f64,
-    /// Does it soften? Then its cells see each other across it.
+    /// Does it soften between cells that stay joined?
     pub softens: bool,
     /// The gap at which it is closed, m.
     closed: f64,
@@ -32,6 +32,9 @@ pub(crate) struct OpenFace<const D: usize> {
     pub peak: f64,
     last: f64,
     widest: f64,
+    /// Of a cohesive face whose cells parted as it began to soften: where its opening counts from, and how wide it was then, m; zero of others.
+    origin: [f64; D],
+    first: f64,
     /// Slip that friction took, m.
     slipped: [f64; D],
     /// Opening at the end of the step, m, turned back and as it is.
@@ -72,6 +75,8 @@ impl<const D: usize> OpenFace<D> {
             peak: 0.0,
             last: 0.0,
             widest: 0.0,
+            origin: [0.0; D],
+            first: 0.0,
             slipped: [0.0; D],
             opening: [0.0; D],
             apart: [0.0; D],
@@ -90,10 +95,11 @@ impl<const D: usize> OpenFace<D> {
         OpenFace { closed: -gap, ..self }
     }
 
-    /// One that opens now, under this force on its first cell, N, between these trial functions, and bears nothing but pressure from then on.
-    pub fn opens(mut self, time: f64, force: &[f64; D], traces: [&Trace<D>; 2]) -> Self {
+    /// One whose cells part now, under this force on the first of them, N, between these trial functions; with the work of an area, J/m^2, if it
+    /// bears tension and shear from then on.
+    pub fn opens(mut self, time: f64, force: &[f64; D], traces: [&Trace<D>; 2], work: Option<f64>) -> Self {
         self.opened = time;
-        self.part(time, force, traces);
+        self.part(time, force, traces, work);
         self
     }
 
@@ -101,13 +107,10 @@ impl<const D: usize> OpenFace<D> {
     pub fn parts(&mut self, time: f64, traces: [&Trace<D>; 2]) {
         let pull = self.pull;
         self.softens = false;
-        self.part(time, &pull, traces);
+        self.part(time, &pull, traces, None);
     }
 
-    fn part(&mut self, time: f64, force: &[f64; D], traces: [&Trace<D>; 2]) {
-        if self.parted < 0.0 {
-            self.parted = time;
-        }
+    fn part(&mut self, time: f64, force: &[f64; D], traces: [&Trace<D>; 2], work: Option<f64>) {
         let turn = turned(traces);
         let (area, k) = (norm(&self.surface.area), self.surface.stiffness);
         let normal = scaled(&self.surface.area, 1.0 / area);
@@ -117,7 +120,26 @@ impl<const D: usize> OpenFace<D> {
         // What presses it now goes on to do so.
         self.closed = across.min(if pressed < 0.0 { f64::INFINITY } else { 0.0 }) - pressed / k;
         self.slipped = along(&opening, -across, &normal);
+        if let Some(work) = work {
+            let bears = along(&pull, -pressed, &normal);
+            self.peak = norm(&bears);
+            self.first = self.peak / k;
+            self.last = self.first + 2.0 * work * area / self.peak;
+            self.widest = self.first;
+            self.origin = along(&opening, -1.0 / k, &bears);
+            if pressed == 0.0 {
+                self.closed = dot(&self.origin, &normal);
+            }
+        }
         self.bear(&turn, 0.0);
+        self.notice(time);
+    }
+
+    /// Note when it began to bear nothing.
+    fn notice(&mut self, time: f64) {
+        if self.parted < 0.0 && self.opened >= 0.0 && self.broken() {
+            self.parted = time;
+        }
     }
 
     /// One that begins to soften now, under this force between its cells, N, with the work of an area, J/m^2.
@@ -226,9 +248,7 @@ impl<const D: usize> OpenFace<D> {
 
     /// What it took in a step that ended at a time, s, with this force between its cells, N.
     pub fn takes(&mut self, time: f64, force: &[f64; D], friction: f64) -> Taken {
-        if self.parted < 0.0 && self.broken() {
-            self.parted = time;
-        }
+        self.notice(time);
         let change = difference(&self.apart, &self.was);
         let work = 0.5 * (dot(&self.pull, &change) + dot(force, &change));
         self.pull = *force;
@@ -277,8 +297,8 @@ impl<const D: usize> OpenFace<D> {
         self.opening = back(turn, &self.apart);
     }
 
-    /// What it bears between these trial functions, with Coulomb friction.
-    pub fn step(&mut self, traces: [&Trace<D>; 2], friction: f64) -> Taken {
+    /// What it bears between these trial functions at a time, s, with Coulomb friction.
+    pub fn step(&mut self, time: f64, traces: [&Trace<D>; 2], friction: f64) -> Taken {
         let (before, force, stored) = (self.apart, self.force, self.stored);
         let turn = turned(traces);
         self.look(&turn, traces);
@@ -287,6 +307,7 @@ impl<const D: usize> OpenFace<D> {
         for d in 0..D {
             work += 0.5 * (force[d] + self.force[d]) * (self.apart[d] - before[d]);
         }
+        self.notice(time);
         let taken = Taken { dissipated: work - (self.stored - stored) - rubbed, rubbed };
         self.dissipated += taken.dissipated;
         self.rubbed += rubbed;
@@ -315,6 +336,19 @@ impl<const D: usize> OpenFace<D> {
         let slip = along(&self.opening, -across, &normal);
         let (mut pull, mut rubbed) = ([0.0; D], 0.0);
         self.stored = 0.0;
+        if self.peak > 0.0 && !self.broken() {
+            let mut apart = difference(&self.opening, &self.origin);
+            let shut = dot(&apart, &normal).min(0.0);
+            apart = along(&apart, -shut, &normal);
+            let wide = norm(&apart);
+            self.widest = self.widest.max(wide);
+            if !self.broken() {
+                let bears = self.peak * (self.last - self.widest) / (self.last - self.first);
+                let secant = bears / self.widest;
+                pull = scaled(&apart, secant);
+                self.stored += 0.5 * secant * wide * wide;
+            }
+        }
         let shut = self.closed - across;
         if shut > 0.0 {
             pull = along(&pull, -k * shut, &normal);
@@ -346,7 +380,7 @@ impl<const D: usize> OpenFace<D> {
     }
     /// The part of its work that it took, 0 to 1.
     pub fn damage(&self) -> f64 {
-        if self.broken() { 1.0 } else { self.widest / self.last }
+        if self.broken() { 1.0 } else { (self.widest - self.first) / (self.last - self.first) }
     }
     /// How far it is open, across and along, m.
     pub fn gap(&self) -> [f64; 2] {
@@ -358,6 +392,7 @@ impl<const D: usize> OpenFace<D> {
     /// What changes, to a file or from one.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         let vectors = [
+            &mut self.origin,
             &mut self.slipped,
             &mut self.opening,
             &mut self.apart,
@@ -371,6 +406,7 @@ impl<const D: usize> OpenFace<D> {
             &mut self.opened,
             &mut self.parted,
             &mut self.closed,
+            &mut self.first,
             &mut self.last,
             &mut self.peak,
             &mut self.widest,

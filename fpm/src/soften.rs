@@ -1,4 +1,4 @@
-//! Faces that soften: how far cohesive faces open in a step.
+//! Faces that soften between cells that stay joined: how far they open in a step.
 //!
 //! A face that softens stays among those that its cells see. Its opening delta, the displacement of the second side less that of the first which
 //! is the crack's and not the matter's, is an internal variable as plastic strain is: it is taken off wherever displacements of both cells are
@@ -91,7 +91,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         cracks[first..].iter().take_while(move |c| c.0 == n).map(|&(_, crack, end)| (crack, end))
     }
 
-    /// Does a face soften?
+    /// Does a face soften between cells that stay joined?
     pub(crate) fn softens(&self, face: u32) -> bool {
         let cell = self.faces[face as usize].cells[0] as usize;
         let of = |(crack, _): (u32, u8)| &self.cracks[crack as usize];

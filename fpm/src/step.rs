@@ -155,7 +155,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.deform();
         self.soften();
         self.strain(dt)?;
-        self.bear();
+        self.bear(time);
         self.tractions(true);
         self.enter_books();
         self.enter_openings(time);
@@ -304,7 +304,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 
     /// What open faces bear.
-    fn bear(&mut self) {
+    fn bear(&mut self, time: f64) {
         let Fpm { cracks, traces, friction, team, .. } = self;
         let (traces, friction) = (&traces[..], *friction);
         let mut taken = vec![Default::default(); cracks.len()];
@@ -312,7 +312,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         team.each_part(cracks, &starts, &mut taken, |_, crack, taken| {
             let [a, b] = crack[0].cells.map(|c| &traces[c as usize]);
             if !crack[0].softens {
-                *taken = crack[0].step([a, b], friction);
+                *taken = crack[0].step(time, [a, b], friction);
             }
         });
         for taken in taken {

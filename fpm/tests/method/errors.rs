@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use fpm::{Cohesive, Fpm, MaximumTension, Method, MixedTensionShear, Penalty};
-use impactite_scene::{Boundary, PlaneStrain, Side};
+use impactite_scene::{Boundary, PlaneStrain, Side, Solver};
 use mpm_materials::library;
 
 use crate::common::{lattice, linear};
@@ -51,4 +51,21 @@ fn what_stops_a_run_names_cell_and_place() {
     body.load_faces(|f| f.normal[0] > 0.5, later).unwrap();
     let said = body.run_until(1e-6).expect_err("no number").to_string();
     assert!(said.contains("traction"), "{said}");
+}
+
+#[test]
+fn checkpoints_of_joined_cohesive_faces_are_not_of_parted_ones() {
+    let cells = lattice([0.0; 2], [3, 3], 1e-3);
+    let joined = Cohesive::new(1e6, 1.0).unwrap();
+    let [mut saved, mut other] = [joined, joined.parted()].map(|cracks| {
+        let method = Method::symmetric(PlaneStrain).with_cracks(cracks);
+        Fpm::new(method, linear(0.3), &cells, |_| [0.0; 2]).unwrap()
+    });
+    let file = std::env::temp_dir().join(format!("impactite-joined-{}", std::process::id()));
+    saved.save(&file).unwrap();
+    let said = other.resume(&file).expect_err("of another method").to_string();
+    let own = saved.resume(&file);
+    std::fs::remove_file(&file).unwrap();
+    assert!(said.contains("method") && said.contains("parted"), "{said}");
+    own.unwrap();
 }

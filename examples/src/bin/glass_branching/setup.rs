@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use examples::CaseError;
-use examples::cracks::{CrackOption, Load, Plane, Torn, random_cells};
+use examples::cracks::{CrackOption, Load, Plane, Softening, Torn, random_cells};
 use examples::fragile::Joint;
 use fpm::{Cells, Domain, Notch};
 use mpm_materials::{LinearElastic, Moduli};
@@ -23,6 +23,7 @@ pub const RAYLEIGH: f64 = 2119.0;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Setup {
     pub cracks: CrackOption,
+    pub softening: Softening,
     pub flux: Joint,
     pub plane: Plane,
     /// Tension on the long edges, Pa.
@@ -77,7 +78,7 @@ impl Setup {
             law: self.plane.elastic(glass),
             flux: self.flux,
             eta: self.eta,
-            criterion: self.cracks.criterion(self.strength, self.strength, self.energy)?,
+            criterion: self.cracks.criterion(self.strength, self.strength, self.energy, self.softening)?,
             friction: 0.0,
             loads: vec![
                 Load::Traction(|f| f.normal[1] > 0.5, Arc::new(move |_| [0.0, load])),

@@ -9,7 +9,7 @@ mod setup;
 use std::process::ExitCode;
 
 use clap::{Parser, ValueEnum};
-use examples::cracks::{self, CrackOption, Plane};
+use examples::cracks::{self, CrackOption, Plane, Softening};
 use examples::fragile::Joint;
 use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
@@ -35,6 +35,9 @@ struct Options {
     /// When faces open, of one run in place of those of the case
     #[arg(long, value_enum)]
     cracks: Option<CrackOption>,
+    /// Cells of a cohesive face while it softens
+    #[arg(long, value_enum, default_value = "joined")]
+    softening: Softening,
     /// Plane strain or plane stress [default: as `runs` says]
     #[arg(long, value_enum)]
     plane: Option<Plane>,
@@ -132,6 +135,7 @@ impl Options {
                         steel,
                         flux,
                         cracks,
+                        softening: self.softening,
                         plane: if steel == S::Yielding { plane } else { self.plane.unwrap_or(plane) },
                         points,
                         seed,

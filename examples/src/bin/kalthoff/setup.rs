@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use examples::CaseError;
-use examples::cracks::{CrackOption, Load, Plane, Torn, random_cells};
+use examples::cracks::{CrackOption, Load, Plane, Softening, Torn, random_cells};
 use examples::fragile::Joint;
 use fpm::{Cells, Domain, Notch};
 use mpm_materials::strength::{Adiabatic, Heat, Logarithmic};
@@ -52,6 +52,7 @@ pub struct Setup {
     pub steel: Steel,
     pub flux: Joint,
     pub cracks: CrackOption,
+    pub softening: Softening,
     pub plane: Plane,
     /// Points that are asked for; those along the notch come in place of others.
     pub points: u32,
@@ -164,7 +165,12 @@ impl Setup {
             law: self.law()?,
             flux: self.flux,
             eta: self.eta,
-            criterion: self.cracks.criterion(self.strength, self.shear_strength, self.energy)?,
+            criterion: self.cracks.criterion(
+                self.strength,
+                self.shear_strength,
+                self.energy,
+                self.softening,
+            )?,
             friction: self.friction,
             loads: vec![
                 Load::Velocity(|f| f.normal[0] < -0.5 && f.centroid[1] < HEIGHT, Arc::new(strike)),

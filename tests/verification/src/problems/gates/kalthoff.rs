@@ -55,7 +55,8 @@ fn cells(h: f64, seed: u64) -> Result<Cells<2>, String> {
 pub fn run(passage: Passage, cracks: Cracks) -> Result<Outcome, String> {
     match cracks.opening {
         Opening::Strength => opened(passage, cracks, MaximumTension::new(STRENGTH).map_err(text)?),
-        Opening::Cohesive => opened(passage, cracks, Cohesive::new(STRENGTH, WORK).map_err(text)?),
+        // Errors that are stored, and charts of them, are of cells that part.
+        Opening::Cohesive => opened(passage, cracks, Cohesive::new(STRENGTH, WORK).map_err(text)?.parted()),
     }
 }
 
