@@ -96,7 +96,8 @@ fn criterion(options: &Fpm) -> Made<AnyCriterion> {
             AnyCriterion::Mixed(MixedTensionShear::new(k.tension.value, k.shear.value).at(key)?)
         }
         Cracks::Cohesive(k) => {
-            AnyCriterion::Cohesive(Cohesive::new(k.strength.value, k.energy.value).at(key)?)
+            let cohesive = Cohesive::new(k.strength.value, k.energy.value).at(key)?;
+            AnyCriterion::Cohesive(if k.parted { cohesive.parted() } else { cohesive })
         }
     })
 }

@@ -129,6 +129,9 @@ parts! {
         strength: Quantity<Pressure>,
         /// Fracture energy.
         energy: Quantity<SurfaceEnergy>,
+        /// Do the cells of a face part as it begins to soften? Else they stay joined until it bears nothing.
+        #[serde(default)]
+        parted: bool,
     }
 }
 
