@@ -103,7 +103,15 @@ impl<'a> Run<'a> {
     /// Of this solver, without observers and checkpoints.
     pub fn new(solver: &'a mut (dyn Solver + 'static)) -> Self {
         let summary = RunSummary::default();
-        Run { solver, observers: Vec::new(), checkpoints: None, preface: None, stop: None, summary, resumed: false }
+        Run {
+            solver,
+            observers: Vec::new(),
+            checkpoints: None,
+            preface: None,
+            stop: None,
+            summary,
+            resumed: false,
+        }
     }
 
     /// Show the run to an observer, too.

@@ -26,7 +26,12 @@ impl VtkSeries {
         name: impl Into<String>,
         pace: Pace,
     ) -> Result<Self, ObserveError> {
-        Ok(VtkSeries { pace, series: output::VtkSeries::create(folder, name)?, times: Vec::new(), fields: None })
+        Ok(VtkSeries {
+            pace,
+            series: output::VtkSeries::create(folder, name)?,
+            times: Vec::new(),
+            fields: None,
+        })
     }
 
     /// Write frames so.
