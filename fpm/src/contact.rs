@@ -8,9 +8,8 @@ use crate::cells::OuterFace;
 use crate::method::Composition;
 use crate::rest::PLACES;
 use crate::solver::{ADVICE, Fpm};
-use crate::step::with_identity;
 use crate::sums::BATCH;
-use crate::vector::{along, apply, cofactor, scaled};
+use crate::vector::{along, apply, cofactor, scaled, with_identity};
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     fn place_of(&self, n: usize) -> usize {

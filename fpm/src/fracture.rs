@@ -5,9 +5,9 @@ use crate::flux::Flux;
 use crate::method::Composition;
 use crate::open::OpenFace;
 use crate::solver::Fpm;
-use crate::step::{subtract, turned, with_identity};
+use crate::step::turned;
 use crate::sums::{BATCH, jump};
-use crate::vector::{along, apply, cofactor, dot, norm, scaled};
+use crate::vector::{along, apply, cofactor, dot, norm, scaled, subtract, with_identity};
 
 /// A face that is open, as observers see it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -40,6 +40,7 @@ mod path;
 mod rest;
 mod sides;
 mod soften;
+mod softening;
 mod solver;
 mod step;
 mod sums;

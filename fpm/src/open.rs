@@ -422,7 +422,7 @@ const STRAYED: f64 = 0.25;
 
 fn less<const D: usize>(a: &Tensor<D>, b: &Tensor<D>) -> Tensor<D> {
     let mut c = *a;
-    crate::step::subtract(&mut c, 1.0, b);
+    crate::vector::subtract(&mut c, 1.0, b);
     c
 }
 

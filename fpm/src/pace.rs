@@ -12,9 +12,9 @@ use impactite_simd::Float;
 use crate::flux::Flux;
 use crate::method::Composition;
 use crate::solver::Fpm;
-use crate::step::{square_of, subtract, with_identity};
+use crate::step::square_of;
 use crate::sums::{BATCH, Force, Load, Trace, Traction, jump, lifting, trace};
-use crate::vector::{Tensor, add_dyad, along, apply, dot, inverse, norm, zero};
+use crate::vector::{Tensor, add_dyad, along, apply, dot, inverse, norm, subtract, with_identity, zero};
 
 /// Iterations for the highest frequency. They find it from below, to some half per cent;
 const ITERATIONS: usize = 60;

@@ -23,7 +23,7 @@ use crate::method::Composition;
 use crate::open::OpenFace;
 use crate::rest::Rest;
 use crate::sides::Sides;
-use crate::soften::Softening;
+use crate::softening::Softening;
 use crate::sums::{BATCH, Batch, GROUP, Load, Outer, Row, Trace};
 use crate::vector::{Tensor, dot, scaled, zero};
 

@@ -13,7 +13,9 @@ use crate::method::Composition;
 use crate::rest::PLACES;
 use crate::solver::{Fpm, Scratch};
 use crate::sums::{BATCH, Batch, Deform, Force, GROUP, Lift, Load, Row, Trace, Traction};
-use crate::vector::{Tensor, add_dyad, along, contract, identity, inverse, largest_row, product, zero};
+use crate::vector::{
+    Tensor, add_dyad, along, contract, identity, inverse, largest_row, product, subtract, with_identity, zero,
+};
 
 /// The groups of a batch, by place: they lie behind each other.
 const GROUPS: [u32; BATCH / GROUP] = {
@@ -477,26 +479,6 @@ fn lift_openings<const D: usize>(
             add_dyad(&mut out[n as usize], 0.5, &crack.apart, &crack.surface.area);
         }
     }
-}
-
-/// Take `s` times a tensor off.
-#[inline(always)]
-pub(crate) fn subtract<const D: usize>(from: &mut Tensor<D>, s: f64, m: &Tensor<D>) {
-    for a in 0..D {
-        for c in 0..D {
-            from[a][c] -= s * m[a][c];
-        }
-    }
-}
-
-/// F of a displacement gradient.
-#[inline(always)]
-pub(crate) fn with_identity<const D: usize>(h: &Tensor<D>) -> Tensor<D> {
-    let mut f = *h;
-    for d in 0..D {
-        f[d][d] += 1.0;
-    }
-    f
 }
 
 /// Stresses and Courant rates of a batch, by what its law says.

@@ -175,6 +175,26 @@ pub(crate) fn rotation<const D: usize>(m: &Tensor<D>) -> Tensor<D> {
     if r.iter().flatten().all(|x| x.is_finite()) { r } else { identity() }
 }
 
+/// Take `s` times a tensor off.
+#[inline(always)]
+pub(crate) fn subtract<const D: usize>(from: &mut Tensor<D>, s: f64, m: &Tensor<D>) {
+    for a in 0..D {
+        for c in 0..D {
+            from[a][c] -= s * m[a][c];
+        }
+    }
+}
+
+/// F of a displacement gradient.
+#[inline(always)]
+pub(crate) fn with_identity<const D: usize>(h: &Tensor<D>) -> Tensor<D> {
+    let mut f = *h;
+    for d in 0..D {
+        f[d][d] += 1.0;
+    }
+    f
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

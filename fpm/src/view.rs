@@ -6,9 +6,9 @@ use impactite_scene::{Archive, Body, CheckpointError, Condition, PointView, Tota
 use crate::method::Composition;
 use crate::open::OpenFace;
 use crate::solver::Fpm;
-use crate::step::{wide, with_identity};
+use crate::step::wide;
 use crate::sums::{BATCH, Batch};
-use crate::vector::{along, difference, zero};
+use crate::vector::{along, difference, with_identity, zero};
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// Sums over cells. Momentum is that of the velocities, which belong to the middle of the last step. Kinetic energy is the sum of m v-

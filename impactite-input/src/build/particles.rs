@@ -82,7 +82,7 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
     }
 }
 
-/// Tolerance of contact over the spacing, and the stretch it allows: elements of a body that flows stay together (book, "PCMM").
+/// Tolerance of contact over the spacing, and the stretch it allows: elements of a body that flows stay together.
 const TOLERANCE: f64 = 0.5;
 const STRETCH: f64 = 2.0;
 
