@@ -125,7 +125,7 @@ impl Criterion for MixedTensionShear {
 ///   be smaller than E work / strength^2: where they are wider than ten times that, a face falls faster than matter gives way, and parts at once.
 /// - **parted** ([`parted`](Self::parted)): each cell leaves the support of the other's gradient, as behind a crack by the visibility criterion of mesh-free
 ///   methods, and the traction alone is between them. A cell in the cohesive zone loses stiffness with each face that softens: cracks branch earlier, and an area
-///   takes 88 (case `glass_branching`) to 109 per cent of the work (`kalthoff`), and 40 to 107 where stress is uniform. The face begins on a line as steep as
+///   takes 88 (case `glass_branching`) to 109 per cent of the work (`kalthoff`), and 49 to 107 where stress is uniform. The face begins on a line as steep as
 ///   the penalty eta, at the strength; what that stores at once, strength^2 h / (2 eta), comes from nowhere and is booked so: a tenth of the work in cells
 ///   of E work / strength^2.
 #[derive(Clone, Copy, Debug, PartialEq)]

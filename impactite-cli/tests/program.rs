@@ -30,7 +30,7 @@ velocity = { mean_velocity = { body = "disc", axis = "y" } }
 measure = "height"
 reference = "11.5 mm"
 tolerance = 0.02
-source = "this program [C]"
+source = "this program: a check to be printed, not a test of physics"
 "#;
 
 fn program() -> Command {

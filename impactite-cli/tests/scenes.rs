@@ -10,7 +10,7 @@ const SCENES: &[(&str, &[&str], bool)] = &[
     ("granular_column", &["parameters.cells=10"], false),
     ("tnt", &["parameters.cells=200"], true),
     ("elastic_bar", &[], true),
-    ("copper_bar", &["parameters.cells=6"], true),
+    ("copper_bar", &[], true),
     ("pressed_balls", &["end=\"60 us\""], true),
     ("debris_cloud", &["parameters.layers=4", "end=\"6 us\""], true),
     ("concrete_perforation", &[], true),

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::parts::parts;
 use super::shape::Shape;
 use super::{Axis, Vector};
 use crate::formula::Formula;
@@ -63,16 +64,6 @@ pub struct Body {
     /// As many such bodies, by their names and a number from 1.
     #[serde(default)]
     pub repeat: Option<Repeat>,
-}
-
-macro_rules! parts {
-    ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Debug, Deserialize, JsonSchema)]
-        #[non_exhaustive]
-        #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$inner])* pub $field: $type,)* }
-    )*};
 }
 
 parts! {

@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::Axis;
+use super::parts::parts;
 use super::shape::Shape;
 use crate::formula::Formula;
 use crate::quantity::{Length, Plain, Quantity, Speed};
@@ -25,16 +26,6 @@ pub enum Condition {
     Fixed(Plane),
     /// What is in a region has a velocity.
     Prescribed(Prescribed),
-}
-
-macro_rules! parts {
-    ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Debug, Deserialize, JsonSchema)]
-        #[non_exhaustive]
-        #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$inner])* pub $field: $type,)* }
-    )*};
 }
 
 /// On which side of a plane the material is.

@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::parts::parts;
 use crate::quantity::{
     Angle, Density, EnergyDensity, HeatCapacity, Plain, Pressure, Quantity, Rate, Speed, Temperature,
     Viscosity,
@@ -111,16 +112,6 @@ library! {
     WaterShocked = "water_shocked",
 }
 
-macro_rules! constants {
-    ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Debug, Deserialize, JsonSchema)]
-        #[non_exhaustive]
-        #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$inner])* pub $field: $type,)* }
-    )*};
-}
-
 /// Resistance to shear.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[non_exhaustive]
@@ -193,7 +184,7 @@ pub enum ExplosiveLaw {
     Jwl(Box<JwlConstants>),
 }
 
-constants! {
+parts! {
     /// Density and moduli.
     ElasticConstants {
         /// Density rho0.

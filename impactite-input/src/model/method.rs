@@ -4,6 +4,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::Vector;
+use super::parts::parts;
 use crate::quantity::{Length, Plain, Pressure, Quantity, SurfaceEnergy, Time};
 
 /// The method of a scene.
@@ -21,16 +22,6 @@ pub enum Method {
     Fpm(Fpm),
     /// Particle-contact meshfree method.
     Pcmm(Pcmm),
-}
-
-macro_rules! parts {
-    ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Debug, Deserialize, JsonSchema)]
-        #[non_exhaustive]
-        #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$inner])* pub $field: $type,)* }
-    )*};
 }
 
 parts! {

@@ -7,6 +7,7 @@ pub mod material;
 pub mod measure;
 pub mod method;
 pub mod output;
+mod parts;
 mod scene;
 pub mod shape;
 mod space;

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::Vector;
+use super::parts::parts;
 use crate::quantity::{Angle, Length, Plain, Quantity};
 
 /// A solid. Coordinates are x, y, z; in plane scenes x, y; around an axis r, z.
@@ -41,16 +42,6 @@ pub enum Shape {
     Difference(Vec<Shape>),
     /// A shape elsewhere.
     Moved(Box<MovedShape>),
-}
-
-macro_rules! parts {
-    ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Debug, Deserialize, JsonSchema)]
-        #[non_exhaustive]
-        #[serde(deny_unknown_fields)]
-        pub struct $name { $($(#[$inner])* pub $field: $type,)* }
-    )*};
 }
 
 parts! {
