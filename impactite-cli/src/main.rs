@@ -167,21 +167,21 @@ fn refused(error: &CliError) -> ExitCode {
     ExitCode::FAILURE
 }
 
+/// To the standard error, by `RUST_LOG` (levels, or `target=level` separated by commas) or the options.
 fn log(options: &Options) {
-    use tracing_subscriber::EnvFilter;
+    use tracing_subscriber::filter::{LevelFilter, Targets};
+    use tracing_subscriber::layer::{Layer, SubscriberExt};
+    use tracing_subscriber::util::SubscriberInitExt;
     let level = match (options.quiet, options.verbose) {
-        (true, _) => "warn",
-        (_, 0) => "info",
-        (_, 1) => "debug",
-        _ => "trace",
+        (true, _) => LevelFilter::WARN,
+        (_, 0) => LevelFilter::INFO,
+        (_, 1) => LevelFilter::DEBUG,
+        _ => LevelFilter::TRACE,
     };
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(level));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_target(false)
-        .with_writer(std::io::stderr)
-        .compact()
-        .init();
+    let filter = std::env::var("RUST_LOG").ok().and_then(|said| said.parse().ok());
+    let filter = filter.unwrap_or_else(|| Targets::new().with_default(level));
+    let lines = tracing_subscriber::fmt::layer().with_target(false).with_writer(std::io::stderr).compact();
+    tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }
 
 /// Set by SIGINT and SIGTERM; a second one ends the program at once.

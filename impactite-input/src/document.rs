@@ -117,10 +117,7 @@ impl Source {
     pub fn parse(&self) -> Result<SceneFile, InputError> {
         let document = Document::parse(self.text.as_str()).map_err(|e| Box::new(self.syntax(&e)))?;
         let parameters = self.parameters(&document)?;
-        let read = parameters.during(|| {
-            let from = toml_edit::de::Deserializer::from(document.clone());
-            serde_path_to_error::deserialize::<_, SceneFile>(from)
-        });
+        let read = impactite_scene_file::read(document.clone(), &parameters);
         let mut scene = read.map_err(|error| {
             let path = error.path().to_string();
             let path = if path == "." { String::new() } else { path };
@@ -128,7 +125,6 @@ impl Source {
             let (message, help) = helped(inner.message());
             Box::new(self.fault(inner.span(), path, message, help))
         })?;
-        scene.known = parameters;
         scene.expand().map_err(|(key, why)| Box::new(self.fault_at(&key, why, None)))?;
         Ok(scene)
     }

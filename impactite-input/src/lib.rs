@@ -37,18 +37,9 @@
 mod build;
 mod document;
 mod error;
-pub mod formula;
 pub mod list;
 pub mod measured;
-pub mod model;
-pub mod quantity;
 
 pub use document::Source;
 pub use error::{Fault, InputError};
-pub use model::SceneFile;
-
-/// The JSON Schema of scene files: editors that know TOML check and complete by it.
-#[must_use]
-pub fn schema() -> schemars::Schema {
-    schemars::schema_for!(SceneFile)
-}
+pub use impactite_scene_file::{SceneFile, formula, model, quantity, schema};

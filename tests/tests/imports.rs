@@ -223,7 +223,7 @@ fn circles(imports: &BTreeMap<Module, BTreeSet<Module>>) -> Vec<Vec<String>> {
 }
 
 /// The libraries, leaf first.
-const LIBRARIES: [&str; 15] = [
+const LIBRARIES: [&str; 16] = [
     "impactite-simd",
     "mpm-materials",
     "impactite-geometry",
@@ -237,6 +237,7 @@ const LIBRARIES: [&str; 15] = [
     "sph",
     "fpm",
     "coupling",
+    "impactite-scene-file",
     "impactite-input",
     "impactite-cli",
 ];

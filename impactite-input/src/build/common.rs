@@ -291,7 +291,7 @@ impl<'a, const D: usize> World<'a, D> {
     pub fn laws(&self, names: &[&str]) -> Made<Option<Pairs<f64>>> {
         let Some(contact) = &self.scene.contact else { return Ok(None) };
         let mut pairs = of_law("contact.law", &contact.law, None, Pairs::new(Frictionless))?;
-        for (n, Pair { between, law }) in contact.pairs.iter().enumerate() {
+        for (n, Pair { between, law, .. }) in contact.pairs.iter().enumerate() {
             let key = format!("contact.pairs[{n}]");
             let place =
                 |k: usize| known(&format!("{key}.between[{k}]"), "body", &between[k], names.iter().copied());

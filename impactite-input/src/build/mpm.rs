@@ -210,7 +210,8 @@ fn rigid<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<R
         }
     }
     // Without spin, which the body has of itself.
-    let plain = Body { spin: None, velocity: None, ..body.clone() };
+    let mut plain = body.clone();
+    (plain.spin, plain.velocity) = (None, None);
     let along =
         world.velocity(key, &plain, &impactite::geometry::Bounds { min: [0.0; D], max: [0.0; D] })?([0.0; D]);
     let velocity = move |t: f64| -> [f64; D] {

@@ -11,7 +11,6 @@ use crate::quantity::{Length, Plain, Quantity, Speed};
 
 /// A condition on velocities.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
     /// A plane of symmetry.
@@ -30,7 +29,6 @@ pub enum Condition {
 
 /// On which side of a plane the material is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
     /// Where the coordinate is larger.

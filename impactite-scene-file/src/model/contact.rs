@@ -33,7 +33,6 @@ pub struct Pair {
 
 /// How contact is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Detector {
     /// By the distance of the surfaces along a separating plane.
@@ -47,7 +46,6 @@ pub enum Detector {
 
 /// A contact law.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Law {
     /// Coulomb friction with this coefficient; 0: none.

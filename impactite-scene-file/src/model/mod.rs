@@ -13,5 +13,4 @@ pub mod shape;
 mod space;
 
 pub use scene::{Parameter, SceneFile};
-pub use space::{Axis, Space, Vector};
-pub(crate) use space::{fixed, formulas};
+pub use space::{Axis, Space, Vector, fixed, formulas};

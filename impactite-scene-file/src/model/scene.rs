@@ -81,7 +81,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// The key, and what is wrong there.
-    pub(crate) fn expand(&mut self) -> Result<(), (String, String)> {
+    pub fn expand(&mut self) -> Result<(), (String, String)> {
         let mut all = IndexMap::new();
         for (name, body) in &self.bodies {
             let Some(repeat) = &body.repeat else {
@@ -130,7 +130,6 @@ impl SceneFile {
 
 /// A named value: a number, or a text with a unit or arithmetic with the parameters before it.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(untagged)]
 pub enum Parameter {
     /// A plain number.

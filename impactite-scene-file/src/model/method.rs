@@ -9,7 +9,6 @@ use crate::quantity::{Length, Plain, Pressure, Quantity, SurfaceEnergy, Time};
 
 /// The method of a scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
     /// Material point method.
@@ -135,7 +134,6 @@ fn one() -> u64 {
 
 /// What a method is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 pub enum Purpose {
     /// Impact, penetration, fragments: quadratic B-splines, AFLIP, stress last.
     #[default]
@@ -151,7 +149,6 @@ pub enum Purpose {
 
 /// A shape function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum ShapeFunction {
     /// Linear.
@@ -164,7 +161,6 @@ pub enum ShapeFunction {
 
 /// A transfer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Transfer {
     /// FLIP.
@@ -181,7 +177,6 @@ pub enum Transfer {
 
 /// When stress is updated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum StressUpdate {
     /// Last, with velocities mapped anew (MUSL).
@@ -192,7 +187,6 @@ pub enum StressUpdate {
 
 /// The form of smoothed particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum SphForm {
     /// For bodies that stay whole.
@@ -204,7 +198,6 @@ pub enum SphForm {
 
 /// Where points of cells are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Points {
     /// At random, made more even by three of Lloyd's steps: cracks find their way.
@@ -216,7 +209,6 @@ pub enum Points {
 
 /// A flux.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Flux {
     /// The derivative of an energy.
@@ -228,7 +220,6 @@ pub enum Flux {
 
 /// When faces open.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Cracks {
     /// Where tension reaches a strength.
@@ -241,7 +232,6 @@ pub enum Cracks {
 
 /// How steps are chosen.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum TimeStep {
     /// This part of the stable step.

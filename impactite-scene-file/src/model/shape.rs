@@ -11,7 +11,6 @@ use crate::quantity::{Angle, Length, Plain, Quantity};
 
 /// A solid. Coordinates are x, y, z; in plane scenes x, y; around an axis r, z.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
     /// A box between two corners; in the plane a rectangle.

@@ -8,7 +8,6 @@ use crate::quantity::{Plain, Quantity};
 
 /// A number of the scene at a time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Measurement {
     /// Extent of a body along an axis, between the surfaces of its outermost points, m.
@@ -87,7 +86,6 @@ pub struct Check {
 
 /// A number in the measure's SI unit, or a text with a unit.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(untagged)]
 pub enum Reference {
     /// In SI units.

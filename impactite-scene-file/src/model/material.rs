@@ -54,7 +54,6 @@ macro_rules! library {
     ($($(#[$doc:meta])* $name:ident = $word:literal,)*) => {
         /// Named sets of constants, with their sources in the book, "Material constants".
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
         pub enum Library { $($(#[$doc])* #[serde(rename = $word)] $name,)* }
         impl Library {
             /// All of them, with their names.
@@ -114,7 +113,6 @@ library! {
 
 /// Resistance to shear.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Strength {
     /// Elastic.
@@ -127,7 +125,6 @@ pub enum Strength {
 
 /// Pressure by density and energy.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Eos {
     /// p = c^2 (rho - rho0).
@@ -140,7 +137,6 @@ pub enum Eos {
 
 /// When metal fails; it then bears compression alone, as rubble.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Failure {
     /// Damage of Johnson and Cook, D1 to D5 (rate and temperature in D4, D5).
@@ -153,7 +149,6 @@ pub enum Failure {
 
 /// Soil, concrete, granular matter.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum GroundLaw {
     /// Drucker-Prager, matched to Mohr and Coulomb by `cone`.
@@ -164,7 +159,6 @@ pub enum GroundLaw {
 
 /// A fluid.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum FluidLaw {
     /// An ideal gas.
@@ -177,7 +171,6 @@ pub enum FluidLaw {
 
 /// An explosive with JWL products.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum ExplosiveLaw {
     /// JWL.
@@ -370,7 +363,6 @@ parts! {
 
 /// A cone through, or beside, Mohr and Coulomb's pyramid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum ConeWord {
     /// Through its inner edges: exact in triaxial extension, safe elsewhere.

@@ -8,7 +8,6 @@ use crate::quantity::{Measure, Quantity};
 
 /// How a scene lies in space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 pub enum Space {
     /// Three dimensions: x, y, z.
     #[serde(rename = "3d")]
@@ -66,7 +65,6 @@ impl Space {
 
 /// A coordinate axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// x.
@@ -96,13 +94,13 @@ impl Axis {
 pub type Vector<U> = Vec<Quantity<U>>;
 
 /// As many numbers as there are dimensions.
-pub(crate) fn fixed<const D: usize, U: Measure>(list: &[Quantity<U>]) -> Result<[f64; D], String> {
+pub fn fixed<const D: usize, U: Measure>(list: &[Quantity<U>]) -> Result<[f64; D], String> {
     let numbers: Vec<f64> = list.iter().map(|q| q.value).collect();
     numbers.try_into().map_err(|list: Vec<f64>| components(list.len(), D))
 }
 
 /// As many formulas as there are dimensions.
-pub(crate) fn formulas<const D: usize, U: Measure>(list: &[Formula<U>]) -> Result<[Formula<U>; D], String> {
+pub fn formulas<const D: usize, U: Measure>(list: &[Formula<U>]) -> Result<[Formula<U>; D], String> {
     list.to_vec().try_into().map_err(|list: Vec<_>| components(list.len(), D))
 }
 

@@ -138,7 +138,6 @@ parts! {
 
 /// How elements and particles meet.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum MeetBy {
     /// Particles meet the facets of the mesh: elements of any size.
@@ -150,7 +149,6 @@ pub enum MeetBy {
 
 /// Where elements are from.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
 #[serde(rename_all = "snake_case")]
 pub enum Mesh {
     /// A regular mesh of the body's `shape` (box, ball, cylinder, tube, shell of the plane) with edges of about this length.
