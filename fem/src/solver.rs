@@ -4,12 +4,12 @@ use std::sync::{Arc, Mutex};
 
 use impactite_scene::boundary::{BodyForce, VelocityHistory, check_at};
 use impactite_scene::constants::over;
-use impactite_scene::control::ControlError;
+use impactite_scene::control::{ControlError, largest};
 use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Watcher};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, ContactPoint, Embedding, Exchange, Finding,
-    GainCause, PairContact, SceneError, Solver, StepError, Stopped, TimeControl, Warning, Watch,
+    GainCause, PairContact, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::Pairs;
@@ -495,6 +495,10 @@ impl<const D: usize> Solver for Fem<D> {
     }
     fn stable_step(&mut self) -> Result<f64, StepError> {
         Ok(self.next_time_step())
+    }
+    fn limited_by(&self) -> Option<StepLimit> {
+        let (body, rate) = largest(self.bodies.iter().map(|b| b.rate));
+        Some(self.control.limit(rate, self.clock.last, body))
     }
     // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
     #[inline(never)]

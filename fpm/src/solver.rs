@@ -8,7 +8,7 @@ use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Exchange, SceneError, Solver, StepError,
-    Stopped, TimeControl, Warning, Watch,
+    StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -583,6 +583,9 @@ impl<const D: usize, M: Composition<D>> Solver for Fpm<D, M> {
     }
     fn stable_step(&mut self) -> Result<f64, StepError> {
         Ok(self.next_time_step())
+    }
+    fn limited_by(&self) -> Option<StepLimit> {
+        Some(self.control.limit(self.rate, self.clock.last, 0))
     }
     // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
     #[inline(never)]

@@ -4,7 +4,7 @@ use std::time::SystemTime;
 
 use impactite_scene::balance::{Books, share};
 use impactite_scene::observe::{ObserveError, Observer, Pace, RunView};
-use impactite_scene::{Archive, CheckpointError, Finding, Warning};
+use impactite_scene::{Archive, CheckpointError, Finding, StepLimit, Warning};
 
 use crate::number::percent;
 
@@ -169,6 +169,8 @@ pub struct Recorder {
     /// The change of mass since the first look that is largest by amount, kg.
     worst_mass: f64,
     warnings: Vec<Warned>,
+    /// What limited the step, in words, and at how many looks; first seen first.
+    limits: Vec<(String, u64)>,
     /// Where the run is to end, s, and is it there?
     end: f64,
     reached: bool,
@@ -201,6 +203,7 @@ impl Recorder {
             worst_missing: 0.0,
             worst_mass: 0.0,
             warnings: Vec::new(),
+            limits: Vec::new(),
             end: f64::NAN,
             reached: false,
             clock: WallClock::default(),
@@ -218,6 +221,33 @@ impl Recorder {
     #[must_use]
     pub fn warnings(&self) -> &[Warned] {
         &self.warnings
+    }
+
+    /// What limited the step that was next, in words, and at how many looks.
+    #[must_use]
+    pub fn limits(&self) -> &[(String, u64)] {
+        &self.limits
+    }
+
+    fn limited(&mut self, now: &RunView<'_>) {
+        // Before the first step nothing is known of waves.
+        let Some(limit) = now.solver().limited_by().filter(|_| now.solver().clock().last.is_some()) else {
+            return;
+        };
+        let cause = match limit {
+            StepLimit::Body(n) => match now.bodies().get(n) {
+                Some(body) => format!("waves and velocities in {}", body.name()),
+                None => return,
+            },
+            StepLimit::Nodes => "nodes of the grid".into(),
+            StepLimit::Growth => "growth from one step to the next".into(),
+            StepLimit::Fixed => "the step that was asked for".into(),
+            _ => return,
+        };
+        match self.limits.iter_mut().find(|known| known.0 == cause) {
+            Some(known) => known.1 += 1,
+            None => self.limits.push((cause, 1)),
+        }
     }
 
     /// The energy that nothing explains, the largest by amount of all looks, with its sign, over the largest energy of the whole run.
@@ -359,6 +389,7 @@ impl Observer for Recorder {
             // A count, that division and multiplication by a time may have moved off its whole number.
             updates: (now.rate() * now.wall_seconds()).round(),
         });
+        self.limited(now);
         self.end = now.end();
         self.reached = clock.reached(now.end());
         self.clock.look();
@@ -381,6 +412,10 @@ impl Observer for Recorder {
             &mut self.end,
         ])?;
         file.list(&mut self.warnings, &Warned::default(), |file, warned| warned.archive(file))?;
+        file.list(&mut self.limits, &Default::default(), |file, (cause, looks)| {
+            file.text(cause)?;
+            file.word(looks)
+        })?;
         let mut seconds = self.seconds();
         file.real(&mut seconds)?;
         if file.reads() {

@@ -136,10 +136,13 @@ fn a_record_comes_back_as_it_was_saved() {
         .balances(&recorder)
         .summary(&summary, 2)
         .setup(0.1)
-        .limited_by("springs of `block`", summary.steps)
         .stopped(&"for a test");
     record.save(&folder.0).expect("saved");
     let read = Record::open(&folder.0).expect("read");
+    // Of every look but the one before the first step.
+    let looks = recorder.rows().len() as u64 - 1;
+    assert_eq!(recorder.limits(), [("waves and velocities in block".to_string(), looks)]);
+    assert_eq!((read.limits[0].looks, read.limits.len()), (looks, 1));
     // The step before the first is no number, which equals nothing: their texts are compared.
     let text = |record: &Record| serde_json::to_string(record).expect("JSON");
     assert_eq!(text(&read), text(&record));

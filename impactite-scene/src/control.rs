@@ -28,6 +28,26 @@ pub enum TimeControl {
     Fixed(f64),
 }
 
+/// What limits a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum StepLimit {
+    /// Waves and velocities in a body: its place among those of the scene.
+    Body(usize),
+    /// Nodes of the grid ([`TimeControl::Gershgorin`]).
+    Nodes,
+    /// A step that may be no more than so many times the one before.
+    Growth,
+    /// The step that was asked for.
+    Fixed,
+}
+
+/// The largest of these rates, 1/s, and whose it is: of equal ones the first.
+pub fn largest(rates: impl IntoIterator<Item = f64>) -> (usize, f64) {
+    let more = |best: (usize, f64), next: (usize, f64)| if next.1 > best.1 { next } else { best };
+    rates.into_iter().enumerate().fold((0, 0.0), more)
+}
+
 /// A control that no run can use.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("time control: {field} = {value} is not allowed; it must be {allowed}")]
@@ -76,6 +96,21 @@ impl TimeControl {
         self.check()
     }
 
+    /// What limits the step that [`next`](TimeControl::next) says, where the largest rate is that of such a body.
+    pub fn limit(&self, rate: f64, last: Option<f64>, body: usize) -> StepLimit {
+        let growing = |factor: f64, growth: f64| last.is_some_and(|last| growth * last < factor / rate);
+        match *self {
+            TimeControl::Fixed(_) => StepLimit::Fixed,
+            TimeControl::Courant { factor, growth } | TimeControl::Gershgorin { factor, growth, .. }
+                if growing(factor, growth) =>
+            {
+                StepLimit::Growth
+            }
+            TimeControl::Courant { .. } => StepLimit::Body(body),
+            TimeControl::Gershgorin { .. } => StepLimit::Nodes,
+        }
+    }
+
     /// The step, from the largest (c + |v|) / h of the particles, 1/s, or what stands for it, and the last step, s.
     pub fn next(&self, rate: f64, last: Option<f64>) -> f64 {
         match *self {
@@ -85,5 +120,24 @@ impl TimeControl {
                 last.map_or(dt, |last| dt.min(growth * last))
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_limits_a_step_is_what_makes_it_so_long() {
+        let courant = TimeControl::Courant { factor: 0.5, growth: 1.1 };
+        // Of waves 0.5 / 100, and no more than 1.1 of the last one.
+        assert_eq!(courant.limit(100.0, None, 3), StepLimit::Body(3));
+        assert_eq!(courant.limit(100.0, Some(4.6e-3), 3), StepLimit::Body(3));
+        assert_eq!(courant.limit(100.0, Some(4.5e-3), 3), StepLimit::Growth);
+        assert!(courant.next(100.0, Some(4.5e-3)) < courant.next(100.0, None));
+        let gershgorin = TimeControl::Gershgorin { factor: 0.5, growth: 1.1, every: 5 };
+        assert_eq!(gershgorin.limit(100.0, None, 3), StepLimit::Nodes);
+        assert_eq!(TimeControl::Fixed(1.0).limit(100.0, Some(0.1), 3), StepLimit::Fixed);
+        assert_eq!(largest([1.0, 3.0, 3.0, 2.0]), (1, 3.0));
     }
 }

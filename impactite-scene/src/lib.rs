@@ -47,7 +47,7 @@ pub use boundary::{Boundary, Side};
 pub use clock::Clock;
 pub use condition::{Condition, Place, Reaction};
 pub use contact::{ContactPoint, PairContact};
-pub use control::TimeControl;
+pub use control::{StepLimit, TimeControl};
 pub use embedding::{Axisymmetric, Embedding, FullSpace, Line, PlaneStrain};
 pub use error::{Cause, PointKind, SceneError, StepError, Stopped};
 pub use exchange::Exchange;

@@ -11,6 +11,7 @@ use crate::balance::Account;
 use crate::body::{Body, Totals};
 use crate::clock::Clock;
 use crate::contact::{ContactPoint, PairContact};
+use crate::control::StepLimit;
 use crate::error::StepError;
 use crate::exchange::Exchange;
 use crate::finding::Warning;
@@ -83,6 +84,10 @@ pub trait Solver: Any + Send {
     /// The places of contact in the last step.
     fn contact_points(&self) -> Vec<ContactPoint> {
         Vec::new()
+    }
+    /// What limits the next step, where the method knows.
+    fn limited_by(&self) -> Option<StepLimit> {
+        None
     }
     /// Points that a step moves: all but those of deactivated bodies.
     fn moving_points(&self) -> usize {

@@ -9,7 +9,7 @@ use impactite_scene::control::ControlError;
 use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
-    Side, Solver, StepError, Stopped, TimeControl, Warning, Watch,
+    Side, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -554,6 +554,9 @@ impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {
     }
     fn stable_step(&mut self) -> Result<f64, StepError> {
         Ok(self.next_time_step())
+    }
+    fn limited_by(&self) -> Option<StepLimit> {
+        Some(self.control.limit(self.rate, self.clock.last, 0))
     }
     // Never inlined, so that the work of steps can be told from that of what looks at them (callgrind, profilers).
     #[inline(never)]

@@ -50,11 +50,11 @@ pub(super) fn timing(record: &Record, all: &mut Charts) -> Option<Markup> {
 }
 
 pub(super) fn step(record: &Record, all: &mut Charts) -> Option<Markup> {
-    let total: u64 = record.limits.iter().map(|limit| limit.steps).sum();
+    let total: u64 = record.limits.iter().map(|limit| limit.looks).sum();
     let limits: Vec<(String, f64, String)> = record
         .limits
         .iter()
-        .map(|l| (l.cause.clone(), l.steps as f64, format!("{} of {total} steps", l.steps)))
+        .map(|l| (l.cause.clone(), l.looks as f64, format!("{} of {total} looks", l.looks)))
         .collect();
     let history = record.balances.as_ref().and_then(|b| Some((b.column("time")?, b.column("time step")?)));
     let extremes = history.and_then(|(time, steps)| {
@@ -77,7 +77,7 @@ pub(super) fn step(record: &Record, all: &mut Charts) -> Option<Markup> {
     Some(html! {
         @if let Some(seen) = &extremes { p { (seen) } }
         @if limits.is_empty() {
-            p.faint { "Which body or condition limited each step is not recorded. A stable step is proportional to the size of a point or cell over wave speed plus point speed: small points and fast ones are the first suspects." }
+            p.faint { "What limited the step is not known. A stable step is proportional to the size of a point or cell over wave speed plus point speed: small points and fast ones are the first suspects." }
         } @else { (bars(&limits)) }
         @if let Some(figure) = &figure { (figure) }
         @if limits.is_empty() && !bodies.is_empty() {

@@ -203,6 +203,8 @@ impl Record {
         self.balances = Some(Balances::of(recorder));
         self.warnings = recorder.warnings().to_vec();
         self.warnings.extend(recorder.removed());
+        let limits = recorder.limits().iter();
+        self.limits = limits.map(|(cause, looks)| Limit { cause: cause.clone(), looks: *looks }).collect();
         if let Some([time, end]) = recorder.time_and_end() {
             self.progress = match self.progress {
                 Progress::Stopped { error, .. } => Progress::Stopped { time: Some(time), error },
@@ -296,13 +298,6 @@ impl Record {
     #[must_use]
     pub fn checks(mut self, checks: impl IntoIterator<Item = Check>) -> Self {
         self.checks.extend(checks);
-        self
-    }
-
-    /// What limited the step in so many steps.
-    #[must_use]
-    pub fn limited_by(mut self, cause: impl Into<String>, steps: u64) -> Self {
-        self.limits.push(Limit { cause: cause.into(), steps });
         self
     }
 

@@ -123,8 +123,8 @@ impl Timing {
 /// What limited the step, and how often.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limit {
-    /// What: a body and its waves, a contact, the growth allowed from one step to the next, the end of the run.
+    /// What: a body with its waves and velocities, nodes of the grid, the growth allowed from one step to the next.
     pub cause: String,
-    /// In how many steps.
-    pub steps: u64,
+    /// At how many looks of the [`Recorder`](crate::Recorder).
+    pub looks: u64,
 }

@@ -3,7 +3,7 @@
 use impactite_scene::observe::Observer;
 use impactite_scene::{
     Archive, Body, CheckpointError, Clock, Exchange, Finding, PointView, Run, RunSummary, Solver, StepError,
-    Totals, Warning,
+    StepLimit, Totals, Warning,
 };
 use impactite_simd::Team;
 
@@ -118,6 +118,9 @@ impl Solver for Block {
     }
     fn stable_step(&mut self) -> Result<f64, StepError> {
         Ok(STEP)
+    }
+    fn limited_by(&self) -> Option<StepLimit> {
+        Some(StepLimit::Body(0))
     }
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
         let dt = self.clock.step_within(STEP, left)?;

@@ -2,11 +2,11 @@
 
 use std::any::Any;
 
-use impactite_scene::control::ControlError;
+use impactite_scene::control::{ControlError, largest};
 use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, SceneError, Solver,
-    StepError, Stopped, TimeControl, Totals, Warning, Watch,
+    StepError, StepLimit, Stopped, TimeControl, Totals, Warning, Watch,
 };
 use impactite_simd::Team;
 
@@ -336,6 +336,11 @@ impl<const D: usize, S: ContactDetector<f64, D>> Solver for Bodies<D, S> {
     }
     fn stable_step(&mut self) -> Result<f64, StepError> {
         Ok(self.next_time_step())
+    }
+    fn limited_by(&self) -> Option<StepLimit> {
+        let rates = self.members.iter().map(|member| member.part().map_or(0.0, ParticleBody::rate));
+        let (body, rate) = largest(rates);
+        Some(self.control.limit(rate, self.clock.last, body))
     }
     fn step_at_most(&mut self, left: f64) -> Result<f64, StepError> {
         self.watcher.may_go_on()?;

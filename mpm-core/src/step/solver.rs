@@ -4,12 +4,11 @@ use std::time::Instant;
 
 use impactite_scene::boundary::check_at;
 use impactite_scene::error::{SceneError, StepError, Stopped};
-use impactite_scene::{PointKind, TimeControl};
+use impactite_scene::{PointKind, StepLimit, TimeControl};
 
 use super::background::AtPlanes;
 use super::between_steps::StepEnd;
 use super::body::{BodyTrouble, Steps, Which};
-use super::capability::ClientSteps;
 use super::contact::ContactPhase;
 use super::layout::Nodes;
 use super::load::Loading;
@@ -328,10 +327,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             *passed = body[0].pass(which, nodes, dt, team);
         });
         self.stepper.at_particles += clock.elapsed();
-        let mut rate = T::default();
+        let (mut rate, mut fastest) = (T::default(), 0);
         for (b, passed) in self.stepper.passed.iter_mut().enumerate() {
             match std::mem::replace(passed, Ok(T::default())) {
-                Ok(r) => rate = if r > rate { r } else { rate },
+                Ok(r) if r > rate => (rate, fastest) = (r, b),
+                Ok(_) => {}
                 Err(BodyTrouble { particle, position, cause }) => {
                     // The run ends here, with all particles where they went.
                     for body in &mut self.scene.bodies {
@@ -350,7 +350,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             }
         }
         if rate > T::default() {
-            self.stepper.rate = rate;
+            (self.stepper.rate, self.stepper.fastest) = (rate, fastest);
         }
         Ok(())
     }
@@ -374,8 +374,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let (step, sharp) = known.unwrap_or_else(|| (self.clock.steps, self.gershgorin_rate()));
             (self.stepper.gershgorin, rate) = (Some((step, sharp)), sharp);
         }
-        let clients = self.scene.clients.iter().filter_map(|&n| self.scene.bodies[n].client());
-        let longest = clients.map(ClientSteps::stable_step).fold(f64::INFINITY, f64::min);
+        let longest = self.steps_of_clients().map(|(_, step)| step).fold(f64::INFINITY, f64::min);
         let dt = self.stepper.control.next(rate, self.clock.last).min(longest);
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(self.stopped(Stopped::NoTimeStep(dt)));
@@ -385,6 +384,27 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         // As `Clock::step_within`: no last step of nothing, which clients with surfaces would mend depths in.
         Ok(T::of(if dt >= left * (1.0 - 1e-9) { left } else { dt.min(0.5 * left) }))
+    }
+
+    /// The bodies that make steps of their own, and the longest that each can make in one of the scene, s.
+    fn steps_of_clients(&self) -> impl Iterator<Item = (usize, f64)> {
+        let clients = self.scene.clients.iter();
+        clients.filter_map(|&n| Some((n, self.scene.bodies[n].client()?.stable_step())))
+    }
+
+    /// What limits the next step.
+    pub(super) fn step_limit(&self) -> StepLimit {
+        let control = &self.stepper.control;
+        let rate = match (control, self.stepper.gershgorin) {
+            (TimeControl::Gershgorin { .. }, Some((_, sharp))) => sharp,
+            _ => self.stepper.rate.to_double(),
+        };
+        let own = control.next(rate, self.clock.last);
+        let shorter = self.steps_of_clients().filter(|(_, step)| *step < own);
+        match shorter.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            Some((client, _)) => StepLimit::Body(client),
+            None => control.limit(rate, self.clock.last, self.stepper.fastest),
+        }
     }
 
     /// The size of the next step, s.

@@ -16,6 +16,8 @@ pub(super) struct Stepper<T> {
     pub(super) planned: T,
     /// Largest (c + |v|) / h of the particles, 1/s.
     pub(super) rate: T,
+    /// The body that it is of.
+    pub(super) fastest: usize,
     /// Do the tiles hold the map of the particles as they stand?
     pub(super) mapped: bool,
     /// The surface loads on the grid.
@@ -35,6 +37,7 @@ impl<T: Float> Stepper<T> {
             gershgorin: None,
             planned: T::default(),
             rate: T::default(),
+            fastest: 0,
             mapped: false,
             acting: Loading::default(),
             passed: Vec::new(),

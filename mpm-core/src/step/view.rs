@@ -2,7 +2,7 @@
 
 use impactite_scene::{
     Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, Solver, StepError,
-    Totals, Warning,
+    StepLimit, Totals, Warning,
 };
 
 use super::body::GridBody;
@@ -121,6 +121,9 @@ impl<const D: usize, T: Float> Solver for Mpm<D, T> {
     }
     fn clock_mut(&mut self) -> &mut Clock {
         &mut self.clock
+    }
+    fn limited_by(&self) -> Option<StepLimit> {
+        Some(self.step_limit())
     }
     fn stable_step(&mut self) -> Result<f64, StepError> {
         self.work.stable_step(self)
