@@ -80,7 +80,7 @@ pub struct Outcome {
 }
 
 /// Steps of time between rows of a history, unless the file says otherwise.
-const ROWS: f64 = 1000.0;
+const ROWS: f64 = 400.0;
 /// Pictures and frames.
 const PICTURES: f64 = 40.0;
 const FRAMES: f64 = 8.0;

@@ -342,7 +342,7 @@ fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, 
         );
     }
     println!(
-        "{} of {} checks met; {} steps of {} points in {:.2} s of stepping: {:.2} million updates a second; energy error {:+.2} %",
+        "{} of {} checks met; {} steps of {} points in {:.2} s of stepping: {:.2} million updates a second; largest energy error {:+.2} %",
         outcome.met,
         outcome.met + outcome.missed,
         outcome.steps,

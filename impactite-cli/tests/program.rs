@@ -140,14 +140,31 @@ fn what_is_wrong_is_told_with_its_place() {
 #[test]
 fn interrupted_or_killed_it_goes_on_to_the_same_bits() {
     let folder = folder("resume");
-    let path = scene(&folder, DISC);
     // The check is for coarser cells.
     let fine = ["--set", "method.mpm.cell=\"0.25 mm\"", "--set", "checks[0].tolerance=1", "--no-pictures"];
+    breaks_off(&folder, &scene(&folder, DISC), &fine);
+}
+
+/// The same of contact, plates that are perforated, and pictures. The check is for the end of the flight through finer cells.
+#[cfg(unix)]
+#[test]
+fn a_perforation_that_was_broken_off_goes_on_to_the_same_bits() {
+    let folder = folder("perforation");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/oblique_penetration.toml");
+    let coarse = ["cells=4", "half_width=\"30 mm\"", "speed=\"900 m/s\""].map(|set| format!("parameters.{set}"));
+    let mut options = vec!["--set", "end=\"60 us\"", "--set", "checks[0].tolerance=10"];
+    coarse.iter().for_each(|set| options.extend(["--set", set]));
+    breaks_off(&folder, &path, &options);
+}
+
+#[cfg(unix)]
+fn breaks_off(folder: &Path, path: &Path, options: &[&str]) {
+    let pictures = !options.contains(&"--no-pictures");
     let start = |out: &Path| {
         let mut command = program();
         command
             .args(["run", path.to_str().unwrap(), "--out", out.to_str().unwrap(), "--checkpoint", "0.05"])
-            .args(fine);
+            .args(options);
         command.stdout(Stdio::null()).stderr(Stdio::piped());
         command
     };
@@ -171,11 +188,16 @@ fn interrupted_or_killed_it_goes_on_to_the_same_bits() {
             let page = std::fs::read_to_string(out.join("report.html")).expect("a page of what there is");
             assert!(page.contains("asked to stop"));
         }
-        let output = run(&["resume", out.to_str().unwrap(), "--no-pictures"]);
+        let mut arguments = vec!["resume", out.to_str().unwrap()];
+        arguments.extend((!pictures).then_some("--no-pictures"));
+        let output = run(&arguments);
         assert!(output.status.success(), "{signal}: {}", said(&output));
         let same =
             |file: &str| std::fs::read(whole.join(file)).unwrap() == std::fs::read(out.join(file)).unwrap();
         assert!(same("measures.csv"), "{signal}: another history");
+        for file in ["pictures/scene_000000.png", "pictures/scene_000040.png", "paraview/scene_000008.vtp"] {
+            assert!(!pictures || same(file), "{signal}: another {file}");
+        }
         let numbers = |of: &Path| -> serde_json::Value {
             let text = std::fs::read_to_string(of.join("result.json")).unwrap();
             let all: serde_json::Value = serde_json::from_str(&text).unwrap();

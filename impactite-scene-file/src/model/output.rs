@@ -10,7 +10,7 @@ use crate::quantity::{Plain, Quantity, Time};
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Output {
-    /// Simulated time between rows of histories; a thousandth of `end` if not given.
+    /// Simulated time between rows of histories; a four hundredth of `end` if not given.
     #[serde(default)]
     pub histories: Option<Quantity<Time>>,
     /// Simulated time between pictures; a fortieth of `end` if not given.
