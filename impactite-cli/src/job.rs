@@ -10,8 +10,9 @@ use impactite::observe::{
 use impactite::output::Column;
 use impactite::parallel::Team;
 use impactite::scene::{Archive, CheckpointError, Run, RunError, Solver};
+use impactite_input::measured::{self, Measures};
 use impactite_input::model::condition::Condition;
-use impactite_input::{SceneFile, Source, measured};
+use impactite_input::{SceneFile, Source};
 use impactite_report::{Check, Frames, Record, Recorder, write_page};
 use serde::Serialize;
 
@@ -148,7 +149,7 @@ impl Job {
         let kept = folder.join(SCENE);
         impactite::output::write_whole(&kept, self.source.text.clone())?;
         // What cannot be measured says so now, and not after an hour.
-        measured::measure(scene, solver)?;
+        let measures = Measures::new(scene, solver)?;
 
         let end = scene.end.value;
         if !self.resume {
@@ -159,7 +160,7 @@ impl Job {
         let out = &scene.output;
         let histories = out.histories.map(|q| q.value);
         let mut recorder = Recorder::new(pace(histories, ROWS)?);
-        let mut measures = measures(scene, folder, pace(histories, ROWS)?)?;
+        let mut history = history(scene, &measures, folder, pace(histories, ROWS)?)?;
         let mut progress =
             Progress::new(&scene.title).with_a_line_every(self.log).with_lines(|kind, line| match kind {
                 LineKind::Warning => tracing::warn!("{line}"),
@@ -181,8 +182,8 @@ impl Job {
         let mut heading = self.source.clone();
         let mut preface = |file: &mut Archive| preface(&mut heading, file);
         let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress];
-        if let Some(measures) = &mut measures {
-            observers.push(measures);
+        if let Some(history) = &mut history {
+            observers.push(history);
         }
         if self.pictures {
             observers.push(&mut pictures);
@@ -210,7 +211,7 @@ impl Job {
         }
 
         let columns = measured::columns(scene);
-        let values = measured::measure(scene, solver)?;
+        let values = measures.take(solver)?;
         let checks = if ended.is_ok() { checks(scene, &columns, &values) } else { Vec::new() };
         let shown = columns
             .iter()
@@ -299,7 +300,12 @@ const MEASURES: &str = "measures.csv";
 
 type Measuring = Box<dyn FnMut(&RunView<'_>) -> Result<Vec<f64>, ObserveError>>;
 
-fn measures(scene: &SceneFile, folder: &Path, pace: Pace) -> Result<Option<HistoryCsv<Measuring>>, CliError> {
+fn history(
+    scene: &SceneFile,
+    measures: &Measures,
+    folder: &Path,
+    pace: Pace,
+) -> Result<Option<HistoryCsv<Measuring>>, CliError> {
     if scene.measures.is_empty() {
         return Ok(None);
     }
@@ -309,10 +315,9 @@ fn measures(scene: &SceneFile, folder: &Path, pace: Pace) -> Result<Option<Histo
         .chain(names.iter().map(|(name, unit)| (name.as_str(), *unit)))
         .map(Column::from)
         .collect();
-    let scene = scene.clone();
+    let measures = measures.clone();
     let measuring: Measuring = Box::new(move |now| {
-        let values =
-            measured::measure(&scene, now.solver()).map_err(|e| ObserveError::Other(e.to_string()))?;
+        let values = measures.take(now.solver()).map_err(|e| ObserveError::Other(e.to_string()))?;
         Ok(std::iter::once(now.time()).chain(values).collect())
     });
     Ok(Some(HistoryCsv::create(folder.join(MEASURES), columns, pace, measuring)?))

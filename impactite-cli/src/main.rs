@@ -215,7 +215,7 @@ fn perform(command: Command, stop: &AtomicBool) -> Result<ExitCode, CliError> {
             let source = source(&options)?;
             let scene = source.parse()?;
             let solver = source.build(&scene)?;
-            impactite_input::measured::measure(&scene, &*solver)?;
+            impactite_input::measured::Measures::new(&scene, &*solver)?;
             println!("{}: {}", scene.title, solver.method());
             for body in solver.bodies() {
                 println!(

@@ -151,7 +151,8 @@ fn interrupted_or_killed_it_goes_on_to_the_same_bits() {
 fn a_perforation_that_was_broken_off_goes_on_to_the_same_bits() {
     let folder = folder("perforation");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/oblique_penetration.toml");
-    let coarse = ["cells=4", "half_width=\"30 mm\"", "speed=\"900 m/s\""].map(|set| format!("parameters.{set}"));
+    let coarse =
+        ["cells=4", "half_width=\"30 mm\"", "speed=\"900 m/s\""].map(|set| format!("parameters.{set}"));
     let mut options = vec!["--set", "end=\"60 us\"", "--set", "checks[0].tolerance=10"];
     coarse.iter().for_each(|set| options.extend(["--set", set]));
     breaks_off(&folder, &path, &options);

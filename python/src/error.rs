@@ -4,6 +4,7 @@ use std::path::Path;
 
 use impactite::scene::{CheckpointError, RunError as Broken, StepError, Stopped};
 use impactite_cli::CliError;
+use impactite_input::measured::MeasureError;
 use impactite_input::{Fault, InputError};
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
@@ -48,6 +49,8 @@ pub enum Failed {
     Checkpoint(std::path::PathBuf, CheckpointError),
     /// A job.
     Job(CliError),
+    /// A measure.
+    Measure(MeasureError),
     /// A value that is not allowed.
     Value(String),
     /// A simulation that is not to be used any more.
@@ -64,6 +67,11 @@ impl From<StepError> for Failed {
         Failed::Step(error)
     }
 }
+impl From<MeasureError> for Failed {
+    fn from(error: MeasureError) -> Self {
+        Failed::Measure(error)
+    }
+}
 impl From<CliError> for Failed {
     fn from(error: CliError) -> Self {
         Failed::Job(error)
@@ -77,6 +85,7 @@ impl From<Failed> for PyErr {
             Failed::Step(error) | Failed::Job(CliError::Run(Broken::Step(error))) => step(&error),
             Failed::Job(CliError::File { path, source }) => file(&path, &source),
             Failed::Job(error @ CliError::Option { .. }) => PyValueError::new_err(error.to_string()),
+            Failed::Measure(error) => SceneError::new_err(error.to_string()),
             Failed::Job(error) => RunError::new_err(error.to_string()),
             Failed::Checkpoint(path, error) => RunError::new_err(format!("`{}`: {error}", path.display())),
             Failed::Value(why) => PyValueError::new_err(why),

@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use impactite::parallel::Team;
 use impactite::scene::Solver;
+use impactite_input::measured::Measures;
 use impactite_input::{SceneFile, Source};
 use pyo3::prelude::*;
 
@@ -19,6 +20,8 @@ const PIECE: Duration = Duration::from_millis(50);
 pub struct Running {
     /// What it was made from.
     pub scene: Arc<SceneFile>,
+    /// Its measures, by where points are at the start.
+    pub measures: Measures,
     /// How many threads.
     pub threads: usize,
     /// Taken by whoever does not hold the interpreter, which a thread that steps may wait for.
@@ -50,9 +53,10 @@ impl Running {
         let threads = team.threads();
         let mut solver = source.build(&scene)?;
         solver.set_team(team);
+        let measures = Measures::new(&scene, &*solver)?;
         let gathered = solver.bodies().iter().map(|_| None).collect();
         let state = State { solver, changes: 0, unusable: None };
-        Ok(Running { scene, threads, state: Mutex::new(state), gathered: Mutex::new(gathered) })
+        Ok(Running { scene, measures, threads, state: Mutex::new(state), gathered: Mutex::new(gathered) })
     }
 
     fn lock(&self) -> Result<MutexGuard<'_, State>, Failed> {

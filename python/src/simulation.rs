@@ -3,12 +3,11 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use impactite_input::measured;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::body::Body;
-use crate::error::{Failed, SceneError};
+use crate::error::Failed;
 use crate::running::Running;
 
 /// A scene that is set up and goes on by steps, made by `Scene.simulation`.
@@ -105,8 +104,7 @@ impl Simulation {
 
     /// The measures of the scene as it stands, in SI units, by name. Of a quarter model they are those of the quarter.
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let values = self.0.look(py, |solver| measured::measure(&self.0.scene, solver))?;
-        let values = values.map_err(|error| SceneError::new_err(error.to_string()))?;
+        let values = self.0.look(py, |solver| self.0.measures.take(solver))?.map_err(Failed::from)?;
         let all = PyDict::new(py);
         self.0.scene.measures.keys().zip(values).try_for_each(|(name, value)| all.set_item(name, value))?;
         Ok(all)

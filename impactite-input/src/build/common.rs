@@ -64,7 +64,15 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
         only(body.elements.is_some(), "elements", "mpm", mpm)?;
         only(!body.lit.is_empty(), "lit", "mpm", mpm)?;
         only(body.traction.is_some(), "traction", "mpm, fpm", mpm || fpm)?;
+        only(body.merge_above.is_some(), "merge_above", "mpm", mpm)?;
+        only(body.body_force.is_some(), "body_force", "mpm", mpm)?;
         only(!body.notches.is_empty(), "notches", "fpm", fpm)?;
+        only(
+            body.integration.is_some(),
+            "integration",
+            "fem, and elements in mpm",
+            fem || body.elements.is_some(),
+        )?;
         only(body.erosion.is_some(), "erosion", "fem, and elements in mpm", fem || body.elements.is_some())?;
         only(
             body.mesh.is_some(),
@@ -279,6 +287,9 @@ impl<'a, const D: usize> World<'a, D> {
         Some(match self.scene.time_step.as_ref()? {
             TimeStep::Factor(factor) => TimeControl::Courant { factor: factor.value, growth: 1.1 },
             TimeStep::Fixed(step) => TimeControl::Fixed(step.value),
+            TimeStep::Gershgorin(g) => {
+                TimeControl::Gershgorin { factor: g.factor.value, growth: 1.1, every: g.every }
+            }
         })
     }
 

@@ -10,6 +10,14 @@ pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
         known(&format!("{key}.{word}.body"), "body", name, scene.expanded.keys().map(String::as_str))
             .map(|_| ())
     };
+    let place = |at: &[_], word: &str| {
+        let (there, wanted) = (at.len(), scene.space.dimensions());
+        if there == wanted {
+            return Ok(());
+        }
+        let message = format!("has {there} components; the scene has {wanted} dimensions");
+        wrong(format!("{key}.{word}.at"), message)
+    };
     use Measurement as M;
     match measure {
         M::Extent(of)
@@ -25,6 +33,33 @@ pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
         }
         M::Kinetic(of) | M::Internal(of) | M::Mass(of) | M::FailedShare(of) => body(&of.body, word(measure)),
         M::Largest(of) | M::Mean(of) => body(&of.body, word(measure)),
+        M::PositionAt(of) | M::VelocityAt(of) => {
+            let word = word(measure);
+            body(&of.body, word)?;
+            place(&of.at, word)?;
+            scene.space.axis(of.axis).at(format!("{key}.{word}.axis"))?;
+            Ok(())
+        }
+        M::ValueAt(of) => {
+            body(&of.body, word(measure))?;
+            place(&of.at, word(measure))
+        }
+        M::ContactForce(of) => {
+            let key = format!("{key}.contact_force");
+            for (n, name) in of.between.iter().enumerate() {
+                known(
+                    &format!("{key}.between[{n}]"),
+                    "body",
+                    name,
+                    scene.expanded.keys().map(String::as_str),
+                )?;
+            }
+            if of.between[0] == of.between[1] {
+                return wrong(format!("{key}.between"), "must be two bodies");
+            }
+            scene.space.axis(of.axis).at(format!("{key}.axis"))?;
+            Ok(())
+        }
         M::EnergyError(_) => Ok(()),
     }
 }
@@ -44,6 +79,10 @@ pub fn word(measure: &Measurement) -> &'static str {
         M::Mass(_) => "mass",
         M::Largest(_) => "largest",
         M::Mean(_) => "mean",
+        M::PositionAt(_) => "position_at",
+        M::VelocityAt(_) => "velocity_at",
+        M::ValueAt(_) => "value_at",
+        M::ContactForce(_) => "contact_force",
         M::FailedShare(_) => "failed_share",
         M::EnergyError(_) => "energy_error",
     }
@@ -54,17 +93,24 @@ pub fn unit(measure: &Measurement) -> &'static str {
     use Measurement as M;
     match measure {
         M::Extent(_) | M::Highest(_) | M::Lowest(_) | M::Centre(_) => "m",
-        M::MeanVelocity(_) => "m/s",
+        M::PositionAt(_) => "m",
+        M::MeanVelocity(_) | M::VelocityAt(_) => "m/s",
+        M::ContactForce(_) => "N",
         M::Momentum(_) => "kg m/s",
         M::Kinetic(_) | M::Internal(_) => "J",
         M::Mass(_) => "kg",
-        M::Largest(of) | M::Mean(of) => match of.field.as_str() {
-            "pressure" | "von_mises" => "Pa",
-            "speed" => "m/s",
-            "temperature" => "K",
-            _ => "-",
-        },
+        M::Largest(of) | M::Mean(of) => field_unit(&of.field),
+        M::ValueAt(of) => field_unit(&of.field),
         M::FailedShare(_) | M::EnergyError(_) => "-",
+    }
+}
+
+fn field_unit(field: &str) -> &'static str {
+    match field {
+        "pressure" | "von_mises" => "Pa",
+        "speed" => "m/s",
+        "temperature" => "K",
+        _ => "-",
     }
 }
 

@@ -40,6 +40,9 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     if let Some(gravity) = world.gravity()? {
         fem.set_body_force(gravity);
     }
+    if let Some(most) = options.subcycles {
+        fem.set_subcycling(most).at("method.fem.subcycles")?;
+    }
     if let Some(control) = world.time_control() {
         fem.set_time_control(control).at("time_step")?;
     }

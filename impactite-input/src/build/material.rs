@@ -9,7 +9,7 @@ use impactite::materials::{
     LinearDensity, LinearElastic, Logarithmic, LogarithmicBulk, Material, MieGruneisen, Moduli, MohrCoulomb,
     NeoHookean, Newtonian, PlaneStress, PlasticStrainLimit, Removed, Solid, Tait, TensilePressure, library,
 };
-use impactite::mpm::{Deformable, Mpm, Splitting, Traction};
+use impactite::mpm::{Deformable, FieldForce, Mpm, Splitting, Traction};
 
 use super::wrong::{At, Made, wrong};
 use crate::model::material::{
@@ -31,6 +31,7 @@ pub(crate) struct Law {
 /// What acts on a body of particles alone.
 pub(crate) struct Acting<'a, const D: usize> {
     pub traction: Option<Traction<D>>,
+    pub field: Option<FieldForce<D>>,
     pub splitting: Option<Splitting>,
     pub lit: &'a [Start],
 }
@@ -66,13 +67,16 @@ impl Law {
         velocity: &Velocity<D>,
         acting: Acting<'_, D>,
     ) -> Result<(), String> {
-        let Acting { traction, splitting, lit } = acting;
+        let Acting { traction, field, splitting, lit } = acting;
         let velocity = velocity.clone();
         macro_rules! body {
             ($law:expr) => {{
                 let mut body = Deformable::new(name, $law, seeds).moving(move |x| velocity(x));
                 if let Some(traction) = traction {
                     body = body.with_traction(traction);
+                }
+                if let Some(field) = field {
+                    body = body.with_field_force(field);
                 }
                 body
             }};

@@ -1,14 +1,14 @@
 //! Meshes of bodies.
 
-use impactite::fem::{Erosion, MeshBody};
+use impactite::fem::{Erosion, Hourglass, MeshBody, Technology};
 use impactite::geometry::structured::{
     Butterfly, ball_mesh, box_mesh, cylinder_mesh, half_disc_mesh, tube_mesh,
 };
-use impactite::geometry::{Ball, Cuboid, Cylinder, ElementMesh, Tube};
+use impactite::geometry::{Ball, Cuboid, Cylinder, ElementKind, ElementMesh, Tube};
 
 use super::common::World;
 use super::wrong::{At, Made, wrong};
-use crate::model::body::{Body, Mesh, MeshFile};
+use crate::model::body::{Body, Integration, Mesh, MeshFile};
 use crate::model::fixed;
 use crate::model::shape::Shape;
 use crate::quantity::{Length, Quantity};
@@ -99,7 +99,16 @@ pub(super) fn body<const D: usize>(world: &World<'_, D>, name: &str, body: &Body
     let key = format!("bodies.{name}");
     let mesh = of(world, &key, body)?;
     let velocity = world.velocity(&key, body, &mesh.bounds())?;
+    // Bars have one strain, and nothing to choose.
+    let kinds: Vec<ElementKind> =
+        mesh.blocks.iter().map(|block| block.kind).filter(|kind| *kind != ElementKind::Bar2).collect();
     let made = MeshBody::new(name, mesh, world.law(&key, body)?.material).moving(move |x| velocity(x));
+    let made = match &body.integration {
+        Some(integration) => kinds.iter().try_fold(made, |made, &kind| {
+            Ok(made.with(kind, technology(&format!("{key}.integration"), integration)?))
+        })?,
+        None => made,
+    };
     let Some(spec) = &body.erosion else { return Ok(made) };
     let mut erosion = Erosion::none();
     if let Some(strain) = spec.plastic_strain {
@@ -112,5 +121,29 @@ pub(super) fn body<const D: usize>(world: &World<'_, D>, name: &str, body: &Body
     if let Some(volume) = spec.volume {
         erosion = erosion.or(impactite::fem::Criterion::Volume(volume.value));
     }
+    if let Some(step) = spec.step {
+        erosion = erosion.or(impactite::fem::Criterion::Step(step.value));
+    }
     Ok(made.eroding(erosion))
 }
+
+/// How elements are integrated.
+fn technology(key: &str, integration: &Integration) -> Made<Technology> {
+    Ok(match integration {
+        Integration::Full => Technology::Full,
+        Integration::MeanDilatation => Technology::MeanDilatation,
+        Integration::AveragedVolumes => Technology::AveragedVolumes,
+        Integration::OnePoint(control) => {
+            Technology::OnePoint(match (control.stiffness, control.viscosity) {
+                (Some(_), Some(_)) => {
+                    return wrong(format!("{key}.one_point"), "either `stiffness` or `viscosity`");
+                }
+                (None, Some(viscosity)) => Hourglass::Viscous(viscosity.value),
+                (stiffness, None) => Hourglass::Stiffness(stiffness.map_or(STIFFNESS, |q| q.value)),
+            })
+        }
+    })
+}
+
+/// Hourglass control, where only one point is asked for.
+const STIFFNESS: f64 = 0.05;

@@ -9,7 +9,8 @@ use impactite::coupling::Elements;
 use impactite::fem::Fem;
 use impactite::geometry::{Lattice, fill};
 use impactite::mpm::{
-    BlockGrid, ContactAlgorithm, GridContact, Mpm as Scene, OneField, Rigid, Splitting, Traction, Twist,
+    BlockGrid, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene, OneField, Rigid,
+    Splitting, Traction, Twist,
 };
 use impactite::scene::Solver;
 
@@ -20,7 +21,7 @@ use super::wrong::{At, Made, of_body, wrong};
 use super::{mesh, shape};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
-use crate::model::method::Mpm;
+use crate::model::method::{Dense, Grid, Mpm};
 use crate::model::{fixed, formulas};
 
 pub(super) fn build<E: Setting<D>, const D: usize>(
@@ -56,7 +57,10 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
             Detector::Regression => Arc::new(GridContact::new(Regression, laws)),
         },
     };
-    let mut mpm = Scene::of(kernels, BlockGrid::new(lattice), contact);
+    let mut mpm = match &options.grid {
+        Grid::Blocks => Scene::of(kernels, BlockGrid::new(lattice), contact),
+        Grid::Dense(dense) => Scene::of(kernels, all_nodes(&lattice, dense)?, contact),
+    };
     let conditions = world.conditions()?;
     // Periods before the bodies, since these are told where they are.
     let (periods, others): (Vec<_>, Vec<_>) =
@@ -85,11 +89,8 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
                     .as_ref()
                     .map(|t| traction(world, &format!("{key}.traction"), t))
                     .transpose()?;
-                let splitting = body
-                    .split_at
-                    .map(|q| Splitting::at(q.value))
-                    .transpose()
-                    .at(format!("{key}.split_at"))?;
+                let splitting = splitting(&key, body)?;
+                let field = body_force(world, &key, body)?;
                 if !body.lit.is_empty() && law.explosive.is_none() {
                     return wrong(format!("{key}.lit"), "its material is no explosive");
                 }
@@ -105,7 +106,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
                         .transpose()?;
                     lit.push(Start { at: wide(at), plane: plane.map(wide), time: start.time.value });
                 }
-                law.add(&mut mpm, name, &seeds, &velocity, Acting { traction, splitting, lit: &lit })
+                law.add(&mut mpm, name, &seeds, &velocity, Acting { traction, field, splitting, lit: &lit })
                     .at(&key)?;
             }
         }
@@ -122,6 +123,15 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     if let Some(control) = world.time_control() {
         mpm.set_time_control(control).at("time_step")?;
     }
+    if let Some(part) = options.local_damping {
+        mpm.set_local_damping(part.value).at("method.mpm.local_damping")?;
+    }
+    if options.kinetic_damping {
+        mpm.set_kinetic_damping(true).at("method.mpm.kinetic_damping")?;
+    }
+    if let Some(every) = options.null_space_filter {
+        mpm.set_null_space_filter(every).at("method.mpm.null_space_filter")?;
+    }
     mpm.set_watch(world.watch());
     let resting: Vec<&str> =
         bodies.iter().filter(|(_, b)| b.deactivated).map(|(name, _)| name.as_str()).collect();
@@ -129,6 +139,45 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         mpm.deactivate(&resting).at(format!("bodies.{first}.deactivated"))?;
     }
     Ok(Box::new(mpm))
+}
+
+/// The nodes of a box.
+fn all_nodes<const D: usize>(lattice: &Lattice<D>, dense: &Dense) -> Made<DenseGrid<f64, D>> {
+    let key = "method.mpm.grid.dense";
+    let (from, to): ([f64; D], [f64; D]) =
+        (fixed(&dense.from).at(format!("{key}.from"))?, fixed(&dense.to).at(format!("{key}.to"))?);
+    let node = |x: f64, d: usize| (x - lattice.origin()[d]) / lattice.spacing();
+    let (low, high) = (std::array::from_fn(|d| node(from[d], d)), std::array::from_fn(|d| node(to[d], d)));
+    let most = f64::from(i32::MAX / 2);
+    if low.iter().chain(&high).any(|n: &f64| n.is_nan() || n.abs() > most) {
+        return wrong(key, "is too far from the origin for cells so small");
+    }
+    DenseGrid::new(*lattice, low.map(|n| n.floor() as i32), high.map(|n| n.ceil() as i32)).at(key)
+}
+
+fn splitting(key: &str, body: &Body) -> Made<Option<Splitting>> {
+    let splitting =
+        body.split_at.map(|q| Splitting::at(q.value)).transpose().at(format!("{key}.split_at"))?;
+    let Some(above) = body.merge_above else { return Ok(splitting) };
+    let key = format!("{key}.merge_above");
+    let Some(splitting) = splitting else {
+        return wrong(key, "merges what was split: the body needs a `split_at`");
+    };
+    Ok(Some(splitting.with_merging(Merging::above(above as usize).at(key)?)))
+}
+
+fn body_force<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<Option<FieldForce<D>>> {
+    let Some(list) = &body.body_force else { return Ok(None) };
+    let key = format!("{key}.body_force");
+    let list: [_; D] = formulas(list).at(&key)?;
+    for (n, formula) in list.iter().enumerate() {
+        formula.check(world.space().coordinates(), true, true).at(format!("{key}[{n}]"))?;
+    }
+    let revolved = world.revolved();
+    let acceleration = Arc::new(move |x: &[f64; D], t: f64| -> [f64; D] {
+        std::array::from_fn(|d| list[d].at(x, revolved, t))
+    });
+    Ok(Some(FieldForce { acceleration }))
 }
 
 /// A body of elements among the particles.

@@ -9,7 +9,7 @@ use super::parts::parts;
 use super::shape::Shape;
 use super::{Axis, Vector};
 use crate::formula::Formula;
-use crate::quantity::{Density, Length, Plain, Pressure, Quantity, Speed, Spin, Time};
+use crate::quantity::{Acceleration, Density, Length, Plain, Pressure, Quantity, Speed, Spin, Time};
 
 /// A body: a shape (or a mesh) of a material, with its motion at the start and what acts on it alone.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -49,6 +49,15 @@ pub struct Body {
     /// Split particles at this stretch (`mpm`); 2 is usual.
     #[serde(default)]
     pub split_at: Option<Quantity<Plain>>,
+    /// Merge particles that were split in cells that hold more than this (`mpm`), with `split_at`.
+    #[serde(default)]
+    pub merge_above: Option<u32>,
+    /// Acceleration by the place where matter started and by time, beside `gravity` (`mpm`).
+    #[serde(default)]
+    pub body_force: Option<Vec<Formula<Acceleration>>>,
+    /// How elements are integrated (`fem`, and elements in `mpm`); as their kind asks for if not given.
+    #[serde(default)]
+    pub integration: Option<Integration>,
     /// A load on a part of its surface.
     #[serde(default)]
     pub traction: Option<Traction>,
@@ -112,6 +121,18 @@ parts! {
         /// Part of the reference volume.
         #[serde(default)]
         volume: Option<Quantity<Plain>>,
+        /// Stable step below which they leave.
+        #[serde(default)]
+        step: Option<Quantity<Time>>,
+    }
+    /// What holds the deformations that one point does not see: one of these; a stiffness of 0.05 if none is given.
+    HourglassControl {
+        /// Springs, this part of the shear stiffness: above 0, at most 1.
+        #[serde(default)]
+        stiffness: Option<Quantity<Plain>>,
+        /// Dashpots: above 0, at most 0.25.
+        #[serde(default)]
+        viscosity: Option<Quantity<Plain>>,
     }
     /// Bodies in rows.
     Repeat {
@@ -134,6 +155,20 @@ parts! {
         #[serde(default)]
         by: MeetBy,
     }
+}
+
+/// How elements are integrated.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Integration {
+    /// Quadrilaterals and bricks: one point with hourglass control.
+    OnePoint(HourglassControl),
+    /// Two points along each axis; locks where the volume must be kept.
+    Full,
+    /// Two points along each axis with the mean dilatation of the element.
+    MeanDilatation,
+    /// Triangles and tetrahedra: the change of volume averaged over nodes.
+    AveragedVolumes,
 }
 
 /// How elements and particles meet.

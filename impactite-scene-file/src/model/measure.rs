@@ -3,8 +3,8 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-use super::Axis;
-use crate::quantity::{Plain, Quantity};
+use super::{Axis, Vector};
+use crate::quantity::{Length, Plain, Quantity};
 
 /// A number of the scene at a time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -32,6 +32,14 @@ pub enum Measurement {
     Largest(Field),
     /// Mean, by mass, of the same.
     Mean(Field),
+    /// Coordinate, along an axis, of the point of a body that was nearest to a place at the start, m; no number once it is gone.
+    PositionAt(AtPlace),
+    /// The same of its velocity, m/s.
+    VelocityAt(AtPlace),
+    /// There, a number of the law's state, or `pressure`, `von_mises`, `speed`.
+    ValueAt(FieldAtPlace),
+    /// Contact force along an axis on the second of two bodies, mean of the last step, N.
+    ContactForce(Between),
     /// Points that failed, over all points of the body.
     FailedShare(Whole),
     /// Energy error: change of the total energy that nothing explains, over the largest energy so far. Negative: lost.
@@ -56,6 +64,43 @@ pub struct OfBody {
 pub struct Whole {
     /// The body's name.
     pub body: String,
+}
+
+/// Of the point of a body that was nearest to a place at the start, along an axis.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct AtPlace {
+    /// The body's name.
+    pub body: String,
+    /// The place.
+    pub at: Vector<Length>,
+    /// The axis.
+    pub axis: Axis,
+}
+
+/// A field at the point of a body that was nearest to a place at the start.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct FieldAtPlace {
+    /// The body's name.
+    pub body: String,
+    /// The place.
+    pub at: Vector<Length>,
+    /// The field: a number of the law's state (as `plastic_strain`), `pressure`, `von_mises` or `speed`.
+    pub field: String,
+}
+
+/// Of two bodies, along an axis.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[non_exhaustive]
+#[serde(deny_unknown_fields)]
+pub struct Between {
+    /// The bodies' names.
+    pub between: [String; 2],
+    /// The axis.
+    pub axis: Axis,
 }
 
 /// A field of a body.

@@ -40,12 +40,34 @@ parts! {
         /// Where a node of the grid lies; at the origin if not given.
         #[serde(default)]
         origin: Option<Vector<Length>>,
+        /// How the grid keeps its nodes.
+        #[serde(default)]
+        grid: Grid,
+        /// Local damping towards rest, 0 to below 1: this part of the unbalanced force of nodes; 0.05 for slow processes, 0.7 to come to rest soonest.
+        #[serde(default)]
+        local_damping: Option<Quantity<Plain>>,
+        /// Stop everything whenever the kinetic energy has passed a peak, to come to rest?
+        #[serde(default)]
+        kinetic_damping: bool,
+        /// Take out of velocities what nodes do not see, every so many steps.
+        #[serde(default)]
+        null_space_filter: Option<u64>,
+    }
+    /// A grid that holds all nodes of a box.
+    Dense {
+        /// Lower corner.
+        from: Vector<Length>,
+        /// Upper corner.
+        to: Vector<Length>,
     }
     /// Finite elements.
     Fem {
         /// Which bodies also touch themselves.
         #[serde(default)]
         touch_themselves: Vec<String>,
+        /// Most steps of the scene that a body with a longer stable step makes as one; 1 if not given.
+        #[serde(default)]
+        subcycles: Option<u32>,
     }
     /// Smoothed particles.
     Sph {
@@ -101,6 +123,14 @@ parts! {
         #[serde(default)]
         relaxation: Option<Quantity<Time>>,
     }
+    /// Steps by the bound of the highest frequency.
+    Gershgorin {
+        /// This part of the stable step.
+        factor: Quantity<Plain>,
+        /// Steps for which a bound is kept; 10 if not given.
+        #[serde(default = "ten")]
+        every: u64,
+    }
     /// A tension.
     MaximumTension {
         /// The strength.
@@ -128,8 +158,22 @@ parts! {
 fn two() -> u32 {
     2
 }
+fn ten() -> u64 {
+    10
+}
 fn one() -> u64 {
     1
+}
+
+/// How the background grid keeps its nodes.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Grid {
+    /// Blocks of nodes where particles are.
+    #[default]
+    Blocks,
+    /// All nodes of a box, for scenes that fill it. What leaves it stops the run.
+    Dense(Dense),
 }
 
 /// What a method is for.
@@ -238,4 +282,6 @@ pub enum TimeStep {
     Factor(Quantity<Plain>),
     /// Always the same.
     Fixed(Quantity<Time>),
+    /// By the bound of the highest frequency of the nodes (`mpm`).
+    Gershgorin(Gershgorin),
 }
