@@ -107,7 +107,7 @@ struct ResumeOptions {
 struct SweepOptions {
     #[command(flatten)]
     run: RunOptions,
-    /// The key and its values: KEY=A,B,C or KEY=A..B/N; several keys: all combinations
+    /// The key and its values: KEY=A,B,C or KEY="A..B/N UNIT"; several keys: all combinations
     #[arg(long = "over", value_name = "KEY=VALUES", required = true)]
     over: Vec<Values>,
 }

@@ -19,30 +19,38 @@ pub struct Values {
     pub list: Vec<String>,
 }
 
+/// How values are written.
+const USAGE: &str = "write KEY=A,B,C or KEY=A..B/N UNIT, as parameters.speed=\"150..250/5 m/s\"";
+
 impl std::str::FromStr for Values {
     type Err = String;
-    /// `KEY=A,B,C`, or `KEY=A..B/N` for N values from A to B.
+    /// `KEY=A,B,C`, or `KEY=A..B/N UNIT` for N values from A to B in a unit, which may be left out.
     fn from_str(text: &str) -> Result<Self, String> {
-        let (key, list) = text.split_once('=').ok_or("write KEY=A,B,C or KEY=A..B/N")?;
-        if let Some((range, count)) = list.rsplit_once('/')
-            && let Some((from, to)) = range.split_once("..")
-        {
-            let number = |s: &str| s.trim().parse::<f64>().map_err(|_| format!("`{s}` is no number"));
+        let (key, list) = text.split_once('=').ok_or(USAGE)?;
+        if let Some((from, rest)) = list.split_once("..") {
+            let (to, rest) = rest.split_once('/').ok_or(USAGE)?;
+            let number = |s: &str| {
+                let finite = s.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+                finite.ok_or_else(|| format!("`{s}` is no number; {USAGE}, with the unit at the end"))
+            };
             let (from, to) = (number(from)?, number(to)?);
+            let rest = rest.trim();
+            let digits = rest.find(|c: char| !c.is_ascii_digit()).unwrap_or(rest.len());
+            let (count, unit) = (&rest[..digits], rest[digits..].trim());
             let count: usize =
-                count.trim().parse().map_err(|_| format!("`{count}` is no number of values"))?;
+                count.parse().map_err(|_| format!("`{rest}` does not begin with a number of values"))?;
             if !(2..=1000).contains(&count) {
                 return Err(format!("{count} values are not allowed; there must be 2 to 1000"));
             }
             let value = |n: usize| from + (to - from) * n as f64 / (count - 1) as f64;
             return Ok(Values {
                 key: key.trim().into(),
-                list: (0..count).map(|n| value(n).to_string()).collect(),
+                list: (0..count).map(|n| format!("{} {unit}", value(n)).trim().to_string()).collect(),
             });
         }
         let list: Vec<String> = list.split(',').map(|s| s.trim().to_string()).collect();
         if key.trim().is_empty() || list.iter().any(String::is_empty) {
-            return Err("write KEY=A,B,C or KEY=A..B/N".into());
+            return Err(USAGE.into());
         }
         Ok(Values { key: key.trim().into(), list })
     }
@@ -105,11 +113,22 @@ fn number(text: &str) -> Option<f64> {
     number.parse().ok()
 }
 
+/// The unit that all values are written with; "-" of plain numbers, and of several units.
+fn common_unit(values: &Values) -> &str {
+    let units =
+        values.list.iter().map(|v| v.trim_matches('"').split_once(' ').map_or("-", |(_, unit)| unit.trim()));
+    let mut units = units.filter(|unit| !unit.is_empty());
+    match units.next() {
+        Some(first) if units.all(|unit| unit == first) => first,
+        _ => "-",
+    }
+}
+
 fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliError> {
     let done: Vec<(&Point, &Outcome)> =
         points.iter().filter_map(|p| Some((p, p.outcome.as_ref().ok()?))).collect();
     let Some((_, first)) = done.first() else { return Ok(()) };
-    let columns = keys.iter().map(|k| (k.key.as_str(), "-"));
+    let columns = keys.iter().map(|k| (k.key.as_str(), common_unit(k)));
     let columns = columns.chain(first.measures.iter().map(|(name, _, unit)| (name.as_str(), *unit)));
     let columns: Vec<(&str, &str)> = columns.chain([("energy error", "-"), ("time in steps", "s")]).collect();
     let mut file = History::create(folder.join("sweep.csv"), columns)?;
@@ -128,7 +147,9 @@ fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliErro
         Panels::new(first.measures.len().min(3)).title(format!("{} over {}", first.case, key.key));
     for (m, (name, _, unit)) in first.measures.iter().enumerate() {
         let y: Vec<f64> = done.iter().map(|(_, o)| o.measures[m].1).collect();
-        let chart = Chart::new(640, 520).x(Axis::new(&key.key)).y(Axis::new(name).unit(*unit, 1.0));
+        let chart = Chart::new(640, 520)
+            .x(Axis::new(&key.key).unit(common_unit(key), 1.0))
+            .y(Axis::new(name).unit(*unit, 1.0));
         let chart = chart.series(Series::new(name, &x, &y)?.marker(Marker::Circle));
         panels = panels.panel("", chart.draw()?);
     }

@@ -226,6 +226,7 @@ fn a_sweep_has_a_table_and_a_chart() {
     ]);
     assert!(output.status.success(), "{}", said(&output));
     let table = std::fs::read_to_string(out.join("sweep.csv")).unwrap();
+    assert!(table.starts_with("parameters.speed [m/s],"), "{table}");
     assert_eq!(table.lines().count(), 4, "{table}");
     let rows: Vec<Vec<f64>> =
         table.lines().skip(1).map(|l| l.split(',').map(|x| x.parse().unwrap()).collect()).collect();
@@ -262,7 +263,17 @@ fn values_are_lists_or_ranges() {
     let parse = |s: &str| s.parse::<impactite_cli::sweep::Values>();
     assert_eq!(parse("a.b=1,2 m").unwrap().list, ["1", "2 m"]);
     assert_eq!(parse("speed=100..200/3").unwrap().list, ["100", "150", "200"]);
-    for bad in ["speed", "=1,2", "speed=", "speed=1,,2", "speed=1..x/3", "speed=1..2/1"] {
+    assert_eq!(parse("speed=1.5..2/2 km/s").unwrap().list, ["1.5 km/s", "2 km/s"]);
+    for bad in [
+        "speed",
+        "=1,2",
+        "speed=",
+        "speed=1,,2",
+        "speed=1..x/3",
+        "speed=1..2/1",
+        "speed=1..2",
+        "speed=1 m..2 m/3",
+    ] {
         assert!(parse(bad).is_err(), "{bad}");
     }
 }
