@@ -5,7 +5,7 @@
 //!
 //! | module | writes | read by |
 //! |---|---|---|
-//! | [`vtk`] | one `.vtp` file (of elements `.vtu`) an instant and a `.pvd` time series | ParaView, VisIt, PyVista |
+//! | [`vtk`] | one `.vtp` file (of elements `.vtu`) an instant and a `.pvd` time series; with the feature `hdf5` also `.vtkhdf` | ParaView, VisIt, PyVista |
 //! | [`csv`] | histories, one row an instant | everything |
 //! | [`picture`] | shaded particles, flat fields, line charts and panels of them as PNG | people |
 //! | [`progress`] | a progress bar on the terminal | people who wait |
@@ -32,7 +32,7 @@ pub use csv::{Column, History};
 pub use progress::Progress;
 pub(crate) use snapshot::{FARTHEST, is_place};
 pub use snapshot::{FieldValues, ParticleSize, Snapshot};
-pub use vtk::{Precision, VtkOptions, VtkSeries};
+pub use vtk::{Format, Precision, VtkOptions, VtkSeries};
 pub use whole::{WholeFile, write_whole};
 
 /// Why something could not be drawn or written.
@@ -64,6 +64,15 @@ pub enum OutputError {
         path: PathBuf,
         /// What the encoder said.
         source: png::EncodingError,
+    },
+    /// What was to be written is not possible in HDF5.
+    #[cfg(feature = "hdf5")]
+    #[error("cannot encode `{}` as HDF5: {source}", path.display())]
+    Hdf {
+        /// The file.
+        path: PathBuf,
+        /// What the encoder said.
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A column is not as long as there are particles, points or columns.
     #[error("{what} has {found} values, expected {expected}")]

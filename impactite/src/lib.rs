@@ -43,6 +43,7 @@
 //! - `mesh` (default): bodies from STL and OBJ files.
 //! - `single`: kernels of the most used methods and laws in single precision, too.
 //! - `one-width`: no AVX-512, so that kernels compile faster.
+//! - `hdf5`: frames for ParaView in VTKHDF, [`output::Format`]`::Hdf`.
 //! - `conformance`: test suites for laws, shape functions, transfers, grids, detectors, contact laws and bodies of particles of one's own.
 
 pub use coupling;

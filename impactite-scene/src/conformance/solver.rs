@@ -355,7 +355,7 @@ pub fn observers(scene: Scene<'_>, tests: &SolverTests) -> Check {
         return broken(&*watched, "the ledger begins with what there was", format!("{first:?}"));
     }
     let frames = series.frames();
-    if !(2..=6).contains(&frames) || !series.pvd().is_file() {
+    if !(2..=6).contains(&frames) || !series.index().is_file() {
         return broken(&*watched, "frames are written when they are due", format!("{frames} frames"));
     }
     Ok(())

@@ -6,7 +6,7 @@ use crate::archive::{Archive, CheckpointError};
 
 use super::{ObserveError, Observer, Pace, RunView};
 use impactite_output::picture::Picture;
-use impactite_output::{self as output, OutputError, Snapshot, VtkOptions};
+use impactite_output::{self as output, Format, OutputError, Snapshot, VtkOptions};
 
 /// Writes a ParaView series, all bodies in one frame, with the fields of [`RunView::snapshot`].
 pub struct VtkSeries {
@@ -17,7 +17,8 @@ pub struct VtkSeries {
 }
 
 impl VtkSeries {
-    /// Frames `NAME_000000.vtp`, ... and `NAME.pvd` in `folder`, which is created if it does not exist.
+    /// Frames `NAME_000000.vtp`, ... and `NAME.pvd` (or as [`VtkSeries::with_format`] says) in `folder`, which is created if it
+    /// does not exist.
     ///
     /// # Errors
     /// A name that cannot be a file name, or a folder that cannot be created.
@@ -40,16 +41,22 @@ impl VtkSeries {
         VtkSeries { series: self.series.with_options(options), ..self }
     }
 
+    /// Write frames as such files.
+    #[must_use]
+    pub fn with_format(self, format: Format) -> Self {
+        VtkSeries { series: self.series.with_format(format), ..self }
+    }
+
     /// Write these fields alone.
     #[must_use]
     pub fn with_fields<S: Into<String>>(self, names: impl IntoIterator<Item = S>) -> Self {
         VtkSeries { fields: Some(names.into_iter().map(Into::into).collect()), ..self }
     }
 
-    /// The path of the `.pvd` file.
+    /// The path of the file that lists the frames and is to be opened: `NAME.pvd`, or that of another format.
     #[must_use]
-    pub fn pvd(&self) -> PathBuf {
-        self.series.pvd()
+    pub fn index(&self) -> PathBuf {
+        self.series.index()
     }
 
     /// How many frames were written.

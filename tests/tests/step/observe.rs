@@ -221,7 +221,7 @@ fn files_hold_a_row_or_frame_a_look() {
         assert_eq!(text.lines().count(), 1 + 4, "{name}:\n{text}");
     }
     assert_eq!((vtk.frames(), pictures.frames()), (4, 4));
-    assert!(vtk.pvd().is_file() && folder.join("square_000003.png").is_file());
+    assert!(vtk.index().is_file() && folder.join("square_000003.png").is_file());
     std::fs::remove_dir_all(folder).unwrap();
     assert!(Pictures::create(".", "a/b", pace, |_| unreachable!()).is_err());
 }

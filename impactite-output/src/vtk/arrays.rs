@@ -1,0 +1,133 @@
+//! The arrays of a frame as VTK has them, whatever the file: names, types, orders of components.
+
+use super::{Precision, VtkOptions};
+use crate::{Cells, FieldValues, ParticleSize, Snapshot};
+
+/// The type of an array's numbers.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    UInt8,
+    Int32,
+    Int64,
+    Float32,
+    Float64,
+}
+
+/// An array: tuples of as many components, least significant byte first.
+pub(super) struct Array<'a> {
+    pub name: &'a str,
+    pub kind: Kind,
+    pub components: usize,
+    pub bytes: Vec<u8>,
+}
+
+impl<'a> Array<'a> {
+    /// Bytes, one a tuple.
+    pub fn bytes(name: &'a str, bytes: Vec<u8>) -> Self {
+        Array { name, kind: Kind::UInt8, components: 1, bytes }
+    }
+
+    /// Numbers in 32 bits, one a tuple.
+    pub fn short(name: &'a str, numbers: impl Iterator<Item = i32>) -> Self {
+        Array { name, kind: Kind::Int32, components: 1, bytes: numbers.flat_map(i32::to_le_bytes).collect() }
+    }
+
+    /// Numbers in 64 bits, one a tuple.
+    pub fn long(name: &'a str, numbers: impl Iterator<Item = i64>) -> Self {
+        Array { name, kind: Kind::Int64, components: 1, bytes: numbers.flat_map(i64::to_le_bytes).collect() }
+    }
+
+    /// Floating-point numbers with all their digits.
+    pub fn doubles(name: &'a str, components: usize, numbers: impl Iterator<Item = f64>) -> Self {
+        let bytes = numbers.flat_map(f64::to_le_bytes).collect();
+        Array { name, kind: Kind::Float64, components, bytes }
+    }
+
+    /// Floating-point numbers in the precision of fields.
+    fn floats(
+        name: &'a str,
+        components: usize,
+        numbers: impl Iterator<Item = f64>,
+        options: VtkOptions,
+    ) -> Self {
+        match options.fields {
+            Precision::Double => Array::doubles(name, components, numbers),
+            Precision::Single => {
+                let bytes = numbers.flat_map(|x| (x as f32).to_le_bytes()).collect();
+                Array { name, kind: Kind::Float32, components, bytes }
+            }
+        }
+    }
+
+    /// Places, m.
+    pub fn points<'p>(points: impl Iterator<Item = &'p [f64; 3]>) -> Self {
+        Array::doubles("Points", 3, points.flatten().copied())
+    }
+}
+
+/// What holds for the whole frame: time (s), step and, if all particles are alike, their size (m).
+pub(super) fn whole(snapshot: &Snapshot) -> Vec<Array<'static>> {
+    let step = i64::try_from(snapshot.step()).unwrap_or(i64::MAX);
+    let mut arrays = vec![
+        Array::doubles("TimeValue", 1, std::iter::once(snapshot.time())),
+        Array::long("Step", std::iter::once(step)),
+    ];
+    if let ParticleSize::Uniform(size) = snapshot.size() {
+        arrays.push(Array::doubles("ParticleSize", 1, std::iter::once(*size)));
+    }
+    arrays
+}
+
+/// Body, size and fields of the particles, one array after the other, so that only one is there at a time.
+pub(super) fn fields(snapshot: &Snapshot, options: VtkOptions) -> impl Iterator<Item = Array<'_>> {
+    let bodies = snapshot.bodies().iter().map(|&b| i32::try_from(b).unwrap_or(i32::MAX));
+    let sizes = match snapshot.size() {
+        ParticleSize::Each(sizes) => Some(Array::floats("size", 1, sizes.iter().copied(), options)),
+        ParticleSize::Uniform(_) => None,
+    };
+    let fields = snapshot.fields().map(move |(name, values)| match values {
+        // Numbers of particles, which single precision would round from 16 million on.
+        FieldValues::Scalar(v) if name == "particle" => Array::long(name, v.iter().map(|&x| x as i64)),
+        FieldValues::Scalar(v) => Array::floats(name, 1, v.iter().copied(), options),
+        FieldValues::Vector(v) => Array::floats(name, 3, v.iter().flatten().copied(), options),
+        // VTK's order is XX YY ZZ XY YZ XZ, ours xx yy zz yz xz xy.
+        FieldValues::Tensor(v) => {
+            let ordered = v.iter().flat_map(|t| [t[0], t[1], t[2], t[5], t[3], t[4]]);
+            Array::floats(name, 6, ordered, options)
+        }
+    });
+    std::iter::once(Array::short("body", bodies)).chain(sizes).chain(fields)
+}
+
+/// Cells of VTK: nodes of the snapshot's cells with the particles that are none behind them, and the cells.
+pub(super) struct Grid {
+    pub points: Vec<[f64; 3]>,
+    /// Corners, one cell after the other.
+    pub connectivity: Vec<usize>,
+    /// Where the corners of each cell end.
+    pub ends: Vec<usize>,
+    /// Types of the cells.
+    pub kinds: Vec<u8>,
+}
+
+impl Grid {
+    pub fn of(snapshot: &Snapshot, cells: &Cells) -> Self {
+        let mut grid = Grid {
+            points: cells.nodes.clone(),
+            connectivity: Vec::with_capacity(cells.corners.len()),
+            ends: Vec::with_capacity(snapshot.len()),
+            kinds: Vec::with_capacity(snapshot.len()),
+        };
+        for (i, position) in snapshot.positions().iter().enumerate() {
+            let corners = cells.of(i);
+            grid.kinds.push(Cells::kind(corners.len(), snapshot.dimension()).unwrap_or(1));
+            grid.connectivity.extend(corners.iter().map(|&corner| corner as usize));
+            if corners.is_empty() {
+                grid.connectivity.push(grid.points.len());
+                grid.points.push(*position);
+            }
+            grid.ends.push(grid.connectivity.len());
+        }
+        grid
+    }
+}
