@@ -153,8 +153,9 @@ impl Parts {
     }
 }
 
-/// Names that the snapshot gives itself.
-const TAKEN: [&str; 7] = ["velocity", "stress", "pressure", "von_mises", "particle", "body", "size"];
+/// Names that the snapshot gives itself, or frames add.
+const TAKEN: [&str; 8] =
+    ["velocity", "displacement", "stress", "pressure", "von_mises", "particle", "body", "size"];
 
 /// Columns of a snapshot while it is gathered.
 #[derive(Default)]

@@ -49,6 +49,7 @@
 //! # Ok::<(), ObserveError>(())
 //! ```
 
+mod displacement;
 mod history;
 mod ledger;
 mod pace;
