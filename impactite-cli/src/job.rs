@@ -175,6 +175,10 @@ impl Job {
         )?;
         let mut frames =
             VtkSeries::create(folder.join("paraview"), "scene", pace(out.frames.map(|q| q.value), FRAMES)?)?;
+        frames = frames.with_format(self.source.frame_format(scene)?);
+        if out.fields.as_ref().is_none_or(|fields| fields.iter().any(|f| f == "displacement")) {
+            frames = frames.with_displacement();
+        }
         if let Some(fields) = &out.fields {
             frames = frames.with_fields(fields);
         }

@@ -135,6 +135,48 @@ fn what_is_wrong_is_told_with_its_place() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
+#[test]
+fn frames_have_the_fields_and_the_format_that_the_file_says() {
+    let folder = folder("frames");
+    let path = scene(&folder, DISC);
+    let out = folder.join("out");
+    let frames = |set: &[&str]| {
+        let mut all = vec!["run", path.to_str().unwrap(), "--out", out.to_str().unwrap()];
+        set.iter().for_each(|assignment| all.extend(["--set", assignment]));
+        let _ = std::fs::remove_dir_all(&out);
+        run(&all)
+    };
+    for (fields, velocity, displacement) in
+        [(None, true, true), (Some("[\"velocity\"]"), true, false), (Some("[\"displacement\"]"), false, true)]
+    {
+        let set = fields.map(|fields| format!("output.fields={fields}"));
+        let output = frames(set.as_deref().as_slice());
+        assert!(output.status.success(), "{}", said(&output));
+        let last = std::fs::read(out.join("paraview/scene_000008.vtp")).expect("the last frame");
+        let has = |name: &str| {
+            let name = format!("Name=\"{name}\"");
+            last.windows(name.len()).any(|w| w == name.as_bytes())
+        };
+        assert_eq!((has("velocity"), has("displacement")), (velocity, displacement), "{fields:?}");
+    }
+    let output = frames(&["output.format=\"vtkhdf\""]);
+    let text = said(&output);
+    if cfg!(feature = "hdf5") {
+        assert!(output.status.success(), "{text}");
+        let list = std::fs::read_to_string(out.join("paraview/scene.vtkhdf.series")).expect("the list");
+        assert!(
+            list.contains("\"scene_000008.vtkhdf\"") && out.join("paraview/scene_000008.vtkhdf").is_file()
+        );
+        assert!(!out.join("paraview/scene.pvd").exists());
+    } else {
+        assert!(!output.status.success() && !out.exists(), "{text}");
+        assert!(text.contains("output.format: `vtkhdf`") && text.contains("feature `hdf5`"), "{text}");
+    }
+    let output = frames(&["output.format=\"vtk\""]);
+    assert!(said(&output).contains("expected `xml` or `vtkhdf`"), "{}", said(&output));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
 /// Interrupted by a signal, and killed: what comes of going on is what came without.
 #[cfg(unix)]
 #[test]

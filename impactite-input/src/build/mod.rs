@@ -15,14 +15,16 @@ mod wrong;
 use std::path::PathBuf;
 
 use impactite::mpm::{Axisymmetric, FullSpace, PlaneStrain};
+use impactite::output::Format;
 use impactite::scene::Solver;
 
 use crate::document::Source;
 use crate::error::InputError;
 use crate::model::method::Method;
+use crate::model::output::FrameFormat;
 use crate::model::{SceneFile, Space};
 use kernels::Setting;
-use wrong::{Folder, Made, wrong};
+use wrong::{Folder, Made, Wrong, wrong};
 
 impl Source {
     /// The scene, ready to run: as a program would set it up with the same parts, bit for bit.
@@ -33,7 +35,32 @@ impl Source {
     /// What is wrong with it, at its place: what the scene is made of, and what a program would be refused for.
     pub fn build(&self, scene: &SceneFile) -> Result<Box<dyn Solver>, InputError> {
         let folder = std::path::Path::new(&self.name).parent().map(PathBuf::from).unwrap_or_default();
-        build(scene, &Folder(folder)).map_err(|w| Box::new(self.fault_at(&w.key, w.message, w.help)).into())
+        build(scene, &Folder(folder)).map_err(|w| self.refused(w))
+    }
+
+    /// What files the frames for ParaView are to be.
+    ///
+    /// # Errors
+    /// VTKHDF without the feature `hdf5`.
+    pub fn frame_format(&self, scene: &SceneFile) -> Result<Format, InputError> {
+        frame_format(scene).map_err(|w| self.refused(w))
+    }
+
+    fn refused(&self, w: Wrong) -> InputError {
+        Box::new(self.fault_at(&w.key, w.message, w.help)).into()
+    }
+}
+
+fn frame_format(scene: &SceneFile) -> Made<Format> {
+    match scene.output.format {
+        #[cfg(feature = "hdf5")]
+        FrameFormat::Vtkhdf => Ok(Format::Hdf),
+        #[cfg(not(feature = "hdf5"))]
+        FrameFormat::Vtkhdf => wrong(
+            "output.format",
+            "`vtkhdf` is of programs that were built with the feature `hdf5` (`--features hdf5`), which this one was not; it has `xml`",
+        ),
+        _ => Ok(Format::Xml),
     }
 }
 
@@ -45,6 +72,7 @@ fn build(scene: &SceneFile, folder: &Folder) -> Made<Box<dyn Solver>> {
         return wrong("end", format!("{} s is not allowed; it must be positive", scene.end.value));
     }
     common::check(scene)?;
+    frame_format(scene)?;
     if let Method::Fpm(options) = &scene.method {
         match scene.space {
             Space::Full => return fpm::build(FullSpace, &common::World::<3>::new(scene, folder), options),

@@ -19,15 +19,30 @@ pub struct Output {
     /// Simulated time between frames for ParaView; an eighth of `end` if not given.
     #[serde(default)]
     pub frames: Option<Quantity<Time>>,
-    /// Fields in the frames for ParaView; all if not given.
+    /// Fields in the frames for ParaView; all if not given. `displacement` is where a point is, less where it was first seen, m.
     #[serde(default)]
     pub fields: Option<Vec<String>>,
+    /// What files the frames for ParaView are.
+    #[serde(default)]
+    pub format: FrameFormat,
     /// What gives the colour of pictures: a field, or bodies if not given.
     #[serde(default)]
     pub colour: Option<Colour>,
     /// From where pictures look: from the matter to the eye; in space.
     #[serde(default)]
     pub seen_from: Option<[Quantity<Plain>; 3]>,
+}
+
+/// What files the frames for ParaView are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[non_exhaustive]
+#[serde(rename_all = "lowercase")]
+pub enum FrameFormat {
+    /// VTK's XML: `.vtp`, of elements `.vtu`, and a `.pvd`.
+    #[default]
+    Xml,
+    /// VTK's HDF5: `.vtkhdf` and a `.vtkhdf.series`, of programs with the feature `hdf5`.
+    Vtkhdf,
 }
 
 /// The colour of pictures.
