@@ -54,8 +54,8 @@ pub enum Format {
     /// XML with binary data: `NAME_000012.vtp` ([`write_vtp`]), with cells `.vtu`, listed in `NAME.pvd`.
     #[default]
     Xml,
-    /// VTKHDF: `NAME_000012.vtkhdf` ([`write_vtkhdf`]), listed in `NAME.vtkhdf.series`. Bytes of alike digits lie together, so
-    /// that smooth fields become smaller files.
+    /// VTKHDF: `NAME_000012.vtkhdf` ([`write_vtkhdf`]), listed in `NAME.vtkhdf.series`. Compressed files are smaller
+    /// where values change little from a point to the next.
     #[cfg(feature = "hdf5")]
     Hdf,
 }

@@ -500,7 +500,7 @@ mod hdf {
         let places = || {
             (0..side * side * side).map(|i| [i % side, i / side % side, i / side / side].map(|k| k as f64))
         };
-        // A wave through a block: no two numbers alike, and smooth.
+        // A wave through a block in order of places: no two numbers alike, and as smooth as it gets.
         let wave = |x: [f64; 3], k: f64| (0.07 * (x[0] + 0.3 * x[1] + 0.1 * x[2]) + k).sin();
         let snapshot = Snapshot::new(
             3,
