@@ -288,7 +288,6 @@ impl Job {
         let mut record = Record::new(&scene.title)
             .scene(&self.source.text)
             .symmetry_planes(planes(scene))
-            .version("impactite", env!("CARGO_PKG_VERSION"))
             .setting("space", scene.space.name(), "")
             .setting("end", scene.end.value, "s")
             .bodies_of(solver);
