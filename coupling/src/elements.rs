@@ -5,6 +5,7 @@ use impactite_scene::constants::Constant;
 use impactite_scene::error::parameter;
 use impactite_scene::{
     Archive, Body, CheckpointError, Exchange, PointView, SceneError, Solver, StepError, Stopped, Totals,
+    Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::ContactLaw;
@@ -44,6 +45,8 @@ pub struct Elements<const D: usize> {
 /// How elements meet particles.
 enum Way<const D: usize> {
     Grid,
+    /// As a part of the body of this name.
+    Within(String),
     Surface(Box<PointToSurface<D>>),
 }
 
@@ -73,6 +76,39 @@ impl<const D: usize> Elements<D> {
             });
         }
         Self::new(fem, Way::Grid)
+    }
+
+    /// They are a part of a body of particles of the scene, which was added before: bars and stirrups in concrete, a stiff core in rubber
+    /// (HFEMP, \[Lian2011b\]). Their nodes act on the grid with mass, momentum and force as particles of that body do, and move with its
+    /// matter (perfect bond): what meets the body meets both. Where elements are, particles may be, too; the mass and stiffness of both
+    /// add up.
+    ///
+    /// Elements may be larger than cells, which tie them at their nodes alone, or smaller.
+    ///
+    /// # Errors
+    /// No body; conditions and velocities of nodes of their own, and elements that erode: the body's conditions hold what moves with it.
+    pub fn within(mut fem: Fem<D>, body: impl Into<String>) -> Result<Self, SceneError> {
+        if fem.element_bodies().is_empty() {
+            return Err(SceneError::NoBodies);
+        }
+        let refuse = |what: String, why| {
+            Err(SceneError::NotWith { what, method: "elements within a body of particles".into(), why })
+        };
+        if !fem.boundaries().is_empty() || fem.prescribes() {
+            return refuse(
+                "a condition of the elements".into(),
+                "they move with the body that they are within: give conditions to the scene",
+            );
+        }
+        if let Some(body) = fem.element_bodies().iter().find(|body| body.erodes()) {
+            return refuse(
+                format!("the body `{}`, whose elements erode,", body.name()),
+                "what is eroded would stay on the grid",
+            );
+        }
+        // What matter carries along has no balance of its own; the scene watches over both.
+        fem.set_watch(Watch::off());
+        Self::new(fem, Way::Within(body.into()))
     }
 
     /// Particles meet their surfaces one by one, with a law.
@@ -110,7 +146,7 @@ impl<const D: usize> Elements<D> {
             let Ok(lengths) = body.mesh().edge_lengths() else { return Err(SceneError::Empty(name)) };
             edges = [edges[0].min(lengths.min), edges[1].max(lengths.mean)];
         }
-        let most = if matches!(way, Way::Grid) { 1 } else { SUBCYCLES };
+        let most = if matches!(way, Way::Surface(_)) { SUBCYCLES } else { 1 };
         Ok(Elements { fem, name, embedding, edges, way, most, steps: 1, step: 0.0, made: 0 })
     }
 
@@ -122,7 +158,7 @@ impl<const D: usize> Elements<D> {
     /// [`SceneError::Parameter`] for none; more than one on the grid, where contact is found once a step.
     pub fn with_subcycles(mut self, most: u32) -> Result<Self, SceneError> {
         parameter(most > 0, "Elements", "most steps in one of the scene", f64::from(most), "at least 1")?;
-        if most > 1 && matches!(self.way, Way::Grid) {
+        if most > 1 && !matches!(self.way, Way::Surface(_)) {
             return Err(SceneError::NotWith {
                 what: "several steps of the elements in one of the scene".into(),
                 method: "contact of elements on the grid".into(),
@@ -164,6 +200,10 @@ impl<const D: usize> Body for Elements<D> {
         Solver::totals(&self.fem)
     }
     fn given_by_others(&self) -> Option<Exchange> {
+        // What matter carries along gets work that no impulse and velocity of its nodes tell.
+        if matches!(self.way, Way::Within(_)) {
+            return None;
+        }
         let mut sum = Exchange::default();
         self.fem.element_bodies().iter().for_each(|body| sum.add(&body.pushed()));
         Some(sum)
@@ -177,7 +217,7 @@ impl<const D: usize> Body for Elements<D> {
     }
     fn bytes(&self) -> usize {
         let surface = match &self.way {
-            Way::Grid => 0,
+            Way::Grid | Way::Within(_) => 0,
             Way::Surface(surface) => {
                 let surfaces = surface.surfaces.iter().map(ContactSurface::bytes).sum::<usize>();
                 surface.contact.bytes() + surface.swept.bytes() + surfaces
@@ -191,6 +231,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
     fn constants(&self, _: [f64; 2]) -> Vec<Constant> {
         let way = match &self.way {
             Way::Grid => "on the grid".to_string(),
+            Way::Within(body) => format!("within {body}"),
             Way::Surface(surface) => format!("by surface: {:?}", surface.contact.laws()),
         };
         vec![("elements".into(), way), ("most steps in one of the scene".into(), self.most.to_string())]
@@ -206,7 +247,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
     }
     fn mass_points(&self) -> Vec<(f64, [f64; D])> {
         match self.way {
-            Way::Grid => self.nodes().map(|node| (node.mass, node.velocity)).collect(),
+            Way::Grid | Way::Within(_) => self.nodes().map(|node| (node.mass, node.velocity)).collect(),
             Way::Surface(_) => Vec::new(),
         }
     }
@@ -228,7 +269,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         (self.step, self.made) = (dt / f64::from(self.steps), 0);
         self.begin()?;
         match &mut self.way {
-            Way::Grid => {
+            Way::Grid | Way::Within(_) => {
                 let nodes = self.fem.element_bodies().iter().flat_map(|body| body.nodes());
                 for (out, node) in velocities.iter_mut().zip(nodes) {
                     out[..D].copy_from_slice(&node.velocity);
@@ -240,10 +281,15 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
     }
     fn advance(&mut self, _: f64, changes: Option<&mut Vec<[f64; 3]>>, _: &Team) -> Result<(), Stopped> {
         if let Some(changes) = changes {
-            let body = self.fem.body_mut(0);
-            for (n, change) in changes.iter().enumerate().filter(|(_, change)| **change != [0.0; 3]) {
-                let mass = body.nodes()[n].mass;
-                body.add_impulse(n, std::array::from_fn(|d| mass * change[d]));
+            let mut before = 0;
+            for number in 0..self.fem.element_bodies().len() {
+                let body = self.fem.body_mut(number);
+                let own = changes[before..][..body.nodes().len()].iter().enumerate();
+                before += body.nodes().len();
+                for (n, change) in own.filter(|(_, change)| **change != [0.0; 3]) {
+                    let mass = body.nodes()[n].mass;
+                    body.add_impulse(n, std::array::from_fn(|d| mass * change[d]));
+                }
             }
         }
         while !self.is_last() {
@@ -252,9 +298,24 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         self.made += 1;
         self.fem.finish().map_err(what)
     }
+    fn within(&self) -> Option<&str> {
+        match &self.way {
+            Way::Within(body) => Some(body),
+            _ => None,
+        }
+    }
+    fn carry(&mut self, velocities: &[[f64; 3]]) {
+        let mut before = 0;
+        for number in 0..self.fem.element_bodies().len() {
+            let body = self.fem.body_mut(number);
+            let own = &velocities[before..][..body.nodes().len()];
+            before += own.len();
+            body.carry(own.iter().map(|v| std::array::from_fn(|d| v[d])));
+        }
+    }
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<f64, D>> {
         match self.way {
-            Way::Grid => None,
+            Way::Grid | Way::Within(_) => None,
             Way::Surface(_) => Some(self),
         }
     }
@@ -276,7 +337,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         Solver::archive(&mut self.fem, file)?;
         match &mut self.way {
-            Way::Grid => Ok(()),
+            Way::Grid | Way::Within(_) => Ok(()),
             Way::Surface(surface) => surface.contact.archive(file),
         }
     }
@@ -286,7 +347,7 @@ impl<const D: usize> Elements<D> {
     /// Contact of particles with the surfaces, beside the elements.
     pub(crate) fn parts(&mut self) -> Option<(&mut Fem<D>, &mut PointToSurface<D>)> {
         match &mut self.way {
-            Way::Grid => None,
+            Way::Grid | Way::Within(_) => None,
             Way::Surface(surface) => Some((&mut self.fem, surface)),
         }
     }
@@ -300,7 +361,7 @@ impl<const D: usize> Elements<D> {
     fn begin(&mut self) -> Result<(), Stopped> {
         self.fem.begin(self.step).map_err(what)?;
         match &mut self.way {
-            Way::Grid => Ok(()),
+            Way::Grid | Way::Within(_) => Ok(()),
             Way::Surface(surface) => self.fem.surfaces(&mut surface.surfaces).map_err(what),
         }
     }
@@ -315,7 +376,7 @@ impl<const D: usize> Elements<D> {
     /// Where the surfaces are in this step.
     pub(crate) fn swept(&self) -> Option<&SweptBoxes<D>> {
         match &self.way {
-            Way::Grid => None,
+            Way::Grid | Way::Within(_) => None,
             Way::Surface(surface) => Some(&surface.swept),
         }
     }

@@ -221,6 +221,7 @@ impl<const D: usize> MeshBody<D> {
             pushes: Vec::new(),
             from: Vec::new(),
             flow: Vec::new(),
+            carried: Vec::new(),
         })
     }
 
@@ -349,6 +350,8 @@ pub struct ElementBody<const D: usize> {
     /// Positions at the start of a step that is made of several, and mean velocities over it.
     pub(crate) from: Vec<[f64; D]>,
     pub(crate) flow: Vec<[f64; D]>,
+    /// Velocities that nodes move with in this step in place of their own, m/s; empty where they move with those.
+    pub(crate) carried: Vec<[f64; D]>,
 }
 
 impl<const D: usize> ElementBody<D> {

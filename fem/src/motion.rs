@@ -59,9 +59,17 @@ impl<const D: usize> ElementBody<D> {
         self.take(clock, &chunks)
     }
 
+    /// In the step that was begun, move the nodes with these velocities, m/s, by number, in place of their own, which they keep: those of
+    /// matter that carries them along.
+    pub fn carry(&mut self, velocities: impl IntoIterator<Item = [f64; D]>) {
+        self.carried.clear();
+        self.carried.extend(velocities);
+    }
+
     fn begin(&mut self, part: &Part<'_, D>) {
         self.pace.begin(part.dt, part.ratio);
         self.pushes.clear();
+        self.carried.clear();
         if self.extents.is_empty() && part.boundaries.iter().any(Boundary::reacts) {
             self.measure_extents();
         }
@@ -214,8 +222,9 @@ impl<const D: usize> Motion<'_, D> {
             self.constrain(n, node, pushed, found);
         }
         let mut square = 0.0;
+        let moves = self.body.carried.get(n).unwrap_or(&node.velocity);
         for d in 0..D {
-            node.position[d] += self.dt * node.velocity[d];
+            node.position[d] += self.dt * moves[d];
             square += node.velocity[d] * node.velocity[d];
         }
         if !square.is_finite() && found.trouble.is_none() {

@@ -31,6 +31,9 @@ impl<const D: usize> ElementBody<D> {
         memory: &[Mutex<Scratch>],
     ) -> Result<(), StepError> {
         self.flow.clear();
+        if self.pace.ratio == 1 && !self.carried.is_empty() {
+            self.flow.extend_from_slice(&self.carried);
+        }
         if self.pace.ratio > 1 {
             let mean = |(node, from): (&crate::Node<D>, &[f64; D])| -> [f64; D] {
                 std::array::from_fn(|d| (node.position[d] - from[d]) / dt)

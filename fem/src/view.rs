@@ -212,7 +212,11 @@ impl<const D: usize> Body for ElementBody<D> {
             + self.slots.capacity() * size_of::<crate::sweep::Record>()
             + self.incidence.bytes()
             + (self.averages.capacity() + self.debris.capacity()) * 8
-            + (self.from.capacity() + self.flow.capacity() + self.extents.capacity()) * size_of::<[f64; D]>()
+            + (self.from.capacity()
+                + self.carried.capacity()
+                + self.flow.capacity()
+                + self.extents.capacity())
+                * size_of::<[f64; D]>()
             + self.surface.capacity() * size_of::<impactite_geometry::Facet>()
     }
 }

@@ -65,6 +65,21 @@ pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
     /// # Errors
     /// As [`GridClient::open`].
     fn advance(&mut self, dt: T, changes: Option<&mut Vec<[T; 3]>>, team: &Team) -> Result<(), Stopped>;
+    /// The body of particles that it is a part of, by name: bars within concrete. On the grid both are one body, which others meet as one,
+    /// and matter carries the points of this one (perfect bond). By default none: it is a body of its own, kept apart from others by
+    /// the contact algorithm.
+    ///
+    /// In a step of `dt` seconds proxies of such a body map their velocities x_p' of the last step and the forces m (x' - x_p') / dt, so
+    /// that nodes know all forces; `changes` of [`advance`](GridClient::advance) leave each point with x_p' + dt sum N_i(x) a_i, as FLIP
+    /// leaves particles.
+    fn within(&self) -> Option<&str> {
+        None
+    }
+    /// Before [`GridClient::advance`], of a body [within](GridClient::within) another: the velocities that matter carries its points with
+    /// in this step, sum N_i(x) v_i, m/s, by number.
+    fn carry(&mut self, velocities: &[[T; 3]]) {
+        let _ = velocities;
+    }
     /// Its surface, if particles meet that and not proxies on the grid: then [`GridClient::mass_points`] may be empty. Asked anew in every
     /// step, between `open` and `advance`.
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>> {

@@ -8,7 +8,7 @@ use super::client::{ClientPoint, GridClient, SurfaceClient};
 use super::footprint::Footprint;
 use super::kernels::MethodKernels;
 use super::layout::Nodes;
-use super::load::{Loading, Loads};
+use super::load::{Given, Loading, Loads};
 use super::particle_body::ParticleBody;
 use super::rigid_body::Undeformed;
 use crate::dim::block_nodes;
@@ -27,16 +27,20 @@ pub(super) struct ClientBody<T: Float, const D: usize> {
     velocities: Vec<[T; 3]>,
     /// By number.
     points: Vec<ClientPoint>,
+    /// Of a body within another, by number: velocities that matter carries points with, m/s; empty of others.
+    carried: Vec<[T; 3]>,
+    /// The method of the scene.
+    method: Arc<dyn MethodKernels<T, D>>,
     rate: T,
     /// The pass of the scene in which particles take what nodes got.
     returns: Which,
 }
 
 impl<T: Float, const D: usize> ClientBody<T, D> {
-    /// On a grid; `kernels` are those of proxies.
+    /// On a grid, with the kernels of the scene and those of proxies.
     pub(super) fn new(
         mut client: Box<dyn GridClient<T, D>>,
-        kernels: Arc<dyn MethodKernels<T, D>>,
+        [method, kernels]: [Arc<dyn MethodKernels<T, D>>; 2],
         lattice: Lattice<D>,
         returns: Which,
     ) -> Self {
@@ -46,7 +50,14 @@ impl<T: Float, const D: usize> ClientBody<T, D> {
             volume += p.volume;
         });
         let law = Arc::new(Undeformed { density: T::of(mass / volume) });
-        let none = (Loads::default(), None);
+        let within = client.within().is_some();
+        // As particles of the same body map their momentum.
+        let given = match (within, method.facts().affine) {
+            (false, _) => Given::Nothing,
+            (true, false) => Given::Acceleration,
+            (true, true) => Given::Affine,
+        };
+        let none = (Loads { given, ..Loads::default() }, None);
         let mut proxy = ParticleBody::empty(client.name(), law, kernels, lattice, &client.half_size(), none);
         let given = client.mass_points();
         let mut points = vec![ClientPoint::default(); given.len()];
@@ -54,7 +65,8 @@ impl<T: Float, const D: usize> ClientBody<T, D> {
         proxy.stand_for(&given, &points);
         proxy.place_at(&points, &Team::one());
         let velocities = vec![[T::default(); 3]; points.len()];
-        ClientBody { client, proxy, velocities, points, rate: T::default(), returns }
+        let carried = vec![[T::default(); 3]; if within { points.len() } else { 0 }];
+        ClientBody { client, proxy, velocities, points, carried, method, rate: T::default(), returns }
     }
 
     fn trouble(&self, trouble: BodyTrouble) -> Stopped {
@@ -120,23 +132,43 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
         if !self.on_grid() {
             return Ok(());
         }
-        let velocities = &self.velocities;
-        self.proxy.show_velocities(&mut |number, v| *v = velocities[number]);
         let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0 };
+        if self.carried.is_empty() {
+            let velocities = &self.velocities;
+            self.proxy.show_velocities(&mut |number, v| *v = velocities[number]);
+        }
         self.proxy.pass(Which::Map, nodes, steps, team).map_err(|t| self.trouble(t))?;
+        if !self.carried.is_empty() {
+            let (velocities, per_dt) = (&self.velocities, T::of(1.0) / dt);
+            let give = |number: usize, v: [T; 3]| -> [T; 3] {
+                std::array::from_fn(|d| (velocities[number][d] - v[d]) * per_dt)
+            };
+            self.proxy.map_given(steps, &give, team);
+        }
         Ok(())
     }
 
     fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped> {
-        let (changes, mut changed) = (&mut self.velocities, false);
+        let (mut share, mut changed) = (T::default(), false);
+        if !self.carried.is_empty() {
+            let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0 };
+            self.proxy.carried(nodes, steps, &mut self.carried, team);
+            self.client.carry(&self.carried);
+            share = self.method.taken(dt);
+        }
+        let (changes, carried) = (&mut self.velocities, &self.carried);
         self.proxy.show_velocities(&mut |number, v| {
             let change = &mut changes[number];
             for d in 0..D {
+                // As particles of the same body, or momentum would be lost between them.
+                if share > T::default() {
+                    v[d] += share * (carried[number][d] - v[d]);
+                }
                 change[d] = v[d] - change[d];
                 changed |= change[d] != T::default();
             }
         });
-        self.client.advance(dt, changed.then_some(changes), team)?;
+        self.client.advance(dt, changed.then_some(&mut self.velocities), team)?;
         if !self.on_grid() {
             self.rate = T::of(self.client.rate());
             return Ok(self.rate);
@@ -188,7 +220,7 @@ impl<T: Float, const D: usize> Body for ClientBody<T, D> {
     fn bytes(&self) -> usize {
         self.client.bytes()
             + self.proxy.bytes()
-            + self.velocities.capacity() * size_of::<[T; 3]>()
+            + (self.velocities.capacity() + self.carried.capacity()) * size_of::<[T; 3]>()
             + self.points.capacity() * size_of::<ClientPoint>()
             + size_of::<Self>()
     }

@@ -154,7 +154,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     ) -> Result<(), SceneError> {
         let mut body = body;
         let on_grid = !body.mass_points().is_empty();
-        if on_grid && !self.scene.contact.separates() {
+        let within = body.within().map(|name| self.place_of_host(body.name(), name)).transpose()?;
+        if on_grid && within.is_none() && !self.scene.contact.separates() {
             return Err(SceneError::NoContact(what));
         }
         if !on_grid && body.surface().is_none() {
@@ -162,7 +163,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.check_frame(what, "the scene that bodies meet in is one of the current configuration")?;
         let here = self.facts();
-        let proxies = self.kernels.for_place().or_else(|| (!on_grid).then(|| self.kernels.clone()));
+        let proxies =
+            self.kernels.for_place(within.is_some()).or_else(|| (!on_grid).then(|| self.kernels.clone()));
         let Some(kernels) = proxies else {
             let why = "such bodies meet others where nodes know accelerations: take FLIP or a blend";
             return Err(SceneError::NotWith { what: what.into(), method: here.description.clone(), why });
@@ -178,15 +180,33 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         self.check_half_sizes(&name, &body.half_size())?;
         let ratio = body.spacing() / self.grid.lattice().spacing();
-        let body = ClientBody::new(body, kernels, *self.grid.lattice(), returns);
-        self.enter(&name, Box::new(body))?;
+        let body = ClientBody::new(body, [self.kernels.clone(), kernels], *self.grid.lattice(), returns);
+        let number = self.scene.bodies.len() as u32;
+        if let Some(host) = within {
+            self.grid.fields.join(number, host as u32);
+        }
+        self.enter(&name, Box::new(body)).inspect_err(|_| self.grid.fields.part(number))?;
         self.scene.clients.push(self.scene.bodies.len() - 1);
-        if on_grid && ratio > WIDEST {
+        if on_grid && within.is_none() && ratio > WIDEST {
             let finding = Finding::WidePoints { body: name.clone(), ratio };
             let same = |f: &Finding| matches!(f, Finding::WidePoints { body, .. } if *body == name);
             self.looks.watcher.warn_once(&self.clock, finding, same);
         }
         Ok(())
+    }
+
+    /// The body of particles that another one is to be within.
+    fn place_of_host(&self, body: &str, host: &str) -> Result<usize, SceneError> {
+        let at = self.scene.bodies.iter().position(|b| b.name() == host);
+        let particles = |&n: &usize| {
+            let there = &self.scene.bodies[n];
+            there.rigid().is_none() && there.client().is_none()
+        };
+        at.filter(particles).ok_or_else(|| SceneError::NotWith {
+            what: format!("the body `{body}` within `{host}`"),
+            method: "the grid of this scene".into(),
+            why: "a body is within one of particles that was added before it",
+        })
     }
 
     /// See that nothing in the scene asks the nodes for all forces.

@@ -10,7 +10,7 @@ use super::add_tiles::AddTiles;
 use super::body::Which;
 use super::kernels::{Facts, MethodKernels, ShapeKernels};
 use super::layout::NodeSums;
-use super::loads::{BookLoads, LoadTask, MapLoads};
+use super::loads::{BookLoads, CarryVelocity, LoadTask, MapLoads};
 use super::migrate::{Arrivals, MigrationPayload};
 use super::slot::{Common, Slot, Task};
 use super::spec::{PassOf, Spec, SpecOf};
@@ -78,6 +78,9 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> ShapeKernels<T, D> for Ke
     }
     fn map_loads(&self, task: LoadTask<'_, T, D>) {
         T::dispatch(MapLoads { shape: &self.0, task });
+    }
+    fn carry_velocity(&self, task: LoadTask<'_, T, D>) {
+        T::dispatch(CarryVelocity { shape: &self.0, task });
     }
     fn weights(&self, xi: T, half: T) -> [[T; 4]; 2] {
         let along = self.0.weights::<T::Single>(xi.into(), half.into());
@@ -213,7 +216,7 @@ impl<T: Float, const D: usize, M: Composition<T, D>> MethodKernels<T, D> for Ker
     fn shape(&self) -> &dyn ShapeKernels<T, D> {
         &self.shape
     }
-    fn for_place(&self) -> Option<Arc<dyn MethodKernels<T, D>>> {
+    fn for_place(&self, forces: bool) -> Option<Arc<dyn MethodKernels<T, D>>> {
         if const { !M::Transfer::READS_INCREMENT || M::Transfer::ORDER > 1 || M::Frame::TOTAL } {
             return None;
         }
@@ -221,7 +224,7 @@ impl<T: Float, const D: usize, M: Composition<T, D>> MethodKernels<T, D> for Ker
             before_forces: false,
             remap: true,
             maps_together: false,
-            maps_force: false,
+            maps_force: forces,
             total: false,
             mean: false,
             reads_increment: true,
@@ -269,8 +272,8 @@ where
     fn shape(&self) -> &dyn ShapeKernels<T, D> {
         self.of.shape()
     }
-    fn for_place(&self) -> Option<Arc<dyn MethodKernels<T, D>>> {
-        self.of.for_place()
+    fn for_place(&self, forces: bool) -> Option<Arc<dyn MethodKernels<T, D>>> {
+        self.of.for_place(forces)
     }
 }
 
@@ -323,7 +326,7 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> MethodKernels<T, D> for P
     fn shape(&self) -> &dyn ShapeKernels<T, D> {
         &self.shape
     }
-    fn for_place(&self) -> Option<Arc<dyn MethodKernels<T, D>>> {
+    fn for_place(&self, _: bool) -> Option<Arc<dyn MethodKernels<T, D>>> {
         None
     }
 }

@@ -4,7 +4,8 @@
 //! same block, and the scene's [`ContactAlgorithm`](crate::ContactAlgorithm) keeps them apart, each has a **field block** of its
 //! own: the first body the grid's block, the others blocks behind the grid's. Particles read and write their
 //! body's block as if they were alone; only the contact stages know that there are others. A field block holds the
-//! nodes that the body's particles reach, if they are few ([`Layout`]).
+//! nodes that the body's particles reach, if they are few ([`Layout`]). Bodies that move as one share the fields of one of them
+//! ([`Fields::join`]).
 
 use super::body::GridBody;
 use super::layout::{Claim, Layout, whole_block};
@@ -20,8 +21,6 @@ pub struct Member {
     pub body: u32,
     /// Its field block, by place among the nodes.
     pub block: u32,
-    /// The same block by its place in the body's own list.
-    pub local: u32,
     /// Is the body's motion prescribed?
     pub prescribed: bool,
 }
@@ -61,6 +60,8 @@ pub struct Fields<const D: usize> {
     members: Vec<Member>,
     /// The shared block that a block is a field of, and as which field.
     field_of: Vec<Option<(u32, u32)>>,
+    /// Of bodies that have no fields of their own, whose they share; sorted.
+    joined: Vec<(u32, u32)>,
     /// Whose block is where, sorted; empty if bodies are not kept apart.
     table: Vec<([i32; D], u32, u32)>,
     // Used while they are arranged.
@@ -82,6 +83,7 @@ impl<const D: usize> Default for Fields<D> {
             shared: Vec::new(),
             members: Vec::new(),
             field_of: Vec::new(),
+            joined: Vec::new(),
             table: Vec::new(),
             claims: Vec::new(),
             wanted: Vec::new(),
@@ -92,6 +94,23 @@ impl<const D: usize> Default for Fields<D> {
 }
 
 impl<const D: usize> Fields<D> {
+    /// Let a body share the fields of another one, which has its own.
+    pub(super) fn join(&mut self, body: u32, with: u32) {
+        self.joined.retain(|known| known.0 != body);
+        self.joined.push((body, with));
+        self.joined.sort_unstable();
+    }
+
+    /// Let a body have fields of its own again.
+    pub(super) fn part(&mut self, body: u32) {
+        self.joined.retain(|known| known.0 != body);
+    }
+
+    /// Whose fields a body has.
+    fn owner_of(&self, body: u32) -> u32 {
+        self.joined.binary_search_by_key(&body, |known| known.0).map_or(body, |at| self.joined[at].1)
+    }
+
     /// Have the node blocks that the particles reach, kept apart by body if `separate`, and tell the bodies
     /// where theirs are; to look `ahead`, those that they reach from a cell beside as well. A body that rests has none, and
     /// wakes where another claims what it would.
@@ -103,10 +122,10 @@ impl<const D: usize> Fields<D> {
         ahead: bool,
         team: &Team,
     ) -> Result<(), OutsideGrid> {
-        let claims = &mut self.claims;
+        let mut claims = std::mem::take(&mut self.claims);
         claims.clear();
         for (number, body) in bodies.iter_mut().enumerate() {
-            body.presence_mut().claims(number as u32, ahead, claims);
+            body.presence_mut().claims(self.owner_of(number as u32), ahead, &mut claims);
         }
         // Those who wake claim, too, and may wake others.
         let mut known = 0;
@@ -118,7 +137,7 @@ impl<const D: usize> Fields<D> {
                 });
                 if met {
                     body.reactivate(team);
-                    body.presence_mut().claims(number as u32, ahead, claims);
+                    body.presence_mut().claims(self.owner_of(number as u32), ahead, &mut claims);
                 }
             }
         }
@@ -128,6 +147,7 @@ impl<const D: usize> Fields<D> {
             kept.reached |= if same { next.reached } else { 0 };
             same
         });
+        self.claims = claims;
         self.settle(grid, bodies, separate)
     }
 
@@ -199,7 +219,7 @@ impl<const D: usize> Fields<D> {
                 self.coordinates.len() - 1
             };
             self.table.push((coordinates, claim.body, block as u32));
-            self.members.push(Member { body: claim.body, block: block as u32, local: 0, prescribed: false });
+            self.members.push(Member { body: claim.body, block: block as u32, prescribed: false });
         }
         if self.members.len() - first < 2 {
             self.members.truncate(first);
@@ -220,8 +240,8 @@ impl<const D: usize> Fields<D> {
             let number = number as u32;
             places.clear();
             if separate {
-                let table = &self.table;
-                body.presence_mut().link(&|c| find_in(table, c, number), &mut places);
+                let (table, owner) = (&self.table, self.owner_of(number));
+                body.presence_mut().link(&|c| find_in(table, c, owner), &mut places);
             } else {
                 body.presence_mut().link(&|c| grid.find(c), &mut places);
             }
@@ -240,8 +260,7 @@ impl<const D: usize> Fields<D> {
             if let Some((s, f)) = self.field_of[block as usize] {
                 let fields = self.shared[s as usize].fields.clone();
                 let member = &mut self.members[fields][f as usize];
-                member.local = giver.local;
-                let rigid = bodies[giver.body as usize].rigid();
+                let rigid = bodies[member.body as usize].rigid();
                 member.prescribed = rigid.is_some_and(RigidState::is_prescribed);
             }
         }
@@ -296,14 +315,14 @@ impl<const D: usize> Fields<D> {
         }
         find_in(&self.table, at, body)
     }
-    /// The place in a body's own list of its nodes at `at`, where bodies are kept apart.
-    pub(super) fn local(&self, at: &[i32; D], body: u32) -> Option<usize> {
-        let block = find_in(&self.table, at, body)?;
-        self.givers(block).iter().find(|g| g.body == body).map(|g| g.local as usize)
+    /// Who maps to the field of a body at `at`, where bodies are kept apart.
+    pub(super) fn givers_at(&self, at: &[i32; D], body: u32) -> &[Giver] {
+        find_in(&self.table, at, body).map_or(&[], |block| self.givers(block))
     }
     /// Is there a field that no particle of its body reaches any more?
     pub(super) fn outdated<T: Float>(&self, bodies: &[Box<dyn GridBody<T, D>>]) -> bool {
-        self.members.iter().any(|m| !bodies[m.body as usize].presence().reaches(m.local as usize))
+        let reaches = |g: &Giver| bodies[g.body as usize].presence().reaches(g.local as usize);
+        self.members.iter().any(|member| !self.givers(member.block as usize).iter().any(reaches))
     }
     /// Bytes of its memory.
     pub(super) fn bytes(&self) -> usize {
@@ -318,7 +337,7 @@ impl<const D: usize> Fields<D> {
             + self.table.capacity() * size_of::<([i32; D], u32, u32)>()
             + self.claims.capacity() * size_of::<Claim<D>>()
             + self.wanted.capacity() * size_of::<[i32; D]>()
-            + self.places.capacity() * size_of::<u32>()
+            + (self.places.capacity() + 2 * self.joined.capacity()) * size_of::<u32>()
             + self.found.capacity() * size_of::<(u32, Giver)>()
     }
 }

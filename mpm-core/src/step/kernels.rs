@@ -139,8 +139,8 @@ pub(crate) trait MethodKernels<T: Float, const D: usize>: Send + Sync {
     /// The shape function's kernels.
     fn shape(&self) -> &dyn ShapeKernels<T, D>;
     /// A method of the same shape function for particles that hold the place of others' ([`super::reference_body`]); none where nodes
-    /// do not know accelerations, and in the reference configuration.
-    fn for_place(&self) -> Option<Arc<dyn MethodKernels<T, D>>>;
+    /// do not know accelerations, and in the reference configuration. With `forces` they map forces, too, as loads.
+    fn for_place(&self, forces: bool) -> Option<Arc<dyn MethodKernels<T, D>>>;
 }
 
 /// What depends on a shape function alone.
@@ -171,6 +171,8 @@ pub(crate) trait ShapeKernels<T: Float, const D: usize>: Send + Sync {
     fn book_loads(&self, task: LoadTask<'_, T, D>) -> T;
     /// Add loads to the tile of a block.
     fn map_loads(&self, task: LoadTask<'_, T, D>);
+    /// Have the particles of a block carry the velocities of the nodes.
+    fn carry_velocity(&self, task: LoadTask<'_, T, D>);
     /// Weights along an axis and their derivatives, as many as the stencil has nodes, of one particle.
     fn weights(&self, xi: T, half: T) -> [[T; 4]; 2];
     /// Second moment of the weights along an axis.

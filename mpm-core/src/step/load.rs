@@ -45,6 +45,20 @@ pub struct FieldForce<const D: usize> {
 pub(super) struct Loads<const D: usize> {
     pub(super) traction: Option<Traction<D>>,
     pub(super) field: Option<FieldForce<D>>,
+    /// What particles carry that they are given, step by step.
+    pub(super) given: Given,
+}
+
+/// What particles are given, step by step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Given {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// An acceleration.
+    Acceleration,
+    /// And the gradient of the velocity around them, in cells.
+    Affine,
 }
 
 impl<const D: usize> Loads<D> {
@@ -54,13 +68,20 @@ impl<const D: usize> Loads<D> {
     }
     /// Numbers a particle carries for them.
     pub(super) fn numbers(&self) -> usize {
-        usize::from(self.traction.is_some()) + if self.field.is_some() { D } else { 0 }
+        usize::from(self.traction.is_some())
+            + match self.given {
+                Given::Nothing if self.field.is_none() => 0,
+                Given::Nothing | Given::Acceleration => D,
+                Given::Affine => D + D * D,
+            }
     }
     /// Where it carries them, from the row `first` on.
     pub(super) fn rows(&self, first: usize) -> LoadRows {
         let area = self.traction.as_ref().map(|_| first);
-        let acceleration = self.field.as_ref().map(|_| first + usize::from(area.is_some()));
-        LoadRows { area, acceleration }
+        let carried = self.field.is_some() || self.given != Given::Nothing;
+        let acceleration = carried.then_some(first + usize::from(area.is_some()));
+        let affine = acceleration.filter(|_| self.given == Given::Affine).map(|row| row + D);
+        LoadRows { area, acceleration, affine }
     }
     /// Traction at a time (s), Pa.
     pub(super) fn traction(&self, time: f64) -> [f64; 3] {
@@ -79,6 +100,8 @@ pub struct LoadRows {
     pub(super) area: Option<usize>,
     /// First of D of the acceleration by a field, m/s^2.
     pub(super) acceleration: Option<usize>,
+    /// First of D x D of the velocity gradient that a particle maps its momentum with, m/s a cell.
+    pub(super) affine: Option<usize>,
 }
 
 /// What a load gives to a body.

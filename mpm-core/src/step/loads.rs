@@ -81,6 +81,14 @@ fn weights_of<T: Float, S: ShapeFunction<T, D>, const D: usize>(
     weights
 }
 
+/// From a particle at `xi` to node `n` of its stencil, cells.
+#[inline(always)]
+fn offset_of<T: Float, E: Stencil, const D: usize>(n: usize, xi: impl Fn(usize) -> T) -> [T; D] {
+    let at = [n % E::NODES, n / E::NODES % E::NODES, n / (E::NODES * E::NODES)];
+    let middle = 0.5 * (E::NODES - 1) as f64;
+    std::array::from_fn(|d| T::of(at[d] as f64 - middle) - xi(d))
+}
+
 /// Place in a tile of node `n` of the stencil that begins at `corner`.
 #[inline(always)]
 fn node_at<E: Stencil>(corner: usize, n: usize) -> usize {
@@ -119,7 +127,89 @@ impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for MapLoads<'_
                 }
             }
         }
+        if let Some(row) = task.rows.affine {
+            let first = &mut tile.all_mut()[..tile_nodes::<S::Extent>(D)];
+            for bin in 0..block_nodes(D) {
+                let corner = tile_corner::<S::Extent, D>(bin);
+                for at in block.bin_places(bin) {
+                    let weights = weights_of::<T, S, D>(shape, |row| block.get(at, row), task.common);
+                    let mass = task.common.masses.read(|row| block.get(at, row));
+                    for n in 0..S::Extent::NODES * S::Extent::NODES * S::Extent::LAYERS {
+                        let off = offset_of::<T, S::Extent, D>(n, |d| block.get(at, Columns::position() + d));
+                        let weight: T = weights[n].into();
+                        let node = &mut first[node_at::<S::Extent>(corner, n)];
+                        for c in 0..D {
+                            for d in 0..D {
+                                node[c + 1] += mass * weight * block.get(at, row + D * c + d) * off[d];
+                            }
+                        }
+                    }
+                }
+            }
+        }
         task.slot.tile = tile;
+    }
+}
+
+/// The velocities of the nodes at a block's particles, m/s, which they carry in place of their acceleration from then on, and the gradient
+/// of the velocity around them, as APIC fits it.
+pub(super) struct CarryVelocity<'a, T: Float, const D: usize, S> {
+    pub(super) shape: &'a S,
+    pub(super) task: LoadTask<'a, T, D>,
+}
+
+impl<T: Float, const D: usize, S: ShapeFunction<T, D>> Kernel<T> for CarryVelocity<'_, T, D, S> {
+    const VECTORS: Vectors = Vectors::Avx2;
+    type Output = ();
+
+    #[inline(always)]
+    fn run<A: Arch<T>>(self) {
+        let CarryVelocity { shape, task } = self;
+        let Some(row) = task.rows.acceleration else { return };
+        let (nodes, around) = task.nodes;
+        let rows = rows_of::<S::Extent, D>(task.slot.block.occupied());
+        task.tile_in.load::<S::Extent, D>(nodes, around, Reads { first: true, second: false }, rows);
+        let [first, _] = task.tile_in.records();
+        let block = &mut task.slot.block;
+        for bin in 0..block_nodes(D) {
+            let corner = tile_corner::<S::Extent, D>(bin);
+            let mut next = block.last_group(bin);
+            while let Some((group, here)) = next {
+                next = block.group_before(group);
+                for lane in 0..here as u32 {
+                    let at = crate::particles::Place { group, lane };
+                    let weights = weights_of::<T, S, D>(shape, |row| block.get(at, row), task.common);
+                    let mut velocity = A::Quad::zero();
+                    for n in 0..S::Extent::NODES * S::Extent::NODES * S::Extent::LAYERS {
+                        let node = node_at::<S::Extent>(corner, n);
+                        let weight = A::Quad::splat(weights[n].into());
+                        velocity = weight.mul_add(A::Quad::load(&first[node]), velocity);
+                    }
+                    for d in 0..D {
+                        block.set(at, row + d, velocity.lane(d + 1));
+                    }
+                    let Some(affine) = task.rows.affine else { continue };
+                    let mut moments = [[T::default(); D]; D];
+                    for n in 0..S::Extent::NODES * S::Extent::NODES * S::Extent::LAYERS {
+                        let off = offset_of::<T, S::Extent, D>(n, |d| block.get(at, Columns::position() + d));
+                        let (weight, node): (T, _) =
+                            (weights[n].into(), &first[node_at::<S::Extent>(corner, n)]);
+                        for c in 0..D {
+                            for d in 0..D {
+                                moments[c][d] += weight * node[c + 1] * off[d];
+                            }
+                        }
+                    }
+                    let (xi, domain) = place_of::<T, D, S>(|row| block.get(at, row), &task.common.domains);
+                    for d in 0..D {
+                        let inertia: T = shape.inertia(xi[d], domain[d]).into();
+                        for c in 0..D {
+                            block.set(at, affine + D * c + d, moments[c][d] / inertia);
+                        }
+                    }
+                }
+            }
+        }
     }
 }
 

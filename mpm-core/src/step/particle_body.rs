@@ -19,6 +19,7 @@ use super::migrate::MigrationPayload;
 use super::rest::TakenMotion;
 use super::slot::{Common, Domains, Outline, Report, Scratch, Slot, Task, Trouble};
 use super::splitting::{SplitBook, Splitter, Splitting};
+use super::spread::Maps;
 use super::total;
 use super::wrap::Wrap;
 use crate::dim::{block_nodes, centre, neighbours, offset, shifted};
@@ -172,7 +173,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     fn each_load(
         &mut self,
         nodes: Nodes<'_, T>,
-        which: Which,
+        maps: Maps,
         (time, dt): (f64, Steps<T>),
         team: &Team,
         task: impl Fn(&dyn super::kernels::ShapeKernels<T, D>, LoadTask<'_, T, D>) -> T + Send + Sync,
@@ -180,7 +181,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         self.have_scratch(team);
         let common = &self.common(dt);
         let (kernels, scratch, around) = (&*self.kernels, &self.scratch, &self.nodes_around);
-        let (rows, maps) = (self.loads.rows(self.columns.load()), kernels.maps(which));
+        let rows = self.loads.rows(self.columns.load());
         let traction = self.loads.traction(time).map(T::of);
         let reads_increment = kernels.facts().reads_increment;
         self.powers.clear();
@@ -201,18 +202,70 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// Note the power of the loads that act in a step, with the pass in which velocities change.
     fn book_loads(&mut self, nodes: Nodes<'_, T>, which: Which, dt: Steps<T>, team: &Team) {
         // The traction that acts: that of the last force.
-        let time = self.mapped_at;
+        let (time, maps) = (self.mapped_at, self.kernels.maps(which));
         self.loading.power =
-            self.each_load(nodes, which, (time, dt), team, |shape, loads| shape.book_loads(loads));
+            self.each_load(nodes, maps, (time, dt), team, |shape, loads| shape.book_loads(loads));
     }
 
     /// Add the loads to the tiles, as they are at the time at which the forces of a pass act.
     fn map_loads(&mut self, which: Which, dt: Steps<T>, team: &Team) {
         let nodes = Nodes { all: &[], layout: &Layout::default() };
-        self.each_load(nodes, which, (dt.force_time, dt), team, |shape, loads| {
+        let maps = self.kernels.maps(which);
+        self.each_load(nodes, maps, (dt.force_time, dt), team, |shape, loads| {
             shape.map_loads(loads);
             T::default()
         });
+    }
+
+    /// Give particles, by number and velocity, m/s, the accelerations that they carry, m/s^2, and add their forces to the tiles, whose
+    /// second records hold nothing else.
+    pub(super) fn map_given(
+        &mut self,
+        dt: Steps<T>,
+        give: &(dyn Fn(usize, [T; 3]) -> [T; 3] + Sync),
+        team: &Team,
+    ) {
+        let Some(row) = self.loads.rows(self.columns.load()).acceleration else { return };
+        let first = Columns::velocity(D);
+        let forces = self.facts().tile_nodes(D);
+        team.each(&mut self.slots, |_, slot| {
+            slot.tile.all_mut()[forces..].fill([T::default(); 4]);
+            for bin in 0..block_nodes(D) {
+                let mut next = slot.block.last_group(bin);
+                while let Some((group, here)) = next {
+                    next = slot.block.group_before(group);
+                    for lane in 0..here as u32 {
+                        let at = Place { group, lane };
+                        let mut v = [T::default(); 3];
+                        (0..D).for_each(|d| v[d] = slot.block.get(at, first + d));
+                        let a = give(slot.block.number(at), v);
+                        (0..D).for_each(|d| slot.block.set(at, row + d, a[d]));
+                    }
+                }
+            }
+        });
+        let nodes = Nodes { all: &[], layout: &Layout::default() };
+        let maps = Maps { momentum: true, force: true, ..Maps::NOTHING };
+        self.each_load(nodes, maps, (dt.force_time, dt), team, |shape, loads| {
+            shape.map_loads(loads);
+            T::default()
+        });
+    }
+
+    /// The velocities that the nodes have where the particles are, m/s, by number.
+    pub(super) fn carried(&mut self, nodes: Nodes<'_, T>, dt: Steps<T>, out: &mut [[T; 3]], team: &Team) {
+        let Some(row) = self.loads.rows(self.columns.load()).acceleration else { return };
+        self.each_load(nodes, Maps::NOTHING, (dt.force_time, dt), team, |shape, loads| {
+            shape.carry_velocity(loads);
+            T::default()
+        });
+        for slot in &self.slots {
+            for (_, at) in slot.block.places() {
+                if let Some(v) = out.get_mut(slot.block.number(at)) {
+                    (0..D).for_each(|d| v[d] = slot.block.get(at, row + d));
+                }
+            }
+        }
     }
 
     fn common(&self, steps: Steps<T>) -> Common<T> {

@@ -10,7 +10,7 @@ use crate::grid::Node;
 use crate::parallel::Float;
 use crate::step::block_place::BlockPlace;
 use crate::step::body::GridBody;
-use crate::step::fields::{Fields, Member};
+use crate::step::fields::{Fields, Giver, Member};
 use crate::step::layout::numbers;
 use crate::step::rigid::RigidState;
 
@@ -166,8 +166,10 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
         out: &mut [[T; 3]],
     ) {
         let member = self.members[field];
-        let body = &self.bodies[member.body as usize];
-        body.presence().surface_quantity(member.local as usize, what, nodes, normals, out);
+        for giver in self.fields.givers(member.block as usize) {
+            let presence = self.bodies[giver.body as usize].presence();
+            presence.surface_quantity(giver.local as usize, what, nodes, normals, out);
+        }
         for mirror in self.mirrors {
             self.mirror(mirror, member, what, nodes, normals, out);
         }
@@ -177,7 +179,9 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     /// stencil. What lies beyond planes of symmetry counts: particles come again as their mirror images.
     pub fn near_points(&self, field: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
         let member = self.members[field];
-        self.bodies[member.body as usize].presence().near_points(member.local as usize, nodes, visit);
+        for giver in self.fields.givers(member.block as usize) {
+            self.bodies[giver.body as usize].presence().near_points(giver.local as usize, nodes, visit);
+        }
         let none = Image { at: self.coordinates, nodes, axes: [None; D] };
         self.near_images(member, self.mirrors, &none, visit);
     }
@@ -213,8 +217,8 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
                 here.at[axis] = image.div_euclid(block);
                 let by = (image.rem_euclid(block) - within as i32) * stride as i32;
                 here.axes[axis] = Some(Mirrored { by, plane: mirror.node - self.coordinates[axis] * block });
-                if let Some(local) = self.fields.local(&here.at, member.body) {
-                    self.near_mirrored(local, member, &here, visit);
+                for &giver in self.fields.givers_at(&here.at, member.body) {
+                    self.near_mirrored(giver, &here, visit);
                 }
                 self.near_images(member, &mirrors[next + 1..], &here, visit);
             }
@@ -222,17 +226,11 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
     }
 
     /// The particles near the images of some nodes, mirrored.
-    fn near_mirrored(
-        &self,
-        local: usize,
-        member: Member,
-        image: &Image<D>,
-        visit: &mut dyn FnMut(u64, &NearPoint<T>),
-    ) {
+    fn near_mirrored(&self, giver: Giver, image: &Image<D>, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
         let by: i32 = image.axes.iter().flatten().map(|m| m.by).sum();
         let moved = |set: u64, by: i32| if by < 0 { set >> -by } else { set << by };
-        let body = &self.bodies[member.body as usize];
-        body.presence().near_points(local, moved(image.nodes, by), &mut |nodes, near| {
+        let body = &self.bodies[giver.body as usize];
+        body.presence().near_points(giver.local as usize, moved(image.nodes, by), &mut |nodes, near| {
             let mut seen = *near;
             for d in 0..D {
                 let blocks = f64::from((image.at[d] - self.coordinates[d]) * BLOCK as i32);
@@ -289,7 +287,10 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
             let image = mirror.node - layer;
             let mut at = self.coordinates;
             at[axis] = image.div_euclid(block);
-            let Some(local) = self.fields.local(&at, member.body) else { continue };
+            let givers = self.fields.givers_at(&at, member.body);
+            if givers.is_empty() {
+                continue;
+            }
             let there = |n: usize| n - within * stride + image.rem_euclid(block) as usize * stride;
             let mut bits = 0;
             let mut turned = [[T::default(); 3]; 64];
@@ -302,9 +303,10 @@ impl<T: Float, const D: usize> SharedNodes<'_, T, D> {
                 }
                 found[there(n)][0] = if largest { out[n][0] } else { T::default() };
             }
-            self.bodies[member.body as usize]
-                .presence()
-                .surface_quantity(local, what, bits, &turned, &mut found);
+            for giver in givers {
+                let presence = self.bodies[giver.body as usize].presence();
+                presence.surface_quantity(giver.local as usize, what, bits, &turned, &mut found);
+            }
             for n in mine {
                 let mut image = found[there(n)];
                 if largest {

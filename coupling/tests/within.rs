@@ -1,0 +1,248 @@
+//! Elements within a body of particles: bars in concrete, by perfect bond.
+
+#![allow(missing_docs)]
+
+use std::f64::consts::PI;
+
+use coupling::Elements;
+use fem::{Fem, MeshBody};
+use impactite_geometry::structured::box_mesh;
+use impactite_geometry::{Cuboid, ElementBlock, ElementKind, ElementMesh, Filling, Lattice, Seeds, fill};
+use impactite_simd::Team;
+use mpm_contact::{Coulomb, Pairs, SeparatingPlane, SurfaceDistance};
+use mpm_core::{
+    Aflip, BlockGrid, Boundary, Flip, FullSpace, GridContact, IntoKernels, Linear, Method, Mpm, Musl,
+    PlaneStrain, QuadraticBSpline, SceneError, Side, Usl,
+};
+use mpm_materials::{LinearElastic, Moduli, NeoHookean};
+
+fn elastic(density: f64, young: f64, poisson: f64) -> LinearElastic<f64> {
+    LinearElastic::new(density, Moduli::young_poisson(young, poisson).expect("moduli")).expect("law")
+}
+
+fn boxed<const D: usize>(low: [f64; D], high: [f64; D]) -> Cuboid<D> {
+    Cuboid::new(low, high).expect("cuboid")
+}
+
+fn seeds<const D: usize>(cuboid: &Cuboid<D>, lattice: &Lattice<D>) -> Seeds<D> {
+    fill(cuboid, lattice, 2, &Filling::new()).expect("seeds")
+}
+
+/// Bars between points, `parts` elements each.
+fn bars<const D: usize>(ends: &[[[f64; D]; 2]], parts: usize) -> ElementMesh<D> {
+    let mut mesh = ElementMesh { nodes: Vec::new(), blocks: Vec::new(), node_sets: Default::default() };
+    let mut links = Vec::new();
+    for [from, to] in ends {
+        for n in 0..=parts {
+            let part = n as f64 / parts as f64;
+            if n > 0 {
+                let last = mesh.nodes.len() as u32;
+                links.extend([last - 1, last]);
+            }
+            mesh.nodes.push(std::array::from_fn(|d| from[d] + part * (to[d] - from[d])));
+        }
+    }
+    mesh.blocks.push(ElementBlock { name: "bars".into(), kind: ElementKind::Bar2, nodes: links });
+    mesh
+}
+
+/// A bar of concrete, of which a fiftieth is added in steel, that sways in its first mode: the speed of its long waves over what the
+/// stiffness and mass of both give.
+fn long_waves(method: impl IntoKernels<f64, 2>, elements_a_cell: f64) -> f64 {
+    const LENGTH: f64 = 1.0;
+    const HEIGHT: f64 = 0.1;
+    const H: f64 = 0.025;
+    let (concrete, steel) = ([2440.0, 34e9], [7850.0, 200e9]);
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let mode = |x: [f64; 2]| [1e-2 * (PI * x[0] / LENGTH).cos(), 0.0];
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    let block = seeds(&boxed([0.0, 0.0], [LENGTH, HEIGHT]), &lattice);
+    mpm.add("concrete", elastic(concrete[0], concrete[1], 0.0), &block, mode).expect("concrete");
+    let rows = 4;
+    let section = 0.02 * HEIGHT / f64::from(rows);
+    let at = |n: u32| HEIGHT * (f64::from(n) + 0.5) / f64::from(rows);
+    let ends: Vec<[[f64; 2]; 2]> = (0..rows).map(|n| [[0.0, at(n)], [LENGTH, at(n)]]).collect();
+    let mesh = bars(&ends, (LENGTH / H * elements_a_cell) as usize);
+    let mut fem = Fem::new(PlaneStrain);
+    let reinforcement = MeshBody::new("bars", mesh, elastic(steel[0], steel[1], 0.0));
+    fem.add(reinforcement.section(section).moving(mode)).expect("bars");
+    mpm.add_client(Elements::within(fem, "concrete").expect("bars")).expect("client");
+    let sum = |k: usize| concrete[k] + 0.02 * steel[k];
+    let expected = (sum(1) / sum(0)).sqrt();
+    let start = mpm.totals();
+    let amplitude = |mpm: &Mpm<2>| {
+        let mut sum = 0.0;
+        mpm.bodies()[0]
+            .for_each(&mut |p| sum += p.mass * p.velocity[0] * (PI * p.position[0] / LENGTH).cos());
+        sum
+    };
+    // Where it crosses zero: at a quarter and at three quarters of a period of 2 L / c.
+    let (mut last, mut crossings) = ((0.0, amplitude(&mpm)), Vec::new());
+    while crossings.len() < 6 {
+        mpm.step().expect("step");
+        let now = (mpm.time(), amplitude(&mpm));
+        if now.1 * last.1 < 0.0 {
+            crossings.push(last.0 + (now.0 - last.0) * last.1 / (last.1 - now.1));
+        }
+        last = now;
+        assert!(mpm.time() < 4.0 * LENGTH / expected * 4.0, "it does not sway");
+    }
+    let half_period = (crossings[5] - crossings[0]) / 5.0;
+    let now = mpm.totals();
+    let lost = (now.kinetic + now.internal) / (start.kinetic + start.internal) - 1.0;
+    println!("energy {:+.2} %", 100.0 * lost);
+    assert!(lost.abs() < 0.05, "energy {lost:+.4}");
+    assert!((now.momentum[0] - start.momentum[0]).abs() < 1e-12 * start.momentum_scale);
+    LENGTH / half_period / expected
+}
+
+#[test]
+fn long_waves_of_reinforced_concrete_are_as_fast_as_both_together() {
+    for elements_a_cell in [0.5, 1.0, 2.0] {
+        let linear = long_waves(Method::new(Linear, Flip, Musl, PlaneStrain), elements_a_cell);
+        let splines =
+            long_waves(Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain), elements_a_cell);
+        println!(
+            "{elements_a_cell} elements a cell: {linear:.5} (linear, FLIP, MUSL), {splines:.5} (splines, AFLIP, USL)"
+        );
+        for speed in [linear, splines] {
+            assert!((speed - 1.0).abs() < 5e-3, "{elements_a_cell} elements a cell: {speed}");
+        }
+    }
+}
+
+/// A block with a cross of bars, in so many parts, that spins and flies.
+fn spinning(separate: bool, parts: usize) -> Mpm<2> {
+    const H: f64 = 0.05;
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let motion = |x: [f64; 2]| [1.0 - 20.0 * (x[1] - 1.0), 20.0 * (x[0] - 1.0)];
+    let method = || Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain);
+    let grid = BlockGrid::new(lattice);
+    let mut mpm = match separate {
+        true => {
+            let surfaces = SurfaceDistance::new(SeparatingPlane, 0.0).expect("detector").locally();
+            let laws = Pairs::new(Coulomb::new(0.3).expect("law"));
+            Mpm::with_contact(method(), grid, GridContact::new(surfaces, laws))
+        }
+        false => Mpm::new(method(), grid),
+    };
+    let rubber = NeoHookean::new(1100.0, Moduli::young_poisson(1e7, 0.3).expect("moduli")).expect("rubber");
+    let block = seeds(&boxed([0.7; 2], [1.3; 2]), &lattice);
+    mpm.add("block", rubber, &block, motion).expect("block");
+    let mut fem = Fem::new(PlaneStrain);
+    let mesh = bars(&[[[0.75, 1.0], [1.25, 1.0]], [[1.0, 0.75], [1.0, 1.25]]], parts);
+    let steel = MeshBody::new("bars", mesh, elastic(7850.0, 2e9, 0.0)).section(2e-3);
+    fem.add(steel.moving(motion)).expect("bars");
+    mpm.add_client(Elements::within(fem, "block").expect("bars")).expect("client");
+    mpm
+}
+
+#[test]
+fn a_block_with_bars_flies_and_spins_as_one() {
+    for (separate, parts) in [(false, 5), (false, 10), (true, 10), (false, 20)] {
+        let mut mpm = spinning(separate, parts);
+        let start = mpm.totals();
+        mpm.run_until(PI / 10.0).expect("a turn");
+        let now = mpm.totals();
+        for d in 0..2 {
+            assert!((now.momentum[d] - start.momentum[d]).abs() < 1e-11 * start.momentum_scale, "momentum");
+        }
+        // About the middle, which flies along the x axis.
+        let spin = |t: &mpm_core::Totals| t.angular_momentum[2] + t.momentum[0];
+        let error = spin(&now) / spin(&start) - 1.0;
+        let energy = (now.kinetic + now.internal) / (start.kinetic + start.internal) - 1.0;
+        println!(
+            "kept apart from others: {separate}, {parts} parts: angular momentum {error:+.2e}, energy {energy:+.2e}"
+        );
+        // Without bars -6e-4 and -1.6e-3.
+        assert!(error.abs() < 2e-3, "angular momentum {error:+e}");
+        assert!(energy.abs() < 4e-3, "energy {energy:+e}");
+        // Bars are where matter is: both ends of the first lie on a line through the middle, at its length.
+        let mut ends = [[0.0; 2]; 2];
+        mpm.bodies()[1].for_each(&mut |p| {
+            for (n, end) in [(0, 0), (parts - 1, 1)] {
+                if p.number == n {
+                    ends[end] = [p.position[0], p.position[1]];
+                }
+            }
+        });
+        let length = (ends[0][0] - ends[1][0]).hypot(ends[0][1] - ends[1][1]);
+        let wanted = 0.5 * (1.0 - 1.0 / parts as f64);
+        assert!(
+            (length / wanted - 1.0).abs() < 0.03,
+            "the middles of its outer elements are {length} m apart"
+        );
+    }
+}
+
+/// Threads, and a run broken off.
+#[test]
+fn bits_are_the_same_for_threads_and_after_a_checkpoint() {
+    let path = std::env::temp_dir().join(format!("impactite-within-{}", std::process::id()));
+    let totals = |threads: usize, broken: bool| {
+        let mut mpm = spinning(true, 10);
+        mpm.set_team(Team::new(threads).expect("team"));
+        mpm.run_until(0.05).expect("run");
+        if broken {
+            impactite_scene::Solver::save(&mut mpm, &path).expect("saved");
+            mpm = spinning(true, 10);
+            impactite_scene::Solver::resume(&mut mpm, &path).expect("resumed");
+        }
+        mpm.run_until(0.1).expect("run");
+        let now = mpm.totals();
+        [now.kinetic, now.internal, now.momentum[0], now.angular_momentum[2]].map(f64::to_bits)
+    };
+    let alone = totals(1, false);
+    assert_eq!(totals(2, false), alone);
+    assert_eq!(totals(1, true), alone);
+    let _ = std::fs::remove_file(&path);
+}
+
+/// What hits a body with bars meets both: a block of particles against a wall, with its mass in elements for a half.
+#[test]
+fn what_meets_the_body_meets_its_elements() {
+    const H: f64 = 0.05;
+    let lattice = Lattice::new([0.0; 3], H).expect("lattice");
+    let method = Method::new(QuadraticBSpline, Aflip::default(), Usl, FullSpace);
+    let surfaces = SurfaceDistance::new(SeparatingPlane, 0.0).expect("detector").locally();
+    let laws = Pairs::new(Coulomb::new(0.0).expect("law"));
+    let mut mpm = Mpm::with_contact(method, BlockGrid::new(lattice), GridContact::new(surfaces, laws));
+    let (low, high) = ([0.5, 0.5, 0.5], [0.8, 0.8, 0.8]);
+    let law = || elastic(1000.0, 1e7, 0.2);
+    mpm.add("matrix", law(), &seeds(&boxed(low, high), &lattice), |_| [2.0, 0.0, 0.0]).expect("matrix");
+    mpm.add("target", law(), &seeds(&boxed([0.8, 0.5, 0.5], [1.1, 0.8, 0.8]), &lattice), |_| [0.0; 3])
+        .expect("target");
+    // Elements as heavy again as the matrix: a mesh of the same block.
+    let mut fem = Fem::new(FullSpace);
+    let mesh = box_mesh(&boxed(low, high), [6; 3]).expect("mesh");
+    fem.add(MeshBody::new("core", mesh, law()).moving(|_| [2.0, 0.0, 0.0])).expect("core");
+    mpm.add_client(Elements::within(fem, "matrix").expect("core")).expect("client");
+    let start = mpm.totals();
+    mpm.run_until(0.03).expect("run");
+    let now = mpm.totals();
+    assert!((now.momentum[0] - start.momentum[0]).abs() < 1e-11 * start.momentum_scale);
+    // A mass of two on one of one, elastic: the struck one leaves with at most 4/3 of the speed, with that of both at least.
+    let body = |n: usize| mpm.bodies()[n].totals();
+    let speed = |n: usize| body(n).momentum[0] / body(n).mass;
+    println!("matrix {:.3}, target {:.3}, core {:.3} m/s", speed(0), speed(1), speed(2));
+    assert!(speed(1) > 4.0 / 3.0 && speed(1) < 8.0 / 3.0, "the target leaves with {} m/s", speed(1));
+    assert!((speed(0) - speed(2)).abs() < 0.1, "matrix {} and core {} m/s", speed(0), speed(2));
+}
+
+#[test]
+fn what_cannot_be_within_says_so() {
+    let lattice = Lattice::new([0.0; 2], 0.1).expect("lattice");
+    let fem = || {
+        let mut fem = Fem::new(PlaneStrain);
+        let mesh = bars(&[[[0.2, 0.2], [0.4, 0.2]]], 2);
+        fem.add(MeshBody::new("bars", mesh, elastic(7850.0, 2e9, 0.0))).expect("bars");
+        fem
+    };
+    let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
+    let nowhere = mpm.add_client(Elements::within(fem(), "block").expect("bars"));
+    assert!(matches!(nowhere, Err(SceneError::NotWith { .. })), "{nowhere:?}");
+    let mut held = fem();
+    held.bound(Boundary::Fixed { axis: 0, at: 0.0, side: Side::Above }).expect("condition");
+    assert!(matches!(Elements::within(held, "block"), Err(SceneError::NotWith { .. })));
+    assert!(matches!(Elements::within(Fem::<2>::new(PlaneStrain), "block"), Err(SceneError::NoBodies)));
+}
