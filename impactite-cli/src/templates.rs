@@ -13,6 +13,7 @@ templates! {
     "rings": "two rubber rings collide",
     "rolling_cylinder": "a cylinder rolls down an incline: friction, gravity over time",
     "pressed_balls": "balls in a container are pressed: repeated bodies, traction",
+    "reinforced_bar": "line elements in a bar of concrete: waves of both together",
     "oblique_penetration": "an ogive rod through a plate, obliquely",
     "concrete_perforation": "a rod through concrete, axisymmetric",
     "debris_cloud": "a sphere on a plate at several km/s",

@@ -14,6 +14,7 @@ const SCENES: &[(&str, &[&str], bool)] = &[
     ("pressed_balls", &["end=\"60 us\""], true),
     ("debris_cloud", &["parameters.layers=4", "end=\"6 us\""], true),
     ("concrete_perforation", &[], true),
+    ("reinforced_bar", &[], true),
     ("oblique_penetration", &["parameters.cells=6", "end=\"100 us\""], false),
 ];
 

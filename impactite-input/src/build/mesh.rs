@@ -4,11 +4,11 @@ use impactite::fem::{Erosion, Hourglass, MeshBody, Technology};
 use impactite::geometry::structured::{
     Butterfly, ball_mesh, box_mesh, cylinder_mesh, half_disc_mesh, tube_mesh,
 };
-use impactite::geometry::{Ball, Cuboid, Cylinder, ElementKind, ElementMesh, Tube};
+use impactite::geometry::{Ball, Cuboid, Cylinder, ElementBlock, ElementKind, ElementMesh, Tube};
 
 use super::common::World;
 use super::wrong::{At, Made, wrong};
-use crate::model::body::{Body, Integration, Mesh, MeshFile};
+use crate::model::body::{Bars, Body, Integration, Mesh, MeshFile};
 use crate::model::fixed;
 use crate::model::shape::Shape;
 use crate::quantity::{Length, Quantity};
@@ -17,6 +17,7 @@ use crate::quantity::{Length, Quantity};
 pub(super) fn of<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -> Made<ElementMesh<D>> {
     match &body.mesh {
         None => wrong(key, "needs a `mesh`: a file, or `edge` with a `shape`"),
+        Some(Mesh::Bars(spec)) => bars(&format!("{key}.mesh.bars"), spec),
         Some(Mesh::Gmsh(file)) => read(world, key, "gmsh", file, ElementMesh::read_gmsh),
         Some(Mesh::Abaqus(file)) => read(world, key, "abaqus", file, ElementMesh::read_abaqus),
         Some(Mesh::Edge(edge)) => match &body.shape {
@@ -24,6 +25,37 @@ pub(super) fn of<const D: usize>(world: &World<'_, D>, key: &str, body: &Body) -
             None => wrong(key, "a mesh by its `edge` is of a `shape`"),
         },
     }
+}
+
+/// Bars, each with nodes of its own.
+fn bars<const D: usize>(key: &str, spec: &Bars) -> Made<ElementMesh<D>> {
+    let (edge, most) = (spec.edge.value, 1e6);
+    if edge <= 0.0 {
+        return wrong(format!("{key}.edge"), format!("{edge} m is not allowed; it must be positive"));
+    }
+    let (mut nodes, mut links) = (Vec::new(), Vec::new());
+    for (n, [from, to]) in spec.lines.iter().enumerate() {
+        let key = format!("{key}.lines[{n}]");
+        let (from, to): ([f64; D], [f64; D]) = (fixed(from).at(&key)?, fixed(to).at(&key)?);
+        let length = (0..D).map(|d| (to[d] - from[d]).powi(2)).sum::<f64>().sqrt();
+        let parts = (length / edge).round().max(1.0);
+        if length == 0.0 || parts > most {
+            return wrong(key, format!("is {length} m long, {parts} elements; 1 to {most} are allowed"));
+        }
+        for n in 0..=parts as u32 {
+            let part = f64::from(n) / parts;
+            if n > 0 {
+                let last = nodes.len() as u32;
+                links.extend([last - 1, last]);
+            }
+            nodes.push(std::array::from_fn(|d| from[d] + part * (to[d] - from[d])));
+        }
+    }
+    if links.is_empty() {
+        return wrong(format!("{key}.lines"), "needs a bar");
+    }
+    let block = ElementBlock { name: "bars".into(), kind: ElementKind::Bar2, nodes: links };
+    Ok(ElementMesh { nodes, blocks: vec![block], node_sets: Default::default() })
 }
 
 fn read<const D: usize>(
@@ -102,7 +134,10 @@ pub(super) fn body<const D: usize>(world: &World<'_, D>, name: &str, body: &Body
     // Bars have one strain, and nothing to choose.
     let kinds: Vec<ElementKind> =
         mesh.blocks.iter().map(|block| block.kind).filter(|kind| *kind != ElementKind::Bar2).collect();
-    let made = MeshBody::new(name, mesh, world.law(&key, body)?.material).moving(move |x| velocity(x));
+    let mut made = MeshBody::new(name, mesh, world.law(&key, body)?.material).moving(move |x| velocity(x));
+    if let Some(Mesh::Bars(spec)) = &body.mesh {
+        made = made.section(spec.section.value);
+    }
     let made = match &body.integration {
         Some(integration) => kinds.iter().try_fold(made, |made, &kind| {
             Ok(made.with(kind, technology(&format!("{key}.integration"), integration)?))

@@ -17,7 +17,7 @@ use impactite::scene::Solver;
 use super::common::World;
 use super::kernels::Setting;
 use super::material::{Acting, Start};
-use super::wrong::{At, Made, of_body, wrong};
+use super::wrong::{At, Made, known, of_body, wrong};
 use super::{mesh, shape};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
@@ -191,6 +191,18 @@ fn add_elements<E: Setting<D>, const D: usize>(
     let key = format!("bodies.{name}");
     let mut fem = Fem::new(embedding);
     fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&key, e))?;
+    let spec = body.elements.as_ref();
+    if let Some(host) = spec.and_then(|e| e.within.as_deref()) {
+        let at = format!("{key}.elements.within");
+        if spec.is_some_and(|e| e.by != MeetBy::default()) {
+            return wrong(at, "either `by` or `within`");
+        }
+        let particles =
+            world.scene.expanded.iter().filter(|(_, b)| b.elements.is_none() && b.rigid.is_none());
+        known(&at, "body of particles", host, particles.map(|(name, _)| name.as_str()))?;
+        let elements = Elements::within(fem, host).map_err(|e| of_body(&key, e))?;
+        return mpm.add_client(elements).map_err(|e| of_body(&key, e));
+    }
     for (key, boundary) in world.conditions()? {
         fem.bound(boundary).at(key)?;
     }

@@ -9,7 +9,7 @@ use super::parts::parts;
 use super::shape::Shape;
 use super::{Axis, Vector};
 use crate::formula::Formula;
-use crate::quantity::{Acceleration, Density, Length, Plain, Pressure, Quantity, Speed, Spin, Time};
+use crate::quantity::{Acceleration, Area, Density, Length, Plain, Pressure, Quantity, Speed, Spin, Time};
 
 /// A body: a shape (or a mesh) of a material, with its motion at the start and what acts on it alone.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -154,6 +154,18 @@ parts! {
         /// The way.
         #[serde(default)]
         by: MeetBy,
+        /// Instead of it, the body of particles that they are a part of, by perfect bond: bars in concrete.
+        #[serde(default)]
+        within: Option<String>,
+    }
+    /// Bars between points.
+    Bars {
+        /// Ends of each.
+        lines: Vec<[Vector<Length>; 2]>,
+        /// Length of their elements, about.
+        edge: Quantity<Length>,
+        /// Area of the section of one, in the plane per metre of depth.
+        section: Quantity<Area>,
     }
 }
 
@@ -188,6 +200,8 @@ pub enum MeetBy {
 pub enum Mesh {
     /// A regular mesh of the body's `shape` (box, ball, cylinder, tube, shell of the plane) with edges of about this length.
     Edge(Quantity<Length>),
+    /// Straight bars.
+    Bars(Bars),
     /// A file of Gmsh.
     Gmsh(MeshFile),
     /// A file of Abaqus.
