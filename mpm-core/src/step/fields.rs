@@ -5,7 +5,7 @@
 //! own: the first body the grid's block, the others blocks behind the grid's. Particles read and write their
 //! body's block as if they were alone; only the contact stages know that there are others. A field block holds the
 //! nodes that the body's particles reach, if they are few ([`Layout`]). Bodies that move as one share the fields of one of them
-//! ([`Fields::join`]).
+//! (`Fields::join`).
 
 use super::body::GridBody;
 use super::layout::{Claim, Layout, whole_block};
