@@ -19,9 +19,14 @@ fn units_are_exact() {
     assert_eq!(length("7.6 mm"), Ok(7.6e-3));
     assert_eq!(length("3.8mm"), Ok(3.8e-3));
     assert_eq!(length("25.4 mm"), Ok(25.4e-3));
-    assert_eq!(length("1 inch"), Ok(0.0254));
+    for inches in ["1 inch", "1 in", "1in", "(0.5 + 0.5) in"] {
+        assert_eq!(length(inches), Ok(0.0254), "{inches}");
+    }
     let p = Parameters::default();
     assert_eq!(p.quantity("80 us", "s"), Ok(80e-6));
+    assert_eq!(p.quantity("2 min", "s"), Ok(120.0));
+    assert_eq!(p.quantity("100 in/s^2", "m/s^2"), Ok(2.54));
+    assert_eq!(p.quantity("sin(30 deg)", ""), Ok(0.5));
     assert_eq!(p.quantity("80 µs", "s"), Ok(80e-6));
     assert_eq!(p.quantity("-190 m/s", "m/s"), Ok(-190.0));
     assert_eq!(p.quantity("8.96 g/cm^3", "kg/m^3"), Ok(8960.0));

@@ -124,7 +124,7 @@ impl Parameters {
             return Err(format!("`{name}` cannot be the name of a parameter: {why}"));
         }
         let number = self.in_any_unit(value)?;
-        evaluate(&format!("{name} = ({value})"), &mut self.context)?;
+        evaluate(&format!("{name} = ({})", inches(value)), &mut self.context)?;
         self.numbers.insert(name.into(), number);
         Ok(())
     }
@@ -141,6 +141,7 @@ impl Parameters {
     /// A text that is no quantity; another measure.
     pub fn quantity(&self, text: &str, unit: &str) -> Result<f64, String> {
         let mut context = self.context.clone();
+        let text = &*inches(text);
         let asked = if unit.is_empty() { text.to_string() } else { format!("({text}) to ({unit})") };
         let said = evaluate(&format!("({asked}) to 17 sf"), &mut context)?;
         let plain = said.strip_prefix("approx. ").unwrap_or(&said);
@@ -176,8 +177,31 @@ impl Parameters {
     }
 }
 
+/// With `in` as inches: the library takes the word for a conversion, of which quantities have no need.
+fn inches(text: &str) -> String {
+    let within = |c: char| c.is_alphanumeric() || c == '_';
+    let mut out = String::with_capacity(text.len() + 4);
+    let mut rest = text;
+    while let Some(at) = rest.find("in") {
+        let (before, after) = (&rest[..at], &rest[at + 2..]);
+        out += before;
+        let alone = !out.ends_with(within) && !after.starts_with(within);
+        // A number may stand right before it: `3in`.
+        let number = out.ends_with(|c: char| c.is_ascii_digit()) && !after.starts_with(within) && {
+            let word = out.rsplit(|c: char| !within(c)).next().unwrap_or_default();
+            word.starts_with(|c: char| c.is_ascii_digit())
+        };
+        out += if alone || number { "inch" } else { "in" };
+        rest = after;
+    }
+    out + rest
+}
+
 /// What a name stands for already.
 fn taken(name: &str) -> Option<String> {
+    if name == "in" {
+        return Some("it is a unit".into());
+    }
     if ["x", "y", "z", "r", "t"].contains(&name) {
         return Some("it is a variable of formulas".into());
     }
