@@ -63,6 +63,18 @@ fn parameters_go_into_quantities_in_order() {
     p.define("spacing", "radius / cells").unwrap();
     assert_eq!(p.quantity("spacing", "m"), Ok(0.38e-3));
     assert_eq!(p.numbers()["spacing"], 0.38e-3);
+    // Units that nobody means; those that everybody means keep their names.
+    for (name, value) in
+        [("section", "2 cm^2"), ("half", "3 cm^2"), ("span", "4 cm^2"), ("rod", "5 cm^2"), ("link", "6 cm^2")]
+    {
+        p.define(name, value).unwrap_or_else(|why| panic!("{name}: {why}"));
+        let number = p.quantity(value, "m^2");
+        assert_eq!(p.quantity(name, "m^2"), number, "{name}");
+        assert_eq!(p.quantity(&format!("2 * {name} / 2"), "m^2"), number, "{name}");
+    }
+    for name in ["mm", "MPa", "deg", "in", "inch", "sqrt", "m", "h", "x", "pi", "e"] {
+        assert!(p.define(name, "1").is_err(), "{name}");
+    }
     assert_eq!(p.quantity("2 * cells", ""), Ok(20.0));
     for (name, value) in
         [("m", "3"), ("x", "3"), ("2x", "3"), ("a-b", "3"), ("fine", "nonsense nobody knows")]

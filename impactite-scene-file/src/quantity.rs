@@ -197,10 +197,22 @@ fn inches(text: &str) -> String {
     out + rest
 }
 
+/// Names of three letters and more that stand for what they usually do.
+const USUAL: &[&str] = &[
+    "rad", "deg", "rpm", "min", "day", "Hz", "kHz", "MHz", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "atm",
+    "inch", "lbf", "mile", "mph", "ton", "tonne", "cal", "kcal", "percent", "sqrt", "cbrt", "abs", "exp",
+    "log", "log2", "log10", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "floor",
+    "ceil", "round", "mod", "per", "and",
+];
+
 /// What a name stands for already.
 fn taken(name: &str) -> Option<String> {
     if name == "in" {
         return Some("it is a unit".into());
+    }
+    // Of longer names only those that scenes are written with: nobody who calls a parameter `section` means the square mile.
+    if name.len() > 2 && !USUAL.contains(&name) {
+        return None;
     }
     if ["x", "y", "z", "r", "t"].contains(&name) {
         return Some("it is a variable of formulas".into());
