@@ -83,10 +83,11 @@ impl<const D: usize> Elements<D> {
     /// matter (perfect bond): what meets the body meets both. Where elements are, particles may be, too; the mass and stiffness of both
     /// add up.
     ///
-    /// Elements may be larger than cells, which tie them at their nodes alone, or smaller.
+    /// Elements may be larger than cells, which tie them at their nodes alone, or smaller. Where they erode, bars have failed: their mass stays
+    /// with the body's matter.
     ///
     /// # Errors
-    /// No body; conditions and velocities of nodes of their own, and elements that erode: the body's conditions hold what moves with it.
+    /// No body; conditions and velocities of nodes of their own: the body's conditions hold what moves with it.
     pub fn within(mut fem: Fem<D>, body: impl Into<String>) -> Result<Self, SceneError> {
         if fem.element_bodies().is_empty() {
             return Err(SceneError::NoBodies);
@@ -98,12 +99,6 @@ impl<const D: usize> Elements<D> {
             return refuse(
                 "a condition of the elements".into(),
                 "they move with the body that they are within: give conditions to the scene",
-            );
-        }
-        if let Some(body) = fem.element_bodies().iter().find(|body| body.erodes()) {
-            return refuse(
-                format!("the body `{}`, whose elements erode,", body.name()),
-                "what is eroded would stay on the grid",
             );
         }
         // What matter carries along has no balance of its own; the scene watches over both.

@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use coupling::Elements;
-use fem::{Fem, MeshBody};
+use fem::{Erosion, Fem, MeshBody};
 use impactite_geometry::structured::box_mesh;
 use impactite_geometry::{Cuboid, ElementBlock, ElementKind, ElementMesh, Filling, Lattice, Seeds, fill};
 use impactite_simd::Team;
@@ -14,7 +14,7 @@ use mpm_core::{
     Aflip, BlockGrid, Boundary, Flip, FullSpace, GridContact, IntoKernels, Linear, Method, Mpm, Musl,
     PlaneStrain, QuadraticBSpline, SceneError, Side, Usl,
 };
-use mpm_materials::{LinearElastic, Moduli, NeoHookean};
+use mpm_materials::{J2, LinearElastic, LogarithmicBulk, Moduli, NeoHookean, Solid};
 
 fn elastic(density: f64, young: f64, poisson: f64) -> LinearElastic<f64> {
     LinearElastic::new(density, Moduli::young_poisson(young, poisson).expect("moduli")).expect("law")
@@ -227,6 +227,48 @@ fn what_meets_the_body_meets_its_elements() {
     println!("matrix {:.3}, target {:.3}, core {:.3} m/s", speed(0), speed(1), speed(2));
     assert!(speed(1) > 4.0 / 3.0 && speed(1) < 8.0 / 3.0, "the target leaves with {} m/s", speed(1));
     assert!((speed(0) - speed(2)).abs() < 0.1, "matrix {} and core {} m/s", speed(0), speed(2));
+}
+
+/// A bar that is drawn with rubber around it yields, and fails.
+#[test]
+fn bars_fail_and_their_mass_stays() {
+    const H: f64 = 0.05;
+    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
+    let pulled = |x: [f64; 2]| [10.0 * (x[0] - 1.0), 0.0];
+    let draw = |at_most: Option<f64>| {
+        let method = Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain);
+        let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+        let rubber =
+            NeoHookean::new(1100.0, Moduli::young_poisson(1e7, 0.3).expect("moduli")).expect("rubber");
+        let block = seeds(&boxed([0.5, 0.9], [1.5, 1.1]), &lattice);
+        mpm.add("block", rubber, &block, pulled).expect("block");
+        let strength = J2::linear(77e9, 100e6, 1e8).expect("strength");
+        let law = Solid::new(strength, LogarithmicBulk::new(7850.0, 167e9).expect("bulk"));
+        let mut bar =
+            MeshBody::new("bar", bars(&[[[0.6, 1.0], [1.4, 1.0]]], 16), law).section(1e-4).moving(pulled);
+        if let Some(strain) = at_most {
+            bar = bar.eroding(Erosion::plastic_strain(strain));
+        }
+        let mut fem = Fem::new(PlaneStrain);
+        fem.add(bar).expect("bar");
+        mpm.add_client(Elements::within(fem, "block").expect("bar")).expect("client");
+        let start = mpm.totals();
+        mpm.run_until(8e-3).expect("run");
+        let now = mpm.totals();
+        assert!((now.momentum[0] - start.momentum[0]).abs() < 1e-11 * start.momentum_scale, "momentum");
+        assert!((now.mass / start.mass - 1.0).abs() < 1e-12, "mass");
+        (mpm.bodies()[1].len(), now.kinetic, mpm.account().energy_error())
+    };
+    let (whole, slower, kept) = draw(None);
+    let (left, faster, lost) = draw(Some(0.03));
+    println!(
+        "{whole} elements and {left} points; kinetic energy {slower:.3} and {faster:.3} J; errors {kept:+.1e}, {lost:+.1e}"
+    );
+    // It is drawn the same all along, and fails so: what is left are the nodes, with its mass.
+    assert_eq!((whole, left), (16, 17));
+    // What failed holds the block back no more.
+    assert!(faster > slower, "kinetic energy {slower} with, {faster} without the bar");
+    assert!(kept.abs() < 0.02 && lost.abs() < 0.02, "energy errors {kept}, {lost}");
 }
 
 #[test]
