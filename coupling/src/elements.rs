@@ -87,7 +87,7 @@ impl<const D: usize> Elements<D> {
     /// with the body's matter.
     ///
     /// # Errors
-    /// No body; conditions and velocities of nodes of their own: the body's conditions hold what moves with it.
+    /// No body; conditions, velocities of nodes and a body force of their own: those of the scene hold and move what moves with it.
     pub fn within(mut fem: Fem<D>, body: impl Into<String>) -> Result<Self, SceneError> {
         if fem.element_bodies().is_empty() {
             return Err(SceneError::NoBodies);
@@ -99,6 +99,12 @@ impl<const D: usize> Elements<D> {
             return refuse(
                 "a condition of the elements".into(),
                 "they move with the body that they are within: give conditions to the scene",
+            );
+        }
+        if fem.has_body_force() {
+            return refuse(
+                "a body force of the elements".into(),
+                "that of the scene acts on all matter: give it to the scene",
             );
         }
         // What matter carries along has no balance of its own; the scene watches over both.

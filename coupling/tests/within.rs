@@ -271,6 +271,24 @@ fn bars_fail_and_their_mass_stays() {
     assert!(kept.abs() < 0.02 && lost.abs() < 0.02, "energy errors {kept}, {lost}");
 }
 
+/// Weight acts on all of it.
+#[test]
+fn a_block_with_bars_falls_as_one() {
+    let mut mpm = spinning(false, 10);
+    mpm.set_body_force(|_| [0.0, -10.0]);
+    let (start, end) = (mpm.totals(), 0.1);
+    mpm.run_until(end).expect("run");
+    let now = mpm.totals();
+    let gained = (now.momentum[1] - start.momentum[1]) / start.mass;
+    assert!((gained / (-10.0 * end) - 1.0).abs() < 1e-9, "{gained} m/s");
+    for body in [0, 1] {
+        let totals = mpm.bodies()[body].totals();
+        // It spins about the middle of both, and starts with 1 m/s along x.
+        assert!((totals.momentum[1] / totals.mass + 10.0 * end).abs() < 0.05, "body {body}: {totals:?}");
+    }
+    assert!(mpm.account().energy_error().abs() < 5e-3, "{:?}", mpm.account());
+}
+
 #[test]
 fn what_cannot_be_within_says_so() {
     let lattice = Lattice::new([0.0; 2], 0.1).expect("lattice");
@@ -286,5 +304,8 @@ fn what_cannot_be_within_says_so() {
     let mut held = fem();
     held.bound(Boundary::Fixed { axis: 0, at: 0.0, side: Side::Above }).expect("condition");
     assert!(matches!(Elements::within(held, "block"), Err(SceneError::NotWith { .. })));
+    let mut heavy = fem();
+    heavy.set_body_force(std::sync::Arc::new(|_| [0.0, -10.0]));
+    assert!(matches!(Elements::within(heavy, "block"), Err(SceneError::NotWith { .. })));
     assert!(matches!(Elements::within(Fem::<2>::new(PlaneStrain), "block"), Err(SceneError::NoBodies)));
 }

@@ -320,6 +320,10 @@ impl<const D: usize> Fem<D> {
         list.resize_with(self.bodies.len(), ContactSurface::default);
         look(list, &self.bodies, &self.boundaries, (&self.clock, dt), &self.team)
     }
+    /// Is there a body force?
+    pub fn has_body_force(&self) -> bool {
+        self.body_force.is_some()
+    }
     /// Has a body nodes with prescribed velocities?
     pub fn prescribes(&self) -> bool {
         self.bodies.iter().any(|body| !body.prescribed.is_empty())

@@ -200,6 +200,7 @@ fn add_elements<E: Setting<D>, const D: usize>(
         let particles =
             world.scene.expanded.iter().filter(|(_, b)| b.elements.is_none() && b.rigid.is_none());
         known(&at, "body of particles", host, particles.map(|(name, _)| name.as_str()))?;
+        // Conditions and weight are those of the scene.
         let elements = Elements::within(fem, host).map_err(|e| of_body(&key, e))?;
         return mpm.add_client(elements).map_err(|e| of_body(&key, e));
     }

@@ -53,6 +53,8 @@ pub trait ClientSteps<T: Float, const D: usize> {
     fn stable_step(&self) -> f64;
     /// Are there proxies on the grid?
     fn on_grid(&self) -> bool;
+    /// Is it a part of a body of particles, so that all forces on it are those of nodes?
+    fn is_within(&self) -> bool;
     /// Its surface, if particles meet that.
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>>;
     /// What boundaries and loads of its own gave to the body since the start.

@@ -187,6 +187,9 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
     fn on_grid(&self) -> bool {
         !self.points.is_empty()
     }
+    fn is_within(&self) -> bool {
+        !self.carried.is_empty()
+    }
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>> {
         self.client.surface()
     }

@@ -22,7 +22,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Have them move by their own forces, and map their velocities.
     pub(super) fn open_clients(&mut self, dt: T) -> Result<(), StepError> {
         if self.scene.conditions.gravity.is_some() {
-            self.check_clients("a body force of the scene").map_err(|e| self.stopped(Stopped::Scene(e)))?;
+            self.check_weight().map_err(|e| self.stopped(Stopped::Scene(e)))?;
         }
         for n in 0..self.scene.clients.len() {
             let nodes = Nodes { all: self.grid.nodes(), layout: self.grid.fields.layout() };
@@ -43,6 +43,17 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stepper.rate = self.stepper.rate.max(rate);
         }
         Ok(())
+    }
+
+    /// Refuse a body force beside bodies of another discretisation whose own forces are not those of nodes.
+    fn check_weight(&self) -> Result<(), SceneError> {
+        let apart = |n: &&usize| {
+            self.scene.bodies[**n].client().is_some_and(|client| client.on_grid() && !client.is_within())
+        };
+        let what = "a body force of the scene";
+        self.scene.clients.iter().find(apart).map_or(Ok(()), |&n| {
+            Err(SceneError::BesideClient { body: self.scene.bodies[n].name().into(), what })
+        })
     }
 
     /// Refuse what asks the nodes of the scene for all forces, beside bodies of another discretisation with proxies there.
@@ -177,6 +188,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let refuse = |what| Err(SceneError::BesideClient { body: name.clone(), what });
         if on_grid {
             self.check_beside(&refuse)?;
+            if within.is_none() && self.scene.conditions.gravity.is_some() {
+                return refuse("a body force of the scene");
+            }
         }
         self.check_half_sizes(&name, &body.half_size())?;
         let ratio = body.spacing() / self.grid.lattice().spacing();
@@ -222,9 +236,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         if self.scene.bodies.iter().any(|b| b.division().is_some_and(|b| b.merges().is_some())) {
             return refuse("merging");
-        }
-        if self.scene.conditions.gravity.is_some() {
-            return refuse("a body force of the scene");
         }
         if !self.wrap()?.is_none() {
             return refuse("periodic planes");
