@@ -163,6 +163,8 @@ def endless(scene):
 
 def interrupt_soon():
     """Press Ctrl-C in a moment. The thread that does can only do so while the interpreter is free."""
+    # Programs that a shell starts in the background ignore it, and hand that on.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
 
 
