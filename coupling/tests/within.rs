@@ -11,8 +11,8 @@ use impactite_geometry::{Cuboid, ElementBlock, ElementKind, ElementMesh, Filling
 use impactite_simd::Team;
 use mpm_contact::{Coulomb, Pairs, SeparatingPlane, SurfaceDistance};
 use mpm_core::{
-    Aflip, BlockGrid, Boundary, Flip, FullSpace, GridContact, IntoKernels, Linear, Method, Mpm, Musl,
-    PlaneStrain, QuadraticBSpline, SceneError, Side, Usl,
+    Aflip, BlockGrid, Boundary, CpGimp, Flip, FullSpace, GridContact, IntoKernels, Linear, Method, Mpm, Musl,
+    PlaneStrain, QuadraticBSpline, SceneError, Side, Usf, Usl,
 };
 use mpm_materials::{J2, LinearElastic, LogarithmicBulk, Moduli, NeoHookean, Solid};
 
@@ -102,10 +102,12 @@ fn long_waves_of_reinforced_concrete_are_as_fast_as_both_together() {
         let linear = long_waves(Method::new(Linear, Flip, Musl, PlaneStrain), elements_a_cell);
         let splines =
             long_waves(Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain), elements_a_cell);
+        let first = long_waves(Method::new(CpGimp, Flip, Usf, PlaneStrain).compiled(), elements_a_cell);
         println!(
-            "{elements_a_cell} elements a cell: {linear:.5} (linear, FLIP, MUSL), {splines:.5} (splines, AFLIP, USL)"
+            "{elements_a_cell} elements a cell: {linear:.5} (linear, FLIP, MUSL), {splines:.5} (splines, AFLIP, USL), {first:.5} (cpGIMP, \
+             FLIP, USF)"
         );
-        for speed in [linear, splines] {
+        for speed in [linear, splines, first] {
             assert!((speed - 1.0).abs() < 5e-3, "{elements_a_cell} elements a cell: {speed}");
         }
     }

@@ -45,21 +45,23 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Ok(())
     }
 
-    /// Refuse a body force beside bodies of another discretisation whose own forces are not those of nodes.
-    fn check_weight(&self) -> Result<(), SceneError> {
-        let apart = |n: &&usize| {
-            self.scene.bodies[**n].client().is_some_and(|client| client.on_grid() && !client.is_within())
-        };
-        let what = "a body force of the scene";
-        self.scene.clients.iter().find(apart).map_or(Ok(()), |&n| {
-            Err(SceneError::BesideClient { body: self.scene.bodies[n].name().into(), what })
-        })
-    }
-
     /// Refuse what asks the nodes of the scene for all forces, beside bodies of another discretisation with proxies there.
     pub(super) fn check_clients(&self, what: &'static str) -> Result<(), SceneError> {
-        let on_grid = |n: &&usize| self.scene.bodies[**n].client().is_some_and(ClientSteps::on_grid);
-        match self.scene.clients.iter().find(on_grid) {
+        self.refuse_beside(what, |client| client.on_grid())
+    }
+
+    /// Refuse a body force beside such bodies whose own forces are not those of nodes.
+    fn check_weight(&self) -> Result<(), SceneError> {
+        self.refuse_beside("a body force of the scene", |client| client.on_grid() && !client.is_within())
+    }
+
+    fn refuse_beside(
+        &self,
+        what: &'static str,
+        stands_against: impl Fn(&dyn ClientSteps<T, D>) -> bool,
+    ) -> Result<(), SceneError> {
+        let against = |n: &&usize| self.scene.bodies[**n].client().is_some_and(&stands_against);
+        match self.scene.clients.iter().find(against) {
             None => Ok(()),
             Some(&n) => Err(SceneError::BesideClient { body: self.scene.bodies[n].name().into(), what }),
         }
