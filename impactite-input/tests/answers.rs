@@ -145,7 +145,8 @@ up = { contact_force = { between = ["table", "block"], axis = "y" } }
 down = { contact_force = { between = ["block", "table"], axis = "y" } }
 "#,
     );
-    // Per metre of depth, 1000 kg/m^3 of 0.16 m^2.
+    // Per metre of depth, 1000 kg/m^3 of 0.16 m^2. With wide shape functions (cpGIMP, splines) local damping never rests, and the force
+    // is 1641 to 1678 N.
     assert!((at("up") / 1600.0 - 1.0).abs() < 0.02, "{} N", at("up"));
     assert_eq!(at("down"), -at("up"));
 }
