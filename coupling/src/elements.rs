@@ -4,15 +4,19 @@ use fem::{ContactSurface, Fem};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::parameter;
 use impactite_scene::{
-    Archive, Body, CheckpointError, Exchange, PointView, SceneError, Solver, StepError, Stopped, Totals,
-    Watch,
+    Archive, Body, Boundary, CheckpointError, Exchange, PointView, SceneError, Solver, StepError, Stopped,
+    Totals, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::ContactLaw;
 use mpm_contact::mesh::MeshContact;
-use mpm_core::{ClientPoint, GridClient, SurfaceClient};
+use mpm_core::{ClientPoint, GridClient, Matter, NewParticles, SurfaceClient, Surroundings};
 
 use crate::cells::SweptBoxes;
+use crate::conversion::{Conversion, ConversionLog, Particles, Rules};
+use crate::element::least_jacobian;
+use crate::particles::particles_of;
+use crate::tied::Tied;
 
 /// Part of the smallest edge that a node on the grid is wide: it lies on the surface.
 const WIDTH: f64 = 1e-3;
@@ -47,7 +51,21 @@ enum Way<const D: usize> {
     Grid,
     /// As a part of the body of this name.
     Within(String),
+    Converting(Box<Converting<D>>),
     Surface(Box<PointToSurface<D>>),
+}
+
+/// A body that becomes one of particles, element by element.
+struct Converting<const D: usize> {
+    /// Name of the body of particles.
+    body: String,
+    rules: Rules<D>,
+    tied: Tied<D>,
+    /// Least mass of a particle, kg, and half its size, m.
+    lightest: f64,
+    half_size: f64,
+    /// Edge of the cells of the grid that they were tied to, m.
+    spacing: f64,
 }
 
 /// Contact of particles with the surfaces.
@@ -110,6 +128,61 @@ impl<const D: usize> Elements<D> {
         // What matter carries along has no balance of its own; the scene watches over both.
         fem.set_watch(Watch::off());
         Self::new(fem, Way::Within(body.into()))
+    }
+
+    /// Their matter becomes particles, element by element, by the rules of a [`Conversion`]: where those are (AFEMP), or from the start in a
+    /// region (MPFEM). The particles are of a body of this name, which the scene makes with this one; the elements give them their mass,
+    /// momentum and states, and never come back. Elements that are left are tied to the particles beside them, as bars are that are
+    /// [within](Self::within) a body; the other nodes are none of the grid's, which is only where particles are.
+    ///
+    /// Conditions are those of the scene, which hold the elements too. A body force of the scene is refused.
+    ///
+    /// The log tells what was converted while the scene has the elements.
+    ///
+    /// # Errors
+    /// Not one body; bars; conditions and a body force of their own; rules that cannot be.
+    pub fn converting(
+        mut fem: Fem<D>,
+        body: impl Into<String>,
+        conversion: Conversion<D>,
+    ) -> Result<(Self, ConversionLog), SceneError> {
+        if fem.element_bodies().len() != 1 {
+            return Err(SceneError::NotOneBody(fem.element_bodies().len()));
+        }
+        let refuse = |what: &str, why| {
+            let (what, method) = (what.into(), "elements that become particles".into());
+            Err(SceneError::NotWith { what, method, why })
+        };
+        if !fem.boundaries().is_empty() {
+            return refuse(
+                "a condition of the elements",
+                "those of the scene hold elements and particles: give it to the scene",
+            );
+        }
+        if fem.has_body_force() {
+            return refuse("a body force of the elements", "particles would not have it");
+        }
+        fem.set_watch(Watch::off());
+        let most = f64::from(match conversion.particles() {
+            Particles::Each(count) => count,
+            _ => 2,
+        });
+        let rules = conversion.of(&mut fem)?;
+        let elements = &fem.element_bodies()[0];
+        let least = elements.nodes().iter().map(|node| node.mass).fold(f64::INFINITY, f64::min);
+        let Ok(lengths) = elements.mesh().edge_lengths() else {
+            return Err(SceneError::Empty(elements.name().into()));
+        };
+        let converting = Converting {
+            body: body.into(),
+            lightest: 1e-3 * least / most.powi(D as i32),
+            half_size: 0.5 * lengths.mean / most,
+            rules,
+            tied: Tied::default(),
+            spacing: 0.0,
+        };
+        let log = converting.rules.log.clone();
+        Ok((Self::new(fem, Way::Converting(Box::new(converting)))?, log))
     }
 
     /// Particles meet their surfaces one by one, with a law.
@@ -180,6 +253,86 @@ impl<const D: usize> Elements<D> {
     }
 }
 
+impl<const D: usize> Converting<D> {
+    /// Have elements become particles that left, and mark those that will. The number that each point on the grid had, where they are others.
+    fn convert(
+        &mut self,
+        fem: &mut Fem<D>,
+        around: &Surroundings<D>,
+        new: &mut NewParticles<f64, D>,
+    ) -> Option<Vec<u32>> {
+        let first = Solver::clock(fem).steps == 0;
+        self.rules.mark(fem.body_mut(0), around);
+        if first {
+            fem.convert_marked();
+        }
+        let left = fem.body_mut(0).take_converted();
+        if left.is_empty() {
+            return None;
+        }
+        self.spacing = around.spacing();
+        let (particles, hoop) = (self.rules.particles(), fem.axisymmetric());
+        let law = fem.body(0).law_of_all();
+        let energy = |state: &[f64]| law.energy_of(state).unwrap_or_default();
+        let mut total = 0.0;
+        for element in &left {
+            let became = particles_of(element, (particles, self.spacing, hoop), law.density(), &energy, new);
+            let appeared = became.kinetic + became.internal - element.hourglass;
+            total += appeared;
+            self.rules.log.change(|book| {
+                book.elements += 1;
+                book.particles += became.particles;
+                book.mass += became.mass;
+                book.energy += appeared;
+                book.hourglass -= element.hourglass;
+                let share = &mut book.by[element.criterion].1;
+                share.elements += 1;
+                share.energy += appeared;
+                let jacobian = least_jacobian(element.kind, &|n| element.positions[n], &|n| element.rest[n]);
+                book.least_jacobian = Some(book.least_jacobian.map_or(jacobian, |least| least.min(jacobian)));
+            });
+        }
+        fem.body_mut(0).book_conversion(total);
+        self.tied.add(&left);
+        Some(self.tied.find(fem.body(0), self.spacing))
+    }
+
+    fn archive(&mut self, body: &fem::ElementBody<D>, file: &mut Archive) -> Result<(), CheckpointError> {
+        let (mut touched, mut bare) = self.tied.lists();
+        file.list(&mut touched, &0, |file, n| file.index(n, usize::MAX))?;
+        file.list(&mut bare, &[0; 4], |file, facet| {
+            facet.iter_mut().try_for_each(|n| {
+                let mut word = u64::from(*n);
+                file.word(&mut word)?;
+                *n = u32::try_from(word).map_err(|_| file.damaged(format!("{word} is no node")))?;
+                Ok(())
+            })
+        })?;
+        file.real(&mut self.spacing)?;
+        file.word(self.rules.looks_mut())?;
+        let mut book = self.rules.log.book();
+        for word in [&mut book.elements, &mut book.particles] {
+            file.word(word)?;
+        }
+        file.reals([&mut book.mass, &mut book.energy, &mut book.hourglass])?;
+        for (_, share) in &mut book.by {
+            file.word(&mut share.elements)?;
+            file.real(&mut share.energy)?;
+        }
+        file.option(&mut book.least_jacobian, Archive::real)?;
+        if file.reads() {
+            self.rules.log.change(|old| *old = book);
+            let nodes = body.nodes().len() as u32;
+            if touched.iter().any(|n| *n >= nodes) {
+                return Err(file.damaged("a tied node is none of the mesh"));
+            }
+            self.tied = Tied::of_lists(touched, bare);
+            self.tied.find(body, self.spacing);
+        }
+        Ok(())
+    }
+}
+
 fn what(error: StepError) -> Stopped {
     error.what
 }
@@ -202,7 +355,7 @@ impl<const D: usize> Body for Elements<D> {
     }
     fn given_by_others(&self) -> Option<Exchange> {
         // What matter carries along gets work that no impulse and velocity of its nodes tell.
-        if matches!(self.way, Way::Within(_)) {
+        if matches!(self.way, Way::Within(_) | Way::Converting(_)) {
             return None;
         }
         let mut sum = Exchange::default();
@@ -219,6 +372,7 @@ impl<const D: usize> Body for Elements<D> {
     fn bytes(&self) -> usize {
         let surface = match &self.way {
             Way::Grid | Way::Within(_) => 0,
+            Way::Converting(converting) => converting.tied.bytes(),
             Way::Surface(surface) => {
                 let surfaces = surface.surfaces.iter().map(ContactSurface::bytes).sum::<usize>();
                 surface.contact.bytes() + surface.swept.bytes() + surfaces
@@ -233,6 +387,9 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         let way = match &self.way {
             Way::Grid => "on the grid".to_string(),
             Way::Within(body) => format!("within {body}"),
+            Way::Converting(converting) => {
+                format!("converted into {}: {}", converting.body, converting.rules.what.constants())
+            }
             Way::Surface(surface) => format!("by surface: {:?}", surface.contact.laws()),
         };
         vec![("elements".into(), way), ("most steps in one of the scene".into(), self.most.to_string())]
@@ -247,17 +404,24 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         self.edges[1]
     }
     fn mass_points(&self) -> Vec<(f64, [f64; D])> {
-        match self.way {
+        match &self.way {
             Way::Grid | Way::Within(_) => self.nodes().map(|node| (node.mass, node.velocity)).collect(),
+            Way::Converting(converting) => converting.tied.mass_points(self.fem.body(0)),
             Way::Surface(_) => Vec::new(),
         }
     }
     fn place(&mut self, points: &mut [ClientPoint]) {
         let mut half_edges = [[0.0; 3]; 3];
         (0..D).for_each(|d| half_edges[d][d] = 0.5 * WIDTH * self.edges[0]);
-        for (point, node) in points.iter_mut().zip(self.nodes()) {
-            point.position[..D].copy_from_slice(&node.position);
-            point.half_edges = half_edges;
+        let mut set = |positions: &mut dyn Iterator<Item = [f64; D]>| {
+            for (point, position) in points.iter_mut().zip(positions) {
+                point.position[..D].copy_from_slice(&position);
+                point.half_edges = half_edges;
+            }
+        };
+        match &self.way {
+            Way::Converting(converting) => set(&mut converting.tied.positions(self.fem.body(0))),
+            _ => set(&mut self.nodes().map(|node| node.position)),
         }
     }
     fn stable_step(&self) -> f64 {
@@ -276,12 +440,15 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
                     out[..D].copy_from_slice(&node.velocity);
                 }
             }
+            Way::Converting(converting) => converting.tied.velocities(self.fem.body(0), velocities),
             Way::Surface(surface) => surface.sweep(dt),
         }
         Ok(())
     }
     fn advance(&mut self, _: f64, changes: Option<&mut Vec<[f64; 3]>>, _: &Team) -> Result<(), Stopped> {
-        if let Some(changes) = changes {
+        if let (Some(changes), Way::Converting(converting)) = (&changes, &self.way) {
+            converting.tied.push(self.fem.body_mut(0), changes);
+        } else if let Some(changes) = changes {
             let mut before = 0;
             for number in 0..self.fem.element_bodies().len() {
                 let body = self.fem.body_mut(number);
@@ -302,22 +469,63 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
     fn within(&self) -> Option<&str> {
         match &self.way {
             Way::Within(body) => Some(body),
+            Way::Converting(converting) => Some(&converting.body),
             _ => None,
         }
     }
     fn carry(&mut self, velocities: &[[f64; 3]]) {
+        if let Way::Converting(converting) = &self.way {
+            return converting.tied.carry(self.fem.body_mut(0), velocities);
+        }
         let mut before = 0;
         for number in 0..self.fem.element_bodies().len() {
             let body = self.fem.body_mut(number);
             let own = &velocities[before..][..body.nodes().len()];
             before += own.len();
-            body.carry(own.iter().map(|v| std::array::from_fn(|d| v[d])));
+            for (n, v) in own.iter().enumerate() {
+                body.carry(n, std::array::from_fn(|d| v[d]));
+            }
+        }
+    }
+    fn matter(&self) -> Option<Matter<f64, D>> {
+        let Way::Converting(converting) = &self.way else { return None };
+        let law = self.fem.body(0).law_of_all();
+        Some(Matter { law, half_size: [converting.half_size; D], lightest: converting.lightest })
+    }
+    fn velocities(&self, velocities: &mut [[f64; 3]]) {
+        if let Way::Converting(converting) = &self.way {
+            converting.tied.velocities(self.fem.body(0), velocities);
+        }
+    }
+    fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError> {
+        self.fem.bound(boundary.clone())
+    }
+    fn convert(
+        &mut self,
+        around: &Surroundings<D>,
+        new: &mut NewParticles<f64, D>,
+    ) -> Result<Option<Vec<u32>>, Stopped> {
+        let Way::Converting(converting) = &mut self.way else { return Ok(None) };
+        Ok(converting.convert(&mut self.fem, around, new))
+    }
+    fn each_surface_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
+        for body in self.fem.element_bodies() {
+            for facet in body.surface() {
+                let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+                for &n in facet.nodes() {
+                    let x = &body.nodes()[n as usize].position;
+                    for d in 0..D {
+                        (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d]));
+                    }
+                }
+                visit(&low, &high);
+            }
         }
     }
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<f64, D>> {
         match self.way {
-            Way::Grid | Way::Within(_) => None,
             Way::Surface(_) => Some(self),
+            _ => None,
         }
     }
     fn given(&self) -> Exchange {
@@ -339,6 +547,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         Solver::archive(&mut self.fem, file)?;
         match &mut self.way {
             Way::Grid | Way::Within(_) => Ok(()),
+            Way::Converting(converting) => converting.archive(self.fem.body(0), file),
             Way::Surface(surface) => surface.contact.archive(file),
         }
     }
@@ -348,8 +557,8 @@ impl<const D: usize> Elements<D> {
     /// Contact of particles with the surfaces, beside the elements.
     pub(crate) fn parts(&mut self) -> Option<(&mut Fem<D>, &mut PointToSurface<D>)> {
         match &mut self.way {
-            Way::Grid | Way::Within(_) => None,
             Way::Surface(surface) => Some((&mut self.fem, surface)),
+            _ => None,
         }
     }
 
@@ -362,8 +571,8 @@ impl<const D: usize> Elements<D> {
     fn begin(&mut self) -> Result<(), Stopped> {
         self.fem.begin(self.step).map_err(what)?;
         match &mut self.way {
-            Way::Grid | Way::Within(_) => Ok(()),
             Way::Surface(surface) => self.fem.surfaces(&mut surface.surfaces).map_err(what),
+            _ => Ok(()),
         }
     }
 
@@ -377,8 +586,8 @@ impl<const D: usize> Elements<D> {
     /// Where the surfaces are in this step.
     pub(crate) fn swept(&self) -> Option<&SweptBoxes<D>> {
         match &self.way {
-            Way::Grid | Way::Within(_) => None,
             Way::Surface(surface) => Some(&surface.swept),
+            _ => None,
         }
     }
 }

@@ -44,7 +44,12 @@
 //! ```
 
 mod cells;
+mod conversion;
+mod element;
 mod elements;
+mod particles;
 mod surface;
+mod tied;
 
+pub use conversion::{Conversion, ConversionBook, ConversionLog, Particles, Share};
 pub use elements::Elements;

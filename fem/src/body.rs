@@ -10,6 +10,7 @@ use impactite_scene::{Exchange, SceneError};
 use mpm_materials::IntoMaterial;
 use mpm_materials::material::Material;
 
+use crate::conversion::Converting;
 use crate::erosion::{Erosion, Resolved};
 use crate::law::Probe;
 use crate::pace::Pace;
@@ -222,6 +223,7 @@ impl<const D: usize> MeshBody<D> {
             from: Vec::new(),
             flow: Vec::new(),
             carried: Vec::new(),
+            converting: None,
         })
     }
 
@@ -350,8 +352,10 @@ pub struct ElementBody<const D: usize> {
     /// Positions at the start of a step that is made of several, and mean velocities over it.
     pub(crate) from: Vec<[f64; D]>,
     pub(crate) flow: Vec<[f64; D]>,
-    /// Velocities that nodes move with in this step in place of their own, m/s; empty where they move with those.
-    pub(crate) carried: Vec<[f64; D]>,
+    /// Velocities that nodes move with in this step in place of their own, m/s, of those that do; empty where none does.
+    pub(crate) carried: Vec<Option<[f64; D]>>,
+    /// What makes elements become something else; boxed, for most bodies have none.
+    pub(crate) converting: Option<Box<Converting<D>>>,
 }
 
 impl<const D: usize> ElementBody<D> {
@@ -374,6 +378,10 @@ impl<const D: usize> ElementBody<D> {
     /// The law.
     pub fn material(&self) -> &dyn Material<f64> {
         &*self.material
+    }
+    /// The same, to be shared.
+    pub fn law_of_all(&self) -> Arc<dyn Material<f64>> {
+        self.material.clone()
     }
     /// What erosion took.
     pub fn eroded(&self) -> Eroded {

@@ -72,7 +72,8 @@ impl Erosion {
     pub(crate) fn resolve(&self, material: &dyn Material<f64>) -> Result<Resolved, SceneError> {
         let names = material.state_names();
         let tests = self.criteria.iter().filter(|c| !matches!(c, Criterion::Volume(_)));
-        let tests: Result<Vec<Test>, SceneError> = tests.map(|c| test(c, &names, material.name())).collect();
+        let tests: Result<Vec<Test>, SceneError> =
+            tests.map(|c| test(c, &names, material.name(), "erosion")).collect();
         let mut least = 0.0f64;
         for criterion in &self.criteria {
             if let Criterion::Volume(part) = *criterion {
@@ -100,20 +101,27 @@ impl Resolved {
 }
 
 #[derive(Clone, Debug)]
-enum Test {
+pub(crate) enum Test {
+    /// A number of the state, by place.
     State(usize, f64),
     Failed,
     Rate(f64),
     All(Vec<Test>),
 }
 
-fn test(criterion: &Criterion, names: &[String], law: &'static str) -> Result<Test, SceneError> {
+/// A criterion with places of numbers of a law for their names; for erosion without that of volume.
+pub(crate) fn test(
+    criterion: &Criterion,
+    names: &[String],
+    law: &'static str,
+    what: &'static str,
+) -> Result<Test, SceneError> {
     match criterion {
         Criterion::State { name, at_least } => {
-            parameter(at_least.is_finite(), "erosion", "at_least", *at_least, "finite")?;
+            parameter(at_least.is_finite(), what, "at_least", *at_least, "finite")?;
             let place = names.iter().position(|n| n == name);
             let place = place.ok_or_else(|| SceneError::NotWith {
-                what: format!("erosion by `{name}`"),
+                what: format!("{what} by `{name}`"),
                 method: format!("the law {law}"),
                 why: "its state has no such number: take one of `Body::state_names`",
             })?;
@@ -121,20 +129,16 @@ fn test(criterion: &Criterion, names: &[String], law: &'static str) -> Result<Te
         }
         Criterion::Failed => Ok(Test::Failed),
         Criterion::Step(step) => {
-            parameter(*step > 0.0, "erosion", "step", *step, "positive and finite")?;
+            parameter(*step > 0.0, what, "step", *step, "positive and finite")?;
             Ok(Test::Rate(1.0 / step))
         }
         Criterion::Volume(part) => {
-            let allowed = "a criterion of its own, as it is looked at before the law is asked";
-            Err(SceneError::Parameter {
-                owner: "erosion",
-                field: "all: part of the volume",
-                value: *part,
-                allowed,
-            })
+            let allowed = "none: of erosion it is a criterion of its own, looked at before the law is asked; elements become \
+                           particles by their Jacobians";
+            Err(SceneError::Parameter { owner: what, field: "part of the volume", value: *part, allowed })
         }
         Criterion::All(list) => {
-            Ok(Test::All(list.iter().map(|c| test(c, names, law)).collect::<Result<_, _>>()?))
+            Ok(Test::All(list.iter().map(|c| test(c, names, law, what)).collect::<Result<_, _>>()?))
         }
     }
 }
@@ -156,42 +160,35 @@ impl Resolved {
         if self.is_idle() {
             return Vec::new();
         }
-        let mut state = vec![0.0; material.numbers()];
         let alive = (0..batch.elements).filter(|&e| batch.alive(e, points));
-        let meets = |e: &usize| {
-            self.tests.iter().any(|t| meets(t, *e, (material, points), batch, scratch, &mut state))
-        };
-        alive
-            .collect::<Vec<_>>()
-            .into_iter()
-            .filter({
-                let mut meets = meets;
-                move |e| meets(e)
-            })
-            .collect()
+        let meets = |e: &usize| self.tests.iter().any(|t| met(t, *e, (material, points), batch, scratch));
+        alive.filter(meets).collect()
     }
 }
 
-fn meets(
+/// Does an element of a batch meet a criterion, after a sweep?
+pub(crate) fn met(
     test: &Test,
     e: usize,
     of: (&dyn Material<f64>, usize),
     batch: &Batch,
     scratch: &Scratch,
-    state: &mut [f64],
 ) -> bool {
     let (material, points) = of;
-    let mut half = |holds: &dyn Fn(&[f64]) -> bool| {
-        let count = (0..points).filter(|&p| {
-            batch.read(e, (p, points), state);
-            holds(state)
-        });
-        2 * count.count() >= points
-    };
+    let half = |holds: &dyn Fn(usize) -> bool| 2 * (0..points).filter(|&p| holds(p)).count() >= points;
     match test {
-        Test::State(place, least) => half(&|s| s[*place] >= *least),
-        Test::Failed => half(&|s| material.describe_point(s).is_some_and(|said| said.failed)),
+        Test::State(place, least) => {
+            half(&|p| batch.number(e, (p, points), (*place, material.numbers())) >= *least)
+        }
+        Test::Failed => {
+            let mut state = vec![0.0; material.numbers()];
+            let failed = (0..points).filter(|&p| {
+                batch.read(e, (p, points), &mut state);
+                material.describe_point(&state).is_some_and(|said| said.failed)
+            });
+            2 * failed.count() >= points
+        }
         Test::Rate(rate) => lane(&scratch.rates[e / OCTET], e % OCTET) >= *rate,
-        Test::All(list) => list.iter().all(|t| meets(t, e, of, batch, scratch, state)),
+        Test::All(list) => list.iter().all(|t| met(t, e, of, batch, scratch)),
     }
 }

@@ -113,6 +113,7 @@
 
 mod body;
 mod contact;
+mod conversion;
 mod erosion;
 mod law;
 mod motion;
@@ -130,6 +131,7 @@ mod view;
 
 pub use body::{ElementBody, Eroded, MeshBody, Node};
 pub use contact::ContactSurface;
+pub use conversion::ConvertedElement;
 pub use erosion::{Criterion, Erosion};
 pub use solver::{Fem, Trial};
 pub use technology::{Hourglass, Technology};

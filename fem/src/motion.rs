@@ -59,11 +59,14 @@ impl<const D: usize> ElementBody<D> {
         self.take(clock, &chunks)
     }
 
-    /// In the step that was begun, move the nodes with these velocities, m/s, by number, in place of their own, which they keep: those of
-    /// matter that carries them along.
-    pub fn carry(&mut self, velocities: impl IntoIterator<Item = [f64; D]>) {
-        self.carried.clear();
-        self.carried.extend(velocities);
+    /// In the step that was begun, move a node with this velocity, m/s, in place of its own, which it keeps: that of matter that carries
+    /// it along, which conditions have held.
+    ///
+    /// # Panics
+    /// There is no such node.
+    pub fn carry(&mut self, node: usize, velocity: [f64; D]) {
+        self.carried.resize(self.nodes.len(), None);
+        self.carried[node] = Some(velocity);
     }
 
     fn begin(&mut self, part: &Part<'_, D>) {
@@ -104,6 +107,9 @@ impl<const D: usize> ElementBody<D> {
     /// The new velocity of a node.
     #[inline]
     fn kick(&self, n: usize, node: &mut Node<D>, found: &mut Moved) {
+        if node.mass == 0.0 {
+            return; // Its elements became something else.
+        }
         let kick = self.pace.kick;
         let (start, pull, per) = (node.velocity, self.force(n), kick / node.mass);
         for d in 0..D {
@@ -217,12 +223,15 @@ impl<const D: usize> Motion<'_, D> {
     #[inline]
     fn advance(&self, n: usize, node: &mut Node<D>, found: &mut Moved) {
         node.held = 0;
+        if node.mass == 0.0 {
+            return;
+        }
         let pushed = self.pushed(n);
         if pushed.is_some() || self.is_bound(n, node) {
             self.constrain(n, node, pushed, found);
         }
         let mut square = 0.0;
-        let moves = self.body.carried.get(n).unwrap_or(&node.velocity);
+        let moves = self.carried(n).unwrap_or(&node.velocity);
         for d in 0..D {
             node.position[d] += self.dt * moves[d];
             square += node.velocity[d] * node.velocity[d];
@@ -230,6 +239,12 @@ impl<const D: usize> Motion<'_, D> {
         if !square.is_finite() && found.trouble.is_none() {
             found.trouble = Some(n);
         }
+    }
+
+    /// The velocity of matter that carries a node.
+    #[inline]
+    fn carried(&self, n: usize) -> Option<&[f64; D]> {
+        self.body.carried.get(n).and_then(Option::as_ref)
     }
 
     /// What pushed a node.
@@ -245,6 +260,9 @@ impl<const D: usize> Motion<'_, D> {
     /// May a condition act on a node?
     #[inline]
     fn is_bound(&self, n: usize, node: &Node<D>) -> bool {
+        if self.carried(n).is_some() {
+            return false;
+        }
         self.prescribed(n).next().is_some() || self.boundaries.iter().any(|b| self.reaches(b, n, node))
     }
 
@@ -291,6 +309,9 @@ impl<const D: usize> Motion<'_, D> {
 
     /// What conditions make of the velocity of a point.
     fn obey(&self, n: usize, point: &mut MovingPoint<D>, given: &mut Exchange) {
+        if self.carried(n).is_some() {
+            return;
+        }
         for boundary in self.boundaries {
             if let Some(extent) = self.body.extents.get(n).filter(|_| boundary.reacts()) {
                 let size = match boundary.surface() {

@@ -8,7 +8,7 @@ use impactite_simd::Team;
 use crate::body::ElementBody;
 use crate::set::wide;
 use crate::surface::surface_of;
-use crate::sweep::{Moving, Of, Pass, Scratch, Trouble};
+use crate::sweep::{BATCH, Batch, Left, Moving, Of, Pass, Reason, Scratch, Trouble};
 
 /// Why an element that is inside out stops a run, and what to do.
 const INVERTED: &str = "it is turned inside out (det J <= 0 at an integration point): the mesh cannot follow the deformation; let such \
@@ -32,7 +32,9 @@ impl<const D: usize> ElementBody<D> {
     ) -> Result<(), StepError> {
         self.flow.clear();
         if self.pace.ratio == 1 && !self.carried.is_empty() {
-            self.flow.extend_from_slice(&self.carried);
+            let flow =
+                self.carried.iter().zip(&self.nodes).map(|(carried, node)| carried.unwrap_or(node.velocity));
+            self.flow.extend(flow);
         }
         if self.pace.ratio > 1 {
             let mean = |(node, from): (&crate::Node<D>, &[f64; D])| -> [f64; D] {
@@ -98,14 +100,41 @@ impl<const D: usize> ElementBody<D> {
 
     /// One pass over the elements of a set.
     fn sweep(&mut self, s: usize, pass: Pass, dt: f64, team: &Team, memory: &[Mutex<Scratch>]) {
-        let ElementBody { sets, slots, nodes, averages, flow, material, probe, virgin, erosion, .. } = self;
+        let ElementBody {
+            sets,
+            slots,
+            nodes,
+            averages,
+            flow,
+            material,
+            probe,
+            virgin,
+            erosion,
+            converting,
+            ..
+        } = self;
         let set = &mut sets[s];
         let range = set.slots();
         let (sweep, points) = (&*set.sweep, set.sweep.points());
         let (numbers, control, least) = (virgin.len(), set.control, erosion.least);
         let of = Of { material: &**material, numbers, probe, control, least, dt };
-        let gone = |batch: &_, scratch: &_| erosion.gone(&**material, points, batch, scratch);
-        team.each_part(&mut slots[range], &set.starts, &mut set.batches, |_, slots, batch| {
+        let (numbers_of, converting) = (&set.numbers, converting.as_deref());
+        team.each_part(&mut slots[range], &set.starts, &mut set.batches, |b, slots, batch| {
+            let leaving = |batch: &Batch, scratch: &Scratch| -> Vec<(usize, Reason)> {
+                let gone = erosion.gone(&**material, points, batch, scratch);
+                let mut list: Vec<_> = gone.into_iter().map(|e| (e, Reason::Erosion)).collect();
+                if let Some(converting) = converting {
+                    let own = &numbers_of[b * BATCH..];
+                    let new = converting.leaving(&**material, points, (batch, scratch), own);
+                    let eroded = list.len();
+                    list.extend(
+                        new.into_iter()
+                            .filter(|(e, _)| list[..eroded].iter().all(|(gone, _)| gone != e))
+                            .collect::<Vec<_>>(),
+                    );
+                }
+                list
+            };
             let scratch = &mut *team.own(memory);
             for (Moving(to), &n) in scratch.moving.iter_mut().zip(&batch.nodes) {
                 let node = &nodes[n as usize];
@@ -123,7 +152,7 @@ impl<const D: usize> ElementBody<D> {
                     to[3] = averages.get(n as usize).copied().unwrap_or(0.0);
                 }
             }
-            sweep.sweep(pass, &of, batch, scratch, slots, &gone);
+            sweep.sweep(pass, &of, batch, scratch, slots, &leaving);
         });
     }
 
@@ -197,39 +226,54 @@ impl<const D: usize> ElementBody<D> {
         Stopped::Point {
             kind: PointKind::Element,
             body: self.name.clone(),
-            number: set.numbers[b * crate::sweep::BATCH + e] as usize,
+            number: set.numbers[b * BATCH + e] as usize,
             position: self.centre(set, &set.batches[b], e),
             law: self.material.name(),
             cause,
         }
     }
 
-    /// Book the elements that left: their energy as one of conversion, their mass as that of their nodes alone.
+    /// Take out the elements that left. Of those that eroded the energy is booked as one of conversion, and the mass stays on their nodes;
+    /// those that become something else take theirs with them.
     fn bury(&mut self) {
-        if self.sets.iter().all(|s| s.batches.iter().all(|b| b.report.eroded.is_empty())) {
+        if self.sets.iter().all(|s| s.batches.iter().all(|b| b.report.left.is_empty())) {
             return;
         }
-        self.debris.resize(self.nodes.len(), 0.0);
-        for set in &mut self.sets {
-            let mut batches = std::mem::take(&mut set.batches);
-            for batch in &mut batches {
-                for (e, [energy, hourglass]) in std::mem::take(&mut batch.report.eroded) {
-                    let nodes: Vec<u32> = set.nodes_of(batch, e).collect();
-                    let corners: Vec<_> = nodes.iter().map(|&n| wide(&self.mesh.nodes[n as usize])).collect();
-                    for (&n, share) in nodes.iter().zip(set.sweep.measure(&corners).shares) {
-                        self.debris[n as usize] += share * self.probe.density;
-                        self.eroded.mass += share * self.probe.density;
+        let mut numbers = Vec::new();
+        for s in 0..self.sets.len() {
+            for b in 0..self.sets[s].batches.len() {
+                for left in std::mem::take(&mut self.sets[s].batches[b].report.left) {
+                    numbers.push(self.sets[s].numbers[b * BATCH + left.element]);
+                    match left.reason {
+                        Reason::Erosion => self.erode(s, b, left),
+                        Reason::Conversion(criterion) => self.convert(s, b, left, criterion),
                     }
-                    self.eroded.elements += 1;
-                    self.eroded.energy += energy;
-                    self.eroded.hourglass += hourglass;
-                    self.exchange.conversion -= energy;
                 }
             }
-            set.batches = batches;
         }
-        self.find_surface();
+        if let Some(converting) = &mut self.converting {
+            converting.see_marks();
+        }
+        self.uncover(&numbers);
         self.revision += 1;
+    }
+
+    fn erode(&mut self, s: usize, b: usize, left: Left) {
+        self.debris.resize(self.nodes.len(), 0.0);
+        let set = &self.sets[s];
+        let nodes: Vec<u32> = set.nodes_of(&set.batches[b], left.element).collect();
+        let corners: Vec<_> = nodes.iter().map(|&n| wide(&self.mesh.nodes[n as usize])).collect();
+        for (&n, share) in nodes.iter().zip(set.sweep.measure(&corners).shares) {
+            self.debris[n as usize] += share * self.probe.density;
+            self.eroded.mass += share * self.probe.density;
+            if let Some(converting) = &mut self.converting {
+                converting.elements_at[n as usize] -= 1;
+            }
+        }
+        self.eroded.elements += 1;
+        self.eroded.energy += left.energy;
+        self.eroded.hourglass += left.hourglass;
+        self.exchange.conversion -= left.energy;
     }
 
     /// The surface of the elements that are there.

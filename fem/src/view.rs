@@ -126,6 +126,7 @@ impl<const D: usize> ElementBody<D> {
         let kinds = self.sets.iter().map(|s| (s.numbers.len(), s.kind, s.technology));
         file.same(&of("elements"), &format!("{:?}", kinds.collect::<Vec<_>>()))?;
         file.same(&of("erosion"), &format!("{:?}", self.erosion))?;
+        file.same(&of("conversion"), if self.converting.is_some() { "some" } else { "none" })?;
         let sets: Vec<_> = self.prescribed.iter().map(|p| (&p.set, p.nodes.len())).collect();
         file.same(&of("sets with a prescribed velocity"), &format!("{sets:?}"))?;
         for node in &mut self.nodes {
@@ -144,6 +145,10 @@ impl<const D: usize> ElementBody<D> {
         file.reals(self.acceleration.iter_mut().chain([&mut self.rate]))?;
         file.list(&mut self.from, &[0.0; D], |file, x| file.reals(x))?;
         file.list(&mut self.debris, &0.0, Archive::real)?;
+        if let Some(converting) = &mut self.converting {
+            file.list(converting.marks_mut(), &0, |file, mark| file.index(mark, usize::MAX))?;
+            converting.see_marks();
+        }
         file.word(&mut self.eroded.elements)?;
         file.reals([&mut self.eroded.mass, &mut self.eroded.energy, &mut self.eroded.hourglass])?;
         file.word(&mut self.revision)?;
@@ -153,6 +158,7 @@ impl<const D: usize> ElementBody<D> {
         if file.reads() {
             self.pushes.clear();
             self.find_surface();
+            self.count_elements();
         }
         Ok(())
     }
@@ -212,11 +218,9 @@ impl<const D: usize> Body for ElementBody<D> {
             + self.slots.capacity() * size_of::<crate::sweep::Record>()
             + self.incidence.bytes()
             + (self.averages.capacity() + self.debris.capacity()) * 8
-            + (self.from.capacity()
-                + self.carried.capacity()
-                + self.flow.capacity()
-                + self.extents.capacity())
-                * size_of::<[f64; D]>()
+            + self.carried.capacity() * size_of::<Option<[f64; D]>>()
+            + self.converting.as_ref().map_or(0, |c| c.bytes())
+            + (self.from.capacity() + self.flow.capacity() + self.extents.capacity()) * size_of::<[f64; D]>()
             + self.surface.capacity() * size_of::<impactite_geometry::Facet>()
     }
 }

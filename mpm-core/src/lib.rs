@@ -90,7 +90,8 @@ pub use shape::{
 pub use step::Scalar;
 pub use step::{
     Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Kernels,
-    MergeBook, Merging, Mpm, NearParticle, NearParticles, NodeWeight, Rest, Rested, Rigid, RigidState,
-    SplitBook, Splitting, SurfaceClient, Taken, Traction, Twist,
+    Matter, MergeBook, Merging, Mpm, NearParticle, NearParticles, NewParticle, NewParticles, NodeWeight,
+    Rest, Rested, Rigid, RigidState, SplitBook, Splitting, SurfaceClient, Surroundings, Taken, Traction,
+    Twist,
 };
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

@@ -4,7 +4,7 @@
 //! what the last step had, with the elastic stiffness first, on the state before the step. What remains is below a part in 1e10 of the
 //! moduli; a law that finds none in 40 attempts stops the run. Bars are few: this is plain text, a lane after the other.
 
-use super::batch::{Batch, GROUP, OCTET, Record, Report, Row, Trouble, lane, lane_mut};
+use super::batch::{Batch, GROUP, Left, OCTET, Reason, Record, Report, Row, Trouble, lane, lane_mut};
 use super::work::{Measure, Of, Pass, Scratch, Sweep};
 use mpm_materials::Breakdown;
 
@@ -140,12 +140,12 @@ impl Bar {
         }
     }
 
-    fn remove(&self, of: &Of<'_>, batch: &mut Batch, e: usize) {
+    fn remove(&self, of: &Of<'_>, batch: &mut Batch, e: usize, reason: Reason) {
         let mut state = vec![0.0; of.numbers];
         batch.read(e, (0, 1), &mut state);
         let volume = std::mem::take(lane_mut(&mut batch.reference[e / OCTET], e % OCTET));
         let energy = volume * of.material.energy_of(&state).unwrap_or_default();
-        batch.report.eroded.push((e, [energy, 0.0]));
+        batch.report.left.push(Left { element: e, energy, hourglass: 0.0, reason });
     }
 }
 
@@ -183,7 +183,7 @@ impl Sweep for Bar {
         batch: &mut Batch,
         scratch: &mut Scratch,
         slots: &mut [Record],
-        erosion: &dyn Fn(&Batch, &Scratch) -> Vec<usize>,
+        leaving: &dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>,
     ) {
         scratch.fit(batch.octets(), 1);
         scratch.deformations.fill(Default::default());
@@ -198,9 +198,9 @@ impl Sweep for Bar {
             }
         }
         self.give(of, batch, scratch, slots);
-        let gone = erosion(batch, scratch);
+        let gone = leaving(batch, scratch);
         if !gone.is_empty() {
-            gone.into_iter().for_each(|e| self.remove(of, batch, e));
+            gone.into_iter().for_each(|(e, reason)| self.remove(of, batch, e, reason));
             self.give(of, batch, scratch, slots);
         }
     }

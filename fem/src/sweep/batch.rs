@@ -77,6 +77,11 @@ impl Batch {
             *x = row.as_ref()[e % GROUP];
         }
     }
+    /// One number of it, of so many.
+    pub fn number(&self, e: usize, (point, points): (usize, usize), (place, numbers): (usize, usize)) -> f64 {
+        let group = (e / OCTET * points + point) * 2 + e % OCTET / GROUP;
+        self.rows[group * numbers + place].as_ref()[e % GROUP]
+    }
     /// Set it.
     pub fn write(&mut self, e: usize, (point, points): (usize, usize), state: &[f64]) {
         let group = (e / OCTET * points + point) * 2 + e % OCTET / GROUP;
@@ -101,8 +106,27 @@ pub(crate) struct Report {
     pub rate: f64,
     /// The first element that cannot go on, by place in the batch.
     pub trouble: Option<(usize, Trouble)>,
-    /// Elements that left, by place in the batch, with their internal energy and that in their hourglass forces, J.
-    pub eroded: Vec<(usize, [f64; 2])>,
+    /// Elements that left.
+    pub left: Vec<Left>,
+}
+
+/// An element that left its batch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Left {
+    /// Its place in the batch.
+    pub element: usize,
+    /// Its internal energy, that of hourglass forces included, and that, J.
+    pub energy: f64,
+    pub hourglass: f64,
+    pub reason: Reason,
+}
+
+/// Why an element leaves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reason {
+    Erosion,
+    /// It becomes something else, by the criterion of this number.
+    Conversion(u32),
 }
 
 /// Why an element cannot go on.

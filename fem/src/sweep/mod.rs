@@ -15,6 +15,8 @@ mod solid;
 mod strain;
 mod work;
 
-pub(crate) use batch::{BATCH, Batch, Moving, OCTET, Record, Row, Rows, Trouble, lane, lane_mut};
+pub(crate) use batch::{
+    BATCH, Batch, Left, Moving, OCTET, Reason, Record, Row, Rows, Trouble, lane, lane_mut,
+};
 pub(crate) use choose::sweep_of;
 pub(crate) use work::{Measure, Of, Pass, Scratch, Sweep};

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use impactite_simd::Float;
 
 use super::average::{Locate, MeanStress, Stretch};
-use super::batch::{Batch, OCTET, Record, Report, Rows, Trouble, lane_mut};
+use super::batch::{Batch, Left, OCTET, Reason, Record, Report, Rows, Trouble, lane_mut};
 use super::give::{Give, Given};
 use super::rule::{Rule, Solid};
 use super::strain::{Check, Strain, Strained};
@@ -13,13 +13,13 @@ use super::work::{Measure, Of, Pass, Scratch, Sweep};
 use crate::shape::{Gradient, Shape};
 
 impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
-    /// Forces at the corners and frequency bounds of a batch; again without the elements that erosion takes.
+    /// Forces at the corners and frequency bounds of a batch; again without the elements that leave.
     fn give(
         of: &Of<'_>,
         batch: &mut Batch,
         scratch: &mut Scratch,
         slots: &mut [Record],
-        erosion: &dyn Fn(&Batch, &Scratch) -> Vec<usize>,
+        leaving: &dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>,
     ) {
         let mut give = |batch: &Batch, scratch: &mut Scratch| {
             slots.fill([0.0; 4]);
@@ -35,10 +35,10 @@ impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
             batch.report.trouble =
                 batch.report.trouble.filter(|(broken, _)| *broken <= e).or(Some((e, Trouble::Inverted)));
         }
-        let gone = erosion(batch, scratch);
+        let gone = leaving(batch, scratch);
         if !gone.is_empty() {
-            for e in gone {
-                Self::remove(of, batch, e);
+            for (e, reason) in gone {
+                Self::remove(of, batch, e, reason);
             }
             rate = give(batch, scratch);
         }
@@ -46,7 +46,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
     }
 
     /// Take an element out.
-    fn remove(of: &Of<'_>, batch: &mut Batch, e: usize) {
+    fn remove(of: &Of<'_>, batch: &mut Batch, e: usize, reason: Reason) {
         let (mut energy, mut state) = (0.0, vec![0.0; of.numbers]);
         for point in 0..Self::POINTS {
             batch.read(e, (point, Self::POINTS), &mut state);
@@ -59,7 +59,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
             let kept = lane_mut(&mut batch.kept[e / OCTET * Self::KEPT + k], e % OCTET);
             hourglass = std::mem::take(kept);
         }
-        batch.report.eroded.push((e, [energy + hourglass, hourglass]));
+        batch.report.left.push(Left { element: e, energy: energy + hourglass, hourglass, reason });
     }
 
     /// Elements with a point of hardly any volume leave before their law is asked, where erosion may take them.
@@ -73,7 +73,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
         for octet in 0..batch.octets() {
             let low = std::mem::take(&mut scratch.low[octet]);
             for k in (0..OCTET).filter(|k| low >> k & 1 == 1) {
-                Self::remove(of, batch, octet * OCTET + k);
+                Self::remove(of, batch, octet * OCTET + k, Reason::Erosion);
             }
         }
     }
@@ -103,7 +103,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Sweep for Solid<S, R, HOOP> {
         batch: &mut Batch,
         scratch: &mut Scratch,
         slots: &mut [Record],
-        erosion: &dyn Fn(&Batch, &Scratch) -> Vec<usize>,
+        leaving: &dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>,
     ) {
         let groups = batch.octets() * Self::POINTS * 2;
         scratch.fit(batch.octets(), Self::POINTS);
@@ -134,7 +134,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Sweep for Solid<S, R, HOOP> {
                         kind: PhantomData,
                     });
                 } else {
-                    Self::give(of, batch, scratch, slots, erosion);
+                    Self::give(of, batch, scratch, slots, leaving);
                 }
             }
             Pass::Force => {
@@ -142,7 +142,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Sweep for Solid<S, R, HOOP> {
                 closing.fill(Rows::default());
                 f64::dispatch(Locate::<S> { batch, moving, modes, averages, kind: PhantomData });
                 scratch.describe(of, &batch.rows, groups);
-                Self::give(of, batch, scratch, slots, erosion);
+                Self::give(of, batch, scratch, slots, leaving);
             }
         }
     }

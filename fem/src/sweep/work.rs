@@ -3,7 +3,9 @@
 use mpm_materials::Breakdown;
 use mpm_materials::material::{Deformation, Length, Material, Motion, Response, States, StatesMut};
 
-use super::batch::{Batch, GROUP, MOST_GROUPS, MOST_NODES, Moving, Nodes, OCTET, Record, Row, Rows, Trouble};
+use super::batch::{
+    Batch, GROUP, MOST_GROUPS, MOST_NODES, Moving, Nodes, OCTET, Reason, Record, Row, Rows, Trouble,
+};
 use crate::law::Probe;
 
 /// The groups of a batch, by place.
@@ -146,7 +148,7 @@ pub(crate) trait Sweep: Send + Sync {
         batch: &mut Batch,
         scratch: &mut Scratch,
         slots: &mut [Record],
-        erosion: &dyn Fn(&Batch, &Scratch) -> Vec<usize>,
+        leaving: &dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>,
     );
     /// Reference volumes of the points of an element with these corners, parts of its volume that its corners weigh by, its size and
     /// half edges, m.

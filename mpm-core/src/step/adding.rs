@@ -202,7 +202,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// Errors, tables and observers tell bodies apart by their names.
-    fn check_name(&self, name: &str) -> Result<(), SceneError> {
+    pub(super) fn check_name(&self, name: &str) -> Result<(), SceneError> {
         let refuse = |allowed| Err(SceneError::Name { name: name.into(), allowed });
         if name.trim().is_empty() {
             return refuse("a word or more");

@@ -8,6 +8,7 @@ use super::layout::Claim;
 use super::layout::NodeSums;
 use super::layout::{Layout, Nodes};
 use super::load::Loading;
+use super::particle_body::ParticleBody;
 use super::rigid::RigidState;
 use crate::grid::Node;
 use crate::parallel::{Float, Team};
@@ -84,6 +85,8 @@ pub trait Presence<T: Float, const D: usize>: Send + Sync {
     /// Call `visit` for every particle near some nodes of a block, a bit each, with those of them that it has in its
     /// stencil; particles in order of place, those of a bin one behind the other.
     fn near_points(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>));
+    /// Call `visit` for every block of particles with a bit for each bin that has some.
+    fn each_block(&self, visit: &mut dyn FnMut(&[i32; D], u64));
 }
 
 /// A body whose particles act through a grid.
@@ -115,6 +118,11 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
     }
     /// The same, to be made.
     fn client_mut(&mut self) -> Option<&mut dyn ClientSteps<T, D>> {
+        None
+    }
+
+    /// Itself, if particles may come into it between steps.
+    fn receiver(&mut self) -> Option<&mut ParticleBody<T, D>> {
         None
     }
 

@@ -1,9 +1,11 @@
 //! What only some bodies can do: asked for by [`GridBody`](super::GridBody), never pretended.
 
 use impactite_scene::Exchange;
+use impactite_scene::boundary::Boundary;
 use impactite_scene::error::{SceneError, Stopped};
 
 use super::client::{ClientPoint, SurfaceClient};
+use super::conversion::{NewParticles, Surroundings};
 use super::footprint::NodeWeight;
 use super::layout::Nodes;
 use super::merging::MergeBook;
@@ -59,6 +61,23 @@ pub trait ClientSteps<T: Float, const D: usize> {
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>>;
     /// What boundaries and loads of its own gave to the body since the start.
     fn given(&self) -> Exchange;
+    /// As [`GridClient::each_surface_box`](super::GridClient::each_surface_box).
+    fn each_surface_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D]));
+    /// As [`GridClient::bound`](super::GridClient::bound).
+    ///
+    /// # Errors
+    /// A condition that it cannot have.
+    fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError>;
+    /// As [`GridClient::convert`](super::GridClient::convert), and make its points on the grid anew where they are others. Did anything change?
+    ///
+    /// # Errors
+    /// What stops the body.
+    fn convert(
+        &mut self,
+        around: &Surroundings<D>,
+        new: &mut NewParticles<T, D>,
+        team: &Team,
+    ) -> Result<bool, Stopped>;
 }
 
 /// Particles that meet surfaces one by one ([`SurfaceClient`]).

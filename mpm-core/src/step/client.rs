@@ -1,10 +1,12 @@
 //! Bodies of another discretisation that act through the grid of a scene: what is asked of them.
 
+use super::conversion::{Matter, NewParticles, Surroundings};
 use super::near_particles::NearParticles;
 use crate::parallel::{Float, Team};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
-use impactite_scene::{Body, Exchange, Stopped};
+use impactite_scene::error::SceneError;
+use impactite_scene::{Body, Boundary, Exchange, Stopped};
 
 /// A point of a [`GridClient`] as the grid has it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,6 +81,40 @@ pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
     /// in this step, sum N_i(x) v_i, m/s, by number.
     fn carry(&mut self, velocities: &[[T; 3]]) {
         let _ = velocities;
+    }
+    /// What its matter is, if that may become particles ([`GridClient::convert`]). They come into a body that the scene makes with this one,
+    /// empty at first, of the name that [`within`](GridClient::within) says; points on the grid may be none at first, then, and become others.
+    fn matter(&self) -> Option<Matter<T, D>> {
+        None
+    }
+    /// Before a step is [opened](GridClient::open), of a body whose matter may become particles: velocities of its points, m/s, by number.
+    fn velocities(&self, velocities: &mut [[T; 3]]) {
+        let _ = velocities;
+    }
+    /// Of a body whose matter may become particles: hold also what is not on the grid by a condition of the scene.
+    ///
+    /// # Errors
+    /// A condition that it cannot have.
+    fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError> {
+        let _ = boundary;
+        Ok(())
+    }
+    /// Between steps, and before the first one: have matter become particles where it is to, others being `around`. If its points on the grid
+    /// are others then: the number that each had, `u32::MAX` of new ones.
+    ///
+    /// # Errors
+    /// What stops the body.
+    fn convert(
+        &mut self,
+        around: &Surroundings<D>,
+        new: &mut NewParticles<T, D>,
+    ) -> Result<Option<Vec<u32>>, Stopped> {
+        let _ = (around, new);
+        Ok(None)
+    }
+    /// Boxes around the facets of its surface, m, if it has one: so others whose matter may become particles know that it comes near.
+    fn each_surface_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
+        let _ = visit;
     }
     /// Its surface, if particles meet that and not proxies on the grid: then [`GridClient::mass_points`] may be empty. Asked anew in every
     /// step, between `open` and `advance`.

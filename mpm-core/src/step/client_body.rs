@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
 use super::capability::ClientSteps;
 use super::client::{ClientPoint, GridClient, SurfaceClient};
+use super::conversion::{NewParticles, Surroundings};
 use super::footprint::Footprint;
 use super::kernels::MethodKernels;
 use super::layout::Nodes;
@@ -17,7 +18,8 @@ use crate::parallel::{Float, Team};
 use crate::particles::{Columns, Place};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
-use impactite_scene::{Body, Exchange, PointKind, PointView, Stopped, Totals};
+use impactite_scene::error::SceneError;
+use impactite_scene::{Body, Boundary, Exchange, PointKind, PointView, Stopped, Totals};
 
 /// A [`GridClient`] in a scene.
 pub(super) struct ClientBody<T: Float, const D: usize> {
@@ -29,6 +31,9 @@ pub(super) struct ClientBody<T: Float, const D: usize> {
     points: Vec<ClientPoint>,
     /// Of a body within another, by number: velocities that matter carries points with, m/s; empty of others.
     carried: Vec<[T; 3]>,
+    within: bool,
+    /// The least mass of a particle that its matter may become, kg.
+    to_come: Option<T>,
     /// The method of the scene.
     method: Arc<dyn MethodKernels<T, D>>,
     rate: T,
@@ -59,6 +64,7 @@ impl<T: Float, const D: usize> ClientBody<T, D> {
         };
         let none = (Loads { given, ..Loads::default() }, None);
         let mut proxy = ParticleBody::empty(client.name(), law, kernels, lattice, &client.half_size(), none);
+        let to_come = client.matter().map(|matter| T::of(matter.lightest));
         let given = client.mass_points();
         let mut points = vec![ClientPoint::default(); given.len()];
         client.place(&mut points);
@@ -66,7 +72,46 @@ impl<T: Float, const D: usize> ClientBody<T, D> {
         proxy.place_at(&points, &Team::one());
         let velocities = vec![[T::default(); 3]; points.len()];
         let carried = vec![[T::default(); 3]; if within { points.len() } else { 0 }];
-        ClientBody { client, proxy, velocities, points, carried, method, rate: T::default(), returns }
+        let rate = T::default();
+        ClientBody { client, proxy, velocities, points, carried, within, to_come, method, rate, returns }
+    }
+
+    /// Make the proxies anew, whose points have become others: `known` says the number that each had. They keep the gradient of the velocity
+    /// that the nodes gave them.
+    fn stand_anew(&mut self, known: &[u32], team: &Team) {
+        let proxy = &self.proxy;
+        let (law, kernels, half) = (proxy.material.clone(), proxy.kernels.clone(), self.client.half_size());
+        let loads = (Loads { given: proxy.loads.given, ..Loads::default() }, None);
+        let mut anew = ParticleBody::empty(self.client.name(), law, kernels, proxy.lattice, &half, loads);
+        let given = self.client.mass_points();
+        self.points.clear();
+        self.points.resize(given.len(), ClientPoint::default());
+        self.client.place(&mut self.points);
+        anew.stand_for(&given, &self.points);
+        anew.place_at(&self.points, team);
+        if let Some(row) = proxy.loads.rows(proxy.columns.load()).affine {
+            let mut before = vec![None; self.velocities.len()];
+            for slot in &proxy.slots {
+                for (_, at) in slot.block.places() {
+                    let gradient: [T; 9] = std::array::from_fn(|n| {
+                        if n < D * D { slot.block.get(at, row + n) } else { T::default() }
+                    });
+                    before[slot.block.number(at)] = Some(gradient);
+                }
+            }
+            for slot in &mut anew.slots {
+                for (_, at) in slot.block.places().collect::<Vec<_>>() {
+                    let was = known.get(slot.block.number(at)).and_then(|n| before.get(*n as usize));
+                    let Some(Some(gradient)) = was else { continue };
+                    (0..D * D).for_each(|n| slot.block.set(at, row + n, gradient[n]));
+                }
+            }
+        }
+        self.proxy = anew;
+        for list in [&mut self.velocities, &mut self.carried] {
+            list.clear();
+            list.resize(given.len(), [T::default(); 3]);
+        }
     }
 
     fn trouble(&self, trouble: BodyTrouble) -> Stopped {
@@ -128,17 +173,22 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
 impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
     fn open(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<(), Stopped> {
+        if self.to_come.is_some() {
+            self.client.velocities(&mut self.velocities);
+            let velocities = &self.velocities;
+            self.proxy.show_velocities(&mut |number, v| *v = velocities[number]);
+        }
         self.client.open(dt, &mut self.velocities, team)?;
         if !self.on_grid() {
             return Ok(());
         }
         let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0 };
-        if self.carried.is_empty() {
+        if !self.within {
             let velocities = &self.velocities;
             self.proxy.show_velocities(&mut |number, v| *v = velocities[number]);
         }
         self.proxy.pass(Which::Map, nodes, steps, team).map_err(|t| self.trouble(t))?;
-        if !self.carried.is_empty() {
+        if self.within {
             let (velocities, per_dt) = (&self.velocities, T::of(1.0) / dt);
             let give = |number: usize, v: [T; 3]| -> [T; 3] {
                 std::array::from_fn(|d| (velocities[number][d] - v[d]) * per_dt)
@@ -150,7 +200,7 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
 
     fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped> {
         let (mut share, mut changed) = (T::default(), false);
-        if !self.carried.is_empty() {
+        if self.within && self.on_grid() {
             let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0 };
             self.proxy.carried(nodes, steps, &mut self.carried, team);
             self.client.carry(&self.carried);
@@ -188,13 +238,31 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
         !self.points.is_empty()
     }
     fn is_within(&self) -> bool {
-        !self.carried.is_empty()
+        self.within
     }
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>> {
         self.client.surface()
     }
     fn given(&self) -> Exchange {
         self.client.given()
+    }
+    fn each_surface_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
+        self.client.each_surface_box(visit);
+    }
+    fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError> {
+        if self.to_come.is_some() { self.client.bound(boundary) } else { Ok(()) }
+    }
+    fn convert(
+        &mut self,
+        around: &Surroundings<D>,
+        new: &mut NewParticles<T, D>,
+        team: &Team,
+    ) -> Result<bool, Stopped> {
+        let others = self.client.convert(around, new)?;
+        if let Some(known) = &others {
+            self.stand_anew(known, team);
+        }
+        Ok(others.is_some())
     }
 }
 
@@ -240,7 +308,7 @@ impl<T: Float, const D: usize> GridBody<T, D> for ClientBody<T, D> {
         self.client.half_size()
     }
     fn lightest(&self) -> T {
-        self.proxy.lightest()
+        self.to_come.unwrap_or_else(|| self.proxy.lightest())
     }
     fn presence(&self) -> &dyn Presence<T, D> {
         &self.proxy
@@ -268,7 +336,9 @@ impl<T: Float, const D: usize> GridBody<T, D> for ClientBody<T, D> {
         if which == self.returns && self.on_grid() {
             self.proxy.pass(Which::First, nodes, Steps { adapt: false, ..dt }, team)?;
         }
-        Ok(self.rate)
+        // With the pass in which particles find theirs: the others find none, and what one finds is the rate of all.
+        let finds = self.method.does(which).strain.is_some();
+        Ok(if finds { self.rate } else { T::default() })
     }
     fn loading(&self) -> Loading {
         Loading::default()
@@ -285,6 +355,9 @@ impl<T: Float, const D: usize> GridBody<T, D> for ClientBody<T, D> {
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         self.client.archive(file)?;
         file.numbers([&mut self.rate])?;
+        if file.reads() && self.to_come.is_some() {
+            self.stand_anew(&[], &Team::one());
+        }
         self.proxy.archive(file)
     }
     fn footprints(&self, time: f64, visit: &mut dyn FnMut(&Footprint<'_, D>)) {

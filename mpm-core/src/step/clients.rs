@@ -5,11 +5,13 @@ use super::capability::ClientSteps;
 use super::client::{GridClient, Taken};
 use super::client_body::ClientBody;
 use super::contact::ContactPhase;
+use super::conversion::Matter;
 use super::footprint::Folds;
 use super::layout::Nodes;
 use super::mpm::Mpm;
 use super::near_particles::NearParticles;
 use super::nodes::mass_cutoff;
+use super::particle_body::ParticleBody;
 use crate::parallel::Float;
 use impactite_scene::Finding;
 use impactite_scene::control::TimeControl;
@@ -52,7 +54,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Refuse a body force beside such bodies whose own forces are not those of nodes.
     fn check_weight(&self) -> Result<(), SceneError> {
-        self.refuse_beside("a body force of the scene", |client| client.on_grid() && !client.is_within())
+        self.refuse_beside("a body force of the scene", |client| client.on_grid() && !client.is_within())?;
+        match self.scene.growing.first() {
+            None => Ok(()),
+            Some(&(n, _)) => Err(SceneError::BesideClient {
+                body: self.scene.bodies[n].name().into(),
+                what: "a body force of the scene",
+            }),
+        }
     }
 
     fn refuse_beside(
@@ -167,11 +176,20 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     ) -> Result<(), SceneError> {
         let mut body = body;
         let on_grid = !body.mass_points().is_empty();
-        let within = body.within().map(|name| self.place_of_host(body.name(), name)).transpose()?;
+        let matter = body.matter();
+        let within = match (body.within(), &matter) {
+            (None, _) => None,
+            (Some(name), None) => Some(self.place_of_host(body.name(), name)?),
+            // The body that comes next.
+            (Some(name), Some(_)) => {
+                self.check_name(name)?;
+                Some(self.scene.bodies.len())
+            }
+        };
         if on_grid && within.is_none() && !self.scene.contact.separates() {
             return Err(SceneError::NoContact(what));
         }
-        if !on_grid && body.surface().is_none() {
+        if !on_grid && matter.is_none() && body.surface().is_none() {
             return Err(SceneError::Empty(body.name().into()));
         }
         self.check_frame(what, "the scene that bodies meet in is one of the current configuration")?;
@@ -188,27 +206,50 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(SceneError::OtherSpace { body: name, there: body.embedding(), here });
         }
         let refuse = |what| Err(SceneError::BesideClient { body: name.clone(), what });
-        if on_grid {
+        if on_grid || matter.is_some() {
             self.check_beside(&refuse)?;
-            if within.is_none() && self.scene.conditions.gravity.is_some() {
+            if (within.is_none() || matter.is_some()) && self.scene.conditions.gravity.is_some() {
                 return refuse("a body force of the scene");
             }
         }
         self.check_half_sizes(&name, &body.half_size())?;
         let ratio = body.spacing() / self.grid.lattice().spacing();
+        if let Some(matter) = &matter {
+            self.check_matter(&mut *body, matter)?;
+        }
         let body = ClientBody::new(body, [self.kernels.clone(), kernels], *self.grid.lattice(), returns);
         let number = self.scene.bodies.len() as u32;
         if let Some(host) = within {
             self.grid.fields.join(number, host as u32);
         }
-        self.enter(&name, Box::new(body)).inspect_err(|_| self.grid.fields.part(number))?;
+        let entered = self.enter(&name, Box::new(body)).inspect_err(|_| self.grid.fields.part(number));
+        if entered.is_err() && matter.is_some() {
+            self.scene.bodies.pop();
+        }
+        entered?;
         self.scene.clients.push(self.scene.bodies.len() - 1);
+        if let Some(host) = within.filter(|_| matter.is_some()) {
+            self.scene.growing.push((self.scene.bodies.len() - 1, host));
+        }
         if on_grid && within.is_none() && ratio > WIDEST {
             let finding = Finding::WidePoints { body: name.clone(), ratio };
             let same = |f: &Finding| matches!(f, Finding::WidePoints { body, .. } if *body == name);
             self.looks.watcher.warn_once(&self.clock, finding, same);
         }
         Ok(())
+    }
+
+    /// Have an empty body for particles that matter of a client may become, and the client know the conditions.
+    fn check_matter(
+        &mut self,
+        client: &mut dyn GridClient<T, D>,
+        matter: &Matter<T, D>,
+    ) -> Result<(), SceneError> {
+        let name = client.within().unwrap_or_default().to_string();
+        self.check_half_sizes(&name, &matter.half_size)?;
+        self.scene.conditions.boundaries.iter().try_for_each(|boundary| client.bound(boundary))?;
+        let body = ParticleBody::to_come(&name, matter, self)?;
+        self.enter(&name, Box::new(body))
     }
 
     /// The body of particles that another one is to be within.

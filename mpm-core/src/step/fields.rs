@@ -107,7 +107,7 @@ impl<const D: usize> Fields<D> {
     }
 
     /// Whose fields a body has.
-    fn owner_of(&self, body: u32) -> u32 {
+    pub(super) fn owner_of(&self, body: u32) -> u32 {
         self.joined.binary_search_by_key(&body, |known| known.0).map_or(body, |at| self.joined[at].1)
     }
 

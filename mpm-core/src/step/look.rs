@@ -178,6 +178,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             // Weights of the reference configuration hold particles together, however far apart they are.
             let tears = !self.facts().total
                 && self.scene.bodies[b].client().is_none()
+                && self.scene.growing.iter().all(|(_, body)| *body != b)
                 && self.scene.bodies[b].coheres();
             if tears && whole.parts > before && whole.whole_parts > before.saturating_sub(1) {
                 let found =

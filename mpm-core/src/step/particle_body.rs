@@ -170,7 +170,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     }
 
     /// `task` on the loads of every slot, with the sum of what it returns.
-    fn each_load(
+    pub(super) fn each_load(
         &mut self,
         nodes: Nodes<'_, T>,
         maps: Maps,
@@ -649,6 +649,9 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
     }
     fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
         self
+    }
+    fn receiver(&mut self) -> Option<&mut ParticleBody<T, D>> {
+        Some(self)
     }
     fn meets_surfaces(&self) -> Option<&dyn MeetsSurfaces<D>> {
         Some(self)

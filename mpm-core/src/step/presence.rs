@@ -214,6 +214,11 @@ impl<T: Float, const D: usize> Presence<T, D> for ParticleBody<T, D> {
     fn near_points(&self, block: usize, nodes: u64, visit: &mut dyn FnMut(u64, &NearPoint<T>)) {
         self.visit_near_points(block, nodes, visit);
     }
+    fn each_block(&self, visit: &mut dyn FnMut(&[i32; D], u64)) {
+        for slot in self.slots.iter().filter(|slot| !slot.block.is_empty()) {
+            visit(&slot.block.coordinates, slot.block.occupied());
+        }
+    }
 }
 
 impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {

@@ -16,13 +16,16 @@ pub(super) struct Scene<T: Float, const D: usize> {
     pub(super) rigid: Vec<usize>,
     /// Which bodies are of another discretisation.
     pub(super) clients: Vec<usize>,
+    /// Those whose matter may become particles, each with the body that these come into.
+    pub(super) growing: Vec<(usize, usize)>,
 }
 
 impl<T: Float, const D: usize> Scene<T, D> {
     /// An empty one.
     pub(super) fn new(contact: Arc<dyn ContactAlgorithm<T, D>>) -> Self {
         let conditions = Conditions::default();
-        Scene { bodies: Vec::new(), conditions, contact, rigid: Vec::new(), clients: Vec::new() }
+        let (bodies, rigid, clients, growing) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Scene { bodies, conditions, contact, rigid, clients, growing }
     }
     /// Mass of the lightest particle, kg.
     pub(super) fn lightest(&self) -> T {

@@ -48,6 +48,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             });
             behind.map_or(Ok(()), Err)?;
         }
+        for &(client, _) in &self.scene.growing {
+            self.scene.bodies[client].client_mut().map_or(Ok(()), |client| client.bound(&boundary))?;
+        }
         self.scene.conditions.boundaries.push(boundary);
         self.arrange_planes();
         Ok(())

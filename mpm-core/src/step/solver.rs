@@ -75,6 +75,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     fn stages(&mut self, left: f64) -> Result<T, StepError> {
         self.open_books();
+        if !self.stepper.mapped {
+            self.convert_clients()?;
+        }
         self.reactivate_disturbed().map_err(|outside| self.stopped(self.who_left(outside)))?;
         self.map_particles(left)?; // iii, vi (only where nothing was mapped before)
         let dt = self.time_step(left)?;
@@ -116,6 +119,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.advance_clients(dt)?;
         self.close_step(dt)?;
         self.apply_between_steps();
+        self.convert_clients()?;
         self.look_if_due()?;
         Ok(dt)
     }
@@ -463,7 +467,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// The particle nearest to a block of nodes that the grid has not: the one that asks for it.
-    fn who_left(&self, outside: OutsideGrid) -> Stopped {
+    pub(super) fn who_left(&self, outside: OutsideGrid) -> Stopped {
         let lattice = self.grid.lattice();
         let (origin, width) = (lattice.origin(), BLOCK as f64 * lattice.spacing());
         let mut nearest = f64::INFINITY;

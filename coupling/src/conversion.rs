@@ -1,0 +1,284 @@
+//! Elements that become particles: when, into how many, and what is booked.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use fem::{Criterion, ElementBody, Fem};
+use impactite_geometry::Shape;
+use impactite_scene::SceneError;
+use impactite_scene::error::parameter;
+use mpm_core::Surroundings;
+
+/// Cells between elements and matter of others within which they become particles, unless said otherwise: both reach nodes that are two
+/// cells away, and come closer in the step that passes until they do.
+const NEAR: f64 = 3.0;
+/// Part of the first stable step at which elements become particles in [`Conversion::adaptive`].
+const STEP: f64 = 0.5;
+/// [`Conversion::when_distorted`] in [`Conversion::adaptive`].
+const DISTORTED: [f64; 2] = [0.4, 0.25];
+
+/// Into which particles an element turns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Particles {
+    /// As many along each of its axes as half cells that it is long: two of an element as large as a cell.
+    #[default]
+    HalfCells,
+    /// So many along each axis of a quadrilateral or brick; triangles and tetrahedra are halved until their edges have so many parts.
+    Each(u32),
+    /// One at each point of integration.
+    Points,
+}
+
+/// When elements become particles ([`Elements::converting`](crate::Elements::converting)), and which.
+///
+/// Whatever else is said, elements whose surface matter of others comes near become particles ([`Conversion::near`]), so that contact is
+/// that of the scene's grid.
+#[derive(Clone)]
+pub struct Conversion<const D: usize> {
+    region: Option<Arc<dyn Shape<D>>>,
+    criteria: Vec<(String, Criterion)>,
+    distorted: Option<[f64; 2]>,
+    step: Option<f64>,
+    near: f64,
+    particles: Particles,
+}
+
+impl<const D: usize> Conversion<D> {
+    fn new() -> Self {
+        let (region, criteria, distorted, step) = (None, Vec::new(), None, None);
+        Conversion { region, criteria, distorted, step, near: NEAR, particles: Particles::default() }
+    }
+
+    /// Elements become particles where they are deformed too far for a mesh (AFEMP, \[Lian2012\]): where a Jacobian at a corner is 0.4 of what
+    /// it was, the shortest edge over the longest a quarter of that, or the stable step half of the first one of the body.
+    #[must_use]
+    pub fn adaptive() -> Self {
+        Conversion { step: Some(STEP), distorted: Some(DISTORTED), ..Conversion::new() }
+    }
+
+    /// Elements are particles where all their nodes are within a region (MPFEM, \[Zhang2006\]), from the start or as soon as they are.
+    #[must_use]
+    pub fn within(region: impl Shape<D> + 'static) -> Self {
+        Conversion { region: Some(Arc::new(region)), ..Conversion::new() }
+    }
+
+    /// Also where all nodes are within a region.
+    #[must_use]
+    pub fn or_within(mut self, region: impl Shape<D> + 'static) -> Self {
+        self.region = Some(Arc::new(region));
+        self
+    }
+
+    /// Also by a criterion of the law's state: plastic strain, damage, failure ([`Criterion`]); by a name for the books.
+    #[must_use]
+    pub fn or(mut self, name: impl Into<String>, criterion: Criterion) -> Self {
+        self.criteria.push((name.into(), criterion));
+        self
+    }
+
+    /// Also where a Jacobian at a corner is at most this part of what it was at rest, or the shortest edge over the longest at most that
+    /// part.
+    #[must_use]
+    pub fn when_distorted(mut self, jacobian: f64, edges: f64) -> Self {
+        self.distorted = Some([jacobian, edges]);
+        self
+    }
+
+    /// Also where the stable step of the element is at most this part of that of the body at the start.
+    #[must_use]
+    pub fn when_step_falls_to(mut self, part: f64) -> Self {
+        self.step = Some(part);
+        self
+    }
+
+    /// Within so many cells of matter of others, by default 3.
+    #[must_use]
+    pub fn near(mut self, cells: f64) -> Self {
+        self.near = cells;
+        self
+    }
+
+    /// Into these particles.
+    #[must_use]
+    pub fn into_particles(mut self, particles: Particles) -> Self {
+        self.particles = particles;
+        self
+    }
+
+    pub(crate) fn particles(&self) -> Particles {
+        self.particles
+    }
+
+    /// In words, for checkpoints.
+    pub(crate) fn constants(&self) -> String {
+        let Conversion { region, criteria, distorted, step, near, particles } = self;
+        let region = region.as_ref().map(|region| impactite_scene::constants::region(&**region));
+        format!(
+            "into {particles:?}, near {near:?} cells, {region:?}, {criteria:?}, distorted {distorted:?}, step {step:?}"
+        )
+    }
+
+    /// Have a body give its elements.
+    pub(crate) fn of(self, fem: &mut Fem<D>) -> Result<Rules<D>, SceneError> {
+        let owner = "Conversion";
+        let part =
+            |field, value: f64| parameter(value > 0.0 && value < 1.0, owner, field, value, "in (0, 1)");
+        if let Some([jacobian, edges]) = self.distorted {
+            part("part of the Jacobian", jacobian)?;
+            part("part of the edges", edges)?;
+        }
+        let least = "at least 2, so that contact on the grid is that of particles";
+        parameter(self.near >= 2.0, owner, "near: cells", self.near, least)?;
+        if let Particles::Each(count) = self.particles {
+            parameter(
+                (1..=8).contains(&count),
+                owner,
+                "particles along an axis",
+                f64::from(count),
+                "1 to 8",
+            )?;
+        }
+        let mut criteria = self.criteria.clone();
+        if let Some(step) = self.step {
+            part("part of the step", step)?;
+            criteria.push(("stable step".into(), Criterion::Step(step * fem.body(0).stable_step())));
+        }
+        let tests: Vec<Criterion> = criteria.iter().map(|(_, criterion)| criterion.clone()).collect();
+        fem.convert_by(0, &tests)?;
+        let mut names: Vec<String> = criteria.into_iter().map(|(name, _)| name).collect();
+        names.extend(MARKS.map(String::from));
+        let shares = vec![Share::default(); names.len()];
+        let book = ConversionBook { by: names.into_iter().zip(shares).collect(), ..Default::default() };
+        Ok(Rules {
+            what: self,
+            first_mark: tests.len(),
+            looks: 0,
+            log: ConversionLog(Arc::new(Mutex::new(book))),
+        })
+    }
+}
+
+/// What the coupling looks at itself, behind the criteria of the body.
+const MARKS: [&str; 4] = ["region", "Jacobian", "edges", "near others"];
+const REGION: usize = 0;
+const JACOBIAN: usize = 1;
+const EDGES: usize = 2;
+const NEAR_OTHERS: usize = 3;
+/// Steps between two looks at the shapes of elements: in that time they change by a few per cent.
+const LOOK_EVERY: u64 = 2;
+
+/// What a criterion converted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Share {
+    /// Elements.
+    pub elements: u64,
+    /// Energy that appeared with it, J: kinetic energy of particles less that of the nodes' mass, and that of hourglass forces, which goes.
+    pub energy: f64,
+}
+
+/// What was converted since the start.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ConversionBook {
+    /// Elements.
+    pub elements: u64,
+    /// The particles that they became.
+    pub particles: u64,
+    /// Their mass, kg.
+    pub mass: f64,
+    /// Energy that appeared, J.
+    pub energy: f64,
+    /// What of it were hourglass forces that went, J, negative.
+    pub hourglass: f64,
+    /// By criterion.
+    pub by: Vec<(String, Share)>,
+    /// The smallest Jacobian at a corner over that at rest with which an element was converted; none before the first.
+    pub least_jacobian: Option<f64>,
+}
+
+/// Reads the [`ConversionBook`] of elements while they are in a scene.
+#[derive(Clone, Debug, Default)]
+pub struct ConversionLog(Arc<Mutex<ConversionBook>>);
+
+impl ConversionLog {
+    /// The book as it stands.
+    pub fn book(&self) -> ConversionBook {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+    pub(crate) fn change(&self, change: impl FnOnce(&mut ConversionBook)) {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+/// [`Conversion`] of a body.
+pub(crate) struct Rules<const D: usize> {
+    pub what: Conversion<D>,
+    first_mark: usize,
+    looks: u64,
+    pub log: ConversionLog,
+}
+
+impl<const D: usize> Rules<D> {
+    pub fn particles(&self) -> Particles {
+        self.what.particles
+    }
+
+    pub fn looks_mut(&mut self) -> &mut u64 {
+        &mut self.looks
+    }
+
+    /// Mark the elements that are to become particles.
+    pub fn mark(&mut self, body: &mut ElementBody<D>, around: &Surroundings<D>) {
+        let mut marks = Vec::new();
+        self.mark_near(body, around, &mut marks);
+        if self.looks.is_multiple_of(LOOK_EVERY) {
+            self.mark_shapes(body, &mut marks);
+        }
+        self.looks += 1;
+        for (element, mark) in marks {
+            body.mark(element, self.first_mark + mark);
+        }
+    }
+
+    fn mark_near(&self, body: &ElementBody<D>, around: &Surroundings<D>, marks: &mut Vec<(usize, usize)>) {
+        if around.is_empty() {
+            return;
+        }
+        let margin = self.what.near * around.spacing();
+        for facet in body.surface() {
+            let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+            for &n in facet.nodes() {
+                let x = &body.nodes()[n as usize].position;
+                for d in 0..D {
+                    (low[d], high[d]) = (low[d].min(x[d] - margin), high[d].max(x[d] + margin));
+                }
+            }
+            if around.touches(&low, &high) {
+                marks.push((body.element_of(facet), NEAR_OTHERS));
+            }
+        }
+    }
+
+    fn mark_shapes(&self, body: &ElementBody<D>, marks: &mut Vec<(usize, usize)>) {
+        let region = self.what.region.as_deref();
+        if region.is_none() && self.what.distorted.is_none() {
+            return;
+        }
+        let inside: Vec<bool> = region.map_or(Vec::new(), |region| {
+            let within = |n: usize| body.elements_at(n) > 0 && region.contains(body.nodes()[n].position);
+            (0..body.nodes().len()).map(within).collect()
+        });
+        body.each_element(|element, kind, nodes| {
+            if region.is_some() && nodes.iter().all(|&n| inside[n as usize]) {
+                marks.push((element, REGION));
+                return;
+            }
+            let Some([jacobian, edges]) = self.what.distorted else { return };
+            let at = |n: usize| body.nodes()[nodes[n] as usize].position;
+            let rest = |n: usize| body.mesh().nodes[nodes[n] as usize];
+            if crate::element::aspect(kind, &at) <= edges * crate::element::aspect(kind, &rest) {
+                marks.push((element, EDGES));
+            } else if crate::element::least_jacobian(kind, &at, &rest) <= jacobian {
+                marks.push((element, JACOBIAN));
+            }
+        });
+    }
+}

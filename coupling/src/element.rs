@@ -1,0 +1,186 @@
+//! Shape functions of elements, and what their shapes have come to.
+
+use impactite_geometry::ElementKind;
+
+/// Most nodes of an element.
+pub(crate) const NODES: usize = 8;
+
+/// Signs of the places of the corners of quadrilaterals and bricks.
+const SIGNS: [[f64; 3]; NODES] = [
+    [-1.0, -1.0, -1.0],
+    [1.0, -1.0, -1.0],
+    [1.0, 1.0, -1.0],
+    [-1.0, 1.0, -1.0],
+    [-1.0, -1.0, 1.0],
+    [1.0, -1.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [-1.0, 1.0, 1.0],
+];
+
+fn is_simplex(kind: ElementKind) -> bool {
+    matches!(kind, ElementKind::Triangle3 | ElementKind::Tetra4)
+}
+
+/// Shape functions of the nodes, and their derivatives along xi, at a place: of simplices xi are the shares of all nodes but the first.
+pub(crate) fn shape(kind: ElementKind, xi: &[f64; 3]) -> ([f64; NODES], [[f64; 3]; NODES]) {
+    let (mut values, mut slopes) = ([0.0; NODES], [[0.0; 3]; NODES]);
+    let dim = kind.dimensions();
+    if is_simplex(kind) {
+        values[0] = 1.0 - xi[..dim].iter().sum::<f64>();
+        for d in 0..dim {
+            values[d + 1] = xi[d];
+            (slopes[0][d], slopes[d + 1][d]) = (-1.0, 1.0);
+        }
+        return (values, slopes);
+    }
+    for (n, signs) in SIGNS[..kind.nodes()].iter().enumerate() {
+        let of = |d: usize| 0.5 * (1.0 + signs[d] * xi[d]);
+        values[n] = (0..dim).map(of).product();
+        for d in 0..dim {
+            let others: f64 = (0..dim).filter(|&other| other != d).map(of).product();
+            slopes[n][d] = 0.5 * signs[d] * others;
+        }
+    }
+    (values, slopes)
+}
+
+/// Columns dx/dxi of the Jacobian.
+pub(crate) fn columns<const D: usize>(slopes: &[[f64; 3]], at: impl Fn(usize) -> [f64; D]) -> [[f64; D]; 3] {
+    let mut columns = [[0.0; D]; 3];
+    for (n, slope) in slopes.iter().enumerate() {
+        let x = at(n);
+        for (column, s) in columns.iter_mut().zip(slope) {
+            (0..D).for_each(|d| column[d] += s * x[d]);
+        }
+    }
+    columns
+}
+
+/// Determinant of a Jacobian by its columns.
+pub(crate) fn determinant<const D: usize>(c: &[[f64; D]; 3]) -> f64 {
+    match D {
+        2 => c[0][0] * c[1][1] - c[0][1] * c[1][0],
+        _ => {
+            let minor = |i: usize, j: usize| c[1][i] * c[2][j] - c[1][j] * c[2][i];
+            c[0][0] * minor(1, 2) - c[0][1] * minor(0, 2) + c[0][2] * minor(0, 1)
+        }
+    }
+}
+
+/// The smallest Jacobian at a corner over that at rest.
+pub(crate) fn least_jacobian<const D: usize>(
+    kind: ElementKind,
+    at: &dyn Fn(usize) -> [f64; D],
+    rest: &dyn Fn(usize) -> [f64; D],
+) -> f64 {
+    let corners = if is_simplex(kind) { 1 } else { kind.nodes() };
+    let mut least = f64::INFINITY;
+    for c in 0..corners {
+        let edges = |of: &dyn Fn(usize) -> [f64; D]| -> f64 {
+            let from = of(c);
+            let mut sides = [[0.0; D]; 3];
+            for (side, n) in sides.iter_mut().zip(beside(kind, c)) {
+                let to = of(n);
+                (0..D).for_each(|d| side[d] = to[d] - from[d]);
+            }
+            determinant(&sides)
+        };
+        least = least.min(edges(at) / edges(rest));
+    }
+    least
+}
+
+/// The nodes along the edges from a corner, in the order of a right-handed frame or its mirror image.
+fn beside(kind: ElementKind, c: usize) -> [usize; 3] {
+    match kind {
+        ElementKind::Quad4 => [(c + 1) % 4, (c + 3) % 4, 0],
+        ElementKind::Hexa8 => [c / 4 * 4 + (c + 1) % 4, c / 4 * 4 + (c + 3) % 4, (c + 4) % 8],
+        _ => [1, 2, 3],
+    }
+}
+
+/// The shortest edge over the longest.
+pub(crate) fn aspect<const D: usize>(kind: ElementKind, at: &dyn Fn(usize) -> [f64; D]) -> f64 {
+    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+    for [a, b] in kind.edges() {
+        let (a, b) = (at(*a), at(*b));
+        let square: f64 = (0..D).map(|d| (a[d] - b[d]).powi(2)).sum();
+        (least, most) = (least.min(square), most.max(square));
+    }
+    (least / most).sqrt()
+}
+
+/// Places of particles that fill an element, with the parts of the volume in xi that they take and half the edges of those, in xi: so many
+/// along each axis; simplices are halved as often as the largest of these asks.
+pub(crate) fn divided(kind: ElementKind, counts: [u32; 3]) -> Vec<([f64; 3], f64, [f64; 3])> {
+    let dim = kind.dimensions();
+    if is_simplex(kind) {
+        let most = counts[..dim].iter().copied().max().unwrap_or(1);
+        let levels = most.next_power_of_two().ilog2();
+        let corners: Vec<[f64; 3]> =
+            (0..=dim).map(|n| std::array::from_fn(|d| if d + 1 == n { 1.0 } else { 0.0 })).collect();
+        let mut parts = vec![corners];
+        for _ in 0..levels {
+            parts = parts.iter().flat_map(|part| halved(part)).collect();
+        }
+        let share = 1.0 / parts.len() as f64;
+        let half = 0.5 * share.powf(1.0 / dim as f64);
+        let middle = |part: &Vec<[f64; 3]>| -> [f64; 3] {
+            std::array::from_fn(|d| part.iter().map(|x| x[d]).sum::<f64>() / part.len() as f64)
+        };
+        return parts.iter().map(|part| (middle(part), share, [half; 3])).collect();
+    }
+    let counts: [u32; 3] = std::array::from_fn(|d| if d < dim { counts[d].max(1) } else { 1 });
+    let half: [f64; 3] = std::array::from_fn(|d| 1.0 / f64::from(counts[d]));
+    let all: u32 = counts.iter().product();
+    let place = |n: u32| -> [f64; 3] {
+        let at = [n % counts[0], n / counts[0] % counts[1], n / (counts[0] * counts[1])];
+        std::array::from_fn(|d| if d < dim { (2 * at[d] + 1) as f64 * half[d] - 1.0 } else { 0.0 })
+    };
+    (0..all).map(|n| (place(n), 1.0 / f64::from(all), half)).collect()
+}
+
+/// A triangle in four or a tetrahedron in eight parts of the same size.
+fn halved(corners: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
+    let between =
+        |a: usize, b: usize| -> [f64; 3] { std::array::from_fn(|d| 0.5 * (corners[a][d] + corners[b][d])) };
+    if corners.len() == 3 {
+        let (ab, bc, ca) = (between(0, 1), between(1, 2), between(2, 0));
+        return vec![
+            vec![corners[0], ab, ca],
+            vec![corners[1], bc, ab],
+            vec![corners[2], ca, bc],
+            vec![ab, bc, ca],
+        ];
+    }
+    let [ab, ac, ad] = [between(0, 1), between(0, 2), between(0, 3)];
+    let [bc, bd, cd] = [between(1, 2), between(1, 3), between(2, 3)];
+    // Four at the corners, and four around the diagonal ac-bd of the octahedron between them.
+    vec![
+        vec![corners[0], ab, ac, ad],
+        vec![ab, corners[1], bc, bd],
+        vec![ac, bc, corners[2], cd],
+        vec![ad, bd, cd, corners[3]],
+        vec![ac, bd, ab, ad],
+        vec![ac, bd, ad, cd],
+        vec![ac, bd, cd, bc],
+        vec![ac, bd, bc, ab],
+    ]
+}
+
+/// The place of a point of integration of so many.
+pub(crate) fn integration_point(kind: ElementKind, point: usize, points: usize) -> [f64; 3] {
+    let dim = kind.dimensions();
+    if is_simplex(kind) {
+        return [1.0 / (dim as f64 + 1.0); 3];
+    }
+    if points == 1 {
+        return [0.0; 3];
+    }
+    let gauss = 1.0 / 3f64.sqrt();
+    std::array::from_fn(|d| match (d < dim, point >> d & 1) {
+        (false, _) => 0.0,
+        (true, 1) => gauss,
+        (true, _) => -gauss,
+    })
+}

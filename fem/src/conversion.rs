@@ -1,0 +1,326 @@
+//! Elements that leave their mesh to become something else: particles, in a coupling.
+
+use impactite_geometry::{ElementKind, ElementMesh, Facet};
+use impactite_scene::SceneError;
+use impactite_scene::error::parameter;
+use mpm_materials::material::Material;
+
+use crate::body::ElementBody;
+use crate::erosion::{Criterion, Test, met, test};
+use crate::set::wide;
+use crate::solver::Fem;
+use crate::sweep::{BATCH, Batch, Left, Reason, Scratch};
+
+/// An element that left its mesh, as it was then.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvertedElement<const D: usize> {
+    /// Its number in the body.
+    pub number: usize,
+    /// Its kind.
+    pub kind: ElementKind,
+    /// The number of the criterion that it met, or was marked with ([`ElementBody::mark`]).
+    pub criterion: usize,
+    /// Its nodes.
+    pub nodes: Vec<u32>,
+    /// Where they were at rest, m.
+    pub rest: Vec<[f64; D]>,
+    /// Where they are, m.
+    pub positions: Vec<[f64; D]>,
+    /// Their velocities, m/s.
+    pub velocities: Vec<[f64; D]>,
+    /// What they weigh by this element, kg: they weigh that less from then on.
+    pub masses: Vec<f64>,
+    /// Reference volume of each integration point, m^3 (per metre of depth, per radian): of 2^D points the first axis changes fastest.
+    pub volumes: Vec<f64>,
+    /// The states of those, one behind the other.
+    pub states: Vec<f64>,
+    /// Internal energy by the law and of hourglass forces, J.
+    pub energy: f64,
+    /// That of hourglass forces, J.
+    pub hourglass: f64,
+}
+
+/// What makes elements of a body leave, and those that did.
+#[derive(Debug, Default)]
+pub(crate) struct Converting<const D: usize> {
+    tests: Vec<Test>,
+    /// Of each element: zero, or one more than the criterion it is to leave by.
+    marks: Vec<u32>,
+    marked: bool,
+    /// Which elements are not there any more.
+    gone: Vec<bool>,
+    /// Elements at each node.
+    pub elements_at: Vec<u32>,
+    /// Beyond each facet of each element, [`MOST_FACETS`] an element: the element and its facet, or nobody.
+    beyond: Vec<Option<(u32, u8)>>,
+    /// Those that left and were not taken yet.
+    left: Vec<ConvertedElement<D>>,
+}
+
+impl<const D: usize> Converting<D> {
+    /// The elements of a batch that leave, with their criterion.
+    pub fn leaving(
+        &self,
+        material: &dyn Material<f64>,
+        points: usize,
+        (batch, scratch): (&Batch, &Scratch),
+        numbers: &[u32],
+    ) -> Vec<(usize, Reason)> {
+        if self.tests.is_empty() && !self.marked {
+            return Vec::new();
+        }
+        let first = |e: usize| -> Option<u32> {
+            let mark = self.marks.get(numbers[e] as usize).copied().unwrap_or(0);
+            if mark > 0 {
+                return Some(mark - 1);
+            }
+            let by = self.tests.iter().position(|t| met(t, e, (material, points), batch, scratch));
+            by.map(|by| by as u32)
+        };
+        let alive = (0..batch.elements).filter(|&e| batch.alive(e, points));
+        alive.filter_map(|e| Some((e, Reason::Conversion(first(e)?)))).collect()
+    }
+
+    /// Bytes of its memory.
+    pub fn bytes(&self) -> usize {
+        (self.marks.capacity() + self.elements_at.capacity()) * 4
+            + self.beyond.capacity() * size_of::<Option<(u32, u8)>>()
+    }
+
+    pub(crate) fn marks_mut(&mut self) -> &mut Vec<u32> {
+        &mut self.marks
+    }
+
+    /// After marks were read.
+    pub(crate) fn see_marks(&mut self) {
+        self.marked = self.marks.iter().any(|mark| *mark > 0);
+    }
+}
+
+/// Most facets of an element.
+const MOST_FACETS: usize = 6;
+
+/// For each facet of each element what lies beyond.
+fn beyond<const D: usize>(mesh: &ElementMesh<D>, elements: usize) -> Vec<Option<(u32, u8)>> {
+    let (mut keyed, mut number) = (Vec::new(), 0);
+    for block in &mesh.blocks {
+        for nodes in block.elements() {
+            for (n, places) in block.kind.facets().iter().enumerate() {
+                let mut key = [Facet::NONE; 4];
+                key.iter_mut().zip(*places).for_each(|(to, &place)| *to = nodes[place]);
+                key.sort_unstable();
+                keyed.push((key, (number, n as u8)));
+            }
+            number += 1;
+        }
+    }
+    keyed.sort_unstable();
+    let mut beyond = vec![None; elements * MOST_FACETS];
+    for pair in keyed.chunk_by(|a, b| a.0 == b.0).filter(|same| same.len() == 2) {
+        for (here, there) in [(pair[0].1, pair[1].1), (pair[1].1, pair[0].1)] {
+            beyond[here.0 as usize * MOST_FACETS + here.1 as usize] = Some(there);
+        }
+    }
+    beyond
+}
+
+impl<const D: usize> Fem<D> {
+    /// Let elements of a body leave to become something else: those that meet one of these criteria, at the end of a step, or are
+    /// marked ([`ElementBody::mark`]). Those that left are given by [`ElementBody::take_converted`], and who takes them must: with them
+    /// the mesh loses their mass, momentum and energy.
+    ///
+    /// # Errors
+    /// No such body; a body that has criteria already, or bars; criteria that its law does not know.
+    pub fn convert_by(&mut self, body: usize, criteria: &[Criterion]) -> Result<(), SceneError> {
+        let there = body < self.bodies.len();
+        parameter(there, "conversion", "body", body as f64, "the number of a body of the scene")?;
+        let body = &mut self.bodies[body];
+        let refuse = |why| {
+            let what = format!("conversion of the elements of `{}`", body.name);
+            Err(SceneError::NotWith { what, method: "a body of elements".into(), why })
+        };
+        if body.converting.is_some() {
+            return refuse("it has its criteria");
+        }
+        if body.sets.iter().any(|set| set.kind == ElementKind::Bar2) {
+            return refuse("bars have no volume that particles could fill");
+        }
+        let names = body.material.state_names();
+        let tests = criteria.iter().map(|c| test(c, &names, body.material.name(), "conversion"));
+        let tests = tests.collect::<Result<Vec<_>, _>>()?;
+        let beyond = beyond(&body.mesh, body.elements);
+        body.converting = Some(Box::new(Converting { tests, beyond, ..Converting::default() }));
+        body.count_elements();
+        Ok(())
+    }
+
+    /// Have the elements that are marked leave now, and not at the end of the next step: before a run.
+    pub fn convert_marked(&mut self) {
+        let (team, memory) = (self.team.clone(), self.memory.clone());
+        for body in self.bodies.iter_mut().filter(|b| b.converting.is_some()) {
+            body.forces_of_states(&team, &memory);
+        }
+    }
+}
+
+impl<const D: usize> ElementBody<D> {
+    /// Have an element leave by the criterion of this number, at the end of the next step.
+    ///
+    /// # Panics
+    /// There is no such element, or the body's elements do not leave ([`Fem::convert_by`]).
+    pub fn mark(&mut self, element: usize, criterion: usize) {
+        assert!(element < self.elements, "element {element} of {}", self.elements);
+        let converting = self.converting.as_mut().expect("a body whose elements leave");
+        converting.marks.resize(self.elements, 0);
+        converting.marks[element] = criterion as u32 + 1;
+        converting.marked = true;
+    }
+
+    /// The elements that left since this was asked last, by number.
+    pub fn take_converted(&mut self) -> Vec<ConvertedElement<D>> {
+        let mut left = self.converting.as_mut().map_or(Vec::new(), |c| std::mem::take(&mut c.left));
+        left.sort_by_key(|element| element.number);
+        left
+    }
+
+    /// Energy that appeared or went where elements became something else, J: it is booked as one of conversion.
+    pub fn book_conversion(&mut self, joules: f64) {
+        self.exchange.conversion += joules;
+    }
+
+    /// How many elements of a body whose elements leave are at a node; of others none is counted.
+    pub fn elements_at(&self, node: usize) -> usize {
+        self.converting.as_ref().map_or(0, |c| c.elements_at.get(node).map_or(0, |&n| n as usize))
+    }
+
+    /// Call `visit` for every element that is there, with its number and nodes.
+    pub fn each_element(&self, mut visit: impl FnMut(usize, ElementKind, &[u32])) {
+        let mut nodes = Vec::new();
+        for set in &self.sets {
+            for (batch, e, number) in set.alive() {
+                nodes.clear();
+                nodes.extend(set.nodes_of(batch, e));
+                visit(number as usize, set.kind, &nodes);
+            }
+        }
+    }
+
+    /// The number in the body of the element of a facet.
+    pub fn element_of(&self, facet: &Facet) -> usize {
+        let before: usize = self.mesh.blocks[..facet.block as usize].iter().map(|block| block.len()).sum();
+        before + facet.element as usize
+    }
+
+    /// The surface without the elements that left now, as [`find_surface`](Self::find_surface) would find it anew.
+    pub(crate) fn uncover(&mut self, left: &[u32]) {
+        let Some(mut converting) = self.converting.take() else { return self.find_surface() };
+        left.iter().for_each(|&number| converting.gone[number as usize] = true);
+        let starts: Vec<u32> = self
+            .mesh
+            .blocks
+            .iter()
+            .scan(0, |sum, block| Some(std::mem::replace(sum, *sum + block.len() as u32)))
+            .collect();
+        let mut keyed: Vec<((u32, u8), Facet)> = Vec::with_capacity(self.surface.len());
+        for facet in &self.surface {
+            let number = starts[facet.block as usize] + facet.element;
+            if converting.gone[number as usize] {
+                continue;
+            }
+            let block = &self.mesh.blocks[facet.block as usize];
+            let nodes = &block.nodes[facet.element as usize * block.kind.nodes()..][..block.kind.nodes()];
+            let is = |places: &&[usize]| places.iter().map(|&p| nodes[p]).eq(facet.nodes().iter().copied());
+            let n = block.kind.facets().iter().position(|places| is(places)).unwrap_or(0);
+            keyed.push(((number, n as u8), *facet));
+        }
+        // What lay beyond their facets, and is there, is bare.
+        for &number in left {
+            for (there, n) in
+                converting.beyond[number as usize * MOST_FACETS..][..MOST_FACETS].iter().flatten().copied()
+            {
+                if converting.gone[there as usize] {
+                    continue;
+                }
+                let b = starts.partition_point(|&start| start <= there) - 1;
+                let (block, element) = (&self.mesh.blocks[b], there - starts[b]);
+                let nodes = &block.nodes[element as usize * block.kind.nodes()..][..block.kind.nodes()];
+                let mut facet = Facet { nodes: [Facet::NONE; 4], block: b as u32, element };
+                let places = block.kind.facets()[n as usize];
+                facet.nodes.iter_mut().zip(places).for_each(|(to, &place)| *to = nodes[place]);
+                keyed.push(((there, n), facet));
+            }
+        }
+        keyed.sort_unstable_by_key(|(key, _)| *key);
+        self.surface = keyed.into_iter().map(|(_, facet)| facet).collect();
+        self.converting = Some(converting);
+    }
+
+    pub(crate) fn count_elements(&mut self) {
+        let Some(mut converting) = self.converting.take() else { return };
+        converting.elements_at.clear();
+        converting.elements_at.resize(self.nodes.len(), 0);
+        converting.gone.clear();
+        converting.gone.resize(self.elements, true);
+        for set in &self.sets {
+            for (batch, e, number) in set.alive() {
+                converting.gone[number as usize] = false;
+                set.nodes_of(batch, e).for_each(|n| converting.elements_at[n as usize] += 1);
+            }
+        }
+        self.converting = Some(converting);
+    }
+
+    /// Take what an element of a set had from its nodes: a node without elements has nothing left.
+    pub(crate) fn convert(&mut self, s: usize, b: usize, left: Left, criterion: u32) {
+        let Some(mut converting) = self.converting.take() else { return };
+        let (set, e) = (&self.sets[s], left.element);
+        let batch = &set.batches[b];
+        let nodes: Vec<u32> = set.nodes_of(batch, e).collect();
+        let rest: Vec<[f64; D]> = nodes.iter().map(|&n| self.mesh.nodes[n as usize]).collect();
+        let measure = set.sweep.measure(&rest.iter().map(wide).collect::<Vec<_>>());
+        let masses: Vec<f64> = measure.shares.iter().map(|share| share * self.probe.density).collect();
+        let (points, mut states) = (set.sweep.points(), Vec::new());
+        let mut state = vec![0.0; self.virgin.len()];
+        for point in 0..points {
+            batch.read(e, (point, points), &mut state);
+            states.extend_from_slice(&state);
+        }
+        let number = set.numbers[b * BATCH + e] as usize;
+        let of = |value: &dyn Fn(&crate::Node<D>) -> [f64; D]| -> Vec<[f64; D]> {
+            nodes.iter().map(|&n| value(&self.nodes[n as usize])).collect()
+        };
+        let (positions, velocities) = (of(&|n| n.position), of(&|n| n.velocity));
+        for (&n, mass) in nodes.iter().zip(&masses) {
+            let (n, node) = (n as usize, &mut self.nodes[n as usize]);
+            node.mass -= mass;
+            converting.elements_at[n] -= 1;
+            if converting.elements_at[n] == 0 {
+                // What is left is rounding, or the mass of elements that eroded.
+                node.mass = self.debris.get(n).copied().unwrap_or(0.0);
+                if node.mass == 0.0 {
+                    (node.velocity, node.held) = ([0.0; D], 0);
+                }
+            }
+        }
+        if let Some(mark) = converting.marks.get_mut(number) {
+            *mark = 0;
+        }
+        let (kind, volumes, criterion) = (set.kind, measure.volumes, criterion as usize);
+        let Left { energy, hourglass, .. } = left;
+        converting.left.push(ConvertedElement {
+            number,
+            kind,
+            criterion,
+            nodes,
+            rest,
+            positions,
+            velocities,
+            masses,
+            volumes,
+            states,
+            energy,
+            hourglass,
+        });
+        self.converting = Some(converting);
+    }
+}
