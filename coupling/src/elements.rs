@@ -432,6 +432,9 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         let steps = (dt / self.fem.next_time_step() * (1.0 - ROUNDING)).ceil();
         self.steps = (steps as u32).clamp(1, self.most);
         (self.step, self.made) = (dt / f64::from(self.steps), 0);
+        if let Way::Converting(converting) = &mut self.way {
+            converting.tied.remember(self.fem.body(0));
+        }
         self.begin()?;
         match &mut self.way {
             Way::Grid | Way::Within(_) => {
@@ -446,8 +449,9 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         Ok(())
     }
     fn advance(&mut self, _: f64, changes: Option<&mut Vec<[f64; 3]>>, _: &Team) -> Result<(), Stopped> {
-        if let (Some(changes), Way::Converting(converting)) = (&changes, &self.way) {
-            converting.tied.push(self.fem.body_mut(0), changes);
+        if let Way::Converting(converting) = &self.way {
+            let none = Vec::new();
+            converting.tied.push(self.fem.body_mut(0), changes.map_or(&none, |changes| changes));
         } else if let Some(changes) = changes {
             let mut before = 0;
             for number in 0..self.fem.element_bodies().len() {

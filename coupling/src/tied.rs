@@ -24,8 +24,9 @@ struct Point {
 /// The points of a body. Where facets between elements and particles are no larger than cells, they are the nodes there, and on larger ones
 /// points between them as well, about as many as there are cells: through these particles would pass otherwise.
 ///
-/// A point s has the mass m_s = sum_a A_sa m_a of nodes a, and their momentum and force likewise, with sum_s A_sa = 1; what it gets goes to the nodes
-/// by the same parts, dv_a = sum_s A_sa dv_s, so that sum_a m_a dv_a = sum_s m_s dv_s.
+/// A point s has the mass m_s = sum_a A_sa m_a of nodes a, and their momentum and force likewise, with sum_s A_sa = 1; what it gains in a step
+/// goes to the nodes by the same parts, dv_a = sum_s A_sa dv_s, so that sum_a m_a dv_a = sum_s m_s dv_s. That is all that a node gains: its own
+/// force moves it through the points alone, or what these do not see of it would speed it up for ever, since it moves with the matter.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tied<const D: usize> {
     points: Vec<Point>,
@@ -33,6 +34,8 @@ pub(crate) struct Tied<const D: usize> {
     bare: BTreeSet<[u32; 4]>,
     /// Nodes of elements that became particles.
     touched: BTreeSet<u32>,
+    /// Before the step, m/s: velocities of the nodes, in their order, and of the points.
+    before: [Vec<[f64; D]>; 2],
 }
 
 fn sorted(facet: &[u32]) -> [u32; 4] {
@@ -132,18 +135,29 @@ impl<const D: usize> Tied<D> {
         })
     }
 
-    /// Give the nodes what the points got, as impulses.
+    /// Note the velocities before a step.
+    pub fn remember(&mut self, body: &ElementBody<D>) {
+        let points = self.mass_points(body).into_iter().map(|(_, velocity)| velocity).collect();
+        let nodes = self.touched.iter().map(|&n| body.nodes()[n as usize].velocity).collect();
+        self.before = [nodes, points];
+    }
+
+    /// Give the nodes, which moved by their own forces, what the points gained, as impulses: `changes`, m/s, are those of the velocities that these
+    /// had by then, none where there are none.
     pub fn push(&self, body: &mut ElementBody<D>, changes: &[[f64; 3]]) {
-        let mut sums: BTreeMap<u32, [f64; D]> = BTreeMap::new();
-        for (point, change) in self.points.iter().zip(changes) {
+        let tried = self.mass_points(body);
+        let mut gains: BTreeMap<u32, [f64; D]> = self.touched.iter().map(|&n| (n, [0.0; D])).collect();
+        for (s, (point, (_, tried))) in self.points.iter().zip(tried).enumerate() {
+            let change = changes.get(s).copied().unwrap_or_default();
             for &(n, part) in &point.parts {
-                let sum = sums.entry(n).or_insert([0.0; D]);
-                (0..D).for_each(|d| sum[d] += part * change[d]);
+                let Some(sum) = gains.get_mut(&n) else { continue };
+                (0..D).for_each(|d| sum[d] += part * (tried[d] + change[d] - self.before[1][s][d]));
             }
         }
-        for (n, change) in sums.into_iter().filter(|(_, change)| *change != [0.0; D]) {
-            let mass = body.nodes()[n as usize].mass;
-            body.add_impulse(n as usize, change.map(|v| mass * v));
+        for ((n, gain), before) in gains.into_iter().zip(&self.before[0]) {
+            let node = body.nodes()[n as usize];
+            let impulse = std::array::from_fn(|d| node.mass * (before[d] + gain[d] - node.velocity[d]));
+            body.add_impulse(n as usize, impulse);
         }
     }
 
@@ -164,7 +178,7 @@ impl<const D: usize> Tied<D> {
     /// Of such lists.
     pub fn of_lists(touched: Vec<u32>, bare: Vec<[u32; 4]>) -> Self {
         let (touched, bare) = (touched.into_iter().collect(), bare.into_iter().collect());
-        Tied { points: Vec::new(), bare, touched }
+        Tied { bare, touched, ..Tied::default() }
     }
 
     pub fn bytes(&self) -> usize {

@@ -7,7 +7,7 @@ use mpm_core::output::picture::{ColourMap, FieldPicture, Mirror, Panels, Picture
 use mpm_core::output::{OutputError, ParticleSize, Snapshot};
 
 use crate::scene::{LENGTH, Outcome, Parts, RADIUS, Space};
-use crate::{beside, points};
+use crate::{beside, coupled, points};
 
 /// Draw the feet of all bars side by side.
 pub fn draw(
@@ -39,6 +39,19 @@ pub fn draw(
         panels = panels.panel(title, foot(snapshot, size, true)?);
     }
     panels.compose()?.save(folder.join("bars.png"))?;
+    Ok(())
+}
+
+/// Draw the feet of bars whose elements become particles, both as large as they are.
+pub fn coupled(all: &[coupled::Outcome], folder: &Path) -> Result<(), CaseError> {
+    let mut panels = Panels::new(4).title("Copper bar, 10 mm x 70 mm, 260 µs after impact: elements and particles");
+    for outcome in all {
+        let snapshot = &outcome.snapshot;
+        let size = |n: usize| 1.3 * snapshot.size_of(n);
+        let size = ParticleSize::Each((0..snapshot.len()).map(size).collect());
+        panels = panels.panel(outcome.name(), foot(snapshot, Some(size), true)?);
+    }
+    panels.compose()?.save(folder.join("coupled.png"))?;
     Ok(())
 }
 

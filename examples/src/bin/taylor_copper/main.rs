@@ -5,6 +5,7 @@
 mod beside;
 mod checks;
 mod convergence;
+mod coupled;
 mod elements;
 mod figures;
 mod mpm;
@@ -17,6 +18,7 @@ use clap::{Parser, ValueEnum};
 use examples::{CaseError, Common, Report, Resolution, Restart, Totals, case, within};
 
 use beside::Bar;
+use coupled::Coupling;
 use elements::Integration;
 use scene::{END, Files, Parts, Setup, Space};
 
@@ -73,6 +75,10 @@ enum Methods {
     Fem,
     /// Fragile points, in plane strain and in space
     Fpm,
+    /// Elements, particles at the foot from the start, at 165, 190, 400 and 1000 m/s
+    Mpfem,
+    /// Elements that become particles where they are deformed too far, at these speeds
+    Afemp,
 }
 
 /// Impact speed of the paper, m/s.
@@ -102,6 +108,18 @@ impl Options {
     /// A run beside particle contacts, with so many cells on the radius.
     fn bar(&self, space: Space, cells: u32) -> Bar {
         Bar { space, speed: self.speed, cells, threads: self.common.threads() }
+    }
+
+    /// Speeds of elements that become particles: all, of which `all` runs has only the first.
+    fn coupled_speeds(&self) -> Vec<f64> {
+        if self.speed != SPEED {
+            return vec![self.speed];
+        }
+        let count = match (self.method, self.common.resolution) {
+            (Methods::All, Resolution::Smoke) => 1,
+            _ => coupled::SPEEDS.len(),
+        };
+        coupled::SPEEDS[..count].to_vec()
     }
 
     /// The runs of particle contacts.
@@ -193,7 +211,27 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         totals = totals.plus(&outcome.totals);
         checks.extend(checks::beside(outcome, options.eta));
     }
-    figures::draw(&bars, &beside, options.speed, &folder)?;
+    let mut coupled = Vec::new();
+    for (method, coupling) in [(Methods::Mpfem, Coupling::Mpfem), (Methods::Afemp, Coupling::Afemp)] {
+        if options.runs(method) {
+            for speed in options.coupled_speeds() {
+                for space in plane.into_iter().take(if speed == SPEED { 2 } else { 1 }) {
+                    let bar = Bar { speed, ..options.bar(space, options.beside()) };
+                    coupled.push(coupled::impact(coupling, bar, files)?);
+                }
+            }
+        }
+    }
+    for outcome in &coupled {
+        totals = totals.plus(&outcome.totals[0]);
+        checks.extend(coupled::checks(outcome));
+    }
+    if !coupled.is_empty() {
+        figures::coupled(&coupled, &folder)?;
+    }
+    if !(bars.is_empty() && beside.is_empty()) {
+        figures::draw(&bars, &beside, options.speed, &folder)?;
+    }
     let settings = serde_json::json!({
         "cells_on_radius": options.cells(),
         "runs": bars.iter().map(|b| b.setup.name).collect::<Vec<_>>(),

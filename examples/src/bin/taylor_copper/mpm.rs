@@ -4,28 +4,24 @@ use examples::{CaseError, Simulation, Totals};
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress};
 use mpm_core::{
-    Axisymmetric, BlockGrid, Boundary, IntoKernels, Kernels, Method, Mpm, PlaneStrain, Side, Solver, Team,
+    Axisymmetric, BlockGrid, Boundary, IntoKernels, Method, Mpm, PlaneStrain, Side, Solver, Team,
 };
 
 use crate::beside::{Bar, Outcome, copper};
 use crate::scene::{END, Files, LENGTH, RADIUS, Space};
 
-/// Run the bar into the wall: [`Method::impact`], two particles a cell and axis. There is none in three dimensions.
-pub fn impact(bar: Bar, files: Option<Files>) -> Result<Outcome, CaseError> {
-    match bar.space {
-        Space::PlaneStrain => run(bar, Method::impact(PlaneStrain).into_kernels(), Filling::new(), files),
-        Space::Axisymmetric | Space::Quarter => {
-            run(bar, Method::impact(Axisymmetric).into_kernels(), Filling::new().axisymmetric(), files)
-        }
-    }
+/// The bar before the wall.
+pub fn scene(bar: Bar) -> Result<Mpm<2>, CaseError> {
+    Ok(built(bar)?.0)
 }
 
-fn run(
-    bar: Bar,
-    method: Kernels<f64, 2>,
-    filling: Filling,
-    files: Option<Files>,
-) -> Result<Outcome, CaseError> {
+fn built(bar: Bar) -> Result<(Mpm<2>, Seeds<2>), CaseError> {
+    let (method, filling) = match bar.space {
+        Space::PlaneStrain => (Method::impact(PlaneStrain).into_kernels(), Filling::new()),
+        Space::Axisymmetric | Space::Quarter => {
+            (Method::impact(Axisymmetric).into_kernels(), Filling::new().axisymmetric())
+        }
+    };
     let lattice = Lattice::new([0.0; 2], RADIUS / f64::from(bar.cells))?;
     let seeds = fill(&Cuboid::new([0.0; 2], [RADIUS, LENGTH])?, &lattice, 2, &filling)?;
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
@@ -33,6 +29,12 @@ fn run(
     mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
     mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
     mpm.set_team(Team::new(bar.threads)?);
+    Ok((mpm, seeds))
+}
+
+/// Run the bar into the wall: [`Method::impact`], two particles a cell and axis. There is none in three dimensions.
+pub fn impact(bar: Bar, files: Option<Files>) -> Result<Outcome, CaseError> {
+    let (mut mpm, seeds) = built(bar)?;
     let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
     let mut progress = Progress::new("mpm".to_string());
     let observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut progress];
