@@ -8,6 +8,8 @@ use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 use mpm_core::Surroundings;
 
+use crate::element::{Form, gathered};
+
 /// Cells between elements and matter of others within which they become particles, unless said otherwise: both reach nodes that are two
 /// cells away, and come closer in the step that passes until they do.
 const NEAR: f64 = 3.0;
@@ -148,12 +150,8 @@ impl<const D: usize> Conversion<D> {
         names.extend(MARKS.map(String::from));
         let shares = vec![Share::default(); names.len()];
         let book = ConversionBook { by: names.into_iter().zip(shares).collect(), ..Default::default() };
-        Ok(Rules {
-            what: self,
-            first_mark: tests.len(),
-            looks: 0,
-            log: ConversionLog(Arc::new(Mutex::new(book))),
-        })
+        let log = ConversionLog(Arc::new(Mutex::new(book)));
+        Ok(Rules { what: self, first_mark: tests.len(), looks: 0, rest: Vec::new(), log })
     }
 }
 
@@ -213,6 +211,8 @@ pub(crate) struct Rules<const D: usize> {
     pub what: Conversion<D>,
     first_mark: usize,
     looks: u64,
+    /// Of the elements at rest; none before it is asked for.
+    rest: Vec<Form>,
     pub log: ConversionLog,
 }
 
@@ -257,8 +257,9 @@ impl<const D: usize> Rules<D> {
         }
     }
 
-    fn mark_shapes(&self, body: &ElementBody<D>, marks: &mut Vec<(usize, usize)>) {
-        let region = self.what.region.as_deref();
+    fn mark_shapes(&mut self, body: &ElementBody<D>, marks: &mut Vec<(usize, usize)>) {
+        let region = self.what.region.clone();
+        let region = region.as_deref();
         if region.is_none() && self.what.distorted.is_none() {
             return;
         }
@@ -266,19 +267,32 @@ impl<const D: usize> Rules<D> {
             let within = |n: usize| body.elements_at(n) > 0 && region.contains(body.nodes()[n].position);
             (0..body.nodes().len()).map(within).collect()
         });
-        body.each_element(|element, kind, nodes| {
-            if region.is_some() && nodes.iter().all(|&n| inside[n as usize]) {
-                marks.push((element, REGION));
-                return;
+        if self.rest.is_empty() && self.what.distorted.is_some() {
+            let rest = |n: u32| body.mesh().nodes[n as usize];
+            let all = body.mesh().blocks.iter().flat_map(|b| b.elements().map(|nodes| (b.kind, nodes)));
+            self.rest.extend(all.map(|(kind, nodes)| Form::of(kind, &gathered(nodes, rest))));
+        }
+        let mut element = 0;
+        for block in &body.mesh().blocks {
+            for nodes in block.elements() {
+                let number = element;
+                element += 1;
+                if !body.is_there(number) {
+                    continue;
+                }
+                if region.is_some() && nodes.iter().all(|&n| inside[n as usize]) {
+                    marks.push((number, REGION));
+                    continue;
+                }
+                let Some([jacobian, edges]) = self.what.distorted else { continue };
+                let now = Form::of(block.kind, &gathered(nodes, |n| body.nodes()[n as usize].position));
+                let rest = &self.rest[number];
+                if now.aspect <= edges * rest.aspect {
+                    marks.push((number, EDGES));
+                } else if now.least_jacobian(rest) <= jacobian {
+                    marks.push((number, JACOBIAN));
+                }
             }
-            let Some([jacobian, edges]) = self.what.distorted else { return };
-            let at = |n: usize| body.nodes()[nodes[n] as usize].position;
-            let rest = |n: usize| body.mesh().nodes[nodes[n] as usize];
-            if crate::element::aspect(kind, &at) <= edges * crate::element::aspect(kind, &rest) {
-                marks.push((element, EDGES));
-            } else if crate::element::least_jacobian(kind, &at, &rest) <= jacobian {
-                marks.push((element, JACOBIAN));
-            }
-        });
+        }
     }
 }

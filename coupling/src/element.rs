@@ -67,47 +67,55 @@ pub(crate) fn determinant<const D: usize>(c: &[[f64; D]; 3]) -> f64 {
     }
 }
 
-/// The smallest Jacobian at a corner over that at rest.
-pub(crate) fn least_jacobian<const D: usize>(
-    kind: ElementKind,
-    at: &dyn Fn(usize) -> [f64; D],
-    rest: &dyn Fn(usize) -> [f64; D],
-) -> f64 {
-    let corners = if is_simplex(kind) { 1 } else { kind.nodes() };
-    let mut least = f64::INFINITY;
-    for c in 0..corners {
-        let edges = |of: &dyn Fn(usize) -> [f64; D]| -> f64 {
-            let from = of(c);
-            let mut sides = [[0.0; D]; 3];
-            for (side, n) in sides.iter_mut().zip(beside(kind, c)) {
-                let to = of(n);
-                (0..D).for_each(|d| side[d] = to[d] - from[d]);
-            }
-            determinant(&sides)
-        };
-        least = least.min(edges(at) / edges(rest));
+/// What the shape of an element is like: the shortest edge over the longest, and the Jacobian at each corner (once of a simplex).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Form {
+    pub aspect: f64,
+    pub jacobians: [f64; NODES],
+    corners: usize,
+}
+
+impl Form {
+    #[inline]
+    pub fn of<const D: usize>(kind: ElementKind, at: &[[f64; D]; NODES]) -> Self {
+        let between = |a: usize, b: usize| -> [f64; D] { std::array::from_fn(|d| at[b][d] - at[a][d]) };
+        let (mut least, mut most) = (f64::INFINITY, 0.0f64);
+        for &[a, b] in kind.edges() {
+            let square: f64 = between(a, b).iter().map(|x| x * x).sum();
+            (least, most) = (least.min(square), most.max(square));
+        }
+        let corners = if is_simplex(kind) { 1 } else { kind.nodes() };
+        let mut jacobians = [0.0; NODES];
+        for (c, jacobian) in jacobians[..corners].iter_mut().enumerate() {
+            *jacobian = determinant(&beside(kind, c).map(|n| between(c, n)));
+        }
+        Form { aspect: (least / most).sqrt(), jacobians, corners }
     }
-    least
+
+    /// The smallest Jacobian over that of the same corner at rest.
+    pub fn least_jacobian(&self, rest: &Form) -> f64 {
+        let pairs = self.jacobians[..self.corners].iter().zip(&rest.jacobians);
+        pairs.map(|(now, rest)| now / rest).fold(f64::INFINITY, f64::min)
+    }
 }
 
 /// The nodes along the edges from a corner, in the order of a right-handed frame or its mirror image.
+#[inline]
 fn beside(kind: ElementKind, c: usize) -> [usize; 3] {
     match kind {
         ElementKind::Quad4 => [(c + 1) % 4, (c + 3) % 4, 0],
         ElementKind::Hexa8 => [c / 4 * 4 + (c + 1) % 4, c / 4 * 4 + (c + 3) % 4, (c + 4) % 8],
+        ElementKind::Triangle3 => [1, 2, 0],
         _ => [1, 2, 3],
     }
 }
 
-/// The shortest edge over the longest.
-pub(crate) fn aspect<const D: usize>(kind: ElementKind, at: &dyn Fn(usize) -> [f64; D]) -> f64 {
-    let (mut least, mut most) = (f64::INFINITY, 0.0f64);
-    for [a, b] in kind.edges() {
-        let (a, b) = (at(*a), at(*b));
-        let square: f64 = (0..D).map(|d| (a[d] - b[d]).powi(2)).sum();
-        (least, most) = (least.min(square), most.max(square));
-    }
-    (least / most).sqrt()
+/// The positions of the nodes of an element.
+#[inline]
+pub(crate) fn gathered<const D: usize>(nodes: &[u32], at: impl Fn(u32) -> [f64; D]) -> [[f64; D]; NODES] {
+    let mut list = [[0.0; D]; NODES];
+    list.iter_mut().zip(nodes).for_each(|(to, &n)| *to = at(n));
+    list
 }
 
 /// Places of particles that fill an element, with the parts of the volume in xi that they take and half the edges of those, in xi: so many

@@ -14,7 +14,7 @@ use mpm_core::{ClientPoint, GridClient, Matter, NewParticles, SurfaceClient, Sur
 
 use crate::cells::SweptBoxes;
 use crate::conversion::{Conversion, ConversionLog, Particles, Rules};
-use crate::element::least_jacobian;
+use crate::element::Form;
 use crate::particles::particles_of;
 use crate::tied::Tied;
 
@@ -288,7 +288,8 @@ impl<const D: usize> Converting<D> {
                 let share = &mut book.by[element.criterion].1;
                 share.elements += 1;
                 share.energy += appeared;
-                let jacobian = least_jacobian(element.kind, &|n| element.positions[n], &|n| element.rest[n]);
+                let form = |at: &[[f64; D]]| Form::of(element.kind, &std::array::from_fn(|n| at[n.min(at.len() - 1)]));
+                let jacobian = form(&element.positions).least_jacobian(&form(&element.rest));
                 book.least_jacobian = Some(book.least_jacobian.map_or(jacobian, |least| least.min(jacobian)));
             });
         }

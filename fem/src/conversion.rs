@@ -193,16 +193,9 @@ impl<const D: usize> ElementBody<D> {
         self.converting.as_ref().map_or(0, |c| c.elements_at.get(node).map_or(0, |&n| n as usize))
     }
 
-    /// Call `visit` for every element that is there, with its number and nodes.
-    pub fn each_element(&self, mut visit: impl FnMut(usize, ElementKind, &[u32])) {
-        let mut nodes = Vec::new();
-        for set in &self.sets {
-            for (batch, e, number) in set.alive() {
-                nodes.clear();
-                nodes.extend(set.nodes_of(batch, e));
-                visit(number as usize, set.kind, &nodes);
-            }
-        }
+    /// Is an element still there? Of a body whose elements do not leave ([`Fem::convert_by`]) it says nothing.
+    pub fn is_there(&self, element: usize) -> bool {
+        self.converting.as_ref().is_some_and(|c| c.gone.get(element) == Some(&false))
     }
 
     /// The number in the body of the element of a facet.

@@ -1,0 +1,248 @@
+//! The same bar by elements that become particles: at the foot from the start (MPFEM), or where they are deformed too far (AFEMP).
+
+use coupling::{Conversion, ConversionBook, Elements};
+use examples::{CaseError, Check, Simulation, Totals};
+use fem::{Fem, MeshBody};
+use mpm_core::geometry::structured::box_mesh;
+use mpm_core::geometry::{Cuboid, Lattice};
+use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, Progress, RunView};
+use mpm_core::output::Snapshot;
+use mpm_core::{
+    Archive, Axisymmetric, BlockGrid, Boundary, CheckpointError, Embedding, IntoKernels, Kernels, Method, Mpm, PlaneStrain, Side,
+    Solver, Team,
+};
+
+use crate::beside::{Bar, copper};
+use crate::scene::{END, Files, LENGTH, RADIUS, Space};
+use crate::{mpm, SPEED};
+
+/// Speeds at which they run unless told otherwise, m/s.
+pub const SPEEDS: [f64; 4] = [SPEED, 190.0, 400.0, 1000.0];
+/// Height above the wall within which elements are particles from the start, in radii.
+const REGION: f64 = 2.0;
+
+/// The part of the length that a bar has lost, if it went on as fast, where runs end that are too fast for the end of the others: by then nothing is
+/// left of them but what flies apart.
+const CONSUMED: f64 = 0.6;
+
+/// End of a run, s.
+fn end_of(speed: f64) -> f64 {
+    if speed > 500.0 { END.min(CONSUMED * LENGTH / speed) } else { END }
+}
+
+/// When elements become particles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coupling {
+    /// Within a region.
+    Mpfem,
+    /// Where they must.
+    Afemp,
+}
+
+impl Coupling {
+    fn name(self) -> &'static str {
+        match self {
+            Coupling::Mpfem => "mpfem",
+            Coupling::Afemp => "afemp",
+        }
+    }
+}
+
+/// What came of a bar, and of particles alone.
+pub struct Outcome {
+    pub coupling: Coupling,
+    pub bar: Bar,
+    /// Length and largest radius, m, with elements and of particles alone.
+    pub sizes: [[f64; 2]; 2],
+    pub book: ConversionBook,
+    /// The shortest step over the first one.
+    pub shortest: f64,
+    /// Elements at the start.
+    pub elements: usize,
+    pub snapshot: Snapshot,
+    /// With elements, and of particles alone.
+    pub totals: [Totals; 2],
+}
+
+impl Outcome {
+    /// Its name in tables.
+    pub fn name(&self) -> String {
+        format!("{}, {}, {} m/s", self.coupling.name(), self.bar.space.words(), self.bar.speed)
+    }
+}
+
+/// Run the bar into the wall, and particles alone beside it.
+pub fn impact(coupling: Coupling, bar: Bar, files: Files) -> Result<Outcome, CaseError> {
+    match bar.space {
+        Space::PlaneStrain => {
+            run(coupling, bar, PlaneStrain, Method::impact(PlaneStrain).into_kernels(), files)
+        }
+        Space::Axisymmetric | Space::Quarter => {
+            run(coupling, bar, Axisymmetric, Method::impact(Axisymmetric).into_kernels(), files)
+        }
+    }
+}
+
+fn run<E: Embedding<2>>(
+    coupling: Coupling,
+    bar: Bar,
+    embedding: E,
+    method: Kernels<f64, 2>,
+    files: Files,
+) -> Result<Outcome, CaseError> {
+    let end = end_of(bar.speed);
+    let lattice = Lattice::new([0.0; 2], RADIUS / f64::from(bar.cells))?;
+    let counts = [bar.cells as usize, (f64::from(bar.cells) * LENGTH / RADIUS).round() as usize];
+    let mesh = box_mesh(&Cuboid::new([0.0; 2], [RADIUS, LENGTH])?, counts)?;
+    let mut fem = Fem::new(embedding);
+    fem.add(MeshBody::new("bar", mesh, copper()?).moving(move |_| [0.0, -bar.speed]))?;
+    let conversion = match coupling {
+        Coupling::Mpfem => {
+            let far = 100.0 * RADIUS;
+            Conversion::within(Cuboid::new([-far, -RADIUS], [far, REGION * RADIUS])?)
+        }
+        Coupling::Afemp => Conversion::adaptive(),
+    };
+    let (elements, log) = Elements::converting(fem, "foot", conversion)?;
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    mpm.add_client(elements)?;
+    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
+    mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+    mpm.set_team(Team::new(bar.threads)?);
+    let (mut ledger, mut steps) = (Ledger::new(Pace::interval(1.0e-6)?), Steps::new(end));
+    let label = format!("{}_{}_{}", coupling.name(), bar.space.name(), bar.speed);
+    let mut progress = Progress::new(format!("{} at {} m/s", coupling.name(), bar.speed));
+    let mut observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut steps, &mut progress];
+    let mut series = files.series(&label)?;
+    observers.extend(series.iter_mut().map(|s| s as &mut dyn Observer));
+    let mut simulation = files.restart.scene(label)?;
+    simulation.until(&mut mpm, observers, end)?;
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
+
+    let (alone, particles) = alone(bar)?;
+    let hoop = bar.space != Space::PlaneStrain;
+    Ok(Outcome {
+        coupling,
+        bar,
+        sizes: [sizes(&mpm, hoop), sizes(&alone, hoop)],
+        book: log.book(),
+        shortest: steps.shortest / steps.first,
+        elements: counts[0] * counts[1],
+        snapshot: mpm.snapshot()?,
+        totals: [totals, particles],
+    })
+}
+
+/// Particles alone, on the same grid.
+fn alone(bar: Bar) -> Result<(Mpm<2>, Totals), CaseError> {
+    let mut mpm = mpm::scene(bar)?;
+    let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
+    let mut progress = Progress::new(format!("mpm at {} m/s", bar.speed));
+    let mut simulation = Simulation::alone();
+    let observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut progress];
+    simulation.until(&mut mpm, observers, end_of(bar.speed))?;
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
+    Ok((mpm, totals))
+}
+
+/// Length and largest radius, m, from the outermost points with half their size by their volume: of elements and particles alike.
+fn sizes(mpm: &Mpm<2>, hoop: bool) -> [f64; 2] {
+    let (mut low, mut high, mut wide) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64);
+    for body in mpm.bodies() {
+        body.for_each(&mut |p| {
+            let depth = if hoop { p.position[0] } else { 1.0 };
+            // Elements tell their own half edges, which are those of now.
+            let half = match p.corners.is_empty() {
+                true => [0.5 * (p.volume / depth).sqrt(); 2],
+                false => [0, 1].map(|d| p.half_edges.iter().map(|edge| edge[d].abs()).sum::<f64>()),
+            };
+            low = low.min(p.position[1] - half[1]);
+            high = high.max(p.position[1] + half[1]);
+            wide = wide.max(p.position[0] + half[0]);
+        });
+    }
+    [high - low, wide]
+}
+
+/// The first and the shortest step of a run.
+struct Steps {
+    pace: Pace,
+    end: f64,
+    first: f64,
+    shortest: f64,
+    last: f64,
+}
+
+impl Steps {
+    fn new(end: f64) -> Self {
+        Steps { pace: Pace::every_step(), end, first: 0.0, shortest: f64::INFINITY, last: 0.0 }
+    }
+}
+
+impl Observer for Steps {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let step = now.time() - self.last;
+        self.last = now.time();
+        // The last two steps are cut to the end of the run.
+        if step > 0.0 && now.time() < self.end - 3.0 * self.first {
+            self.first = if self.first == 0.0 { step } else { self.first };
+            self.shortest = self.shortest.min(step);
+        }
+        Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.reals([&mut self.first, &mut self.shortest, &mut self.last])
+    }
+}
+
+/// What of it is judged, and by what.
+pub fn checks(outcome: &Outcome) -> Vec<Check> {
+    let name = |what: &str| format!("{}: {what}", outcome.name());
+    let mm = |x: f64| 1e3 * x;
+    let [[length, radius], [l, r]] = outcome.sizes;
+    let particles = "particles alone on the same grid";
+    let free = "conservation";
+    let book = &outcome.book;
+    let totals = &outcome.totals[0];
+    let energy = totals.energy_error.abs();
+    let mut rows = vec![
+        Check::gate(name("length"), mm(length), "mm", mm(l), 0.01, particles),
+        Check::at_least(name("shortest step / first"), outcome.shortest, "-", 0.5, "no element holds the run up"),
+        Check::at_most(name("energy error"), energy, "-", 0.01, free),
+        Check::gate(name("momentum error"), totals.momentum_error, "-", 0.0, 1e-11, free),
+        Check::at_most(name("energy that appeared with particles / all"), book.energy.abs() / energy_of(outcome), "-", 0.01, free),
+    ];
+    if outcome.coupling == Coupling::Afemp {
+        let least = book.least_jacobian.unwrap_or(1.0);
+        rows.push(Check::at_least(name("least Jacobian of an element"), least, "-", 0.1, "before it tangles"));
+    }
+    if outcome.bar.speed == SPEED && outcome.bar.space != Space::Quarter {
+        let [reference, wide] = crate::checks::finite_elements(outcome.bar.space);
+        let source = "independent finite elements [C]";
+        rows.push(Check::gate(name("length beside elements"), mm(length), "mm", mm(reference), 0.01, source));
+        rows.push(Check::gate(name("largest radius beside elements"), mm(radius), "mm", mm(wide), 0.06, source));
+    }
+    let shown = format!("{:.2} mm of particles alone: what flies off is in it", mm(r));
+    rows.push(Check::unreferenced(name("largest radius"), mm(radius), "mm", &shown));
+    let cost = outcome.totals[0].wall_seconds / outcome.totals[1].wall_seconds;
+    rows.push(Check::unreferenced(name("cost / particles alone"), cost, "-", "shown"));
+    rows.push(Check::unreferenced(
+        name("elements that became particles / all"),
+        book.elements as f64 / outcome.elements as f64,
+        "-",
+        "shown",
+    ));
+    rows
+}
+
+/// Kinetic energy at the start, J.
+fn energy_of(outcome: &Outcome) -> f64 {
+    let area = match outcome.bar.space {
+        Space::PlaneStrain => RADIUS,
+        _ => 0.5 * RADIUS * RADIUS,
+    };
+    0.5 * 8940.0 * area * LENGTH * outcome.bar.speed.powi(2)
+}
