@@ -288,7 +288,9 @@ impl<const D: usize> Converting<D> {
                 let share = &mut book.by[element.criterion].1;
                 share.elements += 1;
                 share.energy += appeared;
-                let form = |at: &[[f64; D]]| Form::of(element.kind, &std::array::from_fn(|n| at[n.min(at.len() - 1)]));
+                let form = |at: &[[f64; D]]| {
+                    Form::of(element.kind, &std::array::from_fn(|n| at[n.min(at.len() - 1)]))
+                };
                 let jacobian = form(&element.positions).least_jacobian(&form(&element.rest));
                 book.least_jacobian = Some(book.least_jacobian.map_or(jacobian, |least| least.min(jacobian)));
             });

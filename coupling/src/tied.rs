@@ -5,20 +5,43 @@ use std::collections::{BTreeMap, BTreeSet};
 use fem::{ConvertedElement, ElementBody};
 use impactite_geometry::Facet;
 
-/// Edges of facets in cells above which points between their nodes are tied, too.
-const WIDE: f64 = 1.05;
+/// Edges of facets in cells above which points between their nodes are tied, too: nodes closer to each other share nodes of the grid.
+const WIDE: f64 = 1.5;
 
 /// What tells a point from others: nodes of its facet, sorted, and its number there; of a node that alone.
 type Key = ([u32; 4], u32);
 
-/// A point on the grid, with parts of the mass, momentum and force of nodes.
-#[derive(Clone, Debug, PartialEq)]
+/// A point on the grid as it is found, with parts of the mass, momentum and force of nodes.
 struct Point {
     key: Key,
     /// Nodes with what of each it has: all parts of a node are one.
     parts: Vec<(u32, f64)>,
     /// Nodes with their shape functions: it lies on their facet.
     place: Vec<(u32, f64)>,
+}
+
+/// Lists of nodes with numbers, one a point.
+#[derive(Clone, Debug, Default)]
+struct Lists {
+    starts: Vec<u32>,
+    entries: Vec<(u32, f64)>,
+}
+
+impl Lists {
+    fn of<'a>(lists: impl Iterator<Item = &'a [(u32, f64)]>) -> Self {
+        let mut all = Lists { starts: vec![0], entries: Vec::new() };
+        for list in lists {
+            all.entries.extend_from_slice(list);
+            all.starts.push(all.entries.len() as u32);
+        }
+        all
+    }
+    fn get(&self, point: usize) -> &[(u32, f64)] {
+        &self.entries[self.starts[point] as usize..self.starts[point + 1] as usize]
+    }
+    fn bytes(&self) -> usize {
+        self.starts.capacity() * 4 + self.entries.capacity() * size_of::<(u32, f64)>()
+    }
 }
 
 /// The points of a body. Where facets between elements and particles are no larger than cells, they are the nodes there, and on larger ones
@@ -29,12 +52,18 @@ struct Point {
 /// force moves it through the points alone, or what these do not see of it would speed it up for ever, since it moves with the matter.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tied<const D: usize> {
-    points: Vec<Point>,
+    /// The nodes, sorted: the first points are at these.
+    nodes: Vec<u32>,
+    keys: Vec<Key>,
+    /// By place among the nodes.
+    parts: Lists,
+    /// By number in the body.
+    places: Lists,
     /// Facets of elements that became particles.
     bare: BTreeSet<[u32; 4]>,
     /// Nodes of elements that became particles.
     touched: BTreeSet<u32>,
-    /// Before the step, m/s: velocities of the nodes, in their order, and of the points.
+    /// Before the step, m/s: velocities of the nodes, and of the points.
     before: [Vec<[f64; D]>; 2],
 }
 
@@ -59,75 +88,83 @@ impl<const D: usize> Tied<D> {
 
     /// Find the points anew, on a grid of cells of `spacing`, m. Returns the number that each had, `u32::MAX` of new ones.
     pub fn find(&mut self, body: &ElementBody<D>, spacing: f64) -> Vec<u32> {
-        let known: BTreeMap<Key, u32> = self.points.iter().map(|p| p.key).zip(0..).collect();
+        let known: BTreeMap<Key, u32> = self.keys.iter().copied().zip(0..).collect();
         self.touched.retain(|&n| body.elements_at(n as usize) > 0);
         let facets: Vec<&Facet> =
             body.surface().iter().filter(|facet| self.bare.contains(&sorted(facet.nodes()))).collect();
         // Facets of what became particles long ago have no elements behind them any more.
         self.bare.retain(|facet| facet.iter().any(|n| self.touched.contains(n)));
-        let mut longest = 0.0f64;
-        for facet in &facets {
-            let nodes = facet.nodes();
-            for (n, &a) in nodes.iter().enumerate() {
-                let [a, b] = [a, nodes[(n + 1) % nodes.len()]].map(|n| body.nodes()[n as usize].position);
-                longest = longest.max((0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt());
-            }
-        }
-        let parts = (longest / (WIDE * spacing)).ceil().clamp(1.0, 16.0) as u32;
         let node = |&n: &u32| Point { key: (sorted(&[n]), 0), parts: vec![(n, 0.0)], place: vec![(n, 1.0)] };
-        self.points = self.touched.iter().map(node).collect();
+        let mut points: Vec<Point> = self.touched.iter().map(node).collect();
         let own: BTreeMap<u32, usize> = self.touched.iter().copied().zip(0..).collect();
-        let mut sums: BTreeMap<u32, f64> = BTreeMap::new();
+        let mut sums = vec![0.0; points.len()];
         for facet in facets {
             let (key, nodes) = (sorted(facet.nodes()), facet.nodes());
-            for (k, (shares, weight)) in on_facet(nodes.len(), parts).into_iter().enumerate() {
+            let edge = |n: usize| -> f64 {
+                let [a, b] =
+                    [nodes[n], nodes[(n + 1) % nodes.len()]].map(|n| body.nodes()[n as usize].position);
+                (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
+            };
+            let longest = (0..nodes.len()).map(edge).fold(0.0, f64::max);
+            let cut = if longest > WIDE * spacing {
+                (longest / spacing).round().clamp(1.0, 16.0) as u32
+            } else {
+                1
+            };
+            for (k, (shares, weight)) in on_facet(nodes.len(), cut).into_iter().enumerate() {
                 let place: Vec<(u32, f64)> =
                     nodes.iter().copied().zip(shares).filter(|s| s.1 > 0.0).collect();
                 let parts: Vec<(u32, f64)> = place.iter().map(|&(n, share)| (n, share * weight)).collect();
-                parts.iter().for_each(|&(n, part)| *sums.entry(n).or_default() += part);
+                parts.iter().for_each(|&(n, part)| sums[own[&n]] += part);
                 match place[..] {
-                    [(n, _)] => self.points[own[&n]].parts[0].1 += weight,
-                    _ => self.points.push(Point { key: (key, k as u32), parts, place }),
+                    [(n, _)] => points[own[&n]].parts[0].1 += weight,
+                    _ => points.push(Point { key: (key, k as u32), parts, place }),
                 }
             }
         }
-        for point in &mut self.points {
+        for point in &mut points {
             for (n, part) in &mut point.parts {
+                let local = own[n];
                 // Nodes of edges or corners alone have themselves.
-                *part = sums.get(n).map_or(1.0, |sum| *part / sum);
+                (*n, *part) = (local as u32, if sums[local] > 0.0 { *part / sums[local] } else { 1.0 });
             }
         }
-        self.points.iter().map(|p| known.get(&p.key).copied().unwrap_or(u32::MAX)).collect()
+        self.nodes = self.touched.iter().copied().collect();
+        self.keys = points.iter().map(|p| p.key).collect();
+        self.parts = Lists::of(points.iter().map(|p| &p.parts[..]));
+        self.places = Lists::of(points.iter().map(|p| &p.place[..]));
+        self.keys.iter().map(|key| known.get(key).copied().unwrap_or(u32::MAX)).collect()
+    }
+
+    /// Mass, kg, and velocity, m/s, of a point.
+    #[inline]
+    fn motion(&self, body: &ElementBody<D>, point: usize) -> (f64, [f64; D]) {
+        let (mut mass, mut momentum) = (0.0, [0.0; D]);
+        for &(local, part) in self.parts.get(point) {
+            let node = &body.nodes()[self.nodes[local as usize] as usize];
+            mass += part * node.mass;
+            (0..D).for_each(|d| momentum[d] += part * node.mass * node.velocity[d]);
+        }
+        (mass, momentum.map(|p| p / mass))
     }
 
     /// Mass, kg, and velocity, m/s.
     pub fn mass_points(&self, body: &ElementBody<D>) -> Vec<(f64, [f64; D])> {
-        self.points
-            .iter()
-            .map(|point| {
-                let (mut mass, mut momentum) = (0.0, [0.0; D]);
-                for &(n, part) in &point.parts {
-                    let node = &body.nodes()[n as usize];
-                    mass += part * node.mass;
-                    (0..D).for_each(|d| momentum[d] += part * node.mass * node.velocity[d]);
-                }
-                (mass, momentum.map(|p| p / mass))
-            })
-            .collect()
+        (0..self.keys.len()).map(|point| self.motion(body, point)).collect()
     }
 
     /// Their velocities, m/s.
     pub fn velocities(&self, body: &ElementBody<D>, out: &mut [[f64; 3]]) {
-        for (to, (_, velocity)) in out.iter_mut().zip(self.mass_points(body)) {
-            to[..D].copy_from_slice(&velocity);
+        for (point, to) in out.iter_mut().enumerate() {
+            to[..D].copy_from_slice(&self.motion(body, point).1);
         }
     }
 
     /// Where they are, m.
     pub fn positions<'a>(&'a self, body: &'a ElementBody<D>) -> impl Iterator<Item = [f64; D]> + 'a {
-        self.points.iter().map(|point| {
+        (0..self.keys.len()).map(|point| {
             let mut x = [0.0; D];
-            for &(n, share) in &point.place {
+            for &(n, share) in self.places.get(point) {
                 let node = &body.nodes()[n as usize].position;
                 (0..D).for_each(|d| x[d] += share * node[d]);
             }
@@ -137,36 +174,35 @@ impl<const D: usize> Tied<D> {
 
     /// Note the velocities before a step.
     pub fn remember(&mut self, body: &ElementBody<D>) {
-        let points = self.mass_points(body).into_iter().map(|(_, velocity)| velocity).collect();
-        let nodes = self.touched.iter().map(|&n| body.nodes()[n as usize].velocity).collect();
-        self.before = [nodes, points];
+        let mut before = std::mem::take(&mut self.before);
+        before.iter_mut().for_each(Vec::clear);
+        before[0].extend(self.nodes.iter().map(|&n| body.nodes()[n as usize].velocity));
+        before[1].extend((0..self.keys.len()).map(|point| self.motion(body, point).1));
+        self.before = before;
     }
 
     /// Give the nodes, which moved by their own forces, what the points gained, as impulses: `changes`, m/s, are those of the velocities that these
     /// had by then, none where there are none.
     pub fn push(&self, body: &mut ElementBody<D>, changes: &[[f64; 3]]) {
-        let tried = self.mass_points(body);
-        let mut gains: BTreeMap<u32, [f64; D]> = self.touched.iter().map(|&n| (n, [0.0; D])).collect();
-        for (s, (point, (_, tried))) in self.points.iter().zip(tried).enumerate() {
-            let change = changes.get(s).copied().unwrap_or_default();
-            for &(n, part) in &point.parts {
-                let Some(sum) = gains.get_mut(&n) else { continue };
-                (0..D).for_each(|d| sum[d] += part * (tried[d] + change[d] - self.before[1][s][d]));
+        let mut ends = self.before[0].clone();
+        for (point, before) in self.before[1].iter().enumerate() {
+            let change = changes.get(point).copied().unwrap_or_default();
+            let (_, tried) = self.motion(body, point);
+            for &(local, part) in self.parts.get(point) {
+                let end = &mut ends[local as usize];
+                (0..D).for_each(|d| end[d] += part * (tried[d] + change[d] - before[d]));
             }
         }
-        for ((n, gain), before) in gains.into_iter().zip(&self.before[0]) {
+        for (&n, end) in self.nodes.iter().zip(ends) {
             let node = body.nodes()[n as usize];
-            let impulse = std::array::from_fn(|d| node.mass * (before[d] + gain[d] - node.velocity[d]));
-            body.add_impulse(n as usize, impulse);
+            body.add_impulse(n as usize, std::array::from_fn(|d| node.mass * (end[d] - node.velocity[d])));
         }
     }
 
     /// Move the nodes with the velocities, m/s, that matter has where they are.
     pub fn carry(&self, body: &mut ElementBody<D>, velocities: &[[f64; 3]]) {
-        for (point, v) in self.points.iter().zip(velocities) {
-            if let [(n, _)] = point.place[..] {
-                body.carry(n as usize, std::array::from_fn(|d| v[d]));
-            }
+        for (&n, v) in self.nodes.iter().zip(velocities) {
+            body.carry(n as usize, std::array::from_fn(|d| v[d]));
         }
     }
 
@@ -182,9 +218,11 @@ impl<const D: usize> Tied<D> {
     }
 
     pub fn bytes(&self) -> usize {
-        let of = |p: &Point| (p.parts.capacity() + p.place.capacity()) * size_of::<(u32, f64)>();
-        self.points.iter().map(of).sum::<usize>()
-            + self.points.capacity() * size_of::<Point>()
+        self.keys.capacity() * size_of::<Key>()
+            + self.parts.bytes()
+            + self.places.bytes()
+            + self.nodes.capacity() * size_of::<u32>()
+            + self.before.iter().map(|list| list.capacity() * size_of::<[f64; D]>()).sum::<usize>()
             + self.bare.len() * size_of::<[u32; 4]>()
             + self.touched.len() * size_of::<u32>()
     }

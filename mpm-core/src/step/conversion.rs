@@ -11,7 +11,7 @@ use super::load::{Given, Loads};
 use super::mpm::Mpm;
 use super::particle_body::{NONE, ParticleBody};
 use super::spread::Maps;
-use crate::dim::{BLOCK, block_nodes, neighbours};
+use crate::dim::{BLOCK, neighbours};
 use crate::geometry::Lattice;
 use crate::grid::OutsideGrid;
 use crate::parallel::{Float, Team};
@@ -150,16 +150,7 @@ impl<const D: usize> Surroundings<D> {
         let mut at = blocks[0];
         loop {
             if let Ok(found) = self.blocks.binary_search_by_key(&at, |b| b.0) {
-                let bins = self.blocks[found].1;
-                let within = |bin: usize| {
-                    let mut rest = bin;
-                    (0..D).all(|d| {
-                        let x = at[d] * BLOCK as i32 + (rest % BLOCK) as i32;
-                        rest /= BLOCK;
-                        (first[d]..=last[d]).contains(&x)
-                    })
-                };
-                if (0..block_nodes(D)).any(|bin| bins >> bin & 1 == 1 && within(bin)) {
+                if self.blocks[found].1 & within(&at, &first, &last) != 0 {
                     return true;
                 }
             }
@@ -168,6 +159,23 @@ impl<const D: usize> Surroundings<D> {
             at[..d].copy_from_slice(&blocks[0][..d]);
         }
     }
+}
+
+/// The bins of a block between two others, a bit each.
+fn within<const D: usize>(block: &[i32; D], first: &[i32; D], last: &[i32; D]) -> u64 {
+    let side = BLOCK as i32;
+    let mut range = [[0, 1]; 3];
+    for d in 0..D {
+        range[d] = [(first[d] - block[d] * side).max(0), (last[d] + 1 - block[d] * side).min(side)];
+    }
+    let row = (1u64 << range[0][1]) - (1 << range[0][0]);
+    let mut bins = 0;
+    for z in range[2][0]..range[2][1] {
+        for y in range[1][0]..range[1][1] {
+            bins |= row << ((z * side + y) * side);
+        }
+    }
+    bins
 }
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {

@@ -118,6 +118,33 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
     Ok(checks)
 }
 
+/// A plate of elements that become particles beside one of particles.
+pub fn of_target(elements: &Outcome, particles: &Outcome) -> Vec<Check> {
+    let cells = elements.setup.cells;
+    let name = |what: &str| format!("plate of elements, {cells} cells: {what}");
+    let beside = "a plate of particles";
+    let cost = elements.totals.wall_seconds / particles.totals.wall_seconds;
+    let mut checks = vec![
+        Check::gate(name("residual speed"), elements.residual(), "m/s", particles.residual(), 0.02, beside),
+        Check::at_most(name("cost"), cost, "-", 0.4, beside),
+    ];
+    if let Some(book) = &elements.converted {
+        let first = elements.ledger.first().map_or(f64::NAN, |e| e.kinetic);
+        let energy = book.energy.abs() / first;
+        checks.push(Check::at_most(name("energy that appeared"), energy, "-", 0.01, "of the kinetic energy"));
+        let share = book.mass / (book.mass + rest(elements));
+        checks.push(Check::unreferenced(name("mass that became particles"), share, "-", "of the plate"));
+    }
+    checks
+}
+
+/// Mass of the plate that is still elements, kg.
+fn rest(outcome: &Outcome) -> f64 {
+    let setup = &outcome.setup;
+    let whole = 2.0 * setup.half_width * setup.half_width * crate::THICKNESS * 2700.0;
+    (whole - outcome.converted.as_ref().map_or(0.0, |book| book.mass)).max(0.0)
+}
+
 /// What contact of first order in the cell may take, of the kinetic energy: a layer of half a cell along the hole is
 /// stopped inelastically.
 fn lost_allowed(cells: u32) -> f64 {

@@ -17,10 +17,10 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Coupling, Law, Report, Restart, Totals, case, within};
+use examples::{CaseError, Check, Common, Coupling, Law, Report, Restart, Totals, case, within};
 
 use scene::Outcome;
-use setup::{Criterion, Detection, Kernel, ROD, RodFrame, Setup, THICKNESS};
+use setup::{Criterion, Detection, Kernel, ROD, RodFrame, Setup, THICKNESS, Target};
 
 /// A 4340 rod of 12.9 by 88.9 mm with an ogive nose through 26.3 mm of 6061-T651.
 ///
@@ -65,6 +65,9 @@ struct Options {
     /// Where the forces of the rod are computed
     #[arg(long, value_enum, default_value = "current")]
     rod: RodFrame,
+    /// What the plate is made of; with afemp each run is followed by one of particles, which it is compared with
+    #[arg(long, value_enum, default_value = "particles")]
+    target: Target,
     /// How a rod of finite elements meets the plate
     #[arg(long, value_enum, default_value = "surface")]
     coupling: Coupling,
@@ -125,6 +128,7 @@ impl Options {
             memory: self.memory,
             detection: self.detection,
             rod: self.rod,
+            target: self.target,
             coupling: self.coupling,
             edge: self.edge_in(THICKNESS / f64::from(cells)),
             law: self.law,
@@ -149,8 +153,9 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
         figures::curve(&points)?.save(folder.join("curve.png"))?;
         (outcomes, checks::of_curve(&points, setups[0].cells))
     } else {
-        let outcomes = grids(&setups, &folder, options.frames, restart)?;
-        let checks = checks::of_grids(&outcomes)?;
+        let (outcomes, beside) = grids(&setups, &folder, options.frames, restart)?;
+        let mut checks = checks::of_grids(&outcomes)?;
+        checks.extend(beside);
         (outcomes, checks)
     };
     let totals = outcomes.iter().fold(Totals::default(), |sum, o| sum.plus(&o.totals));
@@ -170,8 +175,8 @@ fn grids(
     folder: &Path,
     frames: bool,
     restart: &Restart,
-) -> Result<Vec<Outcome>, CaseError> {
-    let mut outcomes = Vec::new();
+) -> Result<(Vec<Outcome>, Vec<Check>), CaseError> {
+    let (mut outcomes, mut beside) = (Vec::new(), Vec::new());
     for (n, setup) in setups.iter().enumerate() {
         let finest = n + 1 == setups.len();
         // Ways of the tip along the axis: in the plate, through, the shank in it, and nearly out.
@@ -180,6 +185,10 @@ fn grids(
         let files = (finest && frames).then_some(folder);
         let outcome = scene::shoot(setup, ways, files, restart)?;
         figures::write(&outcome, folder)?;
+        if setup.target == Target::Afemp {
+            let particles = Setup { target: Target::Particles, ..*setup };
+            beside.push(checks::of_target(&outcome, &scene::shoot(&particles, &[], None, restart)?));
+        }
         if finest {
             figures::cuts(&outcome)?.save(folder.join("cuts.png"))?;
         }
@@ -192,5 +201,5 @@ fn grids(
     {
         figures::convergence(&all, limit)?.save(folder.join("convergence.png"))?;
     }
-    Ok(outcomes)
+    Ok((outcomes, beside.concat()))
 }

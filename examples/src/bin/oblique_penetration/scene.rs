@@ -6,9 +6,12 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use coupling::{Conversion, ConversionBook, Elements};
 use examples::{CaseError, Normals, Restart, Totals};
+use fem::{Fem, MeshBody};
 use mpm_contact::{Gradients, SurfaceDistance};
 use mpm_core::GridContact;
+use mpm_core::geometry::structured::box_mesh;
 use mpm_core::geometry::{Cuboid, Filling, Lattice, fill};
 use mpm_core::observe::{Ledger, LedgerEntry, Observer, Pace, Progress, RunView, SmallStrain, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -21,7 +24,7 @@ use mpm_materials::{Constitutive, Removed, library};
 use crate::cells::Cells;
 use crate::flight::{self, Flight};
 use crate::rod;
-use crate::setup::{Detection, Kernel, ROD, Setup, THICKNESS};
+use crate::setup::{Detection, Kernel, ROD, Setup, THICKNESS, Target};
 use crate::track::{Row, Track};
 
 /// Longitudinal wave speed in the plate, m/s, for the memory of the blend.
@@ -43,6 +46,8 @@ pub struct Outcome {
     pub flight: Option<Flight>,
     /// Energy and momentum over time.
     pub ledger: Vec<LedgerEntry>,
+    /// Of a plate of elements, which became particles.
+    pub converted: Option<ConversionBook>,
 }
 
 impl Outcome {
@@ -118,13 +123,27 @@ fn run(setup: &Setup, ways: &[f64], (files, restart): Files, mut mpm: Mpm<3>) ->
     let middle = 0.5 * THICKNESS * setup.angle.tan();
     let half = setup.half_width;
     let plate = Cuboid::new([middle - half, 0.0, -THICKNESS], [middle + half, half, 0.0])?;
-    let plate = fill(&plate, &lattice, setup.parts as usize, &Filling::new())?;
-    mpm.add("plate", aluminium.compiled(), &plate, |_| [0.0; 3])?;
+    let mut converted = None;
+    match setup.target {
+        Target::Particles => {
+            let plate = fill(&plate, &lattice, setup.parts as usize, &Filling::new())?;
+            mpm.add("plate", aluminium.compiled(), &plate, |_| [0.0; 3])?;
+        }
+        Target::Afemp => {
+            let along = |length: f64| (length / h).round() as usize;
+            let mesh = box_mesh(&plate, [along(2.0 * half), along(half), along(THICKNESS)])?;
+            let mut fem = Fem::new(FullSpace);
+            fem.add(MeshBody::new("plate", mesh, aluminium.compiled()))?;
+            let (elements, log) = Elements::converting(fem, "hole", Conversion::adaptive())?;
+            mpm.add_client(elements)?;
+            converted = Some(log);
+        }
+    }
     mpm.bound(rod::symmetry())?;
     mpm.set_time_control(TimeControl::Courant { factor: setup.factor, growth: 1.1 })?;
     mpm.set_team(Team::new(setup.threads)?);
     let flies = setup.stand_off > 0.0;
-    if flies && setup.rest {
+    if flies && setup.rest && setup.target == Target::Particles {
         mpm.deactivate(&["plate"])?;
     }
 
@@ -173,5 +192,6 @@ fn run(setup: &Setup, ways: &[f64], (files, restart): Files, mut mpm: Mpm<3>) ->
     let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
     let ledger = ledger.entries().to_vec();
     let (cells, snapshots) = (occupied.share(), simulation.into_snapshots());
-    Ok(Outcome { setup: *setup, rows: track.rows, snapshots, cells, totals, flight: flown, ledger })
+    let (setup, converted) = (*setup, converted.map(|log| log.book()));
+    Ok(Outcome { setup, rows: track.rows, snapshots, cells, totals, flight: flown, ledger, converted })
 }

@@ -54,6 +54,16 @@ pub enum RodFrame {
     Fem,
 }
 
+/// What the plate is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Target {
+    /// Of particles
+    Particles,
+    /// Of elements as large as cells, which become particles near the rod and where they are deformed too far
+    Afemp,
+}
+
 /// When the plate fails.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -88,6 +98,7 @@ pub struct Setup {
     pub memory: f64,
     pub detection: Detection,
     pub rod: RodFrame,
+    pub target: Target,
     pub coupling: Coupling,
     /// Edge of the elements of the rod, m.
     pub edge: f64,
@@ -120,7 +131,8 @@ impl Setup {
     }
     /// As in the names of files.
     pub fn name(&self) -> String {
-        format!("{:.0}_{:.0}deg_{}", self.speed, self.angle.to_degrees(), self.cells)
+        let target = if self.target == Target::Afemp { "_afemp" } else { "" };
+        format!("{:.0}_{:.0}deg_{}{target}", self.speed, self.angle.to_degrees(), self.cells)
     }
     /// The failure of the plate.
     ///

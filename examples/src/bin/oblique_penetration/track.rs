@@ -1,7 +1,7 @@
 //! Where the rod is, how fast and how it lies.
 
 use mpm_core::observe::{ObserveError, Observer, Pace, RunView};
-use mpm_core::{Archive, CheckpointError};
+use mpm_core::{Archive, CheckpointError, PointView};
 
 use crate::setup::{ROD, Setup, THICKNESS};
 
@@ -67,7 +67,9 @@ impl Observer for Track {
     }
 
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
-        let [rod, plate] = now.bodies()[..] else { return Ok(()) };
+        let bodies = now.bodies();
+        // A plate of elements is two bodies: they, and what became particles.
+        let Some((rod, plates)) = bodies.split_first() else { return Ok(()) };
         let (mut mass, mut x, mut v, mut s) = (0.0, [0.0; 2], [0.0; 2], 0.0);
         rod.for_each(&mut |p| {
             mass += p.mass;
@@ -99,8 +101,9 @@ impl Observer for Track {
         let (mut failed, mut inside, mut overlap) = (0, 0, f64::NEG_INFINITY);
         let half = 0.5 * self.setup.spacing();
         let (mut all, mut height, mut sink) = (0.0, 0.0, 0.0);
-        let damage = plate.state_names().iter().position(|n| n == "failure_damage");
-        plate.for_each(&mut |p| {
+        let names = plates.first().map_or(Vec::new(), |plate| plate.state_names());
+        let damage = names.iter().position(|n| n == "failure_damage");
+        let mut look = |p: &PointView| {
             all += p.mass;
             height += p.mass * p.position[2];
             sink += p.mass * p.velocity[2];
@@ -112,7 +115,8 @@ impl Observer for Track {
             overlap = overlap.max(depth);
             inside += usize::from(depth > half);
             failed += usize::from(damage.is_some_and(|d| p.state[d] >= 1.0));
-        });
+        };
+        plates.iter().for_each(|plate| plate.for_each(&mut look));
         let force = self.rows.last().map_or([0.0; 2], |last| {
             let dt = now.time() - last.time;
             [0, 1].map(|d| if dt > 0.0 { 2.0 * mass * (v[d] - last.velocity[d]) / dt } else { 0.0 })

@@ -8,13 +8,13 @@ use mpm_core::geometry::{Cuboid, Lattice};
 use mpm_core::observe::{Ledger, ObserveError, Observer, Pace, Progress, RunView};
 use mpm_core::output::Snapshot;
 use mpm_core::{
-    Archive, Axisymmetric, BlockGrid, Boundary, CheckpointError, Embedding, IntoKernels, Kernels, Method, Mpm, PlaneStrain, Side,
-    Solver, Team,
+    Archive, Axisymmetric, BlockGrid, Boundary, CheckpointError, Embedding, IntoKernels, Kernels, Method,
+    Mpm, PlaneStrain, Side, Solver, Team,
 };
 
 use crate::beside::{Bar, copper};
 use crate::scene::{END, Files, LENGTH, RADIUS, Space};
-use crate::{mpm, SPEED};
+use crate::{SPEED, mpm};
 
 /// Speeds at which they run unless told otherwise, m/s.
 pub const SPEEDS: [f64; 4] = [SPEED, 190.0, 400.0, 1000.0];
@@ -210,20 +210,45 @@ pub fn checks(outcome: &Outcome) -> Vec<Check> {
     let energy = totals.energy_error.abs();
     let mut rows = vec![
         Check::gate(name("length"), mm(length), "mm", mm(l), 0.01, particles),
-        Check::at_least(name("shortest step / first"), outcome.shortest, "-", 0.5, "no element holds the run up"),
+        Check::at_least(
+            name("shortest step / first"),
+            outcome.shortest,
+            "-",
+            0.5,
+            "no element holds the run up",
+        ),
         Check::at_most(name("energy error"), energy, "-", 0.01, free),
         Check::gate(name("momentum error"), totals.momentum_error, "-", 0.0, 1e-11, free),
-        Check::at_most(name("energy that appeared with particles / all"), book.energy.abs() / energy_of(outcome), "-", 0.01, free),
+        Check::at_most(
+            name("energy that appeared with particles / all"),
+            book.energy.abs() / energy_of(outcome),
+            "-",
+            0.01,
+            free,
+        ),
     ];
     if outcome.coupling == Coupling::Afemp {
         let least = book.least_jacobian.unwrap_or(1.0);
-        rows.push(Check::at_least(name("least Jacobian of an element"), least, "-", 0.1, "before it tangles"));
+        rows.push(Check::at_least(
+            name("least Jacobian of an element"),
+            least,
+            "-",
+            0.1,
+            "before it tangles",
+        ));
     }
     if outcome.bar.speed == SPEED && outcome.bar.space != Space::Quarter {
         let [reference, wide] = crate::checks::finite_elements(outcome.bar.space);
         let source = "independent finite elements [C]";
         rows.push(Check::gate(name("length beside elements"), mm(length), "mm", mm(reference), 0.01, source));
-        rows.push(Check::gate(name("largest radius beside elements"), mm(radius), "mm", mm(wide), 0.06, source));
+        rows.push(Check::gate(
+            name("largest radius beside elements"),
+            mm(radius),
+            "mm",
+            mm(wide),
+            0.06,
+            source,
+        ));
     }
     let shown = format!("{:.2} mm of particles alone: what flies off is in it", mm(r));
     rows.push(Check::unreferenced(name("largest radius"), mm(radius), "mm", &shown));

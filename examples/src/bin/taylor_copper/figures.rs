@@ -44,7 +44,8 @@ pub fn draw(
 
 /// Draw the feet of bars whose elements become particles, both as large as they are.
 pub fn coupled(all: &[coupled::Outcome], folder: &Path) -> Result<(), CaseError> {
-    let mut panels = Panels::new(4).title("Copper bar, 10 mm x 70 mm, 260 µs after impact: elements and particles");
+    let mut panels =
+        Panels::new(4).title("Copper bar, 10 mm x 70 mm, 260 µs after impact: elements and particles");
     for outcome in all {
         let snapshot = &outcome.snapshot;
         let size = |n: usize| 1.3 * snapshot.size_of(n);
