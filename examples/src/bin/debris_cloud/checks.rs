@@ -4,7 +4,7 @@ use examples::Check;
 
 use crate::plane::{self, Row as Plane};
 use crate::scene::Outcome;
-use crate::setup::{END, SHOCK, SPEED, THICKNESS};
+use crate::setup::{END, Plate, SHOCK, SPEED, THICKNESS};
 
 const STATE_TOLERANCE: f64 = 0.01;
 /// Of one particle beside the axis, whose front is some particles wide.
@@ -37,7 +37,11 @@ pub fn of_plane(row: &Plane) -> Vec<Check> {
 pub fn of_cloud(outcome: &Outcome) -> Vec<Check> {
     let theory = plane::shocked();
     let name = |what: &str| {
-        let how = if outcome.setup.cutting.is_some() { "split" } else { "not split" };
+        let how = match (outcome.setup.method, outcome.setup.cutting) {
+            (Plate::Afemp, _) => "plate of elements",
+            (_, Some(_)) => "split",
+            (_, None) => "not split",
+        };
         format!("{how}: {what}")
     };
     let last = outcome.last();
@@ -50,6 +54,7 @@ pub fn of_cloud(outcome: &Outcome) -> Vec<Check> {
     let (energy, momentum) = (outcome.totals.energy_error, outcome.totals.momentum_error);
     let free = "conservation";
     let memory = "Anderson 1990 [M]";
+    let gauged = outcome.setup.method == Plate::Mpm;
     vec![
         Check::gate(
             name("peak pressure in the middle of the plate"),
@@ -60,8 +65,8 @@ pub fn of_cloud(outcome: &Outcome) -> Vec<Check> {
             hugoniot,
         )
         .judged_if(
-            outcome.setup.layers >= 10,
-            "a plate of less than ten layers is less than five cells thick",
+            gauged && outcome.setup.layers >= 10,
+            "a plate of less than ten layers is less than five cells thick, and elements have no gauge",
         ),
         Check::at_most(
             name("front of the cloud"),
@@ -110,6 +115,9 @@ fn alone(outcome: &Outcome) -> f64 {
 /// Of both clouds: splitting is what keeps a cloud together.
 pub fn of_both(outcomes: &[Outcome]) -> Vec<Check> {
     let [whole, split] = outcomes else { return Vec::new() };
+    if split.setup.method == Plate::Afemp {
+        return of_elements(whole, split);
+    }
     let ratio = alone(split) / alone(whole);
     vec![Check::at_most(
         format!("{ALONE}, split over not split"),
@@ -118,4 +126,26 @@ pub fn of_both(outcomes: &[Outcome]) -> Vec<Check> {
         0.5,
         "splitting keeps it together",
     )]
+}
+
+/// A plate of elements that become particles beside one of particles.
+fn of_elements(particles: &Outcome, elements: &Outcome) -> Vec<Check> {
+    let name = |what: &str| format!("plate of elements: {what}");
+    let beside = "a plate of particles";
+    let [a, b] = [elements, particles].map(Outcome::last);
+    let speed = |row: &crate::track::Row| row.momentum / row.mass;
+    let cost = elements.totals.wall_seconds / particles.totals.wall_seconds;
+    let mut checks = vec![
+        Check::gate(name("mean speed of the cloud"), speed(&a), "m/s", speed(&b), 0.03, beside),
+        Check::gate(name("mass of the cloud"), 1e3 * a.mass, "g", 1e3 * b.mass, 0.03, beside),
+        Check::gate(name("front of the cloud"), 1e3 * a.front, "mm", 1e3 * b.front, 0.03, beside),
+        Check::at_most(name("cost"), cost, "-", 0.6, beside),
+    ];
+    if let Some(book) = &elements.converted {
+        let share = book.energy.abs() / elements.energy;
+        checks.push(Check::at_most(name("energy that appeared"), share, "-", 0.03, "of the energy at impact"));
+        let shape = THICKNESS * elements.setup.half_width.powi(2) * SHOCK[0];
+        checks.push(Check::unreferenced(name("mass that became particles"), book.mass / shape, "-", "of the plate"));
+    }
+    checks
 }

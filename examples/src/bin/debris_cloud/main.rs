@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use examples::{CaseError, Common, Report, Restart, Totals, case, within};
 
-use setup::{Cutting, HALF_WIDTH, Setup};
+use setup::{Cutting, HALF_WIDTH, Plate, Setup};
 
 /// Lead sphere (15 mm) on a lead plate (6.36 mm) at 6.58 km/s, a quarter of both.
 ///
@@ -33,6 +33,9 @@ struct Options {
     /// Half the edge of the plate, m, 0.03 to 0.2 [default: 0.03, 0.04 or that of the deck, 0.080, by resolution]
     #[arg(long, value_name = "M", value_parser = within(0.03, 0.2))]
     half_width: Option<f64>,
+    /// What the plate is made of; afemp is run once, as seeded, and compared with the plate of particles
+    #[arg(long, value_enum, default_value = "mpm")]
+    method: Plate,
     /// Which of the two
     #[arg(long, value_enum, default_value = "both")]
     particles: Particles,
@@ -79,6 +82,7 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     let whole = Setup {
         layers: options.layers.unwrap_or(common.resolution.choose(6, 10, 16)),
         half_width: options.half_width.unwrap_or(common.resolution.choose(0.03, 0.04, HALF_WIDTH)),
+        method: Plate::Mpm,
         cutting: None,
         viscosity: [options.viscosity[0], options.viscosity[options.viscosity.len() - 1]],
         memory: options.memory,
@@ -87,7 +91,9 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     };
     let cutting = Cutting { stretch: options.stretch, generations: options.generations };
     let split = Setup { cutting: Some(cutting), ..whole };
+    let elements = Setup { method: Plate::Afemp, ..whole };
     let setups = match options.particles {
+        _ if options.method == Plate::Afemp => vec![whole, elements],
         Particles::Whole => vec![whole],
         Particles::Split => vec![split],
         Particles::Both => vec![whole, split],

@@ -5,7 +5,10 @@
 
 use std::path::Path;
 
+use coupling::{Conversion, ConversionBook, Elements};
 use examples::{CaseError, Restart, Totals};
+use fem::{Criterion, Fem, MeshBody};
+use mpm_core::geometry::structured::box_mesh;
 use mpm_core::geometry::{Ball, Compose, Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::Snapshot;
@@ -15,7 +18,7 @@ use mpm_core::{
 use mpm_materials::{Constitutive, Stretching};
 
 use crate::parts::{Parts, parts};
-use crate::setup::{END, HALF_WIDTH, RADIUS, SHOCK, SPEED, Setup, THICKNESS, lead};
+use crate::setup::{END, HALF_WIDTH, Plate, RADIUS, SHOCK, SPEED, Setup, THICKNESS, lead};
 use crate::track::{Row, Track};
 
 /// When pictures are taken, s.
@@ -39,6 +42,8 @@ pub struct Outcome {
     pub totals: Totals,
     /// Energy at the start, J.
     pub energy: f64,
+    /// Of a plate of elements, which became particles.
+    pub converted: Option<ConversionBook>,
 }
 
 impl Outcome {
@@ -56,7 +61,8 @@ pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<O
     let ball = Ball::new([-RADIUS, 0.0, 0.0], RADIUS)?.and(quarter);
     let plate = Cuboid::new([0.0; 3], [THICKNESS, setup.half_width, setup.half_width])?;
     let ball = fill(&ball, &lattice, 2, &Filling::new())?;
-    let plate = fill(&plate, &lattice, 2, &Filling::new())?;
+    let shape = plate;
+    let plate = fill(&shape, &lattice, 2, &Filling::new())?;
     let seeds = ball.len() + plate.len();
     let mut add = |name, seeds: &Seeds<3>, speed: f64| -> Result<(), CaseError> {
         let velocity = |_| [speed, 0.0, 0.0];
@@ -71,7 +77,21 @@ pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<O
         Ok(())
     };
     add("sphere", &ball, SPEED)?;
-    add("plate", &plate, 0.0)?;
+    let mut log = None;
+    match setup.method {
+        Plate::Mpm => add("plate", &plate, 0.0)?,
+        Plate::Afemp => {
+            let along = |length: f64| (length / setup.spacing()).round() as usize;
+            let side = along(setup.half_width);
+            let mesh = box_mesh(&shape, [along(THICKNESS), side, side])?;
+            let mut fem = Fem::new(FullSpace);
+            fem.add(MeshBody::new("plate", mesh, lead(setup.viscosity)?.compiled()))?;
+            let conversion = Conversion::adaptive().or("failure", Criterion::Failed);
+            let (elements, conversions) = Elements::converting(fem, "debris", conversion)?;
+            mpm.add_client(elements)?;
+            log = Some(conversions);
+        }
+    }
     for axis in [1, 2] {
         mpm.bound(Boundary::Symmetry { axis, at: 0.0, side: Side::Above })?;
     }
@@ -79,7 +99,8 @@ pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<O
     mpm.set_team(Team::new(setup.threads)?);
 
     let start = mpm.totals();
-    let mut track = Track::new(Pace::interval(EARLY)?, setup, &plate.positions);
+    let gauge = if setup.method == Plate::Mpm { &plate.positions[..] } else { &[] };
+    let mut track = Track::new(Pace::interval(EARLY)?, setup, gauge);
     let mut ledger = Ledger::new(Pace::interval(HISTORY)?);
     let mut frames = None;
     if let Some(folder) = files {
@@ -117,5 +138,6 @@ pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<O
         snapshots,
         totals,
         energy: start.kinetic,
+        converted: log.map(|log| log.book()),
     })
 }

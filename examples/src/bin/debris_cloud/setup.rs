@@ -57,6 +57,16 @@ pub struct Cutting {
     pub generations: u32,
 }
 
+/// What the plate is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Plate {
+    /// Particles
+    Mpm,
+    /// Elements as large as cells that become particles near the sphere, where they fail and where they are deformed too far
+    Afemp,
+}
+
 /// What to run.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Setup {
@@ -64,6 +74,8 @@ pub struct Setup {
     pub layers: u32,
     /// Half the edge of the plate, m.
     pub half_width: f64,
+    /// What the plate is made of.
+    pub method: Plate,
     /// Splitting, if any.
     pub cutting: Option<Cutting>,
     /// Linear and quadratic coefficient of the bulk viscosity.
@@ -92,6 +104,10 @@ impl Setup {
     }
     /// As in the names of files.
     pub fn name(&self) -> &'static str {
-        if self.cutting.is_some() { "split" } else { "whole" }
+        match (self.method, self.cutting) {
+            (Plate::Afemp, _) => "afemp",
+            (_, Some(_)) => "split",
+            (_, None) => "whole",
+        }
     }
 }

@@ -75,7 +75,7 @@ impl Observer for Track {
                 {
                     *ring += p.mass;
                 }
-                if index == 1 && self.gauge[p.number % self.gauge.len()] {
+                if index == 1 && !self.gauge.is_empty() && self.gauge[p.number % self.gauge.len()] {
                     row.pressure += p.mass * p.pressure();
                     at_gauge += p.mass;
                 }
@@ -86,7 +86,7 @@ impl Observer for Track {
             crate::setup::SHOCK[0] * area * THICKNESS
         };
         let inner = (0..RINGS).take_while(|&n| rings[n] < 0.5 * full(n)).count();
-        row.pressure /= at_gauge;
+        row.pressure = if at_gauge > 0.0 { row.pressure / at_gauge } else { 0.0 };
         row.hole = inner as f64 * self.edge;
         self.rows.push(row);
         Ok(())
