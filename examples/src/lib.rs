@@ -26,6 +26,7 @@
 //! | `glass_branching` | a crack in glass under tension branches, by fragile points |
 //! | `pcmm_distortion` | what fails with the printed rules of the particle-contact method, and what does not with ours |
 //! | `debris_cloud` | a lead sphere through a lead plate: the cloud, seeded and split |
+//! | `debris_cloud_3d` | an aluminium sphere through a plate of particles, and one of elements that become particles |
 //! | `tnt_cased` | TNT in copper, cylinder and cube: speed of the case |
 //! | `gate_flow` | water behind an elastic gate that opens: its tip, statics against beams, a dam break against experiment |
 //! | `wedge_entry` | a wedge enters water, elements of one to eight cells: what comes through, forces against theory |

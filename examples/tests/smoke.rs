@@ -163,6 +163,35 @@ fn taylor_copper() {
     );
 }
 
+/// Elements that become particles go on where elements alone do not.
+#[test]
+fn taylor_copper_of_elements_that_become_particles() {
+    for method in ["mpfem", "afemp"] {
+        let name = format!("copper_{method}");
+        let options = [
+            "--resolution",
+            "smoke",
+            "--json",
+            "--speed",
+            "400",
+            "--frames",
+            "0",
+            "--cells",
+            "10",
+            "--method",
+            method,
+        ];
+        let value = result(&run(env!("CARGO_BIN_EXE_taylor_copper"), &options, &name), "taylor_copper");
+        // Length, step, energy twice, momentum; the least Jacobian of what was not told where.
+        assert_eq!(
+            (&value["missed"], &value["met"]),
+            (&0.into(), &(5 + usize::from(method == "afemp")).into())
+        );
+        assert!(folder(&name).join("coupled.png").is_file());
+        std::fs::remove_dir_all(folder(&name)).expect("removed");
+    }
+}
+
 /// At 400 m/s elements of the face become flat, or turn inside out, which is said with what helps; material points go on.
 #[test]
 fn taylor_copper_is_too_fast_for_elements_at_400() {
@@ -279,6 +308,31 @@ fn debris_cloud() {
     let alone =
         |how: &str| of(&value, |name| name == format!("{how}: cells of the cloud that touch no other"));
     assert!(alone("split") < 0.5 * alone("not split"));
+}
+
+#[test]
+fn debris_cloud_of_a_plate_of_elements() {
+    let options = ["--resolution", "smoke", "--json", "--method", "afemp"];
+    let value =
+        result(&run(env!("CARGO_BIN_EXE_debris_cloud"), &options, "cloud_of_elements"), "debris_cloud");
+    assert_eq!(value["missed"], 0, "{}", value["checks"]);
+    assert!(folder("cloud_of_elements").join("cloud_afemp.png").is_file());
+    std::fs::remove_dir_all(folder("cloud_of_elements")).expect("removed");
+}
+
+#[test]
+fn debris_cloud_3d() {
+    // Front, speed, mass, momentum, energy of both clouds; speed, mass, front and energy of one beside the other.
+    smoke!(debris_cloud_3d, only(2 * 5 + 4), ["clouds.png", "history_afemp_at_5000_m_s.csv"]);
+}
+
+#[test]
+fn oblique_penetration_of_a_plate_of_elements() {
+    let options = ["--resolution", "smoke", "--json", "--rod", "fem", "--target", "afemp"];
+    let output = run(env!("CARGO_BIN_EXE_oblique_penetration"), &options, "plate_of_elements");
+    let value = result(&output, "oblique_penetration");
+    std::fs::remove_dir_all(folder("plate_of_elements")).expect("removed");
+    assert_eq!(value["missed"], 0, "{}", value["checks"]);
 }
 
 #[test]

@@ -198,6 +198,10 @@ impl Observer for Steps {
     }
 }
 
+/// From so many cells on the radius on a face and the energy that the wall takes at once say something.
+const FINE: u32 = 10;
+const COARSE: &str = "half a cell of the bar is stopped at once, and the face is some cells wide";
+
 /// What of it is judged, and by what.
 pub fn checks(outcome: &Outcome) -> Vec<Check> {
     let name = |what: &str| format!("{}: {what}", outcome.name());
@@ -208,6 +212,7 @@ pub fn checks(outcome: &Outcome) -> Vec<Check> {
     let book = &outcome.book;
     let totals = &outcome.totals[0];
     let energy = totals.energy_error.abs();
+    let fine = outcome.bar.cells >= FINE;
     let mut rows = vec![
         Check::gate(name("length"), mm(length), "mm", mm(l), 0.01, particles),
         Check::at_least(
@@ -217,7 +222,7 @@ pub fn checks(outcome: &Outcome) -> Vec<Check> {
             0.5,
             "no element holds the run up",
         ),
-        Check::at_most(name("energy error"), energy, "-", 0.01, free),
+        Check::at_most(name("energy error"), energy, "-", 0.01, free).judged_if(fine, COARSE),
         Check::gate(name("momentum error"), totals.momentum_error, "-", 0.0, 1e-11, free),
         Check::at_most(
             name("energy that appeared with particles / all"),

@@ -110,16 +110,12 @@ impl Options {
         Bar { space, speed: self.speed, cells, threads: self.common.threads() }
     }
 
-    /// Speeds of elements that become particles: all, of which `all` runs has only the first.
+    /// Speeds of elements that become particles.
     fn coupled_speeds(&self) -> Vec<f64> {
         if self.speed != SPEED {
             return vec![self.speed];
         }
-        let count = match (self.method, self.common.resolution) {
-            (Methods::All, Resolution::Smoke) => 1,
-            _ => coupled::SPEEDS.len(),
-        };
-        coupled::SPEEDS[..count].to_vec()
+        coupled::SPEEDS.to_vec()
     }
 
     /// The runs of particle contacts.
@@ -213,10 +209,12 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     }
     let mut coupled = Vec::new();
     for (method, coupling) in [(Methods::Mpfem, Coupling::Mpfem), (Methods::Afemp, Coupling::Afemp)] {
-        if options.runs(method) {
+        let coarse = options.method == Methods::All && common.resolution == Resolution::Smoke;
+        if options.runs(method) && !coarse {
             for speed in options.coupled_speeds() {
                 for space in plane.into_iter().take(if speed == SPEED { 2 } else { 1 }) {
-                    let bar = Bar { speed, ..options.bar(space, options.beside()) };
+                    let cells = options.cells.unwrap_or(options.beside());
+                    let bar = Bar { speed, ..options.bar(space, cells) };
                     coupled.push(coupled::impact(coupling, bar, files)?);
                 }
             }

@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 28] = [
+pub const CASES: [&str; 29] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",
@@ -19,6 +19,7 @@ pub const CASES: [&str; 28] = [
     "tnt_cased",
     "debris_cloud",
     "debris_cloud_2d",
+    "debris_cloud_3d",
     "oblique_penetration",
     "concrete_perforation",
     "tungsten_bullet",
