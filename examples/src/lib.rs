@@ -4,6 +4,7 @@
 //! | binary | case |
 //! |---|---|
 //! | `taylor_bar` | a copper cylinder hits a wall: final shape against finite elements and experiment |
+//! | `expanding_ring` | rings thrown outwards: radius and time at rest against exact ones; pieces of those that break |
 //! | `ring_collision` | two elastic rings collide: where their surfaces meet, energy over the time step |
 //! | `bouncing_blocks` | bars, discs, balls and a block on an incline in contact, against exact values |
 //! | `ball_on_plate` | a steel ball strikes a steel plate, one of elements, the other of particles: force and duration against Hertz |
@@ -44,6 +45,7 @@ pub mod check;
 pub mod cracks;
 mod detection;
 pub mod fragile;
+mod fragments;
 mod heap;
 mod immersed;
 mod law;
@@ -61,6 +63,7 @@ mod water;
 pub use case::{CaseError, Common, Report, Resolution, Totals, largest, within, worst};
 pub use check::{Check, NotJudged};
 pub use detection::{Detection, Detector, Normals};
+pub use fragments::Fragments;
 pub use heap::Heap;
 pub use immersed::{WATER_PRESSURE, immersed};
 pub use law::Law;

@@ -526,6 +526,25 @@ fn plate_impact() {
 }
 
 #[test]
+fn expanding_ring() {
+    // Seven of rest and two of a soft ring, of two metals by two methods; methods beside each other; five of a ring that breaks.
+    let value = smoke!(
+        expanding_ring,
+        only(2 * 2 * (7 + 2) + 2 + 5),
+        [
+            "radius.png",
+            "thickness.png",
+            "pieces_300.png",
+            "ring_heavy_mpm_1000um_8_1000gpa.csv",
+            "ring_light_fem_500um_8_1000gpa.csv",
+            "break_300_2.csv",
+            "break_300_2_masses.csv"
+        ]
+    );
+    assert!(value["settings"]["pieces"][0].as_u64().expect("pieces") > 5);
+}
+
+#[test]
 fn ring_collision() {
     smoke!(
         ring_collision,

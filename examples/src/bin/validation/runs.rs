@@ -13,6 +13,7 @@ pub const CASES: [&str; 29] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",
+    "expanding_ring",
     "elastic_bar",
     "plate_impact",
     "tnt_slab",

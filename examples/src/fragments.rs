@@ -1,0 +1,83 @@
+//! In how many pieces a body is: particles nearer to each other than a given reach belong together.
+
+use std::collections::HashMap;
+
+/// Pieces of a set of points.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fragments {
+    /// The piece of each point: 0 is the heaviest. Points that hold nothing have none.
+    pub of: Vec<Option<usize>>,
+    /// Masses of the pieces, kg, falling.
+    pub masses: Vec<f64>,
+}
+
+impl Fragments {
+    /// Of points at these places (m) with these masses (kg), of which `holds` says which hold others; `reach` in m.
+    #[must_use]
+    pub fn new(places: &[[f64; 3]], masses: &[f64], holds: &[bool], reach: f64) -> Self {
+        let cell = |x: &[f64; 3]| x.map(|c| (c / reach).floor() as i64);
+        let mut cells: HashMap<[i64; 3], Vec<usize>> = HashMap::new();
+        for (n, x) in places.iter().enumerate().filter(|&(n, _)| holds[n]) {
+            cells.entry(cell(x)).or_default().push(n);
+        }
+        let mut of = vec![None; places.len()];
+        let mut sums: Vec<(f64, usize)> = Vec::new();
+        for first in (0..places.len()).filter(|&n| holds[n]) {
+            if of[first].is_some() {
+                continue;
+            }
+            let piece = sums.len();
+            let (mut open, mut mass) = (vec![first], 0.0);
+            of[first] = Some(piece);
+            while let Some(n) = open.pop() {
+                mass += masses[n];
+                let at = cell(&places[n]);
+                for k in 0..27_i64 {
+                    let near = [at[0] + k % 3 - 1, at[1] + k / 3 % 3 - 1, at[2] + k / 9 - 1];
+                    for &m in cells.get(&near).map_or(&[][..], Vec::as_slice) {
+                        let square = |d: usize| (places[m][d] - places[n][d]).powi(2);
+                        if of[m].is_none() && square(0) + square(1) + square(2) <= reach * reach {
+                            of[m] = Some(piece);
+                            open.push(m);
+                        }
+                    }
+                }
+            }
+            sums.push((mass, piece));
+        }
+        sums.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut rank = vec![0; sums.len()];
+        for (place, &(_, piece)) in sums.iter().enumerate() {
+            rank[piece] = place;
+        }
+        let of = of.into_iter().map(|piece| piece.map(|p: usize| rank[p])).collect();
+        Fragments { of, masses: sums.into_iter().map(|(mass, _)| mass).collect() }
+    }
+
+    /// How many are heavier than this, kg.
+    #[must_use]
+    pub fn heavier(&self, mass: f64) -> usize {
+        self.masses.iter().filter(|&&m| m > mass).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A row of ten points, a distance of one apart, of which one holds nothing; and one far off.
+    #[test]
+    fn a_row_breaks_where_a_point_holds_nothing() {
+        let mut places: Vec<[f64; 3]> = (0..10).map(|n| [f64::from(n) - 4.0, 0.0, 0.5]).collect();
+        places.push([0.0, 3.0, 0.0]);
+        let mut holds = vec![true; 11];
+        let pieces = Fragments::new(&places, &[1.0; 11], &holds, 1.4);
+        assert_eq!(pieces.masses, [10.0, 1.0]);
+        holds[3] = false;
+        let pieces = Fragments::new(&places, &[1.0; 11], &holds, 1.4);
+        assert_eq!(pieces.masses, [6.0, 3.0, 1.0]);
+        assert_eq!(pieces.of[2..5], [Some(1), None, Some(0)]);
+        assert_eq!(pieces.heavier(2.0), 2);
+        assert_eq!(Fragments::new(&places, &[1.0; 11], &holds, 2.1).masses, [9.0, 1.0]);
+    }
+}
