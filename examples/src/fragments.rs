@@ -61,9 +61,35 @@ impl Fragments {
     }
 }
 
+/// Strains at which `count` sections of a body fail by Mott: the hazard grows with the strain as exp(g eps), `rate` being g, and most sections
+/// fail near `mode`; none below a hundredth of it. The same ones for the same seed.
+#[must_use]
+pub fn mott_strains(mode: f64, rate: f64, seed: u64, count: usize) -> Vec<f64> {
+    let strain = |k: usize| mode + (-random(seed, k as u64).ln()).ln() / rate;
+    (0..count).map(|k| strain(k).max(0.01 * mode)).collect()
+}
+
+/// A number in (0, 1) of a seed and a place (SplitMix64).
+fn random(seed: u64, place: u64) -> f64 {
+    let mut z = seed.wrapping_add((place + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 + 0.5 / (1u64 << 53) as f64
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Half of them fail below the median of Gumbel's law, ln(ln 2) / g from the mode.
+    #[test]
+    fn strains_are_scattered_as_mott_has_them() {
+        let strains = mott_strains(0.5, 20.0, 7, 4000);
+        let median = 0.5 + std::f64::consts::LN_2.ln() / 20.0;
+        let below = strains.iter().filter(|&&s| s < median).count() as f64 / 4000.0;
+        // Three standard deviations of a fair coin.
+        assert!((below - 0.5).abs() < 1.5 / 4000f64.sqrt(), "{below}");
+    }
 
     /// A row of ten points, a distance of one apart, of which one holds nothing; and one far off.
     #[test]

@@ -29,6 +29,7 @@
 //! | `debris_cloud` | a lead sphere through a lead plate: the cloud, seeded and split |
 //! | `debris_cloud_3d` | an aluminium sphere through a plate of particles, and one of elements that become particles |
 //! | `tnt_cased` | TNT in copper, cylinder and cube: speed of the case |
+//! | `exploding_cylinder` | cylinders of copper burst by TNT: speed over the mass ratio against Gurney with the energy of the products, pieces |
 //! | `gate_flow` | water behind an elastic gate that opens: its tip, statics against beams, a dam break against experiment |
 //! | `wedge_entry` | a wedge enters water, elements of one to eight cells: what comes through, forces against theory |
 //! | `wave_plate` | waves along a plate that is drawn at its end, by fragile points, against exact ones: peaks, orders |
@@ -41,6 +42,7 @@
 
 pub mod blocks;
 pub mod case;
+mod cased;
 pub mod check;
 pub mod cracks;
 mod detection;
@@ -61,9 +63,10 @@ pub mod throughput;
 mod water;
 
 pub use case::{CaseError, Common, Report, Resolution, Totals, largest, within, worst};
+pub use cased::Cased;
 pub use check::{Check, NotJudged};
 pub use detection::{Detection, Detector, Normals};
-pub use fragments::Fragments;
+pub use fragments::{Fragments, mott_strains};
 pub use heap::Heap;
 pub use immersed::{WATER_PRESSURE, immersed};
 pub use law::Law;

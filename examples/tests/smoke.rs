@@ -506,6 +506,25 @@ fn tnt_cased() {
 }
 
 #[test]
+fn exploding_cylinder() {
+    // Speed twice, that of the reference, and the books, of three mass ratios lit in two ways; pieces twice and books of one that breaks.
+    let value = smoke!(
+        exploding_cylinder,
+        only(2 * 3 * (3 + 4) + 2 + 4),
+        [
+            "speeds.png",
+            "ratios.png",
+            "pieces.png",
+            "case_1000um_axis_16.csv",
+            "case_4000um_axis_16_breaks.csv"
+        ]
+    );
+    let speeds: Vec<f64> =
+        value["settings"]["speeds"].as_array().expect("speeds").iter().filter_map(Value::as_f64).collect();
+    assert!(speeds[0] > speeds[1] && speeds[1] > speeds[2], "the heavier the slower: {speeds:?}");
+}
+
+#[test]
 fn plate_impact() {
     // Lines and states but for the energy of seven metals, the shock on three grids, finite differences, spall on three grids
     // and all of it on the finest, conservation.

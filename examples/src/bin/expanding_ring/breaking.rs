@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use examples::{CaseError, Fragments, Restart, Totals};
+use examples::{CaseError, Fragments, Restart, Totals, mott_strains};
 use mpm_core::geometry::{Compose, Cuboid, Filling, Lattice, Tube, fill};
 use mpm_core::observe::{Ledger, Observer, Pace, Progress, VtkSeries};
 use mpm_core::output::{ParticleSize, Snapshot};
@@ -45,19 +45,9 @@ pub struct Outcome {
     pub totals: Totals,
 }
 
-/// A number in (0, 1) of a seed and a place (SplitMix64).
-fn random(seed: u64, place: u64) -> f64 {
-    let mut z = seed.wrapping_add((place + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64 + 0.5 / (1u64 << 53) as f64
-}
-
-/// The strain at which each section breaks: the hazard grows as exp(g eps), and the mode of the distribution is that of the setup; at least
-/// a hundredth of it.
+/// The strain at which each section breaks.
 pub fn strains(setup: &Break) -> Vec<f64> {
-    let strain = |k: usize| setup.strain + (-random(setup.seed, k as u64).ln()).ln() / setup.scatter;
-    (0..setup.sections()).map(|k| strain(k).max(0.01 * setup.strain)).collect()
+    mott_strains(setup.strain, setup.scatter, setup.seed, setup.sections())
 }
 
 /// Throw the ring until `end`, s.

@@ -3,14 +3,13 @@
 
 mod checks;
 mod figures;
-mod lagrange;
 mod scene;
 mod setup;
 
 use std::process::ExitCode;
 
 use clap::Parser;
-use examples::{CaseError, Common, Report, Restart, Totals, case, within};
+use examples::{CaseError, Cased, Common, Report, Restart, Totals, case, within};
 
 use setup::{Form, Setup};
 
@@ -72,8 +71,9 @@ fn run(options: &Options, restart: &Restart) -> Result<ExitCode, CaseError> {
     };
     let cells = options.cube_cells.unwrap_or(common.resolution.choose(5, 10, 20));
     let cube = Setup { form: Form::Cube, cells, end: CUBE_END, ..cylinder };
-    let alone = lagrange::cylinder(ZONES, cylinder.end);
-    let coarse = lagrange::cylinder(ZONES / 2, cylinder.end);
+    let one = Cased { charge: setup::CHARGE, case: setup::CASE, from_axis: true, zones: ZONES };
+    let alone = one.speeds(cylinder.end);
+    let coarse = Cased { zones: ZONES / 2, ..one }.speeds(cylinder.end);
 
     let mut found = Vec::new();
     let mut totals = Totals::default();

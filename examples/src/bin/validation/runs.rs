@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 29] = [
+pub const CASES: [&str; 30] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",
@@ -18,6 +18,7 @@ pub const CASES: [&str; 29] = [
     "plate_impact",
     "tnt_slab",
     "tnt_cased",
+    "exploding_cylinder",
     "debris_cloud",
     "debris_cloud_2d",
     "debris_cloud_3d",

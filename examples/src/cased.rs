@@ -1,8 +1,10 @@
-//! The cylinder once more, in one dimension and without grid or particles of the library: finite differences along the
+//! A long charge of TNT in a case of copper, in one dimension and without grid or particles of the library: finite differences along the
 //! radius (von Neumann and Richtmyer), each zone with its own mass. Equations and constants are written out here.
 
-use crate::setup::{CASE, CHARGE, CHEMICAL, DENSITY};
-
+/// Density of TNT and of the case, kg/m^3.
+const DENSITY: [f64; 2] = [1630.0, 8900.0];
+/// Chemical energy of TNT, J/m^3.
+const CHEMICAL: f64 = 6.993e9;
 /// A, B, Pa; R1, R2, omega of TNT's products, detonation speed, m/s, and V_CJ.
 const JWL: [f64; 7] = [371.2e9, 3.21e9, 4.15, 0.95, 0.30, 6930.0, 0.7318];
 /// c0, m/s, s, gamma0; shear modulus, yield stress, hardening, Pa, and exponent of the case.
@@ -61,10 +63,31 @@ impl Zone {
     }
 }
 
-/// Mean speed of the case over time: rows of s, m/s, and outer radius over that at the start.
-pub fn cylinder(zones: usize, end: f64) -> Vec<[f64; 3]> {
-    let step = CHARGE / zones as f64;
-    let shell = (CASE / step).round() as usize;
+/// A charge in its case.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cased {
+    /// Radius of the charge, m.
+    pub charge: f64,
+    /// Thickness of the case, m.
+    pub case: f64,
+    /// Does the charge burn from its axis outwards, or all at once at the start?
+    pub from_axis: bool,
+    /// Zones along the radius of the charge; those of the case are as wide.
+    pub zones: usize,
+}
+
+impl Cased {
+    /// Mean speed of the case until `end`, s: rows of s, m/s, and outer radius over that at the start.
+    #[must_use]
+    pub fn speeds(&self, end: f64) -> Vec<[f64; 3]> {
+        cylinder(self, end)
+    }
+}
+
+fn cylinder(setup: &Cased, end: f64) -> Vec<[f64; 3]> {
+    let &Cased { charge, case, from_axis, zones } = setup;
+    let step = charge / zones as f64;
+    let shell = (case / step).round() as usize;
     let mut r: Vec<f64> = (0..=zones + shell).map(|i| i as f64 * step).collect();
     let mut v: Vec<f64> = vec![0.0; r.len()];
     let mut all: Vec<Zone> = (0..zones + shell)
@@ -73,7 +96,8 @@ pub fn cylinder(zones: usize, end: f64) -> Vec<[f64; 3]> {
             let volume = 0.5 * (r[j + 1] * r[j + 1] - r[j] * r[j]);
             let mass = DENSITY[usize::from(metal)] * volume;
             let energy = if metal { 0.0 } else { CHEMICAL };
-            Zone { metal, mass, volume, middle: 0.5 * (r[j] + r[j + 1]), energy, ..Zone::default() }
+            let burnt = if metal || from_axis { 0.0 } else { 1.0 };
+            Zone { metal, mass, volume, middle: 0.5 * (r[j] + r[j + 1]), energy, burnt, ..Zone::default() }
         })
         .collect();
     let mut time = 0.0;
@@ -106,10 +130,10 @@ pub fn cylinder(zones: usize, end: f64) -> Vec<[f64; 3]> {
         for (j, z) in all.iter_mut().enumerate() {
             advance(z, [r[j], r[j + 1]], [v[j], v[j + 1]], time, dt);
         }
-        let case = all.iter().enumerate().filter(|(_, z)| z.metal);
+        let shell = all.iter().enumerate().filter(|(_, z)| z.metal);
         let (m, p) =
-            case.fold((0.0, 0.0), |(m, p), (j, z)| (m + z.mass, p + 0.5 * z.mass * (v[j] + v[j + 1])));
-        rows.push([time, p / m, r[r.len() - 1] / (CHARGE + CASE)]);
+            shell.fold((0.0, 0.0), |(m, p), (j, z)| (m + z.mass, p + 0.5 * z.mass * (v[j] + v[j + 1])));
+        rows.push([time, p / m, r[r.len() - 1] / (charge + case)]);
     }
     rows
 }
