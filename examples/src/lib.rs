@@ -13,6 +13,7 @@
 //! | `shaken_discs` | three large and 207 small discs in a shaken container: the large ones rise, the pile rests |
 //! | `oblique_penetration` | an ogive rod through an aluminium plate: residual speed against experiment |
 //! | `concrete_perforation` | an ogive rod through a slab of concrete: residual speeds of seven shots, cracks |
+//! | `reinforced_slab` | a slab of concrete with bars of steel, hit by a rod and by a blast: what bars hold back, as lines and as particles |
 //! | `granular_column` | a column of aluminium bars collapses: run-out and deposit against published fits |
 //! | `slope_failure` | a slope of soil fails: strength at failure and slip surface against circles of Bishop |
 //! | `plate_impact` | a plate hits a plate: shock lines of the library's metals, spall |

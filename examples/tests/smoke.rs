@@ -699,6 +699,28 @@ fn concrete_perforation() {
 }
 
 #[test]
+fn reinforced_slab() {
+    // Mass of bars and that they hold, under a rod and a blast; a small slab with lines and with particles; energy and momentum.
+    let value = smoke!(
+        reinforced_slab,
+        only(2 * 2 + 3 + 2),
+        [
+            "damage_rod.png",
+            "damage_blast.png",
+            "rod.png",
+            "blast.png",
+            "small_blast.png",
+            "rod_250_lines_100mm2_200mm_6.csv",
+            "blast_particles_100mm2_125mm_6.csv"
+        ]
+    );
+    // Bars of lines and of particles are the same bars: they hold back the same to a third.
+    let held =
+        of(&value, |name| name == "small slab, deflection: what lines hold back over what particles do");
+    assert!(held > 0.67 && held < 1.5, "{held}");
+}
+
+#[test]
 fn granular_column() {
     // Run-out of three columns of bars and three of sand from both sides, of a coarse one from below; area, rest, energy,
     // momentum.

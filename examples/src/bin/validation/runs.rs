@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 30] = [
+pub const CASES: [&str; 31] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",
@@ -24,6 +24,7 @@ pub const CASES: [&str; 30] = [
     "debris_cloud_3d",
     "oblique_penetration",
     "concrete_perforation",
+    "reinforced_slab",
     "tungsten_bullet",
     "plug_weldox",
     "granular_column",
