@@ -8,6 +8,7 @@
 //! | [`Elements::on_the_grid`] (CFEMP, \[Lian2011\]) | nodes of the mesh act on the grid of the scene as particles do, and meet others by its contact algorithm | elements about as large as cells: through wider meshes particles slip |
 //! | [`Elements::by_surface`] (ICFEMP, \[Chen2015\]) | particles meet the facets of the mesh one by one ([`mpm_contact::mesh`]) | any |
 //! | [`Elements::within`] (HFEMP, \[Lian2011b\]) | none: elements are a part of a body of particles, bars in concrete; nodes move with its matter | any |
+//! | [`Elements::converting`] (MPFEM \[Zhang2006\], AFEMP \[Lian2012\]) | none within a body: elements become particles, by the rules of a [`Conversion`]; on the grid with others | any |
 //!
 //! Bodies of elements of one client touch each other, and themselves, where their [`Fem`](fem::Fem) was told ([`fem::Fem::touch`]): at the end
 //! of its step, after particles pushed them.

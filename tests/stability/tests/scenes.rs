@@ -65,6 +65,8 @@ scenes! {
     elements_touch: "E2";
     /// Finite elements among particles.
     facets_are_coarse: "T23";
+    /// Elements that become particles.
+    elements_become_particles: "T22" "C1";
     /// Smoothed particles.
     particles_are_smoothed: "S1" "S2" "S3" "S4" "S5" "S6" "S7" "S8" "S9";
     /// Fragile points.

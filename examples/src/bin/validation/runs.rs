@@ -9,7 +9,7 @@ use examples::{CaseError, Resolution, machine};
 use serde_json::Value;
 
 /// All cases. (`throughput` measures speed alone.)
-pub const CASES: [&str; 31] = [
+pub const CASES: [&str; 32] = [
     "taylor_bar",
     "taylor_copper",
     "taylor_4340",

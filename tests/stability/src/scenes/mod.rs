@@ -1,5 +1,6 @@
 //! The scenes. Numbers as T5 are those of the list in book, "Stability", others are of this crate.
 
+pub mod conversion;
 pub mod crossing;
 pub mod crushing;
 pub mod elements;
@@ -62,6 +63,8 @@ pub fn all() -> Vec<Scene> {
         elements::inverted(),
         shaken::balls(),
         facets::leaks(),
+        conversion::too_late(),
+        conversion::at_a_contact(),
         smoothed::checkerboard(),
         smoothed::rotation(),
         smoothed::axis(),
@@ -102,8 +105,7 @@ pub const ELSEWHERE: [(&str, &str, &str); 6] = [
 ];
 
 /// Scenes of the list for methods that are not there: number, what, what is missing.
-pub const MISSING: [(&str, &str, &str); 3] = [
-    ("T22", "Taylor bar by finite elements that turn into particles", "adaptive finite elements"),
+pub const MISSING: [(&str, &str, &str); 2] = [
     ("T24", "tank at rest, dam break", "incompressible flow, cure of pressure noise"),
     ("T27", "fragmentation on finer and on turned grids", "nonlocal damage, phase field"),
 ];

@@ -1,0 +1,148 @@
+//! Elements that become particles: too late, and at a contact.
+
+use coupling::{Conversion, Elements};
+use fem::{Fem, MeshBody};
+use impactite_geometry::{Cuboid, Lattice};
+use impactite_geometry::structured::box_mesh;
+use impactite_scene::Solver;
+use mpm_contact::{Coulomb, Pairs, SeparatingPlane, SurfaceDistance};
+use mpm_core::{BlockGrid, Boundary, GridContact, Method, Mpm, PlaneStrain, Side};
+use mpm_materials::library;
+use verification::problems::rubber;
+
+use crate::stage::text;
+use crate::verdict::{Limit, Measured, Scene, Size, Stop};
+
+/// Half width and length of the bar, m, and cells of the half width.
+const BAR: [f64; 2] = [5e-3, 35e-3];
+const ACROSS: usize = 6;
+const SPEED: f64 = 400.0;
+const END: f64 = 80e-6;
+
+/// Half a copper bar, of elements.
+fn bar() -> Result<Fem<2>, String> {
+    let counts = [ACROSS, (ACROSS as f64 * BAR[1] / BAR[0]).round() as usize];
+    let mesh = box_mesh(&Cuboid::new([0.0; 2], BAR).map_err(text)?, counts).map_err(text)?;
+    let mut fem = Fem::new(PlaneStrain);
+    let body = MeshBody::new("bar", mesh, library::copper_feng_2014()).moving(|_| [0.0, -SPEED]);
+    fem.add(body).map_err(text)?;
+    Ok(fem)
+}
+
+fn planes() -> [Boundary<2>; 2] {
+    [
+        Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above },
+        Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 },
+    ]
+}
+
+/// The shortest step over the first one.
+fn shortest(solver: &mut dyn Solver) -> Measured {
+    let (mut first, mut shortest, mut steps) = (0.0, f64::INFINITY, 0);
+    while !solver.reached(END) {
+        match solver.step_at_most(f64::INFINITY) {
+            Ok(step) => {
+                first = if steps == 0 { step } else { first };
+                shortest = shortest.min(step);
+                steps += 1;
+            }
+            Err(e) => {
+                let stop = Stop { step: e.step, what: e.to_string() };
+                return Measured::new(shortest / first, steps).stopped(Some(stop));
+            }
+        }
+        if steps > 200_000 {
+            break;
+        }
+    }
+    Measured::new(shortest / first, steps)
+}
+
+/// T22.
+pub fn too_late() -> Scene {
+    fn alone(_: Size) -> Result<Measured, String> {
+        let mut fem = bar()?;
+        planes().into_iter().try_for_each(|plane| fem.bound(plane)).map_err(text)?;
+        Ok(shortest(&mut fem))
+    }
+    fn converted(conversion: fn() -> Conversion<2>) -> impl Fn(Size) -> Result<Measured, String> {
+        move |_| {
+            let (elements, _) = Elements::converting(bar()?, "foot", conversion()).map_err(text)?;
+            let lattice = Lattice::new([0.0; 2], BAR[0] / ACROSS as f64).map_err(text)?;
+            let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
+            mpm.add_client(elements).map_err(text)?;
+            planes().into_iter().try_for_each(|plane| mpm.bound(plane)).map_err(text)?;
+            Ok(shortest(&mut mpm))
+        }
+    }
+    fn late() -> Conversion<2> {
+        Conversion::adaptive().when_distorted(0.01, 0.01).when_step_falls_to(0.02)
+    }
+    Scene {
+        id: "T22",
+        name: "elements become particles too late",
+        fails: "Half a copper bar, 10 by 35 mm in plane strain, runs at 400 m/s into a wall. Elements of the foot become flat: their stable \
+                step falls without end, or they turn inside out and the run stops.",
+        metric: "shortest step over the first",
+        limit: Limit::AtLeast(0.3),
+        rows: Vec::new(),
+    }
+    .fails("elements", "list T22, of plain elements", alone)
+    .fails("particles at a Jacobian of 0.01 and a fiftieth of the step", "list T22, too late", converted(late))
+    .holds("Conversion::adaptive", "own", converted(Conversion::adaptive))
+}
+
+/// Two elastic blocks that run into each other: the speed of the left one after it over that before.
+fn after(touching: bool) -> Result<Measured, String> {
+    const SPEED: f64 = 1.0;
+    let block = |left: f64, speed: f64| -> Result<MeshBody<2>, String> {
+        let shape = Cuboid::new([left, 0.0], [left + 16.0, 8.0]).map_err(text)?;
+        let name = if left < 0.0 { "left" } else { "right" };
+        Ok(MeshBody::new(name, box_mesh(&shape, [16, 8]).map_err(text)?, rubber(1.0, 400.0, 0.3)?)
+            .moving(move |_| [speed, 0.0]))
+    };
+    let end = 16.0;
+    let (left, right) = (block(-20.0, SPEED)?, block(4.0, -SPEED)?);
+    let speed = |solver: &dyn Solver| {
+        let own = solver.bodies().into_iter().filter(|b| b.name().starts_with("left"));
+        let (mass, momentum) = own.fold((0.0, 0.0), |sum, b| {
+            let totals = b.totals();
+            (sum.0 + totals.mass, sum.1 + totals.momentum[0])
+        });
+        momentum / mass / SPEED
+    };
+    if !touching {
+        let mut fem = Fem::new(PlaneStrain);
+        fem.add(left).map_err(text)?;
+        fem.add(right).map_err(text)?;
+        fem.run_until(end).map_err(text)?;
+        return Ok(Measured::new(speed(&fem), fem.clock().steps));
+    }
+    let lattice = Lattice::new([0.0; 2], 1.0).map_err(text)?;
+    let surfaces = SurfaceDistance::new(SeparatingPlane, 0.0).map_err(text)?.locally();
+    let contact = GridContact::new(surfaces, Pairs::new(Coulomb::new(0.3).map_err(text)?));
+    let mut mpm = Mpm::with_contact(Method::impact(PlaneStrain), BlockGrid::new(lattice), contact);
+    for (body, into) in [(left, "left, particles"), (right, "right, particles")] {
+        let mut fem = Fem::new(PlaneStrain);
+        fem.add(body).map_err(text)?;
+        let (elements, _) = Elements::converting(fem, into, Conversion::adaptive()).map_err(text)?;
+        mpm.add_client(elements).map_err(text)?;
+    }
+    mpm.run_until(end).map_err(text)?;
+    Ok(Measured::new(speed(&mpm), Solver::clock(&mpm).steps))
+}
+
+/// C1.
+pub fn at_a_contact() -> Scene {
+    Scene {
+        id: "C1",
+        name: "elements become particles where bodies meet",
+        fails: "Two blocks of elements of different scenes run into each other. What is not on the grid is not felt there, and they would pass \
+                through each other: elements that matter of others comes near become particles before.",
+        metric: "speed of the left block after it over that before",
+        limit: Limit::AtMost(-0.5),
+        rows: Vec::new(),
+    }
+    .fails("elements, no contact", "what happens without", |_| after(false))
+    .holds("Conversion::adaptive", "own", |_| after(true))
+}
