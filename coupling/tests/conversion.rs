@@ -374,3 +374,10 @@ fn what_cannot_be_converted_says_so() {
     let (elements, _) = Elements::converting(fem(), "particles", Conversion::adaptive()).expect("elements");
     assert!(matches!(mpm.add_client(elements), Err(SceneError::Name { .. })));
 }
+
+impactite_scene::solver_conforms! {
+    elements_that_become_particles_and_meet: || super::meeting().0, SolverTests::until(0.06).energy_within(0.08);
+    elements_that_are_particles_in_a_region:
+        || super::half_bar(super::methods()[0].1.clone(), 1.0, 0.0, 1.0, |x| [super::pulse(x[0] - 0.8), 0.0]).0,
+        SolverTests::until(0.3).energy_within(0.01);
+}

@@ -2,8 +2,8 @@
 
 use coupling::{Conversion, Elements};
 use fem::{Fem, MeshBody};
-use impactite_geometry::{Cuboid, Lattice};
 use impactite_geometry::structured::box_mesh;
+use impactite_geometry::{Cuboid, Lattice};
 use impactite_scene::Solver;
 use mpm_contact::{Coulomb, Pairs, SeparatingPlane, SurfaceDistance};
 use mpm_core::{BlockGrid, Boundary, GridContact, Method, Mpm, PlaneStrain, Side};
