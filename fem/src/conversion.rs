@@ -223,7 +223,7 @@ impl<const D: usize> ElementBody<D> {
             let block = &self.mesh.blocks[facet.block as usize];
             let nodes = &block.nodes[facet.element as usize * block.kind.nodes()..][..block.kind.nodes()];
             let is = |places: &&[usize]| places.iter().map(|&p| nodes[p]).eq(facet.nodes().iter().copied());
-            let n = block.kind.facets().iter().position(|places| is(places)).unwrap_or(0);
+            let n = block.kind.facets().iter().position(is).unwrap_or(0);
             keyed.push(((number, n as u8), *facet));
         }
         // What lay beyond their facets, and is there, is bare.

@@ -5,7 +5,7 @@
 //! moduli; a law that finds none in 40 attempts stops the run. Bars are few: this is plain text, a lane after the other.
 
 use super::batch::{Batch, GROUP, Left, OCTET, Reason, Record, Report, Row, Trouble, lane, lane_mut};
-use super::work::{Measure, Of, Pass, Scratch, Sweep};
+use super::work::{Leaving, Measure, Of, Pass, Scratch, Sweep};
 use mpm_materials::Breakdown;
 
 /// Attempts to find the strain across.
@@ -183,7 +183,7 @@ impl Sweep for Bar {
         batch: &mut Batch,
         scratch: &mut Scratch,
         slots: &mut [Record],
-        leaving: &dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>,
+        leaving: Leaving<'_>,
     ) {
         scratch.fit(batch.octets(), 1);
         scratch.deformations.fill(Default::default());

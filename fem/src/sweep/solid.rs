@@ -9,7 +9,7 @@ use super::batch::{Batch, Left, OCTET, Reason, Record, Report, Rows, Trouble, la
 use super::give::{Give, Given};
 use super::rule::{Rule, Solid};
 use super::strain::{Check, Strain, Strained};
-use super::work::{Measure, Of, Pass, Scratch, Sweep};
+use super::work::{Leaving, Measure, Of, Pass, Scratch, Sweep};
 use crate::shape::{Gradient, Shape};
 
 impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
@@ -19,7 +19,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Solid<S, R, HOOP> {
         batch: &mut Batch,
         scratch: &mut Scratch,
         slots: &mut [Record],
-        leaving: &dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>,
+        leaving: Leaving<'_>,
     ) {
         let mut give = |batch: &Batch, scratch: &mut Scratch| {
             slots.fill([0.0; 4]);
@@ -103,7 +103,7 @@ impl<S: Shape, R: Rule, const HOOP: bool> Sweep for Solid<S, R, HOOP> {
         batch: &mut Batch,
         scratch: &mut Scratch,
         slots: &mut [Record],
-        leaving: &dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>,
+        leaving: Leaving<'_>,
     ) {
         let groups = batch.octets() * Self::POINTS * 2;
         scratch.fit(batch.octets(), Self::POINTS);

@@ -124,6 +124,9 @@ impl Scratch {
     }
 }
 
+/// Says which elements of a batch leave after a sweep, by place, and why.
+pub(crate) type Leaving<'a> = &'a dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>;
+
 /// Elements of one kind and technology.
 pub(crate) trait Sweep: Send + Sync {
     /// Nodes of an element.
@@ -148,7 +151,7 @@ pub(crate) trait Sweep: Send + Sync {
         batch: &mut Batch,
         scratch: &mut Scratch,
         slots: &mut [Record],
-        leaving: &dyn Fn(&Batch, &Scratch) -> Vec<(usize, Reason)>,
+        leaving: Leaving<'_>,
     );
     /// Reference volumes of the points of an element with these corners, parts of its volume that its corners weigh by, its size and
     /// half edges, m.

@@ -149,10 +149,9 @@ impl<const D: usize> Surroundings<D> {
         let blocks: [[i32; D]; 2] = [first, last].map(|at| at.map(|x| split(x).0));
         let mut at = blocks[0];
         loop {
-            if let Ok(found) = self.blocks.binary_search_by_key(&at, |b| b.0) {
-                if self.blocks[found].1 & within(&at, &first, &last) != 0 {
-                    return true;
-                }
+            let found = self.blocks.binary_search_by_key(&at, |b| b.0);
+            if found.is_ok_and(|found| self.blocks[found].1 & within(&at, &first, &last) != 0) {
+                return true;
             }
             let Some(d) = (0..D).find(|&d| at[d] < blocks[1][d]) else { return false };
             at[d] += 1;
@@ -204,7 +203,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let loads = (Loads { given, ..Loads::default() }, None);
         let (law, kernels) = (self.material.clone(), self.kernels.clone());
         let mut fresh = ParticleBody::empty(&self.name, law, kernels, self.lattice, &self.half_size(), loads);
-        fresh.wrap = self.wrap.clone();
+        fresh.wrap = self.wrap;
         fresh.fill(new, self.len());
         let spacing = self.lattice.spacing();
         let mut rate = fresh.rate(spacing);
