@@ -12,6 +12,7 @@ use mpm_contact::ContactLaw;
 use mpm_contact::mesh::MeshContact;
 use mpm_core::{ClientPoint, GridClient, Matter, NewParticles, SurfaceClient, Surroundings};
 
+use crate::bond::{Bond, BondLaw};
 use crate::cells::SweptBoxes;
 use crate::conversion::{Conversion, ConversionLog, Particles, Rules};
 use crate::element::Form;
@@ -38,6 +39,8 @@ pub struct Elements<const D: usize> {
     /// Shortest edge of the elements, and the mean one of the body with the longest, m.
     edges: [f64; 2],
     way: Way<D>,
+    /// Slip of bars within a body.
+    bond: Option<Bond<D>>,
     /// Most steps of the elements in one of the scene; how many there are in this one, and the length of each, s.
     most: u32,
     steps: u32,
@@ -128,6 +131,27 @@ impl<const D: usize> Elements<D> {
         // What matter carries along has no balance of its own; the scene watches over both.
         fem.set_watch(Watch::off());
         Self::new(fem, Way::Within(body.into()))
+    }
+
+    /// Bars [within](Self::within) a body slip along their axes by a law of bond, on a perimeter, m (in plane strain per metre of depth, without a
+    /// unit). Across their axes bond is perfect. Nodes where bars meet at an angle of more than 30 degrees, and those of three or more,
+    /// are tied: hooks and crossings.
+    ///
+    /// The bar is to be within the body: there is no slip against what is not there. What bond stores is internal energy of the bars, what it
+    /// dissipates is booked as friction ([`Exchange::friction`]).
+    ///
+    /// # Errors
+    /// Elements that are not within a body, or other than bars; a perimeter that is not positive and finite.
+    pub fn with_bond(mut self, law: impl BondLaw + 'static, perimeter: f64) -> Result<Self, SceneError> {
+        if !matches!(self.way, Way::Within(_)) {
+            return Err(SceneError::NotWith {
+                what: "bond with slip".into(),
+                method: "elements that are not within a body of particles".into(),
+                why: "bars slip against the matter around them: make them a part of it (`Elements::within`)",
+            });
+        }
+        self.bond = Some(Bond::new(&self.fem, law, perimeter)?);
+        Ok(self)
     }
 
     /// Their matter becomes particles, element by element, by the rules of a [`Conversion`]: where those are (AFEMP), or from the start in a
@@ -221,7 +245,7 @@ impl<const D: usize> Elements<D> {
             edges = [edges[0].min(lengths.min), edges[1].max(lengths.mean)];
         }
         let most = if matches!(way, Way::Surface(_)) { SUBCYCLES } else { 1 };
-        Ok(Elements { fem, name, embedding, edges, way, most, steps: 1, step: 0.0, made: 0 })
+        Ok(Elements { fem, name, embedding, edges, way, bond: None, most, steps: 1, step: 0.0, made: 0 })
     }
 
     /// At most so many steps of the elements in one of the scene, by default 8; with 1 the scene makes those of the elements where they are
@@ -354,7 +378,9 @@ impl<const D: usize> Body for Elements<D> {
         self.fem.element_bodies()[0].state_names()
     }
     fn totals(&self) -> Totals {
-        Solver::totals(&self.fem)
+        let mut totals = Solver::totals(&self.fem);
+        totals.internal += self.bond.as_ref().map_or(0.0, Bond::stored);
+        totals
     }
     fn given_by_others(&self) -> Option<Exchange> {
         // What matter carries along gets work that no impulse and velocity of its nodes tell.
@@ -381,7 +407,7 @@ impl<const D: usize> Body for Elements<D> {
                 surface.contact.bytes() + surface.swept.bytes() + surfaces
             }
         };
-        Solver::bytes(&self.fem) + surface
+        Solver::bytes(&self.fem) + surface + self.bond.as_ref().map_or(0, Bond::bytes)
     }
 }
 
@@ -389,7 +415,10 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
     fn constants(&self, _: [f64; 2]) -> Vec<Constant> {
         let way = match &self.way {
             Way::Grid => "on the grid".to_string(),
-            Way::Within(body) => format!("within {body}"),
+            Way::Within(body) => match &self.bond {
+                Some(bond) => format!("within {body}, bond {}", bond.constants()),
+                None => format!("within {body}"),
+            },
             Way::Converting(converting) => {
                 format!("converted into {}: {}", converting.body, converting.rules.what.constants())
             }
@@ -428,7 +457,8 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         }
     }
     fn stable_step(&self) -> f64 {
-        f64::from(self.most) * self.fem.next_time_step()
+        let step = f64::from(self.most) * self.fem.next_time_step();
+        self.bond.as_ref().map_or(step, |bond| bond.stable_step(&self.fem, step))
     }
     fn open(&mut self, dt: f64, velocities: &mut [[f64; 3]], team: &Team) -> Result<(), Stopped> {
         self.fem.set_team(team.clone());
@@ -437,6 +467,12 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         (self.step, self.made) = (dt / f64::from(self.steps), 0);
         if let Way::Converting(converting) = &mut self.way {
             converting.tied.remember(self.fem.body(0));
+        }
+        if let Some(bond) = &mut self.bond {
+            bond.remember(&self.fem);
+            self.fem.begin(self.step).map_err(what)?;
+            bond.slip(&self.fem, dt, velocities);
+            return Ok(());
         }
         self.begin()?;
         match &mut self.way {
@@ -452,6 +488,9 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         Ok(())
     }
     fn advance(&mut self, _: f64, changes: Option<&mut Vec<[f64; 3]>>, _: &Team) -> Result<(), Stopped> {
+        if let Some(bond) = &mut self.bond {
+            bond.end(changes.as_deref());
+        }
         if let Way::Converting(converting) = &self.way {
             let none = Vec::new();
             converting.tied.push(self.fem.body_mut(0), changes.map_or(&none, |changes| changes));
@@ -487,10 +526,11 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         let mut before = 0;
         for number in 0..self.fem.element_bodies().len() {
             let body = self.fem.body_mut(number);
-            let own = &velocities[before..][..body.nodes().len()];
+            let (first, own) = (before, &velocities[before..][..body.nodes().len()]);
             before += own.len();
             for (n, v) in own.iter().enumerate() {
-                body.carry(n, std::array::from_fn(|d| v[d]));
+                let slips = self.bond.as_ref().map_or([0.0; D], |bond| bond.relative(first + n));
+                body.carry(n, std::array::from_fn(|d| v[d] + slips[d]));
             }
         }
     }
@@ -548,10 +588,14 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
                 given.impacts -= pushed.work;
             }
         }
+        given.friction += self.bond.as_ref().map_or(0.0, Bond::dissipated);
         given
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         Solver::archive(&mut self.fem, file)?;
+        if let Some(bond) = &mut self.bond {
+            bond.archive(file)?;
+        }
         match &mut self.way {
             Way::Grid | Way::Within(_) => Ok(()),
             Way::Converting(converting) => converting.archive(self.fem.body(0), file),

@@ -44,6 +44,7 @@
 //! # }
 //! ```
 
+mod bond;
 mod cells;
 mod conversion;
 mod element;
@@ -52,5 +53,6 @@ mod particles;
 mod surface;
 mod tied;
 
+pub use bond::{BondLaw, BondState, LinearBond, ModelCodeBond};
 pub use conversion::{Conversion, ConversionBook, ConversionLog, Particles, Share};
 pub use elements::Elements;
