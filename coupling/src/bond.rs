@@ -12,6 +12,10 @@ const STRAIGHT: f64 = 0.866_025_403_784_438_6;
 /// Of the limit of central differences, which holds where matter is heavy, what is taken: matter may be a third as heavy as the bar.
 const SAFETY: f64 = 0.5;
 
+/// Part of the last change of stress that acts in advance. Matter answers to a bond that is elastic a step late, which would feed its
+/// vibrations; this damps them. Where the bond slides its stress does not change.
+const AHEAD: f64 = 0.25;
+
 /// What the bond at a node remembers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BondState {
@@ -205,12 +209,12 @@ struct BondNode<const D: usize> {
     slip: f64,
     rate: f64,
     state: BondState,
-    /// Pa.
-    stress: f64,
+    /// Now, and a step before, Pa.
+    stress: [f64; 2],
     /// Velocity against matter, m/s.
     relative: [f64; D],
-    /// What the velocity that it shares with matter changed by in the last step, m/s.
-    change: [f64; D],
+    /// Accelerations of the velocity that it shares with matter in the last two steps, the last one first, m/s^2.
+    accelerations: [[f64; D]; 2],
     /// That velocity before the step, and as the step was tried, m/s.
     shared: [[f64; D]; 2],
 }
@@ -218,7 +222,7 @@ struct BondNode<const D: usize> {
 /// Bars that slip along their axes.
 ///
 /// The velocity of a node is v = v_c + r t: what it shares with matter, and the rate r of its slip along its tangent t. Along this its own
-/// force f and the bond move it, m (a . t + dr/dt) = f . t - tau A, with the acceleration a that it had with matter in the last step. The grid sees
+/// force f and the bond move it, m (a . t + dr/dt) = f . t - tau A, with the acceleration a that those with matter in the last two steps lead to. The grid sees
 /// v_c and the force f - m d(r t)/dt, so that momentum is kept whatever a was: what a is wrong by in a step comes back in the next one.
 #[derive(Debug)]
 pub(crate) struct Bond<const D: usize> {
@@ -284,9 +288,9 @@ impl<const D: usize> Bond<D> {
                     slip: 0.0,
                     rate: 0.0,
                     state: BondState::default(),
-                    stress: 0.0,
+                    stress: [0.0; 2],
                     relative: [0.0; D],
-                    change: [0.0; D],
+                    accelerations: [[0.0; D]; 2],
                     shared: [[0.0; D]; 2],
                 });
             }
@@ -334,7 +338,8 @@ impl<const D: usize> Bond<D> {
     /// Then: slip in a step of `dt` seconds, and the velocities that the grid sees, m/s.
     pub fn slip(&mut self, fem: &Fem<D>, dt: f64, velocities: &mut [[f64; 3]]) {
         // Velocities belong to the middle of steps.
-        let (kick, scale) = (0.5 * (self.last + dt), if self.last > 0.0 { dt / self.last } else { 0.0 });
+        let kick = 0.5 * (self.last + dt);
+        let mut damped = 0.0;
         for ((bond, nodes, n), out) in Self::with_bodies(&mut self.nodes, fem).zip(velocities) {
             let node = &nodes[n];
             if bond.surface > 0.0 && node.mass > 0.0 {
@@ -343,14 +348,19 @@ impl<const D: usize> Bond<D> {
                 let tangent = direction(&[0.0; D], &std::array::from_fn(|d| a[d] + b[d]));
                 let started: [f64; D] = std::array::from_fn(|d| bond.shared[0][d] + bond.relative[d]);
                 let own = dot(&difference(&node.velocity, &started), &tangent);
+                let [last, before] = &bond.accelerations;
+                let matter: [f64; D] = std::array::from_fn(|d| 2.0 * last[d] - before[d]);
+                let ahead = AHEAD * (bond.stress[0] - bond.stress[1]);
+                let (impulse, rate) = (kick * bond.surface, bond.rate);
                 bond.rate +=
-                    own - kick * bond.stress * bond.surface / node.mass - scale * dot(&bond.change, &tangent);
+                    own - impulse * (bond.stress[0] + ahead) / node.mass - dt * dot(&matter, &tangent);
+                damped += impulse * ahead * 0.5 * (rate + bond.rate);
                 bond.relative = tangent.map(|t| bond.rate * t);
             }
             bond.shared[1] = difference(&node.velocity, &bond.relative);
             out[..D].copy_from_slice(&bond.shared[1]);
         }
-        self.last = dt;
+        (self.last, self.dissipated) = (dt, self.dissipated + damped);
     }
 
     /// The velocity of a node against matter in this step, m/s.
@@ -364,21 +374,24 @@ impl<const D: usize> Bond<D> {
         let stored = |stress: f64| 0.5 * stress * stress / stiffness;
         for (n, bond) in self.nodes.iter_mut().enumerate() {
             let change = changes.map_or([0.0; 3], |changes| changes[n]);
-            bond.change = std::array::from_fn(|d| bond.shared[1][d] + change[d] - bond.shared[0][d]);
+            bond.accelerations[1] = bond.accelerations[0];
+            bond.accelerations[0] =
+                std::array::from_fn(|d| (bond.shared[1][d] + change[d] - bond.shared[0][d]) / self.last);
             if bond.surface == 0.0 {
                 continue;
             }
-            let (way, before) = (self.last * bond.rate, bond.stress);
+            let (way, before) = (self.last * bond.rate, bond.stress[0]);
             bond.slip += way;
-            bond.stress = self.law.stress(bond.slip, &mut bond.state);
-            let work = 0.5 * (before + bond.stress) * way;
-            self.dissipated += bond.surface * (work - stored(bond.stress) + stored(before));
+            let now = self.law.stress(bond.slip, &mut bond.state);
+            bond.stress = [now, before];
+            let work = 0.5 * (before + now) * way;
+            self.dissipated += bond.surface * (work - stored(now) + stored(before));
         }
     }
 
     /// What it stores, J.
     pub fn stored(&self) -> f64 {
-        let sum: f64 = self.nodes.iter().map(|bond| bond.surface * bond.stress * bond.stress).sum();
+        let sum: f64 = self.nodes.iter().map(|bond| bond.surface * bond.stress[0] * bond.stress[0]).sum();
         0.5 * sum / self.law.stiffness()
     }
 
@@ -394,9 +407,10 @@ impl<const D: usize> Bond<D> {
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.reals([&mut self.last, &mut self.dissipated])?;
         for bond in &mut self.nodes {
-            let BondNode { slip, rate, state, stress, relative, change, .. } = bond;
-            let numbers = [slip, rate, stress, &mut state.plastic, &mut state.reached];
-            file.reals(numbers.into_iter().chain(relative).chain(change))?;
+            let BondNode { slip, rate, state, stress, relative, accelerations, .. } = bond;
+            let numbers = [slip, rate, &mut state.plastic, &mut state.reached];
+            let vectors = accelerations.iter_mut().flatten().chain(relative);
+            file.reals(numbers.into_iter().chain(stress).chain(vectors))?;
             file.flag(&mut state.slid)?;
         }
         Ok(())

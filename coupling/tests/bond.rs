@@ -87,9 +87,8 @@ fn a_bar_in_strained_matter_takes_the_stress_of_shear_lag() {
     }
 }
 
-/// Concrete with a fiftieth of steel that sways in its first mode: the speed of its long waves over that of both together (`within.rs`).
-#[test]
-fn stiff_bond_is_perfect_bond() {
+/// Concrete with a fiftieth of steel that sways in its first mode.
+fn swaying(bond: LinearBond) -> Mpm<2> {
     const HEIGHT: f64 = 0.1;
     let lattice = Lattice::new([0.0; 2], 0.025).expect("lattice");
     let mode = |x: [f64; 2]| [1e-2 * (PI * x[0]).cos(), 0.0];
@@ -104,9 +103,15 @@ fn stiff_bond_is_perfect_bond() {
     let mut fem = Fem::new(PlaneStrain);
     fem.add(MeshBody::new("bars", mesh, elastic(7850.0, 200e9)).section(0.005 * HEIGHT).moving(mode))
         .expect("bars");
-    let bond = LinearBond::new(1e13).expect("bond");
     mpm.add_client(Elements::within(fem, "concrete").expect("bars").with_bond(bond, 1.0).expect("bond"))
         .expect("client");
+    mpm
+}
+
+/// The speed of its long waves over that of both together (`within.rs`).
+#[test]
+fn stiff_bond_is_perfect_bond() {
+    let mut mpm = swaying(LinearBond::new(1e13).expect("bond"));
     let start = mpm.totals();
     let amplitude = |mpm: &Mpm<2>| {
         let mut sum = 0.0;
@@ -175,24 +180,23 @@ fn without_bond_a_bar_slides_and_is_carried_across() {
     assert!((mean(&free, 1)[1] - 0.5).abs() < 0.02, "{:?}", mean(&free, 1));
 }
 
+/// Steel and concrete sway against each other where bond is weak: a bar needs rho a dv/dt = 470 Pa to sway with the concrete, without its own stiffness.
 #[test]
-fn momentum_and_energy_are_kept_where_a_bar_slides_with_friction() {
-    let bond = LinearBond::new(1e11).and_then(|bond| bond.with_strength(5e4, 2e4)).expect("bond");
-    let mut mpm = flying(Some(bond), straight());
+fn momentum_and_energy_are_kept_where_bars_slide_with_friction() {
+    let bond = LinearBond::new(1e11).and_then(|bond| bond.with_strength(150.0, 100.0)).expect("bond");
+    let mut mpm = swaying(bond);
     let start = mpm.totals();
-    mpm.run_until(5e-3).expect("run");
+    mpm.run_until(1e-3).expect("run");
     let account = mpm.account();
-    let part = account.friction / start.kinetic;
+    let (part, error) = (account.friction / start.kinetic, account.energy_error());
     println!(
-        "friction {part:.4} of the energy, error {:+.2e}, momentum missing {:.1e}; bar {:?}",
-        account.energy_error(),
-        account.missing() / account.momentum_scale,
-        mean(&mpm, 1)
+        "friction {part:.4} of the energy, error {error:+.2e}, momentum missing {:.1e}",
+        account.missing() / account.momentum_scale
     );
-    // Friction of 2e4 Pa on 0.25 m takes 5e3 N / 1.96 kg = 2.5 m/s in a millisecond from the bar.
-    assert!(part > 0.005, "friction {part}");
+    assert!(part > 0.01, "friction {part}");
     assert!(account.missing() < 1e-12 * account.momentum_scale, "momentum {}", account.missing());
-    assert!(account.energy_error().abs() < 5e-3, "energy {:+e}", account.energy_error());
+    // With stiff bond 6e-5.
+    assert!(error.abs() < 5e-4, "energy {error:+e}");
 }
 
 #[test]
