@@ -305,7 +305,7 @@ fn blocks_become_particles_before_they_meet_and_part_again() {
     }
     // Elastic blocks of equal mass: each flies back.
     let speed = |names: [&str; 2]| {
-        let own = mpm.bodies().into_iter().filter(|b| names.contains(&b.name()));
+        let own = mpm.bodies().iter().filter(|b| names.contains(&b.name()));
         let sum = own.map(|b| b.totals()).fold(mpm_core::Totals::default(), |a, b| a.plus(&b));
         sum.momentum[0] / sum.mass
     };

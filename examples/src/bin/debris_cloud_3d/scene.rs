@@ -164,7 +164,7 @@ pub fn shoot(setup: &Setup, files: Option<&Path>, restart: &Restart) -> Result<O
     let mut bar = Progress::new(setup.name());
     let mut frames = None;
     if let Some(folder) = files {
-        frames = Some(VtkSeries::create(folder.join("paraview"), &setup.file(), Pace::interval(end / 8.0)?)?);
+        frames = Some(VtkSeries::create(folder.join("paraview"), setup.file(), Pace::interval(end / 8.0)?)?);
     }
     let mut observers: Vec<&mut dyn Observer> = vec![&mut track, &mut ledger, &mut bar];
     observers.extend(frames.as_mut().map(|f| f as &mut dyn Observer));
