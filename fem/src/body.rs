@@ -10,9 +10,9 @@ use impactite_scene::{Exchange, SceneError};
 use mpm_materials::IntoMaterial;
 use mpm_materials::material::Material;
 
-use crate::conversion::Converting;
 use crate::erosion::{Erosion, Resolved};
 use crate::law::Probe;
+use crate::leaving::Converting;
 use crate::pace::Pace;
 use crate::push::Push;
 use crate::set::{Making, Set};

@@ -116,6 +116,7 @@ mod contact;
 mod conversion;
 mod erosion;
 mod law;
+mod leaving;
 mod motion;
 mod pace;
 mod push;
@@ -131,7 +132,7 @@ mod view;
 
 pub use body::{ElementBody, Eroded, MeshBody, Node};
 pub use contact::ContactSurface;
-pub use conversion::ConvertedElement;
 pub use erosion::{Criterion, Erosion};
+pub use leaving::ConvertedElement;
 pub use solver::{Fem, Trial};
 pub use technology::{Hourglass, Technology};

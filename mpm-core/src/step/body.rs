@@ -8,7 +8,7 @@ use super::layout::Claim;
 use super::layout::NodeSums;
 use super::layout::{Layout, Nodes};
 use super::load::Loading;
-use super::particle_body::ParticleBody;
+use super::new_particles::NewParticles;
 use super::rigid::RigidState;
 use crate::grid::Node;
 use crate::parallel::{Float, Team};
@@ -89,6 +89,21 @@ pub trait Presence<T: Float, const D: usize>: Send + Sync {
     fn each_block(&self, visit: &mut dyn FnMut(&[i32; D], u64));
 }
 
+/// Takes particles in between steps.
+pub trait Receives<T: Float, const D: usize> {
+    /// Take these in. Where the others have mapped what a step begins with, `map` says for which steps, and these map it too. Returns the
+    /// largest (c + |v|) / h of them, 1/s.
+    ///
+    /// # Errors
+    /// A particle that cannot go on.
+    fn receive(
+        &mut self,
+        new: &NewParticles<T, D>,
+        map: Option<Steps<T>>,
+        team: &Team,
+    ) -> Result<T, BodyTrouble>;
+}
+
 /// A body whose particles act through a grid.
 pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
     /// What it is made of, in words; functions of time by what they give at these, s.
@@ -122,7 +137,7 @@ pub trait GridBody<T: Float, const D: usize>: Body + Send + Sync {
     }
 
     /// Itself, if particles may come into it between steps.
-    fn receiver(&mut self) -> Option<&mut ParticleBody<T, D>> {
+    fn receiver(&mut self) -> Option<&mut dyn Receives<T, D>> {
         None
     }
 

@@ -5,11 +5,11 @@ use impactite_scene::boundary::Boundary;
 use impactite_scene::error::{SceneError, Stopped};
 
 use super::client::{ClientPoint, SurfaceClient};
-use super::conversion::{NewParticles, Surroundings};
 use super::footprint::NodeWeight;
 use super::layout::Nodes;
 use super::merging::MergeBook;
 use super::near_particles::NearParticle;
+use super::new_particles::{NewParticles, Surroundings};
 use super::rest::TakenMotion;
 use super::splitting::SplitBook;
 use crate::parallel::{Float, Team};

@@ -1,7 +1,7 @@
 //! Bodies of another discretisation that act through the grid of a scene: what is asked of them.
 
-use super::conversion::{Matter, NewParticles, Surroundings};
 use super::near_particles::NearParticles;
+use super::new_particles::{Matter, NewParticles, Surroundings};
 use crate::parallel::{Float, Team};
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;

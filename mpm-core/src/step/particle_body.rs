@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use mpm_materials::{Breakdown, Material};
 
-use super::body::{BodyTrouble, GridBody, Presence, Steps, Which};
+use super::body::{BodyTrouble, GridBody, Presence, Receives, Steps, Which};
 use super::capability::{Deactivation, Division, FreeVelocities, MeetsSurfaces};
 use super::client::ClientPoint;
 use super::deactivated::Deactivated;
@@ -650,7 +650,7 @@ impl<T: Float, const D: usize> GridBody<T, D> for ParticleBody<T, D> {
     fn presence_mut(&mut self) -> &mut dyn Presence<T, D> {
         self
     }
-    fn receiver(&mut self) -> Option<&mut ParticleBody<T, D>> {
+    fn receiver(&mut self) -> Option<&mut dyn Receives<T, D>> {
         Some(self)
     }
     fn meets_surfaces(&self) -> Option<&dyn MeetsSurfaces<D>> {
