@@ -13,7 +13,7 @@ pub struct ConvertedElement<const D: usize> {
     pub number: usize,
     /// Its kind.
     pub kind: ElementKind,
-    /// The number of the criterion that it met, or was marked with ([`ElementBody::mark`]).
+    /// The number of the criterion that it met, or was marked with ([`ElementBody::mark`](crate::ElementBody::mark)).
     pub criterion: usize,
     /// Its nodes.
     pub nodes: Vec<u32>,
