@@ -1,48 +1,10 @@
-//! Shape functions of elements, and what their shapes have come to.
+//! What the shapes of elements have come to, and how they are divided.
 
 use impactite_geometry::ElementKind;
+use nalgebra::Matrix3;
 
 /// Most nodes of an element.
 pub(crate) const NODES: usize = 8;
-
-/// Signs of the places of the corners of quadrilaterals and bricks.
-const SIGNS: [[f64; 3]; NODES] = [
-    [-1.0, -1.0, -1.0],
-    [1.0, -1.0, -1.0],
-    [1.0, 1.0, -1.0],
-    [-1.0, 1.0, -1.0],
-    [-1.0, -1.0, 1.0],
-    [1.0, -1.0, 1.0],
-    [1.0, 1.0, 1.0],
-    [-1.0, 1.0, 1.0],
-];
-
-fn is_simplex(kind: ElementKind) -> bool {
-    matches!(kind, ElementKind::Triangle3 | ElementKind::Tetra4)
-}
-
-/// Shape functions of the nodes, and their derivatives along xi, at a place: of simplices xi are the shares of all nodes but the first.
-pub(crate) fn shape(kind: ElementKind, xi: &[f64; 3]) -> ([f64; NODES], [[f64; 3]; NODES]) {
-    let (mut values, mut slopes) = ([0.0; NODES], [[0.0; 3]; NODES]);
-    let dim = kind.dimensions();
-    if is_simplex(kind) {
-        values[0] = 1.0 - xi[..dim].iter().sum::<f64>();
-        for d in 0..dim {
-            values[d + 1] = xi[d];
-            (slopes[0][d], slopes[d + 1][d]) = (-1.0, 1.0);
-        }
-        return (values, slopes);
-    }
-    for (n, signs) in SIGNS[..kind.nodes()].iter().enumerate() {
-        let of = |d: usize| 0.5 * (1.0 + signs[d] * xi[d]);
-        values[n] = (0..dim).map(of).product();
-        for d in 0..dim {
-            let others: f64 = (0..dim).filter(|&other| other != d).map(of).product();
-            slopes[n][d] = 0.5 * signs[d] * others;
-        }
-    }
-    (values, slopes)
-}
 
 /// Columns dx/dxi of the Jacobian.
 pub(crate) fn columns<const D: usize>(slopes: &[[f64; 3]], at: impl Fn(usize) -> [f64; D]) -> [[f64; D]; 3] {
@@ -56,15 +18,18 @@ pub(crate) fn columns<const D: usize>(slopes: &[[f64; 3]], at: impl Fn(usize) ->
     columns
 }
 
-/// Determinant of a Jacobian by its columns.
-pub(crate) fn determinant<const D: usize>(c: &[[f64; D]; 3]) -> f64 {
-    match D {
-        2 => c[0][0] * c[1][1] - c[0][1] * c[1][0],
-        _ => {
-            let minor = |i: usize, j: usize| c[1][i] * c[2][j] - c[1][j] * c[2][i];
-            c[0][0] * minor(1, 2) - c[0][1] * minor(0, 2) + c[0][2] * minor(0, 1)
-        }
+/// The Jacobian as a matrix; in the plane with one along the third axis.
+pub(crate) fn matrix<const D: usize>(columns: &[[f64; D]; 3]) -> Matrix3<f64> {
+    let mut matrix = Matrix3::identity();
+    for c in 0..D {
+        (0..D).for_each(|d| matrix[(d, c)] = columns[c][d]);
     }
+    matrix
+}
+
+/// Its determinant.
+pub(crate) fn determinant<const D: usize>(columns: &[[f64; D]; 3]) -> f64 {
+    matrix(columns).determinant()
 }
 
 /// What the shape of an element is like: the shortest edge over the longest, and the Jacobian at each corner (once of a simplex).
@@ -84,7 +49,7 @@ impl Form {
             let square: f64 = between(a, b).iter().map(|x| x * x).sum();
             (least, most) = (least.min(square), most.max(square));
         }
-        let corners = if is_simplex(kind) { 1 } else { kind.nodes() };
+        let corners = if kind.is_simplex() { 1 } else { kind.nodes() };
         let mut jacobians = [0.0; NODES];
         for (c, jacobian) in jacobians[..corners].iter_mut().enumerate() {
             *jacobian = determinant(&beside(kind, c).map(|n| between(c, n)));
@@ -122,7 +87,7 @@ pub(crate) fn gathered<const D: usize>(nodes: &[u32], at: impl Fn(u32) -> [f64; 
 /// along each axis; simplices are halved as often as the largest of these asks.
 pub(crate) fn divided(kind: ElementKind, counts: [u32; 3]) -> Vec<([f64; 3], f64, [f64; 3])> {
     let dim = kind.dimensions();
-    if is_simplex(kind) {
+    if kind.is_simplex() {
         let most = counts[..dim].iter().copied().max().unwrap_or(1);
         let levels = most.next_power_of_two().ilog2();
         let corners: Vec<[f64; 3]> =
@@ -179,7 +144,7 @@ fn halved(corners: &[[f64; 3]]) -> Vec<Vec<[f64; 3]>> {
 /// The place of a point of integration of so many.
 pub(crate) fn integration_point(kind: ElementKind, point: usize, points: usize) -> [f64; 3] {
     let dim = kind.dimensions();
-    if is_simplex(kind) {
+    if kind.is_simplex() {
         return [1.0 / (dim as f64 + 1.0); 3];
     }
     if points == 1 {

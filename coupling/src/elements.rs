@@ -296,7 +296,7 @@ impl<const D: usize> Converting<D> {
         }
         self.spacing = around.spacing();
         let (particles, hoop) = (self.rules.particles(), fem.axisymmetric());
-        let law = fem.body(0).law_of_all();
+        let law = fem.body(0).shared_material();
         let energy = |state: &[f64]| law.energy_of(state).unwrap_or_default();
         let mut total = 0.0;
         for element in &left {
@@ -536,7 +536,7 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
     }
     fn matter(&self) -> Option<Matter<f64, D>> {
         let Way::Converting(converting) = &self.way else { return None };
-        let law = self.fem.body(0).law_of_all();
+        let law = self.fem.body(0).shared_material();
         Some(Matter { law, half_size: [converting.half_size; D], lightest: converting.lightest })
     }
     fn velocities(&self, velocities: &mut [[f64; 3]]) {

@@ -6,7 +6,7 @@ use mpm_core::{NewParticle, NewParticles};
 use nalgebra::Matrix3;
 
 use crate::conversion::Particles;
-use crate::element::{columns, determinant, divided, integration_point, shape};
+use crate::element::{columns, determinant, divided, integration_point, matrix};
 
 /// Most particles along an axis of an element.
 const MOST: u32 = 8;
@@ -25,7 +25,6 @@ pub(crate) struct Became {
 
 /// How an element is divided on a grid of cells of `spacing`, m.
 fn counts<const D: usize>(element: &ConvertedElement<D>, particles: Particles, spacing: f64) -> [u32; 3] {
-    let dim = element.kind.dimensions();
     let each = match particles {
         Particles::Each(count) => return [count; 3],
         Particles::Points => return if element.volumes.len() > 1 { [2; 3] } else { [1; 3] },
@@ -34,10 +33,10 @@ fn counts<const D: usize>(element: &ConvertedElement<D>, particles: Particles, s
         }
     };
     let length = |c: &[f64; D]| c.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let simplex = matches!(element.kind, ElementKind::Triangle3 | ElementKind::Tetra4);
+    let simplex = element.kind.is_simplex();
     // The length of an axis of a quadrilateral or brick is twice that of its column.
     let scale = if simplex { 1.0 } else { 2.0 };
-    let (_, slopes) = shape(element.kind, &[if simplex { 1.0 / (dim as f64 + 1.0) } else { 0.0 }; 3]);
+    let slopes = element.kind.shape_gradients([0.0; 3]);
     let slopes = &slopes[..element.nodes.len()];
     let now = columns(slopes, |n| element.positions[n]);
     let rest = columns(slopes, |n| element.rest[n]);
@@ -72,7 +71,7 @@ pub(crate) fn particles_of<const D: usize>(
     let made: Vec<_> = places
         .iter()
         .map(|(xi, part, half)| {
-            let (values, slopes) = shape(kind, xi);
+            let (values, slopes) = (kind.shape_functions(*xi), kind.shape_gradients(*xi));
             let slopes = &slopes[..nodes];
             let of = |list: &[[f64; D]]| -> [f64; D] {
                 std::array::from_fn(|d| list.iter().zip(&values).map(|(x, n)| x[d] * n).sum())
@@ -137,22 +136,15 @@ fn nearest(kind: ElementKind, xi: &[f64; 3], points: usize) -> usize {
 
 /// dv/dx from columns dx/dxi and dv/dxi; none of an element that is flat.
 fn gradient<const D: usize>(now: &[[f64; D]; 3], speeds: &[[f64; D]; 3]) -> [[f64; D]; D] {
-    let mut matrices = [Matrix3::identity(), Matrix3::zeros()];
-    for c in 0..D {
-        for d in 0..D {
-            matrices[0][(d, c)] = now[c][d];
-            matrices[1][(d, c)] = speeds[c][d];
-        }
-    }
-    let inverse = matrices[0].try_inverse().unwrap_or_else(Matrix3::zeros);
-    let gradient = matrices[1] * inverse;
+    let inverse = matrix(now).try_inverse().unwrap_or_else(Matrix3::zeros);
+    let gradient = matrix(speeds) * inverse;
     std::array::from_fn(|c| std::array::from_fn(|d| gradient[(c, d)]))
 }
 
 /// Half edges of the part of an element, m: of simplices those of a cube of its volume.
 fn half_edges<const D: usize>(kind: ElementKind, now: &[[f64; D]; 3], half: &[f64; 3]) -> [[f64; 3]; 3] {
     let mut edges = [[0.0; 3]; 3];
-    if matches!(kind, ElementKind::Triangle3 | ElementKind::Tetra4) {
+    if kind.is_simplex() {
         // The element has half, or a sixth, of the volume of its columns.
         let whole = determinant(now).abs() / if D == 2 { 2.0 } else { 6.0 };
         let edge = half[0] * whole.powf(1.0 / D as f64);

@@ -2,31 +2,19 @@
 
 #![allow(missing_docs)]
 
+mod common;
+
 use std::f64::consts::PI;
 
+use common::{boxed, elastic, seeds};
 use coupling::{BondLaw, BondState, Elements, LinearBond, ModelCodeBond};
 use fem::{Fem, MeshBody};
-use impactite_geometry::{
-    Cuboid, ElementBlock, ElementKind, ElementMesh, Filling, Lattice, Seeds, fill, structured::box_mesh,
-};
+use impactite_geometry::{ElementBlock, ElementKind, ElementMesh, Lattice, structured::box_mesh};
 use impactite_simd::Team;
 use mpm_core::{
     Aflip, BlockGrid, Boundary, Flip, Linear, Method, Mpm, Musl, PlaneStrain, QuadraticBSpline, SceneError,
     Side, Usl,
 };
-use mpm_materials::{LinearElastic, Moduli};
-
-fn elastic(density: f64, young: f64) -> LinearElastic<f64> {
-    LinearElastic::new(density, Moduli::young_poisson(young, 0.0).expect("moduli")).expect("law")
-}
-
-fn boxed(low: [f64; 2], high: [f64; 2]) -> Cuboid<2> {
-    Cuboid::new(low, high).expect("cuboid")
-}
-
-fn seeds(low: [f64; 2], high: [f64; 2], lattice: &Lattice<2>) -> Seeds<2> {
-    fill(&boxed(low, high), lattice, 2, &Filling::new()).expect("seeds")
-}
 
 /// A bar along a line of points, `parts` elements between two of them.
 fn bar(mesh: &mut ElementMesh<2>, points: &[[f64; 2]], parts: usize) {
@@ -62,12 +50,12 @@ fn a_bar_in_strained_matter_takes_the_stress_of_shear_lag() {
         let pulled = move |x: [f64; 2]| [rate * (x[0] - 0.5), 0.0];
         let method = Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain);
         let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
-        let block = seeds([0.2, 0.2], [0.8, 0.3], &lattice);
-        mpm.add("matter", elastic(1e7, 1e6), &block, pulled).expect("matter");
+        let block = seeds(&boxed([0.2, 0.2], [0.8, 0.3]), &lattice);
+        mpm.add("matter", elastic(1e7, 1e6, 0.0), &block, pulled).expect("matter");
         let mut mesh = empty();
         bar(&mut mesh, &[[0.5 - HALF, 0.25], [0.5 + HALF, 0.25]], elements);
         let mut fem = Fem::new(PlaneStrain);
-        fem.add(MeshBody::new("bar", mesh, elastic(7850.0, YOUNG)).section(SECTION).moving(pulled))
+        fem.add(MeshBody::new("bar", mesh, elastic(7850.0, YOUNG, 0.0)).section(SECTION).moving(pulled))
             .expect("bar");
         let bond = LinearBond::new(kappa * kappa * YOUNG * SECTION).expect("bond");
         let within = Elements::within(fem, "matter").expect("within").with_bond(bond, 1.0).expect("bond");
@@ -93,15 +81,20 @@ fn swaying(bond: LinearBond) -> Mpm<2> {
     let lattice = Lattice::new([0.0; 2], 0.025).expect("lattice");
     let mode = |x: [f64; 2]| [1e-2 * (PI * x[0]).cos(), 0.0];
     let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
-    mpm.add("concrete", elastic(2440.0, 34e9), &seeds([0.0, 0.0], [1.0, HEIGHT], &lattice), mode)
-        .expect("concrete");
+    mpm.add(
+        "concrete",
+        elastic(2440.0, 34e9, 0.0),
+        &seeds(&boxed([0.0, 0.0], [1.0, HEIGHT]), &lattice),
+        mode,
+    )
+    .expect("concrete");
     let mut mesh = empty();
     for n in 0..4 {
         let y = HEIGHT * (f64::from(n) + 0.5) / 4.0;
         bar(&mut mesh, &[[0.0, y], [1.0, y]], 40);
     }
     let mut fem = Fem::new(PlaneStrain);
-    fem.add(MeshBody::new("bars", mesh, elastic(7850.0, 200e9)).section(0.005 * HEIGHT).moving(mode))
+    fem.add(MeshBody::new("bars", mesh, elastic(7850.0, 200e9, 0.0)).section(0.005 * HEIGHT).moving(mode))
         .expect("bars");
     mpm.add_client(Elements::within(fem, "concrete").expect("bars").with_bond(bond, 1.0).expect("bond"))
         .expect("client");
@@ -142,9 +135,10 @@ fn flying(bond: Option<LinearBond>, mesh: ElementMesh<2>) -> Mpm<2> {
     let method = Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain);
     let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
     mpm.bound(Boundary::Wall { axis: 0, at: 0.0, side: Side::Above, velocity: 0.0 }).expect("wall");
-    mpm.add("block", elastic(1000.0, 1e8), &seeds([0.0, 0.3], [0.5, 0.5], &lattice), motion).expect("block");
+    mpm.add("block", elastic(1000.0, 1e8, 0.0), &seeds(&boxed([0.0, 0.3], [0.5, 0.5]), &lattice), motion)
+        .expect("block");
     let mut fem = Fem::new(PlaneStrain);
-    fem.add(MeshBody::new("bar", mesh, elastic(7850.0, 2e9)).section(1e-3).moving(motion)).expect("bar");
+    fem.add(MeshBody::new("bar", mesh, elastic(7850.0, 2e9, 0.0)).section(1e-3).moving(motion)).expect("bar");
     let mut within = Elements::within(fem, "block").expect("within");
     if let Some(bond) = bond {
         within = within.with_bond(bond, 1.0).expect("bond");
@@ -200,6 +194,7 @@ fn momentum_and_energy_are_kept_where_bars_slide_with_friction() {
     // As bars break loose 1.2e-2 is lost, within 2e-4 s, which is not explained; the fifth of the energy that friction takes from then on is
     // booked to a fortieth of it.
     assert!((error - first).abs() < 5e-3, "energy {first:+e}, {error:+e}");
+    assert!(first.abs() < 1.5e-2 && error.abs() < 1.5e-2, "energy {first:+e}, {error:+e}");
 }
 
 #[test]
@@ -290,7 +285,7 @@ fn what_cannot_be_says_so() {
     code(12e6, 5e6, slips, 0.4, 1e10);
     let fem = |mesh| {
         let mut fem = Fem::new(PlaneStrain);
-        fem.add(MeshBody::new("part", mesh, elastic(7850.0, 2e9))).expect("part");
+        fem.add(MeshBody::new("part", mesh, elastic(7850.0, 2e9, 0.0))).expect("part");
         fem
     };
     for perimeter in [0.0, -1.0, f64::NAN] {

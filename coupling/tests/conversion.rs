@@ -2,10 +2,13 @@
 
 #![allow(missing_docs)]
 
+mod common;
+
+use common::{boxed, elastic, seeds};
 use coupling::{Conversion, ConversionLog, Elements, Particles};
 use fem::{Fem, MeshBody};
+use impactite_geometry::Lattice;
 use impactite_geometry::structured::box_mesh;
-use impactite_geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use impactite_scene::{Body, Solver};
 use impactite_simd::Team;
 use mpm_contact::{Coulomb, Pairs, SeparatingPlane, SurfaceDistance};
@@ -13,19 +16,7 @@ use mpm_core::{
     Aflip, BlockGrid, Boundary, CpGimp, Flip, GridContact, IntoKernels, Linear, Method, Mpm, Musl,
     PlaneStrain, QuadraticBSpline, SceneError, Side, Usf, Usl,
 };
-use mpm_materials::{LinearElastic, Moduli, NeoHookean};
-
-fn elastic(density: f64, young: f64, poisson: f64) -> LinearElastic<f64> {
-    LinearElastic::new(density, Moduli::young_poisson(young, poisson).expect("moduli")).expect("law")
-}
-
-fn boxed<const D: usize>(low: [f64; D], high: [f64; D]) -> Cuboid<D> {
-    Cuboid::new(low, high).expect("cuboid")
-}
-
-fn seeds<const D: usize>(cuboid: &Cuboid<D>, lattice: &Lattice<D>) -> Seeds<D> {
-    fill(cuboid, lattice, 2, &Filling::new()).expect("seeds")
-}
+use mpm_materials::{Moduli, NeoHookean};
 
 type Kernels2 = mpm_core::Kernels<f64, 2>;
 
@@ -111,7 +102,7 @@ fn at_the_joint(method: Kernels2, element: f64, shift: f64, from_elements: bool)
 
 #[test]
 fn a_joint_of_elements_and_particles_reflects_little() {
-    let mut worst = 0.0f64;
+    let (mut worst, mut worst_aside) = (0.0f64, 0.0f64);
     for (name, method) in methods() {
         for (element, shift) in [(1.0, 0.0), (2.0, 0.0), (1.0, 0.3), (2.0, 0.3), (0.5, 0.0)] {
             for from_elements in [true, false] {
@@ -123,12 +114,14 @@ fn a_joint_of_elements_and_particles_reflects_little() {
                 );
                 // Where domains of cpGIMP reach nodes that elements do not, 2.4 % comes back: the gate is missed there.
                 let missed = name.starts_with("cpGIMP") && shift != 0.0;
-                worst = worst.max(if missed { 0.0 } else { back });
+                let most = if missed { &mut worst_aside } else { &mut worst };
+                *most = most.max(back);
                 assert!((through - 1.0).abs() < 0.02, "{through}");
             }
         }
     }
     assert!(worst < 0.02, "{worst}");
+    assert!(worst_aside < 0.025, "{worst_aside}");
 }
 
 /// No node in the region.
@@ -260,7 +253,12 @@ fn mass_and_momentum_are_kept_where_a_spinning_body_is_converted() {
             // Nodes are further from the middle of their element than particles: m w h^2 (1/2 - 1/8) of squares of side h, which is 1.6 % of
             // the 12 across (2.1 % where one point has all mass). FLIP without an affine field loses as much again in the part of a turn that
             // follows, with one particle an element 6 %.
-            assert!(turned.abs() < if name.contains("AFLIP") { 0.022 } else { 0.09 }, "{turned}");
+            let most = match particles {
+                _ if name.contains("AFLIP") => 0.022,
+                Particles::Points => 0.09,
+                _ => 0.03,
+            };
+            assert!(turned.abs() < most, "{turned}");
         }
     }
 }

@@ -2,31 +2,22 @@
 
 #![allow(missing_docs)]
 
+mod common;
+
 use std::f64::consts::PI;
 
+use common::{boxed, elastic, seeds};
 use coupling::Elements;
 use fem::{Erosion, Fem, MeshBody};
 use impactite_geometry::structured::box_mesh;
-use impactite_geometry::{Cuboid, ElementBlock, ElementKind, ElementMesh, Filling, Lattice, Seeds, fill};
+use impactite_geometry::{ElementBlock, ElementKind, ElementMesh, Lattice};
 use impactite_simd::Team;
 use mpm_contact::{Coulomb, Pairs, SeparatingPlane, SurfaceDistance};
 use mpm_core::{
     Aflip, BlockGrid, Boundary, CpGimp, Flip, FullSpace, GridContact, IntoKernels, Linear, Method, Mpm, Musl,
     PlaneStrain, QuadraticBSpline, SceneError, Side, Usf, Usl,
 };
-use mpm_materials::{J2, LinearElastic, LogarithmicBulk, Moduli, NeoHookean, Solid};
-
-fn elastic(density: f64, young: f64, poisson: f64) -> LinearElastic<f64> {
-    LinearElastic::new(density, Moduli::young_poisson(young, poisson).expect("moduli")).expect("law")
-}
-
-fn boxed<const D: usize>(low: [f64; D], high: [f64; D]) -> Cuboid<D> {
-    Cuboid::new(low, high).expect("cuboid")
-}
-
-fn seeds<const D: usize>(cuboid: &Cuboid<D>, lattice: &Lattice<D>) -> Seeds<D> {
-    fill(cuboid, lattice, 2, &Filling::new()).expect("seeds")
-}
+use mpm_materials::{J2, LogarithmicBulk, Moduli, NeoHookean, Solid};
 
 /// Bars between points, `parts` elements each.
 fn bars<const D: usize>(ends: &[[[f64; D]; 2]], parts: usize) -> ElementMesh<D> {

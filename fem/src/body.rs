@@ -380,7 +380,7 @@ impl<const D: usize> ElementBody<D> {
         &*self.material
     }
     /// The same, to be shared.
-    pub fn law_of_all(&self) -> Arc<dyn Material<f64>> {
+    pub fn shared_material(&self) -> Arc<dyn Material<f64>> {
         self.material.clone()
     }
     /// What erosion took.

@@ -82,10 +82,6 @@ impl<const D: usize> Converting<D> {
             + self.beyond.capacity() * size_of::<Option<(u32, u8)>>()
     }
 
-    pub(crate) fn marks_mut(&mut self) -> &mut Vec<u32> {
-        &mut self.marks
-    }
-
     /// After marks were read.
     pub(crate) fn see_marks(&mut self) {
         self.marked = self.marks.iter().any(|mark| *mark > 0);

@@ -125,13 +125,9 @@ impl<const D: usize> ElementBody<D> {
                 let mut list: Vec<_> = gone.into_iter().map(|e| (e, Reason::Erosion)).collect();
                 if let Some(converting) = converting {
                     let own = &numbers_of[b * BATCH..];
-                    let new = converting.leaving(&**material, points, (batch, scratch), own);
-                    let eroded = list.len();
-                    list.extend(
-                        new.into_iter()
-                            .filter(|(e, _)| list[..eroded].iter().all(|(gone, _)| gone != e))
-                            .collect::<Vec<_>>(),
-                    );
+                    let mut new = converting.leaving(&**material, points, (batch, scratch), own);
+                    new.retain(|(e, _)| list.iter().all(|(gone, _)| gone != e));
+                    list.append(&mut new);
                 }
                 list
             };

@@ -146,7 +146,7 @@ impl<const D: usize> ElementBody<D> {
         file.list(&mut self.from, &[0.0; D], |file, x| file.reals(x))?;
         file.list(&mut self.debris, &0.0, Archive::real)?;
         if let Some(converting) = &mut self.converting {
-            file.list(converting.marks_mut(), &0, |file, mark| file.index(mark, usize::MAX))?;
+            file.list(&mut converting.marks, &0, |file, mark| file.index(mark, usize::MAX))?;
             converting.see_marks();
         }
         file.word(&mut self.eroded.elements)?;

@@ -22,7 +22,8 @@ const SIGNS: [[f64; 3]; MOST_NODES] = [
 
 impl ElementKind {
     /// Is it a bar, a triangle or a tetrahedron, whose Jacobian is the same everywhere?
-    fn simplex(self) -> bool {
+    #[must_use]
+    pub fn is_simplex(self) -> bool {
         self.nodes() == self.dimensions() + 1
     }
 
@@ -30,32 +31,36 @@ impl ElementKind {
     /// Jacobian of a brick is of second degree in every coordinate, r times that of a quadrilateral too, and the rule takes the third.
     fn rule(self) -> (impl Iterator<Item = [f64; 3]>, f64) {
         let place = 3.0f64.sqrt().recip();
-        let (points, scale, weight) = match self {
-            ElementKind::Bar2 => (1, 0.0, 2.0),
-            ElementKind::Triangle3 => (1, 0.0, 0.5),
-            ElementKind::Tetra4 => (1, 0.0, 1.0 / 6.0),
-            ElementKind::Quad4 | ElementKind::Hexa8 => (self.nodes(), place, 1.0),
+        let (points, scale, middle, weight) = match self {
+            ElementKind::Bar2 => (1, 0.0, 0.0, 2.0),
+            ElementKind::Triangle3 => (1, 0.0, 1.0 / 3.0, 0.5),
+            ElementKind::Tetra4 => (1, 0.0, 0.25, 1.0 / 6.0),
+            ElementKind::Quad4 | ElementKind::Hexa8 => (self.nodes(), place, 0.0, 1.0),
         };
-        (SIGNS[..points].iter().map(move |s| s.map(|c| scale * c)), weight)
+        (SIGNS[..points].iter().map(move |s| s.map(|c| scale * c + middle)), weight)
     }
 
-    /// Values of the shape functions at `xi`; of a simplex at its centroid.
-    fn values(self, xi: [f64; 3]) -> [f64; MOST_NODES] {
+    /// Values of the shape functions of the nodes at the natural coordinates `xi`: -1 to 1 along the axes of bricks, quadrilaterals and bars; of
+    /// triangles and tetrahedra they are the shares of all nodes but the first. Of nodes that it has not, zero.
+    #[must_use]
+    pub fn shape_functions(self, xi: [f64; 3]) -> [f64; MOST_NODES] {
         let (nodes, dimensions) = (self.nodes(), self.dimensions());
         let mut values = [0.0; MOST_NODES];
         for a in 0..nodes {
-            values[a] = if self.simplex() {
-                1.0 / nodes as f64
-            } else {
-                (0..dimensions).map(|i| 0.5 * (1.0 + SIGNS[a][i] * xi[i])).product()
+            values[a] = match self {
+                ElementKind::Triangle3 | ElementKind::Tetra4 if a == 0 => {
+                    1.0 - xi[..dimensions].iter().sum::<f64>()
+                }
+                ElementKind::Triangle3 | ElementKind::Tetra4 => xi[a - 1],
+                _ => (0..dimensions).map(|i| 0.5 * (1.0 + SIGNS[a][i] * xi[i])).product(),
             };
         }
         values
     }
 
-    /// Derivatives of the shape functions by the natural coordinates at `xi`: -1 to 1 along the axes of bricks, quadrilaterals and bars,
-    /// 0 to 1 of simplices.
-    fn gradients(self, xi: [f64; 3]) -> [[f64; 3]; MOST_NODES] {
+    /// Derivatives of the [shape functions](Self::shape_functions) by the natural coordinates at `xi`.
+    #[must_use]
+    pub fn shape_gradients(self, xi: [f64; 3]) -> [[f64; 3]; MOST_NODES] {
         let (nodes, dimensions) = (self.nodes(), self.dimensions());
         let mut gradients = [[0.0; 3]; MOST_NODES];
         for a in 0..nodes {
@@ -92,9 +97,9 @@ pub(super) struct Reference {
 
 impl Reference {
     pub fn new(kind: ElementKind) -> Self {
-        let point = |xi| Point { values: kind.values(xi), gradients: kind.gradients(xi) };
+        let point = |xi| Point { values: kind.shape_functions(xi), gradients: kind.shape_gradients(xi) };
         // The Jacobian of a simplex is the same at all.
-        let corners = if kind.simplex() { 1 } else { kind.nodes() };
+        let corners = if kind.is_simplex() { 1 } else { kind.nodes() };
         let (within, weight) = kind.rule();
         Self {
             kind,

@@ -131,6 +131,7 @@ pub fn of_both(outcomes: &[Outcome]) -> Vec<Check> {
 /// Layers from which on the cloud of a plate says something, and half the edge of a plate, m, from which on it is what costs.
 const FINE: u32 = 8;
 const WIDE: f64 = 0.08;
+const NARROW: &str = "0.7 to 1.2 on plates of 60 to 80 mm: sphere and cloud are particles in both, and the rest of the plate is small";
 
 /// A plate of elements that become particles beside one of particles.
 fn of_elements(particles: &Outcome, elements: &Outcome) -> Vec<Check> {
@@ -141,14 +142,15 @@ fn of_elements(particles: &Outcome, elements: &Outcome) -> Vec<Check> {
     let cost = elements.totals.wall_seconds / particles.totals.wall_seconds;
     let fine = elements.setup.layers >= FINE;
     let thin = "a plate of three cells is mostly surface";
-    let wide = elements.setup.half_width >= WIDE;
+    let cost = Check::at_most(name("cost"), cost, "-", 0.6, beside);
+    let cost = if elements.setup.half_width < WIDE { cost.known_miss(NARROW) } else { cost };
     let mut checks = vec![
         Check::gate(name("mean speed of the cloud"), speed(&a), "m/s", speed(&b), 0.03, beside)
             .judged_if(fine, thin),
         Check::gate(name("mass of the cloud"), 1e3 * a.mass, "g", 1e3 * b.mass, 0.03, beside)
             .judged_if(fine, thin),
         Check::gate(name("front of the cloud"), 1e3 * a.front, "mm", 1e3 * b.front, 0.03, beside),
-        Check::at_most(name("cost"), cost, "-", 0.6, beside).judged_if(wide, "a small plate is mostly hole"),
+        cost.judged_if(fine, thin),
     ];
     if let Some(book) = &elements.converted {
         let share = book.energy.abs() / elements.energy;
