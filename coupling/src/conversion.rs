@@ -8,7 +8,7 @@ use impactite_scene::SceneError;
 use impactite_scene::error::parameter;
 use mpm_core::Surroundings;
 
-use crate::element::{Form, gathered};
+use crate::element::{Form, box_around, gathered};
 
 /// Cells between elements and matter of others within which they become particles, unless said otherwise: both reach nodes that are two
 /// cells away, and come closer in the step that passes until they do.
@@ -239,19 +239,13 @@ impl<const D: usize> Rules<D> {
     }
 
     fn mark_near(&self, body: &ElementBody<D>, around: &Surroundings<D>, marks: &mut Vec<(usize, usize)>) {
-        if around.is_empty() {
+        if around.others.is_empty() {
             return;
         }
         let margin = self.what.near * around.spacing();
         for facet in body.surface() {
-            let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-            for &n in facet.nodes() {
-                let x = &body.nodes()[n as usize].position;
-                for d in 0..D {
-                    (low[d], high[d]) = (low[d].min(x[d] - margin), high[d].max(x[d] + margin));
-                }
-            }
-            if around.touches(&low, &high) {
+            let (low, high) = box_around(body, facet.nodes());
+            if around.others.touches(&low.map(|x| x - margin), &high.map(|x| x + margin)) {
                 marks.push((body.element_of(facet), NEAR_OTHERS));
             }
         }

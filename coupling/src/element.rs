@@ -1,5 +1,6 @@
 //! What the shapes of elements have come to, and how they are divided.
 
+use fem::ElementBody;
 use impactite_geometry::ElementKind;
 use nalgebra::Matrix3;
 
@@ -73,6 +74,18 @@ fn beside(kind: ElementKind, c: usize) -> [usize; 3] {
         ElementKind::Triangle3 => [1, 2, 0],
         _ => [1, 2, 3],
     }
+}
+
+/// The lower and the upper corner of a box around nodes, m.
+pub(crate) fn box_around<const D: usize>(body: &ElementBody<D>, nodes: &[u32]) -> ([f64; D], [f64; D]) {
+    let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+    for &n in nodes {
+        let x = &body.nodes()[n as usize].position;
+        for d in 0..D {
+            (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d]));
+        }
+    }
+    (low, high)
 }
 
 /// The positions of the nodes of an element.

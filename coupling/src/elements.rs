@@ -15,7 +15,7 @@ use mpm_core::{ClientPoint, GridClient, Matter, NewParticles, SurfaceClient, Sur
 use crate::bond::{Bond, BondLaw};
 use crate::cells::SweptBoxes;
 use crate::conversion::{Conversion, ConversionLog, Particles, Rules};
-use crate::element::Form;
+use crate::element::{Form, box_around};
 use crate::particles::particles_of;
 use crate::tied::Tied;
 
@@ -67,7 +67,8 @@ struct Converting<const D: usize> {
     /// Least mass of a particle, kg, and half its size, m.
     lightest: f64,
     half_size: f64,
-    /// Edge of the cells of the grid that they were tied to, m.
+    /// Mean edge of the elements at rest, and of the cells of the grid that they were tied to, m.
+    edge: f64,
     spacing: f64,
 }
 
@@ -203,6 +204,7 @@ impl<const D: usize> Elements<D> {
             half_size: 0.5 * lengths.mean / most,
             rules,
             tied: Tied::default(),
+            edge: lengths.mean,
             spacing: 0.0,
         };
         let log = converting.rules.log.clone();
@@ -284,15 +286,17 @@ impl<const D: usize> Converting<D> {
         fem: &mut Fem<D>,
         around: &Surroundings<D>,
         new: &mut NewParticles<f64, D>,
-    ) -> Option<Vec<u32>> {
+    ) -> Result<Option<Vec<u32>>, Stopped> {
         let first = Solver::clock(fem).steps == 0;
         self.rules.mark(fem.body_mut(0), around);
+        let mut joined = false;
         if first {
             fem.convert_marked();
+            joined = self.tied.join(fem.body(0), around).map_err(Stopped::Scene)?;
         }
         let left = fem.body_mut(0).take_converted();
-        if left.is_empty() {
-            return None;
+        if left.is_empty() && !joined {
+            return Ok(None);
         }
         self.spacing = around.spacing();
         let (particles, hoop) = (self.rules.particles(), fem.axisymmetric());
@@ -321,19 +325,16 @@ impl<const D: usize> Converting<D> {
         }
         fem.body_mut(0).book_conversion(total);
         self.tied.add(&left);
-        Some(self.tied.find(fem.body(0), self.spacing))
+        Ok(Some(self.tied.find(fem.body(0), [self.spacing, self.edge])))
     }
 
     fn archive(&mut self, body: &fem::ElementBody<D>, file: &mut Archive) -> Result<(), CheckpointError> {
-        let (mut touched, mut bare) = self.tied.lists();
-        file.list(&mut touched, &0, |file, n| file.index(n, usize::MAX))?;
-        file.list(&mut bare, &[0; 4], |file, facet| {
-            facet.iter_mut().try_for_each(|n| {
-                let mut word = u64::from(*n);
-                file.word(&mut word)?;
-                *n = u32::try_from(word).map_err(|_| file.damaged(format!("{word} is no node")))?;
-                Ok(())
-            })
+        let mut touched = self.tied.touched();
+        file.list(&mut touched, &0, |file, n| {
+            let mut word = u64::from(*n);
+            file.word(&mut word)?;
+            *n = u32::try_from(word).map_err(|_| file.damaged(format!("{word} is no node")))?;
+            Ok(())
         })?;
         file.real(&mut self.spacing)?;
         file.word(self.rules.looks_mut())?;
@@ -353,8 +354,8 @@ impl<const D: usize> Converting<D> {
             if touched.iter().any(|n| *n >= nodes) {
                 return Err(file.damaged("a tied node is none of the mesh"));
             }
-            self.tied = Tied::of_lists(touched, bare);
-            self.tied.find(body, self.spacing);
+            self.tied = Tied::of(touched);
+            self.tied.find(body, [self.spacing, self.edge]);
         }
         Ok(())
     }
@@ -553,19 +554,16 @@ impl<const D: usize> GridClient<f64, D> for Elements<D> {
         new: &mut NewParticles<f64, D>,
     ) -> Result<Option<Vec<u32>>, Stopped> {
         let Way::Converting(converting) = &mut self.way else { return Ok(None) };
-        Ok(converting.convert(&mut self.fem, around, new))
+        converting.convert(&mut self.fem, around, new)
     }
-    fn each_surface_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
+    fn each_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
         for body in self.fem.element_bodies() {
             for facet in body.surface() {
-                let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
-                for &n in facet.nodes() {
-                    let x = &body.nodes()[n as usize].position;
-                    for d in 0..D {
-                        (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d]));
-                    }
-                }
+                let (low, high) = box_around(body, facet.nodes());
                 visit(&low, &high);
+            }
+            if body.surface().is_empty() {
+                body.nodes().iter().for_each(|node| visit(&node.position, &node.position));
             }
         }
     }

@@ -1,22 +1,37 @@
-//! Nodes of elements that are tied to particles of the same body: their points on the grid.
+//! Elements that are tied to particles of the same body: their points on the grid.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use fem::{ConvertedElement, ElementBody};
-use impactite_geometry::Facet;
+use impactite_geometry::{ElementKind, ElementMesh, Facet};
+use impactite_scene::{Body, SceneError};
+use mpm_core::Surroundings;
 
-/// Edges of facets in cells above which points between their nodes are tied, too: nodes closer to each other share nodes of the grid.
+use crate::element::{NODES, box_around};
+
+/// Edges of elements in cells above which points between nodes of the border are tied, too: nodes closer to each other share nodes of the grid.
 const WIDE: f64 = 1.5;
+/// Cells behind the border within which elements are tied. Nodes of the grid that particles at the border reach stand for what is behind it, too:
+/// with the nodes of the border alone they are light and have the strain of one side, and two standing waves later a fifth of the
+/// energy is gone.
+const DEPTH: f64 = 1.5;
+/// Most parts along an edge.
+const MOST_PARTS: f64 = 16.0;
 
-/// What tells a point from others: nodes of its facet, sorted, and its number there; of a node that alone.
-type Key = ([u32; 4], u32);
+/// What tells a point from others.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Key {
+    Node(u32),
+    /// Nodes, sorted, with their shape functions in parts of 2^16.
+    Between(Vec<(u32, u32)>),
+}
 
 /// A point on the grid as it is found, with parts of the mass, momentum and force of nodes.
 struct Point {
     key: Key,
     /// Nodes with what of each it has: all parts of a node are one.
     parts: Vec<(u32, f64)>,
-    /// Nodes with their shape functions: it lies on their facet.
+    /// Nodes with their shape functions.
     place: Vec<(u32, f64)>,
 }
 
@@ -44,8 +59,52 @@ impl Lists {
     }
 }
 
-/// The points of a body. Where facets between elements and particles are no larger than cells, they are the nodes there, and on larger ones
-/// points between them as well, about as many as there are cells: through these particles would pass otherwise.
+/// The elements at each node of a mesh.
+#[derive(Clone, Debug, Default)]
+struct Around {
+    starts: Vec<u32>,
+    elements: Vec<u32>,
+    /// The number of the first element of each block.
+    blocks: Vec<u32>,
+}
+
+impl Around {
+    fn of<const D: usize>(mesh: &ElementMesh<D>) -> Self {
+        let mut starts = vec![0u32; mesh.nodes.len() + 1];
+        let all = || mesh.blocks.iter().flat_map(|block| block.elements());
+        all().flatten().for_each(|&n| starts[n as usize + 1] += 1);
+        (1..starts.len()).for_each(|n| starts[n] += starts[n - 1]);
+        let mut next = starts.clone();
+        let mut elements = vec![0; starts.last().map_or(0, |&end| end as usize)];
+        for (number, nodes) in (0u32..).zip(all()) {
+            for &n in nodes {
+                elements[next[n as usize] as usize] = number;
+                next[n as usize] += 1;
+            }
+        }
+        let mut first = 0;
+        let blocks = mesh.blocks.iter().map(|block| {
+            first += block.len() as u32;
+            first - block.len() as u32
+        });
+        Around { blocks: blocks.collect(), starts, elements }
+    }
+
+    fn at(&self, node: u32) -> &[u32] {
+        &self.elements[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize]
+    }
+
+    /// An element by its number.
+    fn element<'a, const D: usize>(&self, mesh: &'a ElementMesh<D>, number: u32) -> (ElementKind, &'a [u32]) {
+        let block = self.blocks.partition_point(|&first| first <= number) - 1;
+        let (kind, all) = (mesh.blocks[block].kind, &mesh.blocks[block].nodes);
+        let first = (number - self.blocks[block]) as usize * kind.nodes();
+        (kind, &all[first..first + kind.nodes()])
+    }
+}
+
+/// The points of a body, of elements beside those that became particles and of those that bars run through: at their nodes and, on facets
+/// between wide elements and particles, between these as well, about as many as there are cells: through these particles would pass otherwise.
 ///
 /// A point s has the mass m_s = sum_a A_sa m_a of nodes a, and their momentum and force likewise, with sum_s A_sa = 1; what it gains in a step
 /// goes to the nodes by the same parts, dv_a = sum_s A_sa dv_s, so that sum_a m_a dv_a = sum_s m_s dv_s. That is all that a node gains: its own
@@ -59,81 +118,142 @@ pub(crate) struct Tied<const D: usize> {
     parts: Lists,
     /// By number in the body.
     places: Lists,
-    /// Facets of elements that became particles.
-    bare: BTreeSet<[u32; 4]>,
-    /// Nodes of elements that became particles.
+    /// Nodes of elements that became particles, and of those that bars run through.
     touched: BTreeSet<u32>,
+    /// Found when it is asked for.
+    around: Option<Around>,
     /// Before the step, m/s: velocities of the nodes, and of the points.
     before: [Vec<[f64; D]>; 2],
-}
-
-fn sorted(facet: &[u32]) -> [u32; 4] {
-    let mut key = [Facet::NONE; 4];
-    key[..facet.len()].copy_from_slice(facet);
-    key.sort_unstable();
-    key
 }
 
 impl<const D: usize> Tied<D> {
     /// Elements that became particles.
     pub fn add(&mut self, elements: &[ConvertedElement<D>]) {
-        for element in elements {
-            self.touched.extend(&element.nodes);
-            for places in element.kind.facets() {
-                let nodes: Vec<u32> = places.iter().map(|&p| element.nodes[p]).collect();
-                self.bare.insert(sorted(&nodes));
-            }
-        }
+        elements.iter().for_each(|element| self.touched.extend(&element.nodes));
     }
 
-    /// Find the points anew, on a grid of cells of `spacing`, m. Returns the number that each had, `u32::MAX` of new ones.
-    pub fn find(&mut self, body: &ElementBody<D>, spacing: f64) -> Vec<u32> {
-        let known: BTreeMap<Key, u32> = self.keys.iter().copied().zip(0..).collect();
+    /// Tie the elements that bars run through, so that these move with their matter. Are there any that were not?
+    ///
+    /// # Errors
+    /// Elements so wide that bars would miss the nodes that their force is at.
+    pub fn join(&mut self, body: &ElementBody<D>, around: &Surroundings<D>) -> Result<bool, SceneError> {
+        let known = self.touched.len();
+        if around.within.is_empty() {
+            return Ok(false);
+        }
+        let all = body.mesh().blocks.iter().flat_map(|b| b.elements().map(|nodes| (b.kind, nodes)));
+        for (_, (kind, nodes)) in all.enumerate().filter(|(number, _)| body.is_there(*number)) {
+            let (low, high) = box_around(body, nodes);
+            if !around.within.touches(&low, &high) {
+                continue;
+            }
+            if longest_edge(body, kind, nodes) > WIDE * around.spacing() {
+                return Err(SceneError::NotWith {
+                    what: format!(
+                        "bars in elements of `{}` that are wider than one and a half cells",
+                        body.name()
+                    ),
+                    method: "elements that become particles".into(),
+                    why: "on the grid bars would miss their nodes: take a finer mesh, or a coarser grid",
+                });
+            }
+            self.touched.extend(nodes);
+        }
+        Ok(self.touched.len() > known)
+    }
+
+    /// The elements that are tied, and their nodes, sorted.
+    fn zone(&self, body: &ElementBody<D>, around: &Around, layers: u32) -> (Vec<u32>, Vec<u32>) {
+        let (mut nodes, mut elements) = (self.touched.clone(), BTreeSet::new());
+        let mut front: Vec<u32> = nodes.iter().copied().collect();
+        for _ in 0..layers {
+            let mut next = Vec::new();
+            for &element in front.iter().flat_map(|&n| around.at(n)) {
+                if body.is_there(element as usize) && elements.insert(element) {
+                    let own = around.element(body.mesh(), element).1;
+                    next.extend(own.iter().copied().filter(|&n| nodes.insert(n)));
+                }
+            }
+            front = next;
+        }
+        (elements.into_iter().collect(), nodes.into_iter().collect())
+    }
+
+    /// Find the points anew, on a grid of cells of `spacing`, m, of elements whose edges at rest have the mean length `edge`, m. Returns the
+    /// number that each had, `u32::MAX` of new ones.
+    pub fn find(&mut self, body: &ElementBody<D>, [spacing, edge]: [f64; 2]) -> Vec<u32> {
+        let known: BTreeMap<Key, u32> = self.keys.drain(..).zip(0..).collect();
         self.touched.retain(|&n| body.elements_at(n as usize) > 0);
-        let facets: Vec<&Facet> =
-            body.surface().iter().filter(|facet| self.bare.contains(&sorted(facet.nodes()))).collect();
-        // Facets of what became particles long ago have no elements behind them any more.
-        self.bare.retain(|facet| facet.iter().any(|n| self.touched.contains(n)));
-        let node = |&n: &u32| Point { key: (sorted(&[n]), 0), parts: vec![(n, 0.0)], place: vec![(n, 1.0)] };
-        let mut points: Vec<Point> = self.touched.iter().map(node).collect();
-        let own: BTreeMap<u32, usize> = self.touched.iter().copied().zip(0..).collect();
-        let mut sums = vec![0.0; points.len()];
-        for facet in facets {
-            let (key, nodes) = (sorted(facet.nodes()), facet.nodes());
-            let edge = |n: usize| -> f64 {
-                let [a, b] =
-                    [nodes[n], nodes[(n + 1) % nodes.len()]].map(|n| body.nodes()[n as usize].position);
-                (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt()
-            };
-            let longest = (0..nodes.len()).map(edge).fold(0.0, f64::max);
-            let cut = if longest > WIDE * spacing {
-                (longest / spacing).round().clamp(1.0, 16.0) as u32
-            } else {
-                1
-            };
-            for (k, (shares, weight)) in on_facet(nodes.len(), cut).into_iter().enumerate() {
+        let around = self.around.take().unwrap_or_else(|| Around::of(body.mesh()));
+        let layers = (DEPTH * spacing / edge).ceil().clamp(1.0, 8.0) as u32;
+        let (elements, nodes) = self.zone(body, &around, layers);
+        let local = |n: u32| nodes.partition_point(|&m| m < n) as u32;
+        let mut points: Vec<Point> = nodes
+            .iter()
+            .map(|&n| Point { key: Key::Node(n), parts: vec![(local(n), 0.0)], place: vec![(n, 1.0)] })
+            .collect();
+        let mut between: BTreeMap<Key, usize> = BTreeMap::new();
+        let mut sums = vec![0.0; nodes.len()];
+        let mut border: Option<BTreeSet<[u32; 4]>> = None;
+        for element in elements {
+            let (kind, own) = around.element(body.mesh(), element);
+            let longest = longest_edge(body, kind, own);
+            if longest <= WIDE * spacing {
+                continue;
+            }
+            let border = &*border.get_or_insert_with(|| self.border(body));
+            let of_border = |places: &&[usize]| border.contains(&sorted(places, own));
+            let facets: Vec<&[usize]> = kind.facets().iter().copied().filter(of_border).collect();
+            for (values, weight) in lattice(kind, (longest / spacing).round().min(MOST_PARTS) as u32) {
+                let on = |facet: &&&[usize]| (0..own.len()).all(|n| values[n] == 0.0 || facet.contains(&n));
+                let weight = weight * facets.iter().filter(on).count() as f64;
+                if weight == 0.0 {
+                    continue;
+                }
                 let place: Vec<(u32, f64)> =
-                    nodes.iter().copied().zip(shares).filter(|s| s.1 > 0.0).collect();
-                let parts: Vec<(u32, f64)> = place.iter().map(|&(n, share)| (n, share * weight)).collect();
-                parts.iter().for_each(|&(n, part)| sums[own[&n]] += part);
-                match place[..] {
-                    [(n, _)] => points[own[&n]].parts[0].1 += weight,
-                    _ => points.push(Point { key: (key, k as u32), parts, place }),
+                    own.iter().copied().zip(values).filter(|share| share.1 > 0.0).collect();
+                let point = match place[..] {
+                    [(n, _)] => local(n) as usize,
+                    _ => {
+                        let mut key: Vec<(u32, u32)> =
+                            place.iter().map(|&(n, share)| (n, (65536.0 * share).round() as u32)).collect();
+                        key.sort_unstable();
+                        let key = Key::Between(key);
+                        let new = points.len();
+                        let point = *between.entry(key.clone()).or_insert(new);
+                        if point == new {
+                            let parts = place.iter().map(|&(n, _)| (local(n), 0.0)).collect();
+                            points.push(Point { key, parts, place: place.clone() });
+                        }
+                        point
+                    }
+                };
+                for &(n, share) in &place {
+                    let n = local(n);
+                    sums[n as usize] += share * weight;
+                    if let Some(part) = points[point].parts.iter_mut().find(|part| part.0 == n) {
+                        part.1 += share * weight;
+                    }
                 }
             }
         }
-        for point in &mut points {
-            for (n, part) in &mut point.parts {
-                let local = own[n];
-                // Nodes of edges or corners alone have themselves.
-                (*n, *part) = (local as u32, if sums[local] > 0.0 { *part / sums[local] } else { 1.0 });
-            }
+        for (n, part) in points.iter_mut().flat_map(|point| &mut point.parts) {
+            // Nodes that are on no such facet have themselves.
+            let sum = sums[*n as usize];
+            *part = if sum > 0.0 { *part / sum } else { 1.0 };
         }
-        self.nodes = self.touched.iter().copied().collect();
-        self.keys = points.iter().map(|p| p.key).collect();
         self.parts = Lists::of(points.iter().map(|p| &p.parts[..]));
         self.places = Lists::of(points.iter().map(|p| &p.place[..]));
+        self.keys = points.into_iter().map(|p| p.key).collect();
+        (self.nodes, self.around) = (nodes, Some(around));
         self.keys.iter().map(|key| known.get(key).copied().unwrap_or(u32::MAX)).collect()
+    }
+
+    /// Facets between elements and particles.
+    fn border(&self, body: &ElementBody<D>) -> BTreeSet<[u32; 4]> {
+        let facets = body.surface().iter().map(Facet::nodes);
+        let tied = facets.filter(|nodes| nodes.iter().all(|n| self.touched.contains(n)));
+        tied.map(|nodes| sorted(&[0, 1, 2, 3][..nodes.len()], nodes)).collect()
     }
 
     /// Mass, kg, and velocity, m/s, of a point.
@@ -206,55 +326,74 @@ impl<const D: usize> Tied<D> {
         }
     }
 
-    /// The sets that it is found from, as lists.
-    pub fn lists(&self) -> (Vec<u32>, Vec<[u32; 4]>) {
-        (self.touched.iter().copied().collect(), self.bare.iter().copied().collect())
+    /// What it is found from.
+    pub fn touched(&self) -> Vec<u32> {
+        self.touched.iter().copied().collect()
     }
 
-    /// Of such lists.
-    pub fn of_lists(touched: Vec<u32>, bare: Vec<[u32; 4]>) -> Self {
-        let (touched, bare) = (touched.into_iter().collect(), bare.into_iter().collect());
-        Tied { bare, touched, ..Tied::default() }
+    /// Of such nodes.
+    pub fn of(touched: Vec<u32>) -> Self {
+        Tied { touched: touched.into_iter().collect(), ..Tied::default() }
     }
 
     pub fn bytes(&self) -> usize {
+        let between = |key: &Key| match key {
+            Key::Node(_) => 0,
+            Key::Between(list) => list.capacity() * size_of::<(u32, u32)>(),
+        };
+        let around = self.around.as_ref().map_or(0, |a| a.starts.capacity() + a.elements.capacity());
         self.keys.capacity() * size_of::<Key>()
+            + self.keys.iter().map(between).sum::<usize>()
             + self.parts.bytes()
             + self.places.bytes()
-            + self.nodes.capacity() * size_of::<u32>()
+            + (self.nodes.capacity() + around) * size_of::<u32>()
             + self.before.iter().map(|list| list.capacity() * size_of::<[f64; D]>()).sum::<usize>()
-            + self.bare.len() * size_of::<[u32; 4]>()
             + self.touched.len() * size_of::<u32>()
     }
 }
 
-/// Points of a facet of so many nodes, cut into so many parts along each edge: shape functions of the nodes there and weights (trapezoidal
-/// rule).
-fn on_facet(nodes: usize, parts: u32) -> Vec<(Vec<f64>, f64)> {
+/// Nodes at these places, sorted.
+fn sorted(places: &[usize], nodes: &[u32]) -> [u32; 4] {
+    let mut key = [Facet::NONE; 4];
+    key.iter_mut().zip(places).for_each(|(to, &place)| *to = nodes[place]);
+    key.sort_unstable();
+    key
+}
+
+/// Of an element, m.
+fn longest_edge<const D: usize>(body: &ElementBody<D>, kind: ElementKind, nodes: &[u32]) -> f64 {
+    let square = |&[a, b]: &[usize; 2]| -> f64 {
+        let [a, b] = [a, b].map(|place| body.nodes()[nodes[place] as usize].position);
+        (0..D).map(|d| (a[d] - b[d]).powi(2)).sum()
+    };
+    kind.edges().iter().map(square).fold(0.0, f64::max).sqrt()
+}
+
+/// Points of an element that is cut into so many parts along each edge: shape functions of its nodes there, and weights (trapezoidal rule), of all
+/// one.
+fn lattice(kind: ElementKind, parts: u32) -> Vec<([f64; NODES], f64)> {
+    let dim = kind.dimensions();
     let at = |k: u32| f64::from(k) / f64::from(parts);
-    let ends = |k: u32| if k == 0 || k == parts { 0.5 } else { 1.0 };
-    let mut list = Vec::new();
-    match nodes {
-        2 => list.extend((0..=parts).map(|k| (vec![1.0 - at(k), at(k)], ends(k)))),
-        3 => {
-            for i in 0..=parts {
-                for j in 0..=parts - i {
-                    let shares = vec![1.0 - at(i) - at(j), at(i), at(j)];
-                    let zeros = [i, j, parts - i - j].iter().filter(|&&k| k == 0).count();
-                    let shares = shares.into_iter().map(|s: f64| if s < 1e-12 { 0.0 } else { s }).collect();
-                    list.push((shares, [1.0, 0.5, 1.0 / 6.0][zeros]));
-                }
-            }
-        }
-        _ => {
-            for i in 0..=parts {
-                for j in 0..=parts {
-                    let (x, y) = (at(i), at(j));
-                    let shares = vec![(1.0 - x) * (1.0 - y), x * (1.0 - y), x * y, (1.0 - x) * y];
-                    list.push((shares, ends(i) * ends(j)));
-                }
-            }
-        }
+    let all = (0..(parts + 1).pow(dim as u32)).map(|n| -> [u32; 3] {
+        std::array::from_fn(|d| if d < dim { n / (parts + 1).pow(d as u32) % (parts + 1) } else { 0 })
+    });
+    let mut list: Vec<([f64; NODES], f64)> = Vec::new();
+    for k in all {
+        let (xi, weight) = if kind.is_simplex() {
+            let Some(first) = parts.checked_sub(k.iter().sum()) else { continue };
+            let zeros = k[..dim].iter().chain([&first]).filter(|&&k| k == 0).count();
+            // What of a small simplex around it lies within.
+            (k.map(at), [1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0][zeros])
+        } else {
+            let ends = k[..dim].iter().filter(|&&k| k == 0 || k == parts).count();
+            let xi = std::array::from_fn(|d| if d < dim { 2.0 * at(k[d]) - 1.0 } else { 0.0 });
+            (xi, 0.5f64.powi(ends as i32))
+        };
+        let mut values = kind.shape_functions(xi);
+        values.iter_mut().filter(|value| value.abs() < 1e-12).for_each(|value| *value = 0.0);
+        list.push((values, weight));
     }
+    let sum: f64 = list.iter().map(|point| point.1).sum();
+    list.iter_mut().for_each(|point| point.1 /= sum);
     list
 }

@@ -6,103 +6,18 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{boxed, elastic, seeds};
+use common::{bars, boxed, elastic, seeds};
 use coupling::Elements;
 use fem::{Erosion, Fem, MeshBody};
+use impactite_geometry::Lattice;
 use impactite_geometry::structured::box_mesh;
-use impactite_geometry::{ElementBlock, ElementKind, ElementMesh, Lattice};
 use impactite_simd::Team;
 use mpm_contact::{Coulomb, Pairs, SeparatingPlane, SurfaceDistance};
 use mpm_core::{
-    Aflip, BlockGrid, Boundary, CpGimp, Flip, FullSpace, GridContact, IntoKernels, Linear, Method, Mpm, Musl,
-    PlaneStrain, QuadraticBSpline, SceneError, Side, Usf, Usl,
+    Aflip, BlockGrid, Boundary, FullSpace, GridContact, Method, Mpm, PlaneStrain, QuadraticBSpline,
+    SceneError, Side, Usl,
 };
 use mpm_materials::{J2, LogarithmicBulk, Moduli, NeoHookean, Solid};
-
-/// Bars between points, `parts` elements each.
-fn bars<const D: usize>(ends: &[[[f64; D]; 2]], parts: usize) -> ElementMesh<D> {
-    let mut mesh = ElementMesh { nodes: Vec::new(), blocks: Vec::new(), node_sets: Default::default() };
-    let mut links = Vec::new();
-    for [from, to] in ends {
-        for n in 0..=parts {
-            let part = n as f64 / parts as f64;
-            if n > 0 {
-                let last = mesh.nodes.len() as u32;
-                links.extend([last - 1, last]);
-            }
-            mesh.nodes.push(std::array::from_fn(|d| from[d] + part * (to[d] - from[d])));
-        }
-    }
-    mesh.blocks.push(ElementBlock { name: "bars".into(), kind: ElementKind::Bar2, nodes: links });
-    mesh
-}
-
-/// A bar of concrete, of which a fiftieth is added in steel, that sways in its first mode: the speed of its long waves over what the
-/// stiffness and mass of both give.
-fn long_waves(method: impl IntoKernels<f64, 2>, elements_a_cell: f64) -> f64 {
-    const LENGTH: f64 = 1.0;
-    const HEIGHT: f64 = 0.1;
-    const H: f64 = 0.025;
-    let (concrete, steel) = ([2440.0, 34e9], [7850.0, 200e9]);
-    let lattice = Lattice::new([0.0; 2], H).expect("lattice");
-    let mode = |x: [f64; 2]| [1e-2 * (PI * x[0] / LENGTH).cos(), 0.0];
-    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
-    let block = seeds(&boxed([0.0, 0.0], [LENGTH, HEIGHT]), &lattice);
-    mpm.add("concrete", elastic(concrete[0], concrete[1], 0.0), &block, mode).expect("concrete");
-    let rows = 4;
-    let section = 0.02 * HEIGHT / f64::from(rows);
-    let at = |n: u32| HEIGHT * (f64::from(n) + 0.5) / f64::from(rows);
-    let ends: Vec<[[f64; 2]; 2]> = (0..rows).map(|n| [[0.0, at(n)], [LENGTH, at(n)]]).collect();
-    let mesh = bars(&ends, (LENGTH / H * elements_a_cell) as usize);
-    let mut fem = Fem::new(PlaneStrain);
-    let reinforcement = MeshBody::new("bars", mesh, elastic(steel[0], steel[1], 0.0));
-    fem.add(reinforcement.section(section).moving(mode)).expect("bars");
-    mpm.add_client(Elements::within(fem, "concrete").expect("bars")).expect("client");
-    let sum = |k: usize| concrete[k] + 0.02 * steel[k];
-    let expected = (sum(1) / sum(0)).sqrt();
-    let start = mpm.totals();
-    let amplitude = |mpm: &Mpm<2>| {
-        let mut sum = 0.0;
-        mpm.bodies()[0]
-            .for_each(&mut |p| sum += p.mass * p.velocity[0] * (PI * p.position[0] / LENGTH).cos());
-        sum
-    };
-    // Where it crosses zero: at a quarter and at three quarters of a period of 2 L / c.
-    let (mut last, mut crossings) = ((0.0, amplitude(&mpm)), Vec::new());
-    while crossings.len() < 6 {
-        mpm.step().expect("step");
-        let now = (mpm.time(), amplitude(&mpm));
-        if now.1 * last.1 < 0.0 {
-            crossings.push(last.0 + (now.0 - last.0) * last.1 / (last.1 - now.1));
-        }
-        last = now;
-        assert!(mpm.time() < 4.0 * LENGTH / expected * 4.0, "it does not sway");
-    }
-    let half_period = (crossings[5] - crossings[0]) / 5.0;
-    let now = mpm.totals();
-    let lost = (now.kinetic + now.internal) / (start.kinetic + start.internal) - 1.0;
-    println!("energy {:+.2} %", 100.0 * lost);
-    assert!(lost.abs() < 0.05, "energy {lost:+.4}");
-    assert!((now.momentum[0] - start.momentum[0]).abs() < 1e-12 * start.momentum_scale);
-    LENGTH / half_period / expected
-}
-
-#[test]
-fn long_waves_of_reinforced_concrete_are_as_fast_as_both_together() {
-    for elements_a_cell in [0.5, 1.0, 2.0] {
-        let linear = long_waves(Method::new(Linear, Flip, Musl, PlaneStrain), elements_a_cell);
-        let splines =
-            long_waves(Method::new(QuadraticBSpline, Aflip::default(), Usl, PlaneStrain), elements_a_cell);
-        let first = long_waves(Method::new(CpGimp, Flip, Usf, PlaneStrain).compiled(), elements_a_cell);
-        println!(
-            "{elements_a_cell} elements a cell: {linear:.5} (linear, FLIP, MUSL), {splines:.5} (splines, AFLIP, USL), {first:.5} (cpGIMP, \
-             FLIP, USF)"
-        );
-        for speed in [linear, splines, first] {
-            assert!((speed - 1.0).abs() < 5e-3, "{elements_a_cell} elements a cell: {speed}");
-        }
-    }
-}
 
 /// A block with a cross of bars, in so many parts, that spins and flies.
 fn spinning(separate: bool, parts: usize) -> Mpm<2> {

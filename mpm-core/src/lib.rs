@@ -91,7 +91,7 @@ pub use step::Scalar;
 pub use step::{
     Balance, ClientPoint, Deformable, Facts, FieldForce, Footprint, Frequency, GridBody, GridClient, Kernels,
     Matter, MergeBook, Merging, Mpm, NearParticle, NearParticles, NewParticle, NewParticles, NodeWeight,
-    Rest, Rested, Rigid, RigidState, SplitBook, Splitting, SurfaceClient, Surroundings, Taken, Traction,
-    Twist,
+    Occupied, Rest, Rested, Rigid, RigidState, SplitBook, Splitting, SurfaceClient, Surroundings, Taken,
+    Traction, Twist,
 };
 pub use transfer::{Aflip, Apic, Blend, Flip, Fmpm, Mls, Pic, Transfer};

@@ -61,8 +61,8 @@ pub trait ClientSteps<T: Float, const D: usize> {
     fn surface(&mut self) -> Option<&mut dyn SurfaceClient<T, D>>;
     /// What boundaries and loads of its own gave to the body since the start.
     fn given(&self) -> Exchange;
-    /// As [`GridClient::each_surface_box`](super::GridClient::each_surface_box).
-    fn each_surface_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D]));
+    /// As [`GridClient::each_box`](super::GridClient::each_box).
+    fn each_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D]));
     /// As [`GridClient::bound`](super::GridClient::bound).
     ///
     /// # Errors

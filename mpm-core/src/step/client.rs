@@ -112,8 +112,9 @@ pub trait GridClient<T: Float, const D: usize>: Body + Send + Sync {
         let _ = (around, new);
         Ok(None)
     }
-    /// Boxes around the facets of its surface, m, if it has one: so others whose matter may become particles know that it comes near.
-    fn each_surface_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
+    /// Boxes around the facets of its surface or, if it has none, its nodes, m: so others whose matter may become particles know that it is
+    /// near.
+    fn each_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
         let _ = visit;
     }
     /// Its surface, if particles meet that and not proxies on the grid: then [`GridClient::mass_points`] may be empty. Asked anew in every

@@ -246,8 +246,8 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
     fn given(&self) -> Exchange {
         self.client.given()
     }
-    fn each_surface_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
-        self.client.each_surface_box(visit);
+    fn each_box(&self, visit: &mut dyn FnMut(&[f64; D], &[f64; D])) {
+        self.client.each_box(visit);
     }
     fn bound(&mut self, boundary: &Boundary<D>) -> Result<(), SceneError> {
         if self.to_come.is_some() { self.client.bound(boundary) } else { Ok(()) }

@@ -5,7 +5,7 @@ use super::kernels::Facts;
 use super::layout::{Layout, Nodes};
 use super::load::{Given, Loads};
 use super::mpm::Mpm;
-use super::new_particles::{Matter, NewParticles, Surroundings};
+use super::new_particles::{Matter, NewParticles, Occupied, Surroundings};
 use super::particle_body::{NONE, ParticleBody};
 use super::spread::Maps;
 use crate::dim::{BLOCK, neighbours};
@@ -193,23 +193,22 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         Stopped::Point { kind: PointKind::Particle, body, number: particle, position, law, cause }
     }
 
-    /// Where bodies other than these are.
+    /// Where bodies other than a client and the body that it is within are, and other clients within that.
     fn surroundings(&self, but: [usize; 2]) -> Surroundings<D> {
-        let centre = crate::dim::centre(self.facts().nodes);
-        let mut around = Surroundings::new(*self.grid.lattice(), centre);
+        let nowhere = Occupied::new(*self.grid.lattice(), crate::dim::centre(self.facts().nodes));
+        let mut around = Surroundings { others: nowhere.clone(), within: nowhere };
         for (n, body) in self.scene.bodies.iter().enumerate().filter(|(n, _)| !but.contains(n)) {
-            // Elements within the same body are no others.
-            if self.grid.fields.owner_of(n as u32) as usize == but[1] {
-                continue;
-            }
+            let same = self.grid.fields.owner_of(n as u32) as usize == but[1];
+            let where_it_is = if same { &mut around.within } else { &mut around.others };
             match body.client() {
-                Some(client) => client.each_surface_box(&mut |low, high| around.add_box(low, high)),
+                Some(client) => client.each_box(&mut |low, high| where_it_is.add_box(low, high)),
                 None => {
-                    body.presence().each_block(&mut |block, bins| around.blocks.push((*block, bins)));
+                    body.presence().each_block(&mut |block, bins| where_it_is.blocks.push((*block, bins)));
                 }
             }
         }
-        around.settle();
+        around.others.settle();
+        around.within.settle();
         around
     }
 }

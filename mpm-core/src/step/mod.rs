@@ -80,7 +80,7 @@ pub use load::{FieldForce, Traction};
 pub use merging::{MergeBook, Merging};
 pub use mpm::{Kernels, Mpm, Scalar};
 pub use near_particles::{NearParticle, NearParticles};
-pub use new_particles::{Matter, NewParticle, NewParticles, Surroundings};
+pub use new_particles::{Matter, NewParticle, NewParticles, Occupied, Surroundings};
 pub use particle_body::ParticleBody;
 pub use rest::{Balance, Frequency, Rest, Rested};
 pub use rigid::{Rigid, RigidState, Twist};

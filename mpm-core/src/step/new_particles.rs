@@ -58,9 +58,18 @@ impl<T: Copy, const D: usize> NewParticles<T, D> {
     }
 }
 
-/// Where matter of other bodies is: bins of the size of a cell, in blocks of 4^D.
+/// What is around a body whose matter may become particles.
 #[derive(Clone, Debug)]
 pub struct Surroundings<const D: usize> {
+    /// Matter of other bodies.
+    pub others: Occupied<D>,
+    /// Points of other elements that are within the same body: bars.
+    pub within: Occupied<D>,
+}
+
+/// Where matter is: bins of the size of a cell, in blocks of 4^D.
+#[derive(Clone, Debug)]
+pub struct Occupied<const D: usize> {
     lattice: Lattice<D>,
     /// Where the centres of bins lie between nodes, in cells.
     centre: f64,
@@ -71,8 +80,15 @@ pub struct Surroundings<const D: usize> {
 }
 
 impl<const D: usize> Surroundings<D> {
+    /// Edge of a cell of the grid, m.
+    pub fn spacing(&self) -> f64 {
+        self.others.lattice.spacing()
+    }
+}
+
+impl<const D: usize> Occupied<D> {
     pub(super) fn new(lattice: Lattice<D>, centre: f64) -> Self {
-        Surroundings { lattice, centre, blocks: Vec::new(), bounds: None }
+        Occupied { lattice, centre, blocks: Vec::new(), bounds: None }
     }
 
     fn bin(&self, x: f64, d: usize) -> i32 {
@@ -123,12 +139,7 @@ impl<const D: usize> Surroundings<D> {
         self.blocks.is_empty()
     }
 
-    /// Edge of a bin, m.
-    pub fn spacing(&self) -> f64 {
-        self.lattice.spacing()
-    }
-
-    /// Is matter of others in a bin that this box (lower and upper corner, m) touches?
+    /// Is matter in a bin that this box (lower and upper corner, m) touches?
     pub fn touches(&self, low: &[f64; D], high: &[f64; D]) -> bool {
         let Some([below, above]) = self.bounds else { return false };
         let first: [i32; D] = std::array::from_fn(|d| self.bin(low[d], d).max(below[d]));
