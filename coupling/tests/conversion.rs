@@ -112,8 +112,8 @@ fn a_joint_of_elements_and_particles_reflects_little() {
                     100.0 * back,
                     100.0 * through
                 );
-                // Where domains of cpGIMP reach nodes that elements do not, 2.4 % comes back: the gate is missed there.
-                let missed = name.starts_with("cpGIMP") && shift != 0.0;
+                // Where domains of cpGIMP reach nodes that wide elements do not, 2.3 % comes back: the gate is missed there.
+                let missed = name.starts_with("cpGIMP") && shift != 0.0 && element > 1.0;
                 let most = if missed { &mut worst_aside } else { &mut worst };
                 *most = most.max(back);
                 assert!((through - 1.0).abs() < 0.02, "{through}");

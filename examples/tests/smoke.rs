@@ -212,14 +212,14 @@ fn taylor_copper_is_too_fast_for_elements_at_400() {
     std::fs::remove_dir_all(folder(name)).expect("removed");
 }
 
-/// Errors and costs of elements and material points at a speed without a reference.
+/// Errors and costs of elements, material points and both at a speed without a reference.
 #[test]
 fn taylor_copper_convergence() {
     let name = "copper_convergence";
     let options = ["--resolution", "smoke", "--json", "--convergence", "--speed", "190"];
     result(&run(env!("CARGO_BIN_EXE_taylor_copper"), &options, name), "taylor_copper");
     let table = std::fs::read_to_string(folder(name).join("convergence.csv")).expect("a table");
-    assert_eq!(table.lines().count(), 1 + 2 * 3, "two methods with three sizes of cells:\n{table}");
+    assert_eq!(table.lines().count(), 1 + 4 * 3, "four methods with three sizes of cells:\n{table}");
     assert!(folder(name).join("convergence.png").is_file());
     std::fs::remove_dir_all(folder(name)).expect("removed");
 }

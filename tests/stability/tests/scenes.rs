@@ -66,7 +66,7 @@ scenes! {
     /// Finite elements among particles.
     facets_are_coarse: "T23";
     /// Elements that become particles.
-    elements_become_particles: "T22" "C1";
+    elements_become_particles: "T22" "C1" "C2" "C3";
     /// Smoothed particles.
     particles_are_smoothed: "S1" "S2" "S3" "S4" "S5" "S6" "S7" "S8" "S9";
     /// Fragile points.

@@ -1,4 +1,4 @@
-//! Error over cost: finite elements and material points with cells of several sizes, axisymmetric.
+//! Error over cost: finite elements, material points and elements that become particles, with cells of several sizes, axisymmetric.
 
 use std::path::Path;
 
@@ -7,6 +7,7 @@ use mpm_core::output::History;
 use mpm_core::output::picture::{Axis, Chart, Marker, Panels, Picture, Series, palette};
 
 use crate::beside::{Bar, Outcome};
+use crate::coupled::{self, Coupling};
 use crate::scene::Space;
 use crate::{Methods, Options, elements, mpm};
 
@@ -15,11 +16,26 @@ const LEAST: f64 = 0.5;
 /// By which elements are to be cheaper than material points at equal errors.
 const CHEAPER: f64 = 3.0;
 
-const METHODS: [(Methods, &str, Marker); 2] =
-    [(Methods::Fem, "finite elements", Marker::Circle), (Methods::Mpm, "material points", Marker::Square)];
+/// Most of what material points cost that elements which become particles are to.
+const CONVERTED: f64 = 0.5;
 
-/// Sizes, and the errors at which costs are compared.
-const SIZES: [(&str, f64); 2] = [("length", 0.002), ("radius of the face", 0.02)];
+const METHODS: [(Methods, &str, Marker); 4] = [
+    (Methods::Fem, "finite elements", Marker::Circle),
+    (Methods::Mpm, "material points", Marker::Square),
+    (Methods::Mpfem, "elements and particles (MPFEM)", Marker::Triangle),
+    (Methods::Afemp, "elements that become particles (AFEMP)", Marker::Diamond),
+];
+const FEM: usize = 0;
+const MPM: usize = 1;
+const AFEMP: usize = 3;
+
+/// Sizes, and the errors at which costs are compared, and where elements alone tangle.
+const SIZES: [(&str, [f64; 2]); 2] = [("length", [0.002, 0.01]), ("radius of the face", [0.02, 0.02])];
+
+/// Why elements that become particles are not.
+const SHORT: &str = "the bar is small: much of it is converted, and elements ask for steps half as long as particles of their size";
+/// Speed from which elements alone tangle, m/s, and the most cells on the radius that are tried then.
+const TANGLES: (f64, u32) = (300.0, 4);
 
 /// Why elements are not cheaper in the face.
 const FACE: &str = "the edge of the face has an error of first order in the size of elements, and those there are flat, which shortens \
@@ -36,8 +52,8 @@ struct Row {
 /// Length and radius of the face, m, to which runs converge.
 struct Limit {
     /// By each method.
-    each: [[f64; 2]; 2],
-    /// The mean of both, from which errors are taken.
+    each: [[f64; 2]; METHODS.len()],
+    /// The mean of those of finite elements and material points, or of the latter alone where the former tangle: errors are taken from it.
     sizes: [f64; 2],
 }
 
@@ -47,11 +63,16 @@ pub fn study(options: &Options, folder: &Path) -> Result<(Totals, Vec<Check>), C
         options.common.resolution.choose(&[3, 4, 6], &[3, 4, 6, 8, 12, 16], &[3, 4, 6, 8, 12, 16, 24, 32]);
     let (mut rows, mut totals) = (Vec::new(), Totals::default());
     for (method, &(which, ..)) in METHODS.iter().enumerate() {
-        for &cells in all {
+        for &cells in all.iter().filter(|&&n| !tangles(which, options.speed) || n <= TANGLES.1) {
             let bar = Bar { threads: 1, ..options.bar(Space::Axisymmetric, cells) };
-            let row = run(method, which, bar, options)?;
-            totals = totals.plus(&row.outcome.totals);
-            rows.push(row);
+            match run(method, which, bar, options) {
+                Ok(row) => {
+                    totals = totals.plus(&row.outcome.totals);
+                    rows.push(row);
+                }
+                Err(why) if tangles(which, options.speed) => println!("{cells} finite elements: {why}"),
+                Err(why) => return Err(why),
+            }
         }
     }
     let limit = Limit::of(&rows);
@@ -59,7 +80,12 @@ pub fn study(options: &Options, folder: &Path) -> Result<(Totals, Vec<Check>), C
     write(&rows, &limit, &folder.join("convergence.csv"))?;
     draw(&rows, &limit)?.save(folder.join("convergence.png"))?;
     let resolved = options.common.resolution != Resolution::Smoke;
-    Ok((totals, checks(&rows, &limit, resolved)))
+    Ok((totals, checks(&rows, &limit, resolved, options.speed)))
+}
+
+/// Is it elements alone, which are deformed too far?
+fn tangles(which: Methods, speed: f64) -> bool {
+    which == Methods::Fem && speed >= TANGLES.0
 }
 
 fn run(method: usize, which: Methods, bar: Bar, options: &Options) -> Result<Row, CaseError> {
@@ -67,6 +93,9 @@ fn run(method: usize, which: Methods, bar: Bar, options: &Options) -> Result<Row
     loop {
         let outcome = match which {
             Methods::Fem => elements::impact(bar, options.integration, None)?,
+            Methods::Mpfem => coupled::beside(Coupling::Mpfem, bar)?,
+            Methods::Afemp => coupled::beside(Coupling::Afemp, bar)?,
+            _ if bar.speed >= TANGLES.0 => coupled::particles(bar)?,
             _ => mpm::impact(bar, None)?,
         };
         times += 1.0;
@@ -87,8 +116,9 @@ impl Limit {
             let [near, far] = [fine, coarse].map(|o| 1.0 / f64::from(o.bar.cells));
             [0, 1].map(|n| (far * fine.sizes[n] - near * coarse.sizes[n]) / (far - near))
         };
-        let each = [0, 1].map(limit);
-        Limit { each, sizes: [0, 1].map(|n| 0.5 * (each[0][n] + each[1][n])) }
+        let each: [[f64; 2]; METHODS.len()] = std::array::from_fn(limit);
+        let mean = |n: usize| 0.5 * (each[FEM][n] + each[MPM][n]);
+        Limit { each, sizes: [0, 1].map(|n| if each[FEM][n].is_nan() { each[MPM][n] } else { mean(n) }) }
     }
 
     /// Relative error of a size.
@@ -109,18 +139,42 @@ fn cost(rows: &[Row], limit: &Limit, (method, size): (usize, usize), error: f64)
 }
 
 /// Elements are to be cheaper at equal errors.
-fn checks(rows: &[Row], limit: &Limit, resolved: bool) -> Vec<Check> {
+fn checks(rows: &[Row], limit: &Limit, resolved: bool, speed: f64) -> Vec<Check> {
     let mut checks = Vec::new();
-    for (size, (name, error)) in SIZES.into_iter().enumerate() {
+    let few = "three sizes of cells do not say where methods converge to";
+    // A method that never gets there costs more than its finest run.
+    let dearest = |method: usize| {
+        rows.iter().rev().find(|row| row.method == method).map_or(f64::NAN, |row| row.seconds)
+    };
+    for (size, (name, errors)) in SIZES.into_iter().enumerate() {
+        let error = errors[usize::from(speed >= TANGLES.0)];
         let of = |method: usize| cost(rows, limit, (method, size), error);
-        // Points that never get there cost more than their finest run.
-        let dearest = rows.iter().rev().find(|row| row.method == 1).map_or(f64::NAN, |row| row.seconds);
-        let ratio = of(1).unwrap_or(dearest) / of(0).unwrap_or(f64::INFINITY);
-        let name =
-            format!("cost of material points over that of elements, {name} within {} %", 100.0 * error);
-        let check = Check::at_least(name, ratio, "-", CHEAPER, "elements are to be cheaper");
-        let check = if size == 1 { check.known_miss(FACE) } else { check };
-        checks.push(check.judged_if(resolved, "three sizes of cells do not say where methods converge to"));
+        let within = format!("{name} within {} %", 100.0 * error);
+        let particles = of(MPM).unwrap_or(dearest(MPM));
+        if !tangles(Methods::Fem, speed) {
+            let name = format!("cost of material points over that of elements, {within}");
+            let ratio = particles / of(FEM).unwrap_or(f64::INFINITY);
+            let check = Check::at_least(name, ratio, "-", CHEAPER, "elements are to be cheaper");
+            let check = if size == 1 { check.known_miss(FACE) } else { check };
+            checks.push(check.judged_if(resolved, few));
+        }
+        let name = format!("cost of elements that become particles over that of material points, {within}");
+        if let Some(converted) = of(AFEMP) {
+            let check = Check::at_most(name, converted / particles, "-", CONVERTED, "they are to be cheaper");
+            let check = match (size, tangles(Methods::Fem, speed)) {
+                (0, true) => check.known_miss(SHORT),
+                (1, false) => check.known_miss(FACE),
+                _ => check,
+            };
+            checks.push(check.judged_if(resolved, few));
+        } else {
+            checks.push(Check::unreferenced(
+                name,
+                dearest(AFEMP) / particles,
+                "-",
+                "no run has that error: of the finest",
+            ));
+        }
     }
     checks
 }
@@ -169,7 +223,7 @@ fn table(rows: &[Row], limit: &Limit) -> String {
 
 fn write(rows: &[Row], limit: &Limit, path: &Path) -> Result<(), CaseError> {
     let columns = [
-        ("method (1 finite elements, 2 material points)", "-"),
+        ("method (1 finite elements, 2 material points, 3 MPFEM, 4 AFEMP)", "-"),
         ("cells on the radius", "-"),
         ("length", "m"),
         ("error of the length", "-"),

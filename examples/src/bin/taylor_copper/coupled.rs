@@ -1,6 +1,6 @@
 //! The same bar by elements that become particles: at the foot from the start (MPFEM), or where they are deformed too far (AFEMP).
 
-use coupling::{Conversion, ConversionBook, Elements};
+use coupling::{Conversion, ConversionBook, ConversionLog, Elements};
 use examples::{CaseError, Check, Simulation, Totals};
 use fem::{Fem, MeshBody};
 use mpm_core::geometry::structured::box_mesh;
@@ -12,7 +12,7 @@ use mpm_core::{
     Mpm, PlaneStrain, Side, Solver, Team,
 };
 
-use crate::beside::{Bar, copper};
+use crate::beside::{self, Bar, copper};
 use crate::scene::{END, Files, LENGTH, RADIUS, Space};
 use crate::{SPEED, mpm};
 
@@ -40,7 +40,7 @@ pub enum Coupling {
 }
 
 impl Coupling {
-    fn name(self) -> &'static str {
+    pub fn name(self) -> &'static str {
         match self {
             Coupling::Mpfem => "mpfem",
             Coupling::Afemp => "afemp",
@@ -91,24 +91,7 @@ fn run<E: Embedding<2>>(
     files: Files,
 ) -> Result<Outcome, CaseError> {
     let end = end_of(bar.speed);
-    let lattice = Lattice::new([0.0; 2], RADIUS / f64::from(bar.cells))?;
-    let counts = [bar.cells as usize, (f64::from(bar.cells) * LENGTH / RADIUS).round() as usize];
-    let mesh = box_mesh(&Cuboid::new([0.0; 2], [RADIUS, LENGTH])?, counts)?;
-    let mut fem = Fem::new(embedding);
-    fem.add(MeshBody::new("bar", mesh, copper()?).moving(move |_| [0.0, -bar.speed]))?;
-    let conversion = match coupling {
-        Coupling::Mpfem => {
-            let far = 100.0 * RADIUS;
-            Conversion::within(Cuboid::new([-far, -RADIUS], [far, REGION * RADIUS])?)
-        }
-        Coupling::Afemp => Conversion::adaptive(),
-    };
-    let (elements, log) = Elements::converting(fem, "foot", conversion)?;
-    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
-    mpm.add_client(elements)?;
-    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
-    mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
-    mpm.set_team(Team::new(bar.threads)?);
+    let (mut mpm, log, whole) = built(coupling, bar, embedding, method)?;
     let (mut ledger, mut steps) = (Ledger::new(Pace::interval(1.0e-6)?), Steps::new(end));
     let label = format!("{}_{}_{}", coupling.name(), bar.space.name(), bar.speed);
     let mut progress = Progress::new(format!("{} at {} m/s", coupling.name(), bar.speed));
@@ -127,9 +110,74 @@ fn run<E: Embedding<2>>(
         sizes: [sizes(&mpm, hoop), sizes(&alone, hoop)],
         book: log.book(),
         shortest: steps.shortest / steps.first,
-        elements: counts[0] * counts[1],
+        elements: whole,
         snapshot: mpm.snapshot()?,
         totals: [totals, particles],
+    })
+}
+
+/// The bar before the wall, and how many elements it has.
+fn built<E: Embedding<2>>(
+    coupling: Coupling,
+    bar: Bar,
+    embedding: E,
+    method: Kernels<f64, 2>,
+) -> Result<(Mpm<2>, ConversionLog, usize), CaseError> {
+    let lattice = Lattice::new([0.0; 2], RADIUS / f64::from(bar.cells))?;
+    let counts = [bar.cells as usize, (f64::from(bar.cells) * LENGTH / RADIUS).round() as usize];
+    let mesh = box_mesh(&Cuboid::new([0.0; 2], [RADIUS, LENGTH])?, counts)?;
+    let mut fem = Fem::new(embedding);
+    fem.add(MeshBody::new("bar", mesh, copper()?).moving(move |_| [0.0, -bar.speed]))?;
+    let conversion = match coupling {
+        Coupling::Mpfem => {
+            let far = 100.0 * RADIUS;
+            Conversion::within(Cuboid::new([-far, -RADIUS], [far, REGION * RADIUS])?)
+        }
+        Coupling::Afemp => Conversion::adaptive(),
+    };
+    let (elements, log) = Elements::converting(fem, "foot", conversion)?;
+    let mut mpm = Mpm::new(method, BlockGrid::new(lattice));
+    mpm.add_client(elements)?;
+    mpm.bound(Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above })?;
+    mpm.bound(Boundary::Wall { axis: 1, at: 0.0, side: Side::Above, velocity: 0.0 })?;
+    mpm.set_team(Team::new(bar.threads)?);
+    Ok((mpm, log, counts[0] * counts[1]))
+}
+
+/// Run the bar, axisymmetric and without files, as methods beside it are.
+pub fn beside(coupling: Coupling, bar: Bar) -> Result<beside::Outcome, CaseError> {
+    let method = Method::impact(Axisymmetric).into_kernels();
+    let (mut mpm, ..) = built(coupling, bar, Axisymmetric, method)?;
+    let mut ledger = Ledger::new(Pace::interval(1.0e-6)?);
+    let mut progress = Progress::new(coupling.name());
+    let mut simulation = Simulation::alone();
+    let observers: Vec<&mut dyn Observer> = vec![&mut ledger, &mut progress];
+    simulation.until(&mut mpm, observers, end_of(bar.speed))?;
+    let totals = Totals::of(&mpm, &simulation.summary(), &ledger);
+    outermost(coupling.name(), bar, &mut mpm, totals)
+}
+
+/// Particles alone with the sizes of elements that become particles, which hold for a foot that has flowed apart.
+pub fn particles(bar: Bar) -> Result<beside::Outcome, CaseError> {
+    let (mut mpm, totals) = alone(bar)?;
+    outermost("mpm", bar, &mut mpm, totals)
+}
+
+fn outermost(
+    method: &'static str,
+    bar: Bar,
+    mpm: &mut Mpm<2>,
+    totals: Totals,
+) -> Result<beside::Outcome, CaseError> {
+    let sizes = sizes(mpm, true);
+    Ok(beside::Outcome {
+        method,
+        bar,
+        sizes,
+        hourglass: None,
+        broke: None,
+        snapshot: mpm.snapshot()?,
+        totals,
     })
 }
 

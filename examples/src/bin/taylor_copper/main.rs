@@ -48,7 +48,7 @@ struct Options {
     /// Penalty of fragile points over Young's modulus, 0.001 to 100: that of elastic bodies, 5, holds back what flows
     #[arg(long, value_name = "ETA", default_value_t = 1.0, value_parser = within(1e-3, 100.0))]
     eta: f64,
-    /// Instead: errors over costs of finite elements and material points, axisymmetric, on one thread
+    /// Instead: errors over costs of finite elements, material points, MPFEM and AFEMP, axisymmetric, on one thread
     #[arg(long)]
     convergence: bool,
     /// Of particle contacts only the runs of our parts

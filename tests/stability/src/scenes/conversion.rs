@@ -1,13 +1,15 @@
-//! Elements that become particles: too late, and at a contact.
+//! Elements that become particles: too late, at a contact, in a zone that is too small, and with bars across its border.
+
+use std::f64::consts::PI;
 
 use coupling::{Conversion, Elements};
 use fem::{Fem, MeshBody};
 use impactite_geometry::structured::box_mesh;
-use impactite_geometry::{Cuboid, Lattice};
+use impactite_geometry::{Cuboid, ElementBlock, ElementKind, ElementMesh, Lattice};
 use impactite_scene::Solver;
 use mpm_contact::{Coulomb, Pairs, SeparatingPlane, SurfaceDistance};
 use mpm_core::{BlockGrid, Boundary, GridContact, Method, Mpm, PlaneStrain, Side};
-use mpm_materials::library;
+use mpm_materials::{LinearElastic, Moduli, library};
 use verification::problems::rubber;
 
 use crate::stage::text;
@@ -58,6 +60,17 @@ fn shortest(solver: &mut dyn Solver) -> Measured {
     Measured::new(shortest / first, steps)
 }
 
+fn converted(conversion: fn() -> Result<Conversion<2>, String>) -> impl Fn(Size) -> Result<Measured, String> {
+    move |_| {
+        let (elements, _) = Elements::converting(bar()?, "foot", conversion()?).map_err(text)?;
+        let lattice = Lattice::new([0.0; 2], BAR[0] / ACROSS as f64).map_err(text)?;
+        let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
+        mpm.add_client(elements).map_err(text)?;
+        planes().into_iter().try_for_each(|plane| mpm.bound(plane)).map_err(text)?;
+        Ok(shortest(&mut mpm))
+    }
+}
+
 /// T22.
 pub fn too_late() -> Scene {
     fn alone(_: Size) -> Result<Measured, String> {
@@ -65,18 +78,8 @@ pub fn too_late() -> Scene {
         planes().into_iter().try_for_each(|plane| fem.bound(plane)).map_err(text)?;
         Ok(shortest(&mut fem))
     }
-    fn converted(conversion: fn() -> Conversion<2>) -> impl Fn(Size) -> Result<Measured, String> {
-        move |_| {
-            let (elements, _) = Elements::converting(bar()?, "foot", conversion()).map_err(text)?;
-            let lattice = Lattice::new([0.0; 2], BAR[0] / ACROSS as f64).map_err(text)?;
-            let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
-            mpm.add_client(elements).map_err(text)?;
-            planes().into_iter().try_for_each(|plane| mpm.bound(plane)).map_err(text)?;
-            Ok(shortest(&mut mpm))
-        }
-    }
-    fn late() -> Conversion<2> {
-        Conversion::adaptive().when_distorted(0.01, 0.01).when_step_falls_to(0.02)
+    fn late() -> Result<Conversion<2>, String> {
+        Ok(Conversion::adaptive().when_distorted(0.01, 0.01).when_step_falls_to(0.02))
     }
     Scene {
         id: "T22",
@@ -89,7 +92,7 @@ pub fn too_late() -> Scene {
     }
     .fails("elements", "list T22, of plain elements", alone)
     .fails("particles at a Jacobian of 0.01 and a fiftieth of the step", "list T22, too late", converted(late))
-    .holds("Conversion::adaptive", "own", converted(Conversion::adaptive))
+    .holds("Conversion::adaptive", "own", converted(|| Ok(Conversion::adaptive())))
 }
 
 /// Two elastic blocks that run into each other: the speed of the left one after it over that before.
@@ -145,4 +148,94 @@ pub fn at_a_contact() -> Scene {
     }
     .fails("elements, no contact", "what happens without", |_| after(false))
     .holds("Conversion::adaptive", "own", |_| after(true))
+}
+
+/// C2.
+pub fn at_the_border() -> Scene {
+    fn foot() -> Result<Conversion<2>, String> {
+        let region = Cuboid::new([-1.0, -1.0], [0.5 * BAR[0] + 1e-6, 0.5 * BAR[0] + 1e-6]).map_err(text)?;
+        Ok(Conversion::within(region))
+    }
+    Scene {
+        id: "C2",
+        name: "flow reaches the border of a converted zone",
+        fails: "The bar of T22, of which half the width is particles at the foot. What flows from there comes to the elements beside, which \
+                become flat as all of them do without particles.",
+        metric: "shortest step over the first",
+        limit: Limit::AtLeast(0.3),
+        rows: Vec::new(),
+    }
+    .fails("Conversion::within", "own", converted(foot))
+    .holds("and where elements are distorted", "own", converted(|| Ok(foot()?.when_distorted(0.4, 0.25).when_step_falls_to(0.5))))
+}
+
+/// A strip of concrete, one half particles and one half elements, with a tenth of steel over a part of its length, that sways in its first mode: its
+/// period over that with steel all along.
+fn reinforced(bars_from: f64) -> Result<Measured, String> {
+    const H: f64 = 0.025;
+    const CELLS: [usize; 2] = [40, 4];
+    let mode = |x: [f64; 2]| [1e-2 * (PI * x[0]).cos(), 0.0];
+    let law = |density: f64, young: f64| -> Result<LinearElastic<f64>, String> {
+        LinearElastic::new(density, Moduli::young_poisson(young, 0.0).map_err(text)?).map_err(text)
+    };
+    let size = CELLS.map(|n| n as f64 * H);
+    let mesh = box_mesh(&Cuboid::new([0.0; 2], size).map_err(text)?, CELLS.map(|n| 2 * n)).map_err(text)?;
+    let mut fem = Fem::new(PlaneStrain);
+    fem.add(MeshBody::new("elements", mesh, law(2440.0, 34e9)?).moving(mode)).map_err(text)?;
+    let half = Cuboid::new([0.5 * size[0] - 1e-6, -1.0], [2.0, 1.0]).map_err(text)?;
+    let (concrete, _) = Elements::converting(fem, "concrete", Conversion::within(half)).map_err(text)?;
+    let (mut nodes, mut links) = (Vec::new(), Vec::new());
+    for row in 0..CELLS[1] {
+        let first = (bars_from / H).round() as usize;
+        for n in first..=CELLS[0] {
+            if n > first {
+                links.extend([nodes.len() as u32 - 1, nodes.len() as u32]);
+            }
+            nodes.push([n as f64 * H, (row as f64 + 0.5) * H]);
+        }
+    }
+    let block = ElementBlock { name: "bars".into(), kind: ElementKind::Bar2, nodes: links };
+    let mesh = ElementMesh { nodes, blocks: vec![block], node_sets: Default::default() };
+    let mut steel = Fem::new(PlaneStrain);
+    steel
+        .add(MeshBody::new("bars", mesh, law(7850.0, 200e9)?).section(0.1 * H).moving(mode))
+        .map_err(text)?;
+    let lattice = Lattice::new([0.0; 2], H).map_err(text)?;
+    let mut mpm = Mpm::new(Method::impact(PlaneStrain), BlockGrid::new(lattice));
+    mpm.add_client(concrete).map_err(text)?;
+    mpm.add_client(Elements::within(steel, "concrete").map_err(text)?).map_err(text)?;
+    let amplitude = |mpm: &Mpm<2>| {
+        let mut sum = 0.0;
+        for body in mpm.bodies() {
+            body.for_each(&mut |p| sum += p.mass * p.velocity[0] * (PI * p.position[0]).cos());
+        }
+        sum
+    };
+    let expected = 2.0 * f64::sqrt((2440.0 + 785.0) / (34e9 + 20e9));
+    let (mut last, mut crossings) = ((0.0, amplitude(&mpm)), Vec::new());
+    while crossings.len() < 3 && mpm.time() < 4.0 * expected {
+        mpm.step().map_err(text)?;
+        let now = (mpm.time(), amplitude(&mpm));
+        if now.1 * last.1 < 0.0 {
+            crossings.push(last.0 + (now.0 - last.0) * last.1 / (last.1 - now.1));
+        }
+        last = now;
+    }
+    let [first, _, third] = crossings[..] else { return Err("it does not sway".into()) };
+    Ok(Measured::new(((third - first) / expected - 1.0).abs(), Solver::clock(&mpm).steps))
+}
+
+/// C3.
+pub fn bars_across() -> Scene {
+    Scene {
+        id: "C3",
+        name: "bars across the border of particles and elements",
+        fails: "A strip of concrete, of which one half is particles and the other elements, sways with bars along it. Bars that elements do not \
+                feel hold one half alone.",
+        metric: "error of the period of the first mode",
+        limit: Limit::AtMost(0.005),
+        rows: Vec::new(),
+    }
+    .fails("bars in the particles alone", "own", |_| reinforced(0.5))
+    .holds("bars across the border", "own", |_| reinforced(0.0))
 }

@@ -65,6 +65,8 @@ pub fn all() -> Vec<Scene> {
         facets::leaks(),
         conversion::too_late(),
         conversion::at_a_contact(),
+        conversion::at_the_border(),
+        conversion::bars_across(),
         smoothed::checkerboard(),
         smoothed::rotation(),
         smoothed::axis(),
