@@ -6,7 +6,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{boxed, elastic, seeds};
+use common::{boxed, elastic, half_period, seeds};
 use coupling::{BondLaw, BondState, Elements, LinearBond, ModelCodeBond};
 use fem::{Fem, MeshBody};
 use impactite_geometry::{ElementBlock, ElementKind, ElementMesh, Lattice, structured::box_mesh};
@@ -101,28 +101,13 @@ fn swaying(bond: LinearBond) -> Mpm<2> {
     mpm
 }
 
-/// The speed of its long waves over that of both together (`within.rs`).
+/// The speed of its long waves over that of both together (`long_waves.rs`).
 #[test]
 fn stiff_bond_is_perfect_bond() {
     let mut mpm = swaying(LinearBond::new(1e13).expect("bond"));
     let start = mpm.totals();
-    let amplitude = |mpm: &Mpm<2>| {
-        let mut sum = 0.0;
-        mpm.bodies()[0].for_each(&mut |p| sum += p.mass * p.velocity[0] * (PI * p.position[0]).cos());
-        sum
-    };
     let expected = ((34e9 + 0.02 * 200e9) / (2440.0 + 0.02 * 7850.0_f64)).sqrt();
-    let (mut last, mut crossings) = ((0.0, amplitude(&mpm)), Vec::new());
-    while crossings.len() < 6 {
-        mpm.step().expect("step");
-        let now = (mpm.time(), amplitude(&mpm));
-        if now.1 * last.1 < 0.0 {
-            crossings.push(last.0 + (now.0 - last.0) * last.1 / (last.1 - now.1));
-        }
-        last = now;
-        assert!(mpm.time() < 16.0 / expected, "it does not sway");
-    }
-    let speed = 5.0 / (crossings[5] - crossings[0]) / expected;
+    let speed = 1.0 / half_period(&mut mpm, 1.0, 16.0 / expected) / expected;
     println!("{speed:.5} of the speed, energy error {:+.1e}", mpm.account().energy_error());
     assert!((speed - 1.0).abs() < 5e-3, "{speed}");
     assert!((mpm.totals().momentum[0] - start.momentum[0]).abs() < 1e-12 * start.momentum_scale);

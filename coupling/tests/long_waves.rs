@@ -6,7 +6,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{bars, boxed, elastic, seeds};
+use common::{bars, boxed, elastic, half_period, seeds};
 use coupling::{Conversion, Elements, LinearBond};
 use fem::{Fem, MeshBody};
 use impactite_geometry::Lattice;
@@ -104,33 +104,16 @@ fn strip(
     Ok(mpm)
 }
 
-/// Half the period with which it sways in its first mode, s, of which `guess` is one. `most` of the energy may go in three periods.
-fn half_period(mut mpm: Mpm<2>, guess: f64, most: f64) -> f64 {
+/// Half the period of the first mode, s, of which `guess` is one. `most` of the energy may go in three periods.
+fn sways(mut mpm: Mpm<2>, guess: f64, most: f64) -> f64 {
     let start = mpm.totals();
-    let amplitude = |mpm: &Mpm<2>| {
-        let mut sum = 0.0;
-        for body in mpm.bodies() {
-            body.for_each(&mut |p| sum += p.mass * p.velocity[0] * (PI * p.position[0] / LENGTH).cos());
-        }
-        sum
-    };
-    // Where it crosses zero: at a quarter and at three quarters of a period.
-    let (mut last, mut crossings) = ((0.0, amplitude(&mpm)), Vec::new());
-    while crossings.len() < 6 {
-        mpm.step().expect("step");
-        let now = (mpm.time(), amplitude(&mpm));
-        if now.1 * last.1 < 0.0 {
-            crossings.push(last.0 + (now.0 - last.0) * last.1 / (last.1 - now.1));
-        }
-        last = now;
-        assert!(mpm.time() < 8.0 * guess, "it does not sway");
-    }
+    let found = half_period(&mut mpm, LENGTH, 8.0 * guess);
     let now = mpm.totals();
     let lost = (now.kinetic + now.internal) / (start.kinetic + start.internal) - 1.0;
     println!("energy {:+.2} %", 100.0 * lost);
     assert!(lost.abs() < most, "energy {lost:+.4}");
     assert!((now.momentum[0] - start.momentum[0]).abs() < 1e-12 * start.momentum_scale);
-    (crossings[5] - crossings[0]) / 5.0
+    found
 }
 
 /// Density and modulus with so many bars in each row.
@@ -149,7 +132,7 @@ fn long_waves(method: Kernels2, matrix: Matrix, elements_a_cell: f64) -> f64 {
     let expected = LENGTH / speed(1.0);
     // Where splines join elements as large as cells to particles a part goes: 6.3 %.
     let most = if matches!(matrix, Matrix::Particles) { 0.03 } else { 0.08 };
-    expected / half_period(mpm, expected, most)
+    expected / sways(mpm, expected, most)
 }
 
 #[test]
@@ -204,7 +187,7 @@ fn laps_carry_on_what_bars_hold() {
         let (whole, apart) = (LENGTH / speed(1.0), LENGTH / speed(0.0));
         for matrix in [Matrix::Particles, Matrix::Elements(1.0, [0.5, 1.0])] {
             let mpm = strip(splines(), matrix, &along, 1.0, Some(bond)).expect("scene");
-            let found = half_period(mpm, expected, 0.08);
+            let found = sways(mpm, expected, 0.08);
             println!(
                 "lap {:.1} m, {matrix:?}: {:.4} of the period (bars all along {:.4}, concrete alone {:.4})",
                 2.0 * half_lap,
@@ -224,6 +207,7 @@ fn a_joint_keeps_the_energy_of_a_standing_wave() {
     let worst = [("linear", linear()), ("splines", splines())].map(|(name, method)| {
         [0.5, 1.0, 2.0].map(|size| {
             let mut worst = 0.0f64;
+            // Not at quarters of a cell, where particles at rest across the edge of a bin lose 1e-8 of momentum to rounding.
             for shift in [0.0, 0.3, 0.5, 0.7] {
                 let lattice = Lattice::new([shift * H; 2], H).expect("lattice");
                 let mut mpm = Mpm::new(method.clone(), BlockGrid::new(lattice));

@@ -1,6 +1,7 @@
 //! Laws, boxes and particles that the tests share.
 
 use impactite_geometry::{Cuboid, ElementBlock, ElementKind, ElementMesh, Filling, Lattice, Seeds, fill};
+use mpm_core::Mpm;
 use mpm_materials::{LinearElastic, Moduli};
 
 pub fn elastic(density: f64, young: f64, poisson: f64) -> LinearElastic<f64> {
@@ -33,4 +34,30 @@ pub fn bars<const D: usize>(ends: &[[[f64; D]; 2]], parts: usize) -> ElementMesh
     }
     mesh.blocks.push(ElementBlock { name: "bars".into(), kind: ElementKind::Bar2, nodes: links });
     mesh
+}
+
+/// Half the period, s, with which a bar of this length, m, sways in its first mode, by six passages through zero: at a quarter and at three quarters
+/// of a period. It is to have made them by `latest`, s.
+#[allow(dead_code, reason = "not all that share this sway")]
+pub fn half_period(mpm: &mut Mpm<2>, length: f64, latest: f64) -> f64 {
+    let amplitude = |mpm: &Mpm<2>| {
+        let mut sum = 0.0;
+        for body in mpm.bodies() {
+            body.for_each(&mut |p| {
+                sum += p.mass * p.velocity[0] * (std::f64::consts::PI * p.position[0] / length).cos();
+            });
+        }
+        sum
+    };
+    let (mut last, mut crossings) = ((0.0, amplitude(mpm)), Vec::new());
+    while crossings.len() < 6 {
+        mpm.step().expect("step");
+        let now = (mpm.time(), amplitude(mpm));
+        if now.1 * last.1 < 0.0 {
+            crossings.push(last.0 + (now.0 - last.0) * last.1 / (last.1 - now.1));
+        }
+        last = now;
+        assert!(mpm.time() < latest, "it does not sway");
+    }
+    (crossings[5] - crossings[0]) / 5.0
 }

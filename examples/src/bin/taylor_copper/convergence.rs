@@ -16,7 +16,7 @@ const LEAST: f64 = 0.5;
 /// By which elements are to be cheaper than material points at equal errors.
 const CHEAPER: f64 = 3.0;
 
-/// Most of what material points cost that elements which become particles are to.
+/// Most that elements which become particles are to cost at equal errors, over material points.
 const CONVERTED: f64 = 0.5;
 
 const METHODS: [(Methods, &str, Marker); 4] = [
@@ -32,7 +32,7 @@ const AFEMP: usize = 3;
 /// Sizes, and the errors at which costs are compared, and where elements alone tangle.
 const SIZES: [(&str, [f64; 2]); 2] = [("length", [0.002, 0.01]), ("radius of the face", [0.02, 0.02])];
 
-/// Why elements that become particles are not.
+/// Why the length of a fast bar by elements that become particles costs more.
 const SHORT: &str = "the bar is small: much of it is converted, and elements ask for steps half as long as particles of their size";
 /// Speed from which elements alone tangle, m/s, and the most cells on the radius that are tried then.
 const TANGLES: (f64, u32) = (300.0, 4);
