@@ -464,7 +464,7 @@ fn method(out: &mut String, data: &Data) {
          <li>Smoothed particles are left out of C5 but for bars that meet (what it charts are tests of contact on a grid), of C6 (they have no mean \
          dilatation, the cure that it is about), of C10 and C12 (eigenvalues of a grid, and programs of its own), and of C13, whose methods are those \
          of README for material points; C14 has its bars of steel by all methods.</li>\
-         <li>Not covered: three dimensions (but for C12), several threads (but for C12), FMPM with MUSL, CPDI with other than FLIP and USL, friction, finite elements and particle contacts but for C14, smoothed particles but for C1 to C4, C7 and C14. \
+         <li>Not covered: three dimensions (but for C12), several threads (but for C12), FMPM with MUSL, CPDI with other than FLIP and USL, friction, finite elements and particle contacts but for C14, smoothed particles but for C1 to C4, C7 and C14, elements that become particles but for bars of steel in C14. \
          Problems here are smooth, or one shock, or one contact; what breaks in fracture or penetration is another matter.</li>\
          <li>Data: <a href=\"runs.csv\">runs.csv</a>, <a href=\"runs.jsonl\">runs.jsonl</a>, <a href=\"counts.jsonl\">counts.jsonl</a>, \
          <a href=\"speeds.jsonl\">speeds.jsonl</a>, <a href=\"peers.jsonl\">peers.jsonl</a>, <a href=\"stability.json\">stability.json</a>. \

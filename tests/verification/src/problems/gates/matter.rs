@@ -13,6 +13,7 @@ use mpm_materials::IntoMaterial;
 use pcmm::{LocalDelaunay, Masses, Packing, Pcmm};
 
 use super::Way;
+use super::coupled::Coupled;
 use super::solved::{self, Solved, smoothed, text, unloaded};
 use crate::work::{Stopwatch, Work};
 
@@ -155,6 +156,10 @@ impl Matter {
                 };
                 (rest, solved)
             }
+            Way::Mpfem | Way::Afemp => {
+                unloaded(&setup)?;
+                (Vec::new(), Box::new(Coupled::new(way, setup, law, space, kernels)?))
+            }
             Way::Fragile(_) | Way::Cracks(_) => return Err(format!("{} does not run this", way.name())),
         };
         Ok(Self::of(way, rest, solved))
@@ -173,10 +178,16 @@ impl Matter {
         self.work.seconds += watch.seconds();
         self.work.steps = solver.steps();
         self.work.bytes = solver.bytes() as u64;
+        self.solved.weigh(&mut self.work);
         made.map_err(text)
     }
 
-    /// What there is now.
+    /// Height and largest radius, m, of what has points without a place at the start.
+    pub fn outer_sizes(&self) -> Option<[f64; 2]> {
+        self.solved.outer_sizes()
+    }
+
+    /// What there is now, of all that has a place at the start.
     pub fn points(&self) -> Vec<Point> {
         let mut points = Vec::with_capacity(self.rest.len());
         self.solved.each(&mut |n, mass, position, velocity| {

@@ -1,7 +1,7 @@
 //! Gates that all methods are measured by, with one law value: a bar on a rigid wall (A), a cantilever under a pulse (B), a beam that swings
 //! (C), the impact of plates (D), Taylor bars of steel (G), and a plate that is pulled. By the material point method, particle contacts, smoothed
 //! particles, finite elements and fragile points, where they have what the gate takes: tractions (B and the plate), cells around an axis
-//! (G). Kalthoff's plate (H) is by fragile points alone, whose cracks need no way that is known before.
+//! (G). Bars of steel (G) are run by elements that become particles, too. Kalthoff's plate (H) is by fragile points alone, whose cracks need no way that is known before.
 //!
 //! | gate | scene | against |
 //! |---|---|---|
@@ -16,6 +16,7 @@
 mod bar;
 mod beam;
 mod cantilever;
+mod coupled;
 mod kalthoff;
 mod matter;
 mod plate;
@@ -76,7 +77,7 @@ impl Gate {
         match self {
             Gate::Bar | Gate::Beam | Gate::Plate => Way::ALL.into_iter().chain(fragile).collect(),
             Gate::Cantilever | Gate::Pull => Way::ALL.into_iter().filter(elements).chain(fragile).collect(),
-            Gate::Taylor => Way::ALL.to_vec(),
+            Gate::Taylor => Way::ALL.into_iter().chain([Way::Mpfem, Way::Afemp]).collect(),
             Gate::Kalthoff => Cracks::ALL.map(Way::Cracks).to_vec(),
         }
     }
@@ -101,10 +102,14 @@ pub enum Way {
     Fragile(Fragile),
     /// Fragile points whose faces open.
     Cracks(Cracks),
+    /// Elements that are particles near the wall from the start, `coupling::Conversion::within`.
+    Mpfem,
+    /// Elements that become particles where they are deformed too far, `coupling::Conversion::adaptive`.
+    Afemp,
 }
 
 impl Way {
-    /// Those around an axis, too.
+    /// Those that run all but tractions, around an axis, too.
     pub const ALL: [Way; 8] = [
         Way::Linear,
         Way::Impact,
@@ -131,10 +136,13 @@ impl Way {
             Way::Elements(Elements::Triangles(_)) => "FE triangles",
             Way::Fragile(fragile) => fragile.name(),
             Way::Cracks(cracks) => cracks.name(),
+            Way::Mpfem => "MPFEM",
+            Way::Afemp => "AFEMP",
         }
     }
 
-    /// Nodes that a point of integration weighs on, times points of integration a moving point of the solver.
+    /// Nodes that a point of integration weighs on, times points of integration a moving point of the solver; of elements that become
+    /// particles, until they do.
     fn nodes(self) -> u64 {
         match self {
             Way::Linear | Way::Elements(Elements::Quadrilaterals(Technology::OnePoint(_))) => 4,
@@ -142,13 +150,13 @@ impl Way {
             Way::Contacts | Way::Elements(Elements::Triangles(_)) => 3,
             Way::TotalLagrangian => Smoothed::TotalLagrangian.neighbours(),
             Way::Updated => Smoothed::Updated.neighbours(),
-            Way::Elements(Elements::Quadrilaterals(_)) => 16,
+            Way::Elements(Elements::Quadrilaterals(_)) | Way::Mpfem | Way::Afemp => 16,
             Way::Fragile(fragile) => fragile.neighbours(),
             Way::Cracks(_) => 6,
         }
     }
 
-    /// Particles a cell and axis; one element a cell.
+    /// Particles a cell and axis; one element a cell, whether it becomes particles or not.
     pub fn per_axis(self) -> usize {
         if matches!(self, Way::Linear | Way::Impact) { 2 } else { 1 }
     }
@@ -164,7 +172,9 @@ impl Way {
                 let method = Method::new(Linear, mpm_core::Flip, Musl, PlaneStrain);
                 of(method.into_kernels().facts().time_control())
             }
-            Way::Impact => of(Method::impact(PlaneStrain).into_kernels().facts().time_control()),
+            Way::Impact | Way::Mpfem | Way::Afemp => {
+                of(Method::impact(PlaneStrain).into_kernels().facts().time_control())
+            }
             Way::Contacts => 0.5,
             Way::TotalLagrangian | Way::Updated => Smoothed::COURANT,
             Way::Elements(_) => 0.9,
@@ -221,12 +231,14 @@ impl Stored for Passage {
 }
 
 /// The passages of a gate whose errors are stored, by every method on coarse grids: seconds each gate. Not those of material points with linear
-/// shape functions that cross cells, whose trembling no table can hold, and not ways of cracks, which the smallest change of rounding may turn:
-/// tests of `fpm` hold these. Smoothed particles and cells at random need more of them through a beam.
+/// shape functions that cross cells, whose trembling no table can hold, not ways of cracks, which the smallest change of rounding may turn:
+/// tests of `fpm` hold these; not elements that become particles either, for the same reason. Smoothed particles and cells at random need more of them through a beam.
 pub fn stored(gate: Gate) -> Vec<Passage> {
     let grids = |way| -> &[usize] {
         match (gate, way) {
-            (Gate::Plate | Gate::Taylor, Way::Linear) | (Gate::Kalthoff, _) => &[],
+            (Gate::Plate | Gate::Taylor, Way::Linear)
+            | (Gate::Kalthoff, _)
+            | (_, Way::Mpfem | Way::Afemp) => &[],
             (Gate::Bar | Gate::Plate, _) => &[25, 50, 100],
             (Gate::Beam, Way::TotalLagrangian) => &[4, 8, 16],
             (Gate::Beam, Way::Fragile(Fragile { random: true, .. })) => &[4, 8, 12],

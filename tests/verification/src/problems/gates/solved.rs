@@ -12,6 +12,7 @@ use sph::{Layout, Sph};
 
 use super::matter::{Load, Setup};
 use crate::fragile::{Flux, Fragile};
+use crate::work::Work;
 
 pub fn text(error: impl std::fmt::Display) -> String {
     error.to_string()
@@ -29,8 +30,14 @@ pub trait Solved {
     fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         self.solver().run_until(end)
     }
-    /// Mass, position and velocity of every particle or node, with its place among those of the start.
+    /// Mass, position and velocity of every particle or node, with its place among those of the start; of none that has no place there.
     fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2]));
+    /// Height and largest radius, m, of what has points without a place at the start.
+    fn outer_sizes(&self) -> Option<[f64; 2]> {
+        None
+    }
+    /// Correct particles and nodes, where the number of points changes.
+    fn weigh(&self, _work: &mut Work) {}
 }
 
 impl Solved for Mpm<2> {

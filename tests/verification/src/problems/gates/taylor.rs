@@ -8,7 +8,6 @@ use mpm_materials::library;
 use super::Passage;
 use super::matter::{Matter, Point, Setup};
 use crate::case::Outcome;
-use crate::work::Work;
 
 /// Radius and length, m. The diameter is 7.595 mm but for 1e-4 of it: so whole cells fill the bar.
 const SIZE: [f64; 2] = [3.797e-3, 37.97e-3];
@@ -35,18 +34,11 @@ pub fn run(passage: Passage) -> Result<Outcome, String> {
         };
         let mut bar = Matter::around_the_axis(passage.way, setup, library::steel_4340())?;
         let made = bar.run_until(END);
-        let Work { particles, steps, seconds, bytes, .. } = bar.work;
-        outcome.work = Work {
-            particles,
-            nodes: bar.work.nodes,
-            steps: outcome.work.steps + steps,
-            seconds: outcome.work.seconds + seconds,
-            bytes: outcome.work.bytes.max(bytes),
-        };
+        outcome.work = outcome.work.and(&bar.work);
         if let Err(failure) = made {
             return Ok(Outcome { failure: Some(format!("{speed} m/s: {failure}")), ..outcome });
         }
-        let found = sizes(&bar.points());
+        let found = bar.outer_sizes().unwrap_or_else(|| sizes(&bar.points()));
         let off = [0, 1].map(|n| (found[n] / reference[n] - 1.0).abs());
         for (worst, now) in worst.iter_mut().zip([off[0], off[1], bar.energy_error().abs()]) {
             *worst = worst.max(now);
