@@ -441,10 +441,16 @@ impl Sweeper<'_> {
         .map_err(|()| "the control failed")?;
         // Of runs that are kept the noise was what it was.
         let kept = self.files.making()?.filter(|_| self.options.keep);
-        let band = kept.map_or(band, |before| band.max(before.band));
+        let band = kept.as_ref().map_or(band, |before| band.max(before.band));
+        // Times compare within a chart, whose runs are of one machine each.
+        let machine = match kept.map(|before| before.machine) {
+            Some(before) if before.contains(&machine::class()) => before,
+            Some(before) => format!("{before}; runs that were added: {}", machine::class()),
+            None => machine::class(),
+        };
         let making = page::Making {
             date: said_by("date", &["+%Y-%m-%d"]),
-            machine: machine::class(),
+            machine,
             compiler: said_by("rustc", &["--version"]),
             threads: self.threads(),
             band,
