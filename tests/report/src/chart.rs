@@ -61,7 +61,7 @@ pub enum Mark {
     Disc,
     /// In the reference configuration, or in single precision.
     Ring,
-    /// Cells of points at random.
+    /// Cells of points at random; elements that become particles.
     Triangle,
     /// Taichi.
     Square,
@@ -153,6 +153,10 @@ impl Style {
         ];
         if let Some((_, colour, ring)) = beside.into_iter().find(|(name, ..)| method == *name) {
             return Style { colour, dash: "none", mark: Mark::of(peer, ring) };
+        }
+        if ["MPFEM", "AFEMP"].contains(&method) {
+            let dash = if method == "MPFEM" { "2 4" } else { "none" };
+            return Style { colour: 7, dash, mark: Mark::Triangle };
         }
         if let Some(cells) = method.strip_prefix("FPM ") {
             let colour = if cells.starts_with("strength") { 1 } else { 7 };
