@@ -434,7 +434,7 @@ pub fn charts() -> Vec<Chart> {
             about: "Gate G, Taylor bars of 4340 steel, 7.595 x 37.97 mm, at 181, 224 and 270 m/s, axisymmetric, adiabatic Johnson-Cook, by the same methods and by elements that become particles (MPFEM: within two radii of the wall \
                     from the start; AFEMP: where they are deformed too far): the largest error \
                     of the three lengths after 70 us against two axisymmetric finite element codes, which differ by 0.1 %. Work is that of the three. Cells are those \
-                    of the radius.",
+                    of the radius. A copper bar at 190 and 400 m/s over cost, which no other code has run, is in the book (taylor_copper --convergence).",
             problem: Gate::Taylor.name(),
             error: "length",
             label: "largest error of the lengths",
