@@ -162,7 +162,7 @@ pub fn at_the_border() -> Scene {
         fails: "The bar of T22, of which half the width is particles at the foot. What flows from there comes to the elements beside, which \
                 become flat as all of them do without particles.",
         metric: "shortest step over the first",
-        limit: Limit::AtLeast(0.3),
+        limit: Limit::AtLeast(0.5),
         rows: Vec::new(),
     }
     .fails("Conversion::within", "own", converted(foot))

@@ -94,7 +94,6 @@ fn one(passage: Passage, pull: Pull) -> Result<(f64, f64, Work), String> {
 pub fn run(passage: Passage) -> Result<Outcome, String> {
     let (smooth, energy, work) = one(passage, Pull::Squared)?;
     let (half, _, more) = one(passage, Pull::HalfSine)?;
-    let work = Work { steps: work.steps + more.steps, seconds: work.seconds + more.seconds, ..work };
-    let outcome = Outcome { work, ..Outcome::default() };
+    let outcome = Outcome { work: work.and(&more), ..Outcome::default() };
     Ok(outcome.with("smooth", smooth).with("half sine", half).with("energy", energy))
 }
