@@ -6,7 +6,7 @@ use crate::curve::Point;
 use crate::estimate::Estimate;
 use crate::flight::Flight;
 use crate::scene::Outcome;
-use crate::setup::{Kernel, RodFrame};
+use crate::setup::{Kernel, RodFrame, Target};
 use crate::{EXPERIMENT, PAPER};
 
 /// Within which the residual speed is asked for, m/s: 3 % of the experiment below, 2 % above.
@@ -52,8 +52,9 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
     }
     if setup.is_the_paper_s() {
         let value = finest.residual();
+        let paper = Check::gate("residual speed of the paper", value, "m/s", PAPER, NEAR, "MPM3Dpp [S]");
         let mut gates = vec![
-            Check::gate("residual speed of the paper", value, "m/s", PAPER, NEAR, "MPM3Dpp [S]"),
+            if setup.rod == RodFrame::Fem { paper.known_miss(ABOVE) } else { paper },
             Check::gate("residual speed, rigid rod", value, "m/s", cavity, NEAR, CAVITY),
             Check::at_least("residual speed", value, "m/s", ASKED[0], "experiment - 3 % [S]"),
             Check::at_most("residual speed", value, "m/s", ASKED[1], "experiment + 2 % [S]"),
@@ -114,10 +115,14 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
     let source = "200 864 particles [S]";
     let paper = 1.048_576 * 55.02 * finest.totals.particles as f64 / 200_864.0;
     let memory = Check::at_most("memory", megabytes, "MB", paper, source);
+    let memory = if setup.target == Target::Afemp { memory.known_miss(NODES) } else { memory };
     checks.push(memory.judged_if(finest.setup.cells >= RESOLVED, "small scenes are mostly surface"));
     Ok(checks)
 }
 
+const ABOVE: &str = "460 m/s by a rod of elements, through a plate of particles as through one of elements: 1 % above the experiment";
+const NODES: &str =
+    "twice of it: nodes and points of elements take memory, and particles alone are what is counted";
 const DEAR: &str = "1.04 and 0.60 on two threads with 12 cells through plates of 6 and 16 diameters, 0.86 and 0.47 on one: contact of the rod costs as \
                     much in both, and what is done between steps runs on one thread";
 /// Cells through the plate from which on its cost is judged.

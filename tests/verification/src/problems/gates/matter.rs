@@ -182,7 +182,7 @@ impl Matter {
         made.map_err(text)
     }
 
-    /// Height and largest radius, m, of what has points without a place at the start.
+    /// Height and largest radius, m, of a body whose points have no place at the start.
     pub fn outer_sizes(&self) -> Option<[f64; 2]> {
         self.solved.outer_sizes()
     }

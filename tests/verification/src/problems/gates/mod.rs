@@ -109,7 +109,7 @@ pub enum Way {
 }
 
 impl Way {
-    /// Those that run all but tractions, around an axis, too.
+    /// Those around an axis, too, but for elements that become particles.
     pub const ALL: [Way; 8] = [
         Way::Linear,
         Way::Impact,

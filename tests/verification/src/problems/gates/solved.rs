@@ -30,9 +30,9 @@ pub trait Solved {
     fn run_until(&mut self, end: f64) -> Result<(), StepError> {
         self.solver().run_until(end)
     }
-    /// Mass, position and velocity of every particle or node, with its place among those of the start; of none that has no place there.
+    /// Mass, position and velocity of every particle or node, with its place among those of the start; nothing of a body whose points have none.
     fn each(&self, visit: &mut dyn FnMut(usize, f64, [f64; 2], [f64; 2]));
-    /// Height and largest radius, m, of what has points without a place at the start.
+    /// Height and largest radius, m, of a body whose points have no place at the start.
     fn outer_sizes(&self) -> Option<[f64; 2]> {
         None
     }
