@@ -123,7 +123,7 @@ pub fn of_grids(outcomes: &[Outcome]) -> Result<Vec<Check>, CaseError> {
 const ABOVE: &str = "460 m/s by a rod of elements, through a plate of particles as through one of elements: 1 % above the experiment";
 const NODES: &str =
     "twice of it: nodes and points of elements take memory, and particles alone are what is counted";
-const DEAR: &str = "1.04 and 0.60 on two threads with 12 cells through plates of 6 and 16 diameters, 0.86 and 0.47 on one: contact of the rod costs as \
+const DEAR: &str = "1.28 and 0.72 on two threads with 12 cells through plates of 6 and 16 diameters, 1.18 and 0.54 on one: contact of the rod costs as \
                     much in both, and what is done between steps runs on one thread";
 /// Cells through the plate from which on its cost is judged.
 const THICK: u32 = 12;
