@@ -1,7 +1,8 @@
 //! Gates that all methods are measured by, with one law value: a bar on a rigid wall (A), a cantilever under a pulse (B), a beam that swings
 //! (C), the impact of plates (D), Taylor bars of steel (G), and a plate that is pulled. By the material point method, particle contacts, smoothed
 //! particles, finite elements and fragile points, where they have what the gate takes: tractions (B and the plate), cells around an axis
-//! (G). Bars of steel (G) are run by elements that become particles, too. Kalthoff's plate (H) is by fragile points alone, whose cracks need no way that is known before.
+//! (G). Bars of steel (G) are run by elements that become particles, too. Kalthoff's plate (H) is by fragile points alone, whose cracks need no
+//! way that is known before.
 //!
 //! | gate | scene | against |
 //! |---|---|---|
@@ -232,7 +233,8 @@ impl Stored for Passage {
 
 /// The passages of a gate whose errors are stored, by every method on coarse grids: seconds each gate. Not those of material points with linear
 /// shape functions that cross cells, whose trembling no table can hold, not ways of cracks, which the smallest change of rounding may turn:
-/// tests of `fpm` hold these; not elements that become particles either, for the same reason. Smoothed particles and cells at random need more of them through a beam.
+/// tests of `fpm` hold these; not elements that become particles either, for the same reason. Smoothed particles and cells at random need more
+/// of them through a beam.
 pub fn stored(gate: Gate) -> Vec<Passage> {
     let grids = |way| -> &[usize] {
         match (gate, way) {
