@@ -47,6 +47,22 @@ pub enum CliError {
         /// What the operating system said.
         source: std::io::Error,
     },
+    /// A folder that another run writes into.
+    #[error("another run{} writes into `{}`; choose another folder with --out", if process.is_empty() { String::new() } else { format!(" (process {process})") }, path.display())]
+    Held {
+        /// The folder.
+        path: PathBuf,
+        /// The number of its process, where that is known.
+        process: String,
+    },
+    /// A folder without anything to resume.
+    #[error("nothing to resume in `{}`: {why}", path.display())]
+    NoResume {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        why: String,
+    },
     /// An option.
     #[error("{option}: {why}")]
     Option {
@@ -58,7 +74,13 @@ pub enum CliError {
 }
 
 impl CliError {
-    pub(crate) fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> CliError {
+    /// Was it written to a pipe that nobody reads any more?
+    #[must_use]
+    pub fn is_closed_pipe(&self) -> bool {
+        matches!(self, CliError::File { source, .. } if source.kind() == std::io::ErrorKind::BrokenPipe)
+    }
+    /// A file or folder, of an error of the operating system.
+    pub fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> CliError {
         let path = path.into();
         |source| CliError::File { path, source }
     }

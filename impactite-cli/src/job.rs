@@ -1,7 +1,8 @@
 //! A run of a scene file in a folder.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use impactite::observe::{
@@ -14,15 +15,18 @@ use impactite_input::measured::{self, Measures};
 use impactite_input::model::condition::Condition;
 use impactite_input::{SceneFile, Source};
 use impactite_report::{Check, Frames, Record, Recorder, write_page};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::CliError;
+use crate::folder::{FRAMES, Held, PICTURES, SERIES, remove};
 use crate::pictures::Draws;
 
 /// Name of the checkpoint in the folder of a run.
 pub const CHECKPOINT: &str = "run.checkpoint";
 /// Name of the scene file there.
 pub const SCENE: &str = "scene.toml";
+/// Name of the result there: the JSON object of `--json`.
+pub const RESULT: &str = "result.json";
 
 /// A run that is to be made.
 #[derive(Clone, Debug)]
@@ -43,15 +47,19 @@ pub struct Job {
     pub report: bool,
     /// Seconds by the clock between lines of the log.
     pub log: Duration,
+    /// Keep the checkpoint of the end, from which a later `end` can be reached.
+    pub keep: bool,
+    /// Becomes false when the scene is set up and the first step begins, and true again when the run is over.
+    pub setting_up: Arc<AtomicBool>,
 }
 
 /// What a run came to: the keys of the JSON object of `--json`.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     /// The title of the scene.
     pub case: String,
     /// `file`: scene files have one resolution, their own.
-    pub resolution: &'static str,
+    pub resolution: String,
     /// The parameters of the file in SI units, with method, space and threads.
     pub settings: serde_json::Value,
     /// Points at the end.
@@ -67,7 +75,7 @@ pub struct Outcome {
     /// Most memory of the process, bytes.
     pub peak_memory_bytes: usize,
     /// Measures at the end: name, value, SI unit.
-    pub measures: Vec<(String, f64, &'static str)>,
+    pub measures: Vec<Measured>,
     /// What was compared with what.
     pub checks: Vec<Check>,
     /// Checks that are met.
@@ -75,16 +83,34 @@ pub struct Outcome {
     /// Checks that are missed.
     pub missed: usize,
     /// Largest energy error: the change of the total energy over the largest energy so far.
+    #[serde(with = "number")]
     pub energy_error: f64,
     /// Largest momentum error.
+    #[serde(with = "number")]
     pub momentum_error: f64,
+}
+
+/// A measure at the end of a run: name, value, SI unit; `"-"` of plain numbers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured(pub String, #[serde(with = "number")] pub f64, pub String);
+
+/// Numbers in JSON, which has no infinities and no NaN: `null`.
+mod number {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub fn serialize<S: Serializer>(x: &f64, to: S) -> Result<S::Ok, S::Error> {
+        x.is_finite().then_some(*x).serialize(to)
+    }
+    pub fn deserialize<'a, D: Deserializer<'a>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
+    }
 }
 
 /// Steps of time between rows of a history, unless the file says otherwise.
 const ROWS: f64 = 400.0;
-/// Pictures and frames.
-const PICTURES: f64 = 40.0;
-const FRAMES: f64 = 8.0;
+/// Steps of time between pictures, and between frames for ParaView.
+const PICTURE_STEPS: f64 = 40.0;
+const FRAME_STEPS: f64 = 8.0;
 
 impl Job {
     /// Run a scene in a folder, with all that files say.
@@ -99,36 +125,93 @@ impl Job {
             pictures: true,
             report: true,
             log: Duration::from_secs(60),
+            keep: false,
+            setting_up: Arc::new(AtomicBool::new(true)),
         }
     }
 
-    /// Go on with the run in a folder from its checkpoint.
+    /// Go on with the run in a folder from its checkpoint, with the pictures and the page that it was called with.
     ///
     /// # Errors
-    /// A folder without a checkpoint, or with one of another program.
+    /// A folder without a checkpoint, or with one of another program; a run that has ended; a scene file in the folder that was edited
+    /// since.
     pub fn resume(folder: impl Into<PathBuf>) -> Result<Self, CliError> {
         let folder = folder.into();
         let path = folder.join(CHECKPOINT);
-        let mut source = Source::new("", "");
-        let read = Run::preface_of(&path).and_then(|mut file| preface(&mut source, &mut file));
+        if !path.exists() {
+            return Err(CliError::NoResume { why: no_checkpoint(&folder), path: folder });
+        }
+        let mut job = Job { resume: true, ..Job::new(Source::new("", ""), folder) };
+        let read = Run::preface_of(&path).and_then(|mut file| job.preface(&mut file));
         read.map_err(|source| CliError::Resume { path, source })?;
-        Ok(Job { resume: true, ..Job::new(source, folder) })
+        let kept = job.folder.join(SCENE);
+        if let Ok(text) = std::fs::read_to_string(&kept)
+            && !job.source.resumes_as(&Source::new(kept.display().to_string(), text))
+        {
+            let why = format!(
+                "`{}` was changed since the run began, and a checkpoint goes on with the scene that it was made of. To lengthen the \
+                 run: `--set end=...`; for other changes: run the file anew, in another folder",
+                kept.display()
+            );
+            return Err(CliError::NoResume { path: job.folder, why });
+        }
+        Ok(job)
+    }
+
+    /// The same with other values of keys. In a run that goes on they are those that change no step: `end`, `title`, `description`,
+    /// `checks`. The pace of histories, pictures and frames stays.
+    ///
+    /// # Errors
+    /// Another key in a run that goes on; what [`Source::set`] refuses.
+    pub fn set(mut self, assignments: &[String]) -> Result<Self, CliError> {
+        for assignment in assignments {
+            let key = assignment.split(['=', '.', '[']).next().unwrap_or_default().trim();
+            if self.resume && !impactite_input::RESUMABLE.contains(&key) {
+                let why = format!(
+                    "a run that goes on keeps its scene; it takes {}. Run the file anew for other changes",
+                    impactite_input::RESUMABLE.join(", ")
+                );
+                return Err(CliError::option(format!("--set {assignment}"), why));
+            }
+            if self.resume && key == "end" {
+                let scene = self.source.parse()?;
+                let out = &scene.output;
+                let paces = [
+                    ("histories", out.histories, ROWS),
+                    ("pictures", out.pictures, PICTURE_STEPS),
+                    ("frames", out.frames, FRAME_STEPS),
+                ];
+                for (name, _, usual) in paces.iter().filter(|p| p.1.is_none()) {
+                    let interval = scene.end.value / usual;
+                    self.source = self.source.set(&format!("output.{name}={interval:?}"))?;
+                }
+            }
+            self.source = self.source.set(assignment)?;
+        }
+        Ok(self)
     }
 
     /// Run it. It stops with a checkpoint after the step in which `stop` becomes true.
     ///
     /// # Errors
-    /// The scene, the run, or a file. A run that is stopped leaves its page, which says why.
+    /// The scene, the run, or a file; a folder that another run holds. A run that is stopped leaves its page, which says why.
     pub fn run(&self, stop: &AtomicBool) -> Result<Outcome, CliError> {
+        self.setting_up.store(true, Ordering::Relaxed);
         let start = Instant::now();
         let scene = self.source.parse()?;
-        let mut solver = self.source.build(&scene)?;
         let threads = self.threads();
         let team = Team::new(threads).map_err(|e| CliError::option("--threads", e.to_string()))?;
+        let mut solver = self.source.build(&scene)?;
+        if !self.resume {
+            let ahead = self.source.ahead(&scene, &mut *solver)?;
+            ahead.notes.iter().for_each(|note| tracing::warn!("{note}"));
+        }
         solver.set_team(team);
         let points: usize = solver.bodies().iter().map(|b| b.len()).sum();
         tracing::info!("`{}`: {}, {points} points, {threads} threads", scene.title, solver.method());
-        self.steps(&scene, &mut *solver, threads, start, stop)
+        let outcome = self.steps(&scene, &mut *solver, threads, start, stop);
+        self.setting_up.store(true, Ordering::Relaxed);
+        outcome
     }
 
     fn threads(&self) -> usize {
@@ -144,16 +227,17 @@ impl Job {
         start: Instant,
         stop: &AtomicBool,
     ) -> Result<Outcome, CliError> {
-        let folder = &self.folder;
-        std::fs::create_dir_all(folder).map_err(CliError::file(folder))?;
-        let kept = folder.join(SCENE);
-        impactite::output::write_whole(&kept, self.source.text.clone())?;
-        // What cannot be measured says so now, and not after an hour.
+        // What cannot be measured is refused now, and not after an hour.
         let measures = Measures::new(scene, solver)?;
+        let folder = &self.folder;
+        let held = Held::new(folder)?;
+        if self.resume { held.clear_parts()? } else { held.clear()? }
+        let source = self.source.anchored();
+        impactite::output::write_whole(folder.join(SCENE), source.text.clone())?;
 
         let end = scene.end.value;
         if !self.resume {
-            // What a run that is killed leaves is a page, too.
+            // A run that is killed leaves a page, too.
             self.described(scene, solver).unfinished(0.0, end).save(folder)?;
         }
         let pace = |given: Option<f64>, usual: f64| Pace::interval(given.unwrap_or(end / usual));
@@ -168,13 +252,13 @@ impl Job {
             });
         let draws = Draws::new(scene);
         let mut pictures = Pictures::create(
-            folder.join("pictures"),
-            "scene",
-            pace(out.pictures.map(|q| q.value), PICTURES)?,
+            folder.join(PICTURES),
+            SERIES,
+            pace(out.pictures.map(|q| q.value), PICTURE_STEPS)?,
             |s| draws.draw(s),
         )?;
         let mut frames =
-            VtkSeries::create(folder.join("paraview"), "scene", pace(out.frames.map(|q| q.value), FRAMES)?)?;
+            VtkSeries::create(folder.join(FRAMES), SERIES, pace(out.frames.map(|q| q.value), FRAME_STEPS)?)?;
         frames = frames.with_format(self.source.frame_format(scene)?);
         if out.fields.as_ref().is_none_or(|fields| fields.iter().any(|f| f == "displacement")) {
             frames = frames.with_displacement();
@@ -183,8 +267,8 @@ impl Job {
             frames = frames.with_fields(fields);
         }
 
-        let mut heading = self.source.clone();
-        let mut preface = |file: &mut Archive| preface(&mut heading, file);
+        let mut heading = Job { source, ..self.clone() };
+        let mut preface = |file: &mut Archive| heading.preface(file);
         let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress];
         if let Some(history) = &mut history {
             observers.push(history);
@@ -204,7 +288,11 @@ impl Job {
             tracing::info!("goes on from `{}`", path.display());
         }
         let setup = start.elapsed().as_secs_f64();
+        self.setting_up.store(false, Ordering::Relaxed);
         let ended = run.until(end);
+        if ended.is_ok() && self.keep {
+            run.save()?;
+        }
         let summary = run.summary();
         drop(run);
         if let Err(RunError::Interrupted { time, .. }) = &ended {
@@ -234,21 +322,22 @@ impl Job {
         if self.pictures {
             let count = pictures.frames();
             if count > 0 {
-                record = record.picture(format!("pictures/scene_{:06}.png", count - 1), "as it stood last");
-                record = record.frames(Frames::series("pictures", "scene", count));
+                record =
+                    record.picture(format!("{PICTURES}/{SERIES}_{:06}.png", count - 1), "as it stood last");
+                record = record.frames(Frames::series(PICTURES, SERIES, count));
             }
         }
-        if let Err(error) = &ended {
-            record = record.stopped(error);
-        }
+        record = match &ended {
+            Ok(_) => record.finished(solver.time()),
+            Err(error) => record.stopped(error),
+        };
         record.save(folder)?;
         if self.report {
             write_page(folder)?;
         }
         ended?;
-        // A run that came to its end is not resumed.
-        if path.exists() {
-            std::fs::remove_file(&path).map_err(CliError::file(&path))?;
+        if !self.keep {
+            remove(&path)?;
         }
         let [met, judged] = record.met();
         let settings = serde_json::json!({
@@ -256,7 +345,7 @@ impl Job {
         });
         let outcome = Outcome {
             case: scene.title.clone(),
-            resolution: "file",
+            resolution: "file".into(),
             settings,
             particles: solver.bodies().iter().map(|b| b.len()).sum(),
             steps: summary.steps,
@@ -267,7 +356,7 @@ impl Job {
             measures: columns
                 .iter()
                 .zip(&values)
-                .map(|((name, unit), value)| (name.clone(), *value, *unit))
+                .map(|((name, unit), value)| Measured(name.clone(), *value, (*unit).into()))
                 .collect(),
             checks,
             met,
@@ -277,7 +366,7 @@ impl Job {
         };
         let json =
             serde_json::to_string(&outcome).map_err(|e| CliError::option("result.json", e.to_string()))?;
-        impactite::output::write_whole(folder.join("result.json"), format!("{json}\n"))?;
+        impactite::output::write_whole(folder.join(RESULT), format!("{json}\n"))?;
         Ok(outcome)
     }
 }
@@ -299,7 +388,7 @@ impl Job {
 }
 
 /// The history of the measures.
-const MEASURES: &str = "measures.csv";
+pub(crate) const MEASURES: &str = "measures.csv";
 
 type Measuring = Box<dyn FnMut(&RunView<'_>) -> Result<Vec<f64>, ObserveError>>;
 
@@ -345,11 +434,34 @@ fn planes(scene: &SceneFile) -> u32 {
     scene.conditions.iter().filter(halves).count() as u32
 }
 
-/// The scene's text, in front of what a run keeps.
-fn preface(source: &mut Source, file: &mut Archive) -> Result<(), CheckpointError> {
-    file.same("program", "impactite scene file")?;
-    file.text(&mut source.name)?;
-    file.text(&mut source.text)
+/// Why a folder has no checkpoint.
+fn no_checkpoint(folder: &Path) -> String {
+    use impactite_report::Progress;
+    if !folder.exists() {
+        return "there is no such folder".into();
+    }
+    match Record::open(folder).map(|record| record.progress) {
+        Ok(Progress::Finished { time }) => {
+            let at = time.map_or(String::new(), |t| format!(" at t = {t:.4e} s"));
+            format!(
+                "the run has ended{at}. A run with `--keep-checkpoint` can be lengthened: `impactite resume FOLDER --set end=...`"
+            )
+        }
+        Ok(Progress::Stopped { error, .. }) => format!("the run was stopped: {error}"),
+        _ => format!("there is no `{CHECKPOINT}`; a run writes it every five minutes (`--checkpoint SECONDS`) and when Ctrl-C stops it"),
+    }
+}
+
+impl Job {
+    /// The scene and how it is run, in front of what a run keeps.
+    fn preface(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.same("program", "impactite scene file 2")?;
+        file.text(&mut self.source.name)?;
+        file.text(&mut self.source.text)?;
+        file.flag(&mut self.pictures)?;
+        file.flag(&mut self.report)?;
+        file.flag(&mut self.keep)
+    }
 }
 
 /// The largest resident memory of this process so far, bytes, where the system tells.

@@ -1,6 +1,7 @@
 //! What the program `impactite` does, for programs of one's own: run a scene file in a folder, resume it, vary it.
 
 pub mod error;
+pub mod folder;
 pub mod job;
 pub mod pictures;
 pub mod sweep;

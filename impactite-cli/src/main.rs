@@ -1,16 +1,17 @@
 //! The program `impactite`.
 
+use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use impactite::parallel::Team;
-use impactite::scene::RunError;
-use impactite_cli::job::CHECKPOINT;
-use impactite_cli::sweep::{Values, sweep};
+use impactite::scene::{RunError, Solver};
+use impactite_cli::job::{CHECKPOINT, Measured};
+use impactite_cli::sweep::{PLAN, Point, Values, resume, sweep};
 use impactite_cli::templates::TEMPLATES;
 use impactite_cli::{CliError, Job, Outcome};
 use impactite_input::Source;
@@ -34,7 +35,7 @@ struct Options {
 enum Command {
     /// Run a scene file; pictures, histories, a ParaView series and report.html go into a folder
     Run(RunOptions),
-    /// Read a scene file and set the scene up, without running it
+    /// Read a scene file, set the scene up, make its first steps, and print its size and cost
     Check(SceneOptions),
     /// Go on with a run that was stopped
     Resume(ResumeOptions),
@@ -73,15 +74,22 @@ struct HowOptions {
     /// Seconds by the clock between lines of the log
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     log_every: f64,
+    /// Print the result as one JSON object on the last line; of a run that fails, its error
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+struct FilesOptions {
     /// No pictures, and no files for ParaView
     #[arg(long)]
     no_pictures: bool,
     /// No report.html
     #[arg(long)]
     no_report: bool,
-    /// Print the result as one JSON object on the last line
+    /// Keep the checkpoint of the end, so that `resume --set end=...` can lengthen the run
     #[arg(long)]
-    json: bool,
+    keep_checkpoint: bool,
 }
 
 #[derive(Debug, Args)]
@@ -92,13 +100,18 @@ struct RunOptions {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
+    files: FilesOptions,
+    #[command(flatten)]
     how: HowOptions,
 }
 
 #[derive(Debug, Args)]
 struct ResumeOptions {
-    /// The folder of the run, or its checkpoint
+    /// The folder of the run or of the sweep, or a checkpoint
     folder: PathBuf,
+    /// Change a key that no step depends on, as end="200 us"; title, description, checks
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    set: Vec<String>,
     #[command(flatten)]
     how: HowOptions,
 }
@@ -145,26 +158,51 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Exit codes: checks that failed; errors. Ctrl-C has 130, as in shells.
+const CHECKS_FAILED: u8 = 1;
+const ERROR: u8 = 2;
+const STOPPED: u8 = 130;
+
 fn main() -> ExitCode {
     let options = Options::parse();
     log(&options);
-    let stop = match signals() {
-        Ok(stop) => stop,
-        Err(error) => return refused(&error),
+    let json = match &options.command {
+        Command::Run(RunOptions { how, .. }) | Command::Resume(ResumeOptions { how, .. }) => how.json,
+        _ => false,
     };
-    match perform(options.command, &stop) {
+    let done = Signals::new().and_then(|signals| perform(options.command, &signals));
+    // Output that nobody reads any more (`| head`) is no error.
+    
+    match done.and_then(|code| flush().map(|()| code)) {
         Ok(code) => code,
-        Err(CliError::Run(error @ RunError::Interrupted { .. })) => {
-            eprintln!("{error}");
-            ExitCode::from(130)
+        Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Err(error) => {
+            let code = match &error {
+                CliError::Run(RunError::Interrupted { .. }) => {
+                    eprintln!("{error}");
+                    STOPPED
+                }
+                _ => {
+                    eprintln!("error: {error}");
+                    ERROR
+                }
+            };
+            if json {
+                let _ = say(format_args!("{}", serde_json::json!({ "error": error.to_string(), "exit_code": code })));
+                let _ = flush();
+            }
+            ExitCode::from(code)
         }
-        Err(error) => refused(&error),
     }
 }
 
-fn refused(error: &CliError) -> ExitCode {
-    eprintln!("error: {error}");
-    ExitCode::FAILURE
+/// A line on the standard output.
+fn say(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
+    writeln!(std::io::stdout(), "{line}").map_err(CliError::file("standard output"))
+}
+
+fn flush() -> Result<(), CliError> {
+    std::io::stdout().flush().map_err(CliError::file("standard output"))
 }
 
 /// To the standard error, by `RUST_LOG` (levels, or `target=level` separated by commas) or the options.
@@ -180,78 +218,85 @@ fn log(options: &Options) {
     };
     let filter = std::env::var("RUST_LOG").ok().and_then(|said| said.parse().ok());
     let filter = filter.unwrap_or_else(|| Targets::new().with_default(level));
-    let lines = tracing_subscriber::fmt::layer().with_target(false).with_writer(std::io::stderr).compact();
+    // Colours for terminals that have them.
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
+    let dumb = set("TERM").is_some_and(|term| term == "dumb");
+    let colours = std::io::stderr().is_terminal() && set("NO_COLOR").is_none() && !dumb;
+    let lines = tracing_subscriber::fmt::layer()
+        .with_target(false)
+        .with_ansi(colours)
+        .with_writer(std::io::stderr)
+        .compact();
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }
 
-/// Set by SIGINT and SIGTERM; a second one ends the program at once.
-fn signals() -> Result<Arc<AtomicBool>, CliError> {
-    let stop = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        let wrong = |e: std::io::Error| CliError::Option { option: "signals".into(), why: e.to_string() };
-        // In this order: the first one finds it false, sets it, and the second finds it true.
-        signal_hook::flag::register_conditional_shutdown(signal, 130, stop.clone()).map_err(wrong)?;
-        signal_hook::flag::register(signal, stop.clone()).map_err(wrong)?;
-    }
-    Ok(stop)
+/// What SIGINT and SIGTERM do: while a scene is set up they end the program at once, in a run they stop it with a checkpoint, and a
+/// second one ends it at once.
+struct Signals {
+    stop: Arc<AtomicBool>,
+    setting_up: Arc<AtomicBool>,
 }
 
-fn perform(command: Command, stop: &AtomicBool) -> Result<ExitCode, CliError> {
+impl Signals {
+    fn new() -> Result<Self, CliError> {
+        use signal_hook::{consts, flag};
+        let signals = Signals { stop: Arc::default(), setting_up: Arc::new(AtomicBool::new(true)) };
+        let wrong = |e: std::io::Error| CliError::Option { option: "signals".into(), why: e.to_string() };
+        for signal in [consts::SIGINT, consts::SIGTERM] {
+            let code = i32::from(STOPPED);
+            flag::register_conditional_shutdown(signal, code, signals.setting_up.clone()).map_err(wrong)?;
+            // In this order: the first one finds it false, sets it, and the second finds it true.
+            flag::register_conditional_shutdown(signal, code, signals.stop.clone()).map_err(wrong)?;
+            flag::register(signal, signals.stop.clone()).map_err(wrong)?;
+        }
+        // A limit on the size of files then fails the write, which has words, and does not end the program.
+        #[cfg(unix)]
+        flag::register(consts::SIGXFSZ, Arc::default()).map_err(wrong)?;
+        Ok(signals)
+    }
+}
+
+fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
+    let stop = &*signals.stop;
     match command {
         Command::Run(options) => {
-            let job = job(&options)?;
-            told(&job.run(stop)?, &job.folder, &options.how)
+            let job = job(&options, signals)?;
+            told(&job.run(stop)?, &job, &options.how)
         }
-        Command::Resume(ResumeOptions { folder, how }) => {
+        Command::Resume(ResumeOptions { folder, set, how }) => {
             let folder = if folder.is_file() {
                 folder.parent().map(Path::to_path_buf).unwrap_or_default()
             } else {
                 folder
             };
-            let job = with(Job::resume(&folder)?, &how);
-            told(&job.run(stop)?, &job.folder, &how)
+            if folder.join(PLAN).exists() && set.is_empty() {
+                return swept(&resume(&folder, |job| with(job, &how, signals), stop)?, &folder);
+            }
+            let job = with(Job::resume(&folder)?, &how, signals).set(&set)?;
+            told(&job.run(stop)?, &job, &how)
         }
         Command::Check(options) => {
             let source = source(&options)?;
             let scene = source.parse()?;
-            let solver = source.build(&scene)?;
+            let mut solver = source.build(&scene)?;
             impactite_input::measured::Measures::new(&scene, &*solver)?;
-            println!("{}: {}", scene.title, solver.method());
-            for body in solver.bodies() {
-                println!(
-                    "  {}: {} points, {:.4e} kg, {}",
-                    body.name(),
-                    body.len(),
-                    body.totals().mass,
-                    body.law()
-                );
+            let ahead = source.ahead(&scene, &mut *solver)?;
+            say(format_args!("{}: {}", scene.title, solver.method()))?;
+            // The first steps show what only they refuse, and how long one takes.
+            let team = Team::new(std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST));
+            solver.set_team(team.map_err(|e| CliError::Option { option: "threads".into(), why: e.to_string() })?);
+            let seconds = timed(&mut *solver, scene.end.value)?;
+            for line in ahead.lines(seconds) {
+                say(format_args!("  {line}"))?;
             }
             Ok(ExitCode::SUCCESS)
         }
         Command::Sweep(SweepOptions { run, over }) => {
-            let mut job = job(&run)?;
-            // Each run has a folder; the table has the numbers.
-            job.report &= !run.how.no_report;
-            let points = sweep(&job, &over, stop)?;
-            for point in &points {
-                let keys: Vec<String> =
-                    over.iter().zip(&point.values).map(|(k, v)| format!("{} = {v}", k.key)).collect();
-                match &point.outcome {
-                    Ok(outcome) => {
-                        let list = outcome
-                            .measures
-                            .iter()
-                            .map(|(name, value, unit)| format!("{name} {value:.5e} {unit}"));
-                        println!("{}: {}", keys.join(", "), list.collect::<Vec<_>>().join(", "));
-                    }
-                    Err(why) => println!("{}: {why}", keys.join(", ")),
-                }
-            }
-            println!("files in {}", job.folder.display());
-            Ok(if points.iter().all(|p| p.outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+            let job = job(&run, signals)?;
+            swept(&sweep(&job, &over, stop)?, &job.folder)
         }
         Command::List(ListOptions { topic }) => {
-            list(topic);
+            list(topic)?;
             Ok(ExitCode::SUCCESS)
         }
         Command::New(NewOptions { template, file }) => {
@@ -266,19 +311,38 @@ fn perform(command: Command, stop: &AtomicBool) -> Result<ExitCode, CliError> {
                 return Err(CliError::Option { option: "new".into(), why });
             }
             std::fs::write(&path, text).map_err(|source| CliError::File { path: path.clone(), source })?;
-            println!("{}: `impactite run {}`", path.display(), path.display());
+            say(format_args!("{}: `impactite run {}`", path.display(), path.display()))?;
             Ok(ExitCode::SUCCESS)
         }
         Command::Report { folder } => {
             let page = impactite_report::write_page(&folder)?;
-            println!("{}", page.display());
+            say(format_args!("{}", page.display()))?;
             Ok(ExitCode::SUCCESS)
         }
         Command::Schema => {
-            println!("{:#}", impactite_input::schema().to_value());
+            say(format_args!("{:#}", impactite_input::schema().to_value()))?;
             Ok(ExitCode::SUCCESS)
         }
     }
+}
+
+/// Seconds that a step of a scene takes, by its first steps but one: as many as half a second holds, at most 20.
+fn timed(solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, CliError> {
+    let mut taken = Duration::ZERO;
+    let mut steps = 0;
+    for n in 0..20 {
+        if solver.reached(end) || taken > Duration::from_millis(500) {
+            break;
+        }
+        let start = Instant::now();
+        solver.step_towards(end).map_err(RunError::from)?;
+        // The first step makes what the others use.
+        if n > 0 {
+            taken += start.elapsed();
+            steps += 1;
+        }
+    }
+    Ok((steps > 0).then(|| taken.as_secs_f64() / f64::from(steps)))
 }
 
 fn source(options: &SceneOptions) -> Result<Source, CliError> {
@@ -289,7 +353,7 @@ fn source(options: &SceneOptions) -> Result<Source, CliError> {
     Ok(source)
 }
 
-fn job(options: &RunOptions) -> Result<Job, CliError> {
+fn job(options: &RunOptions, signals: &Signals) -> Result<Job, CliError> {
     let source = source(&options.scene)?;
     let name = options.scene.scene.file_stem().unwrap_or_default();
     let folder = options.out.clone().unwrap_or_else(|| Path::new("out").join(name));
@@ -299,24 +363,46 @@ fn job(options: &RunOptions) -> Result<Job, CliError> {
             folder.display()
         );
     }
-    Ok(with(Job::new(source, folder), &options.how))
+    let files = &options.files;
+    let job = Job {
+        pictures: !files.no_pictures,
+        report: !files.no_report,
+        keep: files.keep_checkpoint,
+        ..Job::new(source, folder)
+    };
+    Ok(with(job, &options.how, signals))
 }
 
-fn with(job: Job, how: &HowOptions) -> Job {
+fn with(job: Job, how: &HowOptions, signals: &Signals) -> Job {
     Job {
         threads: how.threads.map(usize::from),
         checkpoint: Duration::from_secs_f64(how.checkpoint),
         log: Duration::from_secs_f64(how.log_every),
-        pictures: !how.no_pictures,
-        report: !how.no_report,
+        setting_up: signals.setting_up.clone(),
         ..job
     }
 }
 
+/// The measures of each run of a sweep.
+fn swept(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
+    for point in points {
+        let values = point.values.join(", ");
+        match &point.outcome {
+            Ok(outcome) => {
+                let list = outcome.measures.iter().map(|Measured(name, value, unit)| format!("{name} {value:.5e} {unit}"));
+                say(format_args!("{values}: {}", list.collect::<Vec<_>>().join(", ")))?;
+            }
+            Err(why) => say(format_args!("{values}: failed: {why}"))?,
+        }
+    }
+    say(format_args!("files in {}", folder.display()))?;
+    Ok(if points.iter().all(|p| p.outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::from(ERROR) })
+}
+
 /// The measures, the checks with the missed ones first, and the exit code: failure if a check is missed.
-fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, CliError> {
-    for (name, value, unit) in &outcome.measures {
-        println!("{name}: {value:.6e} {unit}");
+fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliError> {
+    for Measured(name, value, unit) in &outcome.measures {
+        say(format_args!("{name}: {value:.6e} {unit}"))?;
     }
     let mut checks: Vec<_> = outcome.checks.iter().collect();
     checks.sort_by_key(|c| c.pass != Some(false));
@@ -333,15 +419,15 @@ fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, 
                 format!("{:.1} %", 100.0 * allowed),
             )
         };
-        println!(
+        say(format_args!(
             "{verdict}: {} {:.4e} {unit}, reference {reference:.4e} {unit} ({off}{allowed} allowed), {}",
             check.name,
             check.value,
             check.source,
             unit = check.unit,
-        );
+        ))?;
     }
-    println!(
+    say(format_args!(
         "{} of {} checks met; {} steps of {} points in {:.2} s of stepping: {:.2} million updates a second; largest energy error {:+.2} %",
         outcome.met,
         outcome.met + outcome.missed,
@@ -350,22 +436,22 @@ fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, 
         outcome.wall_seconds,
         1e-6 * outcome.particle_updates_per_second,
         100.0 * outcome.energy_error,
-    );
-    let page = folder.join("report.html");
-    println!(
+    ))?;
+    let page = job.folder.join("report.html");
+    say(format_args!(
         "files in {}{}",
-        folder.display(),
-        if how.no_report { String::new() } else { format!("; look at {}", page.display()) }
-    );
+        job.folder.display(),
+        if job.report { format!("; look at {}", page.display()) } else { String::new() }
+    ))?;
     if how.json {
         let json = serde_json::to_string(outcome)
             .map_err(|e| CliError::Option { option: "--json".into(), why: e.to_string() })?;
-        println!("{json}");
+        say(format_args!("{json}"))?;
     }
-    Ok(if outcome.missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    Ok(if outcome.missed == 0 { ExitCode::SUCCESS } else { ExitCode::from(CHECKS_FAILED) })
 }
 
-fn list(topic: Word) {
+fn list(topic: Word) -> Result<(), CliError> {
     let topic = match topic {
         Word::Methods => Topic::Methods,
         Word::Laws => Topic::Laws,
@@ -375,14 +461,14 @@ fn list(topic: Word) {
         Word::Shapes => Topic::Shapes,
         Word::Measures => Topic::Measures,
         Word::Templates => {
-            TEMPLATES.iter().for_each(|(name, what, _)| println!("{name}: {what}"));
-            return;
+            return TEMPLATES.iter().try_for_each(|(name, what, _)| say(format_args!("{name}: {what}")));
         }
     };
     for line in topic.lines() {
-        println!("{}: {}", line.name, line.what);
+        say(format_args!("{}: {}", line.name, line.what))?;
         if !line.fields.is_empty() {
-            println!("    {}", line.fields.join(", "));
+            say(format_args!("    {}", line.fields.join(", ")))?;
         }
     }
+    Ok(())
 }

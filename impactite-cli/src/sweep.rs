@@ -1,17 +1,21 @@
 //! Runs over lists of values.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use impactite::output::History;
 use impactite::output::picture::{Axis, Chart, Marker, Panels, Series};
+use impactite::scene::RunError;
 use impactite_input::Source;
+use serde::{Deserialize, Serialize};
 
 use crate::CliError;
-use crate::job::{Job, Outcome};
+use crate::folder::{Held, remove};
+use crate::job::{CHECKPOINT, Job, Measured, Outcome, RESULT, SCENE};
 
 /// One key and the values that it takes.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Values {
     /// The key, as `bodies.rod.speed`.
     pub key: String,
@@ -56,56 +60,153 @@ impl std::str::FromStr for Values {
     }
 }
 
-/// A run of a sweep: the values of the keys, and what came.
+/// A run of a sweep: the values of the keys, and its outcome.
 #[derive(Clone, Debug)]
 pub struct Point {
     /// A value a key.
     pub values: Vec<String>,
-    /// What came.
+    /// The outcome, or why the run failed.
     pub outcome: Result<Outcome, String>,
 }
 
-/// All combinations of values, each in a folder of its own (`001`, ...); then `sweep.csv` and, of one key with numbers, the chart `sweep.png`.
+/// Name of the plan of a sweep in its folder, from which it goes on.
+pub const PLAN: &str = "sweep.json";
+/// Names of its table and chart there.
+const TABLE: &str = "sweep.csv";
+const CHART: &str = "sweep.png";
+
+/// A sweep, and how far it came.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Plan {
+    /// Name and text of the scene.
+    name: String,
+    scene: String,
+    keys: Vec<Values>,
+    pictures: bool,
+    report: bool,
+    keep: bool,
+    /// Why runs failed, by their numbers from 1.
+    failed: BTreeMap<usize, String>,
+}
+
+impl Plan {
+    fn save(&self, folder: &Path) -> Result<(), CliError> {
+        let text = serde_json::to_string_pretty(self).map_err(|e| CliError::option(PLAN, e.to_string()))?;
+        Ok(impactite::output::write_whole(folder.join(PLAN), text + "\n")?)
+    }
+
+    /// All combinations of values, the last key's varying fastest.
+    fn combinations(&self) -> Vec<Vec<String>> {
+        self.keys.iter().fold(vec![Vec::new()], |list, values| {
+            let with = |before: &Vec<String>, v: &String| [before.clone(), vec![v.clone()]].concat();
+            list.iter().flat_map(|before| values.list.iter().map(|v| with(before, v))).collect()
+        })
+    }
+}
+
+/// Run a scene for all combinations of values, each in a folder of its own (`001`, ...); then write the table `sweep.csv` and, of one
+/// key with numbers, the chart `sweep.png`. The plan `sweep.json` is what [`resume`] goes on with.
 ///
-/// A run that fails is a row that says so; the others go on.
+/// A run that fails is a row of NaN, and `sweep.json` has its reason; the others go on.
 ///
 /// # Errors
-/// A key that the scene has not, a file that cannot be written; asked to stop.
+/// A key that the scene does not have, a file that cannot be written, a folder that another run holds; a request to stop.
 pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point>, CliError> {
-    let mut combinations: Vec<Vec<String>> = vec![Vec::new()];
-    for values in keys {
-        combinations = combinations
-            .iter()
-            .flat_map(|before| values.list.iter().map(|v| [before.clone(), vec![v.clone()]].concat()))
-            .collect();
+    let plan = Plan {
+        name: base.source.name.clone(),
+        scene: base.source.anchored().text,
+        keys: keys.to_vec(),
+        pictures: base.pictures,
+        report: base.report,
+        keep: base.keep,
+        failed: BTreeMap::new(),
+    };
+    let held = Held::new(&base.folder)?;
+    sources(base, &plan)?;
+    for name in [PLAN, TABLE, CHART] {
+        remove(&base.folder.join(name))?;
     }
-    let sources: Result<Vec<Source>, CliError> = combinations
-        .iter()
-        .map(|combination| {
-            let mut source = base.source.clone();
-            for (values, value) in keys.iter().zip(combination) {
-                source = source.set(&format!("{}={value}", values.key))?;
-            }
-            // What is no scene says so before the first run.
-            source.parse()?;
-            Ok(source)
-        })
-        .collect();
-    let mut points = Vec::new();
-    for (n, (source, values)) in sources?.into_iter().zip(combinations).enumerate() {
-        let folder = base.folder.join(format!("{:03}", n + 1));
-        tracing::info!(
-            "{}",
-            keys.iter().zip(&values).map(|(k, v)| format!("{} = {v}", k.key)).collect::<Vec<_>>().join(", ")
-        );
-        let outcome = Job { source, folder, ..base.clone() }.run(stop);
-        if let Err(CliError::Run(interrupted @ impactite::scene::RunError::Interrupted { .. })) = outcome {
-            return Err(interrupted.into());
+    // Runs of an earlier sweep, of which there may have been more.
+    for number in 1.. {
+        let folder = base.folder.join(format!("{number:03}"));
+        if !folder.is_dir() {
+            break;
         }
-        points.push(Point { values, outcome: outcome.map_err(|e| e.to_string()) });
+        Held::new(&folder)?.clear()?;
     }
-    write(&base.folder, keys, &points)?;
+    plan.save(&base.folder)?;
+    go_on(base, plan, stop, &held)
+}
+
+/// Go on with the sweep in a folder: runs that have ended are read, runs that were stopped are resumed, the others are made.
+///
+/// # Errors
+/// As [`sweep`]; a folder without a plan.
+pub fn resume(folder: &Path, how: impl FnOnce(Job) -> Job, stop: &AtomicBool) -> Result<Vec<Point>, CliError> {
+    let path = folder.join(PLAN);
+    let text = std::fs::read_to_string(&path).map_err(CliError::file(&path))?;
+    let plan: Plan = serde_json::from_str(&text)
+        .map_err(|e| CliError::NoResume { path: folder.into(), why: format!("`{PLAN}` is damaged: {e}") })?;
+    let job = Job::new(Source::new(&plan.name, &plan.scene), folder);
+    let base = how(Job { pictures: plan.pictures, report: plan.report, keep: plan.keep, ..job });
+    let held = Held::new(folder)?;
+    go_on(&base, plan, stop, &held)
+}
+
+/// The scene of each run. Invalid scenes are refused before the first run.
+fn sources(base: &Job, plan: &Plan) -> Result<Vec<Source>, CliError> {
+    let one = |combination: &Vec<String>| {
+        let mut source = base.source.clone();
+        for (values, value) in plan.keys.iter().zip(combination) {
+            source = source.set(&format!("{}={value}", values.key))?;
+        }
+        source.parse()?;
+        Ok(source)
+    };
+    plan.combinations().iter().map(one).collect()
+}
+
+fn go_on(base: &Job, mut plan: Plan, stop: &AtomicBool, _held: &Held) -> Result<Vec<Point>, CliError> {
+    let mut points = Vec::new();
+    for (n, (source, values)) in sources(base, &plan)?.into_iter().zip(plan.combinations()).enumerate() {
+        let number = n + 1;
+        let folder = base.folder.join(format!("{number:03}"));
+        let outcome = match (done(&folder, &source), plan.failed.get(&number)) {
+            (Some(outcome), _) => Ok(outcome),
+            (None, Some(why)) => Err(why.clone()),
+            (None, None) => {
+                let pairs = plan.keys.iter().zip(&values).map(|(k, v)| format!("{} = {v}", k.key));
+                tracing::info!("{}", pairs.collect::<Vec<_>>().join(", "));
+                let job = Job { source, folder: folder.clone(), ..base.clone() };
+                let job = match folder.join(CHECKPOINT).exists().then(|| Job::resume(&folder)) {
+                    Some(Ok(there)) if there.source.resumes_as(&job.source) => Job { resume: true, ..job },
+                    _ => job,
+                };
+                match job.run(stop) {
+                    Err(CliError::Run(interrupted @ RunError::Interrupted { .. })) => {
+                        tracing::warn!("`impactite resume {}` goes on with the sweep", base.folder.display());
+                        return Err(interrupted.into());
+                    }
+                    Err(why) => {
+                        plan.failed.insert(number, why.to_string());
+                        plan.save(&base.folder)?;
+                        Err(why.to_string())
+                    }
+                    Ok(outcome) => Ok(outcome),
+                }
+            }
+        };
+        points.push(Point { values, outcome });
+    }
+    write(&base.folder, &plan.keys, &points)?;
     Ok(points)
+}
+
+/// The outcome of a run that has ended in its folder, of this scene.
+fn done(folder: &Path, source: &Source) -> Option<Outcome> {
+    let text = std::fs::read_to_string(folder.join(RESULT)).ok()?;
+    let scene = std::fs::read_to_string(folder.join(SCENE)).ok()?;
+    (scene == source.anchored().text).then(|| serde_json::from_str(&text).ok()).flatten()
 }
 
 fn number(text: &str) -> Option<f64> {
@@ -125,34 +226,50 @@ fn common_unit(values: &Values) -> &str {
 }
 
 fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliError> {
-    let done: Vec<(&Point, &Outcome)> =
-        points.iter().filter_map(|p| Some((p, p.outcome.as_ref().ok()?))).collect();
-    let Some((_, first)) = done.first() else { return Ok(()) };
+    let Some(first) = points.iter().find_map(|p| p.outcome.as_ref().ok()) else { return Ok(()) };
     let columns = keys.iter().map(|k| (k.key.as_str(), common_unit(k)));
-    let columns = columns.chain(first.measures.iter().map(|(name, _, unit)| (name.as_str(), *unit)));
+    let columns = columns.chain(first.measures.iter().map(|Measured(name, _, unit)| (name.as_str(), unit.as_str())));
     let columns: Vec<(&str, &str)> = columns.chain([("energy error", "-"), ("time in steps", "s")]).collect();
-    let mut file = History::create(folder.join("sweep.csv"), columns)?;
-    for (point, outcome) in &done {
+    let mut file = History::create(folder.join(TABLE), columns)?;
+    for point in points {
         let keys = point.values.iter().map(|v| number(v).unwrap_or(f64::NAN));
-        let row: Vec<f64> = keys
-            .chain(outcome.measures.iter().map(|m| m.1))
-            .chain([outcome.energy_error, outcome.wall_seconds])
-            .collect();
+        let row: Vec<f64> = match &point.outcome {
+            Ok(o) => keys.chain(o.measures.iter().map(|m| m.1)).chain([o.energy_error, o.wall_seconds]).collect(),
+            Err(_) => keys.chain(vec![f64::NAN; first.measures.len() + 2]).collect(),
+        };
         file.push(&row)?;
     }
     let ([key], false) = (keys, first.measures.is_empty()) else { return Ok(()) };
+    let done: Vec<(&Point, &Outcome)> =
+        points.iter().filter_map(|p| Some((p, p.outcome.as_ref().ok()?))).collect();
     let x: Option<Vec<f64>> = done.iter().map(|(p, _)| number(&p.values[0])).collect();
     let Some(x) = x.filter(|x| x.len() > 1) else { return Ok(()) };
-    let mut panels =
-        Panels::new(first.measures.len().min(3)).title(format!("{} over {}", first.case, key.key));
-    for (m, (name, _, unit)) in first.measures.iter().enumerate() {
+    let across = first.measures.len().min(3);
+    let mut panels = Panels::new(across).title(fitting(&format!("{} over {}", first.case, key.key), WIDTH * across));
+    for (m, Measured(name, _, unit)) in first.measures.iter().enumerate() {
         let y: Vec<f64> = done.iter().map(|(_, o)| o.measures[m].1).collect();
-        let chart = Chart::new(640, 520)
+        let chart = Chart::new(WIDTH, 520)
             .x(Axis::new(&key.key).unit(common_unit(key), 1.0))
-            .y(Axis::new(name).unit(*unit, 1.0));
+            .y(Axis::new(name).unit(unit.as_str(), 1.0));
         let chart = chart.series(Series::new(name, &x, &y)?.marker(Marker::Circle));
         panels = panels.panel("", chart.draw()?);
     }
-    panels.compose()?.save(folder.join("sweep.png"))?;
+    panels.compose()?.save(folder.join(CHART))?;
     Ok(())
+}
+
+/// Width of a chart, pixels.
+const WIDTH: usize = 640;
+
+/// A title that fits a picture of this width: its end, which names the key, stays.
+fn fitting(title: &str, width: usize) -> String {
+    // Letters of a title are 12 pixels wide at most on average.
+    let most = width / 12;
+    let letters: Vec<char> = title.chars().collect();
+    if letters.len() <= most {
+        return title.into();
+    }
+    let end = most / 2;
+    let (start, rest) = (&letters[..most - end - 3], &letters[letters.len() - end..]);
+    format!("{}...{}", start.iter().collect::<String>(), rest.iter().collect::<String>())
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use toml_edit::{Document, DocumentMut, Item, Table, TableLike, Value};
 
 use crate::error::{Fault, InputError};
+use crate::json;
 use crate::model::SceneFile;
 use crate::quantity::Parameters;
 
@@ -16,7 +17,14 @@ pub struct Source {
     pub name: String,
     /// The text.
     pub text: String,
+    /// The text that it was made of, where that is JSON: places of errors are there.
+    json: Option<String>,
+    /// Keys that were changed beside the file.
+    changed: Vec<String>,
 }
+
+/// Keys that a run which goes on from a checkpoint may change, since no step depends on them.
+pub const RESUMABLE: &[&str] = &["end", "title", "description", "checks"];
 
 /// One step down from a table or a list.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,7 +36,7 @@ enum Step {
 impl Source {
     /// A TOML text.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
-        Source { name: name.into(), text: text.into() }
+        Source { name: name.into(), text: text.into(), json: None, changed: Vec::new() }
     }
 
     /// The file `path`: TOML, or JSON if it ends with `.json`.
@@ -63,11 +71,68 @@ impl Source {
             help: None,
         };
         let value: serde_json::Value = serde_json::from_str(text)
-            .map_err(|e| Box::new(fault(Some(e.line().max(1)), e.column(), format!("no JSON: {e}"))))?;
-        match toml_edit::ser::to_string_pretty(&value) {
-            Ok(toml) => Ok(Source::new(name, toml)),
-            Err(why) => Err(Box::new(fault(None, 1, format!("no scene: {why}"))).into()),
+            .map_err(|e| Box::new(fault(Some(e.line().max(1)), e.column(), format!("invalid JSON: {e}"))))?;
+        let refused = |at: usize, key: String, message: String| {
+            let line_start = text[..at].rfind('\n').map_or(0, |i| i + 1);
+            let line = text[..at].matches('\n').count() + 1;
+            let column = text[line_start..at].chars().count() + 1;
+            InputError::from(Box::new(Fault { key, ..fault(Some(line), column, message) }))
+        };
+        if !value.is_object() {
+            return Err(refused(0, String::new(), "a scene is an object: { \"title\": ..., ... }".into()));
         }
+        for found in json::places(text) {
+            match found.wrong {
+                Some(json::Wrong::Twice) => {
+                    return Err(refused(found.span.start, found.key, "stands twice".into()));
+                }
+                Some(json::Wrong::Null) => {
+                    return Err(refused(found.span.start, found.key, "`null` is no value; leave the key out".into()));
+                }
+                None => {}
+            }
+        }
+        match toml_edit::ser::to_string_pretty(&value) {
+            Ok(toml) => Ok(Source { json: Some(text.into()), ..Source::new(name, toml) }),
+            Err(why) => Err(Box::new(fault(None, 1, format!("not a scene: {why}"))).into()),
+        }
+    }
+
+    /// The same with the files that it names by their full paths, so that the text means the same anywhere.
+    #[must_use]
+    pub fn anchored(&self) -> Self {
+        let folder = Path::new(&self.name).parent().unwrap_or(Path::new(""));
+        let folder = std::path::absolute(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
+        let (Ok(folder), Ok(mut document)) = (folder, self.text.parse::<DocumentMut>()) else { return self.clone() };
+        let mut moved = false;
+        for (name, item) in document.iter_mut() {
+            if name.get() != "parameters" {
+                moved |= anchor(item, &folder);
+            }
+        }
+        if moved { Source { text: document.to_string(), ..self.clone() } } else { self.clone() }
+    }
+
+    /// Does a run of this scene go on as one of `other`, whose keys differ by those of [`RESUMABLE`] and by words alone?
+    #[must_use]
+    pub fn resumes_as(&self, other: &Source) -> bool {
+        let substance = |source: &Source| -> Option<serde_json::Value> {
+            let mut value: serde_json::Value = toml_edit::de::from_str(&source.anchored().text).ok()?;
+            let keys = value.as_object_mut()?;
+            RESUMABLE.iter().for_each(|key| {
+                keys.remove(*key);
+            });
+            if let Some(output) = keys.get_mut("output").and_then(|o| o.as_object_mut()) {
+                ["histories", "pictures", "frames"].iter().for_each(|key| {
+                    output.remove(*key);
+                });
+                if output.is_empty() {
+                    keys.remove("output");
+                }
+            }
+            Some(value)
+        };
+        substance(self).is_some_and(|here| substance(other) == Some(here))
     }
 
     /// The same with one key changed: `bodies.rod.speed=600`. The value is TOML, or a text where it is no TOML. Tables on the way are made.
@@ -107,7 +172,10 @@ impl Source {
         }
         let place = down(here, last).map_err(wrong)?;
         *place = Item::Value(value);
-        Ok(Source { name: self.name.clone(), text: document.to_string() })
+        let mut changed = self.changed.clone();
+        changed.push(key.into());
+        // The text of the file is that of the errors no longer.
+        Ok(Source { name: self.name.clone(), text: document.to_string(), json: None, changed })
     }
 
     /// The scene.
@@ -198,20 +266,51 @@ impl Source {
 
     fn fault(&self, span: Option<Range<usize>>, key: String, message: String, help: Option<String>) -> Fault {
         let (file, message) = (self.name.clone(), message.replace('\n', "; "));
-        let Some(span) = span.filter(|s| s.start <= self.text.len()) else {
+        let (text, span) = match &self.json {
+            // The value of the key, or of what of it there is.
+            Some(json) => {
+                let within = |of: &str| key.strip_prefix(of).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
+                let place = json::places(json).into_iter().filter(|p| within(&p.key)).max_by_key(|p| p.key.len());
+                (json, place.filter(|p| !p.key.is_empty()).map(|p| p.span))
+            }
+            None => (&self.text, span),
+        };
+        let Some(span) = span.filter(|s| s.start <= text.len()) else {
             return Fault { file, line: None, column: 1, width: 0, text: String::new(), key, message, help };
         };
         // A span of bytes; a character that it would cut belongs to it.
-        let start = (0..=span.start).rev().find(|&i| self.text.is_char_boundary(i)).unwrap_or(0);
-        let before = &self.text[..start];
+        let start = (0..=span.start).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0);
+        let before = &text[..start];
         let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-        let text = self.text[line_start..].lines().next().unwrap_or_default();
+        let shown = text[line_start..].lines().next().unwrap_or_default();
         let column = before[line_start..].chars().count() + 1;
-        let end = span.end.min(line_start + text.len());
-        let width = self.text.get(start..end).map_or(1, |s| s.chars().count()).max(1);
+        let end = span.end.min(line_start + shown.len());
+        let width = text.get(start..end).map_or(1, |s| s.chars().count()).max(1);
         let line = Some(before.matches('\n').count() + 1);
-        Fault { file, line, column, width, text: text.into(), key, message, help }
+        Fault { file, line, column, width, text: shown.into(), key, message, help }
     }
+}
+
+/// Replace relative paths of files that an item names by full ones. True if there were any.
+fn anchor(item: &mut Item, folder: &Path) -> bool {
+    match item {
+        Item::Value(Value::Array(list)) => list.iter_mut().fold(false, |moved, value| {
+            value.as_inline_table_mut().is_some_and(|table| anchor_table(table, folder)) | moved
+        }),
+        Item::ArrayOfTables(tables) => {
+            tables.iter_mut().fold(false, |moved, table| anchor_table(table, folder) | moved)
+        }
+        _ => item.as_table_like_mut().is_some_and(|table| anchor_table(table, folder)),
+    }
+}
+
+fn anchor_table(table: &mut dyn TableLike, folder: &Path) -> bool {
+    table.iter_mut().fold(false, |moved, (key, item)| {
+        let relative = item.as_str().filter(|path| key.get() == "file" && Path::new(path).is_relative());
+        let Some(path) = relative else { return anchor(item, folder) | moved };
+        *item = toml_edit::value(folder.join(path).display().to_string());
+        true
+    })
 }
 
 /// The steps of a key: `bodies.rod.velocity[2]`.

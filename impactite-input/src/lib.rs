@@ -34,12 +34,15 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod ahead;
 mod build;
 mod document;
 mod error;
+mod json;
 pub mod list;
 pub mod measured;
 
-pub use document::Source;
+pub use ahead::{Ahead, BodyAhead};
+pub use document::{RESUMABLE, Source};
 pub use error::{Fault, InputError};
 pub use impactite_scene_file::{SceneFile, formula, model, quantity, schema};

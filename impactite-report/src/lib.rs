@@ -44,5 +44,5 @@ pub mod recorder;
 pub use error::ReportError;
 pub use number::percent;
 pub use page::write_page;
-pub use record::{Check, Frames, HistoryRecord, Record};
+pub use record::{Check, FILE, Frames, HistoryRecord, Progress, Record};
 pub use recorder::{Recorder, Warned};

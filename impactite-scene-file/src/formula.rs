@@ -6,7 +6,7 @@ use std::sync::Arc;
 use exmex::{Express, FlatEx, FloatOpsFactory, MatchLiteral};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
-use crate::quantity::{Measure, Quantity, with_parameters};
+use crate::quantity::{Measure, Quantity, bounded, with_parameters};
 
 /// A quantity that may depend on place and time: a number, a text with a unit, or a formula in SI units that begins with `=`:
 /// `"= -190 * (1 - z / 0.0254)"`. Variables are `x`, `y`, `z`, around an axis `r` and `z` (m), and `t` (s); the file's parameters are numbers in SI units.
@@ -154,6 +154,7 @@ impl<U: Measure> Formula<U> {
     }
 
     fn of(text: &str) -> Result<Self, String> {
+        bounded(text)?;
         let formula = Parsed::parse(text).map_err(|why| why.to_string())?;
         let variables = formula.var_names().iter().map(|name| {
             Ok(match name.as_str() {

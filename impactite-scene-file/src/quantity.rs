@@ -2,7 +2,8 @@
 
 use std::cell::RefCell;
 use std::marker::PhantomData;
-use std::time::{Duration, Instant};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use fend_core::{Context, Interrupt};
 use indexmap::IndexMap;
@@ -99,8 +100,10 @@ thread_local! {
 /// Named values of a file, with which its quantities may be written.
 #[derive(Clone, Default)]
 pub struct Parameters {
-    context: Context,
-    /// As numbers in SI units, by name.
+    /// Values with their units, by name. Shared by clones: [`define`](Self::define) copies it where another owner is left, and
+    /// evaluation of a quantity changes none of its names.
+    context: Arc<Mutex<Context>>,
+    /// Values in SI units, by name.
     numbers: IndexMap<String, f64>,
 }
 
@@ -123,10 +126,21 @@ impl Parameters {
         if let Some(why) = taken(name) {
             return Err(format!("`{name}` cannot be the name of a parameter: {why}"));
         }
-        let number = self.in_any_unit(value)?;
-        evaluate(&format!("{name} = ({})", inches(value)), &mut self.context)?;
+        let mut context = self.unshared();
+        evaluate(&format!("{name} = ({})", checked(value)?), &mut context)?;
+        let number = in_any_unit(name, &mut context)?;
+        drop(context);
         self.numbers.insert(name.into(), number);
         Ok(())
+    }
+
+    /// The context of these parameters alone.
+    fn unshared(&mut self) -> std::sync::MutexGuard<'_, Context> {
+        if Arc::get_mut(&mut self.context).is_none() {
+            let copy = self.context.lock().unwrap_or_else(PoisonError::into_inner).clone();
+            self.context = Arc::new(Mutex::new(copy));
+        }
+        self.context.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// As numbers in SI units, by name.
@@ -140,32 +154,8 @@ impl Parameters {
     /// # Errors
     /// A text that is no quantity; another measure.
     pub fn quantity(&self, text: &str, unit: &str) -> Result<f64, String> {
-        let mut context = self.context.clone();
-        let text = &*inches(text);
-        let asked = if unit.is_empty() { text.to_string() } else { format!("({text}) to ({unit})") };
-        let said = evaluate(&format!("({asked}) to 17 sf"), &mut context)?;
-        let plain = said.strip_prefix("approx. ").unwrap_or(&said);
-        let (number, rest) = plain.split_once(' ').unwrap_or((plain, ""));
-        if unit.is_empty() && !rest.is_empty() {
-            return Err(format!("`{text}` is {plain}, and a number without a unit is asked for"));
-        }
-        match number.replace(',', "").parse::<f64>() {
-            Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(format!("`{text}` is too large")),
-            Err(_) => Err(format!("`{text}` is {plain}, which is no number")),
-        }
-    }
-
-    fn in_any_unit(&self, text: &str) -> Result<f64, String> {
-        let mut first = None;
-        for (_, unit) in MEASURES {
-            match self.quantity(text, unit) {
-                Ok(value) => return Ok(value),
-                Err(why) => first = first.or(Some(why)),
-            }
-        }
-        // What is no quantity of any kind says so as a plain number.
-        Err(first.unwrap_or_default())
+        let mut context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
+        convert(text, unit, &mut context)
     }
 
     /// Read with these parameters: quantities and formulas that `read` makes of a file on this thread are written with them.
@@ -175,6 +165,104 @@ impl Parameters {
         PARAMETERS.set(before);
         made
     }
+}
+
+/// A quantity in the SI unit `unit` (none: a plain number).
+fn convert(text: &str, unit: &str, context: &mut Context) -> Result<f64, String> {
+    let checked = checked(text)?;
+    let asked = if unit.is_empty() { checked } else { format!("({checked}) to ({unit})") };
+    let said = evaluate(&format!("({asked}) to 17 sf"), context)?;
+    let plain = said.strip_prefix("approx. ").unwrap_or(&said);
+    let (number, rest) = plain.split_once(' ').unwrap_or((plain, ""));
+    if unit.is_empty() && !rest.is_empty() {
+        return Err(format!("`{text}` is {plain}, and a number without a unit is asked for"));
+    }
+    match number.replace(',', "").parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        Ok(_) => Err(format!("`{text}` is too large")),
+        Err(_) => Err(format!("`{text}` is {plain}, which is no number")),
+    }
+}
+
+/// A parameter that is defined already, in the SI unit of its measure.
+fn in_any_unit(name: &str, context: &mut Context) -> Result<f64, String> {
+    let mut first = None;
+    for (_, unit) in MEASURES {
+        match convert(name, unit, context) {
+            Ok(value) => return Ok(value),
+            Err(why) => first = first.or(Some(why)),
+        }
+    }
+    // A value of no known measure is described as a plain number.
+    Err(first.unwrap_or_default())
+}
+
+/// Longest text of a quantity or formula, characters.
+const LONGEST: usize = 1000;
+/// Most levels of nested parentheses: the work of the evaluator's parser grows up to fourfold with each.
+const GROUPS: usize = 8;
+/// Most levels of nested signs, powers and functions, which its stack bears in a thread of 1 MiB.
+const DEEPEST: usize = 40;
+
+/// A text that the evaluator takes in bounded memory and time, with `in` as inches.
+///
+/// # Errors
+/// A text that is too long or too deeply nested; an assignment; the name of the last result.
+fn checked(text: &str) -> Result<String, String> {
+    bounded(text)?;
+    if let Some(sign) = text.chars().find(|c| "=:;@#!\\\n".contains(*c)) {
+        return Err(format!("`{}` is not allowed in an expression", sign.escape_debug()));
+    }
+    let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
+    if let Some(word) = words.into_iter().find(|w| ["ans", "_"].contains(w)) {
+        return Err(format!("`{word}` stands for no value"));
+    }
+    Ok(inches(text))
+}
+
+/// Bounds on the length and the nesting of a text, so that no parser overflows its stack.
+pub(crate) fn bounded(text: &str) -> Result<(), String> {
+    let length = text.chars().count();
+    if length > LONGEST {
+        return Err(format!("has {length} characters; at most {LONGEST} are allowed"));
+    }
+    // An upper bound of the depth of recursion: a level for each group, sign, power and application that is open. Binary operators end
+    // all levels of their group but its own.
+    let (mut groups, mut level, mut depth, mut operand) = (Vec::new(), 0, 0, false);
+    let mut letters = text.chars().peekable();
+    while let Some(letter) = letters.next() {
+        match letter {
+            c if c.is_whitespace() => {}
+            '+' | '-' | '*' | '/' | ',' if operand => {
+                level = groups.last().copied().unwrap_or(0);
+                operand = false;
+            }
+            ')' => {
+                level = groups.pop().map_or(0, |base: usize| base.saturating_sub(1));
+                operand = true;
+            }
+            c if c.is_alphanumeric() || c == '_' || c == '.' => {
+                level += usize::from(operand);
+                while letters.next_if(|&c| c.is_alphanumeric() || c == '_' || c == '.').is_some() {}
+                operand = true;
+            }
+            c => {
+                level += 1;
+                operand = false;
+                if c == '(' {
+                    groups.push(level);
+                }
+            }
+        }
+        depth = depth.max(level);
+        if groups.len() > GROUPS {
+            return Err(format!("has more than {GROUPS} levels of parentheses, which are allowed"));
+        }
+    }
+    if depth > DEEPEST {
+        return Err(format!("has {depth} nested signs, powers and functions; at most {DEEPEST} are allowed"));
+    }
+    Ok(())
 }
 
 /// With `in` as inches: the library takes the word for a conversion, of which quantities have no need.
@@ -221,19 +309,26 @@ fn taken(name: &str) -> Option<String> {
     Some(format!("it is a unit or a constant ({known})"))
 }
 
-/// The value of a text, which must take no longer than a tenth of a second.
+/// Most interruption points of the evaluator that a text may pass: a quantity passes about 50, `exp(1.234)` 43 000.
+const WORK: u64 = 100_000;
+
+/// The answer to a text that is too costly.
+const TOO_MUCH: &str = "takes too many operations to evaluate, as powers and `exp` of numbers with many digits do; write the number";
+
+/// The value of a text, which must take a bounded number of operations. The bound counts operations and not time, so that the
+/// same text gives the same answer on a busy machine.
 fn evaluate(text: &str, context: &mut Context) -> Result<String, String> {
-    /// Stops what would take for ever: `"10^10^10"`.
-    struct Until(Instant);
-    impl Interrupt for Until {
+    /// Stops an evaluation that would not end: `"10^10^10"`.
+    #[derive(Default)]
+    struct Budget(AtomicU64);
+    impl Interrupt for Budget {
         fn should_interrupt(&self) -> bool {
-            Instant::now() > self.0
+            self.0.fetch_add(1, Ordering::Relaxed) >= WORK
         }
     }
-    let until = Until(Instant::now() + Duration::from_millis(100));
-    match fend_core::evaluate_with_interrupt(text, context, &until) {
+    match fend_core::evaluate_with_interrupt(text, context, &Budget::default()) {
         Ok(value) => Ok(value.get_main_result().to_string()),
-        Err(why) if why == "interrupted" => Err("takes too long to evaluate".into()),
+        Err(why) if why == "interrupted" => Err(TOO_MUCH.into()),
         Err(why) => Err(why),
     }
 }

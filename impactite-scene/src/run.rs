@@ -324,7 +324,10 @@ impl<'a> Run<'a> {
     }
 
     /// Write a checkpoint, where the run writes any.
-    fn save(&mut self) -> Result<(), RunError> {
+    ///
+    /// # Errors
+    /// A file that cannot be written; a run that was stopped.
+    pub fn save(&mut self) -> Result<(), RunError> {
         let Some(checkpoints) = &self.checkpoints else { return Ok(()) };
         let (path, time) = (checkpoints.path.clone(), self.solver.time());
         let written = not_stopped(self.solver).and_then(|()| {

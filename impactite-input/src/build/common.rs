@@ -8,9 +8,9 @@ use impactite::mpm::{Boundary, Side, TimeControl, Watch};
 use impactite::scene::boundary::{BodyForce, VelocityHistory};
 
 use super::material::{self, Velocity};
-use super::wrong::{At, Folder, Made, known, wrong};
+use super::wrong::{At, Folder, Made, Wrong, known, wrong};
 use super::{describe, shape};
-use crate::model::body::Body;
+use crate::model::body::{Body, MeetBy};
 use crate::model::condition::{self, Condition};
 use crate::model::contact::{Law, Pair};
 use crate::model::method::{Method, TimeStep};
@@ -282,7 +282,7 @@ impl<'a, const D: usize> World<'a, D> {
         Ok(Some(Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)))))
     }
 
-    /// How steps are chosen, of a solver that takes `usual` of the stable one.
+    /// Time control of the scene, if it has its own.
     pub fn time_control(&self) -> Option<TimeControl> {
         Some(match self.scene.time_step.as_ref()? {
             TimeStep::Factor(factor) => TimeControl::Courant { factor: factor.value, growth: 1.1 },
@@ -293,6 +293,66 @@ impl<'a, const D: usize> World<'a, D> {
         })
     }
 
+    /// Refuse what no solver would before its first step, and materials that no body uses with constants that no law has.
+    pub fn check(&self) -> Made<()> {
+        let factor = match &self.scene.time_step {
+            Some(TimeStep::Factor(factor)) => Some(("time_step.factor", factor.value)),
+            Some(TimeStep::Gershgorin(g)) => Some(("time_step.gershgorin.factor", g.factor.value)),
+            Some(TimeStep::Fixed(_)) | None => None,
+        };
+        if let Some((key, factor)) = factor
+            && !(1e-6..=1.0).contains(&factor)
+        {
+            let message = format!("{factor} is not allowed; this part of the stable step must be from 1e-6 to 1");
+            return wrong(key, message);
+        }
+        for (name, spec) in &self.scene.materials {
+            let used = self.scene.bodies.values().any(|b| b.material.as_ref() == Some(name));
+            if !used {
+                material::build(&format!("materials.{name}"), spec, self.space() == Space::PlaneStress)?;
+            }
+        }
+        self.check_contact()
+    }
+
+    /// Refuse contact that the method does not have, and bodies without any.
+    fn check_contact(&self) -> Made<()> {
+        let (scene, bodies) = (self.scene, &self.scene.expanded);
+        let apart = bodies.values().filter(|b| b.elements.as_ref().is_none_or(|e| e.within.is_none()));
+        let mpm = matches!(scene.method, Method::Mpm(_));
+        if scene.contact.is_none() && apart.count() > 1 {
+            let help = if mpm { "; without contact, in one velocity field: `contact = \"none\"`" } else { "" };
+            return Err(Wrong {
+                key: "contact".into(),
+                message: "several bodies need a `contact`".into(),
+                help: Some(format!("`contact.law.friction = 0` for contact without friction{help}")),
+            });
+        }
+        if !mpm && scene.contact.is_some() && scene.contact().is_none() && bodies.len() > 1 {
+            return wrong("contact", "`\"none\"` is for the method `mpm` alone, where bodies then share one velocity field");
+        }
+        let Some(contact) = scene.contact() else { return Ok(()) };
+        let laws = contact.pairs.iter().enumerate().map(|(n, pair)| (format!("contact.pairs[{n}].law"), pair, &pair.law));
+        let by_surface = |name: &str| {
+            bodies.get(name).and_then(|b| b.elements.as_ref()).is_some_and(|e| e.within.is_none() && e.by == MeetBy::Surface)
+        };
+        let remembers = |law: &Law| matches!(law, Law::SlipWeakening(_));
+        let without = |key: String| {
+            wrong(key, "`slip_weakening` is for particles on the grid (`mpm`) alone; use `friction`, or `stick`")
+        };
+        for (key, pair, law) in laws {
+            let elements = !mpm || pair.between.iter().any(|name| by_surface(name));
+            if remembers(law) && elements && bodies.len() > 1 {
+                return without(key);
+            }
+        }
+        let elements = !mpm || bodies.keys().any(|name| by_surface(name));
+        if remembers(&contact.law) && elements && bodies.len() > 1 {
+            return without("contact.law".into());
+        }
+        Ok(())
+    }
+
     /// What the run watches over.
     pub fn watch(&self) -> Watch {
         if self.scene.only_warn { Watch::default().only_warn() } else { Watch::default() }
@@ -300,7 +360,7 @@ impl<'a, const D: usize> World<'a, D> {
 
     /// The laws of contact of bodies, in this order of names.
     pub fn laws(&self, names: &[&str]) -> Made<Option<Pairs<f64>>> {
-        let Some(contact) = &self.scene.contact else { return Ok(None) };
+        let Some(contact) = self.scene.contact() else { return Ok(None) };
         let mut pairs = of_law("contact.law", &contact.law, None, Pairs::new(Frictionless))?;
         for (n, Pair { between, law, .. }) in contact.pairs.iter().enumerate() {
             let key = format!("contact.pairs[{n}]");

@@ -20,7 +20,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     for (name, body) in &world.scene.expanded {
         fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
     }
-    if world.scene.contact.as_ref().is_some_and(|c| c.detector != Detector::default()) {
+    if world.scene.contact().is_some_and(|c| c.detector != Detector::default()) {
         return wrong("contact.detector", "of elements nodes meet facets: there is nothing to choose");
     }
     match world.laws(&names)? {

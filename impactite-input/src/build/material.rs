@@ -124,7 +124,7 @@ fn here<C: Constitutive<f64>>(law: C) -> Law {
 }
 
 /// The law of a material at `key`; of a plate without stress across, if `plate`.
-pub(super) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
+pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
     let kinds = [
         ("library", spec.library.is_some()),
         ("elastic", spec.elastic.is_some()),

@@ -5,12 +5,14 @@ pub(crate) mod describe;
 mod fem;
 mod fpm;
 mod kernels;
-mod material;
+pub(crate) mod material;
 mod mesh;
 mod mpm;
 mod particles;
-mod shape;
-mod wrong;
+pub(crate) mod placed;
+pub(crate) mod shape;
+pub(crate) mod size;
+pub(crate) mod wrong;
 
 use std::path::PathBuf;
 
@@ -34,8 +36,12 @@ impl Source {
     /// # Errors
     /// What is wrong with it, at its place: what the scene is made of, and what a program would be refused for.
     pub fn build(&self, scene: &SceneFile) -> Result<Box<dyn Solver>, InputError> {
-        let folder = std::path::Path::new(&self.name).parent().map(PathBuf::from).unwrap_or_default();
-        build(scene, &Folder(folder)).map_err(|w| self.refused(w))
+        build(scene, &Folder(self.folder())).map_err(|w| self.refused(w))
+    }
+
+    /// The folder of the files that it names.
+    pub(crate) fn folder(&self) -> PathBuf {
+        std::path::Path::new(&self.name).parent().map(PathBuf::from).unwrap_or_default()
     }
 
     /// What files the frames for ParaView are to be.
@@ -73,33 +79,44 @@ fn build(scene: &SceneFile, folder: &Folder) -> Made<Box<dyn Solver>> {
     }
     common::check(scene)?;
     frame_format(scene)?;
-    if let Method::Fpm(options) = &scene.method {
-        match scene.space {
-            Space::Full => return fpm::build(FullSpace, &common::World::<3>::new(scene, folder), options),
-            Space::PlaneStrain | Space::PlaneStress => {
-                return fpm::build(PlaneStrain, &common::World::<2>::new(scene, folder), options);
-            }
-            Space::Axisymmetric => {}
+    match scene.space {
+        Space::Full => checked(&common::World::<3>::new(scene, folder), |world| match &scene.method {
+            Method::Fpm(options) => fpm::build(FullSpace, world, options),
+            _ => in_space(FullSpace, world),
+        }),
+        Space::PlaneStrain | Space::PlaneStress => {
+            checked(&common::World::<2>::new(scene, folder), |world| match &scene.method {
+                Method::Fpm(options) => fpm::build(PlaneStrain, world, options),
+                _ => in_space(PlaneStrain, world),
+            })
+        }
+        Space::Axisymmetric => {
+            checked(&common::World::<2>::new(scene, folder), |world| in_space(Axisymmetric, world))
         }
     }
-    match scene.space {
-        Space::Full => in_space(FullSpace, scene, folder),
-        Space::PlaneStrain | Space::PlaneStress => in_space(PlaneStrain, scene, folder),
-        Space::Axisymmetric => in_space(Axisymmetric, scene, folder),
-    }
+}
+
+/// The scene, checked for its size before and for its places after it is built.
+fn checked<const D: usize>(
+    world: &common::World<'_, D>,
+    build: impl FnOnce(&common::World<'_, D>) -> Made<Box<dyn Solver>>,
+) -> Made<Box<dyn Solver>> {
+    world.check()?;
+    size::check(world)?;
+    let solver = build(world)?;
+    placed::check(world, &*solver)?;
+    Ok(solver)
 }
 
 fn in_space<E: Setting<D>, const D: usize>(
     embedding: E,
-    scene: &SceneFile,
-    folder: &Folder,
+    world: &common::World<'_, D>,
 ) -> Made<Box<dyn Solver>> {
-    let world = common::World::<D>::new(scene, folder);
-    match &scene.method {
-        Method::Mpm(options) => mpm::build(embedding, &world, options),
-        Method::Fem(options) => fem::build(embedding, &world, options),
-        Method::Sph(options) => particles::sph(embedding, &world, options),
+    match &world.scene.method {
+        Method::Mpm(options) => mpm::build(embedding, world, options),
+        Method::Fem(options) => fem::build(embedding, world, options),
+        Method::Sph(options) => particles::sph(embedding, world, options),
         Method::Fpm(_) => wrong("space", "fragile points are of `3d`, `plane strain` or `plane stress`"),
-        Method::Pcmm(options) => particles::pcmm(embedding, &world, options),
+        Method::Pcmm(options) => particles::pcmm(embedding, world, options),
     }
 }

@@ -17,7 +17,7 @@ use impactite::scene::Solver;
 use super::common::World;
 use super::kernels::Setting;
 use super::material::{Acting, Start};
-use super::wrong::{At, Made, known, of_body, wrong};
+use super::wrong::{At, Made, Wrong, known, of_body, wrong};
 use super::{mesh, shape};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
@@ -49,7 +49,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     let names: Vec<&str> = order.iter().map(|(name, _)| name.as_str()).collect();
     let contact: Arc<dyn ContactAlgorithm<f64, D>> = match world.laws(&names)? {
         None => Arc::new(OneField),
-        Some(laws) => match world.scene.contact.as_ref().map(|c| c.detector).unwrap_or_default() {
+        Some(laws) => match world.scene.contact().map(|c| c.detector).unwrap_or_default() {
             Detector::SurfaceDistance => Arc::new(GridContact::new(SurfaceDistance::default(), laws)),
             Detector::Approach => {
                 Arc::new(GridContact::new(Approach::<impactite::contact::Gradients>::default(), laws))
@@ -118,6 +118,16 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         mpm.bound(boundary).at(key)?;
     }
     if let Some(gravity) = world.gravity()? {
+        let by_grid = |b: &Body| b.elements.as_ref().is_some_and(|e| e.within.is_none() && e.by == MeetBy::Grid);
+        if let Some((name, _)) = bodies.iter().find(|(_, b)| by_grid(b)) {
+            return Err(Wrong {
+                key: "gravity".into(),
+                message: format!("is not available beside elements that meet particles on the grid, as `{name}` does"),
+                help: Some(format!(
+                    "write `bodies.{name}.elements.by = \"surface\"`, or `body_force` for the bodies of particles"
+                )),
+            });
+        }
         mpm.set_body_force(move |t| gravity(t));
     }
     if let Some(control) = world.time_control() {
@@ -214,7 +224,7 @@ fn add_elements<E: Setting<D>, const D: usize>(
     let elements = match by {
         MeetBy::Grid => Elements::on_the_grid(fem),
         MeetBy::Surface => {
-            let Some(contact) = &world.scene.contact else {
+            let Some(contact) = world.scene.contact() else {
                 return wrong(&key, "elements and particles meet by a law: the scene needs a `contact`");
             };
             let law = contact

@@ -29,7 +29,7 @@ where
     let Some(laws) = laws else {
         return wrong("bodies", "several bodies need a `contact`, or they would pass through each other");
     };
-    if world.scene.contact.as_ref().is_some_and(|c| c.detector != Detector::default()) {
+    if world.scene.contact().is_some_and(|c| c.detector != Detector::default()) {
         return wrong(
             "contact.detector",
             "bodies of particles meet by `surface_distance`: no other detector is compiled for them",

@@ -16,7 +16,7 @@ use crate::model::shape::{MovedShape, Shape as Spec};
 type AnyShape<const D: usize> = Arc<dyn Shape<D>>;
 
 /// The shape of a file, in `D` dimensions.
-pub(super) fn build<const D: usize>(key: &str, spec: &Spec, folder: &Folder) -> Made<AnyShape<D>> {
+pub(crate) fn build<const D: usize>(key: &str, spec: &Spec, folder: &Folder) -> Made<AnyShape<D>> {
     macro_rules! point {
         ($list:expr, $field:literal) => {
             fixed::<D, _>($list).at(format!("{key}.{}.{}", word(spec), $field))?

@@ -249,6 +249,12 @@ impl Record {
         Record { progress: Progress::Interrupted { time, end }, ..self }
     }
 
+    /// The run reached its end, at `time`, s.
+    #[must_use]
+    pub fn finished(self, time: f64) -> Self {
+        Record { progress: Progress::Finished { time: Some(time) }, ..self }
+    }
+
     /// An error stopped the run.
     #[must_use]
     pub fn stopped(mut self, error: &dyn std::fmt::Display) -> Self {

@@ -5,6 +5,50 @@ use serde::Deserialize;
 
 use crate::quantity::{Length, Plain, Pressure, Quantity};
 
+/// Contact of the bodies, or none: `"none"`.
+#[derive(Clone, Debug)]
+pub enum Meeting {
+    /// Bodies share one velocity field (`mpm`): they stick to each other without resistance at their surfaces.
+    None,
+    /// Contact by laws.
+    By(Contact),
+}
+
+impl<'de> Deserialize<'de> for Meeting {
+    fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        struct Reads;
+        impl<'de> serde::de::Visitor<'de> for Reads {
+            type Value = Meeting;
+            fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                write!(f, "a table with a `law`, or \"none\"")
+            }
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Meeting, E> {
+                match text {
+                    "none" => Ok(Meeting::None),
+                    _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
+                }
+            }
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<Meeting, A::Error> {
+                Contact::deserialize(serde::de::value::MapAccessDeserializer::new(map)).map(Meeting::By)
+            }
+        }
+        from.deserialize_any(Reads)
+    }
+}
+
+impl JsonSchema for Meeting {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "ContactOrNone".into()
+    }
+    fn json_schema(generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let contact = generator.subschema_for::<Contact>();
+        schemars::json_schema!({
+            "description": "Contact of the bodies, or \"none\": one velocity field (`mpm`)",
+            "anyOf": [contact, { "const": "none" }],
+        })
+    }
+}
+
 /// How bodies act on each other.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[non_exhaustive]

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::body::Body;
 use super::condition::Condition;
-use super::contact::Contact;
+use super::contact::{Contact, Meeting};
 use super::material::Material;
 use super::measure::{Check, Measurement};
 use super::method::{Method, TimeStep};
@@ -39,9 +39,9 @@ pub struct SceneFile {
     pub materials: IndexMap<String, Material>,
     /// The bodies, by name, in the order in which they are added.
     pub bodies: IndexMap<String, Body>,
-    /// How bodies act on each other. Without it they share one velocity field (`mpm`), or do not meet.
+    /// How bodies act on each other; needed by scenes of several bodies.
     #[serde(default)]
-    pub contact: Option<Contact>,
+    pub contact: Option<Meeting>,
     /// Planes of symmetry, walls, prescribed velocities.
     #[serde(default)]
     pub conditions: Vec<Condition>,
@@ -77,6 +77,15 @@ pub struct SceneFile {
 const MOST: u64 = 4096;
 
 impl SceneFile {
+    /// Contact of the bodies; none of one body, and of bodies that share one velocity field.
+    #[must_use]
+    pub fn contact(&self) -> Option<&Contact> {
+        match &self.contact {
+            Some(Meeting::By(contact)) => Some(contact),
+            Some(Meeting::None) | None => None,
+        }
+    }
+
     /// Bodies that are repeated, one by one.
     ///
     /// # Errors

@@ -1,0 +1,96 @@
+//! The folder of a run: one run at a time, and no files of an earlier one.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use crate::CliError;
+use crate::job::{CHECKPOINT, MEASURES, RESULT, SCENE};
+
+/// Name of the file that is locked while a run writes into its folder.
+pub const LOCK: &str = ".lock";
+/// Folders of pictures and of frames for ParaView, and the name of both series.
+pub(crate) const PICTURES: &str = "pictures";
+pub(crate) const FRAMES: &str = "paraview";
+pub(crate) const SERIES: &str = "scene";
+
+/// A folder that one run holds. The operating system releases it when the process ends, however that comes.
+#[derive(Debug)]
+pub(crate) struct Held {
+    path: PathBuf,
+    _lock: File,
+}
+
+impl Held {
+    /// The folder at `path`, which is created if it does not exist.
+    ///
+    /// # Errors
+    /// A folder that another run holds, or that cannot be created.
+    pub fn new(path: &Path) -> Result<Self, CliError> {
+        std::fs::create_dir_all(path).map_err(CliError::file(path))?;
+        let name = path.join(LOCK);
+        let mut lock = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .open(&name)
+            .map_err(CliError::file(&name))?;
+        match lock.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut process = String::new();
+                let _ = lock.read_to_string(&mut process);
+                return Err(CliError::Held { path: path.into(), process: process.trim().into() });
+            }
+            // A file system without locks: the run is made all the same.
+            Err(TryLockError::Error(why)) => {
+                tracing::warn!("`{}` cannot be locked ({why}): start no second run there", path.display());
+            }
+        }
+        // For the message of a second run; the lock holds without it.
+        let _ = lock.set_len(0).and_then(|()| lock.rewind()).and_then(|()| write!(lock, "{}", std::process::id()));
+        Ok(Held { path: path.into(), _lock: lock })
+    }
+
+    /// Remove the files of an earlier run: a run that fails leaves no results of another one. Other files stay.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn clear(&self) -> Result<(), CliError> {
+        for name in [impactite_report::FILE, RESULT, "report.html", MEASURES, CHECKPOINT, SCENE] {
+            remove(&self.path.join(name))?;
+        }
+        for folder in [PICTURES, FRAMES] {
+            self.each(folder, &|name| name.starts_with(&format!("{SERIES}_")) || name.starts_with(&format!("{SERIES}.")))?;
+        }
+        self.clear_parts()
+    }
+
+    /// Remove the halves of files that a killed run left.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn clear_parts(&self) -> Result<(), CliError> {
+        ["", PICTURES, FRAMES].iter().try_for_each(|folder| self.each(folder, &|name| name.ends_with(".part")))
+    }
+
+    /// Remove the files of a folder within this one whose name `which` picks.
+    fn each(&self, folder: &str, which: &dyn Fn(&str) -> bool) -> Result<(), CliError> {
+        let Ok(entries) = std::fs::read_dir(self.path.join(folder)) else { return Ok(()) };
+        for entry in entries.flatten() {
+            if entry.file_name().to_str().is_some_and(which) && entry.path().is_file() {
+                remove(&entry.path())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Remove a file, if it exists.
+pub(crate) fn remove(path: &Path) -> Result<(), CliError> {
+    match std::fs::remove_file(path) {
+        Err(why) if why.kind() != std::io::ErrorKind::NotFound => Err(CliError::file(path)(why)),
+        _ => Ok(()),
+    }
+}

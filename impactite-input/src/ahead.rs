@@ -1,0 +1,203 @@
+//! A look ahead: what a scene that was set up will take.
+
+use impactite::materials::material::{Material, Response, States};
+use impactite::parallel::Float;
+use impactite::scene::{Solver, StepLimit};
+
+use crate::build::{material, placed, shape, size, wrong};
+use crate::document::Source;
+use crate::error::InputError;
+use crate::model::{SceneFile, Space};
+
+/// Most steps that a run may be expected to make: some months of the smallest scene.
+const MOST_STEPS: f64 = 1e11;
+
+/// What a scene holds at its start, and what its run is expected to take.
+#[derive(Clone, Debug)]
+pub struct Ahead {
+    /// The bodies.
+    pub bodies: Vec<BodyAhead>,
+    /// Memory of bodies and scratch, bytes.
+    pub bytes: usize,
+    /// The first step, s.
+    pub step: f64,
+    /// What limits it, in words.
+    pub limit: String,
+    /// Number of steps until the end, if all are as long as the first.
+    pub steps: f64,
+    /// Unit of masses: that of the whole, or of a radian or metre of depth of it.
+    pub mass_unit: &'static str,
+    /// What is allowed and probably not meant.
+    pub notes: Vec<String>,
+}
+
+/// A body at the start.
+#[derive(Clone, Debug)]
+pub struct BodyAhead {
+    /// Its name.
+    pub name: String,
+    /// Name of its law.
+    pub law: &'static str,
+    /// Number of its points.
+    pub points: usize,
+    /// Mass, in the scene's unit of masses.
+    pub mass: f64,
+    /// Lower and upper corner of its points with their half widths, m.
+    pub bounds: [Vec<f64>; 2],
+    /// Volume of its points over that of its shape, where both are known.
+    pub volume_factor: Option<f64>,
+    /// Speed of longitudinal waves at rest, m/s; none of a rigid body.
+    pub wave_speed: Option<f64>,
+}
+
+impl Source {
+    /// A look ahead at a scene that was set up from this text and has made no step.
+    ///
+    /// # Errors
+    /// A step so short that no run ends; wave speeds that give none; a field that no body has.
+    pub fn ahead(&self, scene: &SceneFile, solver: &mut dyn Solver) -> Result<Ahead, InputError> {
+        let at = |key: &str, message: String, help: &str| {
+            InputError::from(Box::new(self.fault_at(key, message, Some(help.into()))))
+        };
+        let step = solver.stable_step().map_err(|e| at("method", e.to_string(), "look at materials and `time_step`"))?;
+        let limited = solver.limited_by();
+        let (dimensions, revolved) = (solver.dimensions(), solver.axisymmetric());
+        let mut bodies = Vec::new();
+        for body in solver.bodies() {
+            let (mut low, mut high) = (vec![f64::INFINITY; dimensions], vec![f64::NEG_INFINITY; dimensions]);
+            let mut volume = 0.0;
+            body.for_each(&mut |p| {
+                let half = if p.corners.is_empty() { 0.5 * p.drawn_width(dimensions, revolved) } else { 0.0 };
+                let corners = p.corners.iter().chain(p.corners.is_empty().then_some(&p.position));
+                for x in corners {
+                    for d in 0..dimensions {
+                        (low[d], high[d]) = (low[d].min(x[d] - half), high[d].max(x[d] + half));
+                    }
+                }
+                volume += p.volume;
+            });
+            bodies.push(BodyAhead {
+                name: body.name().into(),
+                law: body.law(),
+                points: body.len(),
+                mass: body.totals().mass,
+                volume_factor: self.measure(scene, body.name()).map(|m| volume / m).filter(|f| f.is_finite()),
+                bounds: [low, high],
+                wave_speed: wave_speed(scene, body.name()),
+            });
+        }
+        let limit = match limited {
+            Some(StepLimit::Body(n)) => bodies.get(n).map_or("a body".into(), |b| format!("waves in `{}`", b.name)),
+            Some(StepLimit::Nodes) => "the highest frequency of the nodes".into(),
+            Some(StepLimit::Growth) => "the growth of steps".into(),
+            Some(StepLimit::Fixed) => "`time_step.fixed`".into(),
+            _ => "the method".into(),
+        };
+        let steps = scene.end.value / step;
+        if !(steps <= MOST_STEPS) {
+            let message = format!("{:.3e} s are {steps:.1e} steps of {step:.1e} s, limited by {limit}; at most {MOST_STEPS:.0e} are allowed", scene.end.value);
+            return Err(at("end", message, "look at the units of `end`, of the cells or spacing, and of density and moduli"));
+        }
+        let notes = self.notes(scene, &bodies);
+        Ok(Ahead { bodies, bytes: solver.bytes(), step, limit, steps, mass_unit: placed::mass_unit(scene.space), notes })
+    }
+
+    /// The measure of a body's shape, m^3 (per radian or metre of depth), where it is known.
+    fn measure(&self, scene: &SceneFile, body: &str) -> Option<f64> {
+        use impactite::geometry::Shape;
+        let spec = scene.expanded.get(body)?.shape.as_ref()?;
+        let folder = wrong::Folder(self.folder());
+        match scene.space {
+            Space::Full => shape::build::<3>("", spec, &folder).ok()?.measure(),
+            Space::Axisymmetric => shape::build::<2>("", spec, &folder).ok()?.revolved_measure(),
+            Space::PlaneStrain | Space::PlaneStress => shape::build::<2>("", spec, &folder).ok()?.measure(),
+        }
+    }
+
+    fn notes(&self, scene: &SceneFile, bodies: &[BodyAhead]) -> Vec<String> {
+        let mut notes = Vec::new();
+        for name in scene.materials.keys() {
+            if !scene.bodies.values().any(|b| b.material.as_ref() == Some(name)) {
+                notes.push(format!("materials.{name}: no body uses this material"));
+            }
+        }
+        for body in bodies {
+            if let Some(factor) = body.volume_factor.filter(|f| (f - 1.0).abs() > 0.01) {
+                notes.push(format!(
+                    "bodies.{}: its points fill {:.1} % of its shape; finer cells or a smaller spacing fill it better",
+                    body.name,
+                    100.0 * factor
+                ));
+            }
+        }
+        notes
+    }
+}
+
+impl Ahead {
+    /// Lines for people; `seconds` is the time that a step takes on this machine, where it was measured.
+    #[must_use]
+    pub fn lines(&self, seconds: Option<f64>) -> Vec<String> {
+        let list = |x: &[f64]| x.iter().map(|x| format!("{x:.4e}")).collect::<Vec<_>>().join(", ");
+        let mut lines: Vec<String> = self
+            .bodies
+            .iter()
+            .take(20)
+            .map(|b| {
+                let factor = b.volume_factor.map_or(String::new(), |f| format!(", volume factor {f:.4}"));
+                let waves = b.wave_speed.map_or(String::new(), |c| format!(", speed of sound {c:.0} m/s"));
+                let [low, high] = &b.bounds;
+                let unit = self.mass_unit;
+                format!(
+                    "{}: {} points, {:.4e} {unit}, {}{waves}; from [{}] to [{}] m{factor}",
+                    b.name,
+                    b.points,
+                    b.mass,
+                    if b.law.is_empty() { "rigid" } else { b.law },
+                    list(low),
+                    list(high)
+                )
+            })
+            .collect();
+        if self.bodies.len() > 20 {
+            let rest = &self.bodies[20..];
+            let (points, mass) = rest.iter().fold((0, 0.0), |(n, m), b| (n + b.points, m + b.mass));
+            lines.push(format!("and {} bodies more: {points} points, {mass:.4e} {}", rest.len(), self.mass_unit));
+        }
+        lines.push(format!("memory: {}", size::size(self.bytes as f64)));
+        lines.push(format!("first step: {:.3e} s, limited by {}", self.step, self.limit));
+        let time = seconds.map_or(String::new(), |s| format!("; about {} here", duration(s * self.steps)));
+        lines.push(format!("steps: about {:.0}{time}", self.steps.ceil()));
+        lines.extend(self.notes.iter().map(|note| format!("note: {note}")));
+        lines
+    }
+}
+
+/// Speed of longitudinal waves in the material of a body at rest, m/s.
+fn wave_speed(scene: &SceneFile, body: &str) -> Option<f64> {
+    let name = scene.expanded.get(body)?.material.as_ref()?;
+    let plates = scene.space == Space::PlaneStress;
+    let law = material::build(name, scene.materials.get(name)?, plates).ok()?.material;
+    let material: &dyn Material<f64> = &*law;
+    let row = |x: f64| {
+        let mut row = <f64 as Float>::Row::default();
+        row.as_mut().fill(x);
+        row
+    };
+    let rows: Vec<_> = material.virgin().into_iter().map(row).collect();
+    let mut response = Response::default();
+    let states = States { all: &rows, stride: material.numbers(), first: 0, groups: &[0] };
+    material.describe(states, f64::INFINITY, &mut response);
+    Some(response.outputs().first()?.step_speed.0[0].as_ref()[0])
+}
+
+/// A time in the unit that suits it.
+fn duration(seconds: f64) -> String {
+    let (unit, factor) = match seconds {
+        s if s < 90.0 => ("s", 1.0),
+        s if s < 5400.0 => ("min", 60.0),
+        s if s < 172_800.0 => ("h", 3600.0),
+        _ => ("days", 86400.0),
+    };
+    format!("{:.1} {unit}", seconds / factor)
+}

@@ -1,0 +1,136 @@
+//! Size of a scene before it is built: points and memory.
+
+use impactite::geometry::Shape as _;
+
+use super::common::World;
+use super::shape;
+use super::wrong::{Made, Wrong};
+use crate::model::body::{Body, Mesh};
+use crate::model::method::Method;
+
+/// Memory of a point of a body with scratch and nodes, bytes: at the lower end of what solvers report, so that no scene is refused
+/// that fits.
+fn bytes_a_point(method: &Method, dimensions: usize) -> f64 {
+    match (method, dimensions) {
+        (Method::Mpm(_), 3) => 350.0,
+        (Method::Mpm(_), _) => 250.0,
+        (Method::Fem(_), 3) => 500.0,
+        (Method::Fem(_), _) => 300.0,
+        (Method::Sph(_), 3) => 1500.0,
+        (Method::Sph(_), _) => 600.0,
+        (Method::Fpm(_), 3) => 4000.0,
+        (Method::Fpm(_), _) => 1200.0,
+        (Method::Pcmm(_), 3) => 2500.0,
+        (Method::Pcmm(_), _) => 800.0,
+    }
+}
+
+/// Refuse a scene whose points the free memory of this machine does not hold, before any is made.
+pub(super) fn check<const D: usize>(world: &World<'_, D>) -> Made<()> {
+    let Some(free) = free_memory() else { return Ok(()) };
+    let mut points = 0.0;
+    for (name, body) in &world.scene.expanded {
+        points += points_of(world, name, body)?;
+    }
+    let (method, key) = match &world.scene.method {
+        Method::Mpm(m) if m.particles_per_cell > 8 => return Ok(()),
+        method @ Method::Mpm(_) => (method, "method.mpm.cell".to_string()),
+        method @ Method::Sph(_) => (method, "method.sph.spacing".into()),
+        method @ Method::Fpm(_) => (method, "method.fpm.spacing".into()),
+        method @ Method::Pcmm(_) => (method, "method.pcmm.spacing".into()),
+        method @ Method::Fem(_) => {
+            let finest = world.scene.expanded.iter().max_by(|a, b| {
+                let edge = |body: &Body| edge_of(body).map_or(0.0, |e| 1.0 / e);
+                edge(a.1).total_cmp(&edge(b.1))
+            });
+            (method, finest.map_or("bodies".into(), |(name, _)| format!("bodies.{name}.mesh.edge")))
+        }
+    };
+    let bytes = points * bytes_a_point(method, D);
+    if bytes <= free {
+        return Ok(());
+    }
+    let coarser = (bytes / free).powf(1.0 / D as f64) * 1.05;
+    Err(Wrong {
+        key,
+        message: format!(
+            "makes about {points:.3e} points, which take {} of memory or more; {} are free",
+            size(bytes),
+            size(free)
+        ),
+        help: Some(format!(
+            "use a {coarser:.2} times larger value, model a part by `symmetry`, or look at the units of shapes"
+        )),
+    })
+}
+
+fn edge_of(body: &Body) -> Option<f64> {
+    match &body.mesh {
+        Some(Mesh::Edge(edge)) => Some(edge.value),
+        _ => None,
+    }
+}
+
+/// About how many points a body will have; 0 where that follows from a file.
+fn points_of<const D: usize>(world: &World<'_, D>, name: &str, body: &Body) -> Made<f64> {
+    let Some(spec) = &body.shape else { return Ok(0.0) };
+    let spacing = match (&world.scene.method, edge_of(body)) {
+        (Method::Mpm(_) | Method::Fem(_), Some(edge)) => edge,
+        (Method::Mpm(m), None) => m.cell.value / f64::from(m.particles_per_cell.max(1)),
+        (Method::Sph(m), _) => m.spacing.value,
+        (Method::Fpm(m), _) => m.spacing.value,
+        (Method::Pcmm(m), _) => m.spacing.value,
+        (Method::Fem(_), None) => return Ok(0.0),
+    };
+    let shape = shape::build::<D>(&format!("bodies.{name}.shape"), spec, world.folder)?;
+    let measure = shape.measure().or_else(|| sampled(&*shape)).unwrap_or(0.0);
+    let points = measure.max(0.0) / spacing.powi(D as i32);
+    Ok(if points.is_nan() { 0.0 } else { points })
+}
+
+/// The measure of a shape by samples of its bounds, where those are finite.
+fn sampled<const D: usize>(shape: &dyn impactite::geometry::Shape<D>) -> Option<f64> {
+    const SAMPLES: usize = 16;
+    let bounds = shape.bounds();
+    let edges: [f64; D] = std::array::from_fn(|d| bounds.max[d] - bounds.min[d]);
+    if edges.iter().any(|e| !e.is_finite()) {
+        return None;
+    }
+    let all = SAMPLES.pow(D as u32);
+    let inside = (0..all).filter(|n| {
+        let place = |d: usize| (n / SAMPLES.pow(d as u32) % SAMPLES) as f64 + 0.5;
+        shape.contains(std::array::from_fn(|d| bounds.min[d] + edges[d] * place(d) / SAMPLES as f64))
+    });
+    Some(inside.count() as f64 / all as f64 * edges.iter().product::<f64>())
+}
+
+/// A size in the unit that suits it.
+pub(crate) fn size(bytes: f64) -> String {
+    let (unit, factor) = match bytes {
+        b if b < 1e6 => ("kB", 1e3),
+        b if b < 1e9 => ("MB", 1e6),
+        b if b < 1e12 => ("GB", 1e9),
+        _ => ("TB", 1e12),
+    };
+    format!("{:.1} {unit}", bytes / factor)
+}
+
+/// Memory that this process may still take, bytes: of the machine, of its control group, and by its limit of addresses. Unknown where
+/// the system has no `/proc`.
+fn free_memory() -> Option<f64> {
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let field = |text: &str, name: &str| -> Option<f64> {
+        text.lines().find_map(|l| l.strip_prefix(name))?.split_whitespace().next()?.parse().ok()
+    };
+    let machine = field(&read("/proc/meminfo")?, "MemAvailable:")? * 1024.0;
+    let number = |path: &str| -> Option<f64> { read(path)?.trim().parse().ok() };
+    let group = [
+        ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory.current"),
+        ("/sys/fs/cgroup/memory/memory.limit_in_bytes", "/sys/fs/cgroup/memory/memory.usage_in_bytes"),
+    ];
+    let group = group.iter().filter_map(|(most, now)| Some(number(most)? - number(now)?));
+    let addresses = read("/proc/self/limits").and_then(|limits| field(&limits, "Max address space"));
+    let taken = read("/proc/self/status").and_then(|status| field(&status, "VmSize:")).unwrap_or(0.0) * 1024.0;
+    let own = addresses.map(|most| most - taken);
+    Some(group.chain(own).fold(machine, f64::min).max(0.0))
+}
