@@ -49,7 +49,10 @@ impl Held {
             }
         }
         // For the message of a second run; the lock holds without it.
-        let _ = lock.set_len(0).and_then(|()| lock.rewind()).and_then(|()| write!(lock, "{}", std::process::id()));
+        let _ = lock
+            .set_len(0)
+            .and_then(|()| lock.rewind())
+            .and_then(|()| write!(lock, "{}", std::process::id()));
         Ok(Held { path: path.into(), _lock: lock })
     }
 
@@ -62,7 +65,9 @@ impl Held {
             remove(&self.path.join(name))?;
         }
         for folder in [PICTURES, FRAMES] {
-            self.each(folder, &|name| name.starts_with(&format!("{SERIES}_")) || name.starts_with(&format!("{SERIES}.")))?;
+            self.each(folder, &|name| {
+                name.starts_with(&format!("{SERIES}_")) || name.starts_with(&format!("{SERIES}."))
+            })?;
         }
         self.clear_parts()
     }
@@ -72,7 +77,9 @@ impl Held {
     /// # Errors
     /// A file that cannot be removed.
     pub fn clear_parts(&self) -> Result<(), CliError> {
-        ["", PICTURES, FRAMES].iter().try_for_each(|folder| self.each(folder, &|name| name.ends_with(".part")))
+        ["", PICTURES, FRAMES]
+            .iter()
+            .try_for_each(|folder| self.each(folder, &|name| name.ends_with(".part")))
     }
 
     /// Remove the files of a folder within this one whose name `which` picks.

@@ -231,7 +231,11 @@ impl Job {
         let measures = Measures::new(scene, solver)?;
         let folder = &self.folder;
         let held = Held::new(folder)?;
-        if self.resume { held.clear_parts()? } else { held.clear()? }
+        if self.resume {
+            held.clear_parts()?
+        } else {
+            held.clear()?
+        }
         let source = self.source.anchored();
         impactite::output::write_whole(folder.join(SCENE), source.text.clone())?;
 
@@ -448,7 +452,9 @@ fn no_checkpoint(folder: &Path) -> String {
             )
         }
         Ok(Progress::Stopped { error, .. }) => format!("the run was stopped: {error}"),
-        _ => format!("there is no `{CHECKPOINT}`; a run writes it every five minutes (`--checkpoint SECONDS`) and when Ctrl-C stops it"),
+        _ => format!(
+            "there is no `{CHECKPOINT}`; a run writes it every five minutes (`--checkpoint SECONDS`) and when Ctrl-C stops it"
+        ),
     }
 }
 

@@ -172,7 +172,7 @@ fn main() -> ExitCode {
     };
     let done = Signals::new().and_then(|signals| perform(options.command, &signals));
     // Output that nobody reads any more (`| head`) is no error.
-    
+
     match done.and_then(|code| flush().map(|()| code)) {
         Ok(code) => code,
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
@@ -188,7 +188,10 @@ fn main() -> ExitCode {
                 }
             };
             if json {
-                let _ = say(format_args!("{}", serde_json::json!({ "error": error.to_string(), "exit_code": code })));
+                let _ = say(format_args!(
+                    "{}",
+                    serde_json::json!({ "error": error.to_string(), "exit_code": code })
+                ));
                 let _ = flush();
             }
             ExitCode::from(code)
@@ -284,7 +287,9 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             say(format_args!("{}: {}", scene.title, solver.method()))?;
             // The first steps show what only they refuse, and how long one takes.
             let team = Team::new(std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST));
-            solver.set_team(team.map_err(|e| CliError::Option { option: "threads".into(), why: e.to_string() })?);
+            solver.set_team(
+                team.map_err(|e| CliError::Option { option: "threads".into(), why: e.to_string() })?,
+            );
             let seconds = timed(&mut *solver, scene.end.value)?;
             for line in ahead.lines(seconds) {
                 say(format_args!("  {line}"))?;
@@ -389,7 +394,10 @@ fn swept(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
         let values = point.values.join(", ");
         match &point.outcome {
             Ok(outcome) => {
-                let list = outcome.measures.iter().map(|Measured(name, value, unit)| format!("{name} {value:.5e} {unit}"));
+                let list = outcome
+                    .measures
+                    .iter()
+                    .map(|Measured(name, value, unit)| format!("{name} {value:.5e} {unit}"));
                 say(format_args!("{values}: {}", list.collect::<Vec<_>>().join(", ")))?;
             }
             Err(why) => say(format_args!("{values}: failed: {why}"))?,

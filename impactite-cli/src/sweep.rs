@@ -142,7 +142,11 @@ pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point
 ///
 /// # Errors
 /// As [`sweep`]; a folder without a plan.
-pub fn resume(folder: &Path, how: impl FnOnce(Job) -> Job, stop: &AtomicBool) -> Result<Vec<Point>, CliError> {
+pub fn resume(
+    folder: &Path,
+    how: impl FnOnce(Job) -> Job,
+    stop: &AtomicBool,
+) -> Result<Vec<Point>, CliError> {
     let path = folder.join(PLAN);
     let text = std::fs::read_to_string(&path).map_err(CliError::file(&path))?;
     let plan: Plan = serde_json::from_str(&text)
@@ -228,13 +232,16 @@ fn common_unit(values: &Values) -> &str {
 fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliError> {
     let Some(first) = points.iter().find_map(|p| p.outcome.as_ref().ok()) else { return Ok(()) };
     let columns = keys.iter().map(|k| (k.key.as_str(), common_unit(k)));
-    let columns = columns.chain(first.measures.iter().map(|Measured(name, _, unit)| (name.as_str(), unit.as_str())));
+    let columns =
+        columns.chain(first.measures.iter().map(|Measured(name, _, unit)| (name.as_str(), unit.as_str())));
     let columns: Vec<(&str, &str)> = columns.chain([("energy error", "-"), ("time in steps", "s")]).collect();
     let mut file = History::create(folder.join(TABLE), columns)?;
     for point in points {
         let keys = point.values.iter().map(|v| number(v).unwrap_or(f64::NAN));
         let row: Vec<f64> = match &point.outcome {
-            Ok(o) => keys.chain(o.measures.iter().map(|m| m.1)).chain([o.energy_error, o.wall_seconds]).collect(),
+            Ok(o) => {
+                keys.chain(o.measures.iter().map(|m| m.1)).chain([o.energy_error, o.wall_seconds]).collect()
+            }
             Err(_) => keys.chain(vec![f64::NAN; first.measures.len() + 2]).collect(),
         };
         file.push(&row)?;
@@ -245,7 +252,8 @@ fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliErro
     let x: Option<Vec<f64>> = done.iter().map(|(p, _)| number(&p.values[0])).collect();
     let Some(x) = x.filter(|x| x.len() > 1) else { return Ok(()) };
     let across = first.measures.len().min(3);
-    let mut panels = Panels::new(across).title(fitting(&format!("{} over {}", first.case, key.key), WIDTH * across));
+    let mut panels =
+        Panels::new(across).title(fitting(&format!("{} over {}", first.case, key.key), WIDTH * across));
     for (m, Measured(name, _, unit)) in first.measures.iter().enumerate() {
         let y: Vec<f64> = done.iter().map(|(_, o)| o.measures[m].1).collect();
         let chart = Chart::new(WIDTH, 520)

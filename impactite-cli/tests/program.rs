@@ -231,9 +231,7 @@ fn breaks_off(folder: &Path, path: &Path, options: &[&str]) {
             let page = std::fs::read_to_string(out.join("report.html")).expect("a page of what there is");
             assert!(page.contains("asked to stop"));
         }
-        let mut arguments = vec!["resume", out.to_str().unwrap()];
-        arguments.extend((!pictures).then_some("--no-pictures"));
-        let output = run(&arguments);
+        let output = run(&["resume", out.to_str().unwrap()]);
         assert!(output.status.success(), "{signal}: {}", said(&output));
         let same =
             |file: &str| std::fs::read(whole.join(file)).unwrap() == std::fs::read(out.join(file)).unwrap();

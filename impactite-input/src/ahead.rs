@@ -59,7 +59,9 @@ impl Source {
         let at = |key: &str, message: String, help: &str| {
             InputError::from(Box::new(self.fault_at(key, message, Some(help.into()))))
         };
-        let step = solver.stable_step().map_err(|e| at("method", e.to_string(), "look at materials and `time_step`"))?;
+        let step = solver
+            .stable_step()
+            .map_err(|e| at("method", e.to_string(), "look at materials and `time_step`"))?;
         let limited = solver.limited_by();
         let (dimensions, revolved) = (solver.dimensions(), solver.axisymmetric());
         let mut bodies = Vec::new();
@@ -87,7 +89,9 @@ impl Source {
             });
         }
         let limit = match limited {
-            Some(StepLimit::Body(n)) => bodies.get(n).map_or("a body".into(), |b| format!("waves in `{}`", b.name)),
+            Some(StepLimit::Body(n)) => {
+                bodies.get(n).map_or("a body".into(), |b| format!("waves in `{}`", b.name))
+            }
             Some(StepLimit::Nodes) => "the highest frequency of the nodes".into(),
             Some(StepLimit::Growth) => "the growth of steps".into(),
             Some(StepLimit::Fixed) => "`time_step.fixed`".into(),
@@ -95,11 +99,26 @@ impl Source {
         };
         let steps = scene.end.value / step;
         if !(steps <= MOST_STEPS) {
-            let message = format!("{:.3e} s are {steps:.1e} steps of {step:.1e} s, limited by {limit}; at most {MOST_STEPS:.0e} are allowed", scene.end.value);
-            return Err(at("end", message, "look at the units of `end`, of the cells or spacing, and of density and moduli"));
+            let message = format!(
+                "{:.3e} s are {steps:.1e} steps of {step:.1e} s, limited by {limit}; at most {MOST_STEPS:.0e} are allowed",
+                scene.end.value
+            );
+            return Err(at(
+                "end",
+                message,
+                "look at the units of `end`, of the cells or spacing, and of density and moduli",
+            ));
         }
         let notes = self.notes(scene, &bodies);
-        Ok(Ahead { bodies, bytes: solver.bytes(), step, limit, steps, mass_unit: placed::mass_unit(scene.space), notes })
+        Ok(Ahead {
+            bodies,
+            bytes: solver.bytes(),
+            step,
+            limit,
+            steps,
+            mass_unit: placed::mass_unit(scene.space),
+            notes,
+        })
     }
 
     /// The measure of a body's shape, m^3 (per radian or metre of depth), where it is known.
@@ -134,35 +153,58 @@ impl Source {
     }
 }
 
+impl BodyAhead {
+    /// Is the other one a repetition of the same body?
+    fn is_repeated_as(&self, other: &BodyAhead) -> bool {
+        let stem = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).to_string();
+        stem(&self.name).ends_with(' ') && stem(&self.name) == stem(&other.name) && self.law == other.law
+    }
+}
+
+/// Corners of a box, with coordinates that are rounding beside its edges as zero.
+fn box_of([low, high]: &[Vec<f64>; 2]) -> String {
+    let largest = low.iter().zip(high).map(|(l, h)| h - l).fold(0.0, f64::max);
+    let list = |x: &[f64]| {
+        let shown = x.iter().map(|&x| if x.abs() < 1e-3 * largest { "0".into() } else { format!("{x:.4}") });
+        let small = |&x: &f64| if x.abs() < 1e-3 * largest { "0".into() } else { format!("{x:.3e}") };
+        let texts: Vec<String> = if largest < 0.1 { x.iter().map(small).collect() } else { shown.collect() };
+        texts.join(", ")
+    };
+    format!("from [{}] to [{}]", list(low), list(high))
+}
+
 impl Ahead {
     /// Lines for people; `seconds` is the time that a step takes on this machine, where it was measured.
     #[must_use]
     pub fn lines(&self, seconds: Option<f64>) -> Vec<String> {
-        let list = |x: &[f64]| x.iter().map(|x| format!("{x:.4e}")).collect::<Vec<_>>().join(", ");
-        let mut lines: Vec<String> = self
-            .bodies
-            .iter()
-            .take(20)
-            .map(|b| {
-                let factor = b.volume_factor.map_or(String::new(), |f| format!(", volume factor {f:.4}"));
-                let waves = b.wave_speed.map_or(String::new(), |c| format!(", speed of sound {c:.0} m/s"));
-                let [low, high] = &b.bounds;
-                let unit = self.mass_unit;
-                format!(
-                    "{}: {} points, {:.4e} {unit}, {}{waves}; from [{}] to [{}] m{factor}",
-                    b.name,
-                    b.points,
-                    b.mass,
-                    if b.law.is_empty() { "rigid" } else { b.law },
-                    list(low),
-                    list(high)
-                )
-            })
-            .collect();
-        if self.bodies.len() > 20 {
-            let rest = &self.bodies[20..];
-            let (points, mass) = rest.iter().fold((0, 0.0), |(n, m), b| (n + b.points, m + b.mass));
-            lines.push(format!("and {} bodies more: {points} points, {mass:.4e} {}", rest.len(), self.mass_unit));
+        let unit = self.mass_unit;
+        let mut lines = Vec::new();
+        let mut rest = &self.bodies[..];
+        while let Some(first) = rest.first() {
+            // Repeated bodies, `ball 1` and so on, share a line.
+            let alike = rest.iter().take_while(|b| first.is_repeated_as(b)).count();
+            let (all, after) = rest.split_at(alike.max(1));
+            rest = after;
+            let sum = |of: fn(&BodyAhead) -> f64| all.iter().map(of).sum::<f64>();
+            let bounds = all.iter().fold(first.bounds.clone(), |[low, high], b| {
+                let with = |x: Vec<f64>, y: &[f64], pick: fn(f64, f64) -> f64| {
+                    x.iter().zip(y).map(|(x, y)| pick(*x, *y)).collect()
+                };
+                [with(low, &b.bounds[0], f64::min), with(high, &b.bounds[1], f64::max)]
+            });
+            let name = match all {
+                [one] => one.name.clone(),
+                _ => format!("{} to {} ({} bodies)", first.name, all[all.len() - 1].name, all.len()),
+            };
+            let waves = first.wave_speed.map_or(String::new(), |c| format!(", speed of sound {c:.0} m/s"));
+            let factor = first.volume_factor.map_or(String::new(), |f| format!(", volume factor {f:.4}"));
+            let law = if first.law.is_empty() { "rigid" } else { first.law };
+            let points: usize = all.iter().map(|b| b.points).sum();
+            lines.push(format!(
+                "{name}: {points} points, {:.4e} {unit}, {law}{waves}; {} m{factor}",
+                sum(|b| b.mass),
+                box_of(&bounds)
+            ));
         }
         lines.push(format!("memory: {}", size::size(self.bytes as f64)));
         lines.push(format!("first step: {:.3e} s, limited by {}", self.step, self.limit));

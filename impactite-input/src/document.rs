@@ -87,7 +87,11 @@ impl Source {
                     return Err(refused(found.span.start, found.key, "stands twice".into()));
                 }
                 Some(json::Wrong::Null) => {
-                    return Err(refused(found.span.start, found.key, "`null` is no value; leave the key out".into()));
+                    return Err(refused(
+                        found.span.start,
+                        found.key,
+                        "`null` is no value; leave the key out".into(),
+                    ));
                 }
                 None => {}
             }
@@ -103,7 +107,9 @@ impl Source {
     pub fn anchored(&self) -> Self {
         let folder = Path::new(&self.name).parent().unwrap_or(Path::new(""));
         let folder = std::path::absolute(if folder.as_os_str().is_empty() { Path::new(".") } else { folder });
-        let (Ok(folder), Ok(mut document)) = (folder, self.text.parse::<DocumentMut>()) else { return self.clone() };
+        let (Ok(folder), Ok(mut document)) = (folder, self.text.parse::<DocumentMut>()) else {
+            return self.clone();
+        };
         let mut moved = false;
         for (name, item) in document.iter_mut() {
             if name.get() != "parameters" {
@@ -165,6 +171,7 @@ impl Source {
                     names.join(", ")
                 )));
             }
+            self.check_measure(name, &value).map_err(wrong)?;
         }
         let mut here: &mut Item = document.as_item_mut();
         for step in way {
@@ -176,6 +183,30 @@ impl Source {
         changed.push(key.into());
         // The text of the file is that of the errors no longer.
         Ok(Source { name: self.name.clone(), text: document.to_string(), json: None, changed })
+    }
+
+    /// Refuse a value of a parameter that measures something else than the file's own.
+    fn check_measure(&self, name: &str, value: &Value) -> Result<(), String> {
+        let Ok(document) = Document::parse(self.text.as_str()) else { return Ok(()) };
+        let Ok(known) = self.parameters(&document) else { return Ok(()) };
+        let Some(there) = document.get("parameters").and_then(|p| p.get(name)).and_then(text_of) else {
+            return Ok(());
+        };
+        let new = text_of(&Item::Value(value.clone())).ok_or("must be a number, or a text with a unit")?;
+        match (known.measure(&there), known.measure(&new)) {
+            (Ok(there), Ok(new_measure)) if there != new_measure => {
+                let words = |(name, unit): (&str, &str)| match unit {
+                    "" => "a number without a unit".to_string(),
+                    _ => format!("a {name} ({unit})"),
+                };
+                Err(format!(
+                    "the parameter is {} in the file, and `{new}` is {}",
+                    words(there),
+                    words(new_measure)
+                ))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The scene.
@@ -210,12 +241,7 @@ impl Source {
             return Err(Box::new(fault).into());
         };
         for (name, item) in table.iter() {
-            let text = match item.as_value() {
-                Some(Value::String(text)) => text.value().clone(),
-                Some(Value::Integer(number)) => number.value().to_string(),
-                Some(Value::Float(number)) if number.value().is_finite() => format!("{:?}", number.value()),
-                _ => String::new(),
-            };
+            let text = text_of(item).unwrap_or_default();
             let defined = if text.trim().is_empty() {
                 Err("must be a number, or a text with a unit".into())
             } else {
@@ -269,8 +295,11 @@ impl Source {
         let (text, span) = match &self.json {
             // The value of the key, or of what of it there is.
             Some(json) => {
-                let within = |of: &str| key.strip_prefix(of).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']));
-                let place = json::places(json).into_iter().filter(|p| within(&p.key)).max_by_key(|p| p.key.len());
+                let within = |of: &str| {
+                    key.strip_prefix(of).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+                };
+                let place =
+                    json::places(json).into_iter().filter(|p| within(&p.key)).max_by_key(|p| p.key.len());
                 (json, place.filter(|p| !p.key.is_empty()).map(|p| p.span))
             }
             None => (&self.text, span),
@@ -288,6 +317,16 @@ impl Source {
         let width = text.get(start..end).map_or(1, |s| s.chars().count()).max(1);
         let line = Some(before.matches('\n').count() + 1);
         Fault { file, line, column, width, text: shown.into(), key, message, help }
+    }
+}
+
+/// The text of a parameter: a finite number, or a text.
+fn text_of(item: &Item) -> Option<String> {
+    match item.as_value()? {
+        Value::String(text) => Some(text.value().clone()),
+        Value::Integer(number) => Some(number.value().to_string()),
+        Value::Float(number) if number.value().is_finite() => Some(format!("{:?}", number.value())),
+        _ => None,
     }
 }
 

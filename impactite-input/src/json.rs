@@ -67,7 +67,9 @@ impl Scan<'_> {
             }
             _ => {
                 let rest = &self.text[start..];
-                self.at += rest.find(|c: char| c == ',' || c == '}' || c == ']' || c.is_whitespace()).unwrap_or(rest.len());
+                self.at += rest
+                    .find(|c: char| c == ',' || c == '}' || c == ']' || c.is_whitespace())
+                    .unwrap_or(rest.len());
                 if first == b'n' {
                     self.found[place].wrong = Some(Wrong::Null);
                 }
@@ -114,15 +116,18 @@ mod tests {
         let found = places(text);
         let said: Vec<(&str, &str, Option<Wrong>)> =
             found.iter().map(|p| (&*p.key, &text[p.span.clone()], p.wrong)).collect();
-        assert_eq!(said[1..], [
-            ("a", "1", None),
-            ("b\"", r#"[2, {"c": "x, }"}, null]"#, None),
-            ("b\"[0]", "2", None),
-            ("b\"[1]", r#"{"c": "x, }"}"#, None),
-            ("b\"[1].c", "\"x, }\"", None),
-            ("b\"[2]", "null", Some(Wrong::Null)),
-            ("a", "{}", Some(Wrong::Twice)),
-        ]);
+        assert_eq!(
+            said[1..],
+            [
+                ("a", "1", None),
+                ("b\"", r#"[2, {"c": "x, }"}, null]"#, None),
+                ("b\"[0]", "2", None),
+                ("b\"[1]", r#"{"c": "x, }"}"#, None),
+                ("b\"[1].c", "\"x, }\"", None),
+                ("b\"[2]", "null", Some(Wrong::Null)),
+                ("a", "{}", Some(Wrong::Twice)),
+            ]
+        );
         assert_eq!(found[0].span, 0..text.len());
     }
 }

@@ -158,6 +158,22 @@ impl Parameters {
         convert(text, unit, &mut context)
     }
 
+    /// Name and SI unit of what a text measures.
+    ///
+    /// # Errors
+    /// A text that is no quantity of any known measure.
+    pub fn measure(&self, text: &str) -> Result<(&'static str, &'static str), String> {
+        let mut context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut first = None;
+        for &(name, unit) in MEASURES {
+            match convert(text, unit, &mut context) {
+                Ok(_) => return Ok((name, unit)),
+                Err(why) => first = first.or(Some(why)),
+            }
+        }
+        Err(first.unwrap_or_default())
+    }
+
     /// Read with these parameters: quantities and formulas that `read` makes of a file on this thread are written with them.
     pub fn during<R>(&self, read: impl FnOnce() -> R) -> R {
         let before = PARAMETERS.replace(self.clone());

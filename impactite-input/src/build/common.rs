@@ -303,7 +303,8 @@ impl<'a, const D: usize> World<'a, D> {
         if let Some((key, factor)) = factor
             && !(1e-6..=1.0).contains(&factor)
         {
-            let message = format!("{factor} is not allowed; this part of the stable step must be from 1e-6 to 1");
+            let message =
+                format!("{factor} is not allowed; this part of the stable step must be from 1e-6 to 1");
             return wrong(key, message);
         }
         for (name, spec) in &self.scene.materials {
@@ -321,7 +322,8 @@ impl<'a, const D: usize> World<'a, D> {
         let apart = bodies.values().filter(|b| b.elements.as_ref().is_none_or(|e| e.within.is_none()));
         let mpm = matches!(scene.method, Method::Mpm(_));
         if scene.contact.is_none() && apart.count() > 1 {
-            let help = if mpm { "; without contact, in one velocity field: `contact = \"none\"`" } else { "" };
+            let help =
+                if mpm { "; without contact, in one velocity field: `contact = \"none\"`" } else { "" };
             return Err(Wrong {
                 key: "contact".into(),
                 message: "several bodies need a `contact`".into(),
@@ -329,16 +331,29 @@ impl<'a, const D: usize> World<'a, D> {
             });
         }
         if !mpm && scene.contact.is_some() && scene.contact().is_none() && bodies.len() > 1 {
-            return wrong("contact", "`\"none\"` is for the method `mpm` alone, where bodies then share one velocity field");
+            return wrong(
+                "contact",
+                "`\"none\"` is for the method `mpm` alone, where bodies then share one velocity field",
+            );
         }
         let Some(contact) = scene.contact() else { return Ok(()) };
-        let laws = contact.pairs.iter().enumerate().map(|(n, pair)| (format!("contact.pairs[{n}].law"), pair, &pair.law));
+        let laws = contact
+            .pairs
+            .iter()
+            .enumerate()
+            .map(|(n, pair)| (format!("contact.pairs[{n}].law"), pair, &pair.law));
         let by_surface = |name: &str| {
-            bodies.get(name).and_then(|b| b.elements.as_ref()).is_some_and(|e| e.within.is_none() && e.by == MeetBy::Surface)
+            bodies
+                .get(name)
+                .and_then(|b| b.elements.as_ref())
+                .is_some_and(|e| e.within.is_none() && e.by == MeetBy::Surface)
         };
         let remembers = |law: &Law| matches!(law, Law::SlipWeakening(_));
         let without = |key: String| {
-            wrong(key, "`slip_weakening` is for particles on the grid (`mpm`) alone; use `friction`, or `stick`")
+            wrong(
+                key,
+                "`slip_weakening` is for particles on the grid (`mpm`) alone; use `friction`, or `stick`",
+            )
         };
         for (key, pair, law) in laws {
             let elements = !mpm || pair.between.iter().any(|name| by_surface(name));

@@ -18,7 +18,7 @@ use super::common::World;
 use super::kernels::Setting;
 use super::material::{Acting, Start};
 use super::wrong::{At, Made, Wrong, known, of_body, wrong};
-use super::{mesh, shape};
+use super::{mesh, placed, shape};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
 use crate::model::method::{Dense, Grid, Mpm};
@@ -114,15 +114,20 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     for (name, body) in order.iter().filter(|(_, b)| b.elements.is_some()) {
         add_elements(embedding, world, &mut mpm, name, body)?;
     }
+    // Bodies behind planes have their own words, with the key that helps.
+    placed::check_planes(world, &mpm)?;
     for (key, boundary) in others {
         mpm.bound(boundary).at(key)?;
     }
     if let Some(gravity) = world.gravity()? {
-        let by_grid = |b: &Body| b.elements.as_ref().is_some_and(|e| e.within.is_none() && e.by == MeetBy::Grid);
+        let by_grid =
+            |b: &Body| b.elements.as_ref().is_some_and(|e| e.within.is_none() && e.by == MeetBy::Grid);
         if let Some((name, _)) = bodies.iter().find(|(_, b)| by_grid(b)) {
             return Err(Wrong {
                 key: "gravity".into(),
-                message: format!("is not available beside elements that meet particles on the grid, as `{name}` does"),
+                message: format!(
+                    "is not available beside elements that meet particles on the grid, as `{name}` does"
+                ),
                 help: Some(format!(
                     "write `bodies.{name}.elements.by = \"surface\"`, or `body_force` for the bodies of particles"
                 )),

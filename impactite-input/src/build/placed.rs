@@ -1,7 +1,7 @@
 //! A scene as it was set up: bodies on the right sides of planes, apart from each other, and of possible speeds.
 
 use impactite::geometry::Shape as _;
-use impactite::scene::Solver;
+use impactite::scene::{Body, Solver};
 
 use super::common::World;
 use super::shape;
@@ -21,42 +21,61 @@ struct Placed<const D: usize> {
 
 /// Refuse bodies behind planes, bodies within bodies, and speeds that nothing has.
 pub(super) fn check<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> {
-    let revolved = solver.axisymmetric();
-    let mut placed: Vec<Placed<D>> = Vec::new();
-    for body in solver.bodies() {
-        let mut here = Placed { name: body.name().into(), points: Vec::with_capacity(body.len()), fastest: 0.0 };
-        body.for_each(&mut |p| {
-            let at = std::array::from_fn(|d| p.position[d]);
-            here.points.push((at, p.drawn_width(D, revolved)));
-            let square = p.velocity.iter().map(|v| v * v).sum::<f64>();
-            here.fastest = here.fastest.max(square.sqrt());
-        });
-        placed.push(here);
-    }
+    let placed = bodies::<D>(solver);
     for body in &placed {
         // Elements among particles are one body of the solver.
         let name = body.name.split(" + ").next().unwrap_or_default();
         if body.fastest >= LIGHT {
             return Err(Wrong {
                 key: format!("bodies.{name}"),
-                message: format!("{:.3e} m/s is not allowed; speeds must be below that of light, {LIGHT:.3e} m/s", body.fastest),
+                message: format!(
+                    "{:.3e} m/s is not allowed; speeds must be below that of light, {LIGHT:.3e} m/s",
+                    body.fastest
+                ),
                 help: Some("look at the unit of its `velocity`, `speed` or `spin`".into()),
             });
         }
     }
     for (n, condition) in world.scene.conditions.iter().enumerate() {
-        behind(world, &format!("conditions[{n}]"), condition, &placed)?;
+        behind(world, n, condition, &placed)?;
     }
     overlap(world, &placed)
+}
+
+/// Refuse bodies behind planes, but for fixed ones, behind which some bodies of a scene may be: before solvers see the planes, whose
+/// words have no keys.
+pub(super) fn check_planes<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> {
+    let placed = bodies::<D>(solver);
+    let mut conditions = world.scene.conditions.iter().enumerate();
+    conditions.try_for_each(|(n, c)| {
+        if matches!(c, Condition::Fixed(_)) { Ok(()) } else { behind(world, n, c, &placed) }
+    })
+}
+
+fn bodies<const D: usize>(solver: &dyn Solver) -> Vec<Placed<D>> {
+    let revolved = solver.axisymmetric();
+    let of = |body: &dyn Body| {
+        let mut here =
+            Placed { name: body.name().into(), points: Vec::with_capacity(body.len()), fastest: 0.0 };
+        body.for_each(&mut |p| {
+            let at = std::array::from_fn(|d| p.position[d]);
+            here.points.push((at, p.drawn_width(D, revolved)));
+            let square = p.velocity.iter().map(|v| v * v).sum::<f64>();
+            here.fastest = here.fastest.max(square.sqrt());
+        });
+        here
+    };
+    solver.bodies().into_iter().map(of).collect()
 }
 
 /// Refuse bodies behind a plane of a condition: what it does to them there is not what it says.
 fn behind<const D: usize>(
     world: &World<'_, D>,
-    key: &str,
+    number: usize,
     condition: &Condition,
     placed: &[Placed<D>],
 ) -> Made<()> {
+    let key = format!("conditions[{number}]");
     let (word, axis, at, side) = match condition {
         Condition::Symmetry(p) => ("symmetry", p.axis, p.at.value, p.side),
         Condition::Wall(p) => ("wall", p.axis, p.at.value, p.side),
@@ -99,7 +118,10 @@ fn behind<const D: usize>(
     if word == "fixed" && all_behind {
         return Err(Wrong {
             key: format!("{key}.fixed"),
-            message: format!("all bodies are behind it, so that nothing moves: what is {other} {} = {at:?} m stands still", axis.name()),
+            message: format!(
+                "all bodies are behind it, so that nothing moves: what is {other} {} = {at:?} m stands still",
+                axis.name()
+            ),
             help: Some(format!("write `side = \"{other}\"` to hold what is {said}")),
         });
     }

@@ -12,8 +12,8 @@ use crate::model::method::Method;
 /// that fits.
 fn bytes_a_point(method: &Method, dimensions: usize) -> f64 {
     match (method, dimensions) {
-        (Method::Mpm(_), 3) => 350.0,
-        (Method::Mpm(_), _) => 250.0,
+        (Method::Mpm(_), 3) => 200.0,
+        (Method::Mpm(_), _) => 200.0,
         (Method::Fem(_), 3) => 500.0,
         (Method::Fem(_), _) => 300.0,
         (Method::Sph(_), 3) => 1500.0,
@@ -21,7 +21,7 @@ fn bytes_a_point(method: &Method, dimensions: usize) -> f64 {
         (Method::Fpm(_), 3) => 4000.0,
         (Method::Fpm(_), _) => 1200.0,
         (Method::Pcmm(_), 3) => 2500.0,
-        (Method::Pcmm(_), _) => 800.0,
+        (Method::Pcmm(_), _) => 350.0,
     }
 }
 
@@ -130,7 +130,8 @@ fn free_memory() -> Option<f64> {
     ];
     let group = group.iter().filter_map(|(most, now)| Some(number(most)? - number(now)?));
     let addresses = read("/proc/self/limits").and_then(|limits| field(&limits, "Max address space"));
-    let taken = read("/proc/self/status").and_then(|status| field(&status, "VmSize:")).unwrap_or(0.0) * 1024.0;
+    let taken =
+        read("/proc/self/status").and_then(|status| field(&status, "VmSize:")).unwrap_or(0.0) * 1024.0;
     let own = addresses.map(|most| most - taken);
     Some(group.chain(own).fold(machine, f64::min).max(0.0))
 }

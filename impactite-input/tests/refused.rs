@@ -1,0 +1,261 @@
+//! Scenes that `check` refuses, with the key that helps.
+
+use impactite_input::Source;
+
+/// Two blocks of which the right one hits the left one.
+fn blocks(method: &str, contact: &str, rest: &str) -> String {
+    let mesh = if method.contains("fem") { "mesh.edge = \"2 mm\"" } else { "" };
+    format!(
+        r#"
+title = "two blocks"
+space = "plane strain"
+end = "1 us"
+{method}
+{contact}
+{rest}
+materials.steel.elastic = {{ density = 7800, young = "200 GPa", poisson = 0.3 }}
+[bodies.left]
+material = "steel"
+shape.box = {{ from = [0, 0], to = ["10 mm", "10 mm"] }}
+{mesh}
+[bodies.right]
+material = "steel"
+shape.box = {{ from = ["20 mm", 0], to = ["30 mm", "10 mm"] }}
+velocity = ["-1 m/s", 0]
+{mesh}
+"#
+    )
+}
+
+const METHODS: [&str; 5] = [
+    "method.mpm = { cell = \"2 mm\" }",
+    "method.fem = {}",
+    "method.sph = { spacing = \"2 mm\" }",
+    "method.fpm = { spacing = \"2 mm\" }",
+    "method.pcmm = { spacing = \"2 mm\" }",
+];
+const FRICTION: &str = "contact.law.friction = 0.2";
+
+/// What is said of a scene; nothing of one that is set up.
+fn said(text: &str) -> Option<String> {
+    let source = Source::new("scene.toml", text);
+    let built = source.parse().and_then(|scene| {
+        let mut solver = source.build(&scene)?;
+        source.ahead(&scene, &mut *solver)
+    });
+    built.err().map(|e| e.to_string())
+}
+
+fn refused(text: &str, words: &[&str]) {
+    let said = said(text).unwrap_or_else(|| panic!("not refused:\n{text}"));
+    for word in words {
+        assert!(said.contains(word), "no `{word}` in:\n{said}\nof:\n{text}");
+    }
+}
+
+#[test]
+fn several_bodies_need_a_contact_in_every_method() {
+    for method in METHODS {
+        refused(
+            &blocks(method, "", ""),
+            &["contact: several bodies need a `contact`", "contact.law.friction = 0"],
+        );
+        assert_eq!(said(&blocks(method, FRICTION, "")), None, "{method}");
+        let none = blocks(method, "contact = \"none\"", "");
+        if method.contains("mpm") {
+            assert_eq!(said(&none), None);
+        } else {
+            refused(&none, &["contact", "`mpm` alone"]);
+        }
+    }
+    refused(&blocks(METHODS[0], "contact = \"nothing\"", ""), &["contact", "or \"none\""]);
+    refused(
+        &blocks(METHODS[0], "contact.law.frction = 0.2", ""),
+        &["contact.law", "did you mean `friction`?"],
+    );
+    // One body needs none.
+    let one = blocks(METHODS[0], "", "").split("[bodies.right]").next().map(String::from);
+    assert_eq!(one.and_then(|text| said(&text)), None);
+}
+
+/// `side` is above if it is not given, which a body below a wall at its right is not.
+#[test]
+fn bodies_behind_planes_are_refused_in_every_method() {
+    for method in METHODS {
+        for (word, rest) in [
+            ("wall", ""),
+            ("symmetry", ""),
+            ("absorbing", ", longitudinal = 6000, shear = 3000"),
+            ("wall", ", friction = 0.3"),
+        ] {
+            let plane = |side: &str| {
+                format!("conditions = [{{ {word} = {{ axis = \"x\", at = \"36 mm\"{rest}{side} }} }}]")
+            };
+            refused(&blocks(method, FRICTION, &plane("")), &["conditions[0]", "side"]);
+            assert_eq!(
+                said(&blocks(method, FRICTION, &plane(", side = \"below\""))),
+                None,
+                "{method} {word}"
+            );
+            // A plane through a body.
+            let through = plane("").replace("36 mm", "6 mm");
+            refused(&blocks(method, FRICTION, &through), &["conditions[0]"]);
+        }
+        let fixed = |at: &str| format!("conditions = [{{ fixed = {{ axis = \"x\", at = \"{at}\" }} }}]");
+        refused(&blocks(method, FRICTION, &fixed("36 mm")), &["conditions[0].fixed", "side = \"below\""]);
+        // Behind it stands what it is to hold.
+        assert_eq!(said(&blocks(method, FRICTION, &fixed("16 mm"))), None, "{method}");
+    }
+}
+
+#[test]
+fn bodies_within_bodies_are_refused_in_every_method() {
+    for method in METHODS {
+        let text = blocks(method, FRICTION, "");
+        let within = text.replace("[\"20 mm\", 0], to = [\"30 mm\"", "[\"6 mm\", 0], to = [\"16 mm\"");
+        refused(&within, &["bodies.", "points lie in the shape of"]);
+        // Faces that touch are no overlap.
+        let touching = text.replace("[\"20 mm\", 0], to = [\"30 mm\"", "[\"10 mm\", 0], to = [\"20 mm\"");
+        assert_eq!(said(&touching), None, "{method}");
+    }
+}
+
+#[test]
+fn steps_speeds_and_materials_that_cannot_be_are_refused() {
+    let text = |rest: &str| blocks(METHODS[0], FRICTION, rest);
+    for factor in ["2", "1.01", "0", "-1", "1e-30"] {
+        refused(&text(&format!("time_step.factor = {factor}")), &["time_step.factor", "from 1e-6 to 1"]);
+    }
+    refused(&text("time_step.gershgorin = { factor = 3 }"), &["time_step.gershgorin.factor"]);
+    refused(&text("").replace("\"1 us\"", "\"1e9 s\""), &["end:", "steps"]);
+    refused(&text("").replace("density = 7800", "density = 1e-20"), &["steps"]);
+    refused(&text("").replace("\"-1 m/s\"", "\"-400000 km/s\""), &["bodies.right", "light"]);
+    let unused = "materials.spare.elastic = { density = -1.2, young = \"1 GPa\", poisson = 0.3 }";
+    refused(&text(unused), &["materials.spare", "-1.2"]);
+    let note = "materials.spare.elastic = { density = 1.2, young = \"1 GPa\", poisson = 0.3 }";
+    let source = Source::new("scene.toml", text(note));
+    let scene = source.parse().unwrap();
+    let mut solver = source.build(&scene).unwrap();
+    let ahead = source.ahead(&scene, &mut *solver).unwrap();
+    assert!(ahead.notes.iter().any(|n| n.contains("materials.spare")), "{:?}", ahead.notes);
+}
+
+#[test]
+fn contact_that_remembers_is_refused_where_it_is_not_available() {
+    let law = "contact.law.slip_weakening = { at_rest = 0.6, sliding = 0.3, distance = \"1 mm\" }";
+    for method in METHODS {
+        let text = blocks(method, law, "");
+        if method.contains("mpm") {
+            assert_eq!(said(&text), None);
+        } else {
+            refused(&text, &["contact.law", "slip_weakening"]);
+        }
+        let pair = "[contact]\nlaw.friction = 0.2\n[[contact.pairs]]\nbetween = [\"left\", \"right\"]\nlaw.slip_weakening = { at_rest = 0.6, sliding = 0.3, distance = \"1 mm\" }\n";
+        let paired = blocks(method, "", "") + pair;
+        assert_eq!(
+            said(&paired).is_some_and(|s| s.contains("contact.pairs[0].law")),
+            !method.contains("mpm"),
+            "{method}"
+        );
+    }
+    let beside = |by: &str| {
+        blocks(METHODS[0], law, "").replace(
+            "velocity = [\"-1 m/s\", 0]",
+            &format!("velocity = [\"-1 m/s\", 0]\nmesh.edge = \"2 mm\"\nelements.by = \"{by}\""),
+        )
+    };
+    refused(&beside("surface"), &["contact.law", "slip_weakening"]);
+}
+
+#[test]
+fn gravity_beside_elements_on_the_grid_is_refused() {
+    let text = |by: &str| {
+        blocks(METHODS[0], FRICTION, "gravity = [0, -10]")
+            .replace("velocity = [\"-1 m/s\", 0]", &format!("mesh.edge = \"2 mm\"\nelements.by = \"{by}\""))
+    };
+    refused(&text("grid"), &["gravity", "`right`", "bodies.right.elements.by = \"surface\""]);
+    assert_eq!(said(&text("surface")), None);
+}
+
+/// Before any point is made.
+#[test]
+fn scenes_that_memory_does_not_hold_are_refused() {
+    for (method, key) in [
+        ("method.mpm = { cell = \"20 nm\" }", "method.mpm.cell"),
+        ("method.sph = { spacing = \"10 nm\" }", "method.sph.spacing"),
+        ("method.fpm = { spacing = \"10 nm\" }", "method.fpm.spacing"),
+        ("method.pcmm = { spacing = \"10 nm\" }", "method.pcmm.spacing"),
+    ] {
+        refused(&blocks(method, FRICTION, ""), &[key, "of memory or more", "times larger"]);
+    }
+    let fem = blocks(METHODS[1], FRICTION, "").replace("\"2 mm\"", "\"10 nm\"");
+    refused(&fem, &[".mesh.edge", "of memory or more"]);
+    // A shape whose measure is sampled.
+    let hollow = blocks(METHODS[0], FRICTION, "").replace("2 mm", "10 nm").replace(
+        "shape.box = { from = [0, 0], to = [\"10 mm\", \"10 mm\"] }",
+        "shape.difference = [{ box = { from = [0, 0], to = [\"10 mm\", \"10 mm\"] } }, { ball = { centre = [0, 0], radius = \"5 mm\" } }]",
+    );
+    refused(&hollow, &["method.mpm.cell"]);
+}
+
+#[test]
+fn a_parameter_keeps_what_it_measures() {
+    let text = blocks(METHODS[0], FRICTION, "").replace("\"-1 m/s\"", "\"-speed\"")
+        + "[parameters]\nspeed = \"1 m/s\"\ncells = 4\n";
+    let source = Source::new("scene.toml", text);
+    for (set, words) in [
+        ("parameters.speed=800", ["the parameter is a speed (m/s)", "`800` is a number without a unit"]),
+        ("parameters.speed=3 mm", ["speed (m/s)", "length (m)"]),
+        ("parameters.cells=3 mm", ["number without a unit", "length"]),
+    ] {
+        let said = source.set(set).unwrap_err().to_string();
+        assert!(words.iter().all(|w| said.contains(w)), "{said}");
+    }
+    for set in ["parameters.speed=2 km/s", "parameters.speed=2 speed", "parameters.cells=10"] {
+        assert!(source.set(set).is_ok_and(|s| s.parse().is_ok()) || set.contains("2 speed"), "{set}");
+    }
+}
+
+#[test]
+fn errors_of_json_have_their_places_in_the_json() {
+    let one_line = r#"{"title": "a", "space": "plane strain", "end": 1, "method": {"mpm": {"cell": "3 mmm"}}, "materials": {}, "bodies": {}}"#;
+    let source = Source::from_json("scene.json", one_line).unwrap();
+    let said = source.parse().unwrap_err().to_string();
+    let column = one_line.find("\"3 mmm\"").unwrap() + 1;
+    assert!(said.starts_with(&format!("scene.json:1:{column}: method.mpm.cell")), "{said}");
+    assert!(said.contains(one_line) && said.contains("^"), "{said}");
+    for (text, words) in [
+        ("{\n \"title\": \"a\",\n \"end\": null\n}", ["scene.json:3:9: end:", "leave the key out"]),
+        ("{\"title\": \"a\",\n \"title\": \"b\"}", ["scene.json:2:11: title:", "stands twice"]),
+        ("{\"bodies\": {\"b\": {\"velocity\": [1, null]}}}", ["bodies.b.velocity[1]", "leave the key out"]),
+        ("[1, 2]", ["scene.json:1:1", "a scene is an object"]),
+        ("{\"title\": }", ["scene.json:1:11", "invalid JSON"]),
+    ] {
+        let said = Source::from_json("scene.json", text).unwrap_err().to_string();
+        assert!(words.iter().all(|w| said.contains(w)), "{said}");
+    }
+}
+
+/// A scene means the same in another folder.
+#[test]
+fn files_of_a_scene_are_found_from_anywhere() {
+    let text = blocks(METHODS[0], FRICTION, "")
+        + "[bodies.third]\nmaterial = \"steel\"\nshape.moved = { shape = { surface = { file = \"a.stl\", unit = \"1 mm\" } }, by = [1, 1] }\n\
+           [bodies.fourth]\nmaterial = \"steel\"\nshape.union = [{ surface = { file = \"/b.stl\", unit = 1 } }, { surface = { file = \"c/d.stl\", unit = 1 } }]\n";
+    let source = Source::new("/somewhere/scene.toml", text);
+    let anchored = source.anchored().text;
+    for path in ["\"/somewhere/a.stl\"", "\"/b.stl\"", "\"/somewhere/c/d.stl\""] {
+        assert!(anchored.contains(path), "{path} in\n{anchored}");
+    }
+    // Only what changes no step may differ in a run that goes on.
+    for (set, same) in [
+        ("end=5", true),
+        ("title=other", true),
+        ("description=other", true),
+        ("bodies.left.velocity=[3, 0]", false),
+        ("method.mpm.cell=\"1 mm\"", false),
+    ] {
+        assert_eq!(source.resumes_as(&source.set(set).unwrap()), same, "{set}");
+    }
+    assert!(source.resumes_as(&source.anchored()) && source.anchored().resumes_as(&source));
+}
