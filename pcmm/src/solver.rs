@@ -6,7 +6,7 @@ use impactite_scene::boundary::BodyForce;
 use impactite_scene::boundary::check_at;
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
-use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
+use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
     Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
@@ -85,8 +85,10 @@ pub struct Pcmm<const D: usize, M> {
 
 /// What is said where energy is lost or gained.
 pub(crate) const ADVICE: Advice = Advice {
-    loss: "by contacts that closed, the printed volumes of elements, or elements that were made anew; what keeps more: \
-           `Method::consistent`, and smaller particles",
+    loss: Loss {
+        by: "contacts that closed, the printed volumes of elements, or elements that were made anew",
+        remedy: "take `Method::consistent`, or smaller particles",
+    },
     gain: "the particles there are the fastest; take `Method::consistent`, a smaller Courant factor, or revise more often",
 };
 /// The default safety factor of the time step.
