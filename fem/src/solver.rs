@@ -6,6 +6,7 @@ use impactite_scene::boundary::{BodyForce, VelocityHistory, check_at};
 use impactite_scene::constants::over;
 use impactite_scene::control::{ControlError, largest};
 use impactite_scene::error::parameter;
+use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, ContactPoint, Embedding, Exchange, Finding,
@@ -489,7 +490,7 @@ impl<const D: usize> Trial<'_, D> {
 
 impl<const D: usize> Solver for Fem<D> {
     fn method(&self) -> String {
-        format!("explicit finite elements: {}", self.space)
+        described(&format!("explicit finite elements: {}", self.space), &Solver::bodies(self))
     }
     fn dimensions(&self) -> usize {
         D

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex};
 use impactite_scene::boundary::{BodyForce, check_at};
 use impactite_scene::control::ControlError;
 use impactite_scene::error::parameter;
+use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Exchange, SceneError, Solver, StepError,
@@ -572,7 +573,7 @@ fn order<const D: usize>(cells: &Cells<D>) -> Vec<u32> {
 /// A body alone.
 impl<const D: usize, M: Composition<D>> Solver for Fpm<D, M> {
     fn method(&self) -> String {
-        format!("fragile points: {}", self.method.describe())
+        described(&format!("fragile points: {}", self.method.describe()), &[self])
     }
     fn dimensions(&self) -> usize {
         D

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 /// The text without characters that steer a terminal or turn the direction of writing: each is written as its escape, `\u{1b}`. Line feeds
-/// and tabs stay.
+/// and tabs stay; a carriage return before a line feed is dropped.
 ///
 /// Titles, names and files come from others; what they hold must not move the cursor, change colours, or hide a part of a line.
 ///
@@ -18,8 +18,14 @@ pub fn printable(text: &str) -> Cow<'_, str> {
         return Cow::Borrowed(text);
     }
     let mut safe = String::with_capacity(text.len() + 8);
-    for c in text.chars() {
-        if steers(c) { safe.extend(c.escape_unicode()) } else { safe.push(c) }
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        match c {
+            // A line may end as on Windows.
+            '\r' if rest.peek() == Some(&'\n') => {}
+            c if steers(c) => safe.extend(c.escape_unicode()),
+            c => safe.push(c),
+        }
     }
     Cow::Owned(safe)
 }
@@ -42,6 +48,7 @@ mod tests {
             assert!(!shown.chars().any(char::is_control), "{c:?}");
         }
         assert_eq!(printable("\u{202e}gpj.exe"), "\\u{202e}gpj.exe");
+        assert_eq!(printable("one\r\ntwo\rthree"), "one\ntwo\\u{d}three");
         assert!(matches!(printable("Grüße, 漢字"), Cow::Borrowed(_)));
     }
 }

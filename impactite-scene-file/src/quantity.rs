@@ -102,6 +102,8 @@ pub struct Parameters {
     context: Context,
     /// As numbers in SI units, by name.
     numbers: IndexMap<String, f64>,
+    /// Their SI units, in the same order; empty of plain numbers.
+    units: Vec<&'static str>,
 }
 
 impl std::fmt::Debug for Parameters {
@@ -123,9 +125,11 @@ impl Parameters {
         if let Some(why) = taken(name) {
             return Err(format!("`{name}` cannot be the name of a parameter: {why}"));
         }
-        let number = self.in_any_unit(value)?;
+        let (number, unit) = self.in_any_unit(value)?;
         evaluate(&format!("{name} = ({})", inches(value)), &mut self.context)?;
-        self.numbers.insert(name.into(), number);
+        let (place, _) = self.numbers.insert_full(name.into(), number);
+        self.units.resize(self.numbers.len(), unit);
+        self.units[place] = unit;
         Ok(())
     }
 
@@ -133,6 +137,13 @@ impl Parameters {
     #[must_use]
     pub fn numbers(&self) -> &IndexMap<String, f64> {
         &self.numbers
+    }
+
+    /// The SI unit of the number of a name; empty of a plain number, and of no name of these.
+    #[must_use]
+    pub fn unit(&self, name: &str) -> &'static str {
+        let place = self.numbers.get_index_of(name);
+        place.and_then(|place| self.units.get(place)).copied().unwrap_or_default()
     }
 
     /// A quantity in the SI unit `unit` (none: a plain number).
@@ -156,11 +167,12 @@ impl Parameters {
         }
     }
 
-    fn in_any_unit(&self, text: &str) -> Result<f64, String> {
+    /// In SI units, and the unit.
+    fn in_any_unit(&self, text: &str) -> Result<(f64, &'static str), String> {
         let mut first = None;
         for (_, unit) in MEASURES {
             match self.quantity(text, unit) {
-                Ok(value) => return Ok(value),
+                Ok(value) => return Ok((value, unit)),
                 Err(why) => first = first.or(Some(why)),
             }
         }

@@ -6,6 +6,7 @@ use impactite_scene::boundary::BodyForce;
 use impactite_scene::boundary::check_at;
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
+use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
@@ -542,7 +543,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 /// A body alone.
 impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
     fn method(&self) -> String {
-        format!("particle-contact method: {}", self.method.describe())
+        described(&format!("particle-contact method: {}", self.method.describe()), &[self])
     }
     fn dimensions(&self) -> usize {
         D

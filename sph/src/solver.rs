@@ -6,6 +6,7 @@ use impactite_geometry::search::{Reach, SearchMethod, VerletLists};
 use impactite_scene::boundary::{BodyForce, check_at};
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
+use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
@@ -540,7 +541,7 @@ pub(crate) const ADVICE: Advice = Advice {
 /// A body alone.
 impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {
     fn method(&self) -> String {
-        format!("smoothed particles: {}", self.method.describe())
+        described(&format!("smoothed particles: {}", self.method.describe()), &[self])
     }
     fn dimensions(&self) -> usize {
         D
