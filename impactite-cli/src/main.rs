@@ -9,12 +9,14 @@ use std::time::Duration;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use impactite::parallel::Team;
 use impactite::scene::RunError;
+use impactite::scene::embedding::part_in_words;
 use impactite_cli::job::CHECKPOINT;
 use impactite_cli::sweep::{Values, sweep};
 use impactite_cli::templates::TEMPLATES;
 use impactite_cli::{CliError, Job, Outcome};
-use impactite_input::Source;
 use impactite_input::list::Topic;
+use impactite_input::{Source, shown};
+use impactite_report::{checks_passed, energy_error};
 
 /// Runs scenes of impact, penetration, explosion, fracture and granular flow from files.
 #[derive(Debug, Parser)]
@@ -155,7 +157,7 @@ fn main() -> ExitCode {
     match perform(options.command, &stop) {
         Ok(code) => code,
         Err(CliError::Run(error @ RunError::Interrupted { .. })) => {
-            eprintln!("{error}");
+            eprintln!("{}", shown(&error.to_string()));
             ExitCode::from(130)
         }
         Err(error) => refused(&error),
@@ -163,7 +165,7 @@ fn main() -> ExitCode {
 }
 
 fn refused(error: &CliError) -> ExitCode {
-    eprintln!("error: {error}");
+    eprintln!("error: {}", shown(&error.to_string()));
     ExitCode::FAILURE
 }
 
@@ -216,13 +218,14 @@ fn perform(command: Command, stop: &AtomicBool) -> Result<ExitCode, CliError> {
             let scene = source.parse()?;
             let solver = source.build(&scene)?;
             impactite_input::measured::Measures::new(&scene, &*solver)?;
-            println!("{}: {}", scene.title, solver.method());
+            println!("{}: {}", shown(&scene.title), solver.method());
             for body in solver.bodies() {
                 println!(
-                    "  {}: {} points, {:.4e} kg, {}",
-                    body.name(),
+                    "  {}: {} points, {:.4e} kg{}, {}",
+                    shown(body.name()),
                     body.len(),
                     body.totals().mass,
+                    part_in_words(solver.dimensions(), solver.axisymmetric()),
                     body.law()
                 );
             }
@@ -313,15 +316,15 @@ fn with(job: Job, how: &HowOptions) -> Job {
     }
 }
 
-/// The measures, the checks with the missed ones first, and the exit code: failure if a check is missed.
+/// The measures, the checks with the failed ones first, and the exit code: failure if a check failed.
 fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, CliError> {
     for (name, value, unit) in &outcome.measures {
-        println!("{name}: {value:.6e} {unit}");
+        println!("{}: {value:.6e} {unit}", shown(name));
     }
     let mut checks: Vec<_> = outcome.checks.iter().collect();
     checks.sort_by_key(|c| c.pass != Some(false));
     for check in checks {
-        let verdict = if check.pass == Some(true) { "met" } else { "MISSED" };
+        let verdict = if check.pass == Some(true) { "passed" } else { "FAILED" };
         let reference = check.reference.unwrap_or(f64::NAN);
         let allowed = check.tolerance.unwrap_or(0.0);
         // Of a reference of zero the difference is the value.
@@ -335,21 +338,20 @@ fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, 
         };
         println!(
             "{verdict}: {} {:.4e} {unit}, reference {reference:.4e} {unit} ({off}{allowed} allowed), {}",
-            check.name,
+            shown(&check.name),
             check.value,
-            check.source,
+            shown(&check.source),
             unit = check.unit,
         );
     }
     println!(
-        "{} of {} checks met; {} steps of {} points in {:.2} s of stepping: {:.2} million updates a second; largest energy error {:+.2} %",
-        outcome.met,
-        outcome.met + outcome.missed,
+        "{}; {} steps of {} points in {:.2} s of stepping: {:.2} million updates a second; largest energy error {}",
+        checks_passed([outcome.met, outcome.met + outcome.missed]),
         outcome.steps,
         outcome.particles,
         outcome.wall_seconds,
         1e-6 * outcome.particle_updates_per_second,
-        100.0 * outcome.energy_error,
+        energy_error(Some(outcome.energy_error).filter(|error| !error.is_nan())),
     );
     let page = folder.join("report.html");
     println!(

@@ -41,5 +41,5 @@ pub mod list;
 pub mod measured;
 
 pub use document::Source;
-pub use error::{Fault, InputError};
-pub use impactite_scene_file::{SceneFile, formula, model, quantity, schema};
+pub use error::{Fault, InputError, shown};
+pub use impactite_scene_file::{SceneFile, formula, model, quantity, remedy, schema};

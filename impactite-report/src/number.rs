@@ -116,7 +116,7 @@ pub fn checks_passed([passed, judged]: [usize; 2]) -> String {
 
 /// Is it an energy error as a share, which is shown by [`percent`]?
 pub(crate) fn is_energy_error(name: &str, unit: &str) -> bool {
-    name.contains("energy error") && unit == "-"
+    (name.contains("energy error") || name.contains("energy_error")) && unit == "-"
 }
 
 /// A number to `digits` significant ones, without needless noughts.

@@ -1,5 +1,7 @@
 //! Keeps what a report shows of a run over its time.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
 use impactite_scene::balance::{Books, share};
@@ -164,6 +166,8 @@ pub struct Recorder {
     end: f64,
     reached: bool,
     clock: WallClock,
+    /// Bits of the energy error of the last row.
+    latest: Arc<AtomicU64>,
 }
 
 /// When a run began and ended by the clock on the wall.
@@ -197,7 +201,15 @@ impl Recorder {
             end: f64::NAN,
             reached: false,
             clock: WallClock::default(),
+            latest: Arc::default(),
         }
+    }
+
+    /// The energy error of the last look, for an observer that looks after this one at the same pace. Its scale is the largest energy of all
+    /// looks, which [`impactite_scene::Solver::account`] sees fewer of.
+    pub fn latest_energy_error(&self) -> impl Fn() -> f64 + Send + 'static {
+        let latest = self.latest.clone();
+        move || f64::from_bits(latest.load(Ordering::Relaxed))
     }
 
     /// What was seen, in order of time.
@@ -346,6 +358,7 @@ impl Recorder {
         }
         self.looks += 1;
         self.last = Some(row);
+        self.latest.store(row.energy_error.to_bits(), Ordering::Relaxed);
     }
 }
 
@@ -456,6 +469,8 @@ impl Observer for Recorder {
         if file.reads() {
             self.clock = WallClock { before: seconds, ..WallClock::default() };
             self.reached = false;
+            let error = self.last.map_or(0.0, |row| row.energy_error);
+            self.latest.store(error.to_bits(), Ordering::Relaxed);
         }
         Ok(())
     }
