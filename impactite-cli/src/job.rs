@@ -220,7 +220,7 @@ impl Job {
         let columns = measured::columns(scene);
         let values = with_energy_error(scene, measures.take(solver)?, error());
         let checks = if ended.is_ok() { checks(scene, &columns, &values) } else { Vec::new() };
-        let shown = columns
+        let unjudged = columns
             .iter()
             .zip(&values)
             .map(|((name, unit), value)| Check::shown(name, *value, unit, "measured at the end"));
@@ -230,7 +230,7 @@ impl Job {
             .summary(&summary, threads)
             .setup(setup)
             .checks(checks.clone())
-            .checks(shown.filter(|s| !checks.iter().any(|c| c.name == s.name)));
+            .checks(unjudged.filter(|s| !checks.iter().any(|c| c.name == s.name)));
         if !columns.is_empty() {
             record = record.history("measures", MEASURES);
         }
