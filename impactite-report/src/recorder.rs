@@ -330,7 +330,7 @@ impl Recorder {
             step,
             time,
             title: "energy error".into(),
-            found: format!("the energy error was {} between two looks of the watch", percent(error)),
+            found: format!("the largest energy error was {}, which no check of the watch found", percent(error)),
             remedy: "look at the energy error over time: one that stays calls for a smaller Courant factor or smaller cells, one that comes and \
                      goes is of kinetic and internal energy half a step apart"
                 .into(),

@@ -52,6 +52,7 @@ pub const REMEDIES: &[Remedy] = &[
     remedy("lower the Courant factor", "lower `time_step.factor`"),
     remedy("a smaller Courant factor", "a smaller `time_step.factor`"),
     remedy("a later end", "a later `end`"),
+    remedy("or fix the step (`TimeControl::Fixed`)", "or set `time_step.fixed`"),
     remedy("`TimeControl::Gershgorin`", "`time_step.gershgorin`"),
     remedy("as `Gershgorin` needs", "as `time_step.gershgorin` needs"),
     remedy("take `Courant`", "take `time_step.factor`"),

@@ -46,7 +46,12 @@ pub(super) fn balances(record: &Record, all: &mut Charts) -> Option<Markup> {
     let balances = &of_part(record, balances);
     let unit = |unit: &str| record.part.unit(unit);
     let errors = [
-        ("mass", balances.mass_error.map(percent), None, Balances::MASS_ERROR),
+        (
+            "mass",
+            balances.mass_error.map(|e| percent(if e.abs() < ROUNDING { 0.0 } else { e })),
+            None,
+            Balances::MASS_ERROR,
+        ),
         (
             "momentum",
             Some(significant(balances.momentum_error, 3)),

@@ -178,7 +178,8 @@ impl Watcher {
         explain: impl FnOnce(f64, f64) -> Finding,
     ) -> Result<(), StepError> {
         let steps = at.clock.steps;
-        let at_the_end = self.last == steps || self.due(steps).is_none();
+        let again = self.last == steps;
+        let at_the_end = again || self.due(steps).is_none();
         self.last = steps;
         let speed = NOISE * at.speed;
         let account = self.books.enter(now, at.exchange, axisymmetric);
@@ -187,6 +188,10 @@ impl Watcher {
         if at_the_end && self.first.is_some_and(|first| steps - first < FEW_STEPS) {
             self.judge_few_steps(&account, at);
             return Ok(());
+        }
+        if again {
+            // The end of a run right after a look, whose gain is judged in place of it.
+            self.gains = [self.gains[1], self.gains[2], 0.0];
         }
         self.look_at_energy(&account, at, at_the_end, explain)
     }
@@ -303,5 +308,93 @@ impl Watcher {
         file.option(&mut self.first, Archive::word)?;
         file.word(&mut self.last)?;
         file.reals(&mut self.gains)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::finding::GainCause;
+
+    const LOSS: Loss = Loss { by: "a sink", remedy: "mend it" };
+
+    /// A watcher of a scene of 1 kg that began with 1 J.
+    fn watcher() -> Watcher {
+        let mut watcher = Watcher::default();
+        watcher.open(0, &totals(1.0), &Exchange::default(), false);
+        watcher
+    }
+    fn totals(kinetic: f64) -> Totals {
+        Totals { mass: 1.0, kinetic, momentum_scale: 1.0, ..Totals::default() }
+    }
+    fn look(watcher: &mut Watcher, steps: u64, kinetic: f64, speed: f64) -> Result<(), StepError> {
+        let clock = Clock { steps, ..Clock::default() };
+        let exchange = Exchange::default();
+        let at = Look {
+            clock: &clock,
+            exchange: &exchange,
+            rounding: f64::EPSILON,
+            speed,
+            energy: true,
+            loss: LOSS,
+        };
+        watcher.look(&totals(kinetic), false, &at, String::new, |share, joules| Finding::EnergyGain {
+            share,
+            joules,
+            body: String::new(),
+            position: [0.0; 3],
+            cause: GainCause::Crossing,
+        })
+    }
+
+    #[test]
+    fn the_end_of_a_run_of_few_steps_is_judged() {
+        for (kinetic, warns) in
+            [(1.0, false), (1.09, false), (0.91, false), (1.2, true), (0.85, true), (3.0, true)]
+        {
+            let mut watcher = watcher();
+            assert!(!watcher.due_at_the_end(0) && watcher.due_at_the_end(3));
+            look(&mut watcher, 3, kinetic, 1.0).expect("it may go on");
+            let found =
+                watcher.warnings().iter().any(|w| matches!(w.finding, Finding::FewSteps { steps: 3, .. }));
+            assert_eq!((found, watcher.warnings().len()), (warns, usize::from(warns)), "{kinetic}");
+            // The run goes on, and its books are as if nobody had looked.
+            look(&mut watcher, 16, 1.0, 1.0).expect("a look");
+            assert_eq!(watcher.gains, [0.0; 3]);
+            assert_eq!(watcher.warnings().len(), usize::from(warns));
+        }
+    }
+
+    #[test]
+    fn a_gain_that_only_the_end_shows_is_warned_of() {
+        let mut watcher = watcher();
+        look(&mut watcher, 16, 1.0, 1.0).expect("a look");
+        look(&mut watcher, 64, 1.2, 1.0).expect("one look alone may show a swing");
+        assert!(watcher.warnings().is_empty() && watcher.due_at_the_end(64));
+        look(&mut watcher, 64, 1.2, 1.0).expect("the same look is no second one");
+        assert!(matches!(watcher.warnings(), [Warning { finding: Finding::EnergyGain { .. }, .. }]));
+        assert!(!watcher.due_at_the_end(64));
+        look(&mut watcher, 256, 1.2, 1.0).expect_err("two looks with a gain stop");
+        let mut watcher = self::watcher();
+        for steps in EARLY.into_iter().chain([256]) {
+            look(&mut watcher, steps, 1.0, 1.0).expect("a look");
+        }
+        assert!(!watcher.due_at_the_end(256) && !watcher.due_at_the_end(271) && watcher.due_at_the_end(272));
+        look(&mut watcher, 300, 1.2, 1.0).expect("a warning");
+        assert!(matches!(watcher.warnings(), [Warning { finding: Finding::EnergyGain { .. }, .. }]));
+    }
+
+    #[test]
+    fn a_loss_of_three_per_cent_is_warned_of_and_rest_is_none() {
+        let mut watcher = watcher();
+        look(&mut watcher, 64, 0.975, 1.0).expect("a look");
+        assert!(watcher.warnings().is_empty());
+        look(&mut watcher, 256, 0.96, 1.0).expect("a look");
+        assert!(matches!(watcher.warnings(), [Warning { finding: Finding::EnergyLoss { .. }, .. }]));
+        // Waves of 1e7 m/s: 1 J of 1 kg is rounding.
+        let mut watcher = self::watcher();
+        look(&mut watcher, 64, 0.1, 1e7).expect("a look");
+        let account = watcher.account(&totals(0.1), &Exchange::default(), false);
+        assert!(watcher.warnings().is_empty() && !account.moves() && account.energy_error() == 0.0);
     }
 }
