@@ -121,7 +121,7 @@ fn the_page_is_whole_without_scripts_and_network() {
         "finished at 4 ms",
         "One half of the body: masses, momenta, forces and energies are of that part (times 2 for the whole), and per metre of depth.",
         "cannot read `nowhere.png`",
-        "declared as missed: springs are no elements",
+        "expected failure: springs are no elements",
         "What to do: ",
         "kinetic energy",
         "&lt;/pre&gt;&lt;script&gt;",
