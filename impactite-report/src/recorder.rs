@@ -324,7 +324,7 @@ impl Recorder {
     /// A warning of the largest energy error, where it is large and no warning of the run is about energy.
     fn unseen_error(&self) -> Option<Warned> {
         let error = self.energy_error()?;
-        let large = error > BAD_GAIN || error < -BAD_LOSS;
+        let large = !(-BAD_LOSS..=BAD_GAIN).contains(&error);
         let (step, time) = self.worst_at;
         (large && !self.warnings.iter().any(|w| w.title.starts_with("energy"))).then(|| Warned {
             step,
