@@ -99,7 +99,7 @@ impl LinearBond {
     /// # Errors
     /// A stiffness that is not positive and finite.
     pub fn new(stiffness: f64) -> Result<Self, SceneError> {
-        parameter(stiffness > 0.0, "LinearBond", "stiffness", stiffness, "positive and finite")?;
+        parameter(stiffness > 0.0, "linear bond", "stiffness", stiffness, "positive and finite")?;
         Ok(LinearBond { stiffness, strength: None })
     }
     /// Broken at this stress, Pa, with a friction, Pa, left.
@@ -107,9 +107,9 @@ impl LinearBond {
     /// # Errors
     /// A strength that is not positive and finite; friction that is negative, or more than the strength.
     pub fn with_strength(self, strength: f64, friction: f64) -> Result<Self, SceneError> {
-        parameter(strength > 0.0, "LinearBond", "strength", strength, "positive and finite")?;
+        parameter(strength > 0.0, "linear bond", "strength", strength, "positive and finite")?;
         let holds = (0.0..=strength).contains(&friction);
-        parameter(holds, "LinearBond", "friction", friction, "0 to the strength")?;
+        parameter(holds, "linear bond", "friction", friction, "0 to the strength")?;
         Ok(LinearBond { strength: Some([strength, friction]), ..self })
     }
 }
@@ -162,7 +162,8 @@ impl ModelCodeBond {
         exponent: f64,
         stiffness: f64,
     ) -> Result<Self, SceneError> {
-        let check = |holds, field, value, allowed| parameter(holds, "ModelCodeBond", field, value, allowed);
+        let check =
+            |holds, field, value, allowed| parameter(holds, "bond of the Model Codes", field, value, allowed);
         check(strength > 0.0, "strength", strength, "positive and finite")?;
         check((0.0..=strength).contains(&friction), "friction", friction, "0 to the strength")?;
         let [s1, s2, s3] = slips;

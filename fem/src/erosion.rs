@@ -122,8 +122,8 @@ pub(crate) fn test(
             let place = names.iter().position(|n| n == name);
             let place = place.ok_or_else(|| SceneError::NotWith {
                 what: format!("{what} by `{name}`"),
-                method: format!("the law {law}"),
-                why: "its state has no such number: take one of `Body::state_names`",
+                method: format!("the law {law}, whose state has {}", names.join(", ")),
+                why: "take one of these numbers",
             })?;
             Ok(Test::State(place, *at_least))
         }

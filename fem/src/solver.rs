@@ -5,8 +5,9 @@ use std::sync::{Arc, Mutex};
 use impactite_scene::boundary::{BodyForce, VelocityHistory, check_at};
 use impactite_scene::constants::over;
 use impactite_scene::control::{ControlError, largest};
+use impactite_scene::embedding::described;
 use impactite_scene::error::parameter;
-use impactite_scene::watch::{Look, Watcher};
+use impactite_scene::watch::{Look, Loss, Watcher};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, ContactPoint, Embedding, Exchange, Finding,
     GainCause, PairContact, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
@@ -408,8 +409,10 @@ impl<const D: usize> Fem<D> {
     fn look(&mut self) -> Result<(), StepError> {
         let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
         let speed = self.bodies.iter().map(|b| b.probe.speed).fold(0.0, f64::max);
-        let loss = "in plastic impacts of nodes, or by a step too long for what changes in it; what keeps more: a smaller Courant factor, a \
-                    finer mesh";
+        let loss = Loss {
+            by: "plastic impacts of nodes, or a step too long for what changes in it",
+            remedy: "take a smaller Courant factor, or a finer mesh",
+        };
         let at =
             Look { clock: &clock, exchange: &exchange, rounding: f64::EPSILON, speed, energy: true, loss };
         let broken = self.bodies.iter().find(|b| !b.totals().is_finite()).map(|b| b.name.clone());
@@ -487,7 +490,7 @@ impl<const D: usize> Trial<'_, D> {
 
 impl<const D: usize> Solver for Fem<D> {
     fn method(&self) -> String {
-        format!("explicit finite elements: {}", self.space)
+        described(&format!("explicit finite elements: {}", self.space), &Solver::bodies(self))
     }
     fn dimensions(&self) -> usize {
         D

@@ -171,6 +171,9 @@ impl<const D: usize> Body for ElementBody<D> {
     fn law(&self) -> &'static str {
         self.material.name()
     }
+    fn is_plane_stress(&self) -> bool {
+        self.material.is_plane_stress()
+    }
     /// Elements, and nodes that carry mass of elements that left.
     fn len(&self) -> usize {
         let elements: usize = self.sets.iter().map(|s| s.alive().count()).sum();

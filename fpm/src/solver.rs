@@ -4,8 +4,9 @@ use std::sync::{Arc, Mutex};
 
 use impactite_scene::boundary::{BodyForce, check_at};
 use impactite_scene::control::ControlError;
+use impactite_scene::embedding::described;
 use impactite_scene::error::parameter;
-use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
+use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Exchange, SceneError, Solver, StepError,
     StepLimit, Stopped, TimeControl, Warning, Watch,
@@ -527,8 +528,10 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
 
 /// What is said where energy is lost or gained.
 pub(crate) const ADVICE: Advice = Advice {
-    loss: "by contacts that closed, or a law that does not keep it; what keeps more: smaller cells, a smaller Courant factor, and \
-           `Method::symmetric`",
+    loss: Loss {
+        by: "contacts that closed, or a law that does not keep it",
+        remedy: "take smaller cells, a smaller Courant factor, or `Method::symmetric`",
+    },
     gain: "the cells there are the fastest; take a smaller Courant factor, a larger penalty, or `Method::symmetric`",
 };
 
@@ -570,7 +573,7 @@ fn order<const D: usize>(cells: &Cells<D>) -> Vec<u32> {
 /// A body alone.
 impl<const D: usize, M: Composition<D>> Solver for Fpm<D, M> {
     fn method(&self) -> String {
-        format!("fragile points: {}", self.method.describe())
+        described(&format!("fragile points: {}", self.method.describe()), &[self])
     }
     fn dimensions(&self) -> usize {
         D

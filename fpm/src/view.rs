@@ -178,6 +178,9 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
     fn law(&self) -> &'static str {
         self.material.name()
     }
+    fn is_plane_stress(&self) -> bool {
+        self.material.is_plane_stress()
+    }
     fn len(&self) -> usize {
         self.reference.len()
     }

@@ -13,7 +13,8 @@ use impactite::parallel::Team;
 use impactite::scene::{Archive, CheckpointError, Run, RunError, Solver};
 use impactite_input::measured::{self, Measures};
 use impactite_input::model::condition::Condition;
-use impactite_input::{SceneFile, Source};
+use impactite_input::model::measure::Measurement;
+use impactite_input::{SceneFile, Source, shown};
 use impactite_report::{Check, Frames, Record, Recorder, write_page};
 use serde::{Deserialize, Serialize};
 
@@ -82,7 +83,7 @@ pub struct Outcome {
     pub met: usize,
     /// Checks that are missed.
     pub missed: usize,
-    /// Largest energy error: the change of the total energy over the largest energy so far.
+    /// Largest energy error: the change of the total energy over the largest energy so far; not a number, in JSON `null`, where nothing moves.
     #[serde(with = "number")]
     pub energy_error: f64,
     /// Largest momentum error.
@@ -248,10 +249,12 @@ impl Job {
         let out = &scene.output;
         let histories = out.histories.map(|q| q.value);
         let mut recorder = Recorder::new(pace(histories, ROWS)?);
-        let mut history = history(scene, &measures, folder, pace(histories, ROWS)?)?;
+        let error = recorder.latest_energy_error();
+        let mut history =
+            history(scene, &measures, folder, pace(histories, ROWS)?, recorder.latest_energy_error())?;
         let mut progress =
             Progress::new(&scene.title).with_a_line_every(self.log).with_lines(|kind, line| match kind {
-                LineKind::Warning => tracing::warn!("{line}"),
+                LineKind::Warning => tracing::warn!("{}", shown(line)),
                 _ => tracing::info!("{line}"),
             });
         let draws = Draws::new(scene);
@@ -307,9 +310,9 @@ impl Job {
         }
 
         let columns = measured::columns(scene);
-        let values = measures.take(solver)?;
+        let values = with_energy_error(scene, measures.take(solver)?, error());
         let checks = if ended.is_ok() { checks(scene, &columns, &values) } else { Vec::new() };
-        let shown = columns
+        let unjudged = columns
             .iter()
             .zip(&values)
             .map(|((name, unit), value)| Check::shown(name, *value, unit, "measured at the end"));
@@ -319,7 +322,7 @@ impl Job {
             .summary(&summary, threads)
             .setup(setup)
             .checks(checks.clone())
-            .checks(shown.filter(|s| !checks.iter().any(|c| c.name == s.name)));
+            .checks(unjudged.filter(|s| !checks.iter().any(|c| c.name == s.name)));
         if !columns.is_empty() {
             record = record.history("measures", MEASURES);
         }
@@ -335,6 +338,10 @@ impl Job {
             Ok(_) => record.finished(solver.time()),
             Err(error) => record.stopped(error),
         };
+        for late in recorder.late_warnings() {
+            tracing::warn!("{}", shown(&format!("warning: {}; {}", late.found, late.remedy)));
+        }
+        record = record.in_words(shown);
         record.save(folder)?;
         if self.report {
             write_page(folder)?;
@@ -365,7 +372,7 @@ impl Job {
             checks,
             met,
             missed: judged - met,
-            energy_error: recorder.worst_energy_error(),
+            energy_error: recorder.energy_error().unwrap_or(f64::NAN),
             momentum_error: recorder.worst_momentum_error(),
         };
         let json =
@@ -379,13 +386,14 @@ impl Job {
     /// What is known of a scene before it runs.
     fn described(&self, scene: &SceneFile, solver: &dyn Solver) -> Record {
         let mut record = Record::new(&scene.title)
+            .description(&scene.description)
             .scene(&self.source.text)
             .symmetry_planes(planes(scene))
             .setting("space", scene.space.name(), "")
             .setting("end", scene.end.value, "s")
             .bodies_of(solver);
         for (name, number) in scene.known.numbers() {
-            record = record.setting(name, number, "SI");
+            record = record.setting(name, number, scene.known.unit(name));
         }
         record
     }
@@ -401,6 +409,7 @@ fn history(
     measures: &Measures,
     folder: &Path,
     pace: Pace,
+    error: impl Fn() -> f64 + 'static,
 ) -> Result<Option<HistoryCsv<Measuring>>, CliError> {
     if scene.measures.is_empty() {
         return Ok(None);
@@ -411,12 +420,23 @@ fn history(
         .chain(names.iter().map(|(name, unit)| (name.as_str(), *unit)))
         .map(Column::from)
         .collect();
-    let measures = measures.clone();
+    let (measures, scene) = (measures.clone(), scene.clone());
     let measuring: Measuring = Box::new(move |now| {
         let values = measures.take(now.solver()).map_err(|e| ObserveError::Other(e.to_string()))?;
+        let values = with_energy_error(&scene, values, error());
         Ok(std::iter::once(now.time()).chain(values).collect())
     });
     Ok(Some(HistoryCsv::create(folder.join(MEASURES), columns, pace, measuring)?))
+}
+
+/// Measures with the energy error of the recorder, so that all that a run says of it is one number.
+fn with_energy_error(scene: &SceneFile, mut values: Vec<f64>, error: f64) -> Vec<f64> {
+    for (value, measure) in values.iter_mut().zip(scene.measures.values()) {
+        if matches!(measure, Measurement::EnergyError(_)) {
+            *value = error;
+        }
+    }
+    values
 }
 
 fn checks(scene: &SceneFile, columns: &[(String, &'static str)], values: &[f64]) -> Vec<Check> {

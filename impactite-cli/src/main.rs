@@ -14,8 +14,9 @@ use impactite_cli::job::{CHECKPOINT, Measured};
 use impactite_cli::sweep::{PLAN, Point, Values, resume, sweep};
 use impactite_cli::templates::TEMPLATES;
 use impactite_cli::{CliError, Job, Outcome};
-use impactite_input::Source;
 use impactite_input::list::Topic;
+use impactite_input::{Source, shown};
+use impactite_report::{checks_passed, energy_error};
 
 /// Runs scenes of impact, penetration, explosion, fracture and granular flow from files.
 #[derive(Debug, Parser)]
@@ -179,16 +180,16 @@ fn main() -> ExitCode {
         Err(error) => {
             let code = match &error {
                 CliError::Run(RunError::Interrupted { .. }) => {
-                    eprintln!("{error}");
+                    eprintln!("{}", shown(&error.to_string()));
                     STOPPED
                 }
                 _ => {
-                    eprintln!("error: {error}");
+                    eprintln!("error: {}", shown(&error.to_string()));
                     ERROR
                 }
             };
             if json {
-                let _ = say(format_args!(
+                let _ = write(format_args!(
                     "{}",
                     serde_json::json!({ "error": error.to_string(), "exit_code": code })
                 ));
@@ -199,8 +200,13 @@ fn main() -> ExitCode {
     }
 }
 
-/// A line on the standard output.
+/// A line for people on the standard output: in words of scene files, without characters that steer a terminal.
 fn say(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
+    write(format_args!("{}", shown(&line.to_string())))
+}
+
+/// A line on the standard output.
+fn write(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
     writeln!(std::io::stdout(), "{line}").map_err(CliError::file("standard output"))
 }
 
@@ -325,7 +331,7 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             Ok(ExitCode::SUCCESS)
         }
         Command::Schema => {
-            say(format_args!("{:#}", impactite_input::schema().to_value()))?;
+            write(format_args!("{:#}", impactite_input::schema().to_value()))?;
             Ok(ExitCode::SUCCESS)
         }
     }
@@ -407,7 +413,7 @@ fn swept(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
     Ok(if points.iter().all(|p| p.outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::from(ERROR) })
 }
 
-/// The measures, the checks with the missed ones first, and the exit code: failure if a check is missed.
+/// The measures, the checks with the failed ones first, and the exit code: failure if a check failed.
 fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliError> {
     for Measured(name, value, unit) in &outcome.measures {
         say(format_args!("{name}: {value:.6e} {unit}"))?;
@@ -415,7 +421,7 @@ fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliE
     let mut checks: Vec<_> = outcome.checks.iter().collect();
     checks.sort_by_key(|c| c.pass != Some(false));
     for check in checks {
-        let verdict = if check.pass == Some(true) { "met" } else { "MISSED" };
+        let verdict = if check.pass == Some(true) { "passed" } else { "FAILED" };
         let reference = check.reference.unwrap_or(f64::NAN);
         let allowed = check.tolerance.unwrap_or(0.0);
         // Of a reference of zero the difference is the value.
@@ -436,14 +442,13 @@ fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliE
         ))?;
     }
     say(format_args!(
-        "{} of {} checks met; {} steps of {} points in {:.2} s of stepping: {:.2} million updates a second; largest energy error {:+.2} %",
-        outcome.met,
-        outcome.met + outcome.missed,
+        "{}; {} steps of {} points in {:.2} s of stepping: {:.2} million updates a second; largest energy error {}",
+        checks_passed([outcome.met, outcome.met + outcome.missed]),
         outcome.steps,
         outcome.particles,
         outcome.wall_seconds,
         1e-6 * outcome.particle_updates_per_second,
-        100.0 * outcome.energy_error,
+        energy_error(Some(outcome.energy_error).filter(|error| !error.is_nan())),
     ))?;
     let page = job.folder.join("report.html");
     say(format_args!(
@@ -454,7 +459,7 @@ fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliE
     if how.json {
         let json = serde_json::to_string(outcome)
             .map_err(|e| CliError::Option { option: "--json".into(), why: e.to_string() })?;
-        say(format_args!("{json}"))?;
+        write(format_args!("{json}"))?;
     }
     Ok(if outcome.missed == 0 { ExitCode::SUCCESS } else { ExitCode::from(CHECKS_FAILED) })
 }

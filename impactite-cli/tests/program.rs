@@ -195,7 +195,8 @@ fn a_perforation_that_was_broken_off_goes_on_to_the_same_bits() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/oblique_penetration.toml");
     let coarse =
         ["cells=4", "half_width=\"30 mm\"", "speed=\"900 m/s\""].map(|set| format!("parameters.{set}"));
-    let mut options = vec!["--set", "end=\"60 us\"", "--set", "checks[0].tolerance=10"];
+    let mut options =
+        vec!["--set", "end=\"60 us\"", "--set", "checks[0].tolerance=10", "--set", "checks[1].tolerance=10"];
     coarse.iter().for_each(|set| options.extend(["--set", set]));
     breaks_off(&folder, &path, &options);
 }

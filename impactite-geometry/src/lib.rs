@@ -22,6 +22,8 @@ mod combine;
 mod compose;
 mod elements;
 mod error;
+#[cfg(feature = "mesh")]
+mod file;
 mod lattice;
 mod mesh;
 mod polygon;

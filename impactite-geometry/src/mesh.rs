@@ -35,7 +35,7 @@ impl TriangleMesh {
     /// [`GeometryError`] if a vertex is missing or not finite, nothing is left, edges are open, neighbouring
     /// triangles disagree about the outside, or no volume is enclosed.
     pub fn new(vertices: &[[f64; 3]], triangles: &[[usize; 3]]) -> Result<Self, GeometryError> {
-        let check = Check("TriangleMesh");
+        let check = Check("triangle mesh");
         check.that(
             vertices.len() < u32::MAX as usize && triangles.len() < u32::MAX as usize,
             "number of vertices or triangles",
@@ -100,14 +100,14 @@ impl TriangleMesh {
     /// `unit` (m): 1e-3 for a file in mm. Those of an ASCII file are taken in double precision.
     ///
     /// # Errors
-    /// [`GeometryError::File`] if it cannot be read, is cut off, holds anything but solids, or has a coordinate that is not
+    /// [`GeometryError::File`] if it cannot be read, is no regular file or one of more than 4 GiB, is of another kind, is cut off, holds anything but solids, or has a coordinate that is not
     /// finite; else as [`TriangleMesh::new`].
     #[cfg(feature = "mesh")]
     pub fn read_stl(path: impl AsRef<std::path::Path>, unit: f64) -> Result<Self, GeometryError> {
         let path = path.as_ref();
-        Check("TriangleMesh").positive("unit", unit)?;
+        Check("triangle mesh").positive("unit", unit)?;
         let refuse = |reason: String| GeometryError::File { path: path.display().to_string(), reason };
-        let bytes = std::fs::read(path).map_err(|e| refuse(e.to_string()))?;
+        let bytes = crate::file::read(path, crate::file::Kind::Stl).map_err(refuse)?;
         let mut soup = super::stl::triangles(&bytes).map_err(|e| refuse(e.to_string()))?;
         drop(bytes);
         for x in soup.as_flattened_mut().as_flattened_mut() {
@@ -124,10 +124,13 @@ impl TriangleMesh {
     #[cfg(feature = "mesh")]
     pub fn read_obj(path: impl AsRef<std::path::Path>, unit: f64) -> Result<Self, GeometryError> {
         let path = path.as_ref();
-        Check("TriangleMesh").positive("unit", unit)?;
+        Check("triangle mesh").positive("unit", unit)?;
         let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
-        let (models, _) = tobj::load_obj(path, &options)
-            .map_err(|e| GeometryError::File { path: path.display().to_string(), reason: e.to_string() })?;
+        let refuse = |reason: String| GeometryError::File { path: path.display().to_string(), reason };
+        let bytes = crate::file::read(path, crate::file::Kind::Obj).map_err(refuse)?;
+        // Materials are colours.
+        let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, |_| Ok(Default::default()))
+            .map_err(|e| refuse(e.to_string()))?;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
         for model in models {
             let first = vertices.len();

@@ -240,7 +240,7 @@ impl<const D: usize> HalfSpace<D> {
     /// # Errors
     /// [`GeometryError::Parameter`] unless `outward` is not zero and all is finite.
     pub fn new(point: [f64; D], outward: [f64; D]) -> Result<Self, GeometryError> {
-        let check = Check("HalfSpace");
+        let check = Check("half-space");
         Ok(Self { point: check.point("point", point)?, normal: check.direction("outward", outward)? })
     }
 }
@@ -566,7 +566,7 @@ impl<const D: usize> OgiveRod<D> {
         length: f64,
         crh: f64,
     ) -> Result<Self, GeometryError> {
-        let check = Check("OgiveRod");
+        let check = Check("ogive rod");
         check.positive("diameter", diameter)?;
         check.that(crh >= 0.5, "crh", crh, "at least 1/2, and finite")?;
         let radius = 0.5 * diameter;

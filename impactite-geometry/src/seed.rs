@@ -771,7 +771,7 @@ pub fn sampled_measure<const D: usize>(
     metric: Metric,
     resolution: f64,
 ) -> Result<f64, GeometryError> {
-    let check = Check("sampled_measure");
+    let check = Check("sampled measure");
     check.positive("resolution", resolution)?;
     let mut b = shape.bounds();
     if metric == Metric::Axisymmetric {

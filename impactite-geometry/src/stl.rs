@@ -72,6 +72,13 @@ pub(super) fn triangles(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
     }
 }
 
+/// Has a file the length of a binary one with its number of triangles?
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    let head: Option<&[u8; HEAD]> = bytes.first_chunk();
+    let count = head.map(|h| u32::from_le_bytes([h[80], h[81], h[82], h[83]]));
+    count.is_some_and(|count| HEAD as u64 + RECORD as u64 * u64::from(count) == bytes.len() as u64)
+}
+
 /// Does a file that has not the length of a binary one begin like text?
 fn is_text(bytes: &[u8]) -> bool {
     let start = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();

@@ -442,3 +442,63 @@ fn files_of_gmsh_itself_are_read() {
         assert!((a - b).abs() < 1e-15);
     }
 }
+
+/// What each reader says of a file at `path`.
+fn said(path: &std::path::Path) -> [String; 4] {
+    fn said<X>(read: Result<X, GeometryError>) -> String {
+        read.err().expect("refused").to_string()
+    }
+    [
+        said(TriangleMesh::read_stl(path, 1.0)),
+        said(TriangleMesh::read_obj(path, 1.0)),
+        said(ElementMesh::<3>::read_gmsh(path, 1.0)),
+        said(ElementMesh::<3>::read_abaqus(path, 1.0)),
+    ]
+}
+
+#[test]
+fn a_file_of_another_kind_is_named_with_its_reader() {
+    let folder = std::env::temp_dir().join(format!("impactite-kinds-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let kinds = [
+        ("solid cube\nendsolid cube\n", "an STL file", "`TriangleMesh::read_stl`"),
+        ("# cube\no cube\nv 0 0 0\n", "an OBJ file", "`TriangleMesh::read_obj`"),
+        (GMSH, "a Gmsh file of elements", "`ElementMesh::read_gmsh`"),
+        ("** cube\n*NODE\n1, 0., 0., 0.\n", "an Abaqus file of elements", "`ElementMesh::read_abaqus`"),
+    ];
+    for (n, (text, kind, reader)) in kinds.iter().enumerate() {
+        let path = folder.join("file");
+        std::fs::write(&path, text).unwrap();
+        // Its own reader reads the Gmsh file, and finds nothing in the others.
+        let names_kind = |path: &std::path::Path, k: usize| match k {
+            0 => TriangleMesh::read_stl(path, 1.0).err(),
+            1 => TriangleMesh::read_obj(path, 1.0).err(),
+            2 => ElementMesh::<3>::read_gmsh(path, 1.0).err(),
+            _ => ElementMesh::<3>::read_abaqus(path, 1.0).err(),
+        };
+        for k in 0..4 {
+            let said = names_kind(&path, k).map_or(String::new(), |e| e.to_string());
+            assert_eq!(said.contains(kind) && said.contains(reader), k != n, "{k}: {said}");
+        }
+    }
+    std::fs::write(folder.join("file"), "ISO-10303-21;\n").unwrap();
+    assert!(said(&folder.join("file")).iter().all(|s| s.contains("it is a STEP file")));
+    assert!(said(&folder).iter().all(|s| s.contains("it is a folder; it must be a regular file")));
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// Without an end, or without anybody at the other end, neither is opened.
+#[cfg(target_os = "linux")]
+#[test]
+fn pipes_and_devices_are_refused() {
+    let pipe = std::env::temp_dir().join(format!("impactite-pipe-{}", std::process::id()));
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    for path in [&pipe, std::path::Path::new("/dev/zero")] {
+        let said = said(path);
+        assert!(
+            said.iter().all(|s| s.contains("it is a pipe or device; it must be a regular file")),
+            "{said:?}"
+        );
+    }
+    std::fs::remove_file(pipe).unwrap();
+}

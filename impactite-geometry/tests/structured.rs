@@ -124,7 +124,7 @@ fn boxes_have_exact_measures_and_named_faces() {
 fn refusals_name_what_is_allowed() {
     let cube = Cuboid::new([0.0; 3], [1.0; 3]).unwrap();
     let said = |e: Result<ElementMesh<3>, GeometryError>| e.unwrap_err().to_string();
-    assert_eq!(said(box_mesh(&cube, [3, 0, 1])), "box_mesh: count = 0 is not allowed; it must be at least 1");
+    assert_eq!(said(box_mesh(&cube, [3, 0, 1])), "box mesh: count = 0 is not allowed; it must be at least 1");
     assert!(
         said(box_mesh(&cube, [Spacing::graded(2, f64::NAN); 3]))
             .contains("last length over first, from 1e-6")
@@ -134,7 +134,7 @@ fn refusals_name_what_is_allowed() {
     let rod = OgiveRod::new([0.0; 3], [0.0, 0.0, 1.0], 1.0, 5.0, 3.0).unwrap();
     assert_eq!(
         said(ogive_rod_mesh(&rod, Butterfly { core: 3, rings: 1 }, 4)),
-        "ogive_rod_mesh: core = 3 is not allowed; it must be even, and at least 2"
+        "ogive rod mesh: core = 3 is not allowed; it must be even, and at least 2"
     );
     assert!(
         said(ogive_rod_mesh(&rod, Butterfly { core: 4, rings: 0 }, 4)).contains("rings = 0 is not allowed")

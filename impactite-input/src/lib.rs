@@ -44,5 +44,5 @@ pub mod measured;
 
 pub use ahead::{Ahead, BodyAhead};
 pub use document::{RESUMABLE, Source};
-pub use error::{Fault, InputError};
-pub use impactite_scene_file::{SceneFile, formula, model, quantity, schema};
+pub use error::{Fault, InputError, shown};
+pub use impactite_scene_file::{SceneFile, formula, model, quantity, remedy, schema};

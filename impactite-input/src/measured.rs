@@ -17,10 +17,12 @@ pub struct MeasureError {
     pub why: String,
 }
 
-/// Names and SI units of the measures of a scene, in their order.
+/// Names and SI units of the measures of a scene, in their order. Masses, momenta, forces and energies are per radian in axisymmetric
+/// scenes, `kg/rad`, and per metre of depth in the plane, `kg/m`.
 #[must_use]
 pub fn columns(scene: &SceneFile) -> Vec<(String, &'static str)> {
-    scene.measures.iter().map(|(name, measure)| (name.clone(), describe::unit(measure))).collect()
+    let unit = |measure| describe::unit_in(scene.space, describe::unit(measure));
+    scene.measures.iter().map(|(name, measure)| (name.clone(), unit(measure))).collect()
 }
 
 /// The measures of a scene that was set up.

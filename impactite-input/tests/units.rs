@@ -213,3 +213,38 @@ fn keys_of_json_keep_their_order() {
     let place = |word: &str| text.find(word).unwrap();
     assert!(place("width") < place("spacing") && place("second") < place("first"), "{text}");
 }
+
+/// Measures of masses, forces and energies are of what is computed.
+#[test]
+fn units_of_measures_say_what_they_are_per() {
+    use impactite::scene::embedding::unit_of_part;
+    use impactite_input::Source;
+    use impactite_input::measured::columns;
+    let text = r#"
+title = "ball"
+space = "SPACE"
+end = "1 us"
+method.mpm.cell = "1 mm"
+materials.copper.library = "copper_taylor"
+bodies.ball = { material = "copper", shape.ball = { centre = CENTRE, radius = "2 mm" } }
+[measures]
+mass = { mass = { body = "ball" } }
+energy = { kinetic = { body = "ball" } }
+momentum = { momentum = { body = "ball", axis = "z" } }
+speed = { largest = { body = "ball", field = "speed" } }
+"#;
+    for (space, centre, axis, dimensions, revolved) in [
+        ("axisymmetric", "[0, 0]", "z", 2, true),
+        ("plane strain", "[0, 0]", "y", 2, false),
+        ("3d", "[0, 0, 0]", "z", 3, false),
+    ] {
+        let text = text
+            .replace("SPACE", space)
+            .replace("CENTRE", centre)
+            .replace("axis = \"z\"", &format!("axis = \"{axis}\""));
+        let scene = Source::new("ball.toml", text).parse().expect("a scene");
+        let found: Vec<String> = columns(&scene).into_iter().map(|(_, unit)| unit.to_string()).collect();
+        let wanted = ["kg", "J", "kg m/s"].map(|unit| unit_of_part(unit, dimensions, revolved));
+        assert_eq!(found, [&wanted[..], &["m/s".to_string()]].concat(), "{space}");
+    }
+}

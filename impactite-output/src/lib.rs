@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 mod cells;
 pub mod csv;
 pub mod picture;
+mod printable;
 pub mod progress;
 mod snapshot;
 pub mod vtk;
@@ -29,6 +30,7 @@ mod whole;
 
 pub use cells::Cells;
 pub use csv::{Column, History};
+pub use printable::printable;
 pub use progress::Progress;
 pub(crate) use snapshot::{FARTHEST, is_place};
 pub use snapshot::{FieldValues, ParticleSize, Snapshot};

@@ -303,7 +303,7 @@ mod tests {
             (record.checks[2].pass, &*record.checks[2].source),
             (None, "not judged at this resolution: two cells")
         );
-        assert_eq!(record.balances.map(|b| b.energy_error), Some(-0.012));
+        assert_eq!(record.balances.and_then(|b| b.energy_error), Some(-0.012));
         assert_eq!(record.timing.rate(), Some(204.0));
     }
 }

@@ -42,7 +42,7 @@ pub mod record;
 pub mod recorder;
 
 pub use error::ReportError;
-pub use number::percent;
+pub use number::{checks_passed, energy_error, percent};
 pub use page::write_page;
 pub use record::{Check, FILE, Frames, HistoryRecord, Progress, Record};
 pub use recorder::{Recorder, Warned};

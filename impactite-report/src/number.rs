@@ -86,9 +86,37 @@ pub fn percent(share: f64) -> String {
     }
 }
 
+/// The largest energy error of a run in words, the same on a page and a terminal: [`percent`], or that nothing moves.
+///
+/// ```
+/// use impactite_report::energy_error;
+/// assert_eq!(energy_error(Some(0.01)), "+1.00 %");
+/// assert_eq!(energy_error(None), "none: nothing moves");
+/// ```
+#[must_use]
+pub fn energy_error(error: Option<f64>) -> String {
+    error.map_or_else(|| "none: nothing moves".into(), percent)
+}
+
+/// How many checks passed of those that are judged, in words.
+///
+/// ```
+/// use impactite_report::checks_passed;
+/// assert_eq!(checks_passed([1, 3]), "1 of 3 checks passed");
+/// assert_eq!(checks_passed([0, 0]), "no checks");
+/// ```
+#[must_use]
+pub fn checks_passed([passed, judged]: [usize; 2]) -> String {
+    match judged {
+        0 => "no checks".into(),
+        1 => format!("{passed} of 1 check passed"),
+        _ => format!("{passed} of {judged} checks passed"),
+    }
+}
+
 /// Is it an energy error as a share, which is shown by [`percent`]?
 pub(crate) fn is_energy_error(name: &str, unit: &str) -> bool {
-    name.contains("energy error") && unit == "-"
+    (name.contains("energy error") || name.contains("energy_error")) && unit == "-"
 }
 
 /// A number to `digits` significant ones, without needless noughts.
@@ -134,7 +162,11 @@ const PREFIXES: [(f64, &str); 9] = [
 pub(crate) fn readable(largest: f64, unit: &str) -> (String, f64) {
     let size = largest.abs();
     // Of what may be per radian or metre of depth the first word is the unit.
-    let (first, rest) = unit.split_once(' ').map_or((unit, ""), |(first, _)| (first, &unit[first.len()..]));
+    let (first, rest) = unit.split_at(unit.find([' ', '/']).unwrap_or(unit.len()));
+    // Millimetres a second are not read more easily.
+    if rest.starts_with('/') && ["s", "m"].contains(&first) {
+        return (unit.into(), 1.0);
+    }
     if !(PREFIXED.contains(&first) && size > 0.0 && size.is_finite()) {
         return (unit.into(), 1.0);
     }
@@ -190,6 +222,8 @@ mod tests {
         assert_eq!(quantity(8.9, "-", 4), "8.9");
         assert_eq!(quantity(0.0, "J", 4), "0 J");
         assert_eq!(quantity(2500.0, "m", 4), "2500 m");
+        assert_eq!(quantity(2500.0, "J/rad", 4), "2.5 kJ/rad");
+        assert_eq!(quantity(0.0025, "m/s", 4), "0.0025 m/s");
         assert_eq!(percent(f64::NAN), "NaN %");
     }
 }

@@ -1,5 +1,7 @@
 //! Keeps what a report shows of a run over its time.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::SystemTime;
 
 use impactite_scene::balance::{Books, share};
@@ -10,6 +12,9 @@ use crate::number::percent;
 
 /// Rows kept at most.
 pub const MOST_ROWS: usize = 4096;
+/// Shares of an energy gained, lost from which on an error is warned of.
+const BAD_GAIN: f64 = 0.10;
+const BAD_LOSS: f64 = 0.03;
 
 /// A run at one moment. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,7 +86,7 @@ pub struct Warned {
     pub title: String,
     /// What was found, and its likely cause.
     pub found: String,
-    /// What to do about it; empty where the finding does not say.
+    /// What to do about it.
     pub remedy: String,
 }
 
@@ -90,6 +95,7 @@ fn title(finding: &Finding) -> (&'static str, &str) {
     match finding {
         Finding::EnergyGain { body, .. } => ("energy gained", body),
         Finding::EnergyLoss { .. } => ("energy lost", ""),
+        Finding::FewSteps { .. } => ("energy balance of few steps", ""),
         Finding::NotFinite { body } => ("not finite", body),
         Finding::Momentum { .. } => ("momentum from nowhere", ""),
         Finding::Torn { body, .. } => ("body torn", body),
@@ -101,26 +107,9 @@ fn title(finding: &Finding) -> (&'static str, &str) {
     }
 }
 
-/// The message of a finding is what was found, a semicolon, and what to do. Semicolons in names, which stand in backquotes, are none.
-fn parted(message: &str) -> (String, String) {
-    let mut quoted = false;
-    let end = message.char_indices().find(|&(n, c)| {
-        quoted ^= c == '`';
-        !quoted && message[n..].starts_with("; ")
-    });
-    end.map_or((message.into(), String::new()), |(n, _)| (message[..n].into(), message[n + 2..].into()))
-}
-
 impl From<&Warning> for Warned {
     fn from(warning: &Warning) -> Self {
-        let message = warning.finding.to_string();
-        let (found, remedy) = match &warning.finding {
-            // Its message ends with where the energy went and what keeps more.
-            Finding::EnergyLoss { remedy, .. } => {
-                (message.trim_end_matches(remedy).trim_end_matches([',', ' ']).into(), (*remedy).into())
-            }
-            _ => parted(&message),
-        };
+        let (found, remedy) = (warning.finding.found(), warning.finding.remedy().into());
         let (about, body) = title(&warning.finding);
         let title = if body.is_empty() { about.to_string() } else { format!("{about}: {body}") };
         Warned { step: warning.step, time: warning.time, title, found, remedy }
@@ -166,6 +155,8 @@ pub struct Recorder {
     /// that.
     worst_unexplained: f64,
     worst_missing: f64,
+    /// Step and time, s, of the former.
+    worst_at: (u64, f64),
     /// The change of mass since the first look that is largest by amount, kg.
     worst_mass: f64,
     warnings: Vec<Warned>,
@@ -175,6 +166,8 @@ pub struct Recorder {
     end: f64,
     reached: bool,
     clock: WallClock,
+    /// Bits of the energy error of the last row.
+    latest: Arc<AtomicU64>,
 }
 
 /// When a run began and ended by the clock on the wall.
@@ -201,13 +194,22 @@ impl Recorder {
             last: None,
             worst_unexplained: 0.0,
             worst_missing: 0.0,
+            worst_at: (0, 0.0),
             worst_mass: 0.0,
             warnings: Vec::new(),
             limits: Vec::new(),
             end: f64::NAN,
             reached: false,
             clock: WallClock::default(),
+            latest: Arc::default(),
         }
+    }
+
+    /// The energy error of the last look, for an observer that looks after this one at the same pace. Its scale is the largest energy of all
+    /// looks, which [`impactite_scene::Solver::account`] sees fewer of.
+    pub fn latest_energy_error(&self) -> impl Fn() -> f64 + Send + 'static {
+        let latest = self.latest.clone();
+        move || f64::from_bits(latest.load(Ordering::Relaxed))
     }
 
     /// What was seen, in order of time.
@@ -250,10 +252,18 @@ impl Recorder {
         }
     }
 
-    /// The energy that nothing explains, the largest by amount of all looks, with its sign, over the largest energy of the whole run.
+    /// The energy that nothing explains, the largest by amount of all looks, with its sign, over the largest energy of the whole run; 0 where
+    /// nothing moves.
     #[must_use]
     pub fn worst_energy_error(&self) -> f64 {
-        share(self.worst_unexplained, self.books.scales()[0])
+        self.books.energy_error(self.worst_unexplained)
+    }
+
+    /// The same, and none where nothing moves ([`impactite_scene::Account::moves`]): an error of rounding over rounding says nothing.
+    #[must_use]
+    pub fn energy_error(&self) -> Option<f64> {
+        let rests = self.books.rest() > 0.0 && !self.books.moves();
+        (!rests || self.worst_unexplained.is_nan()).then(|| self.worst_energy_error())
     }
 
     /// The largest amount of momentum that nothing explains, of all looks, over the largest sum of m |v| of the whole run.
@@ -299,9 +309,39 @@ impl Recorder {
         self.clock.before + self.clock.seconds
     }
 
+    /// What is warned of at the end of a run, beside what the run warned of itself: points that are gone, and a large energy error that
+    /// was there between two looks of the watch.
+    #[must_use]
+    pub fn late_warnings(&self) -> Vec<Warned> {
+        self.removed().into_iter().chain(self.unseen_error()).collect()
+    }
+
     /// A warning of points that are gone since the first look.
-    pub(crate) fn removed(&self) -> Option<Warned> {
+    fn removed(&self) -> Option<Warned> {
         removed(self.rows.first()?, self.last.as_ref()?)
+    }
+
+    /// A warning of the largest energy error, where it is large and no warning of the run is about energy.
+    fn unseen_error(&self) -> Option<Warned> {
+        let error = self.energy_error()?;
+        let large = !(-BAD_LOSS..=BAD_GAIN).contains(&error);
+        let (step, time) = self.worst_at;
+        (large && !self.warnings.iter().any(|w| w.title.starts_with("energy"))).then(|| Warned {
+            step,
+            time,
+            title: "energy error".into(),
+            found: format!("the largest energy error was {}, which no check of the watch found", percent(error)),
+            remedy: "look at the energy error over time: one that stays calls for a smaller Courant factor or smaller cells, one that comes and \
+                     goes is of kinetic and internal energy half a step apart"
+                .into(),
+        })
+    }
+
+    /// Where the largest energy error is, if it is at this row.
+    fn note_worst(&mut self, row: &Row) {
+        if self.worst_unexplained == row.unexplained {
+            self.worst_at = (row.step, row.time);
+        }
     }
 
     fn keep(&mut self, row: Row) {
@@ -318,6 +358,7 @@ impl Recorder {
         }
         self.looks += 1;
         self.last = Some(row);
+        self.latest.store(row.energy_error.to_bits(), Ordering::Relaxed);
     }
 }
 
@@ -365,11 +406,14 @@ impl Observer for Recorder {
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
         let totals = now.totals();
         let account = self.books.enter(totals, &now.exchange(), now.axisymmetric());
+        if self.books.rest() == 0.0 || !self.books.moves() {
+            self.books.enter_rest(now.solver().account().rest);
+        }
         worse(&mut self.worst_unexplained, account.unexplained);
         worse(&mut self.worst_missing, account.missing());
         worse(&mut self.worst_mass, totals.mass - self.books.mass());
         let clock = now.solver().clock();
-        self.keep(Row {
+        let row = Row {
             time: now.time(),
             step: now.step(),
             dt: clock.last.unwrap_or(f64::NAN),
@@ -382,13 +426,15 @@ impl Observer for Recorder {
             impacts: account.impacts,
             conversion: account.conversion,
             unexplained: account.unexplained,
-            energy_error: account.energy_error(),
+            energy_error: self.books.energy_error(account.unexplained),
             momentum: totals.momentum,
             momentum_error: share(account.missing(), account.momentum_scale),
             wall_seconds: now.wall_seconds(),
             // A count, that division and multiplication by a time may have moved off its whole number.
             updates: (now.rate() * now.wall_seconds()).round(),
-        });
+        };
+        self.note_worst(&row);
+        self.keep(row);
         self.limited(now);
         self.end = now.end();
         self.reached = clock.reached(now.end());
@@ -410,7 +456,9 @@ impl Observer for Recorder {
             &mut self.worst_missing,
             &mut self.worst_mass,
             &mut self.end,
+            &mut self.worst_at.1,
         ])?;
+        file.word(&mut self.worst_at.0)?;
         file.list(&mut self.warnings, &Warned::default(), |file, warned| warned.archive(file))?;
         file.list(&mut self.limits, &Default::default(), |file, (cause, looks)| {
             file.text(cause)?;
@@ -421,6 +469,8 @@ impl Observer for Recorder {
         if file.reads() {
             self.clock = WallClock { before: seconds, ..WallClock::default() };
             self.reached = false;
+            let error = self.last.map_or(0.0, |row| row.energy_error);
+            self.latest.store(error.to_bits(), Ordering::Relaxed);
         }
         Ok(())
     }
@@ -441,6 +491,8 @@ impl Observer for Recorder {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use impactite_scene::watch::Loss;
+    use impactite_scene::{Exchange, Totals};
 
     #[test]
     fn points_that_are_gone_are_warned_of() {
@@ -456,17 +508,42 @@ mod tests {
     }
 
     #[test]
-    fn messages_are_parted_at_the_remedy() {
-        let pair = |found: &str, remedy: &str| (found.to_string(), remedy.to_string());
-        assert_eq!(parted("body `a; b` broke; mend it"), pair("body `a; b` broke", "mend it"));
-        assert_eq!(parted("no remedy"), pair("no remedy", ""));
-        let loss = Finding::EnergyLoss {
-            share: 0.12,
-            joules: 3.0,
-            remedy: "by contacts; what keeps more: smaller cells",
+    fn a_warning_has_what_was_found_and_what_to_do() {
+        let loss = Loss { by: "contacts that closed", remedy: "take smaller cells; or a larger step" };
+        let finding = Finding::EnergyLoss { share: 0.12, joules: 3.0, contact: 0.0, loss };
+        let warned = Warned::from(&Warning { step: 1, time: 0.5, finding });
+        assert_eq!(
+            warned.found,
+            "3.0000e0 J of energy are lost, 12.0 % of the largest energy of the run, in contacts that closed"
+        );
+        assert_eq!(
+            (&*warned.title, &*warned.remedy),
+            ("energy lost", "take smaller cells; or a larger step")
+        );
+    }
+
+    #[test]
+    fn a_large_energy_error_that_no_look_of_the_watch_saw_is_warned_of() {
+        let row = |time, unexplained| Row { time, unexplained, ..Row::default() };
+        let mut recorder = Recorder::new(Pace::every_step());
+        let mut enter = |row: Row, kinetic| {
+            recorder.books.enter(&Totals { kinetic, ..Totals::default() }, &Exchange::default(), false);
+            worse(&mut recorder.worst_unexplained, row.unexplained);
+            recorder.note_worst(&row);
+            recorder.keep(row);
+            recorder.unseen_error()
         };
-        let warned = Warned::from(&Warning { step: 1, time: 0.5, finding: loss });
-        assert_eq!(warned.found, "3.0000e0 J of energy are gone, 12.0 % of the largest energy of the run");
-        assert_eq!(warned.remedy, "by contacts; what keeps more: smaller cells");
+        assert_eq!(enter(row(0.0, 0.0), 10.0), None);
+        assert_eq!(enter(row(1.0, -0.29), 10.0), None);
+        let lost = enter(row(2.0, -0.31), 10.0).expect("a warning");
+        assert!(lost.found.contains("-3.10 %") && lost.time == 2.0, "{lost:?}");
+        let gained = enter(row(3.0, 1.1), 10.0).expect("a warning");
+        assert!(gained.found.contains("+11.00 %") && gained.time == 3.0, "{gained:?}");
+        recorder.books.enter_rest(1e3);
+        assert_eq!((recorder.energy_error(), recorder.worst_energy_error()), (None, 0.0), "nothing moves");
+        assert_eq!(recorder.unseen_error(), None);
+        recorder.books = Books::default();
+        recorder.warnings.push(Warned { title: "energy gained: body".into(), ..Warned::default() });
+        assert_eq!(recorder.unseen_error(), None, "the watch has said so");
     }
 }

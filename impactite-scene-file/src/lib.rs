@@ -6,6 +6,7 @@
 pub mod formula;
 pub mod model;
 pub mod quantity;
+pub mod remedy;
 
 pub use model::SceneFile;
 

@@ -105,6 +105,8 @@ pub struct Parameters {
     context: Arc<Mutex<Context>>,
     /// Values in SI units, by name.
     numbers: IndexMap<String, f64>,
+    /// Their SI units, in the same order; empty of plain numbers.
+    units: Vec<&'static str>,
 }
 
 impl std::fmt::Debug for Parameters {
@@ -128,9 +130,11 @@ impl Parameters {
         }
         let mut context = self.unshared();
         evaluate(&format!("{name} = ({})", checked(value)?), &mut context)?;
-        let number = in_any_unit(name, &mut context)?;
+        let (_, unit, number) = in_any_unit(name, &mut context)?;
         drop(context);
-        self.numbers.insert(name.into(), number);
+        let (place, _) = self.numbers.insert_full(name.into(), number);
+        self.units.resize(self.numbers.len(), unit);
+        self.units[place] = unit;
         Ok(())
     }
 
@@ -149,6 +153,13 @@ impl Parameters {
         &self.numbers
     }
 
+    /// The SI unit of the number of a name; empty of a plain number, and of no name of these.
+    #[must_use]
+    pub fn unit(&self, name: &str) -> &'static str {
+        let place = self.numbers.get_index_of(name);
+        place.and_then(|place| self.units.get(place)).copied().unwrap_or_default()
+    }
+
     /// A quantity in the SI unit `unit` (none: a plain number).
     ///
     /// # Errors
@@ -164,14 +175,7 @@ impl Parameters {
     /// A text that is no quantity of any known measure.
     pub fn measure(&self, text: &str) -> Result<(&'static str, &'static str), String> {
         let mut context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut first = None;
-        for &(name, unit) in MEASURES {
-            match convert(text, unit, &mut context) {
-                Ok(_) => return Ok((name, unit)),
-                Err(why) => first = first.or(Some(why)),
-            }
-        }
-        Err(first.unwrap_or_default())
+        in_any_unit(text, &mut context).map(|(name, unit, _)| (name, unit))
     }
 
     /// Read with these parameters: quantities and formulas that `read` makes of a file on this thread are written with them.
@@ -200,12 +204,12 @@ fn convert(text: &str, unit: &str, context: &mut Context) -> Result<f64, String>
     }
 }
 
-/// A parameter that is defined already, in the SI unit of its measure.
-fn in_any_unit(name: &str, context: &mut Context) -> Result<f64, String> {
+/// Name and SI unit of what a text measures, and its value in that unit.
+fn in_any_unit(text: &str, context: &mut Context) -> Result<(&'static str, &'static str, f64), String> {
     let mut first = None;
-    for (_, unit) in MEASURES {
-        match convert(name, unit, context) {
-            Ok(value) => return Ok(value),
+    for &(name, unit) in MEASURES {
+        match convert(text, unit, context) {
+            Ok(value) => return Ok((name, unit, value)),
             Err(why) => first = first.or(Some(why)),
         }
     }

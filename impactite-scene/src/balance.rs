@@ -25,6 +25,8 @@ pub struct Books {
     energy_scale: f64,
     /// The largest sum of m |v| so far, kg m/s.
     momentum_scale: f64,
+    /// Largest energy of motion that counts as rest, J; 0 where that is not known.
+    rest: f64,
 }
 
 /// The books at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
@@ -53,13 +55,20 @@ pub struct Account {
     pub energy_scale: f64,
     /// The largest sum of m |v| so far, kg m/s.
     pub momentum_scale: f64,
+    /// Energy below which nothing moves, J: that of all mass at 1e-6 of the speed of waves. 0 where no look was made yet.
+    pub rest: f64,
 }
 
 impl Account {
-    /// `unexplained` over `energy_scale`.
+    /// `unexplained` over `energy_scale`; 0 where nothing [moves](Account::moves), since that quotient is of rounding alone.
     #[must_use]
     pub fn energy_error(&self) -> f64 {
-        share(self.unexplained, self.energy_scale)
+        energy_error(self.unexplained, self.energy_scale, self.rest)
+    }
+    /// Was there ever more energy than that of rounding?
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.energy_scale > self.rest
     }
     /// Amount of the momentum that nothing explains, kg m/s.
     #[must_use]
@@ -97,7 +106,19 @@ impl Books {
             momentum,
             energy_scale: self.energy_scale,
             momentum_scale: self.momentum_scale,
+            rest: self.rest,
         }
+    }
+
+    /// Enter an energy, J, below which nothing moves; the largest one counts.
+    pub fn enter_rest(&mut self, energy: f64) {
+        self.rest = self.rest.max(energy);
+    }
+
+    /// Was there ever more energy than that of rounding? [`Account::moves`] of the last entry.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.energy_scale > self.rest
     }
 
     /// Mass at the first entry, kg.
@@ -112,6 +133,18 @@ impl Books {
         [self.energy_scale, self.momentum_scale]
     }
 
+    /// An unexplained energy, J, over the largest energy so far; 0 where nothing [moves](Account::moves).
+    #[must_use]
+    pub fn energy_error(&self, unexplained: f64) -> f64 {
+        energy_error(unexplained, self.energy_scale, self.rest)
+    }
+
+    /// Energy below which nothing moves, J; 0 where it is not known yet.
+    #[must_use]
+    pub fn rest(&self) -> f64 {
+        self.rest
+    }
+
     /// To a file, or from one.
     ///
     /// # Errors
@@ -121,7 +154,7 @@ impl Books {
             totals.archive(file)?;
             given.archive(file)
         })?;
-        file.reals([&mut self.energy_scale, &mut self.momentum_scale])
+        file.reals([&mut self.energy_scale, &mut self.momentum_scale, &mut self.rest])
     }
 }
 
@@ -129,4 +162,31 @@ impl Books {
 #[must_use]
 pub fn share(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
+}
+
+/// `unexplained` over `scale`, J; 0 where `scale` is of rounding alone, as that of matter at rest.
+pub(crate) fn energy_error(unexplained: f64, scale: f64, rest: f64) -> f64 {
+    let rests = rest > 0.0 && scale <= rest && !unexplained.is_nan();
+    if rests { 0.0 } else { share(unexplained, scale) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_energy_error_of_matter_at_rest_is_none() {
+        let mut books = Books::default();
+        let totals = |kinetic| Totals { mass: 2.0, kinetic, ..Totals::default() };
+        books.enter(&totals(0.0), &Exchange::default(), false);
+        let account = books.enter(&totals(1e-20), &Exchange::default(), false);
+        assert!(account.moves() && account.energy_error() == 1.0, "nobody said yet what is rest");
+        books.enter_rest(1e-6);
+        let account = books.enter(&totals(1e-20), &Exchange::default(), false);
+        assert!(!account.moves() && account.energy_error() == 0.0 && account.rest == 1e-6);
+        let account = books.enter(&totals(1e-3), &Exchange::default(), false);
+        assert!(account.moves() && account.energy_error() == 1.0);
+        let broken = books.enter(&totals(f64::NAN), &Exchange::default(), false);
+        assert!(broken.energy_error().is_nan(), "what is no number is not hidden");
+    }
 }

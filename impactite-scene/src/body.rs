@@ -128,6 +128,10 @@ pub trait Body {
     fn name(&self) -> &str;
     /// Its law's name; empty without one.
     fn law(&self) -> &'static str;
+    /// Is the stress across the plane zero by its law?
+    fn is_plane_stress(&self) -> bool {
+        false
+    }
     /// How many points it has; none of a wall.
     fn len(&self) -> usize;
     /// Has it no points?

@@ -1,5 +1,7 @@
 //! How a problem in `D` dimensions lies in space: laws are always three-dimensional.
 
+use crate::body::Body;
+
 /// An embedding of `D` coordinates in three dimensions. It lifts a velocity gradient to a 3 x 3 tensor and
 /// brings the force of a 3 x 3 stress back.
 #[diagnostic::on_unimplemented(
@@ -49,4 +51,44 @@ impl Embedding<2> for Axisymmetric {
 pub struct AnySpace;
 impl<const D: usize> Embedding<D> for AnySpace {
     const NAME: &'static str = "any";
+}
+
+/// The description of a method with bodies of these laws: "plane stress" for "plane strain" where the stress across the plane is zero. Both
+/// have the coordinates of [`PlaneStrain`]; the law makes the difference.
+#[must_use]
+pub fn described(description: &str, bodies: &[&dyn Body]) -> String {
+    let plates = bodies.iter().any(|body| body.is_plane_stress());
+    let strain = <PlaneStrain as Embedding<2>>::NAME;
+    if plates { description.replacen(strain, "plane stress", 1) } else { description.into() }
+}
+
+/// The unit of an extensive quantity (mass, momentum, force, energy) of a scene: `kg`, `kg/rad` around an axis, `kg/m` per metre of depth in the
+/// plane, `kg/m^2` per area of cross-section along a line.
+///
+/// ```
+/// use impactite_scene::embedding::unit_of_part;
+/// assert_eq!(unit_of_part("kg", 2, true), "kg/rad");
+/// assert_eq!(unit_of_part("kg m/s", 2, false), "(kg m/s)/m");
+/// assert_eq!(unit_of_part("J", 3, false), "J");
+/// ```
+#[must_use]
+pub fn unit_of_part(unit: &str, dimensions: usize, axisymmetric: bool) -> String {
+    let per = match (dimensions, axisymmetric) {
+        (_, true) => "rad",
+        (1, _) => "m^2",
+        (2, _) => "m",
+        _ => return unit.into(),
+    };
+    if unit.contains([' ', '/']) { format!("({unit})/{per}") } else { format!("{unit}/{per}") }
+}
+
+/// What an extensive quantity of a scene is per, as it is said after its unit: " per radian", " per metre of depth"; empty of the whole.
+#[must_use]
+pub fn part_in_words(dimensions: usize, axisymmetric: bool) -> &'static str {
+    match (dimensions, axisymmetric) {
+        (_, true) => " per radian",
+        (1, _) => " per square metre of cross-section",
+        (2, _) => " per metre of depth",
+        _ => "",
+    }
 }

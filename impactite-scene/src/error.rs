@@ -69,7 +69,10 @@ pub enum Stopped {
         now: f64,
     },
     /// The wave speeds give no usable time step.
-    #[error("the time step became {0} s; a wave speed is infinite, zero or not a number")]
+    #[error(
+        "the time step became {0} s: a wave speed is infinite, zero or not a number, or all bodies are rigid; check the constants of the \
+         materials, or fix the step (`TimeControl::Fixed`)"
+    )]
     NoTimeStep(f64),
     /// The step was made, but the run is no longer to be trusted ([`crate::watch`]).
     #[error("{0}")]

@@ -1,5 +1,7 @@
 //! What a look at a run finds.
 
+use std::fmt;
+
 /// Something that may be wrong with a run that goes on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("after step {step}, t = {time:.6e} s: {finding}")]
@@ -12,15 +14,20 @@ pub struct Warning {
     pub finding: Finding,
 }
 
-/// What a look at a run found.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+/// Energy that no balance has: where it most likely went, and the remedy, in words.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Loss {
+    /// Likely sinks, as "the filter of the transfer".
+    pub by: &'static str,
+    /// Parts and parameters that keep more, as an imperative.
+    pub remedy: &'static str,
+}
+
+/// What a look at a run found. [`Display`](fmt::Display) is [`found`](Finding::found), a semicolon, and [`remedy`](Finding::remedy).
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
     /// Energy that nothing explains.
-    #[error(
-        "{joules:.4e} J of energy came from nowhere, {:.1} % of the largest energy of the run, most likely in body `{body}` near {position:?} m: {cause}",
-        100.0 * share
-    )]
     EnergyGain {
         /// Of the largest energy so far.
         share: f64,
@@ -34,26 +41,31 @@ pub enum Finding {
         cause: GainCause,
     },
     /// Energy that went where no balance has it.
-    #[error("{joules:.4e} J of energy are gone, {:.1} % of the largest energy of the run, {remedy}", 100.0 * share)]
     EnergyLoss {
         /// Of the largest energy so far.
         share: f64,
         /// Energy, J.
         joules: f64,
+        /// Upper bound of what contact took of it at nodes of a grid, J; 0 where there was no such contact.
+        contact: f64,
         /// Where it most likely went, and what keeps more.
-        remedy: &'static str,
+        loss: Loss,
+    },
+    /// An energy balance that is off at the end of a run of few steps.
+    FewSteps {
+        /// Steps made.
+        steps: u64,
+        /// Of the largest energy so far; negative: lost.
+        share: f64,
+        /// Energy, J; negative: lost.
+        joules: f64,
     },
     /// An energy or momentum that is no number.
-    #[error("the energy or momentum of body `{body}` is not finite; lower the time step")]
     NotFinite {
         /// The body.
         body: String,
     },
     /// Momentum that nothing explains.
-    #[error(
-        "{momentum:?} kg m/s of momentum came from nowhere, {share:.1e} of what moves or was given: a contact, boundary or \
-         transfer of one's own that is no pair of forces"
-    )]
     Momentum {
         /// Of the largest sum of m |v|, or of all impulses given.
         share: f64,
@@ -61,11 +73,6 @@ pub enum Finding {
         momentum: [f64; 3],
     },
     /// A body came apart though no particle of the parts failed.
-    #[error(
-        "body `{body}` is in {parts} parts and was in {before}, {:.2} % of its particles in parts where none failed: numerical fracture, particles drawn so far apart \
-         that they share no node; give it a failure criterion, split its particles (`Splitting`), or take a wider shape function, CPDI or the total-Lagrangian frame",
-        100.0 * share
-    )]
     Torn {
         /// The body.
         body: String,
@@ -77,11 +84,6 @@ pub enum Finding {
         share: f64,
     },
     /// A pressure that changes its sign from cell to cell.
-    #[error(
-        "the pressure of body `{body}` alternates from cell to cell by {pressure:.3e} Pa, {:.0} % of all that it varies, at a von Mises stress of {von_mises:.3e} Pa: \
-         volumetric locking or a pressure mode; take `Method::mean_dilatation` or quadratic shape functions",
-        100.0 * share
-    )]
     Locking {
         /// The body.
         body: String,
@@ -93,11 +95,6 @@ pub enum Finding {
         von_mises: f64,
     },
     /// Motion of elements that their integration points do not see takes a large part of the energy.
-    #[error(
-        "hourglass forces of body `{body}` hold {joules:.3e} J, {:.1} % of its internal energy, most near {position:?} m: elements deform there in ways that one point \
-         of integration does not see; refine the mesh, spread loads over several nodes, or integrate in full (`Technology::MeanDilatation`)",
-        100.0 * share
-    )]
     Hourglass {
         /// The body.
         body: String,
@@ -109,10 +106,6 @@ pub enum Finding {
         position: [f64; 3],
     },
     /// Points of a body of another discretisation that are further apart than the nodes of the grid that they act on.
-    #[error(
-        "the points of body `{body}` are {ratio:.2} cells of the grid apart: particles slip through between them; take smaller elements or larger cells, or let \
-         particles meet the surface (`Elements::by_surface`)"
-    )]
     WidePoints {
         /// The body.
         body: String,
@@ -120,10 +113,6 @@ pub enum Finding {
         ratio: f64,
     },
     /// Particles that failed without any in the cells around theirs.
-    #[error(
-        "{alone} of {failed} failed particles of body `{body}` have no failed particle in the cells around theirs, one near {position:?} m: stress noise fails points one by one where \
-         a crack would fail a surface; take `Method::impact`, a wider shape function, or a time-dependent criterion (`TulerButcher`, `CohesiveSpall`)"
-    )]
     LoneFailure {
         /// The body.
         body: String,
@@ -136,14 +125,109 @@ pub enum Finding {
     },
 }
 
-/// What most likely made energy.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+impl std::error::Error for Finding {}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}; {}", self.found(), self.remedy())
+    }
+}
+
+impl Finding {
+    /// What was found and its likely cause, without the remedy.
+    #[must_use]
+    pub fn found(&self) -> String {
+        let per_cent = |share: &f64| 100.0 * share;
+        match self {
+            Finding::EnergyGain { share, joules, body, position, cause } => format!(
+                "{joules:.4e} J of energy came from nowhere, {:.1} % of the largest energy of the run, most likely in body `{body}` near \
+                 {position:?} m: {}",
+                per_cent(share),
+                cause.found()
+            ),
+            Finding::EnergyLoss { share, joules, contact, loss } => {
+                let contact = if *contact > 0.0 {
+                    format!(" (contact took at most {contact:.4e} J at nodes)")
+                } else {
+                    String::new()
+                };
+                format!(
+                    "{joules:.4e} J of energy are lost, {:.1} % of the largest energy of the run, in {}{contact}",
+                    per_cent(share),
+                    loss.by
+                )
+            }
+            Finding::FewSteps { steps, share, joules } => format!(
+                "the energy balance is off by {joules:+.4e} J, {:+.1} % of the largest energy of the run, after {steps} steps: kinetic and \
+                 internal energy belong to times half a step apart, which few steps do not average out",
+                per_cent(share)
+            ),
+            Finding::NotFinite { body } => {
+                format!("the energy or momentum of body `{body}` is not finite")
+            }
+            Finding::Momentum { share, momentum } => format!(
+                "{momentum:?} kg m/s of momentum came from nowhere, {share:.1e} of what moves or was given: a contact, boundary or transfer \
+                 whose forces are not pairs"
+            ),
+            Finding::Torn { body, parts, before, share } => format!(
+                "body `{body}` is in {parts} parts and was in {before}, {:.2} % of its particles in parts where none failed: numerical \
+                 fracture, particles drawn so far apart that they share no node",
+                per_cent(share)
+            ),
+            Finding::Locking { body, pressure, share, von_mises } => format!(
+                "the pressure of body `{body}` alternates from cell to cell by {pressure:.3e} Pa, {:.0} % of all that it varies, at a von \
+                 Mises stress of {von_mises:.3e} Pa: volumetric locking or a pressure mode",
+                per_cent(share)
+            ),
+            Finding::Hourglass { body, share, joules, position } => format!(
+                "hourglass forces of body `{body}` hold {joules:.3e} J, {:.1} % of its internal energy, most near {position:?} m: elements \
+                 deform there in ways that one point of integration does not see",
+                per_cent(share)
+            ),
+            Finding::WidePoints { body, ratio } => format!(
+                "the points of body `{body}` are {ratio:.2} cells of the grid apart: particles slip through between them"
+            ),
+            Finding::LoneFailure { body, failed, alone, position } => format!(
+                "{alone} of {failed} failed particles of body `{body}` have no failed particle in the cells around theirs, one near \
+                 {position:?} m: stress noise fails points one by one where a crack would fail a surface"
+            ),
+        }
+    }
+
+    /// What to do, as an imperative. Parts are named by their calls; scene files have keys for them.
+    #[must_use]
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            Finding::EnergyGain { cause, .. } => cause.remedy(),
+            Finding::EnergyLoss { loss, .. } => loss.remedy,
+            Finding::FewSteps { .. } => {
+                "make more steps, by a later end or a smaller Courant factor, and see whether the error stays"
+            }
+            Finding::NotFinite { .. } => "lower the time step",
+            Finding::Momentum { .. } => "check the contacts, boundaries and transfers of your own",
+            Finding::Torn { .. } => {
+                "give it a failure criterion, split its particles (`Splitting`), or take a wider shape function, CPDI or the \
+                 total-Lagrangian frame"
+            }
+            Finding::Locking { .. } => "take `Method::mean_dilatation` or quadratic shape functions",
+            Finding::Hourglass { .. } => {
+                "refine the mesh, spread loads over several nodes, or integrate in full (`Technology::MeanDilatation`)"
+            }
+            Finding::WidePoints { .. } => {
+                "take smaller elements or larger cells, or let particles meet the surface (`Elements::by_surface`)"
+            }
+            Finding::LoneFailure { .. } => {
+                "take `Method::impact`, a wider shape function, or a time-dependent criterion (`TulerButcher`, `CohesiveSpall`)"
+            }
+        }
+    }
+}
+
+/// What most likely made energy. [`Display`](fmt::Display) is the cause, a semicolon, and the remedy.
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum GainCause {
     /// A step beyond the limit of stability.
-    #[error(
-        "the time step of {dt:.3e} s is longer than the {limit:.3e} s that the mesh and its wave speeds bear; lower the Courant factor or take `TimeControl::Gershgorin`"
-    )]
     TimeStep {
         /// The step, s.
         dt: f64,
@@ -151,33 +235,95 @@ pub enum GainCause {
         limit: f64,
     },
     /// Motion that no node sees.
-    #[error(
-        "{joules:.3e} J are in motion of particles against their cell that no node sees (the null space of FLIP and its kin); take `Method::impact` or \
-         `Method::contact_at_rest`, or filter it (`Mpm::set_null_space_filter`)"
-    )]
     Unseen {
         /// Kinetic energy of such motion in all bodies, J.
         joules: f64,
     },
     /// Matter denser than the data of its equation of state.
-    #[error(
-        "{particles} particles are compressed beyond the data of their equation of state; take `Method::impact`, a shock viscosity, or a smaller Courant factor"
-    )]
     OverCompressed {
         /// How many.
         particles: usize,
     },
     /// A contact.
-    #[error(
-        "bodies meet there; take the default detector `SurfaceDistance` and `Method::contact_at_rest` or `Method::impact`, or smaller cells"
-    )]
     Contact,
     /// Particles that cross cells.
-    #[error(
-        "stresses of particles that cross cells are the usual cause; take `Method::impact`, a wider shape function or a smaller Courant factor"
-    )]
     Crossing,
-    /// What else a method knows, in words with the remedy.
-    #[error("{0}")]
+    /// What else a method knows: the cause, a semicolon, and the remedy.
     Other(&'static str),
+}
+
+impl std::error::Error for GainCause {}
+
+impl fmt::Display for GainCause {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}; {}", self.found(), self.remedy())
+    }
+}
+
+impl GainCause {
+    /// The cause, without the remedy.
+    #[must_use]
+    pub fn found(&self) -> String {
+        match self {
+            GainCause::TimeStep { dt, limit } => format!(
+                "the time step of {dt:.3e} s is longer than the {limit:.3e} s that the mesh and its wave speeds bear"
+            ),
+            GainCause::Unseen { joules } => format!(
+                "{joules:.3e} J are in motion of particles against their cell that no node sees (the null space of FLIP and its kin)"
+            ),
+            GainCause::OverCompressed { particles } => {
+                format!("{particles} particles are compressed beyond the data of their equation of state")
+            }
+            GainCause::Contact => "bodies are in contact there".into(),
+            GainCause::Crossing => "stresses of particles that cross cells are the usual cause".into(),
+            GainCause::Other(words) => words.split_once("; ").map_or(*words, |(cause, _)| cause).into(),
+        }
+    }
+
+    /// What to do, as an imperative.
+    #[must_use]
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            GainCause::TimeStep { .. } => "lower the Courant factor or take `TimeControl::Gershgorin`",
+            GainCause::Unseen { .. } => {
+                "take `Method::impact` or `Method::contact_at_rest`, or filter it (`Mpm::set_null_space_filter`)"
+            }
+            GainCause::OverCompressed { .. } => {
+                "take `Method::impact`, a shock viscosity, or a smaller Courant factor"
+            }
+            GainCause::Contact => {
+                "take the default detector `SurfaceDistance` and `Method::contact_at_rest` or `Method::impact`, or smaller cells"
+            }
+            GainCause::Crossing => {
+                "take `Method::impact`, a wider shape function or a smaller Courant factor"
+            }
+            GainCause::Other(words) => {
+                words.split_once("; ").map_or("take a smaller Courant factor", |(_, remedy)| remedy)
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_what_was_found_and_what_to_do() {
+        let torn = Finding::Torn { body: "a; b".into(), parts: 3, before: 1, share: 0.5 };
+        assert_eq!(torn.to_string(), format!("{}; {}", torn.found(), torn.remedy()));
+        assert!(torn.found().contains("`a; b` is in 3 parts") && !torn.found().contains("Splitting"));
+        let loss = Loss { by: "the filter of the transfer", remedy: "take smaller cells" };
+        let lost = |contact| Finding::EnergyLoss { share: 0.12, joules: 3.0, contact, loss };
+        assert_eq!(
+            lost(0.0).to_string(),
+            "3.0000e0 J of energy are lost, 12.0 % of the largest energy of the run, in the filter of the transfer; take smaller cells"
+        );
+        assert!(lost(2.0).found().ends_with("(contact took at most 2.0000e0 J at nodes)"));
+        let other = GainCause::Other("the nodes there are the fastest; take a finer mesh");
+        assert_eq!(
+            (other.found(), other.remedy()),
+            ("the nodes there are the fastest".into(), "take a finer mesh")
+        );
+    }
 }

@@ -270,8 +270,12 @@ impl<'a> Run<'a> {
             self.summary.wall_seconds += start.elapsed().as_secs_f64();
             self.summary.updates += points;
             self.summary.steps += 1;
+            let reached = self.solver.reached(end);
+            // Before observers see the last moment, which knows then what is rest.
+            let looked = if reached { self.solver.look_at_the_end() } else { Ok(()) };
             self.tell(known);
-            self.show(end, self.solver.reached(end))?;
+            self.show(end, reached)?;
+            looked?;
             self.save_if_due()?;
             if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) && !self.solver.reached(end) {
                 self.save()?;
@@ -280,9 +284,11 @@ impl<'a> Run<'a> {
                 return Err(RunError::Interrupted { time, steps, saved });
             }
         }
+        // Of a run that had no step to make.
         let known = self.solver.warnings().len();
-        self.solver.look_at_the_end()?;
+        let looked = self.solver.look_at_the_end();
         self.tell(known);
+        looked?;
         Ok(self.summary)
     }
 

@@ -233,6 +233,10 @@ pub trait Material<T: Float>: Send + Sync {
     fn shock_viscosity(&self) -> [T; 2] {
         [T::default(); 2]
     }
+    /// Is the stress across the plane zero? [`Constitutive::is_plane_stress`].
+    fn is_plane_stress(&self) -> bool {
+        false
+    }
 }
 
 /// What a scene takes for the law of a body: a law of this library, whose kernels are compiled here; or what
@@ -586,5 +590,8 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
     }
     fn shock_viscosity(&self) -> [T; 2] {
         self.law.shock_viscosity()
+    }
+    fn is_plane_stress(&self) -> bool {
+        self.law.is_plane_stress()
     }
 }

@@ -71,6 +71,9 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for PlaneStress<C> {
     fn shock_viscosity(&self) -> [T; 2] {
         self.law.shock_viscosity()
     }
+    fn is_plane_stress(&self) -> bool {
+        true
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         PlaneStressState { thickness: T::Single::one(), ratio: T::Single::zero(), law: self.law.virgin() }
     }

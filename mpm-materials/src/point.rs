@@ -441,6 +441,11 @@ pub trait Constitutive<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static
         [T::default(); 2]
     }
 
+    /// Is the stress across the plane zero, as of [`PlaneStress`](crate::PlaneStress)? Methods are named by it.
+    fn is_plane_stress(&self) -> bool {
+        false
+    }
+
     /// Where a state keeps the accumulated stretch, if it does, as [`Stretches`](crate::Stretches) says.
     fn stretch_place(&self) -> Option<usize> {
         None

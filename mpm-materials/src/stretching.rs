@@ -59,6 +59,9 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for Stretching<C> {
     fn shock_viscosity(&self) -> [T; 2] {
         self.law.shock_viscosity()
     }
+    fn is_plane_stress(&self) -> bool {
+        self.law.is_plane_stress()
+    }
     fn virgin(&self) -> Self::State<T::Single> {
         let (one, splits) = (T::Single::one(), T::Single::zero());
         StretchingState { cauchy_green: Sym3::isotropic(one), splits, law: self.law.virgin() }

@@ -6,7 +6,8 @@ use impactite_scene::boundary::BodyForce;
 use impactite_scene::boundary::check_at;
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
-use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
+use impactite_scene::embedding::described;
+use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
     Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
@@ -85,8 +86,10 @@ pub struct Pcmm<const D: usize, M> {
 
 /// What is said where energy is lost or gained.
 pub(crate) const ADVICE: Advice = Advice {
-    loss: "by contacts that closed, the printed volumes of elements, or elements that were made anew; what keeps more: \
-           `Method::consistent`, and smaller particles",
+    loss: Loss {
+        by: "contacts that closed, the printed volumes of elements, or elements that were made anew",
+        remedy: "take `Method::consistent`, or smaller particles",
+    },
     gain: "the particles there are the fastest; take `Method::consistent`, a smaller Courant factor, or revise more often",
 };
 /// The default safety factor of the time step.
@@ -540,7 +543,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 /// A body alone.
 impl<const D: usize, M: Composition<D>> Solver for Pcmm<D, M> {
     fn method(&self) -> String {
-        format!("particle-contact method: {}", self.method.describe())
+        described(&format!("particle-contact method: {}", self.method.describe()), &[self])
     }
     fn dimensions(&self) -> usize {
         D

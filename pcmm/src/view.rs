@@ -77,6 +77,9 @@ impl<const D: usize, M: Composition<D>> Body for Pcmm<D, M> {
     fn law(&self) -> &'static str {
         self.material.name()
     }
+    fn is_plane_stress(&self) -> bool {
+        self.material.is_plane_stress()
+    }
     fn len(&self) -> usize {
         self.particles.len()
     }

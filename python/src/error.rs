@@ -5,7 +5,7 @@ use std::path::Path;
 use impactite::scene::{CheckpointError, RunError as Broken, StepError, Stopped};
 use impactite_cli::CliError;
 use impactite_input::measured::MeasureError;
-use impactite_input::{Fault, InputError};
+use impactite_input::{Fault, InputError, shown};
 use pyo3::exceptions::{PyOSError, PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -86,7 +86,7 @@ impl From<Failed> for PyErr {
             Failed::Job(CliError::File { path, source }) => file(&path, &source),
             Failed::Job(error @ CliError::Option { .. }) => PyValueError::new_err(error.to_string()),
             Failed::Measure(error) => SceneError::new_err(error.to_string()),
-            Failed::Job(error) => RunError::new_err(error.to_string()),
+            Failed::Job(error) => RunError::new_err(shown(&error.to_string())),
             Failed::Checkpoint(path, error) => RunError::new_err(format!("`{}`: {error}", path.display())),
             Failed::Value(why) => PyValueError::new_err(why),
             Failed::Unusable(why) => RunError::new_err(why),
@@ -137,7 +137,7 @@ fn step(error: &StepError) -> PyErr {
         Stopped::Outside { body, particle, position, .. } => (Some(body), Some(*particle), Some(*position)),
         _ => (None, None, None),
     };
-    with(RunError::new_err(error.to_string()), |value| {
+    with(RunError::new_err(shown(&error.to_string())), |value| {
         value.setattr("step", error.step)?;
         value.setattr("time", error.time)?;
         value.setattr("body", body)?;

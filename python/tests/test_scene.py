@@ -17,7 +17,7 @@ def test_a_dict_a_text_and_files_are_the_same_scene(tree, file, tmp_path):
     for scene in scenes:
         assert (scene.title, scene.space, scene.end) == ("Disc on a floor", "plane strain", 2e-3)
         assert scene.parameters == {"radius": 0.01, "speed": 2.0}
-        assert scene.measures == {"height": "m", "velocity": "m/s", "mass": "kg"}
+        assert scene.measures == {"height": "m", "velocity": "m/s", "mass": "kg/m"}
         simulation = scene.simulation(threads=1)
         simulation.step(50)
         found.append(bits(simulation))

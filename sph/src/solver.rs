@@ -6,7 +6,8 @@ use impactite_geometry::search::{Reach, SearchMethod, VerletLists};
 use impactite_scene::boundary::{BodyForce, check_at};
 use impactite_scene::constants::over;
 use impactite_scene::control::ControlError;
-use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
+use impactite_scene::embedding::described;
+use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
     Side, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
@@ -529,8 +530,10 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
 /// What is said where energy is lost or gained.
 pub(crate) const ADVICE: Advice = Advice {
-    loss: "by contacts that closed, walls of mirror images, or a reference that was renewed; what keeps more: \
-           `Method::total_lagrangian`, and smaller particles",
+    loss: Loss {
+        by: "contacts that closed, walls of mirror images, or a reference that was renewed",
+        remedy: "take `Method::total_lagrangian`, or smaller particles",
+    },
     gain: "the particles there are the fastest; take a smaller Courant factor, a law with bulk viscosity, or `Method::total_lagrangian` \
            for what stays whole",
 };
@@ -538,7 +541,7 @@ pub(crate) const ADVICE: Advice = Advice {
 /// A body alone.
 impl<const D: usize, M: Composition<D>> Solver for Sph<D, M> {
     fn method(&self) -> String {
-        format!("smoothed particles: {}", self.method.describe())
+        described(&format!("smoothed particles: {}", self.method.describe()), &[self])
     }
     fn dimensions(&self) -> usize {
         D

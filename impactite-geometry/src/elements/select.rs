@@ -42,7 +42,7 @@ impl<const D: usize> ElementMesh<D> {
     /// # Errors
     /// [`GeometryError::Parameter`] unless the margin is finite and not negative.
     pub fn nodes_in(&self, shape: &(impl Shape<D> + ?Sized), margin: f64) -> Result<Vec<u32>, GeometryError> {
-        Check("nodes_in").that(margin >= 0.0, "margin", margin, "zero or positive, and finite")?;
+        Check("nodes in a shape").that(margin >= 0.0, "margin", margin, "zero or positive, and finite")?;
         Ok(self.nodes_where(|x| shape.signed_distance(x) <= margin))
     }
 

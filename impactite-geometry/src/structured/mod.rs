@@ -136,10 +136,10 @@ pub fn box_mesh<const D: usize>(
     body: &Cuboid<D>,
     counts: [impl Into<Spacing>; D],
 ) -> Result<ElementMesh<D>, GeometryError> {
-    Check("box_mesh").that((1..=3).contains(&D), "number of dimensions", D as f64, "1, 2 or 3")?;
+    Check("box mesh").that((1..=3).contains(&D), "number of dimensions", D as f64, "1, 2 or 3")?;
     let counts: [Spacing; D] = counts.map(Into::into);
     for spacing in counts {
-        spacing.check("box_mesh")?;
+        spacing.check("box mesh")?;
     }
     let kind = [ElementKind::Bar2, ElementKind::Quad4, ElementKind::Hexa8][D - 1];
     let product = |extra: f64| counts.iter().map(|c| c.count as f64 + extra).product();

@@ -71,7 +71,7 @@ pub fn ogive_rod_mesh(
     section: Butterfly,
     shank: impl Into<Spacing>,
 ) -> Result<ElementMesh<3>, GeometryError> {
-    let owner = "ogive_rod_mesh";
+    let owner = "ogive rod mesh";
     section.check_even(owner)?;
     let shape = Nose::of(rod);
     let half = positive(&section.ball::<3>(owner)?, 2)?;
@@ -109,7 +109,7 @@ pub fn ogive_rod_section_mesh(
     section: Butterfly,
     shank: impl Into<Spacing>,
 ) -> Result<ElementMesh<2>, GeometryError> {
-    let owner = "ogive_rod_section_mesh";
+    let owner = "section of an ogive rod mesh";
     section.check_even(owner)?;
     let ([r, tail], [across, forward]) = (rod.axis.start, rod.axis.direction);
     Check(owner).that(r == 0.0, "r of the tail", r, "0: on the axis")?;

@@ -148,8 +148,8 @@ pub fn ball_mesh<const D: usize>(
     ball: &Ball<D>,
     section: Butterfly,
 ) -> Result<ElementMesh<D>, GeometryError> {
-    Check("ball_mesh").that(D == 2 || D == 3, "number of dimensions", D as f64, "2 or 3")?;
-    section.ball("ball_mesh")?.mapped(|x| along(ball.centre(), ball.radius(), x))
+    Check("ball mesh").that(D == 2 || D == 3, "number of dimensions", D as f64, "2 or 3")?;
+    section.ball("ball mesh")?.mapped(|x| along(ball.centre(), ball.radius(), x))
 }
 
 /// The half r > 0 of a disc on the axis r = 0: a ball in axisymmetric coordinates (r, z), of quadrilaterals of which none is
@@ -159,7 +159,7 @@ pub fn ball_mesh<const D: usize>(
 /// [`GeometryError::Parameter`] unless the centre is at r = 0 and the counts are positive, that of the core even; [`GeometryError::Memory`]
 /// for too many elements.
 pub fn half_disc_mesh(disc: &Disc, section: Butterfly) -> Result<ElementMesh<2>, GeometryError> {
-    let owner = "half_disc_mesh";
+    let owner = "half disc mesh";
     section.check_even(owner)?;
     let centre = disc.centre();
     Check(owner).that(centre[0] == 0.0, "r of the centre", centre[0], "0: on the axis")?;
@@ -173,7 +173,7 @@ pub fn half_disc_mesh(disc: &Disc, section: Butterfly) -> Result<ElementMesh<2>,
 /// # Errors
 /// [`GeometryError::Parameter`] unless the counts are as said; [`GeometryError::Memory`] for too many elements.
 pub fn ring_mesh(ring: &Ring, counts: [usize; 2]) -> Result<ElementMesh<2>, GeometryError> {
-    ring_of(ring.centre, [ring.inner, ring.outer], counts, "ring_mesh")
+    ring_of(ring.centre, [ring.inner, ring.outer], counts, "ring mesh")
 }
 
 fn ring_of(
@@ -225,7 +225,7 @@ pub fn cylinder_mesh(
     section: Butterfly,
     along: impl Into<Spacing>,
 ) -> Result<ElementMesh<3>, GeometryError> {
-    let owner = "cylinder_mesh";
+    let owner = "cylinder mesh";
     let heights = along.into().check(owner)?.nodes(0.0, body.length);
     let disc = section.ball::<2>(owner)?.scaled(body.radius, [0.0; 2])?;
     placed(disc.extruded(&heights)?, &body.axis)
@@ -241,7 +241,7 @@ pub fn tube_mesh(
     section: [usize; 2],
     along: impl Into<Spacing>,
 ) -> Result<ElementMesh<3>, GeometryError> {
-    let owner = "tube_mesh";
+    let owner = "tube mesh";
     let heights = along.into().check(owner)?.nodes(0.0, body.length);
     let ring = ring_of([0.0; 2], [body.inner, body.outer], section, owner)?;
     placed(ring.extruded(&heights)?, &body.axis)

@@ -29,7 +29,7 @@ pub fn wedge_mesh(
     count: usize,
     kind: ElementKind,
 ) -> Result<ElementMesh<2>, GeometryError> {
-    let check = Check("wedge_mesh");
+    let check = Check("wedge mesh");
     for corner in corners {
         check.point("corners", corner)?;
     }

@@ -1,8 +1,8 @@
 //! Measures: what they are called, and whether they are of what there is.
 
 use super::wrong::{At, Made, known, wrong};
-use crate::model::SceneFile;
 use crate::model::measure::{Measurement, Reference};
+use crate::model::{SceneFile, Space};
 
 /// The body of a measure, and its axis.
 pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
@@ -102,6 +102,22 @@ pub fn unit(measure: &Measurement) -> &'static str {
         M::Largest(of) | M::Mean(of) => field_unit(&of.field),
         M::ValueAt(of) => field_unit(&of.field),
         M::FailedShare(_) | M::EnergyError(_) => "-",
+    }
+}
+
+/// The unit of a measure in a space, of which extensive ones are a part: [`unit_of_part`](impactite::scene::embedding::unit_of_part).
+pub fn unit_in(space: Space, unit: &'static str) -> &'static str {
+    match (unit, space) {
+        (_, Space::Full) => unit,
+        ("kg", Space::Axisymmetric) => "kg/rad",
+        ("kg", _) => "kg/m",
+        ("J", Space::Axisymmetric) => "J/rad",
+        ("J", _) => "J/m",
+        ("N", Space::Axisymmetric) => "N/rad",
+        ("N", _) => "N/m",
+        ("kg m/s", Space::Axisymmetric) => "(kg m/s)/rad",
+        ("kg m/s", _) => "(kg m/s)/m",
+        _ => unit,
     }
 }
 

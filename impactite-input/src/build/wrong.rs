@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use impactite::scene::SceneError;
+use impactite_scene_file::remedy::in_scene_files;
 
 use crate::document::near;
 
@@ -28,7 +29,7 @@ pub(crate) trait At<T> {
 }
 impl<T, E: std::fmt::Display> At<T> for Result<T, E> {
     fn at(self, key: impl Into<String>) -> Made<T> {
-        self.map_err(|e| Wrong { key: key.into(), message: e.to_string(), help: None })
+        self.map_err(|e| Wrong { key: key.into(), message: in_scene_files(&e.to_string()), help: None })
     }
 }
 
@@ -55,5 +56,5 @@ pub struct Folder(pub PathBuf);
 
 /// What is wrong with a body, as its solver says.
 pub(super) fn of_body(key: &str, error: SceneError) -> Wrong {
-    Wrong { key: key.into(), message: error.to_string(), help: None }
+    Wrong { key: key.into(), message: in_scene_files(&error.to_string()), help: None }
 }

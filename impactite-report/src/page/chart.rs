@@ -132,9 +132,12 @@ impl Chart {
 
     /// As the script reads it.
     pub(crate) fn json(&self) -> serde_json::Value {
-        // Seven digits: more than a screen shows, and half as long.
-        let short = |x: f64| significant(x, 7).parse::<f64>().ok().and_then(serde_json::Number::from_f64);
+        // Seven digits: more than a screen shows, and half as long; more of what hardly changes.
         let list = |values: &[f64]| -> serde_json::Value {
+            let (low, high) = ends(values);
+            let digits = digits(low.abs().max(high.abs()), high - low, 6) + 1;
+            let short =
+                |x: f64| significant(x, digits).parse::<f64>().ok().and_then(serde_json::Number::from_f64);
             values.iter().map(|&x| short(x).map_or(serde_json::Value::Null, Into::into)).collect()
         };
         let data: Vec<serde_json::Value> = [&self.x.values]
@@ -187,11 +190,11 @@ impl Chart {
             svg viewBox=(format!("0 0 {} {}", SIZE[0], SIZE[1])) role="img" aria-label=(self.title) {
                 @for tick in y.ticks(5) {
                     line.grid x1=(LEFT) x2=(SIZE[0] - RIGHT) y1=(tenth(at_y(tick))) y2=(tenth(at_y(tick))) {}
-                    text x=(LEFT - 8.0) y=(tenth(at_y(tick) + 4.5)) text-anchor="end" { (significant(tick, 6)) }
+                    text x=(LEFT - 8.0) y=(tenth(at_y(tick) + 4.5)) text-anchor="end" { (y.label(tick)) }
                 }
                 @for tick in x.ticks(6) {
                     line.grid x1=(tenth(at_x(tick))) x2=(tenth(at_x(tick))) y1=(TOP) y2=(SIZE[1] - BOTTOM) {}
-                    text x=(tenth(at_x(tick))) y=(SIZE[1] - BOTTOM + 18.0) text-anchor="middle" { (significant(tick, 6)) }
+                    text x=(tenth(at_x(tick))) y=(SIZE[1] - BOTTOM + 18.0) text-anchor="middle" { (x.label(tick)) }
                 }
                 @for (n, line) in thin.lines.iter().enumerate() {
                     path class=(format!("line c{}", n + 1)) d=(points(line)) {}
@@ -246,8 +249,20 @@ impl Charts {
     }
 }
 
+/// Digits that show numbers of this size which differ by `range` at most: `usual` ones, or more where they are nearly the same.
+fn digits(size: f64, range: f64, usual: usize) -> usize {
+    let alike = (size / range).log10().floor();
+    if alike.is_finite() && alike > 0.0 { (usual.max(3 + alike as usize)).min(15) } else { usual }
+}
+
 fn tenth(x: f64) -> String {
     format!("{x:.1}")
+}
+
+/// The smallest and the largest number; in this order if there is any.
+fn ends(values: &[f64]) -> (f64, f64) {
+    let numbers = values.iter().copied().filter(|v| v.is_finite());
+    numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)))
 }
 
 /// From here to there.
@@ -259,9 +274,7 @@ struct Range {
 impl Range {
     /// Of all that are numbers, and a part more on both sides.
     fn of(values: &[f64], more: f64) -> Self {
-        let numbers = values.iter().copied().filter(|v| v.is_finite());
-        let (mut low, mut high) =
-            numbers.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v), h.max(v)));
+        let (mut low, mut high) = ends(values);
         if low > high {
             (low, high) = (0.0, 1.0);
         }
@@ -276,6 +289,11 @@ impl Range {
     /// Where between its ends, 0 to 1.
     fn part(&self, v: f64) -> f64 {
         (v - self.low) / (self.high - self.low)
+    }
+
+    /// A tick in as many digits as tell it from its neighbours: at least 6.
+    fn label(&self, tick: f64) -> String {
+        significant(tick, digits(self.low.abs().max(self.high.abs()), self.high - self.low, 6))
     }
 
     /// Round numbers within it, about `count`.
@@ -334,6 +352,19 @@ mod tests {
         assert!(xs.contains(&31_415.0) && chart.is_ordered());
         let back = column("x", "m", [0.0, 1.0, 0.5]);
         assert!(!Chart::new("loop".into(), &back, &[&y]).is_ordered());
+    }
+
+    /// A mass that loses a millionth of itself.
+    #[test]
+    fn ticks_of_numbers_nearly_the_same_differ() {
+        let range = Range::of(&[53.0, 53.00002], 0.05);
+        let ticks: Vec<String> = range.ticks(5).into_iter().map(|t| range.label(t)).collect();
+        let mut different = ticks.clone();
+        different.dedup();
+        assert!(ticks.len() > 3 && different == ticks, "{ticks:?}");
+        let x = column("time", "s", [0.0, 1.0]);
+        let json = Chart::new("Mass".into(), &x, &[&column("mass", "kg", [53.0, 53.000_000_02])]).json();
+        assert_ne!(json["data"][1][0], json["data"][1][1]);
     }
 
     #[test]

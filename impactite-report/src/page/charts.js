@@ -27,7 +27,13 @@
     stroke: colour("--ink"),
     grid: { stroke: colour("--rule"), width: 1 },
     ticks: { stroke: colour("--rule"), width: 1, size: 5 },
-    values: (u, splits) => splits.map(v => (v == null ? "" : short(v, 6))),
+    // As many digits as tell a tick from the next one.
+    values: (u, splits) => {
+      const there = splits.filter(v => v != null);
+      const most = Math.max(...there.map(Math.abs)), step = Math.abs(there[1] - there[0]);
+      const digits = step > 0 ? Math.min(15, Math.max(6, 2 + Math.ceil(Math.log10(most / step)))) : 6;
+      return splits.map(v => (v == null ? "" : short(v, digits)));
+    },
   });
   const drawn = new Map();
   const draw = figure => {

@@ -1,4 +1,4 @@
-//! Numbers beside what they should be.
+//! Checks: measured values beside their references.
 
 use maud::{Markup, html};
 
@@ -6,7 +6,7 @@ use super::parts::quantity;
 use crate::number::{is_energy_error, percent, significant};
 use crate::record::{Check, Record};
 
-/// Numbers beside what they should be, those that are missed first.
+/// Checks, failed ones first.
 pub(super) fn checks(record: &Record) -> Option<Markup> {
     if record.checks.is_empty() {
         return None;
@@ -16,16 +16,16 @@ pub(super) fn checks(record: &Record) -> Option<Markup> {
     Some(html! {
         div.wide {
             table.full {
-                thead { tr { th { "quantity" } th { "met?" } th.number { "this run" } th.number { "reference" } th.number { "difference" } th.number { "allowed" } th.source { "source" } } }
+                thead { tr { th { "quantity" } th { "result" } th.number { "this run" } th.number { "reference" } th.number { "difference" } th.number { "allowed" } th.source { "source" } } }
                 @for check in rows {
                     tr {
                         td.name { (check.name) }
-                        td { (met(check)) }
+                        td { (result(check)) }
                         td.number { (of_check(check, check.value)) }
                         td.number { @if let Some(r) = check.reference { (of_check(check, r)) } }
                         td.number { (difference(check)) }
                         td.number { (allowed(check)) }
-                        td.source { small { (check.source) @if let Some(reason) = &check.known { br; "declared as missed: " (reason) } } }
+                        td.source { small { (check.source) @if let Some(reason) = &check.known { br; "expected failure: " (reason) } } }
                     }
                 }
             }
@@ -58,10 +58,10 @@ fn allowed(check: &Check) -> String {
     }
 }
 
-fn met(check: &Check) -> Markup {
+fn result(check: &Check) -> Markup {
     match check.pass {
-        Some(true) => html! { span.good { "met" } },
-        Some(false) => html! { b.bad { "missed" } },
-        None => html! { span.faint { "shown" } },
+        Some(true) => html! { span.good { "passed" } },
+        Some(false) => html! { b.bad { "failed" } },
+        None => html! { span.faint { "not judged" } },
     }
 }

@@ -3,13 +3,13 @@
 use maud::{Markup, html};
 
 use super::parts::{duration, quantity};
-use crate::number::{percent, significant};
+use crate::number::{checks_passed, energy_error, significant};
 use crate::record::{Progress, Record};
 
-/// Shares of an energy gained and lost that are remarkable, and bad: where the watch of a run warns and stops by default.
-const REMARKABLE: f64 = 0.02;
-
+/// Shares of an energy gained, where the watch of a run warns and stops by default, and of one lost, where it warns.
+const GAINED: f64 = 0.02;
 const BAD: f64 = 0.10;
+const LOST: f64 = 0.03;
 
 /// Title, what part of the whole it is, verdict.
 pub(super) fn head(record: &Record) -> Markup {
@@ -24,11 +24,19 @@ pub(super) fn head(record: &Record) -> Markup {
         header {
             h1 { (record.title) }
             @if !lead.is_empty() { p.lead { (lead.join(", ")) } }
+            @for paragraph in paragraphs(&record.description) { p { (paragraph) } }
             @if let Some(note) = record.part.note() { p.note { (note) } }
             (verdict(record))
             @if let Progress::Stopped { error, .. } = &record.progress { p.note { b.bad { "Stopped: " } (error) } }
         }
     }
+}
+
+/// Parts of a text that empty lines separate.
+fn paragraphs(text: &str) -> impl Iterator<Item = String> {
+    let lines: Vec<&str> = text.lines().map(str::trim).collect();
+    let parts = lines.split(|line| line.is_empty()).map(|part| part.join(" "));
+    parts.filter(|part| !part.is_empty()).collect::<Vec<_>>().into_iter()
 }
 
 /// A line of the verdict: what, how, in words.
@@ -38,27 +46,33 @@ fn verdict(record: &Record) -> Markup {
     let mut said: Vec<Said> = Vec::new();
     let at = |time: &Option<f64>| time.map_or(String::new(), |time| format!(" at {}", quantity(time, "s")));
     said.push(match &record.progress {
-        Progress::Unknown => ("run", "", "not told whether it ended".into()),
+        Progress::Unknown => ("run", "", "unknown whether it ended".into()),
         Progress::Finished { time } => ("run", "good", format!("finished{}", at(time))),
         Progress::Stopped { time, .. } => ("run", "bad", format!("stopped by an error{}", at(time))),
         Progress::Interrupted { time, end } => {
             ("run", "fair", format!("at {} of {}", quantity(*time, "s"), quantity(*end, "s")))
         }
     });
-    let [met, judged] = record.met();
-    said.push(match (met, judged) {
-        (_, 0) => ("checks", "", "none is judged".into()),
-        (met, judged) if met == judged => ("checks", "good", format!("{met} of {judged} met")),
-        (met, judged) => ("checks", "bad", format!("{met} of {judged} met")),
-    });
+    let [passed, judged] = record.met();
+    let rank = match judged {
+        0 => "",
+        _ if passed == judged => "good",
+        _ => "bad",
+    };
+    let words = checks_passed([passed, judged]);
+    said.push((
+        "checks",
+        rank,
+        words.replace(" checks passed", " passed").replace(" check passed", " passed"),
+    ));
     if let Some(balances) = &record.balances {
-        let e = balances.energy_error;
-        let rank = match e {
-            e if e.is_nan() || e > BAD => "bad",
-            e if (-BAD..=REMARKABLE).contains(&e) => "good",
-            _ => "fair",
+        let rank = match balances.energy_error {
+            None => "good",
+            Some(e) if e.is_nan() || e > BAD => "bad",
+            Some(e) if (-LOST..=GAINED).contains(&e) => "good",
+            Some(_) => "fair",
         };
-        said.push(("energy error", rank, percent(e)));
+        said.push(("energy error", rank, energy_error(balances.energy_error)));
         let p = balances.momentum_error;
         // More than rounding: a boundary or contact that is no pair of forces.
         let rank = if p <= f64::EPSILON.sqrt() { "good" } else { "fair" };

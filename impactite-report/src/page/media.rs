@@ -86,22 +86,51 @@ pub(super) fn histories(record: &Record, folder: &Path, all: &mut Charts) -> Opt
     Some(html! { @for figures in &shown { div.history { (figures) } } })
 }
 
-/// The files of the folder but for `page`.
+/// The files of the folder but for `page`, folders within it as a row each.
 pub(super) fn files(folder: &Path, page: &str) -> Option<Markup> {
     let names = match names(folder) {
         Ok(names) => names,
         Err(error) => return Some(missing(&error, folder)),
     };
-    let names: Vec<&String> = names.iter().filter(|name| *name != page).collect();
-    if names.is_empty() {
-        return None;
+    let size = |path: &Path| std::fs::metadata(path).map_or(0, |data| data.len());
+    let mut rows: Vec<(String, usize, u64)> = names
+        .into_iter()
+        .filter(|name| name != page)
+        .map(|name| (name.clone(), 1, size(&folder.join(&name))))
+        .collect();
+    for inner in folders(folder) {
+        let path = folder.join(&inner);
+        let of = crate::folder::names(&path).unwrap_or_default();
+        let bytes = of.iter().map(|name| size(&path.join(name))).sum();
+        rows.push((format!("{inner}/"), of.len(), bytes));
     }
-    let size =
-        |name: &str| std::fs::metadata(folder.join(name)).map_or(String::new(), |data| bytes(data.len()));
-    Some(html! {
-        details open[names.len() <= 20] {
-            summary { (names.len()) " files beside this page" }
-            div.wide { table { @for name in names { tr { td.name { a href={ "./" (address(name)) } { (name) } } td.number { (size(name)) } } } } }
+    rows.retain(|(_, count, _)| *count > 0);
+    let count: usize = rows.iter().map(|row| row.1).sum();
+    let total: u64 = rows.iter().map(|row| row.2).sum();
+    (count > 0).then(|| {
+        html! {
+            details open[rows.len() <= 20] {
+                summary { (count) @if count == 1 { " file" } @else { " files" } " beside this page, " (bytes(total)) }
+                div.wide {
+                    table {
+                        @for (name, count, size) in &rows {
+                            tr {
+                                td.name { a href={ "./" (address(name)) } { (name) } @if name.ends_with('/') { ", " (count) @if *count == 1 { " file" } @else { " files" } } }
+                                td.number { (bytes(*size)) }
+                            }
+                        }
+                    }
+                }
+            }
         }
     })
+}
+
+/// Names of the folders in a folder, in order.
+fn folders(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let inner = entries.filter(|e| e.path().is_dir()).filter_map(|e| e.file_name().into_string().ok());
+    let mut inner: Vec<String> = inner.collect();
+    inner.sort();
+    inner
 }

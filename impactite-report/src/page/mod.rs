@@ -15,7 +15,7 @@ mod warnings;
 
 use std::path::{Path, PathBuf};
 
-use impactite_output::write_whole;
+use impactite_output::{printable, write_whole};
 use maud::{DOCTYPE, PreEscaped, html};
 
 use crate::error::ReportError;
@@ -66,8 +66,8 @@ pub fn page(record: &Record, folder: &Path) -> String {
         "histories" => "Histories",
         "balances" => "Balances",
         "scene" => "Scene",
-        "time" => "Where the time went",
-        "step" => "What limited the step",
+        "time" => "Run time",
+        "step" => "Time step",
         "warnings" => "Warnings",
         _ => "Files",
     };
@@ -105,7 +105,8 @@ pub fn page(record: &Record, folder: &Path) -> String {
             }
         }
     };
-    page.into_string()
+    // What a scene is called must not do anything.
+    printable(&page.into_string()).into_owned()
 }
 
 #[cfg(test)]
@@ -120,7 +121,7 @@ mod tests {
     #[test]
     fn runs_that_were_broken_off_have_a_page() {
         let bare = of(&Record::new("a run"));
-        assert!(bare.contains("not told whether it ended") && bare.contains("none is judged"));
+        assert!(bare.contains("unknown whether it ended") && bare.contains("no checks"));
         assert!(!bare.contains("id=\"charts\""), "a page without charts needs no script for them");
         assert!(of(&Record::new("a run").unfinished(1.0e-6, 8.0e-5)).contains("at 1 µs of 80 µs"));
         let stopped =
@@ -143,6 +144,53 @@ mod tests {
         ] {
             assert!(page.contains(words), "the page lacks {words:?}");
         }
+    }
+
+    #[test]
+    fn a_page_says_what_its_numbers_are() {
+        let folder = std::env::temp_dir().join(format!("impactite-page-words-{}", std::process::id()));
+        std::fs::create_dir_all(folder.join("pictures")).expect("a folder");
+        for name in ["run.json", "pictures/a.png", "pictures/b.png"] {
+            std::fs::write(folder.join(name), "").expect("written");
+        }
+        let mut record = Record::new("a\u{1b}[31m run\0").description("First\nparagraph.\n\n\u{202e}Second.");
+        record.dimensions = 2;
+        record.part.per = crate::record::Per::Radian;
+        let column =
+            |name: &str, unit: &str| Column { name: name.into(), unit: unit.into(), values: vec![1.0, 2.0] };
+        let mut balances = Balances::errors(0.0, 0.0);
+        balances.energy_error = None;
+        balances.series = vec![
+            column("time", "s"),
+            column("kinetic energy", "J"),
+            column("momentum x", "kg m/s"),
+            column("momentum y", "kg m/s"),
+            column("momentum z", "kg m/s"),
+        ];
+        record.balances = Some(balances);
+        let page = page(&record, &folder);
+        std::fs::remove_dir_all(&folder).expect("the folder");
+        for words in [
+            "<p>First paragraph.</p>",
+            "a\\u{1b}[31m run\\u{0}",
+            "<p>\\u{202e}Second.</p>",
+            "none: nothing moves",
+            "no checks",
+            "3 files beside this page",
+            "<a href=\"./pictures/\">pictures/</a>, 2 files",
+            // The table, the drawing and the data of the script.
+            "1 J/rad",
+            "[J/rad]",
+            "\"unit\":\"J/rad\"",
+            "momentum r",
+            "1 (kg m/s)/rad",
+        ] {
+            assert!(page.contains(words), "the page lacks {words:?}");
+        }
+        assert!(
+            !page.contains("momentum x") && !page.contains("momentum y") && !page.contains("momentum across")
+        );
+        assert!(!page.chars().any(|c| c.is_control() && c != '\n' && c != '\t'));
     }
 
     /// What is no number, too large or too small to draw is no reason to have no page.

@@ -86,7 +86,9 @@ pub(super) fn bytes(size: u64) -> String {
 /// A name as part of an address.
 pub(super) fn address(name: &str) -> String {
     name.bytes().fold(String::new(), |out, b| match b {
-        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' => out + &char::from(b).to_string(),
+        b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'/' => {
+            out + &char::from(b).to_string()
+        }
         b => out + &format!("%{b:02X}"),
     })
 }

@@ -1,4 +1,4 @@
-//! What was computed, and on what.
+//! The scene, and the machine.
 
 use std::time::{Duration, SystemTime};
 
@@ -45,7 +45,7 @@ pub(super) fn scene(record: &Record) -> Option<Markup> {
             div.wide { table { @for s in &record.settings { tr { td { (s.name) } td.name { (s.value) @if !s.unit.is_empty() { " " (s.unit) } } } } } }
         }
         @if !record.scene.is_empty() {
-            h3 { "As it was written" }
+            h3 { "Scene file" }
             pre { code { (record.scene) } }
         }
         @if !ran.is_empty() {

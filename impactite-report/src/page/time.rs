@@ -77,7 +77,7 @@ pub(super) fn step(record: &Record, all: &mut Charts) -> Option<Markup> {
     Some(html! {
         @if let Some(seen) = &extremes { p { (seen) } }
         @if limits.is_empty() {
-            p.faint { "What limited the step is not known. A stable step is proportional to the size of a point or cell over wave speed plus point speed: small points and fast ones are the first suspects." }
+            p.faint { "The method does not record which body limited the step. A stable step is proportional to the size of a point or cell over wave speed plus point speed: small points and fast ones are the first suspects." }
         } @else { (bars(&limits)) }
         @if let Some(figure) = &figure { (figure) }
         @if limits.is_empty() && !bodies.is_empty() {

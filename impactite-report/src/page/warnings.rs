@@ -1,4 +1,4 @@
-//! What the run warned of, and what to do.
+//! Warnings of the run, with remedies.
 
 use maud::{Markup, html};
 

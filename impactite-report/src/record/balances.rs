@@ -29,9 +29,9 @@ pub struct Balances {
     /// [`Recorder::worst_momentum_error`].
     #[serde(with = "real")]
     pub momentum_error: f64,
-    /// [`Recorder::worst_energy_error`].
-    #[serde(with = "real")]
-    pub energy_error: f64,
+    /// [`Recorder::energy_error`]: none where nothing moves.
+    #[serde(default, with = "maybe")]
+    pub energy_error: Option<f64>,
     /// The largest sum of m |v| of the run, kg m/s.
     #[serde(default, with = "maybe")]
     pub momentum_scale: Option<f64>,
@@ -46,7 +46,7 @@ impl Balances {
     /// What is meant by the momentum error.
     pub const MOMENTUM_ERROR: &str = "amount of the change of momentum since the start that no impulse of boundaries, loads and body forces explains, over the largest sum of m |v| so far; around an axis along that alone";
     /// What is meant by the energy error.
-    pub const ENERGY_ERROR: &str = "change since the start of kinetic + internal energy − work + friction + impacts − conversion, over the largest kinetic energy, or sum of kinetic and internal energy, so far; negative: energy was lost";
+    pub const ENERGY_ERROR: &str = "change since the start of kinetic + internal energy − work + friction + impacts − conversion, over the largest kinetic energy, or sum of kinetic and internal energy, so far; negative: energy was lost. Of energies that are rounding, where nothing moves, there is none";
 
     /// The numbers of this column, if it is there.
     #[must_use]
@@ -60,14 +60,14 @@ impl Balances {
             series: Vec::new(),
             mass_error: None,
             momentum_error,
-            energy_error,
+            energy_error: Some(energy_error),
             momentum_scale: None,
             energy_scale: None,
         }
     }
 
     pub(crate) fn of(recorder: &Recorder) -> Self {
-        let rows = recorder.rows();
+        let (rows, rests) = (recorder.rows(), recorder.energy_error().is_none());
         let column = |name: &str, unit: &str, of: &dyn Fn(&Row) -> f64| Column {
             name: name.into(),
             unit: unit.into(),
@@ -86,7 +86,8 @@ impl Balances {
             column("impacts", "J", &|r| r.impacts),
             column("conversion", "J", &|r| r.conversion),
             column("total", "J", &Row::total),
-            column("energy error", "-", &|r| r.energy_error),
+            // What is rest is not known before a look of the watch.
+            column("energy error", "-", &|r| if rests { 0.0 } else { r.energy_error }),
             column("momentum x", "kg m/s", &|r| r.momentum[0]),
             column("momentum y", "kg m/s", &|r| r.momentum[1]),
             column("momentum z", "kg m/s", &|r| r.momentum[2]),
@@ -99,7 +100,7 @@ impl Balances {
             series,
             mass_error: Some(recorder.worst_mass_error()),
             momentum_error: recorder.worst_momentum_error(),
-            energy_error: recorder.worst_energy_error(),
+            energy_error: recorder.energy_error(),
             momentum_scale: Some(momentum_scale),
             energy_scale: Some(energy_scale),
         }

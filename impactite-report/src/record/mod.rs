@@ -65,6 +65,9 @@ pub struct Record {
     /// What part of the whole the scene is.
     #[serde(default)]
     pub part: Part,
+    /// What the scene shows, in its author's words; paragraphs are separated by empty lines.
+    #[serde(default)]
+    pub description: String,
     /// The scene as its author wrote it.
     #[serde(default)]
     pub scene: String,
@@ -116,6 +119,7 @@ impl Record {
             method: String::new(),
             dimensions: 0,
             part: Part::default(),
+            description: String::new(),
             scene: String::new(),
             settings: Vec::new(),
             bodies: Vec::new(),
@@ -134,6 +138,24 @@ impl Record {
             limits: Vec::new(),
             warnings: Vec::new(),
         }
+    }
+
+    /// What the scene shows, in its author's words.
+    #[must_use]
+    pub fn description(self, text: impl Into<String>) -> Self {
+        Record { description: text.into(), ..self }
+    }
+
+    /// Its warnings and the error that stopped it, each changed by `words`: a front end names remedies as its users write them.
+    #[must_use]
+    pub fn in_words(mut self, words: impl Fn(&str) -> String) -> Self {
+        for warned in &mut self.warnings {
+            (warned.found, warned.remedy) = (words(&warned.found), words(&warned.remedy));
+        }
+        if let Progress::Stopped { error, .. } = &mut self.progress {
+            *error = words(error);
+        }
+        self
     }
 
     /// The scene as its author wrote it.
@@ -202,7 +224,7 @@ impl Record {
     pub fn balances(mut self, recorder: &Recorder) -> Self {
         self.balances = Some(Balances::of(recorder));
         self.warnings = recorder.warnings().to_vec();
-        self.warnings.extend(recorder.removed());
+        self.warnings.extend(recorder.late_warnings());
         let limits = recorder.limits().iter();
         self.limits = limits.map(|(cause, looks)| Limit { cause: cause.clone(), looks: *looks }).collect();
         if let Some([time, end]) = recorder.time_and_end() {
@@ -307,7 +329,7 @@ impl Record {
         self
     }
 
-    /// Rows of the checks that are met, and rows that are judged.
+    /// Checks that passed, and checks that are judged.
     #[must_use]
     pub fn met(&self) -> [usize; 2] {
         let judged = self.checks.iter().filter_map(|check| check.pass);

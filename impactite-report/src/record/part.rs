@@ -1,5 +1,6 @@
 //! What part of the whole a scene is.
 
+use impactite_scene::embedding::{part_in_words, unit_of_part};
 use serde::{Deserialize, Serialize};
 
 /// What part of the whole the scene is: extensive quantities are of that part.
@@ -45,12 +46,10 @@ impl Part {
     #[must_use]
     pub fn note(&self) -> Option<String> {
         let factor = 2_f64.powi(self.planes.min(64) as i32);
-        let per = match self.per {
-            Per::Whole => None,
-            Per::Radian => Some("per radian (times 2π for a whole turn)"),
-            Per::Depth => Some("per metre of depth"),
-            Per::Area => Some("per square metre of cross-section"),
-        };
+        let (dimensions, axisymmetric) = self.per.of();
+        let words = part_in_words(dimensions, axisymmetric).trim();
+        let turn = if axisymmetric { " (times 2π for a whole turn)" } else { "" };
+        let per = (!words.is_empty()).then(|| format!("{words}{turn}"));
         let what = "masses, momenta, forces and energies are";
         match (self.share(), per) {
             (None, None) => None,
@@ -65,13 +64,31 @@ impl Part {
         }
     }
 
-    /// `unit` of an extensive quantity: `J per radian`.
+    /// The unit of an extensive quantity: [`unit_of_part`].
     pub(crate) fn unit(&self, unit: &str) -> String {
-        match self.per {
-            Per::Whole => unit.into(),
-            Per::Radian => format!("{unit} / rad"),
-            Per::Depth => format!("{unit} / m"),
-            Per::Area => format!("{unit} / m²"),
+        let (dimensions, axisymmetric) = self.per.of();
+        unit_of_part(unit, dimensions, axisymmetric)
+    }
+
+    /// Names of the axes, and how many of them the scene has.
+    pub(crate) fn axes(&self, dimensions: usize) -> &'static [&'static str] {
+        match (self.per, dimensions) {
+            (Per::Radian, _) => &["r", "z"],
+            (_, 1) => &["x"],
+            (_, 2) => &["x", "y"],
+            _ => &["x", "y", "z"],
+        }
+    }
+}
+
+impl Per {
+    /// Dimensions of such a scene, and is it axisymmetric?
+    fn of(self) -> (usize, bool) {
+        match self {
+            Per::Whole => (3, false),
+            Per::Radian => (2, true),
+            Per::Depth => (2, false),
+            Per::Area => (1, false),
         }
     }
 }

@@ -108,7 +108,7 @@ impl Ledger {
     #[must_use]
     pub fn worst_energy_error(&self) -> f64 {
         let first = self.entries.first().map_or(0.0, |e| e.total);
-        let errors = self.entries.iter().map(|e| share(e.total - first, self.books.scales()[0]));
+        let errors = self.entries.iter().map(|e| self.books.energy_error(e.total - first));
         errors.fold(0.0, |worst: f64, e| if e.is_nan() || e.abs() > worst.abs() { e } else { worst })
     }
 
@@ -121,6 +121,9 @@ impl Ledger {
     fn entry(&mut self, now: &RunView<'_>) -> LedgerEntry {
         let totals = now.totals();
         let account = self.books.enter(totals, &now.exchange(), now.axisymmetric());
+        if !account.moves() || account.rest == 0.0 {
+            self.books.enter_rest(now.solver().account().rest);
+        }
         let lost = account.missing();
         if lost.is_nan() || lost > self.worst_missing {
             self.worst_missing = lost;

@@ -72,12 +72,16 @@ fn message(now: &RunView<'_>, (start, from): (Instant, f64)) -> String {
     let part = (time - from) / (end - from);
     let left = start.elapsed().as_secs_f64() * (1.0 - part) / part;
     let expected = if left.is_finite() { clock_at(left) } else { "not known yet".into() };
+    let account = now.solver().account();
+    let error = match account.moves() || account.rest == 0.0 {
+        true => format!("energy error {:+.2} %", 100.0 * account.energy_error()),
+        false => "nothing moves".into(),
+    };
     format!(
-        "t = {time:.4e} of {end:.4e} s ({:.0} %), step {}, {:.1} M updates/s, end expected {expected}, energy error {:+.2} %",
+        "t = {time:.4e} of {end:.4e} s ({:.0} %), step {}, {:.1} M updates/s, end expected {expected}, {error}",
         100.0 * (time / end).clamp(0.0, 1.0),
         now.step(),
         1e-6 * now.rate(),
-        100.0 * now.solver().account().energy_error(),
     )
 }
 

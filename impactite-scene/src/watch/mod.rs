@@ -8,7 +8,8 @@
 //! | finding | sign of | by default |
 //! |---|---|---|
 //! | energy gained | instability: noise that nodes do not see, a time step too long, walls and contacts that give more than they took | warns at 2 %, stops at 10 % |
-//! | energy lost | dissipation of the transfer (PIC, APIC), contact that closes | warns at 10 % |
+//! | energy lost | dissipation of the transfer (PIC, APIC), contact that closes | warns at 3 % |
+//! | energy off after few steps | half a step of work: kinetic and internal energy belong to times half a step apart | warns at 10 % at the end of a run of fewer than 64 steps |
 //! | momentum | a boundary or contact that is no pair of forces | stops at the root of the rounding unit |
 //! | torn body | numerical fracture: particles drawn so far apart that they share no node | warns |
 //! | alternating pressure | volumetric locking | warns |
@@ -36,7 +37,7 @@ mod suspects;
 mod watcher;
 
 pub use crate::balance::Account;
-pub use crate::finding::{Finding, GainCause, Warning};
+pub use crate::finding::{Finding, GainCause, Loss, Warning};
 pub use suspects::{gain_at_the_fastest, not_finite};
 pub use watcher::{Look, Watcher};
 
@@ -62,7 +63,7 @@ impl Default for Watch {
             every: 256,
             warn_gain: 0.02,
             stop_gain: 0.10,
-            warn_loss: 0.10,
+            warn_loss: 0.03,
             momentum: None,
             bodies: true,
             stops: true,

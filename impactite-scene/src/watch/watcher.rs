@@ -7,14 +7,18 @@ use crate::body::Totals;
 use crate::clock::Clock;
 use crate::error::{StepError, Stopped};
 use crate::exchange::Exchange;
-use crate::finding::{Finding, Warning};
+use crate::finding::{Finding, Loss, Warning};
 
 /// Looks at the bodies, among all looks.
 const BODIES_EVERY: u64 = 16;
 /// Steps after which a run is looked at the first times.
 const EARLY: [u64; 2] = [16, 64];
-/// A look at the end of a run is left out where one was made so few steps before.
+/// A look at the end of a run is left out where one was made so few steps before, and found nothing.
 const LATELY: u64 = 16;
+/// A run of fewer steps has had no two looks: its end is judged by one.
+const FEW_STEPS: u64 = EARLY[1];
+/// Share of all energy that the balance of a run of few steps may be off by: half a step of its work.
+const OFF: f64 = 0.10;
 /// Part of the speed of waves below which motion is noise that no balance is judged by.
 const NOISE: f64 = 1e-6;
 /// A run whose largest energy grew by more than this since the last look gathers energy from nothing.
@@ -55,7 +59,12 @@ pub struct Look<'a> {
     /// Is the energy to be judged?
     pub energy: bool,
     /// Where energy that is lost most likely went, and what keeps more.
-    pub loss: &'static str,
+    pub loss: Loss,
+}
+
+/// The largest energy of a run so far: what it had, and what it was given, J.
+fn scale(account: &Account) -> f64 {
+    account.energy_scale.max(account.work.abs()).max(account.friction.abs())
 }
 
 impl Watcher {
@@ -139,10 +148,15 @@ impl Watcher {
     /// At the end of a run: is a look due?
     #[must_use]
     pub fn due_at_the_end(&self, steps: u64) -> bool {
-        self.stopped_by.is_none()
-            && self.first.is_some()
-            && !self.watch.is_off()
-            && steps >= self.last + LATELY
+        let Some(first) = self.first.filter(|_| self.stopped_by.is_none() && !self.watch.is_off()) else {
+            return false;
+        };
+        let few = steps - first < FEW_STEPS && steps > self.last;
+        few || steps >= self.last + LATELY || self.has_a_gain_to_judge()
+    }
+    /// Did the last look find a gain that the one before did not, and that no warning has yet?
+    fn has_a_gain_to_judge(&self) -> bool {
+        self.gains[0] > self.watch.stop_gain && !self.knows(|f| matches!(f, Finding::EnergyGain { .. }))
     }
     /// Are bodies to be looked at?
     #[must_use]
@@ -163,10 +177,34 @@ impl Watcher {
         broken: impl FnOnce() -> String,
         explain: impl FnOnce(f64, f64) -> Finding,
     ) -> Result<(), StepError> {
-        self.last = at.clock.steps;
+        let steps = at.clock.steps;
+        let again = self.last == steps;
+        let at_the_end = again || self.due(steps).is_none();
+        self.last = steps;
+        let speed = NOISE * at.speed;
         let account = self.books.enter(now, at.exchange, axisymmetric);
+        self.books.enter_rest(0.5 * self.books.mass() * speed * speed);
         self.look_at_momentum(&account, at, broken)?;
-        self.look_at_energy(&account, at, explain)
+        if at_the_end && self.first.is_some_and(|first| steps - first < FEW_STEPS) {
+            self.judge_few_steps(&account, at);
+            return Ok(());
+        }
+        if again {
+            // The end of a run right after a look, whose gain is judged in place of it.
+            self.gains = [self.gains[1], self.gains[2], 0.0];
+        }
+        self.look_at_energy(&account, at, at_the_end, explain)
+    }
+
+    /// The end of a run of few steps. It may go on: nothing of this look is kept but the warning.
+    fn judge_few_steps(&mut self, account: &Account, at: &Look<'_>) {
+        let scale = scale(account);
+        let off = share(account.unexplained, scale);
+        if at.energy && scale > self.books.rest() && (off.abs() > OFF || off.is_nan()) {
+            let steps = at.clock.steps - self.first.unwrap_or(0);
+            let finding = Finding::FewSteps { steps, share: off, joules: account.unexplained };
+            self.warn_once(at.clock, finding, |f| matches!(f, Finding::FewSteps { .. }));
+        }
     }
 
     fn look_at_momentum(
@@ -196,18 +234,17 @@ impl Watcher {
         &mut self,
         account: &Account,
         at: &Look<'_>,
+        at_the_end: bool,
         explain: impl FnOnce(f64, f64) -> Finding,
     ) -> Result<(), StepError> {
         if !at.energy {
             return Ok(());
         }
-        let speed = NOISE * at.speed;
-        let least = 0.5 * self.books.mass() * speed * speed;
         self.lowest = self.lowest.min(account.unexplained);
-        let scale = account.energy_scale.max(account.work.abs()).max(account.friction.abs());
+        let scale = scale(account);
         // While a run gathers energy from nothing, half a step of it is much of it.
         let grows = scale > GATHERS * std::mem::replace(&mut self.scale, scale);
-        if scale < least {
+        if scale <= self.books.rest() {
             return Ok(());
         }
         let joules = account.unexplained - self.lowest;
@@ -220,14 +257,17 @@ impl Watcher {
         // Kinetic and internal energy belong to times half a step apart, so that one look alone may show a swing.
         let stops = gain.min(last) > self.watch.stop_gain || gain > EXPLODES;
         let gain_that_lasts = gain.min(last).min(one_before);
-        let warns = gain_that_lasts > self.watch.warn_gain;
+        // No later look judges a gain that the end of a run shows.
+        let warns = gain_that_lasts > self.watch.warn_gain || (at_the_end && gain > self.watch.stop_gain);
         if (stops && self.watch.stops) || (warns && !self.knows(|f| matches!(f, Finding::EnergyGain { .. })))
         {
             let finding = explain(gain, joules);
             self.found(at.clock, finding, stops)?;
         }
         if loss > self.watch.warn_loss && !self.knows(|f| matches!(f, Finding::EnergyLoss { .. })) {
-            let finding = Finding::EnergyLoss { share: loss, joules: -account.unexplained, remedy: at.loss };
+            let contact = at.exchange.node_contact.max(0.0);
+            let finding =
+                Finding::EnergyLoss { share: loss, joules: -account.unexplained, contact, loss: at.loss };
             self.found(at.clock, finding, false)?;
         }
         Ok(())
@@ -268,5 +308,93 @@ impl Watcher {
         file.option(&mut self.first, Archive::word)?;
         file.word(&mut self.last)?;
         file.reals(&mut self.gains)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::finding::GainCause;
+
+    const LOSS: Loss = Loss { by: "a sink", remedy: "mend it" };
+
+    /// A watcher of a scene of 1 kg that began with 1 J.
+    fn watcher() -> Watcher {
+        let mut watcher = Watcher::default();
+        watcher.open(0, &totals(1.0), &Exchange::default(), false);
+        watcher
+    }
+    fn totals(kinetic: f64) -> Totals {
+        Totals { mass: 1.0, kinetic, momentum_scale: 1.0, ..Totals::default() }
+    }
+    fn look(watcher: &mut Watcher, steps: u64, kinetic: f64, speed: f64) -> Result<(), StepError> {
+        let clock = Clock { steps, ..Clock::default() };
+        let exchange = Exchange::default();
+        let at = Look {
+            clock: &clock,
+            exchange: &exchange,
+            rounding: f64::EPSILON,
+            speed,
+            energy: true,
+            loss: LOSS,
+        };
+        watcher.look(&totals(kinetic), false, &at, String::new, |share, joules| Finding::EnergyGain {
+            share,
+            joules,
+            body: String::new(),
+            position: [0.0; 3],
+            cause: GainCause::Crossing,
+        })
+    }
+
+    #[test]
+    fn the_end_of_a_run_of_few_steps_is_judged() {
+        for (kinetic, warns) in
+            [(1.0, false), (1.09, false), (0.91, false), (1.2, true), (0.85, true), (3.0, true)]
+        {
+            let mut watcher = watcher();
+            assert!(!watcher.due_at_the_end(0) && watcher.due_at_the_end(3));
+            look(&mut watcher, 3, kinetic, 1.0).expect("it may go on");
+            let found =
+                watcher.warnings().iter().any(|w| matches!(w.finding, Finding::FewSteps { steps: 3, .. }));
+            assert_eq!((found, watcher.warnings().len()), (warns, usize::from(warns)), "{kinetic}");
+            // The run goes on, and its books are as if nobody had looked.
+            look(&mut watcher, 16, 1.0, 1.0).expect("a look");
+            assert_eq!(watcher.gains, [0.0; 3]);
+            assert_eq!(watcher.warnings().len(), usize::from(warns));
+        }
+    }
+
+    #[test]
+    fn a_gain_that_only_the_end_shows_is_warned_of() {
+        let mut watcher = watcher();
+        look(&mut watcher, 16, 1.0, 1.0).expect("a look");
+        look(&mut watcher, 64, 1.2, 1.0).expect("one look alone may show a swing");
+        assert!(watcher.warnings().is_empty() && watcher.due_at_the_end(64));
+        look(&mut watcher, 64, 1.2, 1.0).expect("the same look is no second one");
+        assert!(matches!(watcher.warnings(), [Warning { finding: Finding::EnergyGain { .. }, .. }]));
+        assert!(!watcher.due_at_the_end(64));
+        look(&mut watcher, 256, 1.2, 1.0).expect_err("two looks with a gain stop");
+        let mut watcher = self::watcher();
+        for steps in EARLY.into_iter().chain([256]) {
+            look(&mut watcher, steps, 1.0, 1.0).expect("a look");
+        }
+        assert!(!watcher.due_at_the_end(256) && !watcher.due_at_the_end(271) && watcher.due_at_the_end(272));
+        look(&mut watcher, 300, 1.2, 1.0).expect("a warning");
+        assert!(matches!(watcher.warnings(), [Warning { finding: Finding::EnergyGain { .. }, .. }]));
+    }
+
+    #[test]
+    fn a_loss_of_three_per_cent_is_warned_of_and_rest_is_none() {
+        let mut watcher = watcher();
+        look(&mut watcher, 64, 0.975, 1.0).expect("a look");
+        assert!(watcher.warnings().is_empty());
+        look(&mut watcher, 256, 0.96, 1.0).expect("a look");
+        assert!(matches!(watcher.warnings(), [Warning { finding: Finding::EnergyLoss { .. }, .. }]));
+        // Waves of 1e7 m/s: 1 J of 1 kg is rounding.
+        let mut watcher = self::watcher();
+        look(&mut watcher, 64, 0.1, 1e7).expect("a look");
+        let account = watcher.account(&totals(0.1), &Exchange::default(), false);
+        assert!(watcher.warnings().is_empty() && !account.moves() && account.energy_error() == 0.0);
     }
 }

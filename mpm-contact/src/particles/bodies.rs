@@ -3,7 +3,7 @@
 use std::any::Any;
 
 use impactite_scene::control::{ControlError, largest};
-use impactite_scene::watch::{Look, Watcher, gain_at_the_fastest, not_finite};
+use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
     Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, SceneError, Solver,
     StepError, StepLimit, Stopped, TimeControl, Totals, Warning, Watch,
@@ -203,8 +203,8 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
         looked
     }
 
-    /// What is said of lost energy: by the bodies, if all say the same.
-    fn loss(&self) -> &'static str {
+    /// Advice on lost energy: that of the bodies, if it is the same for all.
+    fn loss(&self) -> Loss {
         let mut said = self.parts().map(|part| part.advice().loss);
         let first = said.next().unwrap_or(Advice::default().loss);
         if said.all(|other| other == first) { first } else { Advice::default().loss }

@@ -2,6 +2,7 @@
 
 use std::any::Any;
 
+use impactite_scene::watch::Loss;
 use impactite_scene::{Archive, Body, CheckpointError, Exchange, SceneError, StepError};
 use impactite_simd::Team;
 
@@ -49,8 +50,8 @@ impl Facing {
 /// What a run is told that loses or gains energy ([`impactite_scene::watch`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Advice {
-    /// Where energy that is missing most likely went, and what keeps more: "by ...; what keeps more: ...".
-    pub loss: &'static str,
+    /// Where energy that is missing most likely went, and what keeps more.
+    pub loss: Loss,
     /// What most likely made energy at the fastest particle, and what helps.
     pub gain: &'static str,
 }
@@ -59,8 +60,10 @@ pub struct Advice {
 impl Default for Advice {
     fn default() -> Self {
         Advice {
-            loss: "by contacts that closed, or in what the methods of the bodies do not keep; what keeps more: smaller particles, and a \
-                   smaller Courant factor",
+            loss: Loss {
+                by: "contacts that closed, or what the methods of the bodies do not keep",
+                remedy: "take smaller particles, or a smaller Courant factor",
+            },
             gain: "the particles there are the fastest; take a smaller Courant factor",
         }
     }

@@ -2,7 +2,7 @@
 
 use impactite_scene::Totals;
 use impactite_scene::error::{StepError, Stopped};
-use impactite_scene::watch::{Account, Finding, GainCause, Look, Warning, Watch, Watcher};
+use impactite_scene::watch::{Account, Finding, GainCause, Look, Loss, Warning, Watch, Watcher};
 
 use super::cells::{Alternation, Cells, Wholeness};
 
@@ -18,9 +18,12 @@ const ALTERNATES: f64 = 0.35;
 /// Fewer particles that failed alone say nothing.
 const FEW_FAILED: u64 = 8;
 
-/// Where energy goes that no balance has, and what keeps more of it.
-const LOSS: &str = "by the transfer's filter or contacts that closed; what keeps more, in this order: FLIP with MUSL where nothing spins, \
-                    AFLIP with USF, AFLIP with USL (`Method::impact`), APIC; and smaller cells";
+/// Where energy goes that no balance has, and what keeps more of it, the best first.
+const LOSS: Loss = Loss {
+    by: "the filter of the transfer or contacts that closed",
+    remedy: "take smaller cells, or a transfer that keeps more: FLIP with MUSL where nothing spins, AFLIP with USF, AFLIP with USL \
+             (`Method::impact`), APIC",
+};
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.

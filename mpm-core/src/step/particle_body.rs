@@ -588,6 +588,9 @@ impl<T: Float, const D: usize> Body for ParticleBody<T, D> {
     fn law(&self) -> &'static str {
         self.material.name()
     }
+    fn is_plane_stress(&self) -> bool {
+        self.material.is_plane_stress()
+    }
     fn len(&self) -> usize {
         self.slots.iter().map(|s| s.block.len()).sum()
     }

@@ -103,6 +103,9 @@ impl<T: Float, const D: usize> Body for ReferenceScene<T, D> {
     fn law(&self) -> &'static str {
         self.own().law()
     }
+    fn is_plane_stress(&self) -> bool {
+        self.own().is_plane_stress()
+    }
     fn len(&self) -> usize {
         self.own().len()
     }

@@ -1,5 +1,6 @@
 //! A scene as others see it.
 
+use impactite_scene::embedding::described;
 use impactite_scene::{
     Account, Archive, Body, CheckpointError, Clock, ContactPoint, Exchange, PairContact, Solver, StepError,
     StepLimit, Totals, Warning,
@@ -108,7 +109,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 /// What the run loop, observers and checkpoints need of it.
 impl<const D: usize, T: Float> Solver for Mpm<D, T> {
     fn method(&self) -> String {
-        self.facts().description.clone()
+        described(&self.facts().description, &Solver::bodies(self))
     }
     fn dimensions(&self) -> usize {
         D

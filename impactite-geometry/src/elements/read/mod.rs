@@ -11,6 +11,7 @@ use super::change::reverse;
 use super::reference::Reference;
 use super::{ElementMesh, MeshError};
 use crate::error::{Check, GeometryError};
+use crate::file::{Kind, read};
 use builder::Builder;
 use cursor::ReadError;
 
@@ -48,7 +49,7 @@ impl<const D: usize> ElementMesh<D> {
     /// [`GeometryError::File`] with the line (or the byte of a binary file), what was expected and what was found; else as
     /// [`check`](Self::check).
     pub fn read_gmsh(path: impl AsRef<Path>, unit: f64) -> Result<Self, GeometryError> {
-        let (name, bytes) = load(path.as_ref())?;
+        let (name, bytes) = load(path.as_ref(), Kind::Gmsh)?;
         Self::from_gmsh(&name, &bytes, unit)
     }
 
@@ -85,7 +86,7 @@ impl<const D: usize> ElementMesh<D> {
     /// # Errors
     /// [`GeometryError::File`] with the line, the keyword or parameter, and what is allowed; else as [`check`](Self::check).
     pub fn read_abaqus(path: impl AsRef<Path>, unit: f64) -> Result<Self, GeometryError> {
-        let (name, bytes) = load(path.as_ref())?;
+        let (name, bytes) = load(path.as_ref(), Kind::Abaqus)?;
         Self::from_abaqus(&name, &bytes, unit)
     }
 
@@ -107,10 +108,10 @@ impl<const D: usize> ElementMesh<D> {
         Self::from_file(name, unit, abaqus::read(bytes))
     }
 
-    fn from_file(name: &str, unit: f64, read: Result<Builder, ReadError>) -> Result<Self, GeometryError> {
-        Check("ElementMesh").positive("unit", unit)?;
+    fn from_file(name: &str, unit: f64, builder: Result<Builder, ReadError>) -> Result<Self, GeometryError> {
+        Check("element mesh").positive("unit", unit)?;
         let refuse = |reason: String| GeometryError::File { path: name.into(), reason };
-        let mesh = read.and_then(|builder| builder.build(unit)).map_err(|e| refuse(e.to_string()))?;
+        let mesh = builder.and_then(|builder| builder.build(unit)).map_err(|e| refuse(e.to_string()))?;
         let checked = || -> Result<Self, GeometryError> {
             let mesh = mesh.oriented()?.without_unused_nodes();
             mesh.check()?;
@@ -120,10 +121,10 @@ impl<const D: usize> ElementMesh<D> {
     }
 }
 
-fn load(path: &Path) -> Result<(String, Vec<u8>), GeometryError> {
+fn load(path: &Path, kind: Kind) -> Result<(String, Vec<u8>), GeometryError> {
     let name = path.display().to_string();
-    match std::fs::read(path) {
+    match read(path, kind) {
         Ok(bytes) => Ok((name, bytes)),
-        Err(e) => Err(GeometryError::File { path: name, reason: e.to_string() }),
+        Err(reason) => Err(GeometryError::File { path: name, reason }),
     }
 }
