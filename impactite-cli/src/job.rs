@@ -1,6 +1,7 @@
 //! A run of a scene file in a folder.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -17,6 +18,7 @@ use impactite_report::{Check, Frames, Record, Recorder, write_page};
 use serde::Serialize;
 
 use crate::CliError;
+use crate::advance::{Advance, Shown};
 use crate::pictures::Draws;
 
 /// Name of the checkpoint in the folder of a run.
@@ -43,6 +45,8 @@ pub struct Job {
     pub report: bool,
     /// Seconds by the clock between lines of the log.
     pub log: Duration,
+    /// Progress for a program that shows it itself; None for a bar on the terminal and lines in the log.
+    pub advance: Option<Arc<Advance>>,
 }
 
 /// What a run came to: the keys of the JSON object of `--json`.
@@ -99,6 +103,7 @@ impl Job {
             pictures: true,
             report: true,
             log: Duration::from_secs(60),
+            advance: None,
         }
     }
 
@@ -123,6 +128,10 @@ impl Job {
         let start = Instant::now();
         let scene = self.source.parse()?;
         let mut solver = self.source.build(&scene)?;
+        if self.advance.as_ref().is_some_and(|advance| !advance.begin(stop)) {
+            let (time, steps) = (solver.time(), solver.steps());
+            return Err(RunError::Interrupted { time, steps, saved: None }.into());
+        }
         let threads = self.threads();
         let team = Team::new(threads).map_err(|e| CliError::option("--threads", e.to_string()))?;
         solver.set_team(team);
@@ -161,11 +170,12 @@ impl Job {
         let histories = out.histories.map(|q| q.value);
         let mut recorder = Recorder::new(pace(histories, ROWS)?);
         let mut history = history(scene, &measures, folder, pace(histories, ROWS)?)?;
-        let mut progress =
+        let bar =
             Progress::new(&scene.title).with_a_line_every(self.log).with_lines(|kind, line| match kind {
                 LineKind::Warning => tracing::warn!("{line}"),
                 _ => tracing::info!("{line}"),
             });
+        let mut progress = Shown { bar, advance: self.advance.clone(), last: None };
         let draws = Draws::new(scene);
         let mut pictures = Pictures::create(
             folder.join("pictures"),

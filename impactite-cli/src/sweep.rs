@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use impactite::output::History;
-use impactite::output::picture::{Axis, Chart, Marker, Panels, Series};
+use impactite::output::picture::{Axis, Chart, Marker, Panels, Picture, Series};
 use impactite_input::Source;
 
 use crate::CliError;
@@ -141,18 +141,41 @@ fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliErro
         file.push(&row)?;
     }
     let ([key], false) = (keys, first.measures.is_empty()) else { return Ok(()) };
-    let x: Option<Vec<f64>> = done.iter().map(|(p, _)| number(&p.values[0])).collect();
-    let Some(x) = x.filter(|x| x.len() > 1) else { return Ok(()) };
-    let mut panels =
-        Panels::new(first.measures.len().min(3)).title(format!("{} over {}", first.case, key.key));
-    for (m, (name, _, unit)) in first.measures.iter().enumerate() {
-        let y: Vec<f64> = done.iter().map(|(_, o)| o.measures[m].1).collect();
+    let list = done.iter().map(|(p, _)| p.values[0].clone()).collect();
+    let values = Values { key: key.key.clone(), list };
+    let measures: Vec<(String, String, Vec<f64>)> = first
+        .measures
+        .iter()
+        .enumerate()
+        .map(|(m, (name, _, unit))| {
+            (name.clone(), unit.to_string(), done.iter().map(|(_, o)| o.measures[m].1).collect())
+        })
+        .collect();
+    if let Some(picture) = chart(&format!("{} over {}", first.case, key.key), &values, &measures)? {
+        picture.save(folder.join("sweep.png"))?;
+    }
+    Ok(())
+}
+
+/// Chart of measures over the values of a key; None for fewer than two values and for values that are no numbers. A measure is its name, its
+/// unit, and one number per value.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+pub fn chart(
+    title: &str,
+    values: &Values,
+    measures: &[(String, String, Vec<f64>)],
+) -> Result<Option<Picture>, CliError> {
+    let x: Option<Vec<f64>> = values.list.iter().map(|v| number(v)).collect();
+    let Some(x) = x.filter(|x| x.len() > 1 && !measures.is_empty()) else { return Ok(None) };
+    let mut panels = Panels::new(measures.len().min(3)).title(title);
+    for (name, unit, y) in measures {
         let chart = Chart::new(640, 520)
-            .x(Axis::new(&key.key).unit(common_unit(key), 1.0))
-            .y(Axis::new(name).unit(*unit, 1.0));
-        let chart = chart.series(Series::new(name, &x, &y)?.marker(Marker::Circle));
+            .x(Axis::new(&values.key).unit(common_unit(values), 1.0))
+            .y(Axis::new(name).unit(unit, 1.0));
+        let chart = chart.series(Series::new(name, &x, y)?.marker(Marker::Circle));
         panels = panels.panel("", chart.draw()?);
     }
-    panels.compose()?.save(folder.join("sweep.png"))?;
-    Ok(())
+    Ok(Some(panels.compose()?))
 }
