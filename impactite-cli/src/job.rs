@@ -19,6 +19,7 @@ use impactite_report::{Check, Frames, Record, Recorder, write_page};
 use serde::{Deserialize, Serialize};
 
 use crate::CliError;
+use crate::advance::{Advance, Shown};
 use crate::folder::{FRAMES, Held, PICTURES, SERIES, remove};
 use crate::pictures::Draws;
 
@@ -52,6 +53,8 @@ pub struct Job {
     pub keep: bool,
     /// Becomes false when the scene is set up and the first step begins, and true again when the run is over.
     pub setting_up: Arc<AtomicBool>,
+    /// Progress for a program that shows it itself; None for a bar on the terminal and lines in the log.
+    pub advance: Option<Arc<Advance>>,
 }
 
 /// What a run came to: the keys of the JSON object of `--json`.
@@ -128,6 +131,7 @@ impl Job {
             log: Duration::from_secs(60),
             keep: false,
             setting_up: Arc::new(AtomicBool::new(true)),
+            advance: None,
         }
     }
 
@@ -203,6 +207,10 @@ impl Job {
         let threads = self.threads();
         let team = Team::new(threads).map_err(|e| CliError::option("--threads", e.to_string()))?;
         let mut solver = self.source.build(&scene)?;
+        if self.advance.as_ref().is_some_and(|advance| !advance.begin(stop)) {
+            let (time, steps) = (solver.time(), solver.steps());
+            return Err(RunError::Interrupted { time, steps, saved: None }.into());
+        }
         if !self.resume {
             let ahead = self.source.ahead(&scene, &mut *solver)?;
             ahead.notes.iter().for_each(|note| tracing::warn!("{note}"));
@@ -252,11 +260,12 @@ impl Job {
         let error = recorder.latest_energy_error();
         let mut history =
             history(scene, &measures, folder, pace(histories, ROWS)?, recorder.latest_energy_error())?;
-        let mut progress =
+        let bar =
             Progress::new(&scene.title).with_a_line_every(self.log).with_lines(|kind, line| match kind {
                 LineKind::Warning => tracing::warn!("{}", shown(line)),
                 _ => tracing::info!("{line}"),
             });
+        let mut progress = Shown { bar, advance: self.advance.clone(), last: None };
         let draws = Draws::new(scene);
         let mut pictures = Pictures::create(
             folder.join(PICTURES),

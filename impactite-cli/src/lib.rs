@@ -1,5 +1,6 @@
 //! What the program `impactite` does, for programs of one's own: run a scene file in a folder, resume it, vary it.
 
+pub mod advance;
 pub mod error;
 pub mod folder;
 pub mod job;
@@ -7,5 +8,6 @@ pub mod pictures;
 pub mod sweep;
 pub mod templates;
 
+pub use advance::{Advance, Stand};
 pub use error::CliError;
 pub use job::{Job, Outcome};

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use impactite::output::History;
-use impactite::output::picture::{Axis, Chart, Marker, Panels, Series};
+use impactite::output::picture::{Axis, Chart, Marker, Panels, Picture, Series};
 use impactite::scene::RunError;
 use impactite_input::Source;
 use serde::{Deserialize, Serialize};
@@ -249,21 +249,40 @@ fn write(folder: &Path, keys: &[Values], points: &[Point]) -> Result<(), CliErro
     let ([key], false) = (keys, first.measures.is_empty()) else { return Ok(()) };
     let done: Vec<(&Point, &Outcome)> =
         points.iter().filter_map(|p| Some((p, p.outcome.as_ref().ok()?))).collect();
-    let x: Option<Vec<f64>> = done.iter().map(|(p, _)| number(&p.values[0])).collect();
-    let Some(x) = x.filter(|x| x.len() > 1) else { return Ok(()) };
-    let across = first.measures.len().min(3);
-    let mut panels =
-        Panels::new(across).title(fitting(&format!("{} over {}", first.case, key.key), WIDTH * across));
-    for (m, Measured(name, _, unit)) in first.measures.iter().enumerate() {
-        let y: Vec<f64> = done.iter().map(|(_, o)| o.measures[m].1).collect();
+    let values =
+        Values { key: key.key.clone(), list: done.iter().map(|(p, _)| p.values[0].clone()).collect() };
+    let of = |(m, Measured(name, _, unit)): (usize, &Measured)| {
+        (name.clone(), unit.clone(), done.iter().map(|(_, o)| o.measures[m].1).collect())
+    };
+    let measures: Vec<(String, String, Vec<f64>)> = first.measures.iter().enumerate().map(of).collect();
+    if let Some(picture) = chart(&format!("{} over {}", first.case, key.key), &values, &measures)? {
+        picture.save(folder.join(CHART))?;
+    }
+    Ok(())
+}
+
+/// Chart of measures over the values of a key; None for fewer than two values and for values that are no numbers. A measure is its name, its
+/// unit, and one number per value.
+///
+/// # Errors
+/// A picture that cannot be drawn.
+pub fn chart(
+    title: &str,
+    values: &Values,
+    measures: &[(String, String, Vec<f64>)],
+) -> Result<Option<Picture>, CliError> {
+    let x: Option<Vec<f64>> = values.list.iter().map(|v| number(v)).collect();
+    let Some(x) = x.filter(|x| x.len() > 1 && !measures.is_empty()) else { return Ok(None) };
+    let across = measures.len().min(3);
+    let mut panels = Panels::new(across).title(fitting(title, WIDTH * across));
+    for (name, unit, y) in measures {
         let chart = Chart::new(WIDTH, 520)
-            .x(Axis::new(&key.key).unit(common_unit(key), 1.0))
-            .y(Axis::new(name).unit(unit.as_str(), 1.0));
-        let chart = chart.series(Series::new(name, &x, &y)?.marker(Marker::Circle));
+            .x(Axis::new(&values.key).unit(common_unit(values), 1.0))
+            .y(Axis::new(name).unit(unit, 1.0));
+        let chart = chart.series(Series::new(name, &x, y)?.marker(Marker::Circle));
         panels = panels.panel("", chart.draw()?);
     }
-    panels.compose()?.save(folder.join(CHART))?;
-    Ok(())
+    Ok(Some(panels.compose()?))
 }
 
 /// Width of a chart, pixels.

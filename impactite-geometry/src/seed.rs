@@ -2,12 +2,11 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use rayon::prelude::*;
-
 use super::error::{Check, GeometryError};
 use super::lattice::Lattice;
 use super::shape::{Metric, Shape};
 use super::vector::{norm, sum};
+use impactite_simd::Team;
 use impactite_simd::memory::{Budget, MOST_BYTES};
 
 /// The most particle sites that a filling looks at.
@@ -254,7 +253,7 @@ impl Cost {
         let row = count.last().copied().unwrap_or(0.0) * parts;
         let columns = count.iter().take(D.saturating_sub(1)).product::<f64>();
         let tasks = (columns / COLUMNS_PER_TASK as f64).ceil();
-        let threads = (rayon::current_num_threads() as f64).min(tasks);
+        let threads = (Team::ambient().threads() as f64).min(tasks);
         // In each thread, a column's parts, a row's answers and the list of rows, and what shapes that are moved and combined hold for a
         // row; the coordinates of a row; the tasks.
         let thread =
@@ -361,28 +360,24 @@ pub fn fill<const D: usize>(
     let columns = sites.columns();
     let held = AtomicU64::new(0);
     let beyond = |held: u64| budget.holds(cost.sites + held as f64).is_err();
-    let tasks: Vec<Found<D>> = (0..columns.div_ceil(COLUMNS_PER_TASK))
-        .into_par_iter()
-        .map(|task| {
-            let mut found = Found::new();
-            let mut parts = vec![0.0; sites.rows() * last.len()];
-            let mut inside = vec![false; last.len()];
-            for column in task * COLUMNS_PER_TASK..((task + 1) * COLUMNS_PER_TASK).min(columns) {
-                column_parts(shape, &sites, column, &last, filling, &mut inside, &mut parts);
-                let before = [found.positions.len(), found.slivers.len()];
-                emit(&sites, column, &parts, filling, edge, &mut found);
-                let new = (found.positions.len() - before[0]) as u64 * cost.particle
-                    + (found.slivers.len() - before[1]) as u64 * cost.sliver;
-                // Whole numbers, whose sum is the same in any order. Beyond the limit all is counted, to name how much it is, and
-                // nothing kept.
-                if beyond(held.fetch_add(new, Ordering::Relaxed).saturating_add(new)) {
-                    found = Found::new();
-                }
+    let mut tasks: Vec<Found<D>> = (0..columns.div_ceil(COLUMNS_PER_TASK)).map(|_| Found::new()).collect();
+    Team::ambient().each(&mut tasks, |task, found| {
+        let mut parts = vec![0.0; sites.rows() * last.len()];
+        let mut inside = vec![false; last.len()];
+        for column in task * COLUMNS_PER_TASK..((task + 1) * COLUMNS_PER_TASK).min(columns) {
+            column_parts(shape, &sites, column, &last, filling, &mut inside, &mut parts);
+            let before = [found.positions.len(), found.slivers.len()];
+            emit(&sites, column, &parts, filling, edge, found);
+            let new = (found.positions.len() - before[0]) as u64 * cost.particle
+                + (found.slivers.len() - before[1]) as u64 * cost.sliver;
+            // Whole numbers, whose sum is the same in any order. Beyond the limit all is counted, to name how much it is, and
+            // nothing kept.
+            if beyond(held.fetch_add(new, Ordering::Relaxed).saturating_add(new)) {
+                *found = Found::new();
             }
-            found.shrink();
-            found
-        })
-        .collect();
+        }
+        found.shrink();
+    });
     budget.holds(cost.sites + held.into_inner() as f64)?;
 
     let total = tasks.iter().map(|t| t.positions.len()).sum();
@@ -400,7 +395,7 @@ pub fn fill<const D: usize>(
     }
     if filling.fit && filling.edge == Edge::Centre && filling.jitter.is_none() {
         let axis = filling.metric == Metric::Axisymmetric;
-        positions.par_iter_mut().for_each(|x| {
+        Team::ambient().each(&mut positions, |_, x: &mut [f64; D]| {
             let fitted = fit(shape, *x, edge);
             if !axis || fitted[0] > 0.0 {
                 *x = fitted;
@@ -811,17 +806,15 @@ pub fn sampled_measure<const D: usize>(
     }
     let depth = (longest / 16.0 / leaf).log2().ceil().clamp(1.0, 30.0) as u32;
     let boxes: usize = count.iter().product();
-    let measures: Vec<[f64; 2]> = (0..boxes)
-        .into_par_iter()
-        .map(|index| {
-            let (mut centre, mut rest) = ([0.0; D], index);
-            for i in 0..D {
-                centre[i] = b.min[i] + ((rest % count[i]) as f64 + 0.5) * size[i];
-                rest /= count[i];
-            }
-            box_measure(shape, centre, size, depth, metric)
-        })
-        .collect();
+    let mut measures = vec![[0.0; 2]; boxes];
+    Team::ambient().each(&mut measures, |index, measure| {
+        let (mut centre, mut rest) = ([0.0; D], index);
+        for i in 0..D {
+            centre[i] = b.min[i] + ((rest % count[i]) as f64 + 0.5) * size[i];
+            rest /= count[i];
+        }
+        *measure = box_measure(shape, centre, size, depth, metric);
+    });
     let [fine, coarse] = [0, 1].map(|i| sum(measures.iter().map(|m| m[i])));
     check.that(true, "measure", fine + (fine - coarse) / 3.0, "finite")
 }

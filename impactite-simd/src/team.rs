@@ -1,13 +1,101 @@
 //! A chosen number of threads.
 
 use std::marker::PhantomData;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
+use rayon::ThreadPool;
 use rayon::prelude::*;
 
 /// The threads that the stages of a step run on. One thread runs in the caller, without a pool.
+///
+/// A forked child process inherits teams without their threads. A team starts as many threads again when the child first uses it; if the
+/// operating system refuses them, loops run in the caller, with the same results.
 #[derive(Clone, Debug, Default)]
-pub struct Team(Option<Arc<rayon::ThreadPool>>);
+pub struct Team(Threads);
+
+#[derive(Clone, Debug, Default)]
+enum Threads {
+    /// The caller's thread.
+    #[default]
+    One,
+    /// Threads of a pool.
+    Pool(Arc<Pools>),
+    /// Threads of the pool that the caller runs in, else of rayon's global pool.
+    Ambient,
+}
+
+/// Pools of `threads` threads, one per process.
+#[derive(Debug)]
+struct Pools {
+    /// Number of threads; all processors if 0.
+    threads: usize,
+    first: OnceLock<Box<Started>>,
+}
+
+/// Pool of a process; the next one belongs to a child that was forked from it.
+#[derive(Debug)]
+struct Started {
+    process: u32,
+    /// None if the operating system refused threads.
+    pool: Option<ThreadPool>,
+    next: OnceLock<Box<Started>>,
+}
+
+impl Pools {
+    const fn new(threads: usize) -> Self {
+        Pools { threads, first: OnceLock::new() }
+    }
+
+    /// Pool of this process. The list is append-only without a lock: a lock that a thread of the parent held at the fork would never be
+    /// released.
+    fn here(&self) -> Option<&ThreadPool> {
+        let mut place = &self.first;
+        let process = process();
+        while let Some(started) = place.get() {
+            // The last one only, since process numbers are used again.
+            if started.next.get().is_none() && started.process == process {
+                return started.pool.as_ref();
+            }
+            place = &started.next;
+        }
+        place.get_or_init(|| Box::new(Started::new(process, pool(self.threads).ok()))).pool.as_ref()
+    }
+}
+
+impl Started {
+    fn new(process: u32, pool: Option<ThreadPool>) -> Self {
+        Started { process, pool, next: OnceLock::new() }
+    }
+}
+
+impl Drop for Started {
+    fn drop(&mut self) {
+        // A child has no threads to end, and mutexes of the pool may have been locked at the fork.
+        if self.process != process() {
+            std::mem::forget(self.pool.take());
+        }
+    }
+}
+
+fn pool(threads: usize) -> Result<ThreadPool, rayon::ThreadPoolBuildError> {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build()
+}
+
+/// Number of this process, which differs in a forked child; 0 on systems without fork.
+fn process() -> u32 {
+    if cfg!(unix) { std::process::id() } else { 0 }
+}
+
+/// Replacement of rayon's global pool in a child that was forked after the first use of that pool.
+fn forked() -> Option<&'static Pools> {
+    /// Process that first used the global pool; 0 before.
+    static HOME: AtomicU32 = AtomicU32::new(0);
+    static POOLS: Pools = Pools::new(0);
+    let process = process();
+    let home = HOME.compare_exchange(0, process, Ordering::Relaxed, Ordering::Relaxed);
+    home.is_err_and(|home| home != process).then_some(&POOLS)
+}
 
 /// Bytes of stack of a thread: kernels compiled without optimisation take much of it.
 const STACK: usize = 8 << 20;
@@ -73,7 +161,13 @@ impl Team {
 
     /// The caller's thread alone.
     pub fn one() -> Self {
-        Team(None)
+        Team(Threads::One)
+    }
+
+    /// The threads of the rayon pool that the caller runs in, else of rayon's global pool. A child that was forked when the global pool
+    /// was in use starts a pool of its own.
+    pub fn ambient() -> Self {
+        Team(Threads::Ambient)
     }
 
     /// `threads` threads, 1 to [`Team::MOST`].
@@ -82,41 +176,46 @@ impl Team {
     /// Another number of threads, or the operating system refuses.
     pub fn new(threads: usize) -> Result<Self, TeamError> {
         match threads {
-            1 => Ok(Team(None)),
-            2..=Self::MOST => rayon::ThreadPoolBuilder::new()
-                .num_threads(threads)
-                .stack_size(STACK)
-                .build()
-                .map(|pool| Team(Some(Arc::new(pool))))
-                .map_err(|e| TeamError::Refused { threads, cause: e.to_string() }),
+            1 => Ok(Team(Threads::One)),
+            2..=Self::MOST => {
+                let pool = pool(threads).map_err(|e| TeamError::Refused { threads, cause: e.to_string() })?;
+                let pools = Pools { threads, first: Box::new(Started::new(process(), Some(pool))).into() };
+                Ok(Team(Threads::Pool(Arc::new(pools))))
+            }
             _ => Err(TeamError::Threads { threads }),
         }
     }
 
     /// Number of threads.
     pub fn threads(&self) -> usize {
-        self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
+        match &self.0 {
+            Threads::One => 1,
+            Threads::Pool(pools) => pools.threads,
+            Threads::Ambient => {
+                self.pool().map_or_else(rayon::current_num_threads, |pool| pool.current_num_threads())
+            }
+        }
+    }
+
+    /// The pool to enter for a loop: none where the loop runs in the caller or in the pool that it is in.
+    fn pool(&self) -> Option<&ThreadPool> {
+        match &self.0 {
+            Threads::One => None,
+            Threads::Pool(pools) => pools.here(),
+            Threads::Ambient if rayon::current_thread_index().is_some() => None,
+            Threads::Ambient => forked()?.here(),
+        }
     }
 
     /// Run `work`, which makes many loops, on one of the threads: no loop then waits for the caller to fall
     /// asleep and wake up.
     pub fn run<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
-        if self.0.is_none() {
-            return work();
-        }
+        let Some(pool) = self.pool() else { return work() };
         let (mut work, mut result) = (Some(work), None);
-        self.install(&mut || result = work.take().map(|work| work()));
+        install(pool, &mut || result = work.take().map(|work| work()));
         match result {
             Some(result) => result,
             None => unreachable!("a pool runs what it is given, or passes on its panic"),
-        }
-    }
-
-    #[inline(never)]
-    fn install(&self, work: &mut (dyn FnMut() + Send)) {
-        match &self.0 {
-            None => work(),
-            Some(pool) => pool.install(work),
         }
     }
 
@@ -124,9 +223,12 @@ impl Team {
     /// here and not once for each of their tasks.
     #[inline(never)]
     fn each_number(&self, count: usize, task: &(dyn Fn(usize) + Send + Sync)) {
-        match &self.0 {
-            None => (0..count).for_each(task),
-            Some(pool) => pool.install(|| (0..count).into_par_iter().for_each(task)),
+        match (&self.0, self.pool()) {
+            (_, Some(pool)) => pool.install(|| (0..count).into_par_iter().for_each(task)),
+            (Threads::Ambient, None) if rayon::current_thread_index().is_some() || forked().is_none() => {
+                (0..count).into_par_iter().for_each(task);
+            }
+            _ => (0..count).for_each(task),
         }
     }
 
@@ -174,7 +276,7 @@ impl Team {
     /// In a task: the memory of the thread it runs on, of which there must be one for each thread. To be let go before
     /// the task ends.
     pub fn own<'a, S>(&self, memory: &'a [Mutex<S>]) -> MutexGuard<'a, S> {
-        let thread = rayon::current_thread_index().filter(|_| self.0.is_some()).unwrap_or(0);
+        let thread = rayon::current_thread_index().filter(|_| !matches!(self.0, Threads::One)).unwrap_or(0);
         // No other thread waits for it. A task that panicked leaves nothing that the next would trust.
         memory[thread % memory.len()].lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -198,6 +300,11 @@ impl Team {
     }
 }
 
+#[inline(never)]
+fn install(pool: &ThreadPool, work: &mut (dyn FnMut() + Send)) {
+    pool.install(work);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -218,9 +325,25 @@ mod tests {
     }
 
     #[test]
+    fn a_process_starts_threads_of_its_own() {
+        // A pool of the parent, as a forked child finds it: it must neither be used nor ended.
+        let dead = Box::new(Started::new(process().wrapping_add(1), pool(2).ok()));
+        let team = Team(Threads::Pool(Arc::new(Pools { threads: 2, first: dead.into() })));
+        let Threads::Pool(pools) = &team.0 else { unreachable!("just made") };
+        let [first, again] = [0, 1].map(|_| pools.here().map(std::ptr::from_ref));
+        let parents = pools.first.get().and_then(|started| started.pool.as_ref()).map(std::ptr::from_ref);
+        assert!(first.is_some() && first == again && first != parents);
+        assert_eq!((team.threads(), team.run(rayon::current_num_threads)), (2, 2));
+        let refused = Box::new(Started::new(process(), None));
+        let alone = Team(Threads::Pool(Arc::new(Pools { threads: 2, first: refused.into() })));
+        let mut items = [0; 9];
+        alone.each(&mut items, |i, x| *x = i);
+        assert_eq!((items[8], alone.run(|| 7)), (8, 7));
+    }
+
+    #[test]
     fn every_element_is_taken_once() {
-        for threads in [1, 3] {
-            let team = Team::new(threads).expect("threads");
+        for team in [Team::one(), Team::new(3).expect("threads"), Team::ambient()] {
             let (mut items, mut with) = (vec![0; 103], vec![0; 11]);
             team.each(&mut items, |i, x| *x += i);
             assert!(items.iter().enumerate().all(|(i, x)| i == *x));

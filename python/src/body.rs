@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use impactite::scene::Totals;
 use numpy::{PyArray1, PyArray2};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -59,6 +60,12 @@ impl Body {
         let place = self.place;
         self.running.look(py, |solver| solver.bodies().get(place).map_or(0, |b| b.len()))
     }
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Body cannot be pickled or copied; its arrays can be, and `simulation.save(path)` writes a checkpoint",
+        ))
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(format!("<impactite.Body {:?}, {} points, {}>", self.name, self.__len__(py)?, self.law))
     }

@@ -21,7 +21,7 @@ pyo3::create_exception!(
     RunError,
     PyRuntimeError,
     "A run that cannot go on. `step` and `time` (s) say when; `body`, `number` and `position` (m) which point stopped it, None where \
-     none did."
+     none did; `warnings` are those of a run in a folder."
 );
 
 /// The exceptions, with attributes that are None where an error has no such part.
@@ -31,7 +31,7 @@ pub fn add_to(module: &Bound<'_, PyModule>) -> PyResult<()> {
     for name in ["file", "line", "column", "key", "reason", "help"] {
         scene.setattr(name, &none)?;
     }
-    for name in ["step", "time", "body", "number", "position"] {
+    for name in ["step", "time", "body", "number", "position", "warnings"] {
         run.setattr(name, &none)?;
     }
     module.add("SceneError", scene)?;
@@ -116,6 +116,22 @@ fn input(error: &InputError) -> PyErr {
         // The enumeration may grow.
         other => SceneError::new_err(other.to_string()),
     }
+}
+
+/// Exception for a failed run; a `RunError` has the warnings.
+pub fn with_warnings(failed: Failed, warnings: Vec<String>) -> PyErr {
+    let error = PyErr::from(failed);
+    let broke = Python::attach(|py| error.is_instance_of::<RunError>(py));
+    if broke { with(error, |value| value.setattr("warnings", warnings)) } else { error }
+}
+
+/// `SceneError` for a value of Python at a key.
+pub fn refused(message: String, key: &str, reason: &str, help: Option<&str>) -> PyErr {
+    with(SceneError::new_err(message), |value| {
+        value.setattr("key", Some(key).filter(|key| !key.is_empty()))?;
+        value.setattr("reason", reason)?;
+        value.setattr("help", help)
+    })
 }
 
 /// A fault with its place, in the message and as attributes.

@@ -1,22 +1,21 @@
 //! Whole runs in folders, as the program `impactite` makes them.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc;
 use std::time::Duration;
 
-use impactite_cli::sweep::{Point, Values, sweep as vary};
-use impactite_cli::{CliError, Job, Outcome};
-use pyo3::exceptions::PyRuntimeError;
+use impactite_cli::sweep::{Values, chart as draw};
+use impactite_cli::{Advance, Job, Stand};
+use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
-use crate::error::Failed;
-use crate::scene::{Scene, toml};
+use crate::background;
+use crate::error::{Failed, with_warnings};
+use crate::scene::Scene;
+use crate::value::toml;
 
-/// How often Python is asked whether Ctrl-C was pressed.
-const ASKED: Duration = Duration::from_millis(50);
-
-/// How a job is done.
+/// Options of a job.
 #[derive(FromPyObject)]
 pub struct How {
     #[pyo3(item)]
@@ -29,89 +28,82 @@ pub struct How {
     report: bool,
 }
 
-impl How {
-    fn of(&self, job: Job) -> Result<Job, Failed> {
-        let seconds = self.checkpoint;
-        if !(0.0..=1e9).contains(&seconds) {
-            return Err(Failed::Value(format!(
-                "checkpoint = {seconds} s is not allowed; it must be from 0 to 1e9"
-            )));
-        }
-        let checkpoint = Duration::from_secs_f64(seconds);
-        Ok(Job { threads: self.threads, checkpoint, pictures: self.pictures, report: self.report, ..job })
+/// Outcome of a job as JSON, and its warnings.
+type Told = (String, Vec<String>);
+
+/// Run a job. `shown` is called with time, end, steps, rate and energy error at every check for signals and at the end.
+fn perform(py: Python<'_>, job: Job, how: &How, shown: Option<&Bound<'_, PyAny>>) -> PyResult<Told> {
+    let seconds = how.checkpoint;
+    if !(0.0..=1e9).contains(&seconds) {
+        let why = format!("checkpoint = {seconds} s is not allowed; it must be from 0 to 1e9");
+        return Err(PyValueError::new_err(why));
     }
+    let (stop, advance) = (Arc::new(AtomicBool::new(false)), Arc::new(Advance::default()));
+    let job = Job {
+        threads: how.threads,
+        checkpoint: Duration::from_secs_f64(seconds),
+        pictures: how.pictures,
+        report: how.report,
+        advance: Some(advance.clone()),
+        ..job
+    };
+    let stopping = stop.clone();
+    let show = || {
+        let Stand { time, end, steps, rate, energy_error } = advance.stand();
+        match shown {
+            Some(shown) if end > 0.0 => shown.call1((time, end, steps, rate, energy_error)).map(drop),
+            _ => Ok(()),
+        }
+    };
+    let outcome = background::run(
+        py,
+        move || job.run(&stopping),
+        |_| show(),
+        || {
+            stop.store(true, Ordering::SeqCst);
+            // Set-up writes no file and is abandoned.
+            advance.begun()
+        },
+    )?;
+    let outcome = outcome.map_err(|error| with_warnings(error.into(), advance.warnings()))?;
+    // The end of the run.
+    show()?;
+    let told = serde_json::to_string(&outcome).map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+    Ok((told, advance.warnings()))
 }
 
-/// Do `work` while Python is free, and have it stop when Ctrl-C is pressed.
-fn interruptible<R: Send>(
+/// Run a scene in a folder.
+#[pyfunction]
+#[pyo3(signature = (scene, folder, how, shown=None))]
+pub fn run(
     py: Python<'_>,
-    work: impl FnOnce(&AtomicBool) -> Result<R, CliError> + Send,
-) -> PyResult<R> {
-    let stop = AtomicBool::new(false);
-    let (done, waits) = mpsc::channel::<()>();
-    py.detach(move || {
-        std::thread::scope(|scope| {
-            let stop = &stop;
-            let worker = scope.spawn(move || {
-                // Dropped at its end, however that comes.
-                let _done = done;
-                work(stop)
-            });
-            let mut interrupted = None;
-            while let Err(mpsc::RecvTimeoutError::Timeout) = waits.recv_timeout(ASKED) {
-                if interrupted.is_none()
-                    && let Err(signal) = Python::attach(|py| py.check_signals())
-                {
-                    stop.store(true, Ordering::Relaxed);
-                    interrupted = Some(signal);
-                }
-            }
-            let result = worker
-                .join()
-                .map_err(|_| PyRuntimeError::new_err("the run broke off; its thread said why"))?;
-            // What the handler of the signal raised, be it Ctrl-C's or one's own.
-            interrupted.map_or(result.map_err(|error| Failed::from(error).into()), Err)
-        })
-    })
-}
-
-fn told(outcome: &Outcome) -> PyResult<String> {
-    serde_json::to_string(outcome).map_err(|error| PyRuntimeError::new_err(error.to_string()))
-}
-
-/// Run a scene in a folder; what came, as JSON.
-#[pyfunction]
-pub fn run(py: Python<'_>, scene: &Bound<'_, Scene>, folder: PathBuf, how: How) -> PyResult<String> {
-    let job = how.of(Job::new(scene.get().source().clone(), folder))?;
-    told(&interruptible(py, |stop| job.run(stop))?)
-}
-
-/// Go on with the run in a folder; what came, as JSON.
-#[pyfunction]
-pub fn resume(py: Python<'_>, folder: PathBuf, how: How) -> PyResult<String> {
-    let job = how.of(Job::resume(folder).map_err(Failed::from)?)?;
-    told(&interruptible(py, |stop| job.run(stop))?)
-}
-
-/// Run a scene for all combinations of values of keys, the last key's varying fastest: what came, as JSON, or what went wrong.
-#[pyfunction]
-pub fn sweep<'py>(
-    py: Python<'py>,
-    scene: &Bound<'py, Scene>,
-    over: Vec<(String, Vec<Bound<'py, PyAny>>)>,
+    scene: &Bound<'_, Scene>,
     folder: PathBuf,
     how: How,
-) -> PyResult<Vec<(Option<String>, Option<String>)>> {
-    let job = how.of(Job::new(scene.get().source().clone(), folder))?;
-    let texts = |(key, values): (String, Vec<Bound<'py, PyAny>>)| {
-        let list = values.iter().map(|value| toml(&key, value)).collect::<PyResult<_>>()?;
-        Ok(Values { key, list })
-    };
-    let keys = over.into_iter().map(texts).collect::<PyResult<Vec<Values>>>()?;
-    let points = interruptible(py, |stop| vary(&job, &keys, stop))?;
-    let row = |point: Point| match &point.outcome {
-        Ok(outcome) => Ok((Some(told(outcome)?), None)),
-        Err(why) => Ok((None, Some(why.clone()))),
-    };
-    points.into_iter().map(row).collect()
+    shown: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Told> {
+    perform(py, Job::new(scene.get().source().clone(), folder), &how, shown)
+}
+
+/// Go on with the run in a folder.
+#[pyfunction]
+#[pyo3(signature = (folder, how, shown=None))]
+pub fn resume(py: Python<'_>, folder: PathBuf, how: How, shown: Option<&Bound<'_, PyAny>>) -> PyResult<Told> {
+    perform(py, Job::resume(folder).map_err(Failed::from)?, &how, shown)
+}
+
+/// Draw measures (name, unit, values) over the values of a key into the file `path`; false, and no file, where the values are no numbers.
+#[pyfunction]
+pub fn chart(
+    path: PathBuf,
+    title: &str,
+    key: String,
+    values: Vec<Bound<'_, PyAny>>,
+    measures: Vec<(String, String, Vec<f64>)>,
+) -> PyResult<bool> {
+    let list = values.iter().map(|value| toml(&key, value)).collect::<PyResult<_>>()?;
+    let drawn = draw(title, &Values { key, list }, &measures).map_err(Failed::from)?;
+    let Some(picture) = drawn else { return Ok(false) };
+    picture.save(path).map_err(|error| Failed::Job(error.into()))?;
+    Ok(true)
 }

@@ -2,6 +2,7 @@
 //!
 //! Its classes and functions are documented for those who call them, in Python: here as the docstrings, and as types in `_impactite.pyi`.
 
+mod background;
 mod body;
 mod error;
 mod fields;
@@ -9,6 +10,7 @@ mod job;
 mod running;
 mod scene;
 mod simulation;
+mod value;
 
 use impactite_cli::templates::TEMPLATES;
 use impactite_input::list::Topic;
@@ -25,7 +27,7 @@ fn _impactite(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<body::Body>()?;
     module.add_function(wrap_pyfunction!(job::run, module)?)?;
     module.add_function(wrap_pyfunction!(job::resume, module)?)?;
-    module.add_function(wrap_pyfunction!(job::sweep, module)?)?;
+    module.add_function(wrap_pyfunction!(job::chart, module)?)?;
     module.add_function(wrap_pyfunction!(schema, module)?)?;
     module.add_function(wrap_pyfunction!(items, module)?)
 }

@@ -1,7 +1,9 @@
 //! A scene that goes on by steps, as a simulation and its bodies share it.
 
+use std::ops::{Deref, DerefMut};
 use std::path::Path;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, TryLockError};
 use std::time::{Duration, Instant};
 
 use impactite::parallel::Team;
@@ -26,6 +28,8 @@ pub struct Running {
     pub threads: usize,
     /// Taken by whoever does not hold the interpreter, which a thread that steps may wait for.
     state: Mutex<State>,
+    /// Process of the thread that has locked `state`; 0 if none has.
+    holder: AtomicU32,
     /// The arrays of each body.
     gathered: Mutex<Vec<Option<Gathered>>>,
 }
@@ -45,6 +49,30 @@ struct State {
     unusable: Option<String>,
 }
 
+/// The state, while a thread uses it.
+struct Held<'a> {
+    state: MutexGuard<'a, State>,
+    holder: &'a AtomicU32,
+}
+
+impl Deref for Held<'_> {
+    type Target = State;
+    fn deref(&self) -> &State {
+        &self.state
+    }
+}
+impl DerefMut for Held<'_> {
+    fn deref_mut(&mut self) -> &mut State {
+        &mut self.state
+    }
+}
+impl Drop for Held<'_> {
+    // Before the state itself is given back.
+    fn drop(&mut self) {
+        self.holder.store(0, Ordering::SeqCst);
+    }
+}
+
 impl Running {
     /// The scene, set up.
     pub fn new(source: &Source, scene: Arc<SceneFile>, threads: Option<usize>) -> Result<Self, Failed> {
@@ -56,15 +84,47 @@ impl Running {
         let measures = Measures::new(&scene, &*solver)?;
         let gathered = solver.bodies().iter().map(|_| None).collect();
         let state = State { solver, changes: 0, unusable: None };
-        Ok(Running { scene, measures, threads, state: Mutex::new(state), gathered: Mutex::new(gathered) })
+        Ok(Running {
+            scene,
+            measures,
+            threads,
+            state: Mutex::new(state),
+            holder: AtomicU32::new(0),
+            gathered: Mutex::new(gathered),
+        })
     }
 
-    fn lock(&self) -> Result<MutexGuard<'_, State>, Failed> {
+    fn lock(&self) -> Result<Held<'_>, Failed> {
         let broken = || Failed::Unusable("the simulation broke off within a step and cannot go on".into());
-        let state = self.state.lock().map_err(|_| broken())?;
-        match &state.unusable {
+        let process = std::process::id();
+        let mut waited = 0;
+        let state = loop {
+            match self.state.try_lock() {
+                Ok(state) => break state,
+                Err(TryLockError::Poisoned(_)) => return Err(broken()),
+                Err(TryLockError::WouldBlock) => match self.holder.load(Ordering::SeqCst) {
+                    // Between locking and storing the holder. It lasts only in a child that was forked at that moment.
+                    0 if waited < 1000 => {
+                        waited += 1;
+                        std::thread::sleep(Duration::from_millis(1));
+                    }
+                    holder if holder == process => break self.state.lock().map_err(|_| broken())?,
+                    // Locked by a thread of the parent, which the child does not have.
+                    _ => {
+                        return Err(Failed::Unusable(
+                            "the process was forked while another thread used the simulation, which cannot go on in the child; \
+                             make it there, or start processes by multiprocessing.set_start_method(\"spawn\")"
+                                .into(),
+                        ));
+                    }
+                },
+            }
+        };
+        self.holder.store(process, Ordering::SeqCst);
+        let held = Held { state, holder: &self.holder };
+        match &held.unusable {
             Some(why) => Err(Failed::Unusable(why.clone())),
-            None => Ok(state),
+            None => Ok(held),
         }
     }
 

@@ -4,21 +4,21 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use impactite_input::{SceneFile, Source, measured};
-use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyType};
-use serde::Serialize;
 
+use crate::background;
 use crate::error::Failed;
 use crate::running::Running;
 use crate::simulation::Simulation;
+use crate::value;
 
 /// A scene: bodies of materials, how they are computed, what acts on them, how long.
 ///
 /// Made of a dict, or by `Scene.from_file` and `Scene.from_toml`, of the keys of scene files. Quantities are numbers in SI units or
 /// texts with units. `set` changes keys: `{"parameters.speed": "227 m/s"}`. Files that the scene names are looked for in `folder`.
 ///
-/// Raises `SceneError` for what is wrong, with its place. A dict is read as the TOML text that `text` shows.
+/// Raises `SceneError` for what is wrong, with its place. A dict is read as the TOML text that `text` shows. Scenes can be pickled.
 #[pyclass(frozen, module = "impactite")]
 pub struct Scene {
     source: Source,
@@ -27,10 +27,8 @@ pub struct Scene {
 
 impl Scene {
     /// The text, changed where `set` says so, and read.
-    fn read(py: Python<'_>, mut source: Source, set: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
-        for (key, value) in set.into_iter().flatten() {
-            source = source.set(&assignment(&key, &value)?).map_err(Failed::from)?;
-        }
+    fn read(py: Python<'_>, source: Source, set: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let source = value::changed(source, set)?;
         py.detach(|| {
             let file = source.parse()?;
             Ok(Scene { source, file: Arc::new(file) })
@@ -49,11 +47,12 @@ impl Scene {
     #[new]
     #[pyo3(signature = (tree, *, set=None, folder=None))]
     fn new(
-        tree: &Bound<'_, PyDict>,
+        tree: &Bound<'_, PyAny>,
         set: Option<&Bound<'_, PyDict>>,
         folder: Option<PathBuf>,
     ) -> PyResult<Self> {
-        let source = Source::from_json(named(folder, "<dict>"), &json(tree)?).map_err(Failed::from)?;
+        let source =
+            Source::from_json(named(folder, "<dict>"), &value::scene(tree)?).map_err(Failed::from)?;
         Scene::read(tree.py(), source, set)
     }
 
@@ -88,8 +87,20 @@ impl Scene {
     /// The scene set up, ready to step on so many threads (all processors if none are given). Results are the same bits for any number.
     #[pyo3(signature = (*, threads=None))]
     fn simulation(&self, py: Python<'_>, threads: Option<usize>) -> PyResult<Simulation> {
-        let running = py.detach(|| Running::new(&self.source, self.file.clone(), threads))?;
-        Ok(Simulation::new(running))
+        let (source, file) = (self.source.clone(), self.file.clone());
+        let set_up = move || Running::new(&source, file, threads);
+        // Set-up that is interrupted is abandoned.
+        Ok(Simulation::new(background::run(py, set_up, |_| Ok(()), || false)??))
+    }
+
+    /// Run the scene to its end in the folder `out`: `impactite.run(scene, out, ...)`, with its options.
+    #[pyo3(signature = (out=None, **options))]
+    fn run<'py>(
+        slf: &Bound<'py, Self>,
+        out: Option<Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("impactite")?.call_method("run", (slf, out), options)
     }
 
     /// Its title.
@@ -132,6 +143,23 @@ impl Scene {
         Ok(all)
     }
 
+    /// Scene of a pickle: its name in messages, its text.
+    #[classmethod]
+    fn _of(class: &Bound<'_, PyType>, name: String, text: String) -> PyResult<Self> {
+        Scene::read(class.py(), Source::new(name, text), None)
+    }
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, String))> {
+        let Source { name, text } = slf.get().source.clone();
+        Ok((slf.get_type().getattr("_of")?, (name, text)))
+    }
+    // Scenes are immutable.
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
+    }
+
     fn __repr__(&self) -> String {
         format!(
             "<impactite.Scene {:?}, {}, {} s>",
@@ -145,42 +173,4 @@ impl Scene {
 /// What errors call a scene that is no file; its folder is where files that it names are.
 fn named(folder: Option<PathBuf>, name: &str) -> String {
     folder.as_deref().unwrap_or(Path::new("")).join(name).display().to_string()
-}
-
-/// An object as JSON. Arrays and numbers of NumPy are lists and numbers, paths are texts.
-fn json(object: &Bound<'_, PyAny>) -> PyResult<String> {
-    let py = object.py();
-    let options = PyDict::new(py);
-    options.set_item("default", wrap_pyfunction!(plain, py)?)?;
-    options.set_item("allow_nan", false)?;
-    py.import("json")?.call_method("dumps", (object,), Some(&options))?.extract()
-}
-
-/// What JSON has a kind for, of what it has none for.
-#[pyfunction]
-fn plain<'py>(object: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-    if object.hasattr("tolist")? {
-        return object.call_method0("tolist");
-    }
-    if object.hasattr("__fspath__")? {
-        return object.call_method0("__fspath__");
-    }
-    let kind = object.get_type().name()?;
-    Err(PyTypeError::new_err(format!(
-        "a scene holds dicts, lists, texts, numbers and truth values, not {kind}"
-    )))
-}
-
-/// `KEY=VALUE`, the value in TOML.
-fn assignment(key: &Bound<'_, PyAny>, value: &Bound<'_, PyAny>) -> PyResult<String> {
-    let key: String = key.extract()?;
-    Ok(format!("{key}={}", toml(&key, value)?))
-}
-
-/// The value of a key, in TOML.
-pub fn toml(key: &str, value: &Bound<'_, PyAny>) -> PyResult<String> {
-    let wrong = |why: &dyn std::fmt::Display| PyValueError::new_err(format!("set: {key}: {why}"));
-    let value: serde_json::Value = serde_json::from_str(&json(value)?).map_err(|e| wrong(&e))?;
-    let value = value.serialize(toml_edit::ser::ValueSerializer::new()).map_err(|e| wrong(&e))?;
-    Ok(value.to_string())
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -148,6 +149,13 @@ impl Simulation {
     /// not to be used any more.
     fn resume(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         Ok(py.detach(|| self.0.resume(&path))?)
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a Simulation cannot be pickled or copied; save a checkpoint by `simulation.save(path)` and resume it by \
+             `scene.simulation().resume(path)`; scenes, results and arrays can be pickled",
+        ))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {

@@ -2,10 +2,13 @@
 
 import ast
 import doctest
+import inspect
 import re
 import runpy
 import struct
 from pathlib import Path
+
+import pytest
 
 import impactite as im
 
@@ -36,6 +39,7 @@ def test_the_example_of_the_package_runs(tmp_path, monkeypatch):
 
 
 def test_the_programs_of_the_documents_run(tmp_path, monkeypatch):
+    pytest.importorskip("pandas")
     for page in (HERE / "README.md", HERE.parent / "docs" / "book" / "src" / "python.md"):
         folder = tmp_path / page.stem
         folder.mkdir()
@@ -66,5 +70,8 @@ def test_the_types_say_what_there_is():
     for name in ("SceneError", "RunError"):
         fields = {node.target.id for node in classes[name].body if isinstance(node, ast.AnnAssign)}
         assert fields == {key for key, value in vars(getattr(im, name)).items() if value is None}
+    (method,) = [node for node in classes["Scene"].body if isinstance(node, ast.FunctionDef) and node.name == "run"]
+    options = [each.arg for each in method.args.args[1:] + method.args.kwonlyargs]
+    assert options == [*inspect.signature(im.run).parameters][1:]
     undocumented = [name for name in im.__all__ if not getattr(im, name).__doc__]
     assert undocumented == []

@@ -81,7 +81,7 @@ def test_ctrl_c_leaves_a_checkpoint_from_which_it_goes_on(scene, endless, tmp_pa
 
 
 def test_a_sweep_has_a_run_a_value(scene, tmp_path):
-    how = {"pictures": False, "report": False}
+    how = {"pictures": False, "report": False, "processes": 2}
     over = {"parameters.speed": ["1 m/s", "2 m/s"], "bodies.disc.velocity[0]": [0, 0.5]}
     points = im.sweep(scene, over, tmp_path / "sweep", **how)
     assert [(*point.values.values(),) for point in points] == [("1 m/s", 0), ("1 m/s", 0.5), ("2 m/s", 0), ("2 m/s", 0.5)]
@@ -91,7 +91,5 @@ def test_a_sweep_has_a_run_a_value(scene, tmp_path):
         alone = scene.changed(point.values).simulation(threads=1)
         alone.run()
         assert point.result.measures == alone.measures()
-    bad = im.sweep(scene.changed({"end": "1 s"}), {"time_step": [{"fixed": "2 ms"}]}, tmp_path / "bad", **how)
-    assert bad[0].result is None and "step " in bad[0].error
     with pytest.raises(im.SceneError, match="speed"):
         im.sweep(scene, {"parameters.sped": ["1 m/s"]}, tmp_path / "none", **how)

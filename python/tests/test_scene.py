@@ -1,7 +1,10 @@
 """Scenes: what they are made of, and what is wrong with them."""
 
 import json
+from decimal import Decimal
+from fractions import Fraction
 from pathlib import Path
+from types import MappingProxyType
 
 import numpy as np
 import pytest
@@ -37,13 +40,86 @@ def test_keys_are_changed_by_values_of_python(scene, tree):
     assert len(whole.simulation(threads=1).bodies["disc"]) > 2 * len(scene.simulation(threads=1).bodies["disc"])
 
 
-def test_a_dict_may_hold_arrays_and_paths(tree):
-    tree["bodies"]["disc"]["velocity"] = np.array([0, -2])
-    tree["bodies"]["disc"]["material"] = Path("rubber")
-    im.Scene(tree)
-    tree["bodies"]["disc"]["velocity"] = [0, object()]
-    with pytest.raises(TypeError, match="a scene holds dicts, lists, .*not object"):
-        im.Scene(tree)
+def test_a_dict_may_hold_arrays_paths_and_numbers_of_other_kinds(tree):
+    disc = tree["bodies"]["disc"]
+    disc["velocity"], disc["material"] = np.array([0, -2]), Path("rubber")
+    text = im.Scene(tree).text
+    for speed in (np.int32(-2), Fraction(-2), np.array(-2)):
+        disc["velocity"] = (0, speed)
+        assert im.Scene(MappingProxyType(tree)).parameters["speed"] == 2.0
+    disc["velocity"] = [0, -2]
+    assert im.Scene(tree).text == text
+    for half in (0.5, np.float32(0.5), np.float64(0.5), Decimal("0.5"), Fraction(1, 2), np.longdouble(0.5)):
+        assert im.Scene(tree, set={"end": half}).end == 0.5
+    assert im.Scene(tree, set={"end": np.uint8(2), "only_warn": np.bool_(True), "bodies.disc.velocity": range(2)}).end == 2.0
+
+
+class Millimetres(np.ndarray):
+    unit = "mm"
+
+
+def nested(levels, inner=1, wrap=lambda value: [value]):
+    for _ in range(levels):
+        inner = wrap(inner)
+    return inner
+
+
+def itself():
+    table = {}
+    table["a"] = table
+    return table
+
+
+@pytest.mark.parametrize(
+    "value, kind, key, words",
+    [
+        (None, im.SceneError, "{0}", "`{0}` is None; leave the key out"),
+        ([0, None], im.SceneError, "{0}[1]", "`{0}[1]` is None; leave it out of the list"),
+        ({"box": None}, im.SceneError, "{0}.box", "`{0}.box` is None"),
+        (np.array([0, np.nan]), im.SceneError, "{0}[1]", "`{0}[1]` is NaN; it must be finite"),
+        (float("-inf"), im.SceneError, "{0}", "`{0}` is -inf; it must be finite"),
+        (10**30, im.SceneError, "{0}", "`{0}` is an integer of more than 64 bits"),
+        (np.arange(2).view(Millimetres), im.SceneError, "{0}", "`{0}` is a Millimetres with the unit mm; write a text"),
+        ([object()], TypeError, None, "`{0}[0]` is an object; a scene holds dicts, lists, arrays, texts"),
+        (b"2 m", TypeError, None, "`{0}` is a bytes; a scene holds"),
+        ({1, 2}, TypeError, None, "`{0}` is a set; a scene holds"),
+        (2j, TypeError, None, "`{0}` is a complex; a scene holds"),
+        (np.datetime64("2020-01-01"), TypeError, None, "`{0}` is a date; a scene holds"),
+        ({1: 2}, TypeError, None, "`{0}` has the key 1, which is an int; keys of a scene are texts"),
+        (nested(1000), im.SceneError, ..., "below 64 levels of dicts and lists"),
+        (nested(100_000), im.SceneError, ..., "below 64 levels of dicts and lists"),
+        (nested(1000, wrap=lambda value: {"a": value}), im.SceneError, ..., "below 64 levels of dicts and lists"),
+        (itself(), im.SceneError, ..., "does one of them contain itself?"),
+    ],
+)
+def test_values_that_no_scene_has_are_refused_with_their_key(tree, value, kind, key, words):
+    scene = im.Scene(tree)
+    tree["bodies"]["disc"]["velocity"] = value
+    for attempt, start in ((lambda: im.Scene(tree), ""), (lambda: scene.changed({"bodies.disc.velocity": value}), "set: ")):
+        with pytest.raises(kind) as caught:
+            attempt()
+        at = "bodies.disc.velocity"
+        assert words.format(at) in str(caught.value) and str(caught.value).startswith(start)
+        if key is not ...:
+            assert getattr(caught.value, "key", None) == (key and key.format(at))
+
+
+def test_what_is_no_dict_is_no_scene(file):
+    for wrong, words in [
+        ([1], "`Scene` does not take a list; a scene is a dict"),
+        (None, "`Scene` does not take None"),
+        (3, "`Scene` does not take an int"),
+        ("title = 1", "`Scene` does not take a str; `Scene.from_file` reads a file, `Scene.from_toml` a text"),
+    ]:
+        with pytest.raises(TypeError, match=words):
+            im.Scene(wrong)
+    with pytest.raises(TypeError, match="does not take a list"):
+        im.run([1])
+    with pytest.raises(TypeError, match="the key 3 is an int"):
+        im.Scene.from_file(file, set={3: 1})
+    # The levels that are allowed are read: what is wrong is another thing.
+    with pytest.raises(im.SceneError, match="unknown field"):
+        im.Scene({"a": nested(62)})
 
 
 def test_what_is_wrong_is_told_with_its_place(file):
@@ -68,7 +144,7 @@ def test_what_is_wrong_is_told_with_its_place(file):
         ("method.mpm.cell", 0, ["method.mpm.cell", "0"]),
         ("checks[0].measure", "heigt", ["checks[0].measure", "did you mean `height`?"]),
         ("parameters.sped", 3, ["set: parameters.sped", "did you mean `speed`?"]),
-        ("title", None, ["set: title"]),
+        ("title", None, ["set: `title` is None"]),
     ],
 )
 def test_values_that_are_none_are_refused_where_they_enter(scene, key, value, words):

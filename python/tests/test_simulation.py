@@ -161,11 +161,11 @@ def endless(scene):
     return scene.changed({"end": "1000 s"})
 
 
-def interrupt_soon():
+def interrupt_soon(seconds=0.3):
     """Press Ctrl-C in a moment. The thread that does can only do so while the interpreter is free."""
     # Programs that a shell starts in the background ignore it, and hand that on.
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+    threading.Timer(seconds, os.kill, (os.getpid(), signal.SIGINT)).start()
 
 
 def test_ctrl_c_stops_between_steps_and_the_simulation_goes_on(endless):

@@ -1,13 +1,28 @@
 """The part of ``impactite`` that is compiled. Import from ``impactite``."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__: list[str]
+from ._progress import ProgressLike
+from ._runs import Result
+
+__all__ = [
+    "Body",
+    "RunError",
+    "Scene",
+    "SceneError",
+    "Simulation",
+    "__version__",
+    "chart",
+    "items",
+    "resume",
+    "run",
+    "schema",
+]
 __version__: str
 
 class SceneError(ValueError):
@@ -39,6 +54,8 @@ class RunError(RuntimeError):
     number: int | None
     #: Its position, m.
     position: tuple[float, float, float] | None
+    #: Warnings of a run in a folder before it.
+    warnings: list[str] | None
 
 @final
 class Scene:
@@ -48,10 +65,12 @@ class Scene:
     texts with units. ``set`` changes keys: ``{"parameters.speed": "227 m/s"}``. Files that the scene names are looked for in
     ``folder``.
 
-    Raises ``SceneError`` for what is wrong, with its place. A dict is read as the TOML text that ``text`` shows.
+    Raises ``SceneError`` for what is wrong, with its place. A dict is read as the TOML text that ``text`` shows. Scenes can be pickled.
     """
 
-    def __new__(cls, tree: dict[str, Any], *, set: dict[str, Any] | None = None, folder: str | os.PathLike[str] | None = None) -> Scene: ...
+    def __new__(
+        cls, tree: Mapping[str, Any], *, set: dict[str, Any] | None = None, folder: str | os.PathLike[str] | None = None
+    ) -> Scene: ...
     @classmethod
     def from_file(cls, path: str | os.PathLike[str], *, set: dict[str, Any] | None = None) -> Scene:
         """The scene of a file: TOML, or JSON if its name ends with ``.json``."""
@@ -67,6 +86,24 @@ class Scene:
         """The scene set up, ready to step on so many threads (all processors if none are given). Results are the same bits for any
         number."""
 
+    def run(
+        self,
+        out: str | os.PathLike[str] | None = None,
+        *,
+        set: Mapping[str, Any] | None = None,
+        threads: int | None = None,
+        pictures: bool = True,
+        report: bool = True,
+        checkpoint: float = 300.0,
+        progress: ProgressLike = None,
+    ) -> Result:
+        """Run the scene to its end in the folder ``out``: ``impactite.run(scene, out, ...)``, with its options."""
+
+    @classmethod
+    def _of(cls, name: str, text: str) -> Scene: ...
+    def __reduce__(self) -> tuple[Any, tuple[str, str]]: ...
+    def __copy__(self) -> Scene: ...
+    def __deepcopy__(self, _memo: object, /) -> Scene: ...
     @property
     def title(self) -> str:
         """Its title."""
@@ -254,10 +291,23 @@ class Body:
     def state(self) -> dict[str, NDArray[np.float64]]:
         """What the law keeps of each point, by the names in ``state_names``; shapes (n,)."""
 
-def run(scene: Scene, folder: str | os.PathLike[str], how: dict[str, Any]) -> str: ...
-def resume(folder: str | os.PathLike[str], how: dict[str, Any]) -> str: ...
-def sweep(
-    scene: Scene, over: Sequence[tuple[str, Sequence[Any]]], folder: str | os.PathLike[str], how: dict[str, Any]
-) -> list[tuple[str | None, str | None]]: ...
+def run(
+    scene: Scene,
+    folder: str | os.PathLike[str],
+    how: dict[str, Any],
+    shown: Callable[[float, float, int, float, float], object] | None = None,
+) -> tuple[str, list[str]]: ...
+def resume(
+    folder: str | os.PathLike[str],
+    how: dict[str, Any],
+    shown: Callable[[float, float, int, float, float], object] | None = None,
+) -> tuple[str, list[str]]: ...
+def chart(
+    path: str | os.PathLike[str],
+    title: str,
+    key: str,
+    values: Sequence[Any],
+    measures: Sequence[tuple[str, str, Sequence[float]]],
+) -> bool: ...
 def schema() -> str: ...
 def items(topic: str) -> list[tuple[str, str, list[str]]]: ...

@@ -1,0 +1,106 @@
+//! Progress of a run, for programs that show it themselves.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use impactite::observe::{ObserveError, Observer, Pace, Progress, RunView};
+use impactite::scene::{Archive, CheckpointError, Warning};
+
+/// Wall-clock time between updates of a [`Stand`].
+const EVERY: Duration = Duration::from_millis(50);
+
+/// Progress of a run, shared between its thread and others. It replaces the bar on the terminal for a [`Job`](crate::Job).
+#[derive(Debug, Default)]
+pub struct Advance {
+    begun: AtomicBool,
+    now: Mutex<(Stand, Vec<String>)>,
+}
+
+/// Time and steps that a run has reached.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Stand {
+    /// Simulated time, s.
+    pub time: f64,
+    /// Simulated time at the end of the run, s; 0 before the first step.
+    pub end: f64,
+    /// Steps made since the scene was set up.
+    pub steps: u64,
+    /// Point updates per second of wall-clock time in steps.
+    pub rate: f64,
+    /// Energy error: the change of the total energy that nothing explains over the largest energy so far.
+    pub energy_error: f64,
+}
+
+impl Advance {
+    /// Whether the scene is set up. A run that is asked to stop earlier ends before it writes a file.
+    pub fn begun(&self) -> bool {
+        self.begun.load(Ordering::SeqCst)
+    }
+
+    /// Time and steps reached.
+    pub fn stand(&self) -> Stand {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner).0
+    }
+
+    /// Warnings of the run so far.
+    pub fn warnings(&self) -> Vec<String> {
+        self.now.lock().unwrap_or_else(PoisonError::into_inner).1.clone()
+    }
+
+    /// Mark the scene as set up; false if the run was asked to stop before.
+    pub(crate) fn begin(&self, stop: &AtomicBool) -> bool {
+        // Who stops the run first stores `stop` and then loads `begun`: at least one of the two threads sees the store of the other.
+        self.begun.store(true, Ordering::SeqCst);
+        !stop.load(Ordering::SeqCst)
+    }
+
+    fn update<R>(&self, update: impl FnOnce(&mut Stand, &mut Vec<String>) -> R) -> R {
+        let mut now = self.now.lock().unwrap_or_else(PoisonError::into_inner);
+        let (stand, warnings) = &mut *now;
+        update(stand, warnings)
+    }
+}
+
+/// Observer of progress: the bar of the program, or an [`Advance`] in its place. It is one observer in both cases, so that checkpoints fit both.
+pub(crate) struct Shown {
+    pub bar: Progress,
+    pub advance: Option<Arc<Advance>>,
+    pub last: Option<Instant>,
+}
+
+impl Observer for Shown {
+    fn pace(&mut self) -> &mut Pace {
+        self.bar.pace()
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let Some(advance) = &self.advance else { return self.bar.observe(now) };
+        let ends = now.time() >= now.end();
+        if ends || self.last.is_none_or(|last| last.elapsed() >= EVERY) {
+            self.last = Some(Instant::now());
+            let stand = Stand {
+                time: now.time(),
+                end: now.end(),
+                steps: now.step(),
+                rate: now.rate(),
+                energy_error: now.solver().account().energy_error(),
+            };
+            advance.update(|seen, _| *seen = stand);
+        }
+        Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.bar.archive(file)
+    }
+    fn warned(&mut self, warning: &Warning) {
+        match &self.advance {
+            Some(advance) => advance.update(|_, warnings| warnings.push(warning.to_string())),
+            None => self.bar.warned(warning),
+        }
+    }
+    fn finish(&mut self) {
+        if self.advance.is_none() {
+            self.bar.finish();
+        }
+    }
+}
