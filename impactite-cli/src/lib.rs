@@ -2,6 +2,7 @@
 
 pub mod error;
 pub mod job;
+pub mod lists;
 pub mod pictures;
 pub mod sweep;
 pub mod templates;

@@ -6,15 +6,14 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use impactite::parallel::Team;
 use impactite::scene::RunError;
 use impactite_cli::job::CHECKPOINT;
+use impactite_cli::lists::{self, Word};
 use impactite_cli::sweep::{Values, sweep};
-use impactite_cli::templates::TEMPLATES;
-use impactite_cli::{CliError, Job, Outcome};
+use impactite_cli::{CliError, Job, Outcome, templates};
 use impactite_input::Source;
-use impactite_input::list::Topic;
 
 /// Runs scenes of impact, penetration, explosion, fracture and granular flow from files.
 #[derive(Debug, Parser)]
@@ -40,11 +39,11 @@ enum Command {
     Resume(ResumeOptions),
     /// Run a scene file for each value of a key; a table and a chart of its measures
     Sweep(SweepOptions),
-    /// What scene files can say
+    /// List what scene files accept
     List(ListOptions),
     /// Write a scene file to begin with
     New(NewOptions),
-    /// Write report.html of a folder anew
+    /// Rebuild report.html of a run folder
     Report {
         /// The folder of a run
         folder: PathBuf,
@@ -67,10 +66,10 @@ struct HowOptions {
     /// Threads [default: all processors]; results are the same for any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=Team::MOST as i64))]
     threads: Option<u16>,
-    /// Seconds by the clock between checkpoints; 0: one after every step
+    /// Wall-clock seconds between checkpoints (0: after every step)
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
     checkpoint: f64,
-    /// Seconds by the clock between lines of the log
+    /// Wall-clock seconds between lines of the log
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     log_every: f64,
     /// No pictures, and no files for ParaView
@@ -114,27 +113,20 @@ struct SweepOptions {
 
 #[derive(Debug, Args)]
 struct ListOptions {
-    /// Of what
-    topic: Word,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Word {
-    Methods,
-    Laws,
-    Materials,
-    Contacts,
-    Conditions,
-    Shapes,
-    Measures,
-    Templates,
+    /// Topic; the topics if not given
+    topic: Option<Word>,
+    /// Part of the keys, as bodies.plate.shape or conditions.wall (topic `keys`)
+    prefix: Option<String>,
+    /// Print the page of the book (topic `keys`)
+    #[arg(long)]
+    markdown: bool,
 }
 
 #[derive(Debug, Args)]
 struct NewOptions {
-    /// Which one; `impactite list templates`
+    /// Name of the template; `impactite list templates`
     template: String,
-    /// The file to write [default: TEMPLATE.toml]
+    /// File to write [default: TEMPLATE.toml]; files that the template reads are written beside it
     file: Option<PathBuf>,
 }
 
@@ -250,22 +242,16 @@ fn perform(command: Command, stop: &AtomicBool) -> Result<ExitCode, CliError> {
             println!("files in {}", job.folder.display());
             Ok(if points.iter().all(|p| p.outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
         }
-        Command::List(ListOptions { topic }) => {
-            list(topic);
+        Command::List(ListOptions { topic, prefix, markdown }) => {
+            let list = lists::list(topic, prefix.as_deref(), markdown);
+            print!("{}", list.map_err(|why| CliError::Option { option: "list".into(), why })?);
             Ok(ExitCode::SUCCESS)
         }
         Command::New(NewOptions { template, file }) => {
-            let Some((_, _, text)) = TEMPLATES.iter().find(|t| t.0 == template) else {
-                let names: Vec<&str> = TEMPLATES.iter().map(|t| t.0).collect();
-                let why = format!("there is no template `{template}`; there are {}", names.join(", "));
-                return Err(CliError::Option { option: "new".into(), why });
-            };
             let path = file.unwrap_or_else(|| format!("{template}.toml").into());
-            if path.exists() {
-                let why = format!("`{}` is there already", path.display());
-                return Err(CliError::Option { option: "new".into(), why });
+            for other in &templates::write(&template, &path)?[1..] {
+                println!("{}", other.display());
             }
-            std::fs::write(&path, text).map_err(|source| CliError::File { path: path.clone(), source })?;
             println!("{}: `impactite run {}`", path.display(), path.display());
             Ok(ExitCode::SUCCESS)
         }
@@ -363,26 +349,4 @@ fn told(outcome: &Outcome, folder: &Path, how: &HowOptions) -> Result<ExitCode, 
         println!("{json}");
     }
     Ok(if outcome.missed == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-fn list(topic: Word) {
-    let topic = match topic {
-        Word::Methods => Topic::Methods,
-        Word::Laws => Topic::Laws,
-        Word::Materials => Topic::Materials,
-        Word::Contacts => Topic::Contacts,
-        Word::Conditions => Topic::Conditions,
-        Word::Shapes => Topic::Shapes,
-        Word::Measures => Topic::Measures,
-        Word::Templates => {
-            TEMPLATES.iter().for_each(|(name, what, _)| println!("{name}: {what}"));
-            return;
-        }
-    };
-    for line in topic.lines() {
-        println!("{}: {}", line.name, line.what);
-        if !line.fields.is_empty() {
-            println!("    {}", line.fields.join(", "));
-        }
-    }
 }

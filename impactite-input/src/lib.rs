@@ -37,8 +37,10 @@
 mod build;
 mod document;
 mod error;
+pub mod keys;
 pub mod list;
 pub mod measured;
+mod sets;
 
 pub use document::Source;
 pub use error::{Fault, InputError};
