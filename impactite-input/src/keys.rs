@@ -1,6 +1,6 @@
 //! Reference of all keys of scene files, made from the schema: path, value, default, description and an example of each.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use serde_json::{Map, Value, json};
@@ -65,7 +65,7 @@ impl Key {
 #[must_use]
 pub fn all() -> Vec<Key> {
     let schema = crate::schema().to_value();
-    let mut walk = Walk { schema: &schema, keys: Vec::new(), seen: BTreeSet::new(), open: Vec::new() };
+    let mut walk = Walk { schema: &schema, keys: Vec::new(), seen: BTreeMap::new(), open: Vec::new() };
     walk.object(&schema, "SceneFile", "", &[]);
     walk.keys
 }
@@ -92,8 +92,8 @@ enum Frame {
 struct Walk<'a> {
     schema: &'a Value,
     keys: Vec<Key>,
-    /// Types with words or alternatives that were described before.
-    seen: BTreeSet<String>,
+    /// Types with words or alternatives that were described before, and where.
+    seen: BTreeMap<String, String>,
     /// Types that contain the present one.
     open: Vec<String>,
 }
@@ -236,6 +236,14 @@ impl<'a> Walk<'a> {
         if target["additionalProperties"].is_object() {
             return json!({ sample(path): self.example(&target["additionalProperties"], path) });
         }
+        // Of keys whose types have no example.
+        match path.rsplit('.').next().unwrap_or_default() {
+            "field" => return json!("plastic_strain"),
+            "fields" => return json!(["velocity", "pressure"]),
+            "range" => return json!([0, 1.5]),
+            "seen_from" => return json!([1, -1, 0.7]),
+            _ => {}
+        }
         if is_type(target, "array") {
             let one = self.example(&target["items"], path);
             let count = target["minItems"].as_u64().unwrap_or(1);
@@ -264,7 +272,11 @@ impl<'a> Walk<'a> {
         };
         let list = alternatives(of_words);
         let plain = list.iter().filter(|a| a.2.is_none());
-        let known = name.is_empty() || !self.seen.insert(name.to_string());
+        let kind = self.kind(of);
+        let known = name.is_empty() || self.seen.contains_key(name);
+        if !known {
+            self.seen.insert(name.into(), path.into());
+        }
         let words = plain.map(|a| (a.0.clone(), if known { String::new() } else { a.1.clone() })).collect();
         let default = match &of["default"] {
             Value::Null => None,
@@ -287,7 +299,7 @@ impl<'a> Walk<'a> {
         }
         self.keys.push(Key {
             path: path.into(),
-            kind: self.kind(of),
+            kind,
             range: range(of),
             words,
             required: place.required,
@@ -308,7 +320,11 @@ impl<'a> Walk<'a> {
         if !list.is_empty() {
             let tables: Vec<String> =
                 list.iter().filter(|a| a.2.is_some()).map(|a| format!("`{}`", a.0)).collect();
-            return if tables.is_empty() { String::new() } else { format!("one of {}", tables.join(", ")) };
+            return match self.seen.get(name) {
+                _ if tables.is_empty() => String::new(),
+                Some(path) => format!("as `{path}`"),
+                None => format!("one of {}", tables.join(", ")),
+            };
         }
         if target["anyOf"].is_array() {
             return "number, or text with a unit".into();
@@ -377,7 +393,7 @@ impl<'a> Walk<'a> {
     fn value(&mut self, of: &'a Value, path: &str, place: Place, frames: &[Frame]) {
         let (target, name) = resolved(self.schema, of);
         let example = self.example(of, path);
-        let first = !self.seen.contains(name);
+        let first = !self.seen.contains_key(name);
         self.push(path, of, place, frames, &example);
         self.inside(target, name, path, frames, first);
     }
@@ -419,10 +435,12 @@ impl<'a> Walk<'a> {
             let (inner, inner_name) = resolved(self.schema, items);
             if inner["properties"].is_object() || alternatives(inner).iter().any(|a| a.2.is_some()) {
                 let path = format!("{path}[]");
-                let first = !self.seen.contains(inner_name);
+                let first = !self.seen.contains_key(inner_name);
                 let below = with(Frame::Element);
+                if first {
+                    self.seen.insert(inner_name.into(), path.clone());
+                }
                 self.inside(inner, inner_name, &path, &below, first);
-                self.seen.insert(inner_name.to_string());
             }
         }
         self.open.pop();
@@ -433,7 +451,7 @@ impl<'a> Walk<'a> {
         let (target, name) = resolved(self.schema, of);
         let place = Place { what: text(&target["description"]), ..Place::default() };
         let example = self.example(of, path);
-        let first = !self.seen.contains(name);
+        let first = !self.seen.contains_key(name);
         self.push(path, of, place, frames, &example);
         self.inside(target, name, path, frames, first);
     }
@@ -564,6 +582,11 @@ pub fn markdown() -> String {
                 key.example
             );
         }
+        if let Some(list) = table.strip_suffix("[]")
+            && let Some(key) = keys.iter().find(|key| key.path == list)
+        {
+            let _ = writeln!(page, "`[[{list}]]`: {}\n", sentence(&key.what));
+        }
         let rows: Vec<&Key> =
             keys.iter().filter(|key| key.path != *table && table_of(&key.path) == *table).collect();
         if !rows.is_empty() {
@@ -637,10 +660,14 @@ fn names_of_parameters() -> String {
     let small = letters(&mut ('a'..='z'), true);
     let free: Vec<String> = [small, capital].into_iter().filter(|s| !s.is_empty()).collect();
     format!(
-        "\nA name is a letter, then letters, digits and `_`. Refused are names that quantities and formulas use: coordinates and time (`x`, `y`, `z`, `r`, `t`),\n\
-         units and constants of up to two letters (`m`, `s`, `h`, `g`, `kg`, `mm`, `us`, `Pa`, `pi`, `e`; nearly every single letter is the symbol of a\n\
-         unit or constant, as `a` of the year and `b` of the bit), usual longer units (`MPa`, `deg`, `rpm`, `inch`) and functions (`sqrt`, `sin`, `exp`). Single letters that\n\
-         are free: {}. Take words: `radius`, `cells`, `speed`.\n",
+        "\nA name is a letter, then letters, digits and `_`. A parameter cannot have a name that means something in a quantity or a formula:\n\n\
+         | refused | because |\n|---|---|\n\
+         | `x`, `y`, `z`, `r`, `t` | coordinates and time of formulas |\n\
+         | other single letters but {} | symbols of units and constants: `m` metre, `s` second, `h` hour, `g` gram, `e` Euler's number |\n\
+         | `mm`, `kg`, `us`, `Pa`, `pi` and other units of two letters | units and constants |\n\
+         | `MPa`, `deg`, `rpm`, `inch` and other usual units | units |\n\
+         | `sqrt`, `sin`, `exp` and other functions | functions |\n\n\
+         Take words: `radius`, `cells`, `speed`.\n",
         if free.is_empty() { "none".into() } else { free.join(", ") }
     )
 }

@@ -236,6 +236,7 @@ pub enum Mesh {
     /// File of Gmsh, `.msh`.
     Gmsh(MeshFile),
     /// Input file of Abaqus, `.inp`.
+    #[schemars(extend("examples" = [{"abaqus": {"file": "part.inp", "unit": "1 mm"}}]))]
     Abaqus(MeshFile),
 }
 

@@ -178,6 +178,7 @@ pub enum FluidLaw {
     /// Liquid by Tait's equation with exponent 7.
     Tait(TaitConstants),
     /// Liquid under shock: Mie-Grueneisen.
+    #[schemars(extend("examples" = [{"mie_gruneisen": {"density": 1000, "sound_speed": "1490 m/s", "slope": 1.79, "gruneisen": 1.65}}]))]
     MieGruneisen(ShockConstants),
 }
 
@@ -191,6 +192,7 @@ pub enum ExplosiveLaw {
 
 parts! {
     /// Density and two moduli.
+    #[schemars(extend("examples" = [{"density": "7850 kg/m^3", "young": "206 GPa", "poisson": 0.3}]))]
     ElasticConstants {
         /// Density rho0.
         density: Quantity<Density>,

@@ -34,7 +34,7 @@ pub struct SceneFile {
     /// End of the simulated time.
     #[schemars(example = "80 us", extend("exclusiveMinimum" = 0))]
     pub end: Quantity<Time>,
-    /// Parameters: named values, with which all quantities after them may be written.
+    /// Named values, with which all quantities after them may be written.
     #[serde(default)]
     pub parameters: IndexMap<String, Parameter>,
     /// Method of the scene, with its options.
