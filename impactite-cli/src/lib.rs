@@ -4,6 +4,7 @@ pub mod advance;
 pub mod error;
 pub mod folder;
 pub mod job;
+pub mod lists;
 pub mod pictures;
 pub mod sweep;
 pub mod templates;

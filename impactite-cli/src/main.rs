@@ -7,14 +7,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use impactite::parallel::Team;
 use impactite::scene::{RunError, Solver};
 use impactite_cli::job::{CHECKPOINT, Measured};
+use impactite_cli::lists::{self, Word};
 use impactite_cli::sweep::{PLAN, Point, Values, resume, sweep};
-use impactite_cli::templates::TEMPLATES;
-use impactite_cli::{CliError, Job, Outcome};
-use impactite_input::list::Topic;
+use impactite_cli::{CliError, Job, Outcome, templates};
 use impactite_input::{Source, shown};
 use impactite_report::{checks_passed, energy_error};
 
@@ -42,11 +41,11 @@ enum Command {
     Resume(ResumeOptions),
     /// Run a scene file for each value of a key; a table and a chart of its measures
     Sweep(SweepOptions),
-    /// What scene files can say
+    /// List what scene files accept
     List(ListOptions),
     /// Write a scene file to begin with
     New(NewOptions),
-    /// Write report.html of a folder anew
+    /// Rebuild report.html of a run folder
     Report {
         /// The folder of a run
         folder: PathBuf,
@@ -69,10 +68,10 @@ struct HowOptions {
     /// Threads [default: all processors]; results are the same for any number
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=Team::MOST as i64))]
     threads: Option<u16>,
-    /// Seconds by the clock between checkpoints; 0: one after every step
+    /// Wall-clock seconds between checkpoints (0: after every step)
     #[arg(long, value_name = "SECONDS", default_value_t = 300.0, value_parser = seconds)]
     checkpoint: f64,
-    /// Seconds by the clock between lines of the log
+    /// Wall-clock seconds between lines of the log
     #[arg(long, value_name = "SECONDS", default_value_t = 60.0, value_parser = seconds)]
     log_every: f64,
     /// Print the result as one JSON object on the last line; of a run that fails, its error
@@ -128,27 +127,20 @@ struct SweepOptions {
 
 #[derive(Debug, Args)]
 struct ListOptions {
-    /// Of what
-    topic: Word,
-}
-
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Word {
-    Methods,
-    Laws,
-    Materials,
-    Contacts,
-    Conditions,
-    Shapes,
-    Measures,
-    Templates,
+    /// Topic; the topics if not given
+    topic: Option<Word>,
+    /// Part of the keys, as bodies.plate.shape or conditions.wall (topic `keys`)
+    prefix: Option<String>,
+    /// Print the page of the book (topic `keys`)
+    #[arg(long)]
+    markdown: bool,
 }
 
 #[derive(Debug, Args)]
 struct NewOptions {
-    /// Which one; `impactite list templates`
+    /// Name of the template; `impactite list templates`
     template: String,
-    /// The file to write [default: TEMPLATE.toml]
+    /// File to write [default: TEMPLATE.toml]; files that the template reads are written beside it
     file: Option<PathBuf>,
 }
 
@@ -306,22 +298,17 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             let job = job(&run, signals)?;
             swept(&sweep(&job, &over, stop)?, &job.folder)
         }
-        Command::List(ListOptions { topic }) => {
-            list(topic)?;
+        Command::List(ListOptions { topic, prefix, markdown }) => {
+            let list = lists::list(topic, prefix.as_deref(), markdown);
+            let list = list.map_err(|why| CliError::Option { option: "list".into(), why })?;
+            write(format_args!("{}", list.trim_end_matches('\n')))?;
             Ok(ExitCode::SUCCESS)
         }
         Command::New(NewOptions { template, file }) => {
-            let Some((_, _, text)) = TEMPLATES.iter().find(|t| t.0 == template) else {
-                let names: Vec<&str> = TEMPLATES.iter().map(|t| t.0).collect();
-                let why = format!("there is no template `{template}`; there are {}", names.join(", "));
-                return Err(CliError::Option { option: "new".into(), why });
-            };
             let path = file.unwrap_or_else(|| format!("{template}.toml").into());
-            if path.exists() {
-                let why = format!("`{}` is there already", path.display());
-                return Err(CliError::Option { option: "new".into(), why });
+            for other in &templates::write(&template, &path)?[1..] {
+                say(format_args!("{}", other.display()))?;
             }
-            std::fs::write(&path, text).map_err(|source| CliError::File { path: path.clone(), source })?;
             say(format_args!("{}: `impactite run {}`", path.display(), path.display()))?;
             Ok(ExitCode::SUCCESS)
         }
@@ -462,26 +449,4 @@ fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliE
         write(format_args!("{json}"))?;
     }
     Ok(if outcome.missed == 0 { ExitCode::SUCCESS } else { ExitCode::from(CHECKS_FAILED) })
-}
-
-fn list(topic: Word) -> Result<(), CliError> {
-    let topic = match topic {
-        Word::Methods => Topic::Methods,
-        Word::Laws => Topic::Laws,
-        Word::Materials => Topic::Materials,
-        Word::Contacts => Topic::Contacts,
-        Word::Conditions => Topic::Conditions,
-        Word::Shapes => Topic::Shapes,
-        Word::Measures => Topic::Measures,
-        Word::Templates => {
-            return TEMPLATES.iter().try_for_each(|(name, what, _)| say(format_args!("{name}: {what}")));
-        }
-    };
-    for line in topic.lines() {
-        say(format_args!("{}: {}", line.name, line.what))?;
-        if !line.fields.is_empty() {
-            say(format_args!("    {}", line.fields.join(", ")))?;
-        }
-    }
-    Ok(())
 }

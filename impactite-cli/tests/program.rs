@@ -282,10 +282,24 @@ fn a_sweep_has_a_table_and_a_chart() {
 
 #[test]
 fn lists_schema_and_templates() {
-    for topic in ["methods", "laws", "materials", "contacts", "conditions", "shapes", "measures", "templates"]
-    {
+    // Without a topic the topics, each of which is a list.
+    let topics = said(&run(&["list"]));
+    let topics: Vec<&str> =
+        topics.lines().skip(1).filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(topics.len() >= 14, "{topics:?}");
+    for topic in topics {
         let output = run(&["list", topic]);
-        assert!(output.status.success() && output.stdout.len() > 20, "{topic}: {}", said(&output));
+        assert!(output.status.success() && output.stdout.len() > 100, "{topic}: {}", said(&output));
+    }
+    let keys = said(&run(&["list", "keys", "bodies.plate.rigid"]));
+    assert!(keys.contains("bodies.NAME.rigid.density") && keys.contains("7850 kg/m^3"), "{keys}");
+    for (arguments, word) in [
+        (vec!["list", "keys", "bodys"], "no key begins with `bodys`"),
+        (vec!["list", "laws", "--markdown"], "`keys`"),
+        (vec!["list", "laws", "strength"], "prefix"),
+    ] {
+        let output = run(&arguments);
+        assert!(!output.status.success() && said(&output).contains(word), "{arguments:?}: {}", said(&output));
     }
     let schema: serde_json::Value = serde_json::from_slice(&run(&["schema"]).stdout).expect("JSON");
     assert!(schema["properties"]["bodies"].is_object());
@@ -296,6 +310,15 @@ fn lists_schema_and_templates() {
     let checked = run(&["check", path.to_str().unwrap()]);
     assert!(checked.status.success(), "{}", said(&checked));
     assert!(!run(&["new", "taylor_bar", path.to_str().unwrap()]).status.success(), "it writes over a file");
+    // With the file that it reads, which is not written over either.
+    let path = folder.join("beam.toml");
+    std::fs::write(folder.join("beam.msh"), "mine").unwrap();
+    let refused = run(&["new", "fem_mesh_file", path.to_str().unwrap()]);
+    assert!(!refused.status.success() && said(&refused).contains("beam.msh") && !path.exists());
+    std::fs::remove_file(folder.join("beam.msh")).unwrap();
+    let made = run(&["new", "fem_mesh_file", path.to_str().unwrap()]);
+    assert!(made.status.success() && said(&made).contains("beam.msh"), "{}", said(&made));
+    assert!(run(&["check", path.to_str().unwrap()]).status.success());
     std::fs::remove_dir_all(folder).unwrap();
 }
 

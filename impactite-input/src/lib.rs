@@ -39,8 +39,10 @@ mod build;
 mod document;
 mod error;
 mod json;
+pub mod keys;
 pub mod list;
 pub mod measured;
+mod sets;
 
 pub use ahead::{Ahead, BodyAhead};
 pub use document::{RESUMABLE, Source};

@@ -1,69 +1,92 @@
-//! What scene files can say, in lists for people: made from the schema, so that it is what the reader knows.
+//! Lists of what scene files accept, made from the schema and from the laws and kernels that are compiled.
 
-use serde_json::Value;
+use crate::build::kernels::{PARTS, PURPOSES, word};
+use crate::build::material::{METALS, described};
+use crate::keys::{self, Key};
+use crate::model::material::Library;
 
-/// What there is a list of.
+/// Topic of a list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Topic {
     /// Methods.
     Methods,
-    /// Laws of materials, by their parts.
-    Laws,
-    /// Named sets of constants.
-    Materials,
-    /// Laws and detectors of contact.
-    Contacts,
-    /// Conditions.
-    Conditions,
+    /// Combinations of parts and of laws that are compiled.
+    Parts,
+    /// Keys of bodies.
+    Bodies,
     /// Shapes.
     Shapes,
+    /// Named sets of constants.
+    Materials,
+    /// Laws of materials.
+    Laws,
+    /// Laws and detectors of contact.
+    Contacts,
+    /// Boundary conditions.
+    Conditions,
+    /// Time step.
+    TimeStep,
     /// Measures.
     Measures,
+    /// Keys of checks.
+    Checks,
+    /// Keys of the output.
+    Output,
 }
 
 impl Topic {
     /// All, with the words of the command line.
-    pub const ALL: [(Topic, &str); 7] = [
+    pub const ALL: [(Topic, &str); 12] = [
         (Topic::Methods, "methods"),
-        (Topic::Laws, "laws"),
+        (Topic::Parts, "parts"),
+        (Topic::Bodies, "bodies"),
+        (Topic::Shapes, "shapes"),
         (Topic::Materials, "materials"),
+        (Topic::Laws, "laws"),
         (Topic::Contacts, "contacts"),
         (Topic::Conditions, "conditions"),
-        (Topic::Shapes, "shapes"),
+        (Topic::TimeStep, "time-step"),
         (Topic::Measures, "measures"),
+        (Topic::Checks, "checks"),
+        (Topic::Output, "output"),
     ];
 
-    /// Names, what they are, and their options.
+    /// What the list contains.
+    #[must_use]
+    pub fn what(self) -> &'static str {
+        match self {
+            Topic::Methods => "methods with their options",
+            Topic::Parts => "combinations of parts of `mpm` and of laws that are compiled",
+            Topic::Bodies => "keys of a body",
+            Topic::Shapes => "shapes of bodies and regions",
+            Topic::Materials => "named sets of constants: density, moduli, laws, failure, source",
+            Topic::Laws => "laws of materials and their constants",
+            Topic::Contacts => "laws and detectors of contact",
+            Topic::Conditions => "boundary conditions",
+            Topic::TimeStep => "time steps",
+            Topic::Measures => "measures of a scene",
+            Topic::Checks => "keys of a check",
+            Topic::Output => "keys of the output",
+        }
+    }
+
+    /// Names, descriptions, and keys below them.
     #[must_use]
     pub fn lines(self) -> Vec<Line> {
-        let schema = crate::schema().to_value();
-        let types: &[&str] = match self {
-            Topic::Methods => &["Method"],
-            Topic::Laws => &["Strength", "Eos", "Failure", "GroundLaw", "FluidLaw", "ExplosiveLaw"],
-            Topic::Materials => &["Library"],
-            Topic::Contacts => &["Law", "Detector"],
-            Topic::Conditions => &["Condition"],
-            Topic::Shapes => &["Shape"],
-            Topic::Measures => &["Measurement"],
-        };
-        let mut lines: Vec<Line> = types.iter().flat_map(|name| variants(&schema, name)).collect();
-        if self == Topic::Laws {
-            let constants = fields(&schema, &schema["$defs"]["ElasticConstants"]);
-            for (name, what) in
-                [("elastic", "Linear elasticity in rate form."), ("neo_hookean", "Compressible neo-Hookean.")]
-            {
-                lines.insert(
-                    0,
-                    Line {
-                        group: "Material".into(),
-                        name: name.into(),
-                        what: what.into(),
-                        fields: constants.clone(),
-                    },
-                );
-            }
+        match self {
+            Topic::Methods => children(&["method"]),
+            Topic::Parts => parts(),
+            Topic::Bodies => children(&["bodies.NAME"]),
+            Topic::Shapes => children(&["bodies.NAME.shape"]),
+            Topic::Materials => materials(),
+            Topic::Laws => laws(),
+            Topic::Contacts => children(&["contact.law", "contact.detector"]),
+            Topic::Conditions => children(&["conditions[]"]),
+            Topic::TimeStep => children(&["time_step"]),
+            Topic::Measures => children(&["measures.NAME"]),
+            Topic::Checks => children(&["checks[]"]),
+            Topic::Output => children(&["output"]),
         }
-        lines
     }
 }
 
@@ -74,41 +97,101 @@ pub struct Line {
     pub group: String,
     /// The name.
     pub name: String,
-    /// What it is.
+    /// Description.
     pub what: String,
-    /// Its options; `?` after those that may be left out.
+    /// Keys below it, `?` after those that may be left out; of named sets their properties.
     pub fields: Vec<String>,
 }
 
-fn variants(schema: &Value, name: &str) -> Vec<Line> {
-    let of = &schema["$defs"][name];
-    let list = of["oneOf"].as_array().or_else(|| of["anyOf"].as_array());
+/// The part of a path below another one, if it is there.
+fn within<'a>(path: &'a str, above: &str) -> Option<&'a str> {
+    path.strip_prefix(above)?.strip_prefix('.')
+}
+
+/// Keys and words right below some keys.
+fn children(above: &[&str]) -> Vec<Line> {
+    let keys = keys::all();
+    above.iter().flat_map(|above| below(&keys, above)).collect()
+}
+
+fn below(keys: &[Key], above: &str) -> Vec<Line> {
     let mut lines = Vec::new();
-    for variant in list.into_iter().flatten() {
-        let what = variant["description"].as_str().unwrap_or_default().replace('\n', " ");
-        let mut add = |word: &str, fields: Vec<String>| {
-            lines.push(Line { group: name.into(), name: word.into(), what: what.clone(), fields });
+    for key in keys {
+        if key.path == above {
+            let of_words = |(name, what): &(String, String)| Line {
+                group: above.into(),
+                name: name.clone(),
+                what: what.clone(),
+                fields: Vec::new(),
+            };
+            lines.extend(key.words.iter().map(of_words));
+        }
+        let Some(name) = within(&key.path, above).filter(|name| !name.contains('.')) else { continue };
+        let what = match &key.default {
+            Some(default) => format!("{} Default: {default}.", key.what),
+            None => key.what.clone(),
         };
-        if let Some(word) = variant["const"].as_str() {
-            add(word, Vec::new());
-        }
-        for word in variant["enum"].as_array().into_iter().flatten().filter_map(Value::as_str) {
-            add(word, Vec::new());
-        }
-        for (word, inner) in variant["properties"].as_object().into_iter().flatten() {
-            add(word, fields(schema, inner));
-        }
+        let mut fields: Vec<String> = key.words.iter().map(|(word, _)| format!("\"{word}\"")).collect();
+        fields.extend(options(keys, &key.path));
+        lines.push(Line { group: above.into(), name: name.into(), what, fields });
     }
     lines
 }
 
-/// Names of the fields of an object, by way of references.
-fn fields(schema: &Value, of: &Value) -> Vec<String> {
-    let target =
-        of["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")).map(|name| &schema["$defs"][name]);
-    let of = target.unwrap_or(of);
-    let required: Vec<&str> =
-        of["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-    let names = of["properties"].as_object().into_iter().flatten().map(|(name, _)| name);
-    names.map(|n| if required.contains(&n.as_str()) { n.clone() } else { format!("{n}?") }).collect()
+/// Keys right below a key.
+fn options(keys: &[Key], above: &str) -> Vec<String> {
+    let right_below = keys.iter().filter_map(|key| {
+        let name = within(&key.path, above)?;
+        let alone = !name.contains('.');
+        alone.then(|| if key.required { name.to_string() } else { format!("{name}?") })
+    });
+    right_below.collect()
+}
+
+/// Laws under the key of a material that takes them: `strength.johnson_cook`.
+fn laws() -> Vec<Line> {
+    let keys = keys::all();
+    let material = "materials.NAME";
+    let whole = ["elastic", "neo_hookean"];
+    let mut lines: Vec<Line> = below(&keys, material);
+    lines.retain(|line| whole.contains(&line.name.as_str()));
+    for group in ["strength", "eos", "failure", "ground", "fluid", "explosive"] {
+        let laws = below(&keys, &format!("{material}.{group}"));
+        lines.extend(laws.into_iter().map(|line| Line { name: format!("{group}.{}", line.name), ..line }));
+    }
+    lines
+}
+
+fn parts() -> Vec<Line> {
+    let line = |group: &str, name: String, what: &str| Line {
+        group: group.into(),
+        name,
+        what: what.into(),
+        fields: Vec::new(),
+    };
+    let of_purpose = PURPOSES.iter().map(|(purpose, shape, transfer, update, frame)| {
+        let what = format!("{}, {}, {}, {frame}", word(shape), word(transfer), word(update));
+        line("method.mpm.for", word(purpose), &what)
+    });
+    let of_parts = PARTS.iter().map(|(shape, transfer, update)| {
+        let name = format!("{}, {}, {}", word(shape), word(transfer), word(update));
+        line("method.mpm.parts", name, "shape function, transfer, stress update; updated Lagrangian")
+    });
+    let metals = METALS.iter().map(|(name, what)| line("materials.NAME", (*name).into(), what));
+    of_purpose.chain(of_parts).chain(metals).collect()
+}
+
+/// Named sets with what they are.
+fn materials() -> Vec<Line> {
+    let keys = keys::all();
+    let lines = below(&keys, "materials.NAME.library").into_iter();
+    lines
+        .map(|mut line| {
+            let set = Library::ALL.iter().find(|(_, word)| *word == line.name).map(|(set, _)| *set);
+            if let Some(set) = set.and_then(described) {
+                line.fields = set.properties();
+            }
+            line
+        })
+        .collect()
 }

@@ -225,3 +225,79 @@ fn steps_by_the_circles_of_gershgorin_are_limited_by_nodes() {
     }
     assert_eq!(ready.solver.limited_by(), Some(StepLimit::Nodes));
 }
+
+/// A steel sphere through plates of named sets: with `failure = "library"` each breaks, without it only those that fail by their own law.
+#[test]
+fn plates_of_named_sets_break_by_the_failure_of_their_source() {
+    let path =
+        std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/templates/plate_perforation.toml");
+    // The scenes are not in the package.
+    let Ok(text) = std::fs::read_to_string(path) else { return };
+    let run = |set: &str, failure: bool| {
+        let mut source = Source::new("plate.toml", text.replace("checks]]", "unused]]"));
+        source.text = source.text.split("[[unused]]").next().unwrap_or_default().to_string();
+        source = source.set("parameters.cells=3").unwrap_or_else(|e| panic!("{e}"));
+        source = source.set(&format!("materials.aluminium.library={set}")).unwrap_or_else(|e| panic!("{e}"));
+        if !failure {
+            source.text = source.text.replace("failure = \"library\"", "");
+        }
+        end_of(&source.text)
+    };
+    let density = |set: &str| match set {
+        "lead" => 11350.0,
+        "copper_ofhc" => 8930.0,
+        "aluminium_6061_t6" | "aluminium_2024_t3" => 2700.0,
+        _ => 7830.0,
+    };
+    for set in [
+        "aluminium_6061_t6",
+        "aluminium_2024_t3",
+        "copper_ofhc",
+        "steel_4340",
+        "weldox_460_e",
+        "weldox_460_e_uncoupled",
+        "lead",
+    ] {
+        let broken = run(set, true);
+        let residual = -broken("residual");
+        assert!(broken("failed") > 0.01 && broken("failed") < 0.6, "{set}: {} failed", broken("failed"));
+        // Through the plate, and slower than by the momentum of a plug alone.
+        let plug = 1000.0 / (1.0 + density(set) / 7830.0 * 0.75 * 2.0 / 3.0);
+        assert!(
+            residual > 0.5 * plug && residual < 1.05 * plug,
+            "{set}: {residual} m/s, a plug gives {plug}"
+        );
+        let whole = run(set, false);
+        if set.starts_with("weldox") {
+            assert_eq!(whole("residual").to_bits(), broken("residual").to_bits(), "{set}");
+        } else {
+            assert_eq!(whole("failed"), 0.0, "{set}");
+            assert!(residual > -whole("residual"), "{set}: {residual} and {}", whole("residual"));
+        }
+    }
+}
+
+#[test]
+fn failure_by_a_named_set_is_refused_where_there_is_none() {
+    let text = |material: &str| {
+        format!("{}\nmaterials.other = {{ {material} }}", block("method.mpm = { cell = \"0.1 m\" }", ""))
+            .replace("material = \"soft\"", "material = \"other\"")
+    };
+    for (material, words) in [
+        ("library = \"tungsten_alloy\", failure = \"library\"", ["steel_4340", "failure.plastic_strain"]),
+        ("library = \"water\", failure = \"library\"", ["no failure constants", "lead"]),
+        ("library = \"weldox_460_e\", failure.plastic_strain.limit = 1", ["its own damage", "library"]),
+        (
+            "strength.elastic.shear_modulus = 1e9, eos.logarithmic_bulk = { density = 1000, bulk_modulus = 1e9 }, failure = \"library\"",
+            ["named set", "failure.johnson_cook"],
+        ),
+    ] {
+        // Keys of tables come before those of bodies.
+        let text = text(material);
+        let (head, tail) = text.rsplit_once("materials.other").expect("the material");
+        let text = head.replacen("materials.soft", &format!("materials.other{tail}\nmaterials.soft"), 1);
+        let said = set_up(&text).err().unwrap_or_else(|| panic!("{material}: not refused"));
+        assert!(said.contains("materials.other.failure"), "{material}: {said}");
+        assert!(words.iter().all(|w| said.contains(w)), "{material}: {said}");
+    }
+}

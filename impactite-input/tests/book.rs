@@ -25,8 +25,8 @@ fn the_scene_of_the_book_is_one() {
 #[test]
 fn every_scene_can_be_set_up() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
-    let Ok(entries) = std::fs::read_dir(folder) else { return };
-    for entry in entries {
+    let Ok(entries) = std::fs::read_dir(&folder) else { return };
+    for entry in entries.chain(std::fs::read_dir(folder.join("templates")).expect("templates")) {
         let path = entry.expect("an entry").path();
         if path.extension().is_some_and(|e| e == "toml") {
             let source = Source::read(&path).unwrap_or_else(|e| panic!("{e}"));

@@ -396,6 +396,13 @@ impl<'de, U: Measure> Deserialize<'de> for Quantity<U> {
     }
 }
 
+/// As a number in SI units: the schema has defaults by it.
+impl<U> serde::Serialize for Quantity<U> {
+    fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.serialize_f64(self.value)
+    }
+}
+
 impl<U: Measure> schemars::JsonSchema for Quantity<U> {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         let words: String = U::NAME.split(' ').map(capital).collect();

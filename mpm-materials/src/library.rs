@@ -42,6 +42,12 @@ pub fn aluminium_6061_t6<T: Real>() -> Metal<T> {
     Solid::new(JohnsonCook::aluminium_6061(), MieGruneisen::aluminium_6061())
 }
 
+/// 2024-T3 aluminium: [`JohnsonCook::aluminium_2024_t3`], [`MieGruneisen::aluminium_2024`] \[V\]. Failure:
+/// [`JohnsonCookDamage::aluminium_2024_t3`]. Strength and failure are those of T3 sheet, moduli and Hugoniot those of T4.
+pub fn aluminium_2024_t3<T: Real>() -> Metal<T> {
+    Solid::new(JohnsonCook::aluminium_2024_t3(), MieGruneisen::aluminium_2024())
+}
+
 /// Aluminium as printed in \[Feng2014\] \[S\]: A 324, B 114 MPa, n 0.42, **C 0.016**, m 1.34, T_room 298 K, T_melt 877 K,
 /// c 875 J/(kg K); rho0 2703 kg/m^3, c0 5350 m/s, s 1.34, gamma0 1.97, G 26.7 GPa. For repeating that paper.
 ///
@@ -67,7 +73,8 @@ pub fn copper_feng_2014<T: Real>() -> Metal<T> {
 }
 
 /// OFHC copper, the handbook set: [`JohnsonCook::copper`], [`MieGruneisen::copper`] \[V\]. In Taylor tests it is some
-/// per cent too soft in the foot (book, "The finite-element reference"); see [`copper_taylor`].
+/// per cent too soft in the foot (book, "The finite-element reference"); see [`copper_taylor`]. Failure:
+/// [`JohnsonCookDamage::copper_ofhc`].
 pub fn copper_ofhc<T: Real>() -> Metal<T> {
     Solid::new(JohnsonCook::copper(), MieGruneisen::copper())
 }

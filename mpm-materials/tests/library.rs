@@ -44,6 +44,7 @@ fn every_material_runs() {
     use library::*;
     // Longitudinal speeds of metals 2 to 7 km/s, soils far less.
     runs(aluminium_6061_t6(), aluminium_6061_t6(), 2700.0, 6000.0..6600.0);
+    runs(aluminium_2024_t3(), aluminium_2024_t3(), 2785.0, 6400.0..6600.0);
     runs(copper_feng_2014(), copper_feng_2014(), 8940.0, 4400.0..5000.0);
     runs(aluminium_feng_2014(), aluminium_feng_2014(), 2703.0, 6000.0..6600.0);
     runs(copper_ofhc(), copper_ofhc(), 8930.0, 4600.0..4900.0);

@@ -8,7 +8,7 @@ use super::kernels::Setting;
 use super::wrong::{At, Made, known, of_body, wrong};
 use super::{mesh, placed};
 use crate::model::contact::Detector;
-use crate::model::method::Fem;
+use crate::model::method::{Fem, SUBCYCLES};
 
 pub(super) fn build<E: Setting<D>, const D: usize>(
     embedding: E,
@@ -41,9 +41,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     if let Some(gravity) = world.gravity()? {
         fem.set_body_force(gravity);
     }
-    if let Some(most) = options.subcycles {
-        fem.set_subcycling(most).at("method.fem.subcycles")?;
-    }
+    fem.set_subcycling(options.subcycles.unwrap_or(SUBCYCLES)).at("method.fem.subcycles")?;
     if let Some(control) = world.time_control() {
         fem.set_time_control(control).at("time_step")?;
     }

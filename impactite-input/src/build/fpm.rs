@@ -13,7 +13,7 @@ use super::common::World;
 use super::wrong::{At, Made, of_body, wrong};
 use super::{mesh, particles, placed, shape};
 use crate::model::body::Body as Spec;
-use crate::model::method::{Cracks, Flux as FluxWord, Fpm, Points};
+use crate::model::method::{Cracks, Flux as FluxWord, Fpm, PENALTY, Points};
 use crate::model::shape::Shape;
 use crate::model::{fixed, formulas};
 
@@ -45,10 +45,7 @@ where
     E: Space<D> + Embedding<D> + Copy + std::fmt::Debug,
     NotchMaker: MakesNotches<D>,
 {
-    let penalty = match options.penalty {
-        Some(eta) => Penalty::new(eta.value).at("method.fpm.penalty")?,
-        None => Penalty::default(),
-    };
+    let penalty = Penalty::new(options.penalty.map_or(PENALTY, |eta| eta.value)).at("method.fpm.penalty")?;
     let criterion = criterion(options)?;
     particles::scene(world, |name| {
         let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);

@@ -1,10 +1,14 @@
 //! Kernels of the material point method, and how scenes of each dimension lie in space.
 
-use impactite::mpm::{Axisymmetric, FullSpace, Kernels, PlaneStrain};
+use impactite::mpm::{
+    Aflip, Apic, Axisymmetric, Blend, CpGimp, Flip, FullSpace, IntoKernels, Kernels, Linear, Method, Mls,
+    Musl, PlaneStrain, QuadraticBSpline, Usl,
+};
 use impactite::scene::Embedding;
+use serde::Serialize;
 
 use super::wrong::{At, Made, wrong};
-use crate::model::method::Mpm;
+use crate::model::method::{Mpm, Purpose, ShapeFunction, StressUpdate, Transfer};
 
 /// How a scene lies in space.
 pub(crate) trait Setting<const D: usize>: Embedding<D> + std::fmt::Debug + Copy {
@@ -12,75 +16,125 @@ pub(crate) trait Setting<const D: usize>: Embedding<D> + std::fmt::Debug + Copy 
     fn kernels(self, options: &Mpm) -> Made<Kernels<f64, D>>;
 }
 
-/// What of parts is compiled, in words.
-pub(crate) const PARTS: &str = "linear with flip or blend and musl; cpgimp with flip and musl or usl, or blend and musl; quadratic_b_spline \
-     with flip and musl, or apic, aflip or mls and usl";
+/// Combinations of parts whose kernels are compiled in this program, once for their list and for the kernels: word of the shape
+/// function, its type, transfer, stress update.
+macro_rules! combinations {
+    ($made:ident! $rest:tt) => {
+        $made! {
+            $rest
+            (Linear, Linear, Flip, Musl)
+            (Linear, Linear, Blend, Musl)
+            (Cpgimp, CpGimp, Flip, Musl)
+            (Cpgimp, CpGimp, Flip, Usl)
+            (Cpgimp, CpGimp, Blend, Musl)
+            (QuadraticBSpline, QuadraticBSpline, Flip, Musl)
+            (QuadraticBSpline, QuadraticBSpline, Apic, Usl)
+            (QuadraticBSpline, QuadraticBSpline, Aflip, Usl)
+            (QuadraticBSpline, QuadraticBSpline, Mls, Usl)
+        }
+    };
+}
+
+macro_rules! list {
+    (() $(($word:ident, $shape:ident, $transfer:ident, $update:ident))*) => {
+        /// Combinations of parts that are compiled.
+        pub(crate) const PARTS: &[(ShapeFunction, Transfer, StressUpdate)] =
+            &[$((ShapeFunction::$word, Transfer::$transfer, StressUpdate::$update)),*];
+    };
+}
+combinations!(list!());
+
+/// Parts and frame that purposes choose.
+pub(crate) const PURPOSES: &[(Purpose, ShapeFunction, Transfer, StressUpdate, &str)] = &[
+    (
+        Purpose::Impact,
+        ShapeFunction::QuadraticBSpline,
+        Transfer::Aflip,
+        StressUpdate::Usl,
+        "updated Lagrangian",
+    ),
+    (
+        Purpose::ContactAtRest,
+        ShapeFunction::QuadraticBSpline,
+        Transfer::Apic,
+        StressUpdate::Usl,
+        "updated Lagrangian",
+    ),
+    (Purpose::LargeElastic, ShapeFunction::Linear, Transfer::Flip, StressUpdate::Musl, "total Lagrangian"),
+];
+
+/// The word of files for a choice.
+pub(crate) fn word(choice: impl Serialize) -> String {
+    let value = serde_json::to_value(choice).unwrap_or_default();
+    value.as_str().unwrap_or_default().to_string()
+}
+
+fn not_compiled() -> String {
+    let list = PARTS.iter().map(|(s, x, u)| format!("{}, {}, {}", word(s), word(x), word(u)));
+    let list = list.collect::<Vec<_>>().join("; ");
+    format!("this combination is not compiled in the program; there are: {list} (`impactite list parts`)")
+}
+
+/// A transfer, made with the options of the parts.
+macro_rules! transfer {
+    (Flip, $parts:expr) => {
+        Flip
+    };
+    (Apic, $parts:expr) => {
+        Apic
+    };
+    (Mls, $parts:expr) => {
+        Mls
+    };
+    (Aflip, $parts:expr) => {
+        Aflip::default()
+    };
+    (Blend, $parts:expr) => {{
+        let relaxation = $parts.relaxation.map_or(0.0, |q| q.value);
+        Blend::new(relaxation).at("method.mpm.parts.relaxation")?
+    }};
+}
+
+macro_rules! of_parts {
+    (($parts:ident, $space:ident) $(($word:ident, $shape:ident, $transfer:ident, $update:ident))*) => {
+        match ($parts.shape_function, $parts.transfer, $parts.stress_update) {
+            $((ShapeFunction::$word, Transfer::$transfer, StressUpdate::$update) => {
+                Method::new($shape, transfer!($transfer, $parts), $update, $space).into_kernels()
+            })*
+            _ => return wrong("method.mpm.parts", not_compiled()),
+        }
+    };
+}
 
 /// The kernels of a method of these options, in one of the embeddings.
 macro_rules! kernels {
-    ($space:expr, $options:expr) => {{
-        use impactite::mpm::{
-            Aflip, Apic, Blend, CpGimp, Flip, IntoKernels, Linear, Method, Mls, Musl, QuadraticBSpline, Usl,
-        };
-        use $crate::model::method::{Purpose, ShapeFunction as S, StressUpdate as U, Transfer as X};
-        let (space, options) = ($space, $options);
-        let key = "method.mpm.parts";
-        match (&options.parts, options.purpose) {
-            (Some(_), Some(_)) => wrong(key, "either `for` or `parts`"),
+    ($space:ident, $options:ident) => {
+        match (&$options.parts, $options.purpose) {
+            (Some(_), Some(_)) => wrong("method.mpm.parts", "either `for` or `parts`"),
             (None, purpose) => Ok(match purpose.unwrap_or_default() {
-                Purpose::Impact => Method::impact(space).into_kernels(),
-                Purpose::ContactAtRest => Method::contact_at_rest(space).into_kernels(),
-                Purpose::LargeElastic => Method::large_elastic(space).into_kernels(),
+                Purpose::Impact => Method::impact($space).into_kernels(),
+                Purpose::ContactAtRest => Method::contact_at_rest($space).into_kernels(),
+                Purpose::LargeElastic => Method::large_elastic($space).into_kernels(),
             }),
             (Some(parts), None) => {
-                if parts.relaxation.is_some() != (parts.transfer == X::Blend) {
-                    return wrong(key, "`relaxation` is of the transfer `blend`, which needs it");
+                if parts.relaxation.is_some() != (parts.transfer == Transfer::Blend) {
+                    return wrong(
+                        "method.mpm.parts",
+                        "`relaxation` is of the transfer `blend`, which needs it",
+                    );
                 }
-                let blend = |tau: &Option<$crate::quantity::Quantity<$crate::quantity::Time>>| {
-                    At::at(Blend::new(tau.map_or(0.0, |q| q.value)), format!("{key}.relaxation"))
-                };
-                Ok(match (parts.shape_function, parts.transfer, parts.stress_update) {
-                    (S::Linear, X::Flip, U::Musl) => Method::new(Linear, Flip, Musl, space).into_kernels(),
-                    (S::Linear, X::Blend, U::Musl) => {
-                        Method::new(Linear, blend(&parts.relaxation)?, Musl, space).into_kernels()
-                    }
-                    (S::Cpgimp, X::Flip, U::Musl) => Method::new(CpGimp, Flip, Musl, space).into_kernels(),
-                    (S::Cpgimp, X::Flip, U::Usl) => Method::new(CpGimp, Flip, Usl, space).into_kernels(),
-                    (S::Cpgimp, X::Blend, U::Musl) => {
-                        Method::new(CpGimp, blend(&parts.relaxation)?, Musl, space).into_kernels()
-                    }
-                    (S::QuadraticBSpline, X::Flip, U::Musl) => {
-                        Method::new(QuadraticBSpline, Flip, Musl, space).into_kernels()
-                    }
-                    (S::QuadraticBSpline, X::Apic, U::Usl) => {
-                        Method::new(QuadraticBSpline, Apic, Usl, space).into_kernels()
-                    }
-                    (S::QuadraticBSpline, X::Aflip, U::Usl) => {
-                        Method::new(QuadraticBSpline, Aflip::default(), Usl, space).into_kernels()
-                    }
-                    (S::QuadraticBSpline, X::Mls, U::Usl) => {
-                        Method::new(QuadraticBSpline, Mls, Usl, space).into_kernels()
-                    }
-                    _ => {
-                        return wrong(
-                            key,
-                            format!(
-                                "no kernels of these together are compiled in this program; there are {}",
-                                PARTS
-                            ),
-                        );
-                    }
-                })
+                Ok(combinations!(of_parts!(parts, $space)))
             }
         }
-    }};
+    };
 }
 
 macro_rules! settings {
     ($($space:ty, $d:literal;)*) => {$(
         impl Setting<$d> for $space {
             fn kernels(self, options: &Mpm) -> Made<Kernels<f64, $d>> {
-                kernels!(self, options)
+                let space = self;
+                kernels!(space, options)
             }
         }
     )*};

@@ -13,8 +13,8 @@ use impactite::mpm::{Deformable, FieldForce, Mpm, Splitting, Traction};
 
 use super::wrong::{At, Made, wrong};
 use crate::model::material::{
-    ConeWord, ElasticConstants, Eos, ExplosiveLaw, Failure, FluidLaw, FrictionConstants, GroundLaw, Library,
-    Material as Spec, Strength,
+    BURN_WIDTH, ConeWord, ElasticConstants, Eos, ExplosiveLaw, Failure, FluidLaw, FrictionConstants,
+    GroundLaw, Library, Material as Spec, Strength, TAYLOR_QUINNEY,
 };
 
 /// A velocity (m/s) by position (m).
@@ -164,6 +164,9 @@ pub(crate) fn build(key: &str, spec: &Spec, plate: bool) -> Made<Law> {
         return wrong(format!("{key}.burn_width"), "is of explosives");
     }
     let width = spec.burn_width.map(|q| q.value);
+    if kind == "strength" && matches!(spec.failure, Some(Failure::Library)) {
+        return without_library(key);
+    }
     if plate && kind != "elastic" {
         return wrong(
             key,
@@ -229,10 +232,7 @@ fn explosive(
     viscosity: Option<[f64; 2]>,
     width: Option<f64>,
 ) -> Made<Law> {
-    let charge = match width {
-        Some(cells) => charge.with_burn_width(cells).at(key)?,
-        None => charge,
-    };
+    let charge = charge.with_burn_width(width.unwrap_or(BURN_WIDTH)).at(format!("{key}.burn_width"))?;
     Ok(match viscosity {
         Some([linear, quadratic]) => {
             let charge = charge.with_bulk_viscosity(linear, quadratic).at(key)?;
@@ -272,20 +272,30 @@ fn of_library(
 ) -> Made<Law> {
     macro_rules! adiabatic {
         ($law:expr) => {
-            with_failure(key, $law, failure, viscosity)
+            match (failure, own_failure(name)) {
+                (Some(Failure::Library), Some(Own::Damage(damage))) => {
+                    Ok(viscous!(key, $law.with_failure(damage), viscosity))
+                }
+                _ => with_failure(key, $law, failure, viscosity),
+            }
         };
     }
     macro_rules! plain {
         ($law:expr) => {{
             let law = $law;
-            match failure {
-                None => Ok(viscous!(key, law, viscosity)),
-                Some(Failure::PlasticStrain(limit)) if !limit.removed => {
-                    let failure = PlasticStrainLimit::new(limit.limit.value)
-                        .at(format!("{key}.failure.plastic_strain"))?;
+            let limit = match (failure, own_failure(name)) {
+                (Some(Failure::PlasticStrain(limit)), _) if !limit.removed => Some(limit.limit.value),
+                (Some(Failure::Library), Some(Own::PlasticStrain(limit))) => Some(limit),
+                _ => None,
+            };
+            match (failure, limit) {
+                (None, _) => Ok(viscous!(key, law, viscosity)),
+                (Some(_), Some(limit)) => {
+                    let failure =
+                        PlasticStrainLimit::new(limit).at(format!("{key}.failure.plastic_strain"))?;
                     Ok(viscous!(key, law.with_failure(failure), viscosity, here))
                 }
-                Some(other) => wrong(
+                (Some(other), None) => wrong(
                     format!("{key}.failure"),
                     format!(
                         "`{}` is not compiled for this material; take `plastic_strain`, or none",
@@ -295,10 +305,26 @@ fn of_library(
             }
         }};
     }
+    let own = own_failure(name);
+    if matches!(failure, Some(Failure::Library)) && own.is_none() {
+        let sets = Library::ALL.iter().filter(|(set, _)| own_failure(*set).is_some());
+        let sets: Vec<&str> = sets.map(|(_, word)| *word).collect();
+        return wrong(
+            format!("{key}.failure"),
+            format!(
+                "the named set has no failure constants of its own; these have: {}. Give constants: \
+                 `failure.plastic_strain = {{ limit = 1 }}`",
+                sets.join(", ")
+            ),
+        );
+    }
+    let within = matches!((failure, own), (Some(Failure::Library), Some(Own::Within)));
     if failure.is_some()
+        && !within
         && !matches!(
             name,
             Library::Aluminium6061T6
+                | Library::Aluminium2024T3
                 | Library::AluminiumFeng2014
                 | Library::CopperFeng2014
                 | Library::CopperOfhc
@@ -309,16 +335,20 @@ fn of_library(
                 | Library::Lead
         )
     {
-        return wrong(
-            format!("{key}.failure"),
-            "no failure is compiled for this material beside what it has",
-        );
+        let what = match own {
+            Some(Own::Within) => {
+                "the named set fails by its own damage; leave `failure` away, or write `failure = \"library\"`"
+            }
+            _ => "no failure is compiled for this named set",
+        };
+        return wrong(format!("{key}.failure"), what);
     }
     if viscosity.is_some() && matches!(name, Library::SteelElastic) {
         return wrong(format!("{key}.bulk_viscosity"), "`steel_elastic` has none; take `strength` and `eos`");
     }
     match name {
         Library::Aluminium6061T6 => adiabatic!(library::aluminium_6061_t6()),
+        Library::Aluminium2024T3 => adiabatic!(library::aluminium_2024_t3()),
         Library::AluminiumFeng2014 => adiabatic!(library::aluminium_feng_2014()),
         Library::CopperFeng2014 => adiabatic!(library::copper_feng_2014()),
         Library::CopperOfhc => adiabatic!(library::copper_ofhc()),
@@ -349,7 +379,50 @@ fn failure_word(failure: &Failure) -> &'static str {
         Failure::JohnsonCook(_) => "johnson_cook",
         Failure::TensilePressure(_) => "tensile_pressure",
         Failure::PlasticStrain(_) => "plastic_strain",
+        Failure::Library => "library",
     }
+}
+
+/// The failure that a named set has by its source.
+#[derive(Clone, Copy, Debug)]
+enum Own {
+    Damage(JohnsonCookDamage<f64>),
+    PlasticStrain(f64),
+    /// The set fails without being asked to.
+    Within,
+}
+
+fn own_failure(name: Library) -> Option<Own> {
+    Some(match name {
+        Library::Aluminium6061T6 => Own::Damage(JohnsonCookDamage::aluminium_6061()),
+        Library::Aluminium2024T3 => Own::Damage(JohnsonCookDamage::aluminium_2024_t3()),
+        Library::CopperOfhc => Own::Damage(JohnsonCookDamage::copper_ofhc()),
+        Library::Steel4340 => Own::Damage(JohnsonCookDamage::steel_4340()),
+        Library::Lead => Own::PlasticStrain(LEAD_FAILS),
+        Library::Weldox460E | Library::Weldox460EUncoupled => Own::Within,
+        _ => return None,
+    })
+}
+
+/// Plastic strain at which lead fails in its source.
+const LEAD_FAILS: f64 = 3.0;
+
+/// A named set: law, what it is made of with its constants, and failure.
+pub(crate) struct Described {
+    pub law: Arc<dyn Material<f64>>,
+    pub failure: String,
+}
+
+/// What a named set is.
+pub(crate) fn described(name: Library) -> Option<Described> {
+    let law = of_library("materials", name, None, None, None).ok()?.material;
+    let failure = match own_failure(name) {
+        Some(Own::Damage(damage)) => format!("with `failure = \"library\"`: {damage:?}"),
+        Some(Own::PlasticStrain(limit)) => format!("with `failure = \"library\"`: plastic strain {limit}"),
+        Some(Own::Within) => "always, by its own damage".into(),
+        None => "none of its own".into(),
+    };
+    Some(Described { law, failure })
 }
 
 /// A metal with rate and heat, and a failure.
@@ -362,6 +435,7 @@ fn with_failure(
     let at = |word: &str| format!("{key}.failure.{word}");
     Ok(match failure {
         None => viscous!(key, law, viscosity),
+        Some(Failure::Library) => return without_library(key),
         Some(Failure::JohnsonCook(k)) => {
             let damage =
                 JohnsonCookDamage::new(k.d.map(|d| d.value), k.reference.value).at(at("johnson_cook"))?;
@@ -451,7 +525,7 @@ fn metal(
                         melt: heat.melt.value,
                         exponent: heat.m.value,
                         heat_capacity: heat.capacity.value,
-                        taylor_quinney: heat.taylor_quinney.map_or(0.9, |q| q.value),
+                        taylor_quinney: heat.taylor_quinney.map_or(TAYLOR_QUINNEY, |q| q.value),
                     });
                     let strength = plain.with_rate(rate).with_heat(heat.at(format!("{at}.heat"))?);
                     with_failure(key, Solid::new(strength, shock(k)?), failure, viscosity)
@@ -463,15 +537,33 @@ fn metal(
     }
 }
 
-/// What of metals is compiled, in words.
-pub(crate) const METALS: &str = "elastic with any eos; j2 with logarithmic_bulk (and failure plastic_strain) or mie_gruneisen; johnson_cook with \
-     mie_gruneisen, without rate and heat (and failure plastic_strain) or with both (and any failure); `removed` with rate and heat alone";
+fn without_library<T>(key: &str) -> Made<T> {
+    wrong(
+        format!("{key}.failure"),
+        "`library` is the failure of a named set (`library`); of `strength` give constants: \
+         `failure.plastic_strain = { limit = 1 }`, `failure.johnson_cook`, `failure.tensile_pressure`",
+    )
+}
+
+/// Combinations of laws of metals that are compiled: strength and equation of state, and failures.
+pub(crate) const METALS: &[(&str, &str)] = &[
+    ("strength.elastic with any eos", "no failure"),
+    ("strength.j2 with eos.logarithmic_bulk", "failure.plastic_strain without `removed`, or none"),
+    ("strength.j2 with eos.mie_gruneisen", "no failure"),
+    (
+        "strength.johnson_cook without rate and heat, with eos.mie_gruneisen",
+        "failure.plastic_strain without `removed`, or none",
+    ),
+    ("strength.johnson_cook with rate and heat, with eos.mie_gruneisen", "any failure, or none"),
+];
 
 fn not_compiled(key: &str) -> Made<Law> {
+    let list: Vec<String> = METALS.iter().map(|(laws, failures)| format!("{laws} ({failures})")).collect();
     wrong(
         key,
         format!(
-            "no kernels of this strength, eos and failure together are compiled in this program; there are: {METALS}"
+            "this combination of strength, eos and failure is not compiled in the program; there are: {} (`impactite list parts`)",
+            list.join("; ")
         ),
     )
 }
@@ -483,10 +575,10 @@ fn of_ground(key: &str, ground: &GroundLaw, viscosity: Option<[f64; 2]>) -> Made
         GroundLaw::DruckerPrager(k) => {
             let at = format!("{key}.ground.drucker_prager");
             let (density, moduli) = (k.density.value, moduli(k, &at)?);
-            let cone = match k.cone {
-                None | Some(ConeWord::Outer) => Cone::Outer,
-                Some(ConeWord::Inner) => Cone::Inner,
-                Some(ConeWord::PlaneStrain) => Cone::PlaneStrain,
+            let cone = match k.cone.unwrap_or_default() {
+                ConeWord::Outer => Cone::Outer,
+                ConeWord::Inner => Cone::Inner,
+                ConeWord::PlaneStrain => Cone::PlaneStrain,
             };
             let angles = (k.friction.value, k.cohesion.value, k.dilatancy.value);
             let mut law =

@@ -8,7 +8,7 @@ use impactite::geometry::{Ball, Cuboid, Cylinder, ElementBlock, ElementKind, Ele
 
 use super::common::World;
 use super::wrong::{At, Made, wrong};
-use crate::model::body::{Bars, Body, Integration, Mesh, MeshFile};
+use crate::model::body::{Bars, Body, HOURGLASS_STIFFNESS, Integration, Mesh, MeshFile};
 use crate::model::fixed;
 use crate::model::shape::Shape;
 use crate::quantity::{Length, Quantity};
@@ -174,11 +174,8 @@ fn technology(key: &str, integration: &Integration) -> Made<Technology> {
                     return wrong(format!("{key}.one_point"), "either `stiffness` or `viscosity`");
                 }
                 (None, Some(viscosity)) => Hourglass::Viscous(viscosity.value),
-                (stiffness, None) => Hourglass::Stiffness(stiffness.map_or(STIFFNESS, |q| q.value)),
+                (stiffness, None) => Hourglass::Stiffness(stiffness.map_or(HOURGLASS_STIFFNESS, |q| q.value)),
             })
         }
     })
 }
-
-/// Hourglass control, where only one point is asked for.
-const STIFFNESS: f64 = 0.05;

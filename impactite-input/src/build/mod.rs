@@ -4,7 +4,7 @@ mod common;
 pub(crate) mod describe;
 mod fem;
 mod fpm;
-mod kernels;
+pub(crate) mod kernels;
 pub(crate) mod material;
 mod mesh;
 mod mpm;

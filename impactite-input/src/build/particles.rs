@@ -12,7 +12,7 @@ use super::kernels::Setting;
 use super::placed;
 use super::wrong::{At, Made, of_body, wrong};
 use crate::model::contact::Detector;
-use crate::model::method::{Pcmm, Sph, SphForm};
+use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCE};
 
 /// Bodies one by one, and then one of them, or a scene of all.
 ///
@@ -83,10 +83,6 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
         SphForm::Updated => with!(SphMethod::updated(embedding)),
     }
 }
-
-/// Tolerance of contact over the spacing, and the stretch it allows: elements of a body that flows stay together.
-const TOLERANCE: f64 = 0.5;
-const STRETCH: f64 = 2.0;
 
 pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     embedding: E,

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::parts::parts;
 use super::shape::Shape;
@@ -11,209 +11,243 @@ use super::{Axis, Vector};
 use crate::formula::Formula;
 use crate::quantity::{Acceleration, Area, Density, Length, Plain, Pressure, Quantity, Speed, Spin, Time};
 
-/// A body: a shape (or a mesh) of a material, with its motion at the start and what acts on it alone.
+/// A body: a shape or a mesh of a material, with its initial motion and the loads on it alone.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("examples" = [{"material": "steel", "shape": {"ball": {"centre": [0, "5 mm"], "radius": "5 mm"}}}]))]
 pub struct Body {
-    /// Name of its material; none of a rigid body.
+    /// Name of the material, of the table `materials`. A rigid body has none.
     #[serde(default)]
+    #[schemars(example = &"steel")]
     pub material: Option<String>,
-    /// What it fills.
+    /// Shape of the body.
     #[serde(default)]
     pub shape: Option<Shape>,
-    /// Elements of a file or a regular mesh: for `fem`, for bodies of elements among particles (`elements`), and for `fpm`.
+    /// Elements: a regular mesh of the shape, bars, or a file. For `fem`, `fpm`, and bodies of elements in `mpm` (`elements`).
     #[serde(default)]
     pub mesh: Option<Mesh>,
-    /// In a scene of `mpm`, compute this body by finite elements.
+    /// Finite elements instead of particles for this body of a scene of `mpm`.
     #[serde(default)]
     pub elements: Option<ElementsAmongParticles>,
-    /// Velocity at the start: numbers, or formulas of place. Instead of it `speed` with `direction`.
+    /// Initial velocity, a component an axis: numbers, or formulas of place. Instead of it `speed` with `direction`.
     #[serde(default)]
+    #[schemars(example = (0, "-190 m/s"))]
     pub velocity: Option<Vec<Formula<Speed>>>,
-    /// Speed at the start, along `direction`.
+    /// Initial speed along `direction`.
     #[serde(default)]
+    #[schemars(example = "600 m/s")]
     pub speed: Option<Quantity<Speed>>,
-    /// Direction of `speed`; of any length.
+    /// Direction of `speed`, of any length.
     #[serde(default)]
+    #[schemars(example = (1, -1))]
     pub direction: Option<Vector<Plain>>,
-    /// Angular velocity at the start, about the centre of the shape's bounds; in the plane one number, in space three.
+    /// Initial angular velocity about the centre of the bounds of the shape: one number in the plane, three in space, none around an axis.
     #[serde(default)]
+    #[schemars(example = ("30 rad/s",))]
     pub spin: Option<Vec<Quantity<Spin>>>,
-    /// A rigid body (`mpm`).
+    /// A rigid body (`mpm`), instead of a `material`.
     #[serde(default)]
     pub rigid: Option<Rigid>,
-    /// Deactivated until another body comes near (`mpm`).
+    /// Deactivation until another body comes near (`mpm`).
     #[serde(default)]
     pub deactivated: bool,
-    /// Split particles at this stretch (`mpm`); 2 is usual.
+    /// Stretch at which particles are split (`mpm`); 2 is usual. Never if not given.
     #[serde(default)]
+    #[schemars(example = 2, extend("exclusiveMinimum" = 1))]
     pub split_at: Option<Quantity<Plain>>,
-    /// Merge particles that were split in cells that hold more than this (`mpm`), with `split_at`.
+    /// Particles in a cell above which split ones are merged (`mpm`), with `split_at`.
     #[serde(default)]
+    #[schemars(example = 12)]
     pub merge_above: Option<u32>,
-    /// Acceleration by the place where matter started and by time, beside `gravity` (`mpm`).
+    /// Acceleration by initial place and time, in addition to `gravity` (`mpm`).
     #[serde(default)]
+    #[schemars(example = (0, "= -3 * x * sin(t)"))]
     pub body_force: Option<Vec<Formula<Acceleration>>>,
-    /// How elements are integrated (`fem`, and elements in `mpm`); as their kind asks for if not given.
+    /// Integration of elements (`fem`, and elements in `mpm`). If not given, by kind: one point with hourglass stiffness for bricks and quadrilaterals of the plane, mean dilatation for quadrilaterals around an axis, averaged volumes for triangles and tetrahedra.
     #[serde(default)]
     pub integration: Option<Integration>,
-    /// A load on a part of its surface.
+    /// Traction on a part of the surface (`mpm`, `fpm`).
     #[serde(default)]
     pub traction: Option<Traction>,
-    /// Where an explosive is lit.
+    /// Starts of the detonation of an explosive (`mpm`).
     #[serde(default)]
     pub lit: Vec<Lit>,
-    /// Elements leave (`fem`).
+    /// Erosion of elements (`fem`, and elements in `mpm`): any of its criteria deletes an element.
     #[serde(default)]
     pub erosion: Option<Erosion>,
     /// Faces that are open from the start (`fpm`).
     #[serde(default)]
     pub notches: Vec<Notch>,
-    /// As many such bodies, by their names and a number from 1.
+    /// Copies of the body on a lattice, named by its name and a number from 1: `ball 1`, `ball 2`.
     #[serde(default)]
     pub repeat: Option<Repeat>,
 }
 
+/// Hourglass stiffness over shear stiffness if none is given.
+pub const HOURGLASS_STIFFNESS: f64 = 0.05;
+
 parts! {
-    /// What a rigid body is like.
+    /// A rigid body.
     Rigid {
         /// Density.
         density: Quantity<Density>,
-        /// Does it move as its velocity and spin say, whatever meets it? Then these may be formulas of time.
+        /// Motion as `velocity` and `spin` prescribe, whatever acts on the body. `velocity` may then be formulas of time.
         #[serde(default)]
         prescribed: bool,
-        /// Axes along which its velocity stays as it starts.
+        /// Axes along which the velocity stays as it starts.
         #[serde(default)]
+        #[schemars(example = ("x",))]
         hold: Vec<Axis>,
-        /// Does it not turn?
+        /// Rotation fixed.
         #[serde(default)]
         no_turning: bool,
     }
     /// A dead load.
     Traction {
-        /// It acts on the particles, or faces of the surface, that start in this shape. For particles it should hold one layer.
+        /// The region of the loaded surface: particles, or faces, that start in it. For particles it should contain one layer.
         region: Shape,
-        /// The axis that the loaded faces are normal to.
+        /// Axis normal to the loaded faces.
+        #[schemars(example = &"y")]
         normal: Axis,
-        /// Traction: numbers, or formulas of time.
+        /// Traction vector, a component an axis: numbers, or formulas of time.
+        #[schemars(example = (0, "-10 MPa"))]
         traction: Vec<Formula<Pressure>>,
     }
     /// A start of a detonation.
     Lit {
-        /// A place.
+        /// Place.
         at: Vector<Length>,
-        /// Lit in the whole plane through the place with this normal.
+        /// Normal of a plane through the place that is lit at once; without it a point is lit.
         #[serde(default)]
+        #[schemars(example = (1, 0))]
         plane: Option<Vector<Plain>>,
-        /// When.
+        /// Time of lighting.
         #[serde(default)]
+        #[schemars(example = "2 us")]
         time: Quantity<Time>,
     }
-    /// When elements leave: by any of these.
+    /// Criteria of erosion.
     Erosion {
-        /// Plastic strain.
+        /// Plastic strain that deletes an element, in half of its integration points.
         #[serde(default)]
+        #[schemars(example = 1.5)]
         plastic_strain: Option<Quantity<Plain>>,
-        /// Points that failed.
+        /// Deletion of elements of which half of the integration points have failed.
         #[serde(default)]
         failed: bool,
-        /// Part of the reference volume.
+        /// Volume over reference volume below which an element is deleted.
         #[serde(default)]
+        #[schemars(example = 0.1)]
         volume: Option<Quantity<Plain>>,
-        /// Stable step below which they leave.
+        /// Stable time step below which an element is deleted.
         #[serde(default)]
+        #[schemars(example = "1 ns")]
         step: Option<Quantity<Time>>,
     }
-    /// What holds the deformations that one point does not see: one of these; a stiffness of 0.05 if none is given.
+    /// Hourglass control: stiffness or viscosity.
     HourglassControl {
-        /// Springs, this part of the shear stiffness: above 0, at most 1.
+        /// Hourglass stiffness over shear stiffness.
         #[serde(default)]
+        #[schemars(example = 0.05, extend("default" = HOURGLASS_STIFFNESS, "exclusiveMinimum" = 0, "maximum" = 1))]
         stiffness: Option<Quantity<Plain>>,
-        /// Dashpots: above 0, at most 0.25.
+        /// Hourglass viscosity, instead of a stiffness.
         #[serde(default)]
+        #[schemars(example = 0.1, extend("exclusiveMinimum" = 0, "maximum" = 0.25))]
         viscosity: Option<Quantity<Plain>>,
     }
-    /// Bodies in rows.
+    /// Copies on a lattice.
     Repeat {
-        /// How many along each axis.
+        /// Number of copies along each axis; at most 4096 together.
+        #[schemars(example = (3, 2))]
         counts: Vec<u32>,
-        /// Their distance along each axis.
+        /// Distance of copies along each axis.
+        #[schemars(example = ("10 mm", "10 mm"))]
         step: Vector<Length>,
     }
     /// A straight cut in the plane; in space a flat convex one.
     Notch {
-        /// Ends, or corners in space.
+        /// Two ends in the plane, corners in space.
+        #[schemars(example = ((0, "5 mm"), ("4 mm", "5 mm")))]
         corners: Vec<Vector<Length>>,
-        /// How wide it is.
+        /// Width of the notch; zero if not given.
         #[serde(default)]
+        #[schemars(example = "0.3 mm")]
         gap: Option<Quantity<Length>>,
     }
-    /// How elements and particles meet.
+    /// Finite elements in a scene of particles.
     ElementsAmongParticles {
-        /// The way.
+        /// Contact of elements and particles.
         #[serde(default)]
         by: MeetBy,
-        /// Instead of it, the body of particles that they are a part of, by perfect bond: bars in concrete.
+        /// Name of the body of particles in which the elements are embedded by perfect bond: bars in concrete. Instead of `by`.
         #[serde(default)]
+        #[schemars(example = &"body")]
         within: Option<String>,
     }
-    /// Bars between points.
+    /// Straight bars.
     Bars {
-        /// Ends of each.
+        /// Both ends of each bar.
+        #[schemars(example = (((0, 0), ("1 m", 0)),))]
         lines: Vec<[Vector<Length>; 2]>,
-        /// Length of their elements, about.
+        /// Approximate length of an element.
+        #[schemars(example = "25 mm")]
         edge: Quantity<Length>,
-        /// Area of the section of one, in the plane per metre of depth.
+        /// Area of the section of a bar; in the plane per metre of depth.
+        #[schemars(example = "1 cm^2")]
         section: Quantity<Area>,
     }
 }
 
-/// How elements are integrated.
+/// Integration of elements.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Integration {
-    /// Quadrilaterals and bricks: one point with hourglass control.
+    /// One point with hourglass control, for quadrilaterals and bricks: `integration.one_point = {}` takes the default stiffness.
     OnePoint(HourglassControl),
     /// Two points along each axis; locks where the volume must be kept.
     Full,
     /// Two points along each axis with the mean dilatation of the element.
     MeanDilatation,
-    /// Triangles and tetrahedra: the change of volume averaged over nodes.
+    /// Dilatation averaged over nodes, for triangles and tetrahedra.
     AveragedVolumes,
 }
 
-/// How elements and particles meet.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+/// Contact of elements and particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum MeetBy {
-    /// Particles meet the facets of the mesh: elements of any size.
+    /// Particles against the facets of the mesh: elements of any size. The scene needs a `contact`.
     #[default]
     Surface,
-    /// On the grid: elements about as large as cells.
+    /// On the grid, with the elements' nodes as particles: elements about as large as cells.
     Grid,
 }
 
-/// Where elements are from.
+/// Elements of a body.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Mesh {
-    /// A regular mesh of the body's `shape` (box, ball, cylinder, tube, shell of the plane) with edges of about this length.
+    /// Regular mesh of the body's `shape`, with edges of about this length. Of `box` and `ball`, in space also of `cylinder` and `tube`.
+    #[schemars(extend("examples" = [{"edge": "1 mm"}]))]
     Edge(Quantity<Length>),
     /// Straight bars.
     Bars(Bars),
-    /// A file of Gmsh.
+    /// File of Gmsh, `.msh`.
     Gmsh(MeshFile),
-    /// A file of Abaqus.
+    /// Input file of Abaqus, `.inp`.
+    #[schemars(extend("examples" = [{"abaqus": {"file": "part.inp", "unit": "1 mm"}}]))]
     Abaqus(MeshFile),
 }
 
 parts! {
-    /// A file with elements.
+    /// A file with a mesh.
     MeshFile {
-        /// The file; beside the scene's file unless the path is absolute.
+        /// Path of the file, relative to the folder of the scene file.
+        #[schemars(example = "part.msh")]
         file: PathBuf,
         /// Length of a unit of the file.
+        #[schemars(example = "1 mm")]
         unit: Quantity<Length>,
     }
 }

@@ -1,7 +1,7 @@
 //! Conditions.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::Axis;
 use super::parts::parts;
@@ -9,90 +9,103 @@ use super::shape::Shape;
 use crate::formula::Formula;
 use crate::quantity::{Length, Plain, Quantity, Speed};
 
-/// A condition on velocities.
+/// A boundary condition.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
-    /// A plane of symmetry.
+    /// Plane of symmetry: no velocity across it.
     Symmetry(Plane),
-    /// A rigid wall that only pushes; with friction, and moving, where that is given.
+    /// Rigid wall: no velocity into it; with friction, and moving, where these keys are given.
     Wall(Wall),
-    /// A plane that waves pass.
+    /// Absorbing plane: dashpots that let waves pass.
     Absorbing(Absorbing),
-    /// Two planes that are one.
+    /// Periodic planes: what leaves through one enters through the other.
     Periodic(Periodic),
-    /// All on and behind a plane stands still.
+    /// Fixed plane: no velocity on and behind it.
     Fixed(Plane),
-    /// What is in a region has a velocity.
+    /// Prescribed velocity in a region.
     Prescribed(Prescribed),
 }
 
-/// On which side of a plane the material is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+/// Side of a plane on which the material is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Side {
-    /// Where the coordinate is larger.
+    /// Where the coordinate is larger than `at`.
     #[default]
     Above,
-    /// Where it is smaller.
+    /// Where the coordinate is smaller than `at`.
     Below,
 }
 
 parts! {
     /// A plane across an axis.
     Plane {
-        /// The axis.
+        /// Axis normal to the plane.
         axis: Axis,
-        /// Where.
+        /// Coordinate of the plane.
+        #[schemars(example = 0)]
         at: Quantity<Length>,
-        /// Where the material is; above if not given.
+        /// Side of the plane on which the material is.
         #[serde(default)]
+        #[schemars(example = &"below")]
         side: Side,
     }
     /// A wall across an axis.
     Wall {
-        /// The axis.
+        /// Axis normal to the wall.
         axis: Axis,
-        /// Where it is at the start.
+        /// Initial coordinate of the wall.
+        #[schemars(example = 0)]
         at: Quantity<Length>,
-        /// Where the material is; above if not given.
+        /// Side of the wall on which the material is.
         #[serde(default)]
+        #[schemars(example = &"below")]
         side: Side,
-        /// Its velocity; one component an axis. At rest if not given.
+        /// Velocity of the wall, a component an axis; at rest if not given.
         #[serde(default)]
+        #[schemars(example = (0, "2 m/s"))]
         velocity: Option<Vec<Quantity<Speed>>>,
-        /// Coefficient of friction; none if not given.
+        /// Coefficient of Coulomb friction; frictionless if not given.
         #[serde(default)]
+        #[schemars(example = 0.3, extend("minimum" = 0))]
         friction: Option<Quantity<Plain>>,
     }
     /// A plane with dashpots.
     Absorbing {
-        /// The axis.
+        /// Axis normal to the plane.
         axis: Axis,
-        /// Where.
+        /// Coordinate of the plane.
+        #[schemars(example = 0)]
         at: Quantity<Length>,
-        /// Where the material is; above if not given.
+        /// Side of the plane on which the material is.
         #[serde(default)]
+        #[schemars(example = &"below")]
         side: Side,
-        /// Speed of longitudinal waves.
+        /// Speed of longitudinal waves in the material.
+        #[schemars(example = "5.9 km/s")]
         longitudinal: Quantity<Speed>,
-        /// Speed of shear waves.
+        /// Speed of shear waves in the material.
+        #[schemars(example = "3.2 km/s")]
         shear: Quantity<Speed>,
     }
     /// A period along an axis.
     Periodic {
-        /// The axis.
+        /// Axis of the period.
         axis: Axis,
-        /// The lower plane.
+        /// Coordinate of the lower plane.
+        #[schemars(example = 0)]
         low: Quantity<Length>,
-        /// The upper plane.
+        /// Coordinate of the upper plane.
+        #[schemars(example = "20 mm")]
         high: Quantity<Length>,
     }
     /// A region and its velocity.
     Prescribed {
         /// The region, fixed in space.
         region: Shape,
-        /// Velocity along each axis: a number, a formula of time, or "free".
+        /// Velocity, a component an axis: a number, a formula of time, or `"free"`.
+        #[schemars(example = ("= 2 * t", "free"))]
         velocity: Vec<MayBeFree>,
     }
 }

@@ -1,7 +1,7 @@
 //! Contact.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::quantity::{Length, Plain, Pressure, Quantity};
 
@@ -49,17 +49,17 @@ impl JsonSchema for Meeting {
     }
 }
 
-/// How bodies act on each other.
+/// Contact of bodies.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Contact {
-    /// The law of all pairs that are not among `pairs`.
+    /// Law of all pairs of bodies that are not among `pairs`.
     pub law: Law,
-    /// Laws of pairs of bodies.
+    /// Laws of single pairs of bodies.
     #[serde(default)]
     pub pairs: Vec<Pair>,
-    /// How contact is found on the grid (`mpm`); between particles (`sph`, `pcmm`, `fpm`) it is by the distance of the surfaces.
+    /// Detection of contact on the grid (`mpm`). `sph`, `pcmm` and `fpm` have `surface_distance` alone, `fem` finds nodes on facets.
     #[serde(default)]
     pub detector: Detector,
 }
@@ -69,22 +69,23 @@ pub struct Contact {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Pair {
-    /// The names of the bodies.
+    /// Names of the two bodies.
+    #[schemars(example = ("rod", "plate"))]
     pub between: [String; 2],
-    /// Their law.
+    /// Law of the pair.
     pub law: Law,
 }
 
-/// How contact is found.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+/// Detection of contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Detector {
-    /// By the distance of the surfaces along a separating plane.
+    /// Distance of the surfaces along a separating plane.
     #[default]
     SurfaceDistance,
-    /// Where bodies approach, with normals by gradients of mass.
+    /// Approach of the bodies' velocities at a node, with normals by gradients of mass.
     Approach,
-    /// By the plane of a logistic regression (slowest, best at edges).
+    /// Separating plane by logistic regression: slowest, best at edges.
     Regression,
 }
 
@@ -92,13 +93,14 @@ pub enum Detector {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Law {
-    /// Coulomb friction with this coefficient; 0: none.
+    /// Coulomb friction with this coefficient; 0 is frictionless.
+    #[schemars(extend("examples" = [{"friction": 0.3}]))]
     Friction(Quantity<Plain>),
-    /// Friction that falls with slip.
+    /// Friction that falls with slip (`mpm`).
     SlipWeakening(SlipWeakening),
-    /// Bodies stick where they touch.
+    /// No slip where bodies touch: `law.stick = {}`.
     Stick(Nothing),
-    /// Bodies stick until a strength is reached.
+    /// Bond that breaks at a strength.
     Adhesion(Adhesion),
 }
 
@@ -113,11 +115,14 @@ pub struct Nothing {}
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct SlipWeakening {
-    /// Static coefficient.
+    /// Static coefficient of friction.
+    #[schemars(example = 0.6)]
     pub at_rest: Quantity<Plain>,
-    /// Kinetic coefficient.
+    /// Kinetic coefficient of friction.
+    #[schemars(example = 0.3)]
     pub sliding: Quantity<Plain>,
-    /// Slip over which it falls.
+    /// Slip over which the coefficient falls from static to kinetic.
+    #[schemars(example = "0.1 mm")]
     pub distance: Quantity<Length>,
 }
 
@@ -126,11 +131,14 @@ pub struct SlipWeakening {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Adhesion {
-    /// Tensile strength.
+    /// Tensile strength of the bond.
+    #[schemars(example = "5 MPa")]
     pub strength: Quantity<Pressure>,
-    /// Shear strength.
+    /// Shear strength of the bond.
+    #[schemars(example = "8 MPa")]
     pub shear: Quantity<Pressure>,
-    /// Coefficient of friction afterwards.
+    /// Coefficient of friction after the bond has broken.
     #[serde(default)]
+    #[schemars(example = 0.3)]
     pub friction: Quantity<Plain>,
 }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::{Axis, Vector};
 use crate::quantity::{Length, Plain, Quantity};
 
-/// A number of the scene at a time.
+/// A measured number of the scene. `measures.csv` has it over time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Measurement {
@@ -18,7 +18,7 @@ pub enum Measurement {
     Lowest(OfBody),
     /// Coordinate of the centre of mass, m.
     Centre(OfBody),
-    /// Momentum over mass, m/s.
+    /// Mean velocity: momentum over mass, m/s.
     MeanVelocity(OfBody),
     /// Momentum, kg m/s.
     Momentum(OfBody),
@@ -28,19 +28,19 @@ pub enum Measurement {
     Internal(Whole),
     /// Mass, kg.
     Mass(Whole),
-    /// Largest of a number of the law's state, or of `pressure`, `von_mises`, `speed`.
+    /// Largest value of a field over the points of a body.
     Largest(Field),
-    /// Mean, by mass, of the same.
+    /// Mean value of a field, by mass.
     Mean(Field),
-    /// Coordinate, along an axis, of the point of a body that was nearest to a place at the start, m; no number once it is gone.
+    /// Coordinate of the point of a body that was nearest to a place at the start, m; no number once the point is gone.
     PositionAt(AtPlace),
-    /// The same of its velocity, m/s.
+    /// Velocity of the point of a body that was nearest to a place at the start, m/s.
     VelocityAt(AtPlace),
-    /// There, a number of the law's state, or `pressure`, `von_mises`, `speed`.
+    /// Value of a field at the point of a body that was nearest to a place at the start.
     ValueAt(FieldAtPlace),
     /// Contact force along an axis on the second of two bodies, mean of the last step, N.
     ContactForce(Between),
-    /// Points that failed, over all points of the body.
+    /// Failed points over all points of the body.
     FailedShare(Whole),
     /// Energy error: change of the total energy that nothing explains, over the largest energy so far. Negative: lost.
     EnergyError(super::contact::Nothing),
@@ -51,9 +51,11 @@ pub enum Measurement {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct OfBody {
-    /// The body's name.
+    /// Name of the body.
+    #[schemars(example = &"body")]
     pub body: String,
     /// The axis.
+    #[schemars(example = &"y")]
     pub axis: Axis,
 }
 
@@ -62,7 +64,8 @@ pub struct OfBody {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Whole {
-    /// The body's name.
+    /// Name of the body.
+    #[schemars(example = &"body")]
     pub body: String,
 }
 
@@ -71,11 +74,14 @@ pub struct Whole {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct AtPlace {
-    /// The body's name.
+    /// Name of the body.
+    #[schemars(example = &"body")]
     pub body: String,
-    /// The place.
+    /// Place at the start.
+    #[schemars(example = (0, "5 mm"))]
     pub at: Vector<Length>,
     /// The axis.
+    #[schemars(example = &"y")]
     pub axis: Axis,
 }
 
@@ -84,11 +90,14 @@ pub struct AtPlace {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct FieldAtPlace {
-    /// The body's name.
+    /// Name of the body.
+    #[schemars(example = &"body")]
     pub body: String,
-    /// The place.
+    /// Place at the start.
+    #[schemars(example = (0, "5 mm"))]
     pub at: Vector<Length>,
-    /// The field: a number of the law's state (as `plastic_strain`), `pressure`, `von_mises` or `speed`.
+    /// The field: `pressure`, `von_mises`, `speed`, or a state variable of the law, as `plastic_strain`, `temperature`, `damage`.
+    #[schemars(example = &"von_mises")]
     pub field: String,
 }
 
@@ -97,9 +106,11 @@ pub struct FieldAtPlace {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Between {
-    /// The bodies' names.
+    /// Names of the two bodies.
+    #[schemars(example = ("rod", "plate"))]
     pub between: [String; 2],
     /// The axis.
+    #[schemars(example = &"y")]
     pub axis: Axis,
 }
 
@@ -108,24 +119,30 @@ pub struct Between {
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Field {
-    /// The body's name.
+    /// Name of the body.
+    #[schemars(example = &"body")]
     pub body: String,
-    /// The field: a number of the law's state (as `plastic_strain`), `pressure`, `von_mises` or `speed`.
+    /// The field: `pressure`, `von_mises`, `speed`, or a state variable of the law, as `plastic_strain`, `temperature`, `damage`.
+    #[schemars(example = &"von_mises")]
     pub field: String,
 }
 
-/// What a measure should be at the end.
+/// A comparison of a measure at the end with a reference. A failed check makes the exit code 1.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct Check {
     /// Name of the measure.
+    #[schemars(example = &"length")]
     pub measure: String,
-    /// What it should be: a number in SI units, or a text with a unit.
+    /// Reference value: a number in SI units, or a text with a unit.
+    #[schemars(example = "16.28 mm")]
     pub reference: Reference,
-    /// Allowed difference over the reference (absolute where the reference is 0).
+    /// Allowed difference over the reference; absolute where the reference is 0.
+    #[schemars(example = 0.02, extend("exclusiveMinimum" = 0))]
     pub tolerance: Quantity<Plain>,
-    /// Where the reference is from.
+    /// Source of the reference.
+    #[schemars(example = "finite elements with the same law")]
     pub source: String,
 }
 

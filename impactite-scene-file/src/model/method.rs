@@ -1,23 +1,32 @@
 //! Methods.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::Vector;
 use super::parts::parts;
 use crate::quantity::{Length, Plain, Pressure, Quantity, SurfaceEnergy, Time};
 
+/// Penalty of the fluxes over Young's modulus if none is given.
+pub const PENALTY: f64 = 5.0;
+/// Tolerance of contact of particles over the spacing if none is given.
+pub const TOLERANCE: f64 = 0.5;
+/// Tolerances beyond which an element is a crack if none are given.
+pub const STRETCH: f64 = 2.0;
+/// Steps that a body makes as one if none are given.
+pub const SUBCYCLES: u32 = 1;
+
 /// The method of a scene.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Method {
-    /// Material point method.
+    /// Material point method: large deformation, many bodies, fragments.
     Mpm(Mpm),
-    /// Finite elements.
+    /// Finite elements: moderate deformation, exact surfaces.
     Fem(Fem),
     /// Smoothed particles.
     Sph(Sph),
-    /// Fragile points.
+    /// Fragile points: cracks between cells.
     Fpm(Fpm),
     /// Particle-contact meshfree method.
     Pcmm(Pcmm),
@@ -28,52 +37,62 @@ parts! {
     Mpm {
         /// Edge of a cell of the background grid.
         cell: Quantity<Length>,
-        /// What it is for: the parts of the method follow. Instead of it `parts`.
+        /// Purpose, which chooses the parts of the method. Instead of it `parts`.
         #[serde(default, rename = "for")]
+        #[schemars(example = "contact at rest", extend("default" = Purpose::default()))]
         purpose: Option<Purpose>,
-        /// Shape function, transfer and stress update.
+        /// Shape function, transfer and stress update, of the combinations that are compiled (`impactite list parts`).
         #[serde(default)]
         parts: Option<Parts>,
-        /// Particles a cell along each axis; 2 if not given.
+        /// Particles in a cell along each axis.
         #[serde(default = "two")]
+        #[schemars(example = 3, extend("minimum" = 1, "maximum" = 8))]
         particles_per_cell: u32,
-        /// Where a node of the grid lies; at the origin if not given.
+        /// Place of a node of the grid; the origin if not given.
         #[serde(default)]
+        #[schemars(example = ("0.5 mm", 0))]
         origin: Option<Vector<Length>>,
-        /// How the grid keeps its nodes.
+        /// Storage of the grid.
         #[serde(default)]
+        #[schemars(extend("default" = "blocks"))]
         grid: Grid,
-        /// Local damping towards rest, 0 to below 1: this part of the unbalanced force of nodes; 0.05 for slow processes, 0.7 to come to rest soonest. For linear shape functions: under wide ones it never rests, contact forces are 3 to 5 % too large, and its work is not in the balance of energy.
+        /// Local damping towards rest: part of the unbalanced nodal force that is taken away. 0.05 for slow processes, 0.7 to come to rest soonest. For linear shape functions with `flip` and `musl`; its work is not in the energy balance.
         #[serde(default)]
+        #[schemars(example = 0.7, extend("minimum" = 0, "exclusiveMaximum" = 1))]
         local_damping: Option<Quantity<Plain>>,
-        /// Stop everything whenever the kinetic energy has passed a peak, to come to rest?
+        /// Kinetic damping: all velocities become zero whenever the kinetic energy has passed a peak.
         #[serde(default)]
         kinetic_damping: bool,
-        /// Take out of velocities what nodes do not see, every so many steps.
+        /// Steps between filterings of the velocities that nodes do not see (null space). Never if not given.
         #[serde(default)]
+        #[schemars(example = 10)]
         null_space_filter: Option<u64>,
     }
     /// A grid that holds all nodes of a box.
     Dense {
         /// Lower corner.
+        #[schemars(example = (0, 0))]
         from: Vector<Length>,
         /// Upper corner.
+        #[schemars(example = ("0.2 m", "0.1 m"))]
         to: Vector<Length>,
     }
     /// Finite elements.
     Fem {
-        /// Which bodies also touch themselves.
+        /// Bodies with self-contact.
         #[serde(default)]
+        #[schemars(example = ("body",))]
         touch_themselves: Vec<String>,
-        /// Most steps of the scene that a body with a longer stable step makes as one; 1 if not given.
+        /// Most steps of the scene that a body with a longer stable step makes as one.
         #[serde(default)]
+        #[schemars(example = 8, extend("default" = SUBCYCLES, "minimum" = 1))]
         subcycles: Option<u32>,
     }
     /// Smoothed particles.
     Sph {
         /// Distance of particles.
         spacing: Quantity<Length>,
-        /// Form.
+        /// Reference configuration.
         #[serde(default)]
         form: SphForm,
     }
@@ -81,75 +100,90 @@ parts! {
     Fpm {
         /// Distance of points.
         spacing: Quantity<Length>,
-        /// Where points are, for bodies without a mesh.
+        /// Positions of points, for bodies without a mesh.
         #[serde(default)]
         points: Points,
         /// Seed of random points.
         #[serde(default = "one")]
+        #[schemars(example = 7)]
         seed: u64,
-        /// Flux.
+        /// Numerical flux between cells.
         #[serde(default)]
         flux: Flux,
-        /// Penalty over Young's modulus; 5 if not given.
+        /// Penalty of the flux over Young's modulus.
         #[serde(default)]
+        #[schemars(example = 5, extend("default" = PENALTY, "exclusiveMinimum" = 0))]
         penalty: Option<Quantity<Plain>>,
-        /// When faces open; never if not given.
+        /// Criterion at which faces open; never if not given.
         #[serde(default)]
         cracks: Option<Cracks>,
-        /// Coefficient of friction of cracks that close.
+        /// Coefficient of friction of cracks that close; frictionless if not given.
         #[serde(default)]
+        #[schemars(example = 0.3)]
         friction: Option<Quantity<Plain>>,
     }
     /// Particle-contact meshfree method.
     Pcmm {
         /// Distance of particles.
         spacing: Quantity<Length>,
-        /// Particles touch that are this much further apart than their radii, in spacings; 0.5 if not given. At least 0.42 where they begin on a lattice.
+        /// Gap between the radii of particles that still touch, in spacings. At least 0.42 where particles begin on a lattice.
         #[serde(default)]
+        #[schemars(example = 0.45, extend("default" = TOLERANCE, "exclusiveMinimum" = 0))]
         tolerance: Option<Quantity<Plain>>,
-        /// Elements are cracks where gaps are this many tolerances; 2 if not given, 20 for metal that flows.
+        /// Gap beyond which an element is a crack, in tolerances: 20 for metal that flows.
         #[serde(default)]
+        #[schemars(example = 20, extend("default" = STRETCH))]
         stretch: Option<Quantity<Plain>>,
     }
-    /// A choice of parts.
+    /// A combination of parts.
     Parts {
         /// Shape function.
+        #[schemars(example = &"linear")]
         shape_function: ShapeFunction,
-        /// Transfer.
+        /// Transfer between particles and grid.
+        #[schemars(example = &"flip")]
         transfer: Transfer,
-        /// When stress is updated in a step.
+        /// Time of the stress update in a step.
+        #[schemars(example = &"musl")]
         stress_update: StressUpdate,
-        /// Time constant with which FLIP relaxes towards PIC: for the transfer `blend`.
+        /// Time constant with which FLIP relaxes towards PIC: for the transfer `blend`, which needs it.
         #[serde(default)]
+        #[schemars(example = "2 us")]
         relaxation: Option<Quantity<Time>>,
     }
-    /// Steps by the bound of the highest frequency.
+    /// Steps by a bound of the highest frequency.
     Gershgorin {
-        /// This part of the stable step.
+        /// Part of the stable step.
+        #[schemars(example = 0.8)]
         factor: Quantity<Plain>,
-        /// Steps for which a bound is kept; 10 if not given.
+        /// Steps for which a bound is kept.
         #[serde(default = "ten")]
+        #[schemars(example = 5)]
         every: u64,
     }
     /// A tension.
     MaximumTension {
-        /// The strength.
+        /// Tensile strength.
+        #[schemars(example = "3 MPa")]
         strength: Quantity<Pressure>,
     }
     /// Tension and shear.
     MixedTensionShear {
         /// Tensile strength.
+        #[schemars(example = "3 MPa")]
         tension: Quantity<Pressure>,
         /// Shear strength.
+        #[schemars(example = "6 MPa")]
         shear: Quantity<Pressure>,
     }
     /// Strength and fracture energy.
     Cohesive {
-        /// Strength.
+        /// Tensile strength.
+        #[schemars(example = "3 MPa")]
         strength: Quantity<Pressure>,
-        /// Fracture energy.
+        /// Fracture energy of an area.
         energy: Quantity<SurfaceEnergy>,
-        /// Do the cells of a face part as it begins to soften? Else they stay joined until it bears nothing.
+        /// Cells of a face part as it begins to soften. Otherwise they stay joined until the face carries nothing.
         #[serde(default)]
         parted: bool,
     }
@@ -165,123 +199,125 @@ fn one() -> u64 {
     1
 }
 
-/// How the background grid keeps its nodes.
+/// Storage of the background grid.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Grid {
-    /// Blocks of nodes where particles are.
+    /// Blocks of nodes where particles are; no bounds.
     #[default]
     Blocks,
-    /// All nodes of a box, for scenes that fill it. What leaves it stops the run.
+    /// All nodes of a box, for scenes that fill it. A particle that leaves the box stops the run.
     Dense(Dense),
 }
 
-/// What a method is for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+/// Purpose of a scene of material points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 pub enum Purpose {
-    /// Impact, penetration, fragments: quadratic B-splines, AFLIP, stress last.
+    /// Impact, penetration, fragments.
     #[default]
     #[serde(rename = "impact")]
     Impact,
-    /// Bodies that rest on each other: quadratic B-splines, APIC, stress last.
+    /// Bodies that rest on each other, piles, slopes.
     #[serde(rename = "contact at rest")]
     ContactAtRest,
-    /// Large elastic deformation of bodies that neither break nor flow: linear, total Lagrangian.
+    /// Large elastic deformation of bodies that neither break nor flow.
     #[serde(rename = "large elastic")]
     LargeElastic,
 }
 
 /// A shape function.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ShapeFunction {
-    /// Linear.
+    /// Linear: cheapest and narrowest; noise when particles cross cell faces.
     Linear,
-    /// cpGIMP.
+    /// cpGIMP: linear, averaged over a domain of the particle that follows the strain.
     Cpgimp,
-    /// Quadratic B-splines.
+    /// Quadratic B-splines: smooth.
     QuadraticBSpline,
 }
 
 /// A transfer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Transfer {
-    /// FLIP.
+    /// FLIP: no dissipation of its own, keeps the noise.
     Flip,
-    /// A blend of FLIP and PIC.
+    /// Blend of FLIP and PIC: forgets noise within the time `relaxation`.
     Blend,
-    /// APIC.
+    /// APIC: filters noise, conserves angular momentum.
     Apic,
-    /// AFLIP.
+    /// AFLIP: FLIP with the affine field of APIC and a share of PIC; less damping than APIC.
     Aflip,
-    /// MLS-MPM.
+    /// MLS-MPM: APIC in moving-least-squares form, the cheapest affine step.
     Mls,
 }
 
-/// When stress is updated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+/// Time of the stress update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum StressUpdate {
-    /// Last, with velocities mapped anew (MUSL).
+    /// Stress last, by velocities mapped a second time (MUSL).
     Musl,
-    /// Last (USL).
+    /// Stress last (USL).
     Usl,
 }
 
-/// The form of smoothed particles.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+/// Reference configuration of smoothed particles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SphForm {
-    /// For bodies that stay whole.
+    /// Initial configuration: for bodies that stay whole.
     #[default]
     TotalLagrangian,
-    /// For what flows and tears.
+    /// Current configuration: for bodies that flow and tear.
     Updated,
 }
 
-/// Where points of cells are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+/// Positions of points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Points {
-    /// At random, made more even by three of Lloyd's steps: cracks find their way.
+    /// Random, made even by three Lloyd steps: cracks find their way.
     #[default]
     Random,
-    /// On a lattice: squares and cubes.
+    /// Lattice: squares and cubes.
     Lattice,
 }
 
-/// A flux.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+/// A numerical flux.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Flux {
-    /// The derivative of an energy.
+    /// Derivative of an energy: keeps energy and momentum.
     #[default]
     Symmetric,
-    /// As printed.
+    /// Original formulation, without the symmetric term.
     Incomplete,
 }
 
-/// When faces open.
+/// Criterion at which faces open.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Cracks {
-    /// Where tension reaches a strength.
+    /// Tension at a strength.
     MaximumTension(MaximumTension),
-    /// Where tension and shear do.
+    /// Tension and shear together at their strengths.
     MixedTensionShear(MixedTensionShear),
-    /// With fracture energy.
+    /// Cohesive: strength and fracture energy.
     Cohesive(Cohesive),
 }
 
-/// How steps are chosen.
+/// Time step.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TimeStep {
-    /// This part of the stable step.
+    /// Part of the stable step (Courant number).
+    #[schemars(extend("examples" = [{"factor": 0.5}]))]
     Factor(Quantity<Plain>),
-    /// Always the same.
+    /// Step of fixed size, for convergence studies.
+    #[schemars(extend("examples" = [{"fixed": "10 ns"}]))]
     Fixed(Quantity<Time>),
-    /// By the bound of the highest frequency of the nodes (`mpm`).
+    /// Part of Gershgorin's bound of the step, by the highest frequency of the nodes (`mpm`).
     Gershgorin(Gershgorin),
 }

@@ -1,7 +1,7 @@
 //! What is written.
 
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::quantity::{Plain, Quantity, Time};
 
@@ -34,7 +34,7 @@ pub struct Output {
 }
 
 /// What files the frames for ParaView are.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[non_exhaustive]
 #[serde(rename_all = "lowercase")]
 pub enum FrameFormat {

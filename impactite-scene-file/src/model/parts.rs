@@ -3,10 +3,10 @@
 /// Structs whose fields are the keys of a table of the file, and no others.
 macro_rules! parts {
     ($($(#[$doc:meta])* $name:ident { $($(#[$inner:meta])* $field:ident: $type:ty,)* })*) => {$(
-        $(#[$doc])*
         #[derive(Clone, Debug, Deserialize, JsonSchema)]
         #[non_exhaustive]
         #[serde(deny_unknown_fields)]
+        $(#[$doc])*
         pub struct $name { $($(#[$inner])* pub $field: $type,)* }
     )*};
 }

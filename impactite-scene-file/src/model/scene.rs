@@ -16,51 +16,56 @@ use super::space::Space;
 use crate::formula::Formula;
 use crate::quantity::{Acceleration, Parameters, Quantity, Time};
 
-/// A scene: bodies of materials, how they are computed, what acts on them, and what is written.
+/// A scene: bodies, materials, method, loads, output.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
 pub struct SceneFile {
-    /// A name for pages and pictures.
+    /// Name of the scene, for pages and pictures.
+    #[schemars(example = "A copper bar on a wall")]
     pub title: String,
-    /// What the scene shows, and where its numbers are from.
+    /// Description: what the scene shows, and sources of its numbers.
     #[serde(default)]
+    #[schemars(example = "Constants of Johnson and Cook 1983.")]
     pub description: String,
-    /// How the scene lies in space.
+    /// Dimensions of space and symmetry.
+    #[schemars(example = "plane strain")]
     pub space: Space,
-    /// Simulated time, s.
+    /// End of the simulated time.
+    #[schemars(example = "80 us", extend("exclusiveMinimum" = 0))]
     pub end: Quantity<Time>,
-    /// Named values, with which all quantities after them may be written: `radius = "3.8 mm"`.
+    /// Named values, with which all quantities after them may be written.
     #[serde(default)]
     pub parameters: IndexMap<String, Parameter>,
-    /// The method of the scene, with its options: `[method.mpm]`, `[method.fem]`, `[method.sph]`, `[method.fpm]`, `[method.pcmm]`.
+    /// Method of the scene, with its options.
     pub method: Method,
-    /// The materials, by name.
+    /// Materials, by name.
     pub materials: IndexMap<String, Material>,
-    /// The bodies, by name, in the order in which they are added.
+    /// Bodies, by name.
     pub bodies: IndexMap<String, Body>,
-    /// How bodies act on each other; needed by scenes of several bodies.
+    /// Contact of bodies; required by scenes of several bodies. `"none"`: bodies of `mpm` share one velocity field and stick to each other.
     #[serde(default)]
     pub contact: Option<Meeting>,
-    /// Planes of symmetry, walls, prescribed velocities.
+    /// Boundary conditions.
     #[serde(default)]
     pub conditions: Vec<Condition>,
-    /// Acceleration of everything, m/s^2: numbers, or formulas of time.
+    /// Acceleration of all bodies, a component an axis: numbers, or formulas of time.
     #[serde(default)]
+    #[schemars(example = (0, "-9.81 m/s^2"))]
     pub gravity: Option<Vec<Formula<Acceleration>>>,
-    /// How steps are chosen; without it as the method does.
+    /// Time step. If not given: adaptive, a part of the stable step that suits the method.
     #[serde(default)]
     pub time_step: Option<TimeStep>,
-    /// Does a gain of energy that nothing explains only warn, instead of stopping the run?
+    /// Unexplained gain of energy: warn (`true`) instead of stopping the run.
     #[serde(default)]
     pub only_warn: bool,
-    /// Numbers of interest, by name: columns of `measures.csv`, of sweeps, and of checks.
+    /// Measures, by name: columns of `measures.csv` and of sweeps, and values of checks.
     #[serde(default)]
     pub measures: IndexMap<String, Measurement>,
-    /// What measures should be at the end.
+    /// Checks of measures at the end of the run.
     #[serde(default)]
     pub checks: Vec<Check>,
-    /// What is written while the scene runs.
+    /// Output while the scene runs.
     #[serde(default)]
     pub output: Output,
     /// The bodies of the scene, repeated ones one by one.
@@ -140,6 +145,7 @@ impl SceneFile {
 /// A named value: a number, or a text with a unit or arithmetic with the parameters before it.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
+#[schemars(example = "3.8 mm")]
 pub enum Parameter {
     /// A plain number.
     Number(f64),

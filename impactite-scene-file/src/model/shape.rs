@@ -9,46 +9,51 @@ use super::Vector;
 use super::parts::parts;
 use crate::quantity::{Angle, Length, Plain, Quantity};
 
-/// A solid. Coordinates are x, y, z; in plane scenes x, y; around an axis r, z.
+/// A shape. Coordinates are x, y, z; in plane scenes x, y; around an axis r, z.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
-    /// A box between two corners; in the plane a rectangle.
+    /// Box between two opposite corners; in the plane a rectangle.
     Box(BoxShape),
-    /// A ball; in the plane a disc.
+    /// Ball; in the plane a disc.
     Ball(BallShape),
-    /// A hollow ball; in the plane a ring.
+    /// Hollow ball; in the plane a ring.
     Shell(ShellShape),
-    /// A cylinder; in the plane a bar.
+    /// Cylinder; in the plane a bar.
     Cylinder(CylinderShape),
-    /// A hollow cylinder.
+    /// Hollow cylinder.
     Tube(TubeShape),
-    /// A cone that is cut off.
+    /// Truncated cone.
     Frustum(FrustumShape),
-    /// A rod with an ogive nose.
+    /// Rod with an ogive nose.
     OgiveRod(OgiveRodShape),
-    /// A polygon of the plane; around an axis of (r, z).
+    /// Polygon of the plane; around an axis of (r, z).
     Polygon(PolygonShape),
-    /// All behind a plane.
+    /// Half space behind a plane, to cut other shapes.
     HalfSpace(HalfSpaceShape),
-    /// A closed surface of triangles from a file.
+    /// Closed surface of triangles from an STL or OBJ file, in three dimensions.
     Surface(SurfaceShape),
-    /// What is in any of these.
+    /// Union: points in any of these shapes.
+    #[schemars(extend("examples" = [{"union": [{"ball": {"centre": [0, 0], "radius": "5 mm"}}, {"box": {"from": [0, 0], "to": ["9 mm", "2 mm"]}}]}]))]
     Union(Vec<Shape>),
-    /// What is in all of these.
+    /// Intersection: points in all of these shapes.
+    #[schemars(extend("examples" = [{"intersection": [{"ball": {"centre": [0, 0], "radius": "5 mm"}}, {"half_space": {"point": [0, 0], "outward": [-1, 0]}}]}]))]
     Intersection(Vec<Shape>),
-    /// What is in the first and in none of the others.
+    /// Difference: points in the first shape and in none of the others.
+    #[schemars(extend("examples" = [{"difference": [{"box": {"from": [0, 0], "to": ["9 mm", "9 mm"]}}, {"ball": {"centre": [0, 0], "radius": "5 mm"}}]}]))]
     Difference(Vec<Shape>),
-    /// A shape elsewhere.
+    /// Shape that is turned about a place, then shifted.
     Moved(Box<MovedShape>),
 }
 
 parts! {
     /// Two corners.
     BoxShape {
-        /// A corner.
+        /// Corner.
+        #[schemars(example = (0, 0))]
         from: Vector<Length>,
-        /// The corner opposite.
+        /// Opposite corner.
+        #[schemars(example = ("10 mm", "30 mm"))]
         to: Vector<Length>,
     }
     /// Centre and radius.
@@ -63,17 +68,21 @@ parts! {
         /// Centre.
         centre: Vector<Length>,
         /// Inner radius.
+        #[schemars(example = "30 mm")]
         inner: Quantity<Length>,
         /// Outer radius.
+        #[schemars(example = "40 mm")]
         outer: Quantity<Length>,
     }
     /// An axis and a radius.
     CylinderShape {
         /// Centre of one end.
         start: Vector<Length>,
-        /// Direction of the axis; of any length.
+        /// Direction of the axis, of any length.
+        #[schemars(example = (0, 1))]
         direction: Vector<Plain>,
         /// Length.
+        #[schemars(example = "25.4 mm")]
         length: Quantity<Length>,
         /// Radius.
         radius: Quantity<Length>,
@@ -82,72 +91,90 @@ parts! {
     TubeShape {
         /// Centre of one end.
         start: Vector<Length>,
-        /// Direction of the axis; of any length.
+        /// Direction of the axis, of any length.
+        #[schemars(example = (0, 1))]
         direction: Vector<Plain>,
         /// Length.
+        #[schemars(example = "25.4 mm")]
         length: Quantity<Length>,
         /// Inner radius.
+        #[schemars(example = "30 mm")]
         inner: Quantity<Length>,
         /// Outer radius.
+        #[schemars(example = "40 mm")]
         outer: Quantity<Length>,
     }
     /// An axis and the radii of the ends.
     FrustumShape {
         /// Centre of one end.
         start: Vector<Length>,
-        /// Direction of the axis; of any length.
+        /// Direction of the axis, of any length.
+        #[schemars(example = (0, 1))]
         direction: Vector<Plain>,
         /// Length.
+        #[schemars(example = "25.4 mm")]
         length: Quantity<Length>,
         /// Radii at the start and at the other end.
+        #[schemars(example = ("5 mm", "2 mm"))]
         radii: [Quantity<Length>; 2],
     }
     /// A rod.
     OgiveRodShape {
         /// Centre of the flat end.
         tail: Vector<Length>,
-        /// From tail to tip; of any length.
+        /// Direction from tail to tip, of any length.
+        #[schemars(example = (0, -1))]
         direction: Vector<Plain>,
         /// Diameter.
+        #[schemars(example = "12.9 mm")]
         diameter: Quantity<Length>,
         /// Length from tail to tip.
+        #[schemars(example = "88.9 mm")]
         length: Quantity<Length>,
-        /// Radius of the ogive over the diameter (caliber radius head), at least 1/2.
+        /// Radius of the ogive over the diameter (caliber radius head).
+        #[schemars(example = 3, extend("minimum" = 0.5))]
         crh: Quantity<Plain>,
     }
     /// Corners.
     PolygonShape {
-        /// The corners, in order.
+        /// Corners, in order around the polygon.
+        #[schemars(example = ((0, 0), ("25 m", 0), ("10 m", "7 m")))]
         corners: Vec<[Quantity<Length>; 2]>,
     }
     /// A plane.
     HalfSpaceShape {
-        /// A place on the plane.
+        /// Place on the plane.
+        #[schemars(example = (0, 0))]
         point: Vector<Length>,
-        /// Outwards; of any length.
+        /// Outward normal, of any length: the half space is on the other side.
+        #[schemars(example = (0, 1))]
         outward: Vector<Plain>,
     }
     /// A file.
     SurfaceShape {
-        /// An STL or OBJ file; beside the scene's file unless the path is absolute.
+        /// Path of the STL or OBJ file, relative to the folder of the scene file.
+        #[schemars(example = "part.stl")]
         file: PathBuf,
         /// Length of a unit of the file.
+        #[schemars(example = "1 mm")]
         unit: Quantity<Length>,
     }
-    /// Scaled and turned about a place, then shifted.
+    /// Rotation about a place, then a shift.
     MovedShape {
         /// The shape.
         shape: Shape,
         /// Shift.
         #[serde(default)]
+        #[schemars(example = ("10 mm", 0))]
         by: Option<Vector<Length>>,
-        /// Turn by this angle: in the plane from x to y, around an axis not at all.
+        /// Angle of the turn: in the plane from x to y; around an axis there is none.
         #[serde(default)]
         turn: Option<Quantity<Angle>>,
-        /// The axis of the turn, in three dimensions.
+        /// Axis of the turn, in three dimensions.
         #[serde(default)]
+        #[schemars(example = (0, 0, 1))]
         axis: Option<Vector<Plain>>,
-        /// The place that a turn leaves where it is; the origin if none is given.
+        /// Centre of the turn; the origin if not given.
         #[serde(default)]
         about: Option<Vector<Length>>,
     }

@@ -6,19 +6,19 @@ use serde::Deserialize;
 use crate::formula::{Coordinates, Formula};
 use crate::quantity::{Measure, Quantity};
 
-/// How a scene lies in space.
+/// Dimensions of space and symmetry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 pub enum Space {
-    /// Three dimensions: x, y, z.
+    /// Three dimensions, x, y, z.
     #[serde(rename = "3d")]
     Full,
-    /// x and y; nothing moves along z, and everything is per metre of depth.
+    /// Plane strain in x, y: no motion along z. Masses, forces and energies are per metre of depth.
     #[serde(rename = "plane strain")]
     PlaneStrain,
-    /// x and y, without stress along z: plates, one metre thick at the start. For materials that have a law of plates (`elastic`).
+    /// Plane stress in x, y: no stress along z. A plate one metre thick, for `elastic` materials.
     #[serde(rename = "plane stress")]
     PlaneStress,
-    /// r and z around the axis r = 0; everything is per radian.
+    /// Axisymmetric in r, z around the axis r = 0. Masses, forces and energies are per radian.
     #[serde(rename = "axisymmetric")]
     Axisymmetric,
 }

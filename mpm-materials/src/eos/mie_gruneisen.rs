@@ -82,6 +82,11 @@ impl<T: Real> MieGruneisen<T> {
         Self::known([2700.0, 5386.0, 1.339, 1.99])
     }
 
+    /// Aluminium 2024: rho0 2785 kg/m^3, c0 5328 m/s, s 1.338, gamma0 2.00 (Steinberg, in Uintah; book, "Material constants").
+    pub fn aluminium_2024() -> Self {
+        Self::known([2785.0, 5328.0, 1.338, 2.00])
+    }
+
     /// Steel 4340: rho0 7830 kg/m^3, c0 3574 m/s, s 1.92, gamma0 1.69 (Uintah; book, "Material constants").
     pub fn steel_4340() -> Self {
         Self::known([7830.0, 3574.0, 1.92, 1.69])

@@ -58,7 +58,17 @@ impl<T: Real> JohnsonCookDamage<T> {
         Self::known([-0.77, 1.45, -0.47, 0.0, 1.60])
     }
 
-    /// 4340 steel: 0.05, 3.44, -2.12, 0.002, 0.61 (Uintah; book, "Material constants").
+    /// 2024-T3 aluminium: 0.13, 0.13, -1.5, 0.011, 0 (\[Lesuer2000\] as in two public decks; book, "Material constants").
+    pub fn aluminium_2024_t3() -> Self {
+        Self::known([0.13, 0.13, -1.5, 0.011, 0.0])
+    }
+
+    /// OFHC copper: 0.54, 4.89, -3.03, 0.014, 1.12 (\[JohnsonCook1985\] as in Uintah; book, "Material constants").
+    pub fn copper_ofhc() -> Self {
+        Self::known([0.54, 4.89, -3.03, 0.014, 1.12])
+    }
+
+    /// 4340 steel: 0.05, 3.44, -2.12, 0.002, 0.61 (\[JohnsonCook1985\] as in Uintah; book, "Material constants").
     pub fn steel_4340() -> Self {
         Self::known([0.05, 3.44, -2.12, 0.002, 0.61])
     }

@@ -87,6 +87,12 @@ impl<T: Real> JohnsonCook<T> {
         Self::adiabatic([26.0e9, 324e6, 114e6, 0.42], 0.002, [294.0, 925.0, 1.34, 896.0])
     }
 
+    /// 2024-T3 aluminium: A 369 MPa, B 684 MPa, n 0.73, C 0.0083 at 1 /s, m 1.7, T_melt 775 K (\[Lesuer2000\] as in public decks);
+    /// G 28.6 GPa and c 863 J/(kg K) of 2024-T4 (Steinberg, in Uintah; book, "Material constants"); T_room 294 K, Taylor-Quinney 0.9.
+    pub fn aluminium_2024_t3() -> AdiabaticJohnsonCook<T> {
+        Self::adiabatic([28.6e9, 369e6, 684e6, 0.73], 0.0083, [294.0, 775.0, 1.7, 863.0])
+    }
+
     /// 4340 steel: A 792 MPa, B 510 MPa, n 0.26, C 0.014 at 1 /s, m 1.03, T_melt 1793 K, c 477 J/(kg K),
     /// G 80 GPa (Uintah; book, "Material constants"); T_room 294 K, Taylor-Quinney 0.9.
     pub fn steel_4340() -> AdiabaticJohnsonCook<T> {

@@ -1,0 +1,696 @@
+//! Reference of all keys of scene files, made from the schema: path, value, default, description and an example of each.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use serde_json::{Map, Value, json};
+
+use crate::build::kernels::{PARTS, PURPOSES, word};
+use crate::quantity::{MEASURES, Parameters};
+
+/// A key of scene files.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// Path, as `bodies.NAME.shape.ball.radius`: `NAME` is any name, `[]` an element of a list.
+    pub path: String,
+    /// Kind of the value, with its SI unit.
+    pub kind: String,
+    /// Allowed range, where the schema has one.
+    pub range: Option<String>,
+    /// Allowed words, with descriptions where the words are met first.
+    pub words: Vec<(String, String)>,
+    /// Presence: the table that contains the key must have it.
+    pub required: bool,
+    /// Default, as TOML; none where the key has no effect unless it is given, or where its description says what holds instead.
+    pub default: Option<String>,
+    /// Description.
+    pub what: String,
+    /// Line of TOML with the key, relative to the table that contains it.
+    pub example: String,
+    /// Scene, as JSON, with the example and else only what must be there. It can be read; whether it can be run depends on files and names.
+    pub scene: Value,
+    /// Type and field of the schema; none of elements and alternatives.
+    pub field: Option<(String, String)>,
+}
+
+impl Key {
+    /// Value and what of it is allowed, in words.
+    #[must_use]
+    pub fn value(&self) -> String {
+        let words: Vec<String> = self.words.iter().map(|(word, _)| format!("`\"{word}\"`")).collect();
+        let mut parts = Vec::new();
+        if !self.kind.is_empty() {
+            parts.push(self.kind.clone());
+        }
+        if !words.is_empty() {
+            parts.push(words.join(", "));
+        }
+        parts.extend(self.range.clone());
+        parts.join("; ")
+    }
+
+    /// Whether the path is, or is below, a prefix in which names stand for `NAME`: `bodies.plate`, `bodies.NAME`, `conditions.wall`.
+    #[must_use]
+    pub fn is_below(&self, prefix: &str) -> bool {
+        let plain = |s: &str| s.split('[').next().unwrap_or_default().to_string();
+        let mut path = self.path.split('.').map(plain);
+        prefix.split('.').filter(|s| !s.is_empty()).map(plain).all(|wanted| match path.next() {
+            Some(there) => there == wanted || there == "NAME",
+            None => false,
+        })
+    }
+}
+
+/// All keys, in the order of the types they are read into.
+#[must_use]
+pub fn all() -> Vec<Key> {
+    let schema = crate::schema().to_value();
+    let mut walk = Walk { schema: &schema, keys: Vec::new(), seen: BTreeMap::new(), open: Vec::new() };
+    walk.object(&schema, "SceneFile", "", &[]);
+    walk.keys
+}
+
+/// Keys at or below a prefix.
+#[must_use]
+pub fn below(prefix: &str) -> Vec<Key> {
+    all().into_iter().filter(|key| key.is_below(prefix)).collect()
+}
+
+/// A step from the whole scene down to a key: what stands around it.
+#[derive(Clone)]
+enum Frame {
+    /// Field of an object, beside those that it must have.
+    Field { siblings: Map<String, Value>, name: String },
+    /// Alternative of a key that has one of several.
+    Variant(String),
+    /// Entry of a table of names.
+    Name(&'static str),
+    /// Element of a list.
+    Element,
+}
+
+struct Walk<'a> {
+    schema: &'a Value,
+    keys: Vec<Key>,
+    /// Types with words or alternatives that were described before, and where.
+    seen: BTreeMap<String, String>,
+    /// Types that contain the present one.
+    open: Vec<String>,
+}
+
+/// A type of the schema, by way of references and of `null`.
+fn resolved<'a>(schema: &'a Value, of: &'a Value) -> (&'a Value, &'a str) {
+    if let Some(name) = of["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
+        return (&schema["$defs"][name], name);
+    }
+    let is_null = |v: &Value| v["type"] == "null";
+    if let Some([one, null]) = of["anyOf"].as_array().map(Vec::as_slice)
+        && is_null(null)
+    {
+        return resolved(schema, one);
+    }
+    (of, "")
+}
+
+/// The alternatives of a type: word, description, and the schema of what stands under the word; nothing for plain words.
+fn alternatives<'a>(of: &'a Value) -> Vec<(String, String, Option<&'a Value>, &'a Value)> {
+    let mut list = Vec::new();
+    for one in of["oneOf"].as_array().into_iter().flatten() {
+        let what = text(&one["description"]);
+        if let Some(word) = one["const"].as_str() {
+            list.push((word.to_string(), what.clone(), None, one));
+        }
+        for word in one["enum"].as_array().into_iter().flatten().filter_map(Value::as_str) {
+            list.push((word.to_string(), what.clone(), None, one));
+        }
+        for (word, inner) in one["properties"].as_object().into_iter().flatten() {
+            list.push((word.clone(), what.clone(), Some(inner), one));
+        }
+    }
+    for word in of["enum"].as_array().into_iter().flatten().filter_map(Value::as_str) {
+        list.push((word.to_string(), String::new(), None, of));
+    }
+    list
+}
+
+fn text(value: &Value) -> String {
+    // Brackets are escaped in comments of programs.
+    value.as_str().unwrap_or_default().replace('\n', " ").replace("\\[", "[").replace("\\]", "]")
+}
+
+fn is_type(of: &Value, name: &str) -> bool {
+    match &of["type"] {
+        Value::String(one) => one == name,
+        Value::Array(list) => list.iter().any(|t| t == name),
+        _ => false,
+    }
+}
+
+/// The measure of a quantity or formula: name, SI unit, and what formulas are added.
+fn measure(name: &str) -> Option<(&'static str, &'static str, &'static str)> {
+    if name == "SpeedOrFree" {
+        return Some(("speed", "m/s", ", formula, or `\"free\"`"));
+    }
+    let (plain, more) = match name.strip_suffix("Formula") {
+        Some(plain) => (plain, ", or formula"),
+        None => (name, ""),
+    };
+    let words = |name: &str| -> String { name.split(' ').map(|w| w[..1].to_uppercase() + &w[1..]).collect() };
+    MEASURES.iter().find(|(name, _)| words(name) == plain).map(|(name, unit)| (*name, *unit, more))
+}
+
+/// An example of each measure.
+fn of_measure(name: &str) -> Value {
+    match name {
+        "length" => json!("5 mm"),
+        "area" => json!("1 cm^2"),
+        "time" => json!("1 us"),
+        "speed" => json!("190 m/s"),
+        "acceleration" => json!("9.81 m/s^2"),
+        "angular velocity" => json!("30 rad/s"),
+        "angle" => json!("30 deg"),
+        "mass" => json!("1 kg"),
+        "density" => json!("7850 kg/m^3"),
+        "pressure" => json!("200 MPa"),
+        "viscosity" => json!("1 mPa s"),
+        "temperature" => json!("294 K"),
+        "heat capacity" => json!("477 J/(kg K)"),
+        "energy of an area" => json!("50 J/m^2"),
+        "energy of a volume" => json!("7 GJ/m^3"),
+        _ => json!(1),
+    }
+}
+
+/// The name that stands for `NAME` in examples.
+fn sample(path: &str) -> &'static str {
+    match path {
+        "materials" => "steel",
+        "bodies" => "body",
+        "parameters" => "radius",
+        _ => "length",
+    }
+}
+
+impl<'a> Walk<'a> {
+    fn fields(&self, of: &'a Value) -> Vec<(&'a String, &'a Value, bool)> {
+        let required: Vec<&str> =
+            of["required"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let all = of["properties"].as_object().into_iter().flatten();
+        all.map(|(name, field)| (name, field, required.contains(&name.as_str()))).collect()
+    }
+
+    /// What an object must have.
+    fn required(&self, of: &'a Value, path: &str) -> Map<String, Value> {
+        let fields = self.fields(of).into_iter().filter(|f| f.2);
+        fields.map(|(name, field, _)| (name.clone(), self.example(field, &join(path, name)))).collect()
+    }
+
+    /// An example of a value.
+    fn example(&self, of: &'a Value, path: &str) -> Value {
+        if let Some(first) = of["examples"].get(0) {
+            return first.clone();
+        }
+        let (target, name) = resolved(self.schema, of);
+        if let Some(first) = target["examples"].get(0) {
+            return first.clone();
+        }
+        if let Some((name, ..)) = measure(name) {
+            return of_measure(name);
+        }
+        if let Some((word, _, inner, whole)) = alternatives(target).into_iter().next() {
+            return match inner {
+                _ if whole["examples"].get(0).is_some() => whole["examples"][0].clone(),
+                Some(inner) => json!({ word: self.example(inner, path) }),
+                None => json!(word),
+            };
+        }
+        if target["properties"].is_object() {
+            let mut made = self.required(target, path);
+            if made.is_empty()
+                && let Some((name, field, _)) = self.fields(target).first()
+            {
+                made.insert((*name).clone(), self.example(field, &join(path, name)));
+            }
+            return Value::Object(made);
+        }
+        if target["additionalProperties"].is_object() {
+            return json!({ sample(path): self.example(&target["additionalProperties"], path) });
+        }
+        // Of keys whose types have no example.
+        match path.rsplit('.').next().unwrap_or_default() {
+            "field" => return json!("plastic_strain"),
+            "fields" => return json!(["velocity", "pressure"]),
+            "range" => return json!([0, 1.5]),
+            "seen_from" => return json!([1, -1, 0.7]),
+            _ => {}
+        }
+        if is_type(target, "array") {
+            let one = self.example(&target["items"], path);
+            let count = target["minItems"].as_u64().unwrap_or(1);
+            let is_vector = measure(resolved(self.schema, &target["items"]).1).is_some();
+            return match count {
+                // A place, or a vector.
+                1 if is_vector => json!([0, one]),
+                _ => Value::Array((0..count).map(|_| one.clone()).collect()),
+            };
+        }
+        if is_type(target, "boolean") {
+            return json!(true);
+        }
+        if is_type(target, "string") {
+            return json!(path.rsplit('.').next().unwrap_or_default());
+        }
+        if is_type(target, "object") { json!({}) } else { json!(1) }
+    }
+
+    fn push(&mut self, path: &str, of: &'a Value, place: Place, frames: &[Frame], example: &Value) {
+        let (target, name) = resolved(self.schema, of);
+        // Lists of words have those of their elements.
+        let (of_words, name) = match resolved(self.schema, &target["items"]) {
+            (items, name) if is_words(items) => (items, name),
+            _ => (target, name),
+        };
+        let list = alternatives(of_words);
+        let plain = list.iter().filter(|a| a.2.is_none());
+        let kind = self.kind(of);
+        let known = name.is_empty() || self.seen.contains_key(name);
+        if !known {
+            self.seen.insert(name.into(), path.into());
+        }
+        let words = plain.map(|a| (a.0.clone(), if known { String::new() } else { a.1.clone() })).collect();
+        let default = match &of["default"] {
+            Value::Null => None,
+            Value::String(empty) if empty.is_empty() => None,
+            Value::Array(empty) if empty.is_empty() => None,
+            value => Some(toml(value)),
+        };
+        let mut scene = example.clone();
+        for frame in frames.iter().rev() {
+            scene = match frame {
+                Frame::Field { siblings, name } => {
+                    let mut all = siblings.clone();
+                    all.insert(name.clone(), scene);
+                    Value::Object(all)
+                }
+                Frame::Variant(word) => json!({ word: scene }),
+                Frame::Name(name) => json!({ *name: scene }),
+                Frame::Element => json!([scene]),
+            };
+        }
+        self.keys.push(Key {
+            path: path.into(),
+            kind,
+            range: range(of),
+            words,
+            required: place.required,
+            default,
+            what: place.what,
+            example: line(path, place.variant, example),
+            scene,
+            field: place.field,
+        });
+    }
+
+    fn kind(&self, of: &'a Value) -> String {
+        let (target, name) = resolved(self.schema, of);
+        if let Some((name, unit, more)) = measure(name) {
+            return if unit.is_empty() { format!("number{more}") } else { format!("{name}, {unit}{more}") };
+        }
+        let list = alternatives(target);
+        if !list.is_empty() {
+            let tables: Vec<String> =
+                list.iter().filter(|a| a.2.is_some()).map(|a| format!("`{}`", a.0)).collect();
+            return match self.seen.get(name) {
+                _ if tables.is_empty() => String::new(),
+                Some(path) => format!("as `{path}`"),
+                None => format!("one of {}", tables.join(", ")),
+            };
+        }
+        if target["anyOf"].is_array() {
+            return "number, or text with a unit".into();
+        }
+        if target["properties"].is_object() {
+            return "table".into();
+        }
+        if target["additionalProperties"].is_object() {
+            return "tables, by name".into();
+        }
+        if is_type(target, "array") {
+            let (inner, name) = resolved(self.schema, &target["items"]);
+            let count = match (target["minItems"].as_u64(), target["maxItems"].as_u64()) {
+                (Some(low), Some(high)) if low == high => format!("{low} "),
+                _ => String::new(),
+            };
+            return match measure(name) {
+                Some((_, "", _)) => format!("list of {count}numbers"),
+                Some((name, unit, more)) => {
+                    let many = if name.starts_with("energy") { name.to_string() } else { plural(name) };
+                    format!("list of {count}{many}, {unit}{more}")
+                }
+                None if is_type(inner, "array") => {
+                    let inner = self.kind(inner);
+                    let more = inner.strip_prefix("list of ").map(String::from);
+                    format!("list of lists of {}", more.unwrap_or(inner))
+                }
+                None if is_type(inner, "string") => format!("list of {count}texts"),
+                None if is_type(inner, "integer") => format!("list of {count}integers"),
+                None if is_words(inner) => "list of words".into(),
+                None => "list of tables".into(),
+            };
+        }
+        for (kind, word) in [
+            ("boolean", "`true` or `false`"),
+            ("integer", "integer"),
+            ("number", "number"),
+            ("string", "text"),
+            ("object", "table"),
+        ] {
+            if is_type(target, kind) {
+                return word.into();
+            }
+        }
+        "any".into()
+    }
+
+    fn object(&mut self, of: &'a Value, name: &str, path: &str, frames: &[Frame]) {
+        let required = self.required(of, path);
+        for (field, inner, needed) in self.fields(of) {
+            let mut siblings = required.clone();
+            siblings.shift_remove(field);
+            let mut below = frames.to_vec();
+            below.push(Frame::Field { siblings, name: field.clone() });
+            let place = Place {
+                required: needed,
+                what: text(&inner["description"]),
+                field: Some((name.to_string(), field.clone())),
+                ..Place::default()
+            };
+            self.value(inner, &join(path, field), place, &below);
+        }
+    }
+
+    /// A key, and what is below it.
+    fn value(&mut self, of: &'a Value, path: &str, place: Place, frames: &[Frame]) {
+        let (target, name) = resolved(self.schema, of);
+        let example = self.example(of, path);
+        let first = !self.seen.contains_key(name);
+        self.push(path, of, place, frames, &example);
+        self.inside(target, name, path, frames, first);
+    }
+
+    fn inside(&mut self, target: &'a Value, name: &str, path: &str, frames: &[Frame], first: bool) {
+        if !name.is_empty() && self.open.iter().any(|open| open == name) {
+            return;
+        }
+        self.open.push(name.to_string());
+        let with = |frame| {
+            let mut below = frames.to_vec();
+            below.push(frame);
+            below
+        };
+        let list = alternatives(target);
+        if list.iter().any(|a| a.2.is_some()) {
+            // Shapes, laws of contact: below their first key, which the others refer to.
+            for (word, what, inner, whole) in list.into_iter().filter(|_| first) {
+                let Some(inner) = inner else { continue };
+                let below = with(Frame::Variant(word.clone()));
+                let example = match whole["examples"].get(0) {
+                    Some(example) => example[&word].clone(),
+                    None => self.example(inner, path),
+                };
+                let path = join(path, &word);
+                let place = Place { variant: true, what, ..Place::default() };
+                self.push(&path, inner, place, &below, &example);
+                let (target, name) = resolved(self.schema, inner);
+                self.inside(target, name, &path, &below, true);
+            }
+        } else if target["properties"].is_object() {
+            self.object(target, name, path, frames);
+        } else if target["additionalProperties"].is_object() {
+            let below = with(Frame::Name(sample(path)));
+            let path = join(path, "NAME");
+            self.element(&target["additionalProperties"], &path, &below);
+        } else if is_type(target, "array") {
+            let items = &target["items"];
+            let (inner, inner_name) = resolved(self.schema, items);
+            if inner["properties"].is_object() || alternatives(inner).iter().any(|a| a.2.is_some()) {
+                let path = format!("{path}[]");
+                let first = !self.seen.contains_key(inner_name);
+                let below = with(Frame::Element);
+                if first {
+                    self.seen.insert(inner_name.into(), path.clone());
+                }
+                self.inside(inner, inner_name, &path, &below, first);
+            }
+        }
+        self.open.pop();
+    }
+
+    /// An entry of a table of names.
+    fn element(&mut self, of: &'a Value, path: &str, frames: &[Frame]) {
+        let (target, name) = resolved(self.schema, of);
+        let place = Place { what: text(&target["description"]), ..Place::default() };
+        let example = self.example(of, path);
+        let first = !self.seen.contains_key(name);
+        self.push(path, of, place, frames, &example);
+        self.inside(target, name, path, frames, first);
+    }
+}
+
+/// What a key is in the table that contains it.
+#[derive(Default)]
+struct Place {
+    required: bool,
+    /// It is an alternative of the key above.
+    variant: bool,
+    what: String,
+    field: Option<(String, String)>,
+}
+
+fn is_words(of: &Value) -> bool {
+    let list = alternatives(of);
+    !list.is_empty() && list.iter().all(|a| a.2.is_none())
+}
+
+fn plural(name: &str) -> String {
+    match name.strip_suffix('y') {
+        Some(stem) => format!("{stem}ies"),
+        None => format!("{name}s"),
+    }
+}
+
+fn join(path: &str, name: &str) -> String {
+    if path.is_empty() { name.into() } else { format!("{path}.{name}") }
+}
+
+fn range(of: &Value) -> Option<String> {
+    let number = |key: &str| of[key].as_f64();
+    let low = number("exclusiveMinimum").map(|x| format!("above {x}"));
+    let low = low.or_else(|| {
+        number("minimum")
+            .filter(|_| of["format"].is_null() || of["minimum"] != 0)
+            .map(|x| format!("{x} or more"))
+    });
+    let high = number("exclusiveMaximum").map(|x| format!("below {x}"));
+    let high = high.or_else(|| number("maximum").map(|x| format!("at most {x}")));
+    match (low, high) {
+        (Some(low), Some(high)) => Some(format!("{low}, {high}")),
+        (low, high) => low.or(high),
+    }
+}
+
+/// A value as inline TOML.
+fn toml(value: &Value) -> String {
+    match value {
+        Value::Array(list) => format!("[{}]", list.iter().map(toml).collect::<Vec<_>>().join(", ")),
+        Value::Object(map) if map.is_empty() => "{}".into(),
+        Value::Object(map) => {
+            let fields: Vec<String> =
+                map.iter().map(|(name, value)| format!("{name} = {}", toml(value))).collect();
+            format!("{{ {} }}", fields.join(", "))
+        }
+        Value::Number(number) => match number.as_f64() {
+            Some(x) if x == x.trunc() && x.abs() < 1e15 => format!("{x:.0}"),
+            _ => number.to_string(),
+        },
+        other => other.to_string(),
+    }
+}
+
+/// The line that gives a key this value, in the table that contains it; of an alternative, in the one that contains the key above.
+fn line(path: &str, variant: bool, value: &Value) -> String {
+    let steps: Vec<&str> = path.split('.').collect();
+    let above = steps.iter().rev().nth(1).copied().unwrap_or_default();
+    let key = match steps.last().copied().unwrap_or_default() {
+        "NAME" => format!("{above}.{}", sample(above)),
+        last if variant && above != "NAME" && !above.ends_with("[]") => format!("{above}.{last}"),
+        last => last.to_string(),
+    };
+    format!("{key} = {}", toml(value))
+}
+
+/// Tables of the page: path, and heading.
+const TABLES: &[(&str, &str)] = &[
+    ("", "The scene"),
+    ("parameters", "Parameters"),
+    ("method", "Methods"),
+    ("method.mpm", "Material point method"),
+    ("method.fem", "Finite elements"),
+    ("method.sph", "Smoothed particles"),
+    ("method.fpm", "Fragile points"),
+    ("method.pcmm", "Particle-contact method"),
+    ("materials.NAME", "Materials"),
+    ("bodies.NAME", "Bodies"),
+    ("bodies.NAME.shape", "Shapes"),
+    ("contact", "Contact"),
+    ("conditions[]", "Boundary conditions"),
+    ("time_step", "Time step"),
+    ("measures.NAME", "Measures"),
+    ("checks[]", "Checks"),
+    ("output", "Output"),
+];
+
+/// Head of the page.
+const HEAD: &str = "\
+# All keys of scene files
+
+`impactite list keys PREFIX` prints this page, or a part of it, in the terminal: `impactite list keys bodies.plate.shape`. `NAME` stands for any
+name, `[]` for an element of a list: `bodies.NAME.shape` is the key `shape` of the table `[bodies.plate]`, `conditions[].wall` the key `wall`
+of an entry `[[conditions]]`. Dots may be written instead of tables, and inline tables as well: `shape.ball = { centre = [0, 0], radius = \"5 mm\" }`.
+
+A quantity is a number in the SI unit of the column \"value\", or a text with a unit, or arithmetic with [parameters](scene-files.md#numbers). A
+formula is a text that begins with `=`. A key without default has no effect unless it is given, or its description says what holds then.
+Examples are relative to the table that contains the key.
+
+This page is made from the types that read scene files: `cargo run --release -- list keys --markdown > docs/book/src/keys.md`.
+";
+
+/// The page of the book.
+#[must_use]
+pub fn markdown() -> String {
+    let keys = all();
+    let mut page = String::from(HEAD);
+    for (table, heading) in TABLES {
+        let _ = write!(page, "\n## {heading}\n\n");
+        if let Some(key) = keys.iter().find(|key| key.path == *table) {
+            let _ = writeln!(
+                page,
+                "`{}`: {} {}Example: `{}`\n",
+                key.path,
+                sentence(&key.what),
+                said(key),
+                key.example
+            );
+        }
+        if let Some(list) = table.strip_suffix("[]")
+            && let Some(key) = keys.iter().find(|key| key.path == list)
+        {
+            let _ = writeln!(page, "`[[{list}]]`: {}\n", sentence(&key.what));
+        }
+        let rows: Vec<&Key> =
+            keys.iter().filter(|key| key.path != *table && table_of(&key.path) == *table).collect();
+        if !rows.is_empty() {
+            page += "| key | value | default | description | example |\n|---|---|---|---|---|\n";
+        }
+        for key in rows {
+            let path = key.path.strip_prefix(table).unwrap_or(&key.path).trim_start_matches('.');
+            let default = match (&key.default, key.required) {
+                (_, true) => "**required**".into(),
+                (Some(default), _) => format!("`{default}`"),
+                (None, _) => String::new(),
+            };
+            let _ = writeln!(
+                page,
+                "| `{path}` | {} | {default} | {} | `{}` |",
+                cell(&key.value()),
+                cell(&key.what),
+                cell(&key.example)
+            );
+            for (word, what) in key.words.iter().filter(|(_, what)| !what.is_empty()) {
+                let _ = writeln!(page, "| | `\"{word}\"` | | {} | |", cell(what));
+            }
+        }
+        match *table {
+            "parameters" => page += &names_of_parameters(),
+            "method.mpm" => page += &parts_of_mpm(),
+            _ => {}
+        }
+    }
+    page
+}
+
+/// The table of the page that has a key.
+fn table_of(path: &str) -> &'static str {
+    let within = |table: &str| {
+        table.is_empty()
+            || path.strip_prefix(table).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+    };
+    TABLES
+        .iter()
+        .map(|t| t.0)
+        .filter(|table| within(table))
+        .max_by_key(|table| table.len())
+        .unwrap_or_default()
+}
+
+fn said(key: &Key) -> String {
+    match key.value() {
+        value if value.is_empty() || value == "table" => String::new(),
+        value => format!("({value}) "),
+    }
+}
+
+fn sentence(what: &str) -> String {
+    if what.is_empty() || what.ends_with('.') { what.into() } else { format!("{what}.") }
+}
+
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
+/// Names that parameters cannot have.
+fn names_of_parameters() -> String {
+    let refused = |name: &str| Parameters::default().define(name, "1").is_err();
+    let letters = |all: &mut dyn Iterator<Item = char>, free: bool| -> String {
+        let list: Vec<String> =
+            all.map(|c| c.to_string()).filter(|c| refused(c) != free).map(|c| format!("`{c}`")).collect();
+        list.join(", ")
+    };
+    let capital = letters(&mut ('A'..='Z'), true);
+    let small = letters(&mut ('a'..='z'), true);
+    let free: Vec<String> = [small, capital].into_iter().filter(|s| !s.is_empty()).collect();
+    format!(
+        "\nA name is a letter, then letters, digits and `_`. A parameter cannot have a name that means something in a quantity or a formula:\n\n\
+         | refused | because |\n|---|---|\n\
+         | `x`, `y`, `z`, `r`, `t` | coordinates and time of formulas |\n\
+         | other single letters but {} | symbols of units and constants: `m` metre, `s` second, `h` hour, `g` gram, `e` Euler's number |\n\
+         | `mm`, `kg`, `us`, `Pa`, `pi` and other units of two letters | units and constants |\n\
+         | `MPa`, `deg`, `rpm`, `inch` and other usual units | units |\n\
+         | `sqrt`, `sin`, `exp` and other functions | functions |\n\n\
+         Take words: `radius`, `cells`, `speed`.\n",
+        if free.is_empty() { "none".into() } else { free.join(", ") }
+    )
+}
+
+/// What purposes choose, and which parts go together.
+fn parts_of_mpm() -> String {
+    let mut page = String::from(
+        "\nWhat `for` chooses:\n\n| `for` | shape function | transfer | stress update | frame |\n|---|---|---|---|---|\n",
+    );
+    for (purpose, shape, transfer, update, frame) in PURPOSES {
+        let _ = writeln!(
+            page,
+            "| `{}` | `{}` | `{}` | `{}` | {frame} |",
+            word(purpose),
+            word(shape),
+            word(transfer),
+            word(update)
+        );
+    }
+    page += "\nCombinations of `parts` that are compiled in the program, all in the updated Lagrangian frame:\n\n\
+             | shape function | transfer | stress update |\n|---|---|---|\n";
+    for (shape, transfer, update) in PARTS {
+        let _ = writeln!(page, "| `{}` | `{}` | `{}` |", word(shape), word(transfer), word(update));
+    }
+    page
+}
