@@ -165,18 +165,17 @@ fn main() -> ExitCode {
     };
     let done = Signals::new().and_then(|signals| perform(options.command, &signals));
     // Output that nobody reads any more (`| head`) is no error.
-
     match done.and_then(|code| flush().map(|()| code)) {
         Ok(code) => code,
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
         Err(error) => {
             let code = match &error {
                 CliError::Run(RunError::Interrupted { .. }) => {
-                    eprintln!("{}", shown(&error.to_string()));
+                    complain(&error.to_string());
                     STOPPED
                 }
                 _ => {
-                    eprintln!("error: {}", shown(&error.to_string()));
+                    complain(&format!("error: {error}"));
                     ERROR
                 }
             };
@@ -190,6 +189,11 @@ fn main() -> ExitCode {
             ExitCode::from(code)
         }
     }
+}
+
+/// A line on the standard error; none where nobody reads it.
+fn complain(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{}", shown(line));
 }
 
 /// A line for people on the standard output: in words of scene files, without characters that steer a terminal.
@@ -226,6 +230,7 @@ fn log(options: &Options) {
     let lines = tracing_subscriber::fmt::layer()
         .with_target(false)
         .with_ansi(colours)
+        .log_internal_errors(false)
         .with_writer(std::io::stderr)
         .compact();
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();

@@ -297,6 +297,9 @@ fn closed_pipes_full_disks_and_limits_of_files_are_no_panics() {
         let output = shell(&format!("set -o pipefail; {line}"));
         assert!(output.status.success() && output.stderr.is_empty(), "{line}: {}", said(&output));
     }
+    let output =
+        shell("IMPACTITE run disc.toml --out logged --log-every 0 2>&1 | head -1; exit ${PIPESTATUS[0]}");
+    assert!(output.status.success() && at.join("logged/result.json").exists(), "{}", said(&output));
     if Path::new("/dev/full").exists() {
         let output = shell("IMPACTITE run disc.toml --out r --no-pictures --no-report --json > /dev/full");
         assert_eq!(output.status.code(), Some(2), "{}", said(&output));

@@ -190,6 +190,9 @@ fn scenes_that_memory_does_not_hold_are_refused() {
     }
     let fem = blocks(METHODS[1], FRICTION, "").replace("\"2 mm\"", "\"10 nm\"");
     refused(&fem, &[".mesh.edge", "of memory or more"]);
+    let notch = "notches = [{ corners = [[0, \"5 mm\"], [1e9, \"5 mm\"]] }]";
+    let notched = blocks(METHODS[3], FRICTION, "").replace("velocity = [\"-1 m/s\", 0]", notch);
+    refused(&notched, &["bodies.right.notches[0].corners", "spacings"]);
     // A shape whose measure is sampled.
     let hollow = blocks(METHODS[0], FRICTION, "").replace("2 mm", "10 nm").replace(
         "shape.box = { from = [0, 0], to = [\"10 mm\", \"10 mm\"] }",

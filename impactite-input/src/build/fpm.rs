@@ -17,6 +17,8 @@ use crate::model::method::{Cracks, Flux as FluxWord, Fpm, PENALTY, Points};
 use crate::model::shape::Shape;
 use crate::model::{fixed, formulas};
 
+/// Longest notch, in spacings of points.
+const LONGEST: f64 = 1e6;
 /// Lloyd's steps of random points.
 const LLOYD: usize = 3;
 
@@ -109,7 +111,19 @@ where
         let key = format!("{key}.notches[{n}]");
         let corners: Made<Vec<[f64; D]>> =
             notch.corners.iter().map(|c| fixed(c).at(format!("{key}.corners"))).collect();
-        let mut made = NotchMaker::notch(&key, corners?)?;
+        let corners = corners?;
+        let long = corners.iter().flat_map(|a| {
+            corners.iter().map(move |b| (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt())
+        });
+        let long = long.fold(0.0, f64::max);
+        if !(long <= LONGEST * options.spacing.value) {
+            let message = format!(
+                "is {long:.3e} m long, {:.1e} spacings; at most {LONGEST:.0e} are allowed",
+                long / options.spacing.value
+            );
+            return wrong(format!("{key}.corners"), message);
+        }
+        let mut made = NotchMaker::notch(&key, corners)?;
         if let Some(gap) = notch.gap {
             made = made.with_gap(gap.value).at(&key)?;
         }
