@@ -66,7 +66,12 @@ fn templates_run_as_they_are_without_a_warning_and_pass_their_checks() {
         assert!(made.status.success(), "{name}: {}", String::from_utf8_lossy(&made.stderr));
         let begun = std::time::Instant::now();
         let mut command = program();
-        command.args(["run", "--json", "-q"]).args(ONE_PICTURE).arg(&scene).arg("--out").arg(out.join(name));
+        command
+            .args(["run", "--json", "-q", "--threads", "1"])
+            .args(ONE_PICTURE)
+            .arg(&scene)
+            .arg("--out")
+            .arg(out.join(name));
         let output = command.output().expect("the program");
         let text = String::from_utf8_lossy(&output.stdout).to_string();
         let warnings = String::from_utf8_lossy(&output.stderr).to_string();
@@ -91,7 +96,12 @@ fn every_scene_runs_and_meets_what_it_checks() {
     for (name, keys, judged) in SCENES {
         let scene = root.join(format!("{name}.toml"));
         let mut command = Command::new(env!("CARGO_BIN_EXE_impactite"));
-        command.args(["run", "--json", "-q"]).args(ONE_PICTURE).arg(&scene).arg("--out").arg(out.join(name));
+        command
+            .args(["run", "--json", "-q", "--threads", "1"])
+            .args(ONE_PICTURE)
+            .arg(&scene)
+            .arg("--out")
+            .arg(out.join(name));
         for key in *keys {
             command.args(["--set", key]);
         }

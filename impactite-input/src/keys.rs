@@ -373,7 +373,11 @@ impl<'a> Walk<'a> {
     }
 
     fn object(&mut self, of: &'a Value, name: &str, path: &str, frames: &[Frame]) {
-        let required = self.required(of, path);
+        // Beside a key stands what its table must have, or what an example of the table has.
+        let required = match of["examples"].get(0).and_then(Value::as_object) {
+            Some(example) => example.clone(),
+            None => self.required(of, path),
+        };
         for (field, inner, needed) in self.fields(of) {
             let mut siblings = required.clone();
             siblings.shift_remove(field);

@@ -236,7 +236,6 @@ fn plates_of_named_sets_break_by_the_failure_of_their_source() {
     let run = |set: &str, failure: bool| {
         let mut source = Source::new("plate.toml", text.replace("checks]]", "unused]]"));
         source.text = source.text.split("[[unused]]").next().unwrap_or_default().to_string();
-        source = source.set("parameters.cells=3").unwrap_or_else(|e| panic!("{e}"));
         source = source.set(&format!("materials.aluminium.library={set}")).unwrap_or_else(|e| panic!("{e}"));
         if !failure {
             source.text = source.text.replace("failure = \"library\"", "");
@@ -261,12 +260,9 @@ fn plates_of_named_sets_break_by_the_failure_of_their_source() {
         let broken = run(set, true);
         let residual = -broken("residual");
         assert!(broken("failed") > 0.01 && broken("failed") < 0.6, "{set}: {} failed", broken("failed"));
-        // Through the plate, and slower than by the momentum of a plug alone.
-        let plug = 1000.0 / (1.0 + density(set) / 7830.0 * 0.75 * 2.0 / 3.0);
-        assert!(
-            residual > 0.5 * plug && residual < 1.05 * plug,
-            "{set}: {residual} m/s, a plug gives {plug}"
-        );
+        // Through the plate, and slower than by Newton's drag alone: strength takes the rest.
+        let drag = 1000.0 * (-0.5 * density(set) / 7830.0 * 0.75 * 2.0 / 3.0_f64).exp();
+        assert!(residual > 0.5 * drag && residual < drag, "{set}: {residual} m/s, drag alone {drag}");
         let whole = run(set, false);
         if set.starts_with("weldox") {
             assert_eq!(whole("residual").to_bits(), broken("residual").to_bits(), "{set}");
