@@ -101,11 +101,15 @@ struct Walk<'a> {
 /// A type of the schema, by way of references and of `null`.
 fn resolved<'a>(schema: &'a Value, of: &'a Value) -> (&'a Value, &'a str) {
     if let Some(name) = of["$ref"].as_str().and_then(|r| r.strip_prefix("#/$defs/")) {
-        return (&schema["$defs"][name], name);
+        let target = &schema["$defs"][name];
+        let beside =
+            target["anyOf"].as_array().is_some_and(|list| list.iter().any(|v| v["const"].is_string()));
+        return if beside { resolved(schema, target) } else { (target, name) };
     }
-    let is_null = |v: &Value| v["type"] == "null";
-    if let Some([one, null]) = of["anyOf"].as_array().map(Vec::as_slice)
-        && is_null(null)
+    // `null`, and a word in the place of a table, which the description of its key has.
+    let is_beside = |v: &Value| v["type"] == "null" || v["const"].is_string();
+    if let Some([one, beside]) = of["anyOf"].as_array().map(Vec::as_slice)
+        && is_beside(beside)
     {
         return resolved(schema, one);
     }

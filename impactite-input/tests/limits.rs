@@ -32,8 +32,8 @@ velocity = ["1 m/s", 0]
 fn every_method_names_the_body_that_limits_the_step() {
     let contact = "contact.law.friction = 0.2";
     for (method, contact, mesh) in [
-        ("method.mpm = { cell = \"1 mm\", for = \"impact\" }", "", ""),
-        ("method.fem = {}", "", "mesh.edge = \"1 mm\""),
+        ("method.mpm = { cell = \"1 mm\", for = \"impact\" }", "contact = \"none\"", ""),
+        ("method.fem = {}", contact, "mesh.edge = \"1 mm\""),
         ("method.sph = { spacing = \"1 mm\" }", contact, ""),
         ("method.pcmm = { spacing = \"1 mm\" }", contact, ""),
         ("method.fpm = { spacing = \"1 mm\" }", contact, ""),

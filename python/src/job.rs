@@ -22,10 +22,11 @@ pub struct How {
     threads: Option<usize>,
     #[pyo3(item)]
     checkpoint: f64,
+    /// As the checkpoint has it if not given.
     #[pyo3(item)]
-    pictures: bool,
+    pictures: Option<bool>,
     #[pyo3(item)]
-    report: bool,
+    report: Option<bool>,
 }
 
 /// Outcome of a job as JSON, and its warnings.
@@ -42,8 +43,8 @@ fn perform(py: Python<'_>, job: Job, how: &How, shown: Option<&Bound<'_, PyAny>>
     let job = Job {
         threads: how.threads,
         checkpoint: Duration::from_secs_f64(seconds),
-        pictures: how.pictures,
-        report: how.report,
+        pictures: how.pictures.unwrap_or(job.pictures),
+        report: how.report.unwrap_or(job.report),
         advance: Some(advance.clone()),
         ..job
     };
@@ -85,11 +86,20 @@ pub fn run(
     perform(py, Job::new(scene.get().source().clone(), folder), &how, shown)
 }
 
-/// Go on with the run in a folder.
+/// Go on with the run in a folder, with other values of keys that no step depends on.
 #[pyfunction]
-#[pyo3(signature = (folder, how, shown=None))]
-pub fn resume(py: Python<'_>, folder: PathBuf, how: How, shown: Option<&Bound<'_, PyAny>>) -> PyResult<Told> {
-    perform(py, Job::resume(folder).map_err(Failed::from)?, &how, shown)
+#[pyo3(signature = (folder, how, shown=None, set=Vec::new()))]
+pub fn resume(
+    py: Python<'_>,
+    folder: PathBuf,
+    how: How,
+    shown: Option<&Bound<'_, PyAny>>,
+    set: Vec<(String, Bound<'_, PyAny>)>,
+) -> PyResult<Told> {
+    let assignments = set.iter().map(|(key, value)| Ok(format!("{key}={}", toml(key, value)?)));
+    let assignments = assignments.collect::<PyResult<Vec<String>>>()?;
+    let job = Job::resume(folder).and_then(|job| job.set(&assignments)).map_err(Failed::from)?;
+    perform(py, job, &how, shown)
 }
 
 /// Draw measures (name, unit, values) over the values of a key into the file `path`; false, and no file, where the values are no numbers.

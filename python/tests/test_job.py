@@ -75,9 +75,11 @@ def test_ctrl_c_leaves_a_checkpoint_from_which_it_goes_on(scene, endless, tmp_pa
     assert (out / "run.checkpoint").exists() and (out / "report.html").exists()
     interrupt_soon()
     with pytest.raises(KeyboardInterrupt):
-        im.resume(out, pictures=False)
-    with pytest.raises(im.RunError, match="cannot resume"):
+        im.resume(out)
+    with pytest.raises(im.RunError, match="nothing to resume"):
         im.resume(tmp_path / "nothing")
+    with pytest.raises(ValueError, match="keeps its scene"):
+        im.resume(out, set={"parameters.speed": "3 m/s"})
 
 
 def test_a_sweep_has_a_run_a_value(scene, tmp_path):

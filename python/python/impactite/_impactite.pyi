@@ -301,6 +301,7 @@ def resume(
     folder: str | os.PathLike[str],
     how: dict[str, Any],
     shown: Callable[[float, float, int, float, float], object] | None = None,
+    set: Sequence[tuple[str, Any]] = (),
 ) -> tuple[str, list[str]]: ...
 def chart(
     path: str | os.PathLike[str],

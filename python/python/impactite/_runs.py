@@ -173,21 +173,23 @@ def run(
 def resume(
     folder: str | os.PathLike[str],
     *,
+    set: Mapping[str, Any] | None = None,
     threads: int | None = None,
-    pictures: bool = True,
-    report: bool = True,
     checkpoint: float = 300.0,
     progress: ProgressLike = None,
 ) -> Result:
-    """Go on with the run in a folder that was stopped, bit for bit. The options are those of :func:`run`.
+    """Go on with the run in a folder that was stopped, bit for bit, with the pictures and the page that it was called with.
+
+    ``set`` changes keys that no step depends on: ``end``, which lengthens the run, ``title``, ``description``, ``checks``. The other
+    options are those of :func:`run`.
 
     Raises ``RunError`` where there is no checkpoint, and as :func:`run`.
     """
     folder = Path(folder)
-    how = options(threads, pictures, report, checkpoint)
+    how = options(threads, None, None, checkpoint)
     try:
         with showing(folder.name, progress) as show:
-            told = _impactite.resume(folder, how, _shown(show))
+            told = _impactite.resume(folder, how, _shown(show), list((set or {}).items()))
     except RunError as error:
         _warn(folder.name, error.warnings or ())
         raise
@@ -227,7 +229,7 @@ def scene_and_folder(scene: SceneLike, out: str | os.PathLike[str] | None, set: 
     return scene, Path(out) if out is not None else Path("out", name)
 
 
-def options(threads: int | None, pictures: bool, report: bool, checkpoint: float) -> dict[str, Any]:
+def options(threads: int | None, pictures: bool | None, report: bool | None, checkpoint: float) -> dict[str, Any]:
     """Options of a job."""
     return {"threads": threads, "pictures": pictures, "report": report, "checkpoint": checkpoint}
 

@@ -71,7 +71,7 @@ def perform(job: Job, shown: Any = None) -> tuple[str, list[str]]:
             return _impactite.resume(job.folder, job.how, shown)
         except RunError as error:
             # A missing checkpoint, or one of another version.
-            if "cannot resume" not in str(error):
+            if "cannot resume" not in str(error) and "nothing to resume" not in str(error):
                 raise
     return _impactite.run(job.scene, job.folder, job.how, shown)
 
