@@ -31,7 +31,7 @@ pub use cells::Cells;
 pub use csv::{Column, History};
 pub use progress::Progress;
 pub(crate) use snapshot::{FARTHEST, is_place};
-pub use snapshot::{FieldValues, ParticleSize, Snapshot};
+pub use snapshot::{FieldKind, FieldValues, ParticleSize, Snapshot};
 pub use vtk::{Format, Precision, VtkOptions, VtkSeries};
 pub use whole::{WholeFile, write_whole};
 
@@ -97,7 +97,7 @@ pub enum OutputError {
     /// A field that the snapshot does not hold.
     #[error("no {kind} field {name:?} in the snapshot; it has {available}")]
     NoSuchField {
-        /// "scalar", "vector" or "tensor".
+        /// "scalar", "vector", "tensor", or "colour" for any number that gives one.
         kind: &'static str,
         /// The name asked for.
         name: String,
