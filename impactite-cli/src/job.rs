@@ -166,12 +166,11 @@ impl Job {
                 LineKind::Warning => tracing::warn!("{line}"),
                 _ => tracing::info!("{line}"),
             });
-        let draws = Draws::new(scene);
-        let mut pictures = Pictures::create(
+        let mut pictures = Pictures::drawn_by(
             folder.join("pictures"),
             "scene",
             pace(out.pictures.map(|q| q.value), PICTURES)?,
-            |s| draws.draw(s),
+            Draws::new(scene),
         )?;
         let mut frames =
             VtkSeries::create(folder.join("paraview"), "scene", pace(out.frames.map(|q| q.value), FRAMES)?)?;

@@ -33,7 +33,7 @@ pub use progress::Progress;
 pub(crate) use snapshot::{FARTHEST, is_place};
 pub use snapshot::{FieldKind, FieldValues, ParticleSize, Snapshot};
 pub use vtk::{Format, Precision, VtkOptions, VtkSeries};
-pub use whole::{WholeFile, write_whole};
+pub use whole::{WholeFile, remove_parts, write_whole};
 
 /// Why something could not be drawn or written.
 #[derive(Debug, thiserror::Error)]
@@ -42,7 +42,7 @@ pub enum OutputError {
     /// The operating system refused to create, write, flush or rename a file.
     #[error("cannot {action} `{}`: {source}", path.display())]
     File {
-        /// What was tried: "look at", "follow", "create", "write", "rename to", "open".
+        /// What was tried: "look at", "follow", "create", "write", "rename to", "remove", "open".
         action: &'static str,
         /// The file or folder.
         path: PathBuf,

@@ -8,6 +8,7 @@ mod kernels;
 mod material;
 mod mesh;
 mod mpm;
+mod output;
 mod particles;
 mod shape;
 mod wrong;
@@ -35,7 +36,9 @@ impl Source {
     /// What is wrong with it, at its place: what the scene is made of, and what a program would be refused for.
     pub fn build(&self, scene: &SceneFile) -> Result<Box<dyn Solver>, InputError> {
         let folder = std::path::Path::new(&self.name).parent().map(PathBuf::from).unwrap_or_default();
-        build(scene, &Folder(folder)).map_err(|w| self.refused(w))
+        let solver = build(scene, &Folder(folder)).map_err(|w| self.refused(w))?;
+        output::check(scene, &*solver).map_err(|w| self.refused(w))?;
+        Ok(solver)
     }
 
     /// What files the frames for ParaView are to be.

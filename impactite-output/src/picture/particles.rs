@@ -545,6 +545,23 @@ impl Viewport {
             }
         }
 
+        // The part of the viewport in which there is something.
+        let mut part = [f32::INFINITY, f32::INFINITY, 0.0, 0.0];
+        let mut hold = |x: f32, y: f32, r: f32| {
+            part = [part[0].min(x - r), part[1].min(y - r), part[2].max(x + r), part[3].max(y + r)];
+        };
+        seen.iter().for_each(|ball| hold(ball.x, ball.y, ball.radius));
+        flats.iter().flat_map(|f| &f.corners[..f.count]).for_each(|c| hold(c[0], c[1], 1.0));
+        let [left, top] = [part[0], part[1]].map(|c| (c.max(0.0) as usize).saturating_sub(1) / FINE * FINE);
+        let (left, top) = (left.min(columns), top.min(rows));
+        let columns = ((part[2] as usize).saturating_add(2 + FINE) / FINE * FINE).clamp(left, columns) - left;
+        let rows = ((part[3] as usize).saturating_add(2 + FINE) / FINE * FINE).clamp(top, rows) - top;
+        for ball in &mut seen {
+            (ball.x, ball.y) = (ball.x - left as f32, ball.y - top as f32);
+        }
+        for corner in flats.iter_mut().flat_map(|flat| &mut flat.corners) {
+            (corner[0], corner[1]) = (corner[0] - left as f32, corner[1] - top as f32);
+        }
         let mut samples = Samples {
             depth: vec![f32::NEG_INFINITY; columns * rows],
             who: vec![u32::MAX; columns * rows],
@@ -558,7 +575,7 @@ impl Viewport {
         for (i, flat) in flats.iter().enumerate() {
             flat.fill((seen.len() + i) as u32, &mut samples);
         }
-        shade(&seen, &flats, &samples, picture, [px0, py0]);
+        shade(&seen, &flats, &samples, picture, [px0 + left / FINE, py0 + top / FINE]);
     }
 
     /// The cross of axes and, if lengths are true, a scale bar.
@@ -650,24 +667,15 @@ const FALL: f32 = 2.5;
 /// along columns. A gap is between two samples of about one depth, behind which all lies deeper.
 fn close_gaps(seen: &[Seen], samples: &mut Samples) {
     let (columns, rows) = (samples.columns, samples.rows);
-    let whole = |x: f32, most: usize| (x.max(0.0) as usize).min(most);
-    let edge = |of: fn(&Seen) -> f32, start: f32, f: fn(f32, f32) -> f32| seen.iter().map(of).fold(start, f);
-    let left = whole(edge(|b| b.x - b.radius, f32::MAX, f32::min), columns);
-    let right = whole(edge(|b| b.x + b.radius, 0.0, f32::max) + 1.0, columns);
-    let top = whole(edge(|b| b.y - b.radius, f32::MAX, f32::min), rows);
-    let bottom = whole(edge(|b| b.y + b.radius, 0.0, f32::max) + 1.0, rows);
-    if left + 1 >= right {
-        return;
-    }
     // Where the gap of each column began, or `usize::MAX` outside of gaps.
-    let mut starts = vec![usize::MAX; columns];
-    for y in top..bottom {
+    let (mut starts, mut looked) = (vec![usize::MAX; columns], Vec::new());
+    for y in 0..rows {
         let mut start = usize::MAX;
-        let mut x = left + 1;
-        while x < right {
+        let mut x = 1;
+        while x < columns {
             if start == usize::MAX {
                 // Most samples are as deep as the ones before them, or nothing beside nothing.
-                let row = &samples.depth[y * columns + x - 1..y * columns + right];
+                let row = &samples.depth[y * columns + x - 1..(y + 1) * columns];
                 match row.windows(2).position(|pair| pair[1] < pair[0] - FALL) {
                     Some(n) => x += n,
                     None => break,
@@ -677,15 +685,19 @@ fn close_gaps(seen: &[Seen], samples: &mut Samples) {
             gap(seen, samples, &mut start, x, at, 1);
             x += 1;
         }
-        if y == top {
+        if y == 0 {
             continue;
         }
         let (before, here) = samples.depth.split_at(y * columns);
-        let (before, here) = (&before[(y - 1) * columns + left..][..right - left], &here[left..right]);
-        let may = |n: usize| starts[left + n] != usize::MAX || here[n] < before[n] - FALL;
-        let looked: Vec<usize> = (0..right - left).filter(|&n| may(n)).collect();
-        for n in looked {
-            let x = left + n;
+        let pairs = before[(y - 1) * columns..].iter().zip(here).zip(&starts);
+        looked.clear();
+        looked.extend(
+            pairs
+                .enumerate()
+                .filter(|(_, ((b, h), s))| **h < **b - FALL || **s != usize::MAX)
+                .map(|(x, _)| x),
+        );
+        for &x in &looked {
             gap(seen, samples, &mut starts[x], y, y * columns + x, columns);
         }
     }
