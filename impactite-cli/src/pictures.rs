@@ -72,6 +72,12 @@ impl Draws {
         }
     }
 
+    /// Mirrors of the pictures.
+    #[must_use]
+    pub fn mirrors(&self) -> &[Mirror] {
+        &self.mirrors
+    }
+
     /// The box of the bodies now and where they fly until the end, as far as walls and [`FORESIGHT`] let them.
     fn foreseen(&self, snapshot: &Snapshot) -> Option<[[f64; 3]; 2]> {
         let (low, high) = snapshot.bounds()?;

@@ -105,6 +105,7 @@ pub struct Snapshot {
     names: Vec<String>,
     fields: Vec<(String, FieldValues)>,
     cells: Option<Cells>,
+    node_fields: Vec<(String, Vec<[f64; 3]>)>,
 }
 
 impl Snapshot {
@@ -149,7 +150,18 @@ impl Snapshot {
             ParticleSize::Uniform(_) => {}
         }
         let (bodies, names) = (vec![0; positions.len()], Vec::new());
-        Ok(Self { dimension, time, step, positions, size, bodies, names, fields: Vec::new(), cells: None })
+        Ok(Self {
+            dimension,
+            time,
+            step,
+            positions,
+            size,
+            bodies,
+            names,
+            fields: Vec::new(),
+            cells: None,
+            node_fields: Vec::new(),
+        })
     }
 
     /// Say which body each particle belongs to.
@@ -221,6 +233,37 @@ impl Snapshot {
     /// As [`with_field`](Self::with_field).
     pub fn with_tensor(self, name: impl Into<String>, values: Vec<[f64; 6]>) -> Result<Self, OutputError> {
         self.with_field(name, FieldValues::Tensor(values))
+    }
+
+    /// Add a vector field of the nodes of the cells, SI units: point data in ParaView, where the fields of cells are cell data. Particles beside
+    /// the cells have the field of particles of that name there, or 0.
+    ///
+    /// # Errors
+    /// A snapshot without cells; a list that is not as long as there are nodes; a name that is empty, taken by another field of nodes, or holds
+    /// control characters.
+    pub fn with_node_vector(
+        mut self,
+        name: impl Into<String>,
+        values: Vec<[f64; 3]>,
+    ) -> Result<Self, OutputError> {
+        let name = name.into();
+        check_name("a field of nodes", &name)?;
+        if self.node_fields.iter().any(|(taken, _)| *taken == name) {
+            return Err(OutputError::Name {
+                what: "a field of nodes",
+                name,
+                why: "each name may be used once",
+            });
+        }
+        let nodes = self.cells.as_ref().map_or(0, |cells| cells.nodes.len());
+        check_length(&format!("field {name:?} of nodes"), values.len(), nodes)?;
+        self.node_fields.push((name, values));
+        Ok(self)
+    }
+
+    /// All vector fields of nodes in the order they were added.
+    pub fn node_vectors(&self) -> impl Iterator<Item = (&str, &[[f64; 3]])> {
+        self.node_fields.iter().map(|(name, values)| (name.as_str(), values.as_slice()))
     }
 
     /// The number of particles.

@@ -5,7 +5,7 @@
 //! zlib in blocks of 1 MiB, the layout that VTK's `vtkZLibDataCompressor` writes itself. Each particle is a
 //! vertex, so files open in ParaView with nothing to set; choose "Point Gaussian" to see spheres and scale
 //! them by the array `size`. A snapshot with [cells](super::Cells) becomes a `.vtu` (XML UnstructuredGrid) instead: elements are cells,
-//! particles beside them vertices, and the fields those of the cells.
+//! particles beside them vertices, and the fields those of the cells; fields of nodes are point data.
 //!
 //! VTKHDF is the same in HDF5: arrays in chunks of 1 MiB, by default with their bytes shuffled and compressed by deflate.
 

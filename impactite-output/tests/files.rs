@@ -185,6 +185,35 @@ fn cells_read_back_with_particles_beside_them() {
     assert!(wrong(&|c| c.ends = vec![4, 8, 11]).contains("ends of cells"));
 }
 
+/// Point data: a vector of each node, then of each particle that is no cell.
+#[test]
+fn fields_of_nodes_are_point_data() {
+    let folder = Folder::new("nodes");
+    let cells = Cells {
+        nodes: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        corners: vec![0, 1, 2],
+        ends: vec![3, 3],
+    };
+    let both = Snapshot::new(2, 0.0, 0, vec![[0.3, 0.3, 0.0], [4.0, 0.0, 0.0]], ParticleSize::Uniform(1.0))
+        .and_then(|s| s.with_cells(cells))
+        .and_then(|s| s.with_vector("displacement", vec![[9.0; 3], [7.0; 3]]))
+        .expect("a snapshot");
+    assert!(both.clone().with_node_vector("displacement", vec![[0.0; 3]]).is_err());
+    let both = both.with_node_vector("displacement", vec![[1.0; 3], [2.0; 3], [3.0; 3]]).expect("a field");
+    let path = folder.0.join("a.vtu");
+    write_vtp(&path, &both, VtkOptions { compressed: false, fields: Precision::Double }).expect("written");
+    let bytes = std::fs::read(&path).expect("read");
+    let head = String::from_utf8_lossy(&bytes);
+    let (points, _) = head.split_once("</PointData>").expect("point data");
+    let line = points.lines().rfind(|line| line.contains("\"displacement\"")).expect("the field");
+    let offset: usize =
+        line.split("offset=\"").nth(1).and_then(|o| o.split('"').next()?.parse().ok()).expect("a number");
+    let marker = b"<AppendedData encoding=\"raw\">\n   _";
+    let at = bytes.windows(marker.len()).position(|w| w == marker).expect("data") + marker.len() + offset;
+    let expected = [1.0, 2.0, 3.0, 7.0].into_iter().flat_map(|x| [x; 3]);
+    assert_eq!(&bytes[at + 8..at + 8 + 96], doubles(expected));
+}
+
 #[test]
 fn names_of_bodies_are_written() {
     let folder = Folder::new("names");

@@ -94,6 +94,7 @@ struct Parts {
     names: Vec<String>,
     fields: Vec<(String, Field)>,
     cells: Option<Cells>,
+    node_vectors: Vec<(String, Vec<[f64; 3]>)>,
 }
 
 /// Columns of a field by the number of its components, of which one is not empty.
@@ -148,6 +149,10 @@ impl Parts {
             names: snapshot.body_names().to_vec(),
             fields: snapshot.fields().map(|(name, values)| (name.to_string(), Field::of(values))).collect(),
             cells: snapshot.cells().cloned(),
+            node_vectors: snapshot
+                .node_vectors()
+                .map(|(name, list)| (name.to_string(), list.to_vec()))
+                .collect(),
         }
     }
 
@@ -168,6 +173,10 @@ impl Parts {
             file.list(nodes, &[0.0; 3], |file, x| file.reals(x))?;
             file.list(corners, &0, |file, corner| file.index(corner, usize::MAX))?;
             file.list(ends, &0, |file, end| file.index(end, usize::MAX))
+        })?;
+        file.list(&mut self.node_vectors, &Default::default(), |file, (name, list)| {
+            file.text(name)?;
+            file.list(list, &[0.0; 3], |file, v| file.reals(v))
         })
     }
 
@@ -182,6 +191,8 @@ impl Parts {
             Some(cells) => snapshot.with_cells(cells)?,
             None => snapshot,
         };
+        let snapshot =
+            self.node_vectors.into_iter().try_fold(snapshot, |s, (n, v)| s.with_node_vector(n, v))?;
         let fields = self.fields.into_iter();
         fields
             .map(|(name, field)| (name, field.into_values()))

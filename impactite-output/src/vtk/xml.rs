@@ -7,7 +7,7 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use super::arrays::{Array, Grid, Kind, fields, whole};
+use super::arrays::{Array, Grid, Kind, fields, node_fields, whole};
 use super::{BLOCK, VtkOptions};
 use crate::{OutputError, Snapshot, write_whole};
 
@@ -65,8 +65,10 @@ fn vtp_bytes(snapshot: &Snapshot, options: VtkOptions) -> std::io::Result<Vec<u8
             let count = grid.points.len();
             let _ = write!(
                 file.xml,
-                "    <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{n}\">\n      <CellData>\n"
+                "    <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{n}\">\n      <PointData>\n"
             );
+            node_fields(snapshot, options).try_for_each(|array| file.array(&array, ""))?;
+            file.xml.push_str("      </PointData>\n      <CellData>\n");
             file.fields(snapshot)?;
             file.xml.push_str("      </CellData>\n      <Points>\n");
             file.array(&Array::points(grid.points.iter()), "")?;
