@@ -11,7 +11,7 @@ use impactite_input::model::output::Mirror as Mirrors;
 
 /// Widths and heights of pictures, pixels: one of each for a run, so that the scene fills the picture.
 const WIDTHS: [usize; 2] = [640, 1000];
-const HEIGHTS: [usize; 2] = [350, 1000];
+const HEIGHTS: [usize; 2] = [350, 750];
 /// How far beyond the bodies the first window follows their flight, part of the longest side of all.
 const FORESIGHT: f64 = 0.5;
 

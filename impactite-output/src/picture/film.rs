@@ -5,7 +5,7 @@ use super::super::{FARTHEST, OutputError, is_place};
 /// Size, window and range of colours of a series of pictures, so that neither jumps from one to the next.
 ///
 /// Size and window are those of the first picture, with a margin. Where matter leaves the window, the side that it leaves by moves out
-/// by a quarter of the window beyond it; where values leave the range, the range grows to the next round number. So a series has few
+/// by a tenth of the window beyond it; where values leave the range, the range grows to the next round number. So a series has few
 /// steps, and none where [`Film::with_window`] and [`Quantity::range`](super::Quantity::range) are set.
 ///
 /// ```
@@ -33,9 +33,11 @@ pub struct Film {
 }
 
 /// Margin around matter in the first picture, part of the longest side.
-const MARGIN: f64 = 0.06;
-/// How far a side that matter leaves by moves beyond it, part of the longest side.
-const STEP: f64 = 0.25;
+const MARGIN: f64 = 0.08;
+/// How far a side that matter leaves by moves beyond it, part of the window's extent along that axis.
+const STEP: f64 = 0.1;
+/// Extent along an axis that steps are reckoned with at least, part of the longest side.
+const LEAST: f64 = 0.3;
 
 impl Default for Film {
     fn default() -> Self {
@@ -106,8 +108,9 @@ impl Film {
             }
         } else {
             let [from, to] = self.window();
-            let step = STEP * longest(&from, &to);
+            let least = LEAST * longest(&from, &to);
             for d in 0..3 {
+                let step = STEP * (to[d] - from[d]).max(least);
                 if low[d] < from[d] {
                     self.window[d] = low[d] - step;
                 }
@@ -205,11 +208,11 @@ mod tests {
     fn a_window_stays_until_matter_leaves_it() {
         let mut film = Film::new();
         let first = film.cover([0.0; 3], [1.0, 2.0, 0.0]);
-        assert_eq!(first, [[-0.12, -0.12, -0.12], [1.12, 2.12, 0.12]]);
+        assert_eq!(first, [[-0.16, -0.16, -0.16], [1.16, 2.16, 0.16]]);
         assert_eq!(film.cover([-0.1; 3], [1.1, 0.0, 0.0]), first);
         let [low, high] = film.cover([0.0; 3], [1.2, 0.0, 0.0]);
         assert_eq!((low, high[1]), (first[0], first[1][1]));
-        assert!((high[0] - (1.2 + 0.25 * 2.24)).abs() < 1e-12);
+        assert!((high[0] - (1.2 + 0.1 * 1.32)).abs() < 1e-12);
         let mut again = Film::new();
         for (to, from) in again.numbers().zip(film.clone().numbers()) {
             *to = *from;

@@ -41,7 +41,7 @@ impl Legend {
     pub(super) fn of(snapshot: &Snapshot, coloured: &Coloured, width: f32, size: f32) -> Self {
         let entries = match &coloured.bar {
             None => of_bodies(snapshot),
-            Some(bar) => without_value(snapshot, &coloured.valued, &bar.label),
+            Some(_) => without_value(snapshot, &coloured.valued),
         };
         let pen = Pen::new(size, INK);
         let count = entries.len();
@@ -160,7 +160,7 @@ fn of_bodies(snapshot: &Snapshot) -> Vec<(Entry, usize)> {
 }
 
 /// One entry of the bodies of which no particle has a value.
-fn without_value(snapshot: &Snapshot, valued: &[bool], quantity: &str) -> Vec<(Entry, usize)> {
+fn without_value(snapshot: &Snapshot, valued: &[bool]) -> Vec<(Entry, usize)> {
     let bodies = snapshot_bodies(snapshot);
     let mut with = vec![false; snapshot.body_names().len()];
     for (body, valued) in snapshot.bodies().iter().zip(valued) {
@@ -172,10 +172,10 @@ fn without_value(snapshot: &Snapshot, valued: &[bool], quantity: &str) -> Vec<(E
     match without.len() {
         0 => Vec::new(),
         1 => {
-            let name = format!("{}: no {quantity}", short(&snapshot.body_names()[without[0]]));
+            let name = format!("no value: {}", short(&snapshot.body_names()[without[0]]));
             vec![(Entry { colours: vec![NO_VALUE], name }, 1)]
         }
-        n => vec![(Entry { colours: vec![NO_VALUE], name: format!("{n} bodies: no {quantity}") }, n)],
+        n => vec![(Entry { colours: vec![NO_VALUE], name: format!("no value: {n} bodies") }, n)],
     }
 }
 
