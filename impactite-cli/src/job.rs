@@ -266,12 +266,11 @@ impl Job {
                 _ => tracing::info!("{line}"),
             });
         let mut progress = Shown { bar, advance: self.advance.clone(), last: None };
-        let draws = Draws::new(scene);
-        let mut pictures = Pictures::create(
+        let mut pictures = Pictures::drawn_by(
             folder.join(PICTURES),
             SERIES,
             pace(out.pictures.map(|q| q.value), PICTURE_STEPS)?,
-            |s| draws.draw(s),
+            Draws::new(scene),
         )?;
         let mut frames =
             VtkSeries::create(folder.join(FRAMES), SERIES, pace(out.frames.map(|q| q.value), FRAME_STEPS)?)?;

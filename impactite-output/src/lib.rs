@@ -33,9 +33,9 @@ pub use csv::{Column, History};
 pub use printable::printable;
 pub use progress::Progress;
 pub(crate) use snapshot::{FARTHEST, is_place};
-pub use snapshot::{FieldValues, ParticleSize, Snapshot};
+pub use snapshot::{FieldKind, FieldValues, ParticleSize, Snapshot};
 pub use vtk::{Format, Precision, VtkOptions, VtkSeries};
-pub use whole::{WholeFile, write_whole};
+pub use whole::{WholeFile, remove_parts, write_whole};
 
 /// Why something could not be drawn or written.
 #[derive(Debug, thiserror::Error)]
@@ -44,7 +44,7 @@ pub enum OutputError {
     /// The operating system refused to create, write, flush or rename a file.
     #[error("cannot {action} `{}`: {source}", path.display())]
     File {
-        /// What was tried: "look at", "follow", "create", "write", "rename to", "open".
+        /// What was tried: "look at", "follow", "create", "write", "rename to", "remove", "open".
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
@@ -99,7 +99,7 @@ pub enum OutputError {
     /// A field that the snapshot does not hold.
     #[error("no {kind} field {name:?} in the snapshot; it has {available}")]
     NoSuchField {
-        /// "scalar", "vector" or "tensor".
+        /// "scalar", "vector", "tensor", or "colour" for any number that gives one.
         kind: &'static str,
         /// The name asked for.
         name: String,

@@ -49,11 +49,34 @@ impl FieldValues {
         self.len() == 0
     }
 
-    fn kind(&self) -> &'static str {
+    /// The kind of the values.
+    #[must_use]
+    pub fn kind(&self) -> FieldKind {
         match self {
-            Self::Scalar(_) => "scalar",
-            Self::Vector(_) => "vector",
-            Self::Tensor(_) => "tensor",
+            Self::Scalar(_) => FieldKind::Scalar,
+            Self::Vector(_) => FieldKind::Vector,
+            Self::Tensor(_) => FieldKind::Tensor,
+        }
+    }
+}
+
+/// The kind of a field.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FieldKind {
+    /// A number a particle.
+    Scalar,
+    /// A vector a particle.
+    Vector,
+    /// A symmetric tensor a particle.
+    Tensor,
+}
+
+impl FieldKind {
+    fn word(self) -> &'static str {
+        match self {
+            Self::Scalar => "scalar",
+            Self::Vector => "vector",
+            Self::Tensor => "tensor",
         }
     }
 }
@@ -79,8 +102,10 @@ pub struct Snapshot {
     positions: Vec<[f64; 3]>,
     size: ParticleSize,
     bodies: Vec<u32>,
+    names: Vec<String>,
     fields: Vec<(String, FieldValues)>,
     cells: Option<Cells>,
+    node_fields: Vec<(String, Vec<[f64; 3]>)>,
 }
 
 impl Snapshot {
@@ -124,8 +149,19 @@ impl Snapshot {
             }
             ParticleSize::Uniform(_) => {}
         }
-        let bodies = vec![0; positions.len()];
-        Ok(Self { dimension, time, step, positions, size, bodies, fields: Vec::new(), cells: None })
+        let (bodies, names) = (vec![0; positions.len()], Vec::new());
+        Ok(Self {
+            dimension,
+            time,
+            step,
+            positions,
+            size,
+            bodies,
+            names,
+            fields: Vec::new(),
+            cells: None,
+            node_fields: Vec::new(),
+        })
     }
 
     /// Say which body each particle belongs to.
@@ -136,6 +172,13 @@ impl Snapshot {
         check_length("body", bodies.len(), self.len())?;
         self.bodies = bodies;
         Ok(self)
+    }
+
+    /// Names of the bodies, by their numbers: for legends, and ParaView. Bodies beyond the end of the list have none.
+    #[must_use]
+    pub fn with_body_names<S: Into<String>>(mut self, names: impl IntoIterator<Item = S>) -> Self {
+        self.names = names.into_iter().map(Into::into).collect();
+        self
     }
 
     /// Say which cells the particles stand for.
@@ -190,6 +233,37 @@ impl Snapshot {
     /// As [`with_field`](Self::with_field).
     pub fn with_tensor(self, name: impl Into<String>, values: Vec<[f64; 6]>) -> Result<Self, OutputError> {
         self.with_field(name, FieldValues::Tensor(values))
+    }
+
+    /// Add a vector field of the nodes of the cells, SI units: point data in ParaView, where the fields of cells are cell data. Particles beside
+    /// the cells have the field of particles of that name there, or 0.
+    ///
+    /// # Errors
+    /// A snapshot without cells; a list that is not as long as there are nodes; a name that is empty, taken by another field of nodes, or holds
+    /// control characters.
+    pub fn with_node_vector(
+        mut self,
+        name: impl Into<String>,
+        values: Vec<[f64; 3]>,
+    ) -> Result<Self, OutputError> {
+        let name = name.into();
+        check_name("a field of nodes", &name)?;
+        if self.node_fields.iter().any(|(taken, _)| *taken == name) {
+            return Err(OutputError::Name {
+                what: "a field of nodes",
+                name,
+                why: "each name may be used once",
+            });
+        }
+        let nodes = self.cells.as_ref().map_or(0, |cells| cells.nodes.len());
+        check_length(&format!("field {name:?} of nodes"), values.len(), nodes)?;
+        self.node_fields.push((name, values));
+        Ok(self)
+    }
+
+    /// All vector fields of nodes in the order they were added.
+    pub fn node_vectors(&self) -> impl Iterator<Item = (&str, &[[f64; 3]])> {
+        self.node_fields.iter().map(|(name, values)| (name.as_str(), values.as_slice()))
     }
 
     /// The number of particles.
@@ -249,6 +323,12 @@ impl Snapshot {
         &self.bodies
     }
 
+    /// Names of the bodies, by their numbers; empty if they have none.
+    #[must_use]
+    pub fn body_names(&self) -> &[String] {
+        &self.names
+    }
+
     /// The cells that the particles stand for, if some are elements.
     #[must_use]
     pub fn cells(&self) -> Option<&Cells> {
@@ -282,7 +362,7 @@ impl Snapshot {
     pub fn scalar(&self, name: &str) -> Result<&[f64], OutputError> {
         match self.fields.iter().find(|(n, _)| n == name) {
             Some((_, FieldValues::Scalar(values))) => Ok(values),
-            _ => Err(self.no_such("scalar", name)),
+            _ => Err(self.no_such(FieldKind::Scalar, name)),
         }
     }
 
@@ -293,7 +373,7 @@ impl Snapshot {
     pub fn vector(&self, name: &str) -> Result<&[[f64; 3]], OutputError> {
         match self.fields.iter().find(|(n, _)| n == name) {
             Some((_, FieldValues::Vector(values))) => Ok(values),
-            _ => Err(self.no_such("vector", name)),
+            _ => Err(self.no_such(FieldKind::Vector, name)),
         }
     }
 
@@ -304,7 +384,7 @@ impl Snapshot {
     pub fn tensor(&self, name: &str) -> Result<&[[f64; 6]], OutputError> {
         match self.fields.iter().find(|(n, _)| n == name) {
             Some((_, FieldValues::Tensor(values))) => Ok(values),
-            _ => Err(self.no_such("tensor", name)),
+            _ => Err(self.no_such(FieldKind::Tensor, name)),
         }
     }
 
@@ -330,10 +410,10 @@ impl Snapshot {
         (lo[0] <= hi[0]).then_some((lo, hi))
     }
 
-    fn no_such(&self, kind: &'static str, name: &str) -> OutputError {
+    fn no_such(&self, kind: FieldKind, name: &str) -> OutputError {
         let names: Vec<String> =
             self.fields.iter().filter(|(_, v)| v.kind() == kind).map(|(n, _)| format!("{n:?}")).collect();
         let available = if names.is_empty() { "none".to_string() } else { names.join(", ") };
-        OutputError::NoSuchField { kind, name: name.to_string(), available }
+        OutputError::NoSuchField { kind: kind.word(), name: name.to_string(), available }
     }
 }

@@ -5,7 +5,7 @@
 //! zlib in blocks of 1 MiB, the layout that VTK's `vtkZLibDataCompressor` writes itself. Each particle is a
 //! vertex, so files open in ParaView with nothing to set; choose "Point Gaussian" to see spheres and scale
 //! them by the array `size`. A snapshot with [cells](super::Cells) becomes a `.vtu` (XML UnstructuredGrid) instead: elements are cells,
-//! particles beside them vertices, and the fields those of the cells.
+//! particles beside them vertices, and the fields those of the cells; fields of nodes are point data.
 //!
 //! VTKHDF is the same in HDF5: arrays in chunks of 1 MiB, by default with their bytes shuffled and compressed by deflate.
 
@@ -16,7 +16,7 @@ mod xml;
 
 use std::path::{Path, PathBuf};
 
-use super::{OutputError, Snapshot, check_name, write_whole};
+use super::{OutputError, Snapshot, check_name, remove_parts, write_whole};
 
 #[cfg(feature = "hdf5")]
 pub use hdf::write_vtkhdf;
@@ -91,7 +91,7 @@ pub struct VtkSeries {
 
 impl VtkSeries {
     /// A series called `name` in `folder`, which is created if it does not exist. Frames of an older series of
-    /// that name are overwritten as the new ones arrive.
+    /// that name are overwritten as the new ones arrive; parts of files that a killed process left are removed.
     ///
     /// # Errors
     /// A name that is empty or holds a path separator, or a folder that cannot be created.
@@ -103,6 +103,7 @@ impl VtkSeries {
             return Err(OutputError::Name { what: "a series", name, why });
         }
         std::fs::create_dir_all(&folder).map_err(OutputError::file("create", &folder))?;
+        remove_parts(&folder, &name)?;
         Ok(Self {
             folder,
             name,

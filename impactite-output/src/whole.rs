@@ -118,6 +118,45 @@ impl Write for WholeFile {
     }
 }
 
+/// Remove the parts of files that processes left in a folder when they were killed: those of files whose name begins with `name`. Parts of
+/// this process stay, and a folder that is not there has none.
+///
+/// # Errors
+/// A folder that cannot be read, or a part that cannot be removed.
+pub fn remove_parts(folder: impl AsRef<Path>, name: &str) -> Result<(), OutputError> {
+    let folder = folder.as_ref();
+    let entries = match std::fs::read_dir(folder) {
+        Ok(entries) => entries,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
+        Err(error) => return Err(OutputError::file("look at", folder)(error)),
+    };
+    for entry in entries {
+        let path = entry.map_err(OutputError::file("look at", folder))?.path();
+        let is_left = path.file_name().and_then(OsStr::to_str).is_some_and(|file| is_left_part(file, name));
+        if is_left && path.is_file() {
+            match std::fs::remove_file(&path) {
+                Err(error) if error.kind() != ErrorKind::NotFound => {
+                    return Err(OutputError::file("remove", &path)(error));
+                }
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Is this the name of a part, NAME...PROCESS-NUMBER.part, that no file of this process has?
+fn is_left_part(file: &str, name: &str) -> bool {
+    let numbers = file.strip_prefix(name).and_then(|rest| rest.strip_suffix(".part"));
+    let Some((process, number)) =
+        numbers.and_then(|n| n.rsplit_once('.')).and_then(|(_, n)| n.split_once('-'))
+    else {
+        return false;
+    };
+    let (Ok(process), Ok(number)) = (process.parse::<u32>(), number.parse::<u64>()) else { return false };
+    process != std::process::id() || number >= PARTS.load(Ordering::Relaxed)
+}
+
 /// Where the file of this path is or is to be, behind symbolic links; what is there must be a regular file.
 fn place(path: &Path) -> Result<PathBuf, OutputError> {
     let refused = |found| OutputError::NoFile { path: path.to_path_buf(), found };

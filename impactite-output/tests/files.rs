@@ -4,11 +4,13 @@
 
 use std::collections::HashMap;
 use std::io::Read;
+use std::io::Write;
 use std::path::PathBuf;
 
 use impactite_output::vtk::write_vtp;
 use impactite_output::{
     Cells, FieldValues, History, ParticleSize, Precision, Progress, Snapshot, VtkOptions, VtkSeries,
+    WholeFile,
 };
 
 /// A folder of one test, removed at its end.
@@ -183,6 +185,52 @@ fn cells_read_back_with_particles_beside_them() {
     assert!(wrong(&|c| c.ends = vec![4, 8, 11]).contains("ends of cells"));
 }
 
+/// Point data: a vector of each node, then of each particle that is no cell.
+#[test]
+fn fields_of_nodes_are_point_data() {
+    let folder = Folder::new("nodes");
+    let cells = Cells {
+        nodes: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+        corners: vec![0, 1, 2],
+        ends: vec![3, 3],
+    };
+    let both = Snapshot::new(2, 0.0, 0, vec![[0.3, 0.3, 0.0], [4.0, 0.0, 0.0]], ParticleSize::Uniform(1.0))
+        .and_then(|s| s.with_cells(cells))
+        .and_then(|s| s.with_vector("displacement", vec![[9.0; 3], [7.0; 3]]))
+        .expect("a snapshot");
+    assert!(both.clone().with_node_vector("displacement", vec![[0.0; 3]]).is_err());
+    let both = both.with_node_vector("displacement", vec![[1.0; 3], [2.0; 3], [3.0; 3]]).expect("a field");
+    let path = folder.0.join("a.vtu");
+    write_vtp(&path, &both, VtkOptions { compressed: false, fields: Precision::Double }).expect("written");
+    let bytes = std::fs::read(&path).expect("read");
+    let head = String::from_utf8_lossy(&bytes);
+    let (points, _) = head.split_once("</PointData>").expect("point data");
+    let line = points.lines().rfind(|line| line.contains("\"displacement\"")).expect("the field");
+    let offset: usize =
+        line.split("offset=\"").nth(1).and_then(|o| o.split('"').next()?.parse().ok()).expect("a number");
+    let marker = b"<AppendedData encoding=\"raw\">\n   _";
+    let at = bytes.windows(marker.len()).position(|w| w == marker).expect("data") + marker.len() + offset;
+    let expected = [1.0, 2.0, 3.0, 7.0].into_iter().flat_map(|x| [x; 3]);
+    assert_eq!(&bytes[at + 8..at + 8 + 96], doubles(expected));
+}
+
+#[test]
+fn names_of_bodies_are_written() {
+    let folder = Folder::new("names");
+    let path = folder.0.join("a.vtp");
+    let snapshot = awkward(3, 0.0, false).with_body_names(["rod", "é"]);
+    write_vtp(&path, &snapshot, VtkOptions::default()).expect("written");
+    let bytes = std::fs::read(&path).expect("read");
+    let text = String::from_utf8_lossy(&bytes);
+    let array = "<Array type=\"String\" Name=\"body_names\" NumberOfTuples=\"2\" format=\"ascii\">";
+    let (_, rest) = text.split_once(array).expect("the array");
+    let numbers = rest.split("</Array>").next().expect("its end").split_whitespace();
+    // As VTK's own writer has them.
+    assert_eq!(numbers.collect::<Vec<_>>(), ["114", "111", "100", "0", "-61", "-87", "0"]);
+    // All else stays readable.
+    assert!(read(&path).contains_key("velocity"));
+}
+
 #[test]
 fn single_precision_rounds_fields_but_not_positions() {
     let folder = Folder::new("single");
@@ -226,6 +274,25 @@ fn a_series_is_valid_after_every_frame() {
     write_vtp(place.join("none.vtp"), &awkward(0, 0.0, false), VtkOptions::default()).expect("written");
     let left: Vec<_> = std::fs::read_dir(&place).unwrap().map(|e| e.unwrap().path()).collect();
     assert!(left.iter().all(|p| p.extension().is_some_and(|e| e == "vtp" || e == "pvd")), "{left:?}");
+}
+
+#[test]
+fn parts_of_killed_processes_are_removed() {
+    let folder = Folder::new("parts");
+    let left = ["s_000007.vtp.4000000001-3.part", "s.pvd.4000000001-12.part"];
+    let stay = ["s.pvd", "other.vtp.4000000001-3.part", "s_notes.part", "s.4000000001-x.part"];
+    for name in left.iter().chain(&stay) {
+        std::fs::write(folder.0.join(name), "half").expect("written");
+    }
+    VtkSeries::create(&folder.0, "s").expect("a series");
+    assert!(left.iter().all(|name| !folder.0.join(name).exists()));
+    assert!(stay.iter().all(|name| folder.0.join(name).exists()));
+    // A file of this process in the making stays.
+    let mut file = WholeFile::create(folder.0.join("s_000001.vtp")).expect("a file");
+    file.write_all(b"whole").expect("written");
+    VtkSeries::create(&folder.0, "s").expect("a series");
+    file.finish().expect("whole");
+    assert_eq!(std::fs::read(folder.0.join("s_000001.vtp")).expect("read"), b"whole");
 }
 
 #[test]

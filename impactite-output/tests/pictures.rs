@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use impactite_output::picture::{
-    Axis, Camera, Chart, ColourMap, Cut, FieldPicture, Mark, Marker, Mirror, Panels, ParticlePicture,
+    Axis, Camera, Chart, ColourMap, Cut, FieldPicture, Film, Mark, Marker, Mirror, Panels, ParticlePicture,
     Picture, Quantity, Series, Stroke,
 };
 use impactite_output::{Cells, OutputError, ParticleSize, Snapshot};
@@ -198,6 +198,132 @@ fn elements_are_drawn_in_their_shape() {
         assert!((wide / high - 1.25).abs() < 0.03, "{mark:?}: {wide} by {high}");
         assert!((area.len() as f64 / (wide * high) - 2.25 / 5.0).abs() < 0.02, "{mark:?}: {}", area.len());
     }
+}
+
+/// Unit bricks with a corner in the origin as a solid of `n` by `n` by `n`, coloured by x.
+fn bricks(n: u32) -> Snapshot {
+    let m = n + 1;
+    let node = |i: u32, j: u32, k: u32| (k * m + j) * m + i;
+    let each = |n: u32| (0..n).flat_map(move |k| (0..n).flat_map(move |j| (0..n).map(move |i| [i, j, k])));
+    let nodes = each(m).map(|x| x.map(f64::from)).collect();
+    let ring = [[0, 0], [1, 0], [1, 1], [0, 1]];
+    let corners = each(n).flat_map(|[i, j, k]| {
+        [0, 1].into_iter().flat_map(move |up| ring.map(|[a, b]| node(i + a, j + b, k + up)))
+    });
+    let cells = Cells { nodes, corners: corners.collect(), ends: (1..=n.pow(3)).map(|e| 8 * e).collect() };
+    let positions: Vec<_> = each(n).map(|x| x.map(|c| f64::from(c) + 0.5)).collect();
+    let x = positions.iter().map(|p| p[0]).collect();
+    Snapshot::new(3, 0.0, 0, positions, ParticleSize::Uniform(1.0))
+        .and_then(|s| s.with_cells(cells))
+        .and_then(|s| s.with_scalar("x", x))
+        .expect("a snapshot")
+}
+
+#[test]
+fn elements_in_space_are_drawn_by_their_faces() {
+    // Two tetrahedra that share a face, each of its own body.
+    let nodes = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]];
+    let corners = vec![0, 1, 2, 3, 1, 2, 3, 4];
+    let cells = Cells { nodes, corners, ends: vec![4, 8] };
+    let two = Snapshot::new(3, 0.0, 0, vec![[0.25; 3], [0.5; 3]], ParticleSize::Uniform(0.5))
+        .and_then(|s| s.with_bodies(vec![0, 1]))
+        .and_then(|s| s.with_cells(cells))
+        .expect("a snapshot")
+        .with_body_names(["one", "other"]);
+    let picture = ParticlePicture::new(500, 400).title("Two tetrahedra").draw(&two).expect("drawn");
+    keep(&picture, "tetrahedra.png");
+    // Seen from below, where x points to the left, the first covers the triangle x + y < 1 and the second the other half of the square.
+    let from_below = ParticlePicture::new(400, 400)
+        .without_marks()
+        .camera(Camera::looking([0.5, 0.5, -9.0], [0.5, 0.5, 0.0], [0.0, 1.0, 0.0], 1.25).expect("a camera"))
+        .draw(&two)
+        .expect("drawn");
+    let ratio = |p: [f64; 2]| {
+        let place = |x: f64| 200.0 + (x - 0.5) * 0.97 * (400.0 - 2.2 * 10.0) / 1.25;
+        let [r, _, b] =
+            from_below.pixel(place(1.0 - p[0]) as usize, place(1.0 - p[1]) as usize).expect("inside");
+        f64::from(r) / f64::from(b.max(1))
+    };
+    // Blue and vermilion.
+    assert!(
+        ratio([0.05, 0.05]) < 0.5 && ratio([0.95, 0.95]) > 2.0,
+        "{} {}",
+        ratio([0.05, 0.05]),
+        ratio([0.95, 0.95])
+    );
+
+    let solid = bricks(6);
+    let picture = ParticlePicture::new(500, 400).colour_by(Quantity::scalar("x")).mirrored([Mirror::y(0.0)]);
+    keep(&picture.clone().draw(&solid).expect("drawn"), "bricks.png");
+    // As many pixels have colour as the outline of a box has, which balls in the middles would not fill.
+    let camera = Camera::looking([3.0, 3.0, 99.0], [3.0; 3], [0.0, 1.0, 0.0], 8.0).expect("a camera");
+    let above = ParticlePicture::new(400, 400).without_marks().camera(camera).draw(&solid).expect("drawn");
+    let side = 6.0 / 8.0 * 0.97 * (400.0 - 22.0);
+    assert!((ink(&above) as f64 / (side * side) - 1.0).abs() < 0.02, "{} of {}", ink(&above), side * side);
+    // A cut shows the cells behind it.
+    let cut = Cut { normal: [0.0, -1.0, 0.0], through: [0.0, 3.0, 0.0] };
+    keep(&picture.cut(cut).draw(&solid).expect("drawn"), "bricks_cut.png");
+}
+
+#[test]
+fn a_film_keeps_size_window_and_colours() {
+    let square = |shift: f64, value: f64| {
+        let positions = (0..400).map(|n| [f64::from(n % 40) + shift, f64::from(n / 40), 0.0]).collect();
+        Snapshot::new(2, 0.0, 0, positions, ParticleSize::Uniform(1.0))
+            .and_then(|s| s.with_scalar("von_mises", vec![value; 400]))
+            .expect("a snapshot")
+    };
+    let field =
+        FieldPicture::new(10, 10).fitted([400, 800], [200, 800]).colour_by(Quantity::named("von_mises"));
+    let mut film = Film::new();
+    let first = field.draw_in(&mut film, &square(0.0, 9.0e7)).expect("drawn");
+    // Four times as long as high, without empty halves.
+    assert_eq!(first.width(), 800);
+    assert!((250..350).contains(&first.height()), "{}", first.height());
+    keep(&first, "film.png");
+    let again = field.draw_in(&mut film, &square(0.0, 9.0e7)).expect("drawn");
+    assert!(again == first);
+    // Colours are those of the range so far, and so are axes.
+    let low = field.draw_in(&mut film, &square(0.0, 1.0e6)).expect("drawn");
+    assert!(different(&first, &low) > 0);
+    let left_axis = |p: &Picture| (0..p.height()).map(|y| p.pixel(60, y)).collect::<Vec<_>>();
+    let moved = field.draw_in(&mut film, &square(1.0, 9.0e7)).expect("drawn");
+    assert_eq!(left_axis(&moved), left_axis(&first));
+    let mut other = Film::new();
+    for (to, from) in other.numbers().zip(film.clone().numbers()) {
+        *to = *from;
+    }
+    let far = square(30.0, 5.0e8);
+    assert!(
+        field.draw_in(&mut other, &far).expect("drawn") == field.draw_in(&mut film, &far).expect("drawn")
+    );
+    let mut set = Film::new().with_window([0.0; 3], [20.0, 20.0, 0.0], 2).expect("a window");
+    let part = field.draw_in(&mut set, &square(0.0, 9.0e7)).expect("drawn");
+    assert!((600..=800).contains(&part.height()), "as high as wide: {} x {}", part.width(), part.height());
+    assert!(Film::new().with_window([1.0; 3], [1.0, 2.0, 0.0], 2).is_err());
+}
+
+#[test]
+fn stretched_surfaces_have_no_holes() {
+    // A tube wall of two layers, whose columns are 1.9 sizes apart.
+    let h = 0.1;
+    let mut positions = Vec::new();
+    for k in 0..60 {
+        for layer in 0..2 {
+            let r = 1.5 - h * f64::from(layer);
+            for n in 0..50 {
+                let phi = (f64::from(n) + 0.5 * f64::from(layer)) / 50.0 * std::f64::consts::TAU;
+                positions.push([r * phi.cos(), r * phi.sin(), 0.6 * h * f64::from(k)]);
+            }
+        }
+    }
+    let tube = Snapshot::new(3, 0.0, 0, positions, ParticleSize::Uniform(h)).expect("a snapshot");
+    let camera = Camera::looking([9.0, 0.0, 1.8], [0.0, 0.0, 1.8], [0.0, 0.0, 1.0], 4.0).expect("a camera");
+    let picture = ParticlePicture::new(800, 800).without_marks().camera(camera).draw(&tube).expect("drawn");
+    keep(&picture, "tube.png");
+    let holes = (300..500).flat_map(|y| (300..500).map(move |x| (x, y)));
+    let white = holes.filter(|&(x, y)| picture.pixel(x, y) == Some([255; 3])).count();
+    assert_eq!(white, 0);
 }
 
 #[test]

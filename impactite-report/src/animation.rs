@@ -76,6 +76,8 @@ pub fn animated_png<P: AsRef<Path>>(files: &[P]) -> Result<Vec<u8>, ReportError>
         }
         let frame = frame.averaged(scaled);
         let [left, top, right, bottom] = frame.changed_from(&before);
+        // A size is checked against the position of the frame before.
+        writer.set_frame_position(0, 0).map_err(failed)?;
         writer.set_frame_dimension((right - left) as u32, (bottom - top) as u32).map_err(failed)?;
         writer.set_frame_position(left as u32, top as u32).map_err(failed)?;
         writer.set_frame_delay(delay(n), 1000).map_err(failed)?;
@@ -241,6 +243,45 @@ mod tests {
         let error = animated_png(&[text]).expect_err("no PNG").to_string();
         assert!(error.contains("text.png") && error.contains("no PNG picture"), "{error}");
         assert!(animated_png::<PathBuf>(&[]).is_err());
+        std::fs::remove_dir_all(&folder).expect("removed");
+    }
+
+    #[test]
+    fn patches_of_any_place_and_size_are_shown() {
+        let folder = folder("patches");
+        let (width, height) = (40, 30);
+        // Left, top, right, bottom: a small patch at the right, a wide one, all, then any.
+        let mut patches = vec![
+            [36, 25, 39, 29],
+            [0, 10, 40, 12],
+            [0, 0, 40, 30],
+            [39, 29, 40, 30],
+            [0, 0, 1, 30],
+            [0, 0, 1, 1],
+        ];
+        let mut seed = 7_u64;
+        let mut below = |n: usize| {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (seed >> 33) as usize % n
+        };
+        for _ in 0..MOST_FRAMES - 7 {
+            let (left, top) = (below(width), below(height));
+            patches.push([left, top, left + 1 + below(width - left), top + 1 + below(height - top)]);
+        }
+        let mut frames = vec![frame(width, height, 3)];
+        for (n, [left, top, right, bottom]) in patches.into_iter().enumerate() {
+            let mut next = frames[n].clone();
+            for y in top..bottom {
+                for byte in &mut next.bytes[(y * width + left) * RGB..(y * width + right) * RGB] {
+                    *byte = byte.wrapping_add(1 + n as u8);
+                }
+            }
+            frames.push(next);
+        }
+        let files: Vec<PathBuf> =
+            frames.iter().enumerate().map(|(n, f)| save(&folder, &format!("{n}.png"), f)).collect();
+        let shown = shown(&animated_png(&files).expect("an animation"));
+        assert_eq!(shown.into_iter().map(|(pixels, _)| pixels).collect::<Vec<_>>(), frames);
         std::fs::remove_dir_all(&folder).expect("removed");
     }
 

@@ -53,6 +53,7 @@ pub use error::{Cause, PointKind, SceneError, StepError, Stopped};
 pub use exchange::Exchange;
 pub use moving::MovingPoint;
 pub use run::{Run, RunError};
+pub use snapshot::snapshot_fields;
 pub use solver::Solver;
 pub use summary::RunSummary;
 pub use watch::{Finding, GainCause, Warning, Watch};

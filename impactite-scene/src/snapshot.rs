@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use impactite_output::{Cells, FieldValues, OutputError, ParticleSize, Snapshot};
+use impactite_output::{Cells, FieldKind, FieldValues, OutputError, ParticleSize, Snapshot};
 
 use crate::archive::{Archive, CheckpointError};
 use crate::body::{Body, PointView};
@@ -23,7 +23,40 @@ pub(crate) fn gather(
         });
     }
     // A line is drawn in the plane.
-    columns.into_snapshot(dimensions.max(2), clock.time, clock.steps)
+    let snapshot = columns.into_snapshot(dimensions.max(2), clock.time, clock.steps)?;
+    Ok(snapshot.with_body_names(bodies.iter().map(|body| body.name())))
+}
+
+/// Names and kinds of the fields of [`Solver::snapshot`](crate::Solver::snapshot), without their values.
+#[must_use]
+pub fn snapshot_fields(bodies: &[&dyn Body]) -> Vec<(String, FieldKind)> {
+    let own = OWN.into_iter().map(|(name, kind)| (name.to_string(), kind));
+    own.chain(state_fields(bodies).into_iter().map(|name| (field_name(name), FieldKind::Scalar))).collect()
+}
+
+/// The fields that every snapshot has.
+const OWN: [(&str, FieldKind); 5] = [
+    ("velocity", FieldKind::Vector),
+    ("stress", FieldKind::Tensor),
+    ("pressure", FieldKind::Scalar),
+    ("von_mises", FieldKind::Scalar),
+    ("particle", FieldKind::Scalar),
+];
+
+/// The numbers of the laws that become fields, by their names in the laws.
+fn state_fields(bodies: &[&dyn Body]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for name in bodies.iter().flat_map(|b| b.state_names()) {
+        if !is_stress(&name) && !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// The name of the field of a number of a law.
+fn field_name(name: String) -> String {
+    if TAKEN.contains(&name.as_str()) { format!("state_{name}") } else { name }
 }
 
 impl Archive {
@@ -58,8 +91,10 @@ struct Parts {
     sizes: Vec<f64>,
     uniform: bool,
     bodies: Vec<u32>,
+    names: Vec<String>,
     fields: Vec<(String, Field)>,
     cells: Option<Cells>,
+    node_vectors: Vec<(String, Vec<[f64; 3]>)>,
 }
 
 /// Columns of a field by the number of its components, of which one is not empty.
@@ -111,8 +146,13 @@ impl Parts {
             sizes,
             uniform,
             bodies: snapshot.bodies().to_vec(),
+            names: snapshot.body_names().to_vec(),
             fields: snapshot.fields().map(|(name, values)| (name.to_string(), Field::of(values))).collect(),
             cells: snapshot.cells().cloned(),
+            node_vectors: snapshot
+                .node_vectors()
+                .map(|(name, list)| (name.to_string(), list.to_vec()))
+                .collect(),
         }
     }
 
@@ -124,6 +164,7 @@ impl Parts {
         file.flag(&mut self.uniform)?;
         file.list(&mut self.sizes, &0.0, Archive::real)?;
         file.list(&mut self.bodies, &0, |file, body| file.index(body, usize::MAX))?;
+        file.list(&mut self.names, &String::new(), Archive::text)?;
         file.list(&mut self.fields, &Default::default(), |file, (name, field)| {
             file.text(name)?;
             field.archive(file)
@@ -132,6 +173,10 @@ impl Parts {
             file.list(nodes, &[0.0; 3], |file, x| file.reals(x))?;
             file.list(corners, &0, |file, corner| file.index(corner, usize::MAX))?;
             file.list(ends, &0, |file, end| file.index(end, usize::MAX))
+        })?;
+        file.list(&mut self.node_vectors, &Default::default(), |file, (name, list)| {
+            file.text(name)?;
+            file.list(list, &[0.0; 3], |file, v| file.reals(v))
         })
     }
 
@@ -141,11 +186,13 @@ impl Parts {
             _ => ParticleSize::Each(self.sizes),
         };
         let snapshot = Snapshot::new(self.dimension, self.time, self.step, self.positions, size)?;
-        let snapshot = snapshot.with_bodies(self.bodies)?;
+        let snapshot = snapshot.with_bodies(self.bodies)?.with_body_names(self.names);
         let snapshot = match self.cells {
             Some(cells) => snapshot.with_cells(cells)?,
             None => snapshot,
         };
+        let snapshot =
+            self.node_vectors.into_iter().try_fold(snapshot, |s, (n, v)| s.with_node_vector(n, v))?;
         let fields = self.fields.into_iter();
         fields
             .map(|(name, field)| (name, field.into_values()))
@@ -177,12 +224,7 @@ struct Gathered {
 
 impl Gathered {
     fn new(bodies: &[&dyn Body]) -> Self {
-        let mut names: Vec<String> = Vec::new();
-        for name in bodies.iter().flat_map(|b| b.state_names()) {
-            if !is_stress(&name) && !names.contains(&name) {
-                names.push(name);
-            }
-        }
+        let names = state_fields(bodies);
         Gathered { state: vec![Vec::new(); names.len()], names, ..Self::default() }
     }
 
@@ -228,8 +270,7 @@ impl Gathered {
             snapshot = snapshot.with_cells(self.cells)?;
         }
         for (name, column) in self.names.into_iter().zip(self.state) {
-            let name = if TAKEN.contains(&name.as_str()) { format!("state_{name}") } else { name };
-            snapshot = snapshot.with_field(name, FieldValues::Scalar(column))?;
+            snapshot = snapshot.with_field(field_name(name), FieldValues::Scalar(column))?;
         }
         Ok(snapshot)
     }

@@ -6,6 +6,7 @@ use impactite_output::{Precision, VtkOptions};
 use impactite_scene::observe::{Pace, VtkSeries};
 use impactite_scene::{
     Archive, Body, CheckpointError, Clock, Exchange, PointView, Run, RunError, Solver, StepError, Totals,
+    snapshot_fields,
 };
 use impactite_simd::Team;
 
@@ -194,6 +195,16 @@ fn check(frame: &[u8], number: usize) {
         let v = velocity(usize::from(place >= first), n);
         assert_eq!(*displacement, v.map(|v| v * flown), "point {n} of frame {number}");
     }
+}
+
+#[test]
+fn fields_are_known_without_their_values() {
+    let flight = Flight::new();
+    let snapshot = flight.snapshot().expect("a snapshot");
+    let fields: Vec<_> = snapshot.fields().map(|(name, values)| (name.to_string(), values.kind())).collect();
+    assert_eq!(snapshot_fields(&flight.bodies()), fields);
+    assert!(fields.iter().any(|(name, _)| name == "state_displacement"));
+    assert_eq!(snapshot.body_names(), ["geese", "cranes"]);
 }
 
 #[test]

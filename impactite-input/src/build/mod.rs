@@ -8,6 +8,7 @@ pub(crate) mod kernels;
 pub(crate) mod material;
 mod mesh;
 mod mpm;
+mod output;
 mod particles;
 pub(crate) mod placed;
 pub(crate) mod shape;
@@ -36,7 +37,9 @@ impl Source {
     /// # Errors
     /// What is wrong with it, at its place: what the scene is made of, and what a program would be refused for.
     pub fn build(&self, scene: &SceneFile) -> Result<Box<dyn Solver>, InputError> {
-        build(scene, &Folder(self.folder())).map_err(|w| self.refused(w))
+        let solver = build(scene, &Folder(self.folder())).map_err(|w| self.refused(w))?;
+        output::check(scene, &*solver).map_err(|w| self.refused(w))?;
+        Ok(solver)
     }
 
     /// The folder of the files that it names.

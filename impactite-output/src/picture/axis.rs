@@ -262,14 +262,14 @@ fn widest(ticks: &Ticks, size: f32) -> f32 {
 }
 
 /// A vertical colour bar with ticks and a title that reads upwards.
-pub(crate) struct ColourBar<'a> {
+pub(crate) struct ColourBar {
     pub map: ColourMap,
     pub scale: Scale,
-    pub label: &'a str,
-    pub unit: &'a str,
+    pub label: String,
+    pub unit: String,
 }
 
-impl ColourBar<'_> {
+impl ColourBar {
     fn ticks(&self) -> Ticks {
         self.scale.ticks(5)
     }
@@ -297,7 +297,7 @@ impl ColourBar<'_> {
             picture.text(label, [right + mark + 0.3 * size, y + 0.36 * size], &pen);
         }
         let x = right + mark + 0.3 * size + widest(&ticks, size) + 1.35 * size;
-        let title = axis_title(self.label, self.unit, ticks.power);
+        let title = axis_title(&self.label, &self.unit, ticks.power);
         picture.text(&title, [x, 0.5 * (top + bottom)], &pen.centred().upward());
     }
 }

@@ -127,25 +127,39 @@ impl Camera {
         toward: [f64; 3],
         up: [f64; 3],
     ) -> Result<Self, OutputError> {
+        let [low, high] = Self::extent(snapshot, mirrors, toward, up)?;
+        Self::framing(low, high, toward, up)
+    }
+
+    /// The smallest box around a snapshot and its mirror copies along the directions of a camera ([`basis`](Self::basis)), m.
+    pub(crate) fn extent(
+        snapshot: &Snapshot,
+        mirrors: &[Mirror],
+        toward: [f64; 3],
+        up: [f64; 3],
+    ) -> Result<[[f64; 3]; 2], OutputError> {
         Mirror::check(mirrors)?;
-        let draft = Self::looking(toward, [0.0; 3], up, 1.0)?;
-        let [right, top, out] = draft.basis();
+        let basis = Self::looking(toward, [0.0; 3], up, 1.0)?.basis();
         let mut lo = [f64::INFINITY; 3];
         let mut hi = [f64::NEG_INFINITY; 3];
         let mut copies = Vec::new();
-        for (i, x) in snapshot.positions().iter().enumerate() {
-            if !is_place(x) {
-                continue;
-            }
-            let half = 0.75 * snapshot.size_of(i);
-            Mirror::copies(mirrors, *x, &mut copies);
+        let mut hold = |x: [f64; 3], half: f64| {
+            Mirror::copies(mirrors, x, &mut copies);
             for x in &copies {
-                for (d, axis) in [right, top, out].into_iter().enumerate() {
+                for (d, axis) in basis.into_iter().enumerate() {
                     let place = dot(axis, *x);
                     lo[d] = lo[d].min(place - half);
                     hi[d] = hi[d].max(place + half);
                 }
             }
+        };
+        for (i, x) in snapshot.positions().iter().enumerate() {
+            if is_place(x) {
+                hold(*x, 0.75 * snapshot.size_of(i));
+            }
+        }
+        if let Some(cells) = snapshot.cells() {
+            cells.nodes.iter().filter(|x| is_place(x)).for_each(|x| hold(*x, 0.0));
         }
         if lo[0] > hi[0] {
             return Err(OutputError::value(
@@ -154,6 +168,39 @@ impl Camera {
                 "at least 1, at a finite place",
             ));
         }
+        Ok([lo, hi])
+    }
+
+    /// The smallest box along the directions of a camera around a box along the axes and its mirror copies, m.
+    pub(crate) fn extent_of_box(
+        [low, high]: [[f64; 3]; 2],
+        mirrors: &[Mirror],
+        toward: [f64; 3],
+        up: [f64; 3],
+    ) -> Result<[[f64; 3]; 2], OutputError> {
+        let basis = Self::looking(toward, [0.0; 3], up, 1.0)?.basis();
+        let (mut lo, mut hi) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let mut copies = Vec::new();
+        for corner in 0..8 {
+            let x = [0, 1, 2].map(|d| if corner >> d & 1 == 0 { low[d] } else { high[d] });
+            Mirror::copies(mirrors, x, &mut copies);
+            for (copy, (d, axis)) in copies.iter().flat_map(|x| basis.iter().enumerate().map(move |a| (x, a)))
+            {
+                let place = dot(*axis, *copy);
+                (lo[d], hi[d]) = (lo[d].min(place), hi[d].max(place));
+            }
+        }
+        Ok([lo, hi])
+    }
+
+    /// Frame a box along the directions of the camera, m.
+    pub(crate) fn framing(
+        lo: [f64; 3],
+        hi: [f64; 3],
+        toward: [f64; 3],
+        up: [f64; 3],
+    ) -> Result<Self, OutputError> {
+        let [right, top, out] = Self::looking(toward, [0.0; 3], up, 1.0)?.basis();
         let mid = [0, 1, 2].map(|d| 0.5 * (lo[d] + hi[d]));
         let at = [0, 1, 2].map(|c| right[c] * mid[0] + top[c] * mid[1] + out[c] * mid[2]);
         let span = (0..3).map(|d| hi[d] - lo[d]).fold(0.0, f64::max);
@@ -165,6 +212,11 @@ impl Camera {
             return Err(OutputError::value("extent of the snapshot", span, allowed));
         }
         Ok(Self { from, at, up, width, height, perspective: false })
+    }
+
+    /// Height over width of what is framed; 3/4 where the height is not known.
+    pub(crate) fn aspect(&self) -> f64 {
+        if self.height > 0.0 { self.height / self.width } else { 0.75 }
     }
 
     /// Lines of sight meet at `from`: what is near is larger.

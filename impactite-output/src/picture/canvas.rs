@@ -301,6 +301,11 @@ impl Pen {
     pub(crate) fn right(self) -> Self {
         Self { align: Align::Right, ..self }
     }
+    /// The same, smaller if a text would be wider than so many pixels.
+    pub(crate) fn fitted(self, text: &str, width: f32) -> Self {
+        let needs = self.width(text);
+        if needs > width { Self { size: self.size * (width / needs).max(0.1), ..self } } else { self }
+    }
     pub(crate) fn upward(self) -> Self {
         Self { upward: true, ..self }
     }

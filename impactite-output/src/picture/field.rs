@@ -1,10 +1,14 @@
 //! Flat fields: particles in the plane, true to scale, between numbered axes.
 
 use super::super::{OutputError, Snapshot, is_place};
+use super::Sizes;
 use super::axis::{FAINT, Frame, INK, PAPER, Scale, axis_title};
-use super::camera::Mirror;
+use super::camera::{Camera, Mirror};
 use super::canvas::{Pen, Picture};
 use super::colour::Rgb;
+use super::faces;
+use super::film::Film;
+use super::legend::Legend;
 use super::quantity::{Quantity, colours_of};
 
 /// How a particle in the plane is drawn.
@@ -50,6 +54,7 @@ pub struct FieldPicture {
     bounds: Option<[[f64; 2]; 2]>,
     letters: Option<f32>,
     lines: Vec<Lines>,
+    sizes: Option<Sizes>,
 }
 
 /// Straight lines over a field.
@@ -84,6 +89,7 @@ impl FieldPicture {
             bounds: None,
             letters: None,
             lines: Vec::new(),
+            sizes: None,
         }
     }
 
@@ -149,6 +155,20 @@ impl FieldPicture {
         self
     }
 
+    /// Choose the size of the picture, pixels, so that the scene fills it: as wide as allowed if it is not too high then, or less.
+    #[must_use]
+    pub fn fitted(self, width: [usize; 2], height: [usize; 2]) -> Self {
+        Self { sizes: Some(Sizes { width, height }), ..self }
+    }
+
+    /// Draw a snapshot with size, window and range of colours of a series.
+    ///
+    /// # Errors
+    /// As [`draw`](Self::draw).
+    pub fn draw_in(&self, film: &mut Film, snapshot: &Snapshot) -> Result<Picture, OutputError> {
+        self.drawn(snapshot, Some(film))
+    }
+
     /// Draw a snapshot.
     ///
     /// # Errors
@@ -156,6 +176,10 @@ impl FieldPicture {
     /// (unless bounds are given), bounds, sizes and ranges that make no sense, or more pixels than
     /// [`MOST_BYTES`](impactite_simd::memory::MOST_BYTES) have room for.
     pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
+        self.drawn(snapshot, None)
+    }
+
+    fn drawn(&self, snapshot: &Snapshot, mut film: Option<&mut Film>) -> Result<Picture, OutputError> {
         if snapshot.dimension() != 2 {
             let allowed = "2; a snapshot in space is drawn by ParticlePicture";
             return Err(OutputError::value("dimension", snapshot.dimension(), allowed));
@@ -165,38 +189,53 @@ impl FieldPicture {
             return Err(OutputError::value("axis of a mirror", mirror.axis, "0 or 1 in a flat picture"));
         }
         super::check_scale(self.scale)?;
-        let samples =
-            FINE * FINE * (size_of::<f32>() + size_of::<bool>() + size_of::<Rgb>()) + size_of::<Rgb>();
-        super::budget("a picture of so many pixels", "make the picture smaller")
-            .holds(self.width as f64 * self.height as f64 * samples as f64)?;
-        let mut picture = Picture::new(self.width, self.height, PAPER)?;
-        let (colours, range) = colours_of(self.quantity.as_ref(), snapshot)?;
-        let [low, high] = self.shown(snapshot)?;
+        let quantity = match (&self.quantity, &mut film) {
+            (Some(quantity), Some(film)) => Some(quantity.in_film(film, snapshot)?),
+            (quantity, _) => quantity.clone(),
+        };
+        let coloured = colours_of(quantity.as_ref(), snapshot)?;
+        let [low, high] = match &mut film {
+            Some(film) if self.bounds.is_none() => self.window(film, snapshot)?,
+            _ => self.shown(snapshot)?,
+        };
 
-        // Room for titles, axes and the colour bar.
-        let size = super::letters(self.letters, 1.0, self.width, self.height)?;
-        let (w, h) = (self.width as f32, self.height as f32);
-        let (mut top, mut bottom, mut right) = (1.1 * size, h - 0.9 * size, w - 1.1 * size);
-        let title_at = top + 1.1 * size;
-        if !self.title.is_empty() {
-            top += 2.2 * size;
-        }
-        let caption_at = bottom - 0.1 * size;
-        if !self.caption.is_empty() {
-            bottom -= 1.7 * size;
-        }
+        // Room for titles, axes, the legend and the colour bar.
+        let (usual_width, usual_height) =
+            self.sizes.map_or((self.width, self.height), |s| (s.width[1], s.width[1] * 3 / 4));
+        let size = super::letters(self.letters, 1.0, usual_width, usual_height)?;
         let (unit, factor) = super::length_unit((high[0] - low[0]).max(high[1] - low[1]));
         let scale = |d: usize| Scale::new(low[d] * factor, high[d] * factor, false);
         let (sx, sy) = (scale(0), scale(1));
-        bottom -= Frame::bottom_room(size);
+        let spans = [sx.high - sx.low, sy.high - sy.low];
         let y_ticks = sy.ticks(7);
         let left = 0.9 * size + Frame::left_room(&y_ticks, size);
-        let bar = self.quantity.as_ref().zip(range).map(|(quantity, scale)| quantity.bar(scale));
-        let bar_room = bar.as_ref().map_or(0.0, |bar| bar.room(size) + 0.8 * size);
-        right -= bar_room;
+        let bar_room = coloured.bar.as_ref().map_or(0.0, |bar| bar.room(size) + 0.8 * size);
+        let beside = left + 1.1 * size + bar_room;
+        let head = if self.title.is_empty() { 0.0 } else { 2.2 * size };
+        let foot =
+            0.9 * size + Frame::bottom_room(size) + if self.caption.is_empty() { 0.0 } else { 1.7 * size };
+        let legend = |width: usize| Legend::of(snapshot, &coloured, width as f32 - 2.2 * size, size);
+        let (width, height) = match self.sizes {
+            Some(sizes) => sizes.fit(
+                spans[1] / spans[0],
+                beside,
+                1.1 * size + head + legend(sizes.width[1]).height() + foot,
+            ),
+            None => (self.width, self.height),
+        };
+        let (width, height) = film.map_or((width, height), |film| film.size((width, height)));
+        let samples =
+            FINE * FINE * (size_of::<f32>() + size_of::<bool>() + size_of::<Rgb>()) + size_of::<Rgb>();
+        super::budget("a picture of so many pixels", "make the picture smaller")
+            .holds(width as f64 * height as f64 * samples as f64)?;
+        let mut picture = Picture::new(width, height, PAPER)?;
+        let legend = legend(width);
+        let (w, h) = (width as f32, height as f32);
+        let (title_at, legend_at) = (2.2 * size, 1.1 * size + head);
+        let top = legend_at + legend.height() + if legend.height() > 0.0 { 0.3 * size } else { 0.0 };
+        let (caption_at, bottom, right) = (h - 1.0 * size, h - foot, w - 1.1 * size - bar_room);
 
         // The same scale both ways, centred in what room there is.
-        let spans = [sx.high - sx.low, sy.high - sy.low];
         let (room_x, room_y) = ((right - left).max(8.0), (bottom - top).max(8.0));
         let per_unit = (f64::from(room_x) / spans[0]).min(f64::from(room_y) / spans[1]);
         let [across, down] = spans.map(|span| (span * per_unit).round() as f32);
@@ -206,12 +245,12 @@ impl FieldPicture {
         let x_ticks = sx.ticks(((across / (4.5 * size)) as usize).clamp(2, 8));
         let y_ticks = if down < 12.0 * size { sy.ticks(3) } else { y_ticks };
 
-        self.fill(snapshot, &colours, &frame, factor, &mut picture);
+        self.fill(snapshot, &coloured.colours, &frame, factor, &mut picture);
         self.draw_lines(&frame, factor, &mut picture);
         let titles =
             [axis_title(&self.axes[0], unit, x_ticks.power), axis_title(&self.axes[1], unit, y_ticks.power)];
         frame.draw(&mut picture, [&x_ticks, &y_ticks], [&titles[0], &titles[1]], size);
-        if let Some(bar) = bar {
+        if let Some(bar) = &coloured.bar {
             let middle = 0.5 * (frame.top + frame.bottom);
             let half = (0.5 * down).max(5.0 * size).min(0.5 * (bottom - top));
             bar.draw(&mut picture, frame.right + 1.0 * size, middle - half, middle + half, size);
@@ -219,16 +258,15 @@ impl FieldPicture {
         let middle = 0.5
             * (frame.left + frame.right + if bar_room > 0.0 { bar_room } else { 0.0 } - left + 1.1 * size);
         let middle = if bar_room > 0.0 { middle } else { 0.5 * (frame.left + frame.right) };
-        if !self.title.is_empty() {
-            let pen = Pen::new(1.3 * size, INK).bold().centred();
-            let half = 0.5 * pen.width(&self.title) + 0.4 * size;
-            picture.text(&self.title, [middle.max(half).min(w - half), title_at], &pen);
+        for (text, y, pen) in [
+            (&self.title, title_at, Pen::new(1.3 * size, INK).bold()),
+            (&self.caption, caption_at, Pen::new(size, FAINT)),
+        ] {
+            let pen = pen.fitted(text, w - 0.8 * size).centred();
+            let half = 0.5 * pen.width(text) + 0.4 * size;
+            picture.text(text, [middle.max(half).min(w - half), y], &pen);
         }
-        if !self.caption.is_empty() {
-            let pen = Pen::new(size, FAINT).centred();
-            let half = 0.5 * pen.width(&self.caption) + 0.4 * size;
-            picture.text(&self.caption, [middle.max(half).min(w - half), caption_at], &pen);
-        }
+        legend.draw(&mut picture, middle, legend_at);
         Ok(picture)
     }
 
@@ -287,6 +325,27 @@ impl FieldPicture {
         Ok([lo.map(|x| x - pad), hi.map(|x| x + pad)])
     }
 
+    /// The window of a series that holds the snapshot, m.
+    fn window(&self, film: &mut Film, snapshot: &Snapshot) -> Result<[[f64; 2]; 2], OutputError> {
+        // The plane as a camera sees it, with coordinates of its own.
+        let (toward, up) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
+        let of_box = |given: [[f64; 3]; 2]| Camera::extent_of_box(given, &self.mirrors, toward, up);
+        let [low, high] = match (film.set_window(), film.foreseen()) {
+            (Some(set), _) => set,
+            (None, foreseen) => {
+                let [mut low, mut high] = Camera::extent(snapshot, &self.mirrors, toward, up)?;
+                if let Some(foreseen) = foreseen {
+                    let [from, to] = of_box(foreseen)?;
+                    for d in 0..2 {
+                        (low[d], high[d]) = (low[d].min(from[d]), high[d].max(to[d]));
+                    }
+                }
+                film.cover(low, high)
+            }
+        };
+        Ok([[low[0], low[1]], [high[0], high[1]]])
+    }
+
     /// Draw particles and elements, those in the shape that they have, at three times the resolution and average.
     fn fill(&self, snapshot: &Snapshot, colours: &[Rgb], frame: &Frame, factor: f64, picture: &mut Picture) {
         let columns = (frame.right - frame.left).max(0.0) as usize * FINE;
@@ -295,6 +354,7 @@ impl FieldPicture {
         let mut colour = vec![PAPER; columns * rows];
         let per_metre = factor * columns as f64 / (frame.x.high - frame.x.low);
         let mut copies = Vec::new();
+        let mut bars = Vec::new();
         // How far cells reach out before the outside is taken away again, samples.
         let sizes =
             (0..snapshot.len()).map(|i| snapshot.size_of(i)).sum::<f64>() / snapshot.len().max(1) as f64;
@@ -319,11 +379,22 @@ impl FieldPicture {
                     }
                 }
                 for outline in &outlines {
+                    let edge = edge_strength(outline);
                     within(outline, columns, rows, &mut |at| {
                         nearest[at] = ELEMENT;
                         colour[at] = colours[i];
+                        if edge > 0.0 {
+                            let place = [(at % columns) as f32 + 0.5, (at / columns) as f32 + 0.5];
+                            let covered = (EDGE + 0.5 - distance_to(outline, place, true)).clamp(0.0, 1.0);
+                            let light = 1.0 - edge * covered;
+                            colour[at] = colours[i].map(|c| (f32::from(c) * light) as u8);
+                        }
                     });
                 }
+                continue;
+            }
+            if let Some(ends) = faces::line(snapshot, i) {
+                bars.push((ends, i));
                 continue;
             }
             Mirror::copies(&self.mirrors, *x, &mut copies);
@@ -357,6 +428,37 @@ impl FieldPicture {
                 }
             }
         }
+        // Lines lie over all else, with a dark border that sets them off from what is below.
+        for (ends, i) in bars {
+            let size = snapshot.size_of(i);
+            let along = (0..2).map(|d| (ends[1][d] - ends[0][d]).powi(2)).sum::<f64>().sqrt();
+            let section = if along > 0.0 { (size * size / along).min(size) } else { size };
+            let half = (0.5 * section * self.scale * per_metre).clamp(1.3 * FINE as f64, 1e4) as f32;
+            let [mut from, mut to] = [Vec::new(), Vec::new()];
+            Mirror::copies(&self.mirrors, ends[0], &mut from);
+            Mirror::copies(&self.mirrors, ends[1], &mut to);
+            for ends in from.into_iter().zip(to) {
+                let line = [ends.0, ends.1].map(|x| {
+                    [
+                        ((x[0] * factor - frame.x.low) / factor * per_metre) as f32,
+                        ((frame.y.high - x[1] * factor) / factor * per_metre) as f32,
+                    ]
+                });
+                let range = |d: usize, count: usize| {
+                    let (low, high) = (line[0][d].min(line[1][d]) - half, line[0][d].max(line[1][d]) + half);
+                    low.floor().max(0.0) as usize..(high.ceil().max(0.0) as usize).min(count)
+                };
+                for y in range(1, rows) {
+                    for x in range(0, columns) {
+                        let distance = distance_to(&line, [x as f32 + 0.5, y as f32 + 0.5], false);
+                        if distance <= half {
+                            let light = if distance > half - EDGE { 0.4 } else { 1.0 };
+                            colour[y * columns + x] = colours[i].map(|c| (f32::from(c) * light) as u8);
+                        }
+                    }
+                }
+            }
+        }
         let (left, top) = (frame.left as usize, frame.top as usize);
         let width = picture.width();
         let pixels = picture.pixels_mut();
@@ -377,6 +479,30 @@ impl FieldPicture {
             }
         }
     }
+}
+
+/// Half the width of the edges of elements, samples.
+const EDGE: f32 = 1.0;
+
+/// How dark the edges of an element are: 0 where they would be all that is seen.
+fn edge_strength(outline: &[[f32; 2]]) -> f32 {
+    let next = outline.iter().cycle().skip(1);
+    let sides = outline.iter().zip(next).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));
+    let shortest = sides.fold(f32::INFINITY, f32::min) / FINE as f32;
+    0.45 * ((shortest - 4.0) / 6.0).clamp(0.0, 1.0)
+}
+
+/// The distance of a place from a row of straight lines, closed or not.
+fn distance_to(points: &[[f32; 2]], place: [f32; 2], closed: bool) -> f32 {
+    let count = if closed { points.len() } else { points.len().saturating_sub(1) };
+    let mut nearest = f32::INFINITY;
+    for n in 0..count {
+        let (a, b) = (points[n], points[(n + 1) % points.len()]);
+        let (dx, dy, x, y) = (b[0] - a[0], b[1] - a[1], place[0] - a[0], place[1] - a[1]);
+        let along = ((x * dx + y * dy) / (dx * dx + dy * dy).max(1e-12)).clamp(0.0, 1.0);
+        nearest = nearest.min((x - along * dx).hypot(y - along * dy));
+    }
+    nearest
 }
 
 /// Corners of an element in the plane that a particle stands for, m.

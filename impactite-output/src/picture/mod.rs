@@ -25,7 +25,10 @@ mod camera;
 mod canvas;
 mod chart;
 mod colour;
+mod faces;
 mod field;
+mod film;
+mod legend;
 mod matter;
 mod panels;
 mod particles;
@@ -40,6 +43,7 @@ pub use canvas::Picture;
 pub use chart::{Axis, Chart, Marker, Series, Stroke};
 pub use colour::{ColourMap, Rgb, hex, palette};
 pub use field::{FieldPicture, Mark};
+pub use film::Film;
 pub use panels::Panels;
 pub use particles::ParticlePicture;
 pub use quantity::Quantity;
@@ -75,6 +79,25 @@ fn check_scale(scale: f64) -> Result<(), OutputError> {
         Ok(())
     } else {
         Err(OutputError::value("particle scale", scale, "from 1e-6 to 1e6"))
+    }
+}
+
+/// Sizes that a picture of a [`Film`] may have, pixels: as the first one fits into.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Sizes {
+    width: [usize; 2],
+    height: [usize; 2],
+}
+
+impl Sizes {
+    /// Width and height for a scene of this height over width, with so many pixels beside it and above and below it.
+    fn fit(self, aspect: f64, beside: f32, above: f32) -> (usize, usize) {
+        let whole =
+            |x: f64, [least, most]: [usize; 2]| (x.round().max(1.0) as usize).clamp(least, most.max(least));
+        let (beside, above) = (f64::from(beside), f64::from(above));
+        let height = whole((self.width[1] as f64 - beside).max(1.0) * aspect + above, self.height);
+        let width = whole((height as f64 - above).max(1.0) / aspect + beside, self.width);
+        (width, height)
     }
 }
 

@@ -1,15 +1,20 @@
-//! Shaded particles in space.
+//! Shaded particles and elements in space.
 //!
-//! Each particle is a small ball. Depth decides per pixel which ball is seen (a z-buffer at twice the
+//! Elements are drawn by their outer faces, with thin edges where those are large enough. Each particle is a small ball. Depth decides per pixel which ball is seen (a z-buffer at twice the
 //! resolution); light falls on a mixture of the ball's own normal and that of the body's surface, which comes
 //! from the gradient of the smoothed density of particles. The same density, smoothed wider, says how much open
-//! sky a place sees and darkens corners; and particles with matter all around are not drawn at all.
+//! sky a place sees and darkens corners; and particles with matter all around are not drawn at all. Gaps between balls of a surface that
+//! are narrower than a ball are closed.
 
 use super::super::{OutputError, Snapshot, is_place};
+use super::Sizes;
 use super::axis::{FAINT, INK, PAPER};
 use super::camera::{Camera, Cut, Mirror, dot, sub};
 use super::canvas::{Pen, Picture};
 use super::colour::{Rgb, hex};
+use super::faces::{Face, has_faces, line, outer};
+use super::film::Film;
+use super::legend::Legend;
 use super::matter::{Ball, Matter, dot3};
 use super::quantity::{Quantity, colours_of};
 
@@ -45,6 +50,7 @@ pub struct ParticlePicture {
     scale: f64,
     letters: Option<f32>,
     marks: bool,
+    sizes: Option<Sizes>,
 }
 
 #[derive(Debug, Clone)]
@@ -72,6 +78,7 @@ impl ParticlePicture {
             scale: 1.0,
             letters: None,
             marks: true,
+            sizes: None,
         }
     }
 
@@ -149,6 +156,20 @@ impl ParticlePicture {
         Self { marks: false, ..self }
     }
 
+    /// Choose the size of the picture, pixels, so that the scene fills it: as wide as allowed if it is not too high then, or less.
+    #[must_use]
+    pub fn fitted(self, width: [usize; 2], height: [usize; 2]) -> Self {
+        Self { sizes: Some(Sizes { width, height }), ..self }
+    }
+
+    /// Draw a snapshot with size, window and range of colours of a series.
+    ///
+    /// # Errors
+    /// As [`draw`](Self::draw).
+    pub fn draw_in(&self, film: &mut Film, snapshot: &Snapshot) -> Result<Picture, OutputError> {
+        self.drawn(snapshot, Some(film))
+    }
+
     /// Draw a snapshot.
     ///
     /// # Errors
@@ -156,11 +177,12 @@ impl ParticlePicture {
     /// sizes, directions and ranges that make no sense, or more pixels and copies of particles than
     /// [`MOST_BYTES`](impactite_simd::memory::MOST_BYTES) have room for.
     pub fn draw(&self, snapshot: &Snapshot) -> Result<Picture, OutputError> {
+        self.drawn(snapshot, None)
+    }
+
+    fn drawn(&self, snapshot: &Snapshot, mut film: Option<&mut Film>) -> Result<Picture, OutputError> {
         Mirror::check(&self.mirrors)?;
         super::check_scale(self.scale)?;
-        let samples = FINE * FINE * (size_of::<f32>() + size_of::<u32>()) + size_of::<Rgb>();
-        super::budget("a picture of so many pixels", "make the picture smaller")
-            .holds(self.width as f64 * self.height as f64 * samples as f64)?;
         let turned;
         let snapshot = match self.revolved {
             Some(degrees) => {
@@ -169,45 +191,73 @@ impl ParticlePicture {
             }
             None => snapshot,
         };
-        let mut picture = Picture::new(self.width, self.height, PAPER)?;
-        let (colours, range) = colours_of(self.quantity.as_ref(), snapshot)?;
+        let quantity = match (&self.quantity, &mut film) {
+            (Some(quantity), Some(film)) => Some(quantity.in_film(film, snapshot)?),
+            (quantity, _) => quantity.clone(),
+        };
+        let coloured = colours_of(quantity.as_ref(), snapshot)?;
         let camera = match &self.view {
             View::Fixed(camera) => *camera,
             View::Fit { toward, up } => {
                 let flat = snapshot.dimension() == 2;
                 let (toward, up) = if flat { ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]) } else { (*toward, *up) };
-                let fit = Camera::fit(snapshot, &self.mirrors, toward, up)?;
+                let fit = match &mut film {
+                    Some(film) => {
+                        let [low, high] = self.window(film, snapshot, toward, up)?;
+                        Camera::framing(low, high, toward, up)?
+                    }
+                    None => Camera::fit(snapshot, &self.mirrors, toward, up)?,
+                };
                 if self.perspective { fit.with_perspective().zoomed(0.85) } else { fit }
             }
         };
 
-        let size = super::letters(self.letters, 1.0, self.width, self.height)?;
-        let (w, h) = (self.width as f32, self.height as f32);
+        let (usual_width, usual_height) =
+            self.sizes.map_or((self.width, self.height), |s| (s.width[1], s.width[1] * 3 / 4));
+        let size = super::letters(self.letters, 1.0, usual_width, usual_height)?;
         let pad = 1.1 * size;
+        let bar_room = coloured.bar.as_ref().map_or(0.0, |bar| bar.room(size));
+        let legend =
+            |width: usize| Legend::of(snapshot, &coloured, width as f32 - 2.0 * pad - bar_room, size);
+        let head = if self.title.is_empty() { 0.0 } else { 2.0 * size };
+        let foot = if self.caption.is_empty() { 0.0 } else { 1.6 * size };
+        let (width, height) = match self.sizes {
+            Some(sizes) => {
+                let above = 2.0 * pad + head + legend(sizes.width[1]).height() + foot;
+                sizes.fit(camera.aspect(), 2.0 * pad + bar_room, above)
+            }
+            None => (self.width, self.height),
+        };
+        let (width, height) = film.map_or((width, height), |film| film.size((width, height)));
+        let samples = FINE * FINE * (size_of::<f32>() + size_of::<u32>()) + size_of::<Rgb>();
+        super::budget("a picture of so many pixels", "make the picture smaller")
+            .holds(width as f64 * height as f64 * samples as f64)?;
+        let mut picture = Picture::new(width, height, PAPER)?;
+
+        let (w, h) = (width as f32, height as f32);
         let mut top = pad;
         let mut bottom = h - pad;
         let (title_at, caption_at) = (top + 1.1 * size, bottom - 0.2 * size);
-        if !self.title.is_empty() {
-            top += 2.0 * size;
-        }
-        if !self.caption.is_empty() {
-            bottom -= 1.6 * size;
-        }
+        top += head;
+        bottom -= foot;
         let mut right = w - pad;
-        if let (Some(quantity), Some(scale)) = (&self.quantity, range) {
-            let bar = quantity.bar(scale);
-            right -= bar.room(size);
+        if let Some(bar) = &coloured.bar {
+            right -= bar_room;
             let middle = 0.5 * (top + bottom);
             let half = (0.36 * (bottom - top)).max(2.0 * size).min(0.5 * (bottom - top));
             bar.draw(&mut picture, right + 0.6 * size, middle - half, middle + half, size);
         }
         // Title and caption stand over the middle of the scene, if they fit there.
         let mut centred = |text: &str, y: f32, pen: Pen| {
+            let pen = pen.fitted(text, w - 0.8 * size);
             let half = 0.5 * pen.width(text) + 0.4 * size;
             picture.text(text, [(0.5 * (pad + right)).max(half).min(w - half), y], &pen.centred());
         };
         centred(&self.title, title_at, Pen::new(1.3 * size, INK).bold());
         centred(&self.caption, caption_at, Pen::new(size, FAINT));
+        let legend = legend(width);
+        legend.draw(&mut picture, 0.5 * (pad + right), top);
+        top += legend.height();
         let (width, height) = ((right - pad).max(1.0), (bottom - top).max(1.0));
         let pixels_per_metre = 0.97 * camera.pixels_per_metre(f64::from(width), f64::from(height));
         if !(pixels_per_metre.is_normal() && pixels_per_metre > 0.0) {
@@ -215,37 +265,93 @@ impl ParticlePicture {
             return Err(OutputError::value("pixels a metre", pixels_per_metre, allowed));
         }
         let view = Viewport { left: pad, top, width, height, camera, pixels_per_metre };
-        let balls = self.balls(snapshot, &colours)?;
-        view.render(&balls, &mut picture);
+        let matter = self.matter(snapshot, &coloured.colours)?;
+        view.render(&matter, &mut picture);
         if self.marks {
             view.marks(&mut picture, size, snapshot.dimension());
         }
         Ok(picture)
     }
 
-    /// All balls to draw, mirrored and cut.
-    fn balls(&self, snapshot: &Snapshot, colours: &[Rgb]) -> Result<Vec<Ball>, OutputError> {
-        let radius = 0.75 * self.scale;
-        // A ball, how it is seen, and where it is among the others.
-        let each = size_of::<Ball>() + size_of::<Seen>() + 32;
+    /// The window of a series that holds the snapshot, along the directions of the camera.
+    fn window(
+        &self,
+        film: &mut Film,
+        snapshot: &Snapshot,
+        toward: [f64; 3],
+        up: [f64; 3],
+    ) -> Result<[[f64; 3]; 2], OutputError> {
+        let of_box = |given: [[f64; 3]; 2]| Camera::extent_of_box(given, &self.mirrors, toward, up);
+        if let Some(set) = film.set_window() {
+            return of_box(set);
+        }
+        let [mut low, mut high] = Camera::extent(snapshot, &self.mirrors, toward, up)?;
+        if let Some(foreseen) = film.foreseen() {
+            let [from, to] = of_box(foreseen)?;
+            for d in 0..3 {
+                (low[d], high[d]) = (low[d].min(from[d]), high[d].max(to[d]));
+            }
+        }
+        Ok(film.cover(low, high))
+    }
+
+    /// All balls and faces to draw, mirrored and cut.
+    fn matter(&self, snapshot: &Snapshot, colours: &[Rgb]) -> Result<Shapes, OutputError> {
+        let (radius, flat) = (0.75 * self.scale, snapshot.dimension() == 2);
+        // A ball or the faces of an element, how it is seen, and where it is among the others.
+        let each = (size_of::<Ball>() + size_of::<Seen>() + 32).max(if snapshot.cells().is_some() {
+            6 * (size_of::<Face>() + size_of::<Flat>() + 32)
+        } else {
+            0
+        });
         let most = snapshot.len() as f64 * f64::from(1_u32 << self.mirrors.len().min(6));
         super::budget("a picture of so many particles", "use fewer mirrors or particles")
             .holds(most * each as f64)?;
         let mut balls = Vec::with_capacity(snapshot.len() << self.mirrors.len().min(3));
+        let mut beads = Vec::new();
         let mut copies = Vec::new();
         for (i, x) in snapshot.positions().iter().enumerate() {
-            if !is_place(x) {
+            if !is_place(x) || has_faces(snapshot, i) {
                 continue;
             }
-            Mirror::copies(&self.mirrors, *x, &mut copies);
-            for x in &copies {
-                if self.cuts.is_empty() || !self.cuts.iter().all(|cut| cut.removes(*x)) {
-                    balls.push(Ball { x: *x, radius: radius * snapshot.size_of(i), colour: colours[i] });
+            let (colour, size) = (colours[i], snapshot.size_of(i));
+            let mut put = |x: [f64; 3], radius: f64, list: &mut Vec<Ball>| {
+                Mirror::copies(&self.mirrors, x, &mut copies);
+                for x in &copies {
+                    if self.cuts.is_empty() || !self.cuts.iter().all(|cut| cut.removes(*x)) {
+                        list.push(Ball { x: *x, radius, colour });
+                    }
                 }
+            };
+            let Some([a, b]) = line(snapshot, i) else {
+                put(*x, radius * size, &mut balls);
+                continue;
+            };
+            // A line is a row of beads of its section.
+            let along = sub(b, a);
+            let length = dot(along, along).sqrt().max(1e-3 * size);
+            let section = if flat { size * size / length } else { (size * size * size / length).sqrt() };
+            let radius = 0.56 * section.min(size) * self.scale;
+            let count = (length / radius).ceil().clamp(1.0, MOST_BEADS) as usize;
+            for n in 0..count {
+                let part = (n as f64 + 0.5) / count as f64;
+                put([0, 1, 2].map(|d| a[d] + part * along[d]), radius, &mut beads);
             }
         }
-        Ok(balls)
+        let faces = outer(snapshot, colours, &self.mirrors, &self.cuts);
+        Ok(Shapes { balls, beads, faces })
     }
+}
+
+/// Beads of a line element at most.
+const MOST_BEADS: f64 = 32.0;
+
+/// What a picture is made of.
+struct Shapes {
+    balls: Vec<Ball>,
+    /// Balls that are no surface of matter.
+    beads: Vec<Ball>,
+    faces: Vec<Face>,
 }
 
 /// The particles of an axisymmetric snapshot repeated around its axis, with the one field that gives colour.
@@ -293,14 +399,15 @@ fn revolved(snapshot: &Snapshot, degrees: f64, quantity: Option<&Quantity>) -> R
         positions,
         super::super::ParticleSize::Each(sizes),
     )?
-    .with_bodies(bodies)?;
+    .with_bodies(bodies)?
+    .with_body_names(snapshot.body_names());
     if quantity.is_some() {
         for (name, values) in snapshot.fields() {
             use super::super::FieldValues::{Scalar, Tensor, Vector};
             match values {
                 Scalar(v) => turned = turned.with_scalar(name, from.iter().map(|i| v[*i]).collect())?,
                 Vector(v) => turned = turned.with_vector(name, from.iter().map(|i| v[*i]).collect())?,
-                Tensor(_) => {}
+                Tensor(v) => turned = turned.with_tensor(name, from.iter().map(|i| v[*i]).collect())?,
             }
         }
     }
@@ -335,8 +442,29 @@ struct Seen {
     colour: [f32; 3],
 }
 
+/// A face as it is seen: corners in samples with their depth, and its colour with light.
+#[derive(Clone, Copy)]
+struct Flat {
+    corners: [[f32; 3]; 4],
+    count: usize,
+    colour: [f32; 3],
+    /// How dark its edges are: 0 where they would be all that is seen.
+    edge: f32,
+    /// Its size, samples.
+    front: f32,
+}
+
+/// The samples of the viewport.
+struct Samples {
+    depth: Vec<f32>,
+    /// What is seen: balls, then faces.
+    who: Vec<u32>,
+    columns: usize,
+    rows: usize,
+}
+
 impl Viewport {
-    fn render(&self, balls: &[Ball], picture: &mut Picture) {
+    fn render(&self, shapes: &Shapes, picture: &mut Picture) {
         let [right, up, out] = self.camera.basis();
         let at = self.camera.target();
         let fine = FINE as f64;
@@ -346,7 +474,26 @@ impl Viewport {
         let columns = ((self.width as usize).min(picture.width().saturating_sub(px0))) * FINE;
         let rows = ((self.height as usize).min(picture.height().saturating_sub(py0))) * FINE;
         let (cx, cy) = (0.5 * columns as f64, 0.5 * rows as f64);
+        // Place in samples, depth in samples, and how much larger it is for being near.
+        let project = |x: [f64; 3]| {
+            let d = sub(x, at);
+            let toward = dot(d, out);
+            let zoom = if self.camera.is_perspective() {
+                if toward > 0.95 * distance {
+                    return None;
+                }
+                distance / (distance - toward)
+            } else {
+                1.0
+            };
+            let (x, y) = (cx + dot(d, right) * scale * zoom, cy - dot(d, up) * scale * zoom);
+            Some(([x, y, toward * scale], zoom))
+        };
+        let is_outside = |x: f64, y: f64, radius: f64| {
+            x + radius < 0.0 || y + radius < 0.0 || x - radius > columns as f64 || y - radius > rows as f64
+        };
 
+        let balls = &shapes.balls;
         let matter = Matter::of(balls);
         let mut seen = Vec::with_capacity(balls.len() / 4);
         let neighbours = matter.neighbours(balls);
@@ -360,35 +507,75 @@ impl Viewport {
             if normal[2] < -0.5 && !matter.coarse {
                 continue;
             }
-            let d = sub(ball.x, at);
-            let toward = dot(d, out);
-            let zoom = if self.camera.is_perspective() {
-                if toward > 0.95 * distance {
-                    continue;
-                }
-                distance / (distance - toward)
-            } else {
-                1.0
-            };
-            let x = cx + dot(d, right) * scale * zoom;
-            let y = cy - dot(d, up) * scale * zoom;
+            let Some(([x, y, depth], zoom)) = project(ball.x) else { continue };
             let front = (ball.radius * scale * zoom).max(0.75);
             let radius = front * f64::from(matter.growth(i, ball, &neighbours));
-            if x + radius < 0.0 || y + radius < 0.0 || x - radius > columns as f64 || y - radius > rows as f64
-            {
+            if is_outside(x, y, radius) {
                 continue;
             }
             let colour = ball.colour.map(f32::from);
-            let (x, y, radius, depth) = (x as f32, y as f32, radius as f32, (toward * scale) as f32);
+            let (x, y, radius, depth) = (x as f32, y as f32, radius as f32, depth as f32);
             seen.push(Seen { x, y, depth, radius, front: front as f32, normal, sky, colour });
         }
-
-        let mut depth = vec![f32::NEG_INFINITY; columns * rows];
-        let mut who = vec![u32::MAX; columns * rows];
-        for (i, ball) in seen.iter().enumerate() {
-            splat(ball, i as u32, &mut depth, &mut who, columns, rows);
+        for bead in &shapes.beads {
+            let Some(([x, y, depth], zoom)) = project(bead.x) else { continue };
+            let radius = (bead.radius * scale * zoom).max(1.5);
+            if !is_outside(x, y, radius) {
+                let colour = bead.colour.map(f32::from);
+                let (x, y, radius, depth) = (x as f32, y as f32, radius as f32, depth as f32);
+                seen.push(Seen { x, y, depth, radius, front: radius, normal: [0.0; 3], sky: 1.0, colour });
+            }
         }
-        shade(&seen, &depth, &who, columns, rows, picture, [px0, py0]);
+        let mut flats = Vec::with_capacity(shapes.faces.len());
+        for face in &shapes.faces {
+            let mut corners = [[0.0_f32; 3]; 4];
+            let mut there = true;
+            for (corner, x) in corners.iter_mut().zip(&face.corners[..face.count]) {
+                match project(*x) {
+                    Some((x, _)) => *corner = x.map(|c| c as f32),
+                    None => there = false,
+                }
+            }
+            let inside = |d: usize, most: usize| {
+                let places = || corners[..face.count].iter().map(|c| c[d]);
+                places().any(|c| c >= 0.0) && places().any(|c| c <= most as f32)
+            };
+            if there && inside(0, columns) && inside(1, rows) {
+                flats.push(Flat::of(corners, face));
+            }
+        }
+
+        // The part of the viewport in which there is something.
+        let mut part = [f32::INFINITY, f32::INFINITY, 0.0, 0.0];
+        let mut hold = |x: f32, y: f32, r: f32| {
+            part = [part[0].min(x - r), part[1].min(y - r), part[2].max(x + r), part[3].max(y + r)];
+        };
+        seen.iter().for_each(|ball| hold(ball.x, ball.y, ball.radius));
+        flats.iter().flat_map(|f| &f.corners[..f.count]).for_each(|c| hold(c[0], c[1], 1.0));
+        let [left, top] = [part[0], part[1]].map(|c| (c.max(0.0) as usize).saturating_sub(1) / FINE * FINE);
+        let (left, top) = (left.min(columns), top.min(rows));
+        let columns = ((part[2] as usize).saturating_add(2 + FINE) / FINE * FINE).clamp(left, columns) - left;
+        let rows = ((part[3] as usize).saturating_add(2 + FINE) / FINE * FINE).clamp(top, rows) - top;
+        for ball in &mut seen {
+            (ball.x, ball.y) = (ball.x - left as f32, ball.y - top as f32);
+        }
+        for corner in flats.iter_mut().flat_map(|flat| &mut flat.corners) {
+            (corner[0], corner[1]) = (corner[0] - left as f32, corner[1] - top as f32);
+        }
+        let mut samples = Samples {
+            depth: vec![f32::NEG_INFINITY; columns * rows],
+            who: vec![u32::MAX; columns * rows],
+            columns,
+            rows,
+        };
+        for (i, ball) in seen.iter().enumerate() {
+            splat(ball, i as u32, &mut samples.depth, &mut samples.who, columns, rows);
+        }
+        close_gaps(&seen, &mut samples);
+        for (i, flat) in flats.iter().enumerate() {
+            flat.fill((seen.len() + i) as u32, &mut samples);
+        }
+        shade(&seen, &flats, &samples, picture, [px0 + left / FINE, py0 + top / FINE]);
     }
 
     /// The cross of axes and, if lengths are true, a scale bar.
@@ -473,19 +660,190 @@ fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usiz
     }
 }
 
+/// How much deeper than the sample before it a gap begins, beside a quarter of the ball's radius, samples: more than a ball's own round.
+const FALL: f32 = 2.5;
+
+/// Close gaps between balls that are narrower than a ball, through which one would look into matter or through it, along rows and
+/// along columns. A gap is between two samples of about one depth, behind which all lies deeper.
+fn close_gaps(seen: &[Seen], samples: &mut Samples) {
+    let (columns, rows) = (samples.columns, samples.rows);
+    // Where the gap of each column began, or `usize::MAX` outside of gaps.
+    let (mut starts, mut looked) = (vec![usize::MAX; columns], Vec::new());
+    for y in 0..rows {
+        let mut start = usize::MAX;
+        let mut x = 1;
+        while x < columns {
+            if start == usize::MAX {
+                // Most samples are as deep as the ones before them, or nothing beside nothing.
+                let row = &samples.depth[y * columns + x - 1..(y + 1) * columns];
+                match row.windows(2).position(|pair| pair[1] < pair[0] - FALL) {
+                    Some(n) => x += n,
+                    None => break,
+                }
+            }
+            let at = y * columns + x;
+            gap(seen, samples, &mut start, x, at, 1);
+            x += 1;
+        }
+        if y == 0 {
+            continue;
+        }
+        let (before, here) = samples.depth.split_at(y * columns);
+        let pairs = before[(y - 1) * columns..].iter().zip(here).zip(&starts);
+        looked.clear();
+        looked.extend(
+            pairs
+                .enumerate()
+                .filter(|(_, ((b, h), s))| **h < **b - FALL || **s != usize::MAX)
+                .map(|(x, _)| x),
+        );
+        for &x in &looked {
+            gap(seen, samples, &mut starts[x], y, y * columns + x, columns);
+        }
+    }
+}
+
+/// Look at sample `at`, place `k` of a line of which samples are `step` apart: a gap may begin there, end there and be closed, or turn
+/// out to be none.
+fn gap(seen: &[Seen], samples: &mut Samples, start: &mut usize, k: usize, at: usize, step: usize) {
+    let (here, before) = (samples.depth[at], samples.depth[at - step]);
+    if *start == usize::MAX {
+        let rim = seen.get(samples.who[at - step] as usize);
+        if rim.is_some_and(|rim| here < before - FALL - 0.25 * rim.front) {
+            *start = k;
+        }
+        return;
+    }
+    let rim = at - (k + 1 - *start) * step;
+    let Some(first) = seen.get(samples.who[rim] as usize) else { return };
+    let (from, length) = (samples.depth[rim], k - *start);
+    if length as f32 > 0.8 * first.front + 1.0 {
+        *start = usize::MAX;
+        return;
+    }
+    if here < from - FALL - 0.25 * first.front {
+        return;
+    }
+    *start = usize::MAX;
+    if here > from + 2.0 * first.front {
+        return;
+    }
+    for n in 0..length {
+        let (to, part) = (at - (length - n) * step, (n + 1) as f32 / (length + 1) as f32);
+        samples.depth[to] = from + part * (here - from);
+        samples.who[to] = samples.who[if part < 0.5 { rim } else { at }];
+    }
+}
+
+const KEY: [f32; 3] = [-0.50, 0.62, 0.60];
+const FILL: [f32; 3] = [0.75, -0.10, 0.55];
+
+/// The light of the scene.
+struct Light {
+    key: [f32; 3],
+    half: [f32; 3],
+    fill: [f32; 3],
+}
+
+impl Light {
+    fn new() -> Self {
+        let key = normalised(KEY);
+        Light { key, half: normalised([key[0], key[1], key[2] + 1.0]), fill: normalised(FILL) }
+    }
+
+    /// What a colour is multiplied by, and what is added, on a surface of this normal.
+    fn on(&self, n: [f32; 3], sky: f32) -> (f32, f32) {
+        let lit = dot3(n, self.key).max(0.0);
+        let gloss = dot3(n, self.half).max(0.0);
+        let gloss = gloss * gloss;
+        let gloss = gloss * gloss;
+        let gloss = gloss * gloss;
+        let rim = (1.0 - n[2]).clamp(0.0, 1.0);
+        let around = 0.60 + 0.07 * n[1] + 0.12 * dot3(n, self.fill).max(0.0);
+        (sky * around + 0.38 * lit, sky * (26.0 * gloss + 30.0 * rim * rim + 5.0))
+    }
+}
+
+impl Flat {
+    fn of(corners: [[f32; 3]; 4], face: &Face) -> Self {
+        let count = face.count;
+        let between = |a: usize, b: usize| [0, 1, 2].map(|d| corners[b][d] - corners[a][d]);
+        let (a, b) = if count == 4 { (between(0, 2), between(1, 3)) } else { (between(0, 1), between(0, 2)) };
+        // Along right, up and out: rows count downwards. Both sides of a face are alike.
+        let (a, b) = ([a[0], -a[1], a[2]], [b[0], -b[1], b[2]]);
+        let n = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+        let n = normalised(if n[2] < 0.0 { n.map(|c| -c) } else { n });
+        let (light, shine) = Light::new().on(n, 1.0);
+        let colour = face.colour.map(|c| (f32::from(c) * light + shine).min(255.0));
+        let length = |a: [f32; 3]| dot3(a, a).sqrt();
+        let sides = (0..count).map(|i| length(between(i, (i + 1) % count)));
+        let shortest = sides.fold(f32::INFINITY, f32::min);
+        let edge = 0.5 * ((shortest / FINE as f32 - 3.0) / 7.0).clamp(0.0, 1.0);
+        Flat { corners, count, colour, edge, front: shortest.max(3.0) }
+    }
+
+    /// Claim the samples where it is nearest.
+    fn fill(&self, id: u32, samples: &mut Samples) {
+        let [a, b, c, d] = self.corners;
+        triangle([a, b, c], id, samples);
+        if self.count == 4 {
+            triangle([a, c, d], id, samples);
+        }
+    }
+
+    /// How much of a sample is covered by half an edge.
+    fn edge_at(&self, x: f32, y: f32) -> f32 {
+        let mut nearest = f32::INFINITY;
+        for i in 0..self.count {
+            let (p, q) = (self.corners[i], self.corners[(i + 1) % self.count]);
+            let (dx, dy) = (q[0] - p[0], q[1] - p[1]);
+            let distance = (dx * (y - p[1]) - dy * (x - p[0])).abs() / dx.hypot(dy).max(1e-3);
+            nearest = nearest.min(distance);
+        }
+        (1.2 - nearest).clamp(0.0, 1.0)
+    }
+}
+
+/// Let a triangle claim the samples where it is nearest.
+fn triangle([a, b, c]: [[f32; 3]; 3], id: u32, samples: &mut Samples) {
+    let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    if twice == 0.0 || !twice.is_finite() {
+        return;
+    }
+    let range = |d: usize, count: usize| {
+        let (low, high) = (a[d].min(b[d]).min(c[d]), a[d].max(b[d]).max(c[d]));
+        // Casts to usize cut off the fraction and send negative numbers to 0.
+        (low - 0.5) as usize..((high + 0.5) as usize).saturating_add(1).min(count)
+    };
+    let over = 1.0 / twice;
+    // Shares of b and c at a sample, and how they change along a row.
+    let step_b = (c[1] - a[1]) * over;
+    let step_c = -(b[1] - a[1]) * over;
+    let columns = range(0, samples.columns);
+    for y in range(1, samples.rows) {
+        let (dx, dy) = (columns.start as f32 + 0.5 - a[0], y as f32 + 0.5 - a[1]);
+        let mut of_b = dx * step_b - dy * (c[0] - a[0]) * over;
+        let mut of_c = dx * step_c + dy * (b[0] - a[0]) * over;
+        for x in columns.clone() {
+            if of_b >= -1e-4 && of_c >= -1e-4 && of_b + of_c <= 1.0002 {
+                let here = a[2] + of_b * (b[2] - a[2]) + of_c * (c[2] - a[2]);
+                let at = y * samples.columns + x;
+                if here > samples.depth[at] {
+                    samples.depth[at] = here;
+                    samples.who[at] = id;
+                }
+            }
+            of_b += step_b;
+            of_c += step_c;
+        }
+    }
+}
+
 /// Light, outlines and the average of the samples of each pixel.
-fn shade(
-    seen: &[Seen],
-    depth: &[f32],
-    who: &[u32],
-    columns: usize,
-    rows: usize,
-    picture: &mut Picture,
-    [px0, py0]: [usize; 2],
-) {
-    let key = normalised([-0.50, 0.62, 0.60]);
-    let half = normalised([key[0], key[1], key[2] + 1.0]);
-    let fill = normalised([0.75, -0.10, 0.55]);
+fn shade(seen: &[Seen], flats: &[Flat], samples: &Samples, picture: &mut Picture, [px0, py0]: [usize; 2]) {
+    let Samples { depth, who, columns, rows } = samples;
+    let (columns, rows) = (*columns, *rows);
+    let lights = Light::new();
     let width = picture.width();
     let pixels = picture.pixels_mut();
     for py in 0..rows / FINE {
@@ -500,46 +858,53 @@ fn shade(
                 continue;
             }
             // A pixel that is all one ball's needs light once.
-            let (samples, weight) = if alone { (1, (FINE * FINE) as f32) } else { (FINE, 1.0) };
-            for sy in 0..samples {
-                for sx in 0..samples {
+            let (fine, weight) =
+                if alone && (first as usize) < seen.len() { (1, (FINE * FINE) as f32) } else { (FINE, 1.0) };
+            for sy in 0..fine {
+                for sx in 0..fine {
                     let (x, y) = (px * FINE + sx, py * FINE + sy);
                     let at = y * columns + x;
                     let id = who[at];
                     if id == u32::MAX {
                         continue;
                     }
-                    let ball = &seen[id as usize];
-                    let (dx, dy) =
-                        ((x as f32 + 0.5 - ball.x) / ball.radius, (y as f32 + 0.5 - ball.y) / ball.radius);
-                    let dz = (1.0 - dx * dx - dy * dy).max(0.0).sqrt();
-                    let own = 0.30;
-                    let n = normalised([
-                        ball.normal[0] + own * dx,
-                        ball.normal[1] - own * dy,
-                        ball.normal[2] + own * dz,
-                    ]);
-                    let lit = dot3(n, key).max(0.0);
-                    let gloss = dot3(n, half).max(0.0);
-                    let gloss = gloss * gloss;
-                    let gloss = gloss * gloss;
-                    let gloss = gloss * gloss;
-                    let rim = (1.0 - n[2]).clamp(0.0, 1.0);
-                    let around = 0.60 + 0.07 * n[1] + 0.12 * dot3(n, fill).max(0.0);
-                    let mut light = ball.sky * around + 0.38 * lit;
+                    let id = id as usize;
+                    let front = if id < seen.len() { seen[id].front } else { flats[id - seen.len()].front };
                     // An edge where the surface behind is far away.
                     let mut behind = 0.0_f32;
                     for (bx, by) in [(1_i64, 0_i64), (-1, 0), (0, 1), (0, -1)] {
                         let (qx, qy) = (x as i64 + bx, y as i64 + by);
                         if qx >= 0 && qy >= 0 && (qx as usize) < columns && (qy as usize) < rows {
                             let other = depth[qy as usize * columns + qx as usize];
-                            behind = behind.max((depth[at] - other) / (6.0 * ball.front));
+                            behind = behind.max((depth[at] - other) / (6.0 * front));
                         }
                     }
-                    light *= 1.0 - 0.38 * (behind - 0.35).clamp(0.0, 1.0);
-                    let shine = ball.sky * (26.0 * gloss + 30.0 * rim * rim + 5.0);
-                    for c in 0..3 {
-                        sum[c] += weight * (ball.colour[c] * light + shine).min(255.0);
+                    let mut dim = 1.0 - 0.38 * (behind - 0.35).clamp(0.0, 1.0);
+                    if id < seen.len() {
+                        let ball = &seen[id];
+                        let (dx, dy) = (
+                            (x as f32 + 0.5 - ball.x) / ball.radius,
+                            (y as f32 + 0.5 - ball.y) / ball.radius,
+                        );
+                        let dz = (1.0 - dx * dx - dy * dy).max(0.0).sqrt();
+                        let own = 0.30;
+                        let n = normalised([
+                            ball.normal[0] + own * dx,
+                            ball.normal[1] - own * dy,
+                            ball.normal[2] + own * dz,
+                        ]);
+                        let (light, shine) = lights.on(n, ball.sky);
+                        for c in 0..3 {
+                            sum[c] += weight * (ball.colour[c] * (light * dim) + shine).min(255.0);
+                        }
+                    } else {
+                        let flat = &flats[id - seen.len()];
+                        if flat.edge > 0.0 {
+                            dim *= 1.0 - flat.edge * flat.edge_at(x as f32 + 0.5, y as f32 + 0.5);
+                        }
+                        for c in 0..3 {
+                            sum[c] += weight * flat.colour[c] * dim;
+                        }
                     }
                     covered += weight;
                 }

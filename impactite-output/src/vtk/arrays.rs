@@ -99,6 +99,17 @@ pub(super) fn fields(snapshot: &Snapshot, options: VtkOptions) -> impl Iterator<
     std::iter::once(Array::short("body", bodies)).chain(sizes).chain(fields)
 }
 
+/// Vector fields of the points of [`Grid`]: those of nodes, with the particles behind them.
+pub(super) fn node_fields(snapshot: &Snapshot, options: VtkOptions) -> impl Iterator<Item = Array<'_>> {
+    let is_particle = |i: usize| snapshot.cells().is_some_and(|cells| cells.of(i).is_empty());
+    snapshot.node_vectors().map(move |(name, nodes)| {
+        let own = snapshot.vector(name).ok();
+        let particles = (0..snapshot.len()).filter(|&i| is_particle(i));
+        let values = particles.map(|i| own.map_or([0.0; 3], |values| values[i]));
+        Array::floats(name, 3, nodes.iter().copied().chain(values).flatten(), options)
+    })
+}
+
 /// Cells of VTK: nodes of the snapshot's cells with the particles that are none behind them, and the cells.
 pub(super) struct Grid {
     pub points: Vec<[f64; 3]>,

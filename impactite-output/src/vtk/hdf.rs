@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hdf5_pure::{AttrValue, DatasetBuilder, FileBuilder, GroupBuilder};
 
-use super::arrays::{Array, Grid, Kind, fields, whole};
+use super::arrays::{Array, Grid, Kind, fields, node_fields, whole};
 use super::{BLOCK, VtkOptions};
 use crate::{OutputError, Snapshot, WholeFile};
 
@@ -66,6 +66,11 @@ fn frame(snapshot: &Snapshot, options: VtkOptions) -> FileBuilder {
             put(&mut root, Array::points(points.iter()), options);
             topology(&mut root, connectivity.into_iter(), ends.into_iter(), options);
             put(&mut root, Array::bytes("Types", kinds), options);
+            if snapshot.node_vectors().next().is_some() {
+                let mut data = root.create_group("PointData");
+                node_fields(snapshot, options).for_each(|array| put(&mut data, array, options));
+                root.add_group(data.finish());
+            }
             "CellData"
         }
         None => {

@@ -7,13 +7,13 @@ use std::path::Path;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-use super::arrays::{Array, Grid, Kind, fields, whole};
+use super::arrays::{Array, Grid, Kind, fields, node_fields, whole};
 use super::{BLOCK, VtkOptions};
 use crate::{OutputError, Snapshot, write_whole};
 
 /// Write one snapshot as a `.vtp` file at `path`, or as a `.vtu` file if it has cells, whole or not at all. Beside its fields it holds `body`
-/// (Int32), a field `particle` in 64 bits, `size` (m, if particles differ) and the field data `TimeValue` (s), `Step` and, if all particles are
-/// alike, `ParticleSize` (m).
+/// (Int32), a field `particle` in 64 bits, `size` (m, if particles differ) and the field data `TimeValue` (s), `Step`, `ParticleSize` (m) if all
+/// particles are alike, and `body_names`, the name of body n as entry n, if bodies have names.
 ///
 /// # Errors
 /// A path that is no regular file, or a file that cannot be written; what was there before stays.
@@ -57,6 +57,7 @@ fn vtp_bytes(snapshot: &Snapshot, options: VtkOptions) -> std::io::Result<Vec<u8
     for array in whole(snapshot) {
         file.array(&array, " NumberOfTuples=\"1\"")?;
     }
+    file.names(snapshot.body_names());
     file.xml.push_str("    </FieldData>\n");
     match snapshot.cells() {
         Some(cells) => {
@@ -64,8 +65,10 @@ fn vtp_bytes(snapshot: &Snapshot, options: VtkOptions) -> std::io::Result<Vec<u8
             let count = grid.points.len();
             let _ = write!(
                 file.xml,
-                "    <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{n}\">\n      <CellData>\n"
+                "    <Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{n}\">\n      <PointData>\n"
             );
+            node_fields(snapshot, options).try_for_each(|array| file.array(&array, ""))?;
+            file.xml.push_str("      </PointData>\n      <CellData>\n");
             file.fields(snapshot)?;
             file.xml.push_str("      </CellData>\n      <Points>\n");
             file.array(&Array::points(grid.points.iter()), "")?;
@@ -112,6 +115,24 @@ impl Appended {
             Array::long(name, numbers.map(|x| x as i64))
         };
         self.array(&array, "")
+    }
+
+    /// Names of the bodies as an array of texts: their bytes as signed numbers, each text with a zero behind it.
+    fn names(&mut self, names: &[String]) {
+        if names.is_empty() {
+            return;
+        }
+        let _ = write!(
+            self.xml,
+            "        <Array type=\"String\" Name=\"body_names\" NumberOfTuples=\"{}\" format=\"ascii\">\n         ",
+            names.len()
+        );
+        for name in names {
+            for byte in name.bytes().filter(|byte| *byte != 0).chain([0]) {
+                let _ = write!(self.xml, " {}", byte.cast_signed());
+            }
+        }
+        self.xml.push_str("\n        </Array>\n");
     }
 
     /// Body, size and fields of the particles.

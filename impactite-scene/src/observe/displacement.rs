@@ -15,6 +15,15 @@ struct Seen {
     number: u64,
     /// m.
     position: [f64; 3],
+    /// Corners of its cell, m; none of a particle.
+    corners: Vec<[f64; 3]>,
+}
+
+/// Displacements of points and of the nodes of their cells, m.
+pub(super) struct Displacements {
+    pub points: Vec<[f64; 3]>,
+    /// Empty without cells.
+    pub nodes: Vec<[f64; 3]>,
 }
 
 impl Seen {
@@ -28,19 +37,27 @@ impl FirstSeen {
     ///
     /// # Errors
     /// A snapshot without the field `particle`.
-    pub fn displacements(&mut self, now: &Snapshot) -> Result<Vec<[f64; 3]>, OutputError> {
+    pub fn displacements(&mut self, now: &Snapshot) -> Result<Displacements, OutputError> {
         let numbers = now.scalar("particle")?.iter().map(|&number| number as u64);
         let keys = now.bodies().iter().copied().zip(numbers);
         let mut new = Vec::new();
-        let mut displacements = Vec::with_capacity(now.len());
-        for ((body, number), &position) in keys.zip(now.positions()) {
-            displacements.push(match self.0.binary_search_by_key(&(body, number), Seen::key) {
+        let mut points = Vec::with_capacity(now.len());
+        let mut nodes = vec![[0.0; 3]; now.cells().map_or(0, |cells| cells.nodes.len())];
+        for (i, ((body, number), &position)) in keys.zip(now.positions()).enumerate() {
+            let corners = now.cells().into_iter().flat_map(|cells| {
+                cells.of(i).iter().map(|&node| (node as usize, cells.nodes[node as usize]))
+            });
+            points.push(match self.0.binary_search_by_key(&(body, number), Seen::key) {
                 Ok(place) => {
-                    let first = &self.0[place].position;
-                    [0, 1, 2].map(|d| position[d] - first[d])
+                    let first = &self.0[place];
+                    for ((node, x), first) in corners.zip(&first.corners) {
+                        nodes[node] = [0, 1, 2].map(|d| x[d] - first[d]);
+                    }
+                    [0, 1, 2].map(|d| position[d] - first.position[d])
                 }
                 Err(_) => {
-                    new.push(Seen { body, number, position });
+                    let corners = corners.map(|(_, x)| x).collect();
+                    new.push(Seen { body, number, position, corners });
                     [0.0; 3]
                 }
             });
@@ -51,7 +68,7 @@ impl FirstSeen {
             // A number that two points have would be a body's mistake; the first of them stays.
             self.0.dedup_by_key(|seen| seen.key());
         }
-        Ok(displacements)
+        Ok(Displacements { points, nodes })
     }
 
     /// To a checkpoint or from one.
@@ -59,11 +76,44 @@ impl FirstSeen {
         file.list(&mut self.0, &Seen::default(), |file, seen| {
             file.index(&mut seen.body, usize::MAX)?;
             file.word(&mut seen.number)?;
-            file.reals(&mut seen.position)
+            file.reals(&mut seen.position)?;
+            file.list(&mut seen.corners, &[0.0; 3], |file, x| file.reals(x))
         })?;
         match self.0.is_sorted_by(|a, b| a.key() < b.key()) {
             true => Ok(()),
             false => Err(file.damaged("points of frames that are not in order")),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use impactite_output::{Cells, ParticleSize};
+
+    use super::*;
+
+    /// Two triangles that share an edge, with the numbers of `order`, sheared so far.
+    fn triangles(order: [f64; 2], shear: f64) -> Snapshot {
+        let place = |x: f64, y: f64| [x + shear * y, y, 0.0];
+        let nodes = vec![place(0.0, 0.0), place(1.0, 0.0), place(1.0, 1.0), place(0.0, 1.0)];
+        let cells: [[u32; 3]; 2] =
+            if order[0] == 0.0 { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 3], [0, 1, 2]] };
+        let middle =
+            |cell: [u32; 3]| [0, 1, 2].map(|d| cell.iter().map(|&n| nodes[n as usize][d]).sum::<f64>() / 3.0);
+        let positions = cells.map(middle).to_vec();
+        let cells = Cells { nodes, corners: cells.into_iter().flatten().collect(), ends: vec![3, 6] };
+        Snapshot::new(2, 0.0, 0, positions, ParticleSize::Uniform(1.0))
+            .and_then(|s| s.with_scalar("particle", order.to_vec()))
+            .and_then(|s| s.with_cells(cells))
+            .unwrap()
+    }
+
+    #[test]
+    fn nodes_are_displaced_with_their_elements() {
+        let mut first = FirstSeen::default();
+        assert_eq!(first.displacements(&triangles([0.0, 1.0], 0.0)).unwrap().nodes, vec![[0.0; 3]; 4]);
+        // Elements may change places in memory.
+        let now = first.displacements(&triangles([1.0, 0.0], 0.5)).unwrap();
+        assert_eq!(now.nodes, [[0.0; 3], [0.0; 3], [0.5, 0.0, 0.0], [0.5, 0.0, 0.0]]);
     }
 }

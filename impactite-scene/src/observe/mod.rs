@@ -62,7 +62,7 @@ mod view;
 pub use history::HistoryCsv;
 pub use ledger::{Ledger, LedgerEntry};
 pub use pace::Pace;
-pub use pictures::{Pictures, Snapshots, VtkSeries};
+pub use pictures::{Draw, Pictures, Snapshots, VtkSeries};
 pub use probe::{Probe, ProbeRow, Probes, Quantity};
 pub use progress::{LineKind, Progress};
 pub use strain::{BodyStrain, SmallStrain};

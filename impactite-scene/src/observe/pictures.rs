@@ -63,7 +63,8 @@ impl VtkSeries {
     /// A point that comes later, as those that others were split into, counts from where it is in its first frame. Through a
     /// periodic plane a point is displaced by the period.
     ///
-    /// Points are known by body and number (the field `particle`). Takes 40 bytes a point, in checkpoints, too: a run that is
+    /// Nodes of elements have the same field, as point data: "Warp By Vector" moves them. Points are known by body and number (the field
+    /// `particle`). Takes 64 bytes a point, and 24 for each corner of an element, in checkpoints, too: a run that is
     /// resumed goes on with the same displacements.
     #[must_use]
     pub fn with_displacement(self) -> Self {
@@ -96,7 +97,10 @@ impl Observer for VtkSeries {
             snapshot = snapshot.with_fields_only(&names)?;
         }
         if let Some(displacements) = displacements {
-            snapshot = snapshot.with_vector(DISPLACEMENT, displacements)?;
+            snapshot = snapshot.with_vector(DISPLACEMENT, displacements.points)?;
+            if snapshot.cells().is_some() {
+                snapshot = snapshot.with_node_vector(DISPLACEMENT, displacements.nodes)?;
+            }
         }
         self.series.write(&snapshot)?;
         self.times.push(now.time());
@@ -116,6 +120,33 @@ impl Observer for VtkSeries {
     }
 }
 
+/// Draws the pictures of a run, with what stays from one to the next, as a [`Film`](output::picture::Film). Functions draw, too.
+pub trait Draw {
+    /// Draw a snapshot.
+    ///
+    /// # Errors
+    /// A snapshot that cannot be drawn so; the run stops there.
+    fn draw(&mut self, now: &Snapshot) -> Result<Picture, OutputError>;
+
+    /// State between pictures, to a checkpoint or from one; none of a function.
+    ///
+    /// # Errors
+    /// The file.
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        let _ = file;
+        Ok(())
+    }
+}
+
+impl<F> Draw for F
+where
+    F: FnMut(&Snapshot) -> Result<Picture, OutputError>,
+{
+    fn draw(&mut self, now: &Snapshot) -> Result<Picture, OutputError> {
+        self(now)
+    }
+}
+
 /// Draws a picture at each look and saves it as `NAME_000000.png`, ...
 ///
 /// ```
@@ -127,11 +158,11 @@ impl Observer for VtkSeries {
 /// })?;
 /// # Ok::<(), impactite_scene::observe::ObserveError>(())
 /// ```
-pub struct Pictures<F> {
+pub struct Pictures<D> {
     pace: Pace,
     folder: PathBuf,
     name: String,
-    draw: F,
+    draw: D,
     frames: usize,
 }
 
@@ -139,7 +170,8 @@ impl<F> Pictures<F>
 where
     F: FnMut(&Snapshot) -> Result<Picture, OutputError>,
 {
-    /// Pictures in `folder`, which is created if it does not exist, drawn by `draw`.
+    /// Pictures in `folder`, which is created if it does not exist, drawn by a function. Parts of files that a killed process left
+    /// there are removed.
     ///
     /// # Errors
     /// A name that is empty or holds a path separator, or a folder that cannot be created.
@@ -149,6 +181,21 @@ where
         pace: Pace,
         draw: F,
     ) -> Result<Self, ObserveError> {
+        Pictures::drawn_by(folder, name, pace, draw)
+    }
+}
+
+impl<D: Draw> Pictures<D> {
+    /// Pictures as of [`Pictures::create`], drawn by something that keeps a state between them.
+    ///
+    /// # Errors
+    /// As for [`Pictures::create`].
+    pub fn drawn_by(
+        folder: impl AsRef<Path>,
+        name: impl Into<String>,
+        pace: Pace,
+        draw: D,
+    ) -> Result<Self, ObserveError> {
         let (folder, name) = (folder.as_ref().to_path_buf(), name.into());
         output::check_name("a series", &name)?;
         if name.contains(['/', '\\']) {
@@ -156,6 +203,7 @@ where
             return Err(OutputError::Name { what: "a series", name, why }.into());
         }
         std::fs::create_dir_all(&folder).map_err(OutputError::file("create", &folder))?;
+        output::remove_parts(&folder, &name)?;
         Ok(Pictures { pace, folder, name, draw, frames: 0 })
     }
 
@@ -166,21 +214,19 @@ where
     }
 }
 
-impl<F> Observer for Pictures<F>
-where
-    F: FnMut(&Snapshot) -> Result<Picture, OutputError>,
-{
+impl<D: Draw> Observer for Pictures<D> {
     fn pace(&mut self) -> &mut Pace {
         &mut self.pace
     }
     fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
-        let picture = (self.draw)(&now.snapshot()?)?;
+        let picture = self.draw.draw(&now.snapshot()?)?;
         picture.save(self.folder.join(format!("{}_{:06}.png", self.name, self.frames)))?;
         self.frames += 1;
         Ok(())
     }
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        file.count(&mut self.frames)
+        file.count(&mut self.frames)?;
+        self.draw.archive(file)
     }
 }
 
