@@ -117,7 +117,7 @@ fn resolved<'a>(schema: &'a Value, of: &'a Value) -> (&'a Value, &'a str) {
 }
 
 /// The alternatives of a type: word, description, and the schema of what stands under the word; nothing for plain words.
-fn alternatives<'a>(of: &'a Value) -> Vec<(String, String, Option<&'a Value>, &'a Value)> {
+fn alternatives(of: &Value) -> Vec<(String, String, Option<&Value>, &Value)> {
     let mut list = Vec::new();
     for one in of["oneOf"].as_array().into_iter().flatten() {
         let what = text(&one["description"]);

@@ -268,7 +268,8 @@ fn plates_of_named_sets_break_by_the_failure_of_their_source() {
             assert_eq!(whole("residual").to_bits(), broken("residual").to_bits(), "{set}");
         } else {
             assert_eq!(whole("failed"), 0.0, "{set}");
-            assert!(residual > -whole("residual"), "{set}: {residual} and {}", whole("residual"));
+            // Of lead, which fails at a strain of 3, so few fail that it hardly matters.
+            assert!(residual > -0.999 * whole("residual"), "{set}: {residual} and {}", whole("residual"));
         }
     }
 }
