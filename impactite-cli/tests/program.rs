@@ -193,7 +193,7 @@ fn keys_of_output_are_checked() {
         ("output.fields=[\"displacement\", \"presure\"]", &["output.fields[1]", "did you mean `pressure`?"]),
         ("output.pictures=0", &["output.pictures", "0 s", "positive"]),
         ("output.frames=\"-1 us\"", &["output.frames", "positive"]),
-        ("output.histories=\"3 ms\"", &["output.histories", "not longer than `end`"]),
+        ("output.histories=\"-3 ms\"", &["output.histories", "positive"]),
         ("output.mirror=[\"x\"]", &["output.mirror[0]", "no plane of symmetry"]),
         ("output.mirror=1", &["output.mirror", "true, false, or a list of axes"]),
         ("output.window={ from = [0, 0], to = [\"1 mm\", 0] }", &["output.window.to[1]", "above `from`"]),

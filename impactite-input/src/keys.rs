@@ -330,8 +330,14 @@ impl<'a> Walk<'a> {
                 None => format!("one of {}", tables.join(", ")),
             };
         }
-        if target["anyOf"].is_array() {
-            return "number, or text with a unit".into();
+        if let Some(list) = target["anyOf"].as_array() {
+            let one = |of: &Value| match of["type"].as_str() {
+                Some("boolean") => "`true` or `false`".to_string(),
+                Some("array") => "list".into(),
+                Some("string") => "text with a unit".into(),
+                _ => "number".into(),
+            };
+            return list.iter().map(one).collect::<Vec<_>>().join(", or ");
         }
         if target["properties"].is_object() {
             return "table".into();

@@ -144,7 +144,7 @@ impl Parameters {
             return Err(format!("`{name}` is no name: a letter, then letters, digits and `_`"));
         }
         if let Some(why) = taken(name) {
-            return Err(format!("`{name}` cannot be the name of a parameter: {why}"));
+            return Err(why);
         }
         let mut context = self.unshared();
         evaluate(&format!("{name} = ({})", checked(value)?), &mut context)?;
@@ -331,20 +331,26 @@ const USUAL: &[&str] = &[
     "ceil", "round", "mod", "per", "and",
 ];
 
+/// Words of the language of quantities.
+const WORDS: &[&str] = &["in", "to", "of", "per", "and", "or", "mod", "xor", "not"];
+
 /// What a name stands for already.
 fn taken(name: &str) -> Option<String> {
-    if name == "in" {
-        return Some("it is a unit".into());
+    if WORDS.contains(&name) {
+        return Some(format!("`{name}` is a word of quantities and cannot name a parameter"));
     }
     // Of longer names only those that scenes are written with: nobody who calls a parameter `section` means the square mile.
     if name.len() > 2 && !USUAL.contains(&name) {
         return None;
     }
+    let other = "take a word, as `mass` or `radius`";
     if ["x", "y", "z", "r", "t"].contains(&name) {
-        return Some("it is a variable of formulas".into());
+        return Some(format!("`{name}` is a variable of formulas and cannot name a parameter; {other}"));
     }
     let known = evaluate(name, &mut Context::new()).ok()?;
-    Some(format!("it is a unit or a constant ({known})"))
+    // A unit has its own name in its value, `1 meter`; a constant and a function have a number or themselves.
+    let unit = known.strip_prefix("1 ").map_or(String::new(), |unit| format!(" ({unit})"));
+    Some(format!("`{name}` is a unit or a constant{unit} and cannot name a parameter; {other}"))
 }
 
 /// Most interruption points of the evaluator that a text may pass: a quantity passes about 50, `3.7^1.2345` 38 000.

@@ -36,6 +36,7 @@ pub struct Output {
     /// Mirror images across planes of symmetry in pictures: where an axis has one such plane if not given, `false` for none, or a list of
     /// axes, across all their planes.
     #[serde(default)]
+    #[schemars(example = false)]
     pub mirror: Mirror,
     /// The part of space that pictures show; if not given, that of the bodies at the start and where they fly, which grows as they leave it.
     #[serde(default)]
@@ -48,6 +49,7 @@ parts! {
         /// The corner with the smallest coordinates.
         from: Vector<Length>,
         /// The corner with the largest coordinates.
+        #[schemars(example = ("60 mm", "40 mm"))]
         to: Vector<Length>,
     }
 }
