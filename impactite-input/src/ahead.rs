@@ -98,7 +98,7 @@ impl Source {
             _ => "the method".into(),
         };
         let steps = scene.end.value / step;
-        if !(steps <= MOST_STEPS) {
+        if steps.is_nan() || steps > MOST_STEPS {
             let message = format!(
                 "{:.3e} s are {steps:.1e} steps of {step:.1e} s, limited by {limit}; at most {MOST_STEPS:.0e} are allowed",
                 scene.end.value

@@ -68,8 +68,8 @@ fn literals(text: &str) -> Vec<String> {
             n += rest.find('\n').unwrap_or(rest.len());
         } else if rest.starts_with("#[diagnostic::on_unimplemented(") {
             n += rest.find(")]\n").unwrap_or(rest.len());
-        } else if rest.starts_with("r#\"") {
-            n += 3 + rest[3..].find("\"#").unwrap_or(rest.len() - 3) + 2;
+        } else if let Some(raw) = rest.strip_prefix("r#\"") {
+            n += 3 + raw.find("\"#").unwrap_or(raw.len()) + 2;
         } else if rest.starts_with("'\"'") || rest.starts_with("'\\") {
             n += if rest.starts_with("'\"'") {
                 3

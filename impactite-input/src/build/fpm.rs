@@ -116,7 +116,7 @@ where
             corners.iter().map(move |b| (0..D).map(|d| (a[d] - b[d]).powi(2)).sum::<f64>().sqrt())
         });
         let long = long.fold(0.0, f64::max);
-        if !(long <= LONGEST * options.spacing.value) {
+        if long.is_nan() || long > LONGEST * options.spacing.value {
             let message = format!(
                 "is {long:.3e} m long, {:.1e} spacings; at most {LONGEST:.0e} are allowed",
                 long / options.spacing.value
