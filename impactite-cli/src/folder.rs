@@ -5,8 +5,15 @@ use std::io::{Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::CliError;
-use crate::job::{CHECKPOINT, MEASURES, RESULT, SCENE};
 
+/// Name of the checkpoint in the folder of a run.
+pub const CHECKPOINT: &str = "run.checkpoint";
+/// Name of the scene file there.
+pub const SCENE: &str = "scene.toml";
+/// Name of the result there: the JSON object of `--json`.
+pub const RESULT: &str = "result.json";
+/// Name of the history of the measures there.
+pub const MEASURES: &str = "measures.csv";
 /// Name of the file that is locked while a run writes into its folder.
 pub const LOCK: &str = ".lock";
 /// Folders of pictures and of frames for ParaView, and the name of both series.

@@ -20,15 +20,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::CliError;
 use crate::advance::{Advance, Shown};
-use crate::folder::{FRAMES, Held, PICTURES, SERIES, remove};
+use crate::folder::{CHECKPOINT, FRAMES, Held, MEASURES, PICTURES, RESULT, SCENE, SERIES, remove};
 use crate::pictures::Draws;
-
-/// Name of the checkpoint in the folder of a run.
-pub const CHECKPOINT: &str = "run.checkpoint";
-/// Name of the scene file there.
-pub const SCENE: &str = "scene.toml";
-/// Name of the result there: the JSON object of `--json`.
-pub const RESULT: &str = "result.json";
 
 /// A run that is to be made.
 #[derive(Clone, Debug)]
@@ -406,9 +399,6 @@ impl Job {
         record
     }
 }
-
-/// The history of the measures.
-pub(crate) const MEASURES: &str = "measures.csv";
 
 type Measuring = Box<dyn FnMut(&RunView<'_>) -> Result<Vec<f64>, ObserveError>>;
 

@@ -11,8 +11,8 @@ use impactite_input::Source;
 use serde::{Deserialize, Serialize};
 
 use crate::CliError;
-use crate::folder::{Held, remove};
-use crate::job::{CHECKPOINT, Job, Measured, Outcome, RESULT, SCENE};
+use crate::folder::{CHECKPOINT, Held, RESULT, SCENE, remove};
+use crate::job::{Job, Measured, Outcome};
 
 /// One key and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -22,7 +22,7 @@ height = { centre = { body = "disc", axis = "y" } }
 "#;
 
 /// Stops within its run: steps beyond the stable one.
-const STOPS: &str = "time_step.fixed=\"0.2 ms\"";
+const STOPS: &str = "time_step.fixed=\"80 us\"";
 
 fn impactite(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_impactite"))
@@ -240,11 +240,11 @@ fn a_sweep_goes_on_where_it_was_stopped() {
         "--no-pictures",
         "--no-report",
         "--over",
-        "time_step.fixed=10 us,0.2 ms,20 us",
+        "time_step.fixed=10 us,80 us,20 us",
     ];
     let output = impactite(&at, &over);
     assert_eq!(output.status.code(), Some(2), "one of its runs fails: {}", said(&output));
-    assert!(said(&output).contains("0.2 ms: failed"), "{}", said(&output));
+    assert!(said(&output).contains("80 us: failed"), "{}", said(&output));
     let table = read(at.join("s/sweep.csv"));
     let rows: Vec<&str> = table.lines().collect();
     assert!(rows.len() == 4 && rows[2].to_lowercase().contains("nan"), "{table}");
@@ -300,6 +300,14 @@ fn closed_pipes_full_disks_and_limits_of_files_are_no_panics() {
     let output =
         shell("IMPACTITE run disc.toml --out logged --log-every 0 2>&1 | head -1; exit ${PIPESTATUS[0]}");
     assert!(output.status.success() && at.join("logged/result.json").exists(), "{}", said(&output));
+    if Path::new("/dev/zero").exists() {
+        let output = shell("IMPACTITE check /dev/zero");
+        assert!(
+            output.status.code() == Some(2) && said(&output).contains("larger than"),
+            "{}",
+            said(&output)
+        );
+    }
     if Path::new("/dev/full").exists() {
         let output = shell("IMPACTITE run disc.toml --out r --no-pictures --no-report --json > /dev/full");
         assert_eq!(output.status.code(), Some(2), "{}", said(&output));

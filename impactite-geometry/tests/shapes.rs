@@ -343,8 +343,8 @@ fn bad_input_is_refused() {
     refused(Cylinder::new([0.0; 3], [0.0; 3], 1.0, 1.0).unwrap_err(), "Cylinder", "direction");
     refused(Tube::new([0.0; 3], [1.0; 3], 1.0, 0.0, 1.0).unwrap_err(), "Tube", "inner");
     refused(Frustum::new([0.0; 3], [1.0; 3], 1.0, [0.0, 0.0]).unwrap_err(), "Frustum", "radii");
-    refused(OgiveRod::new([0.0; 3], [1.0; 3], 1.0, 1.0, 3.0).unwrap_err(), "OgiveRod", "length");
-    refused(OgiveRod::new([0.0; 3], [1.0; 3], 1.0, 1.0, 0.4).unwrap_err(), "OgiveRod", "crh");
+    refused(OgiveRod::new([0.0; 3], [1.0; 3], 1.0, 1.0, 3.0).unwrap_err(), "ogive rod", "length");
+    refused(OgiveRod::new([0.0; 3], [1.0; 3], 1.0, 1.0, 0.4).unwrap_err(), "ogive rod", "crh");
     refused(HalfSpace::new([0.0; 2], [0.0; 2]).unwrap_err(), "HalfSpace", "outward");
     refused(Polygon::new(vec![[0.0; 2]; 2]).unwrap_err(), "Polygon", "corners");
     refused(Polygon::new(vec![[0.0; 2]; 4]).unwrap_err(), "Polygon", "area");

@@ -7,10 +7,15 @@ use impactite::scene::{Solver, StepLimit};
 use crate::build::{material, placed, shape, size, wrong};
 use crate::document::Source;
 use crate::error::InputError;
+use crate::model::method::TimeStep;
 use crate::model::{SceneFile, Space};
 
 /// Most steps that a run may be expected to make: some months of the smallest scene.
 const MOST_STEPS: f64 = 1e11;
+
+/// A fixed step beyond this many times that of the method is refused: methods take 0.2 to 0.8 of the step at which waves become
+/// unstable.
+const UNSTABLE: f64 = 5.0;
 
 /// What a scene holds at its start, and what its run is expected to take.
 #[derive(Clone, Debug)]
@@ -109,7 +114,19 @@ impl Source {
                 "look at the units of `end`, of the cells or spacing, and of density and moduli",
             ));
         }
-        let notes = self.notes(scene, &bodies);
+        let mut notes = self.notes(scene, &bodies);
+        if let Some(stable) = self.stable(scene)? {
+            let over = step / stable;
+            let message = format!(
+                "{step:.3e} s is {over:.1} times the step of {stable:.3e} s that the method takes by itself"
+            );
+            if over > UNSTABLE {
+                return Err(at("time_step.fixed", message, "leave `time_step` out, or take a shorter one"));
+            }
+            if over > 1.0 {
+                notes.push(format!("time_step.fixed: {message}; it may be unstable"));
+            }
+        }
         Ok(Ahead {
             bodies,
             bytes: solver.bytes(),
@@ -119,6 +136,15 @@ impl Source {
             mass_unit: placed::mass_unit(scene.space),
             notes,
         })
+    }
+
+    /// The step that the method takes by itself at the start, s, of a scene with a fixed one.
+    fn stable(&self, scene: &SceneFile) -> Result<Option<f64>, InputError> {
+        let Some(TimeStep::Fixed(_)) = scene.time_step else { return Ok(None) };
+        let free = SceneFile { time_step: None, ..scene.clone() };
+        let stable = self.build(&free)?.stable_step();
+        // Rigid bodies alone have no stable step.
+        Ok(stable.ok().filter(|dt| *dt > 0.0 && dt.is_finite()))
     }
 
     /// The measure of a body's shape, m^3 (per radian or metre of depth), where it is known.

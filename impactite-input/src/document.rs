@@ -1,5 +1,6 @@
 //! The text of a scene: reading it, changing keys, and finding where things are.
 
+use std::io::Read;
 use std::ops::Range;
 use std::path::Path;
 
@@ -23,6 +24,9 @@ pub struct Source {
     changed: Vec<String>,
 }
 
+/// Size of the largest scene file, bytes: what reads devices and endless pipes must end.
+const LARGEST: u64 = 16 << 20;
+
 /// Keys that a run which goes on from a checkpoint may change, since no step depends on them.
 pub const RESUMABLE: &[&str] = &["end", "title", "description", "checks"];
 
@@ -42,11 +46,20 @@ impl Source {
     /// The file `path`: TOML, or JSON if it ends with `.json`.
     ///
     /// # Errors
-    /// A file that cannot be read, or is no text in UTF-8; JSON that is none.
+    /// A file that cannot be read, is too large, or is no text in UTF-8; invalid JSON.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, InputError> {
         let path = path.as_ref();
-        let text =
-            std::fs::read_to_string(path).map_err(|source| InputError::Read { path: path.into(), source })?;
+        let read = || -> std::io::Result<String> {
+            let mut text = String::new();
+            std::fs::File::open(path)?.take(LARGEST + 1).read_to_string(&mut text)?;
+            match text.len() as u64 > LARGEST {
+                true => Err(std::io::Error::other(format!(
+                    "it is larger than the {LARGEST} bytes that a scene may have"
+                ))),
+                false => Ok(text),
+            }
+        };
+        let text = read().map_err(|source| InputError::Read { path: path.into(), source })?;
         let name = path.display().to_string();
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("json")) {
             return Source::from_json(name, &text);

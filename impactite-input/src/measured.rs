@@ -53,7 +53,8 @@ impl Measures {
                 Measurement::ValueAt(at) => Some((&at.body, &at.at)),
                 _ => None,
             };
-            let point = at.map(|(body, at)| nearest(find(&bodies, body)?, at)).transpose();
+            let point =
+                at.map(|(body, at)| nearest(find(&bodies, body)?, at, solver.axisymmetric())).transpose();
             let point = point.map_err(|why| MeasureError { name: name.clone(), why })?;
             Ok(Taken { name: name.clone(), what: what.clone(), point })
         });
@@ -83,16 +84,29 @@ fn find<'a>(bodies: &[&'a dyn Body], name: &str) -> Result<&'a dyn Body, String>
     bodies.iter().find(named).copied().ok_or_else(|| format!("the scene has no body `{name}`"))
 }
 
-/// The number of the point that is nearest to a place; of several the one with the smallest number.
-fn nearest(body: &dyn Body, at: &[Quantity<Length>]) -> Result<usize, String> {
+/// The number of the point that is nearest to a place; of several the one with the smallest number. A place further than two widths of a
+/// point away is refused: it is outside of the body.
+fn nearest(body: &dyn Body, at: &[Quantity<Length>], revolved: bool) -> Result<usize, String> {
     let mut best = None;
     body.for_each(&mut |p| {
         let square: f64 = at.iter().zip(p.position).map(|(a, x)| (a.value - x).powi(2)).sum();
-        if best.is_none_or(|(least, number)| square < least || square == least && p.number < number) {
-            best = Some((square, p.number));
+        if best.is_none_or(|(least, number, _)| square < least || square == least && p.number < number) {
+            // Of an element the largest distance of a corner.
+            let far =
+                |c: &[f64; 3]| (0..at.len()).map(|d| (c[d] - p.position[d]).powi(2)).sum::<f64>().sqrt();
+            let half = p.corners.iter().map(far).fold(0.0, f64::max);
+            best = Some((square, p.number, half.max(p.drawn_width(at.len(), revolved))));
         }
     });
-    best.map(|(_, number)| number).ok_or_else(|| format!("the body `{}` has no points", body.name()))
+    let (square, number, width) = best.ok_or_else(|| format!("the body `{}` has no points", body.name()))?;
+    if square.sqrt() > 2.0 * width {
+        let distance = square.sqrt();
+        return Err(format!(
+            "the place is outside of `{}`: its nearest point is {distance:.3e} m away",
+            body.name()
+        ));
+    }
+    Ok(number)
 }
 
 /// What a check of a scene asks for, in SI units: the place of its measure, and the reference.

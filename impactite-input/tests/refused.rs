@@ -131,6 +131,13 @@ fn steps_speeds_and_materials_that_cannot_be_are_refused() {
     for factor in ["2", "1.01", "0", "-1", "1e-30"] {
         refused(&text(&format!("time_step.factor = {factor}")), &["time_step.factor", "from 1e-6 to 1"]);
     }
+    for method in METHODS {
+        refused(
+            &blocks(method, FRICTION, "time_step.fixed = \"10 us\""),
+            &["time_step.fixed", "times the step of"],
+        );
+        assert_eq!(said(&blocks(method, FRICTION, "time_step.fixed = \"10 ns\"")), None, "{method}");
+    }
     refused(&text("time_step.gershgorin = { factor = 3 }"), &["time_step.gershgorin.factor"]);
     refused(&text("").replace("\"1 us\"", "\"1e9 s\""), &["end:", "steps"]);
     refused(&text("").replace("density = 7800", "density = 1e-20"), &["steps"]);

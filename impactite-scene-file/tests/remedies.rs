@@ -124,7 +124,9 @@ fn messages() -> Vec<(PathBuf, String)> {
     let mut files = Vec::new();
     CRATES.iter().for_each(|name| sources(&root.join(name).join("src"), &mut files));
     files.retain(|f| {
-        !f.ends_with("impactite-scene-file/src/remedy.rs") && !f.iter().any(|part| part == "conformance")
+        // The table, and the page of keys, are not messages.
+        let apart = ["impactite-scene-file/src/remedy.rs", "impactite-input/src/keys.rs"];
+        !apart.iter().any(|name| f.ends_with(name)) && !f.iter().any(|part| part == "conformance")
     });
     let of = |file: PathBuf| {
         let text = std::fs::read_to_string(&file).expect("a source");

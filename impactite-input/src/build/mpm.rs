@@ -89,6 +89,9 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
                     .as_ref()
                     .map(|t| traction(world, &format!("{key}.traction"), t))
                     .transpose()?;
+                if let Some(load) = &traction {
+                    loaded(&format!("{key}.traction.region"), load, &seeds.positions)?;
+                }
                 let splitting = splitting(&key, body)?;
                 let field = body_force(world, &key, body)?;
                 if !body.lit.is_empty() && law.explosive.is_none() {
@@ -268,6 +271,22 @@ fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Mad
         axis: world.space().axis(load.normal).at(format!("{key}.normal"))?,
         history: Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t))),
         revolved: world.revolved(),
+    })
+}
+
+/// Refuse a load whose region holds no particle.
+fn loaded<const D: usize>(key: &str, load: &Traction<D>, particles: &[[f64; D]]) -> Made<()> {
+    if particles.iter().any(|x| load.region.contains(*x)) {
+        return Ok(());
+    }
+    let bounds = load.region.bounds();
+    let outside = |x: &[f64; D], d: usize| (bounds.min[d] - x[d]).max(x[d] - bounds.max[d]).max(0.0);
+    let square = |x: &[f64; D]| (0..D).map(|d| outside(x, d).powi(2)).sum::<f64>();
+    let distance = particles.iter().map(square).fold(f64::INFINITY, f64::min).sqrt();
+    Err(Wrong {
+        key: key.into(),
+        message: format!("selects no particle; the nearest one is {distance:.3e} m away"),
+        help: Some("enlarge it by that, so that it holds the outermost layer of particles".into()),
     })
 }
 
