@@ -345,7 +345,7 @@ fn bad_input_is_refused() {
     refused(Frustum::new([0.0; 3], [1.0; 3], 1.0, [0.0, 0.0]).unwrap_err(), "Frustum", "radii");
     refused(OgiveRod::new([0.0; 3], [1.0; 3], 1.0, 1.0, 3.0).unwrap_err(), "ogive rod", "length");
     refused(OgiveRod::new([0.0; 3], [1.0; 3], 1.0, 1.0, 0.4).unwrap_err(), "ogive rod", "crh");
-    refused(HalfSpace::new([0.0; 2], [0.0; 2]).unwrap_err(), "HalfSpace", "outward");
+    refused(HalfSpace::new([0.0; 2], [0.0; 2]).unwrap_err(), "half-space", "outward");
     refused(Polygon::new(vec![[0.0; 2]; 2]).unwrap_err(), "Polygon", "corners");
     refused(Polygon::new(vec![[0.0; 2]; 4]).unwrap_err(), "Polygon", "area");
     let ball = Disc::new([0.0; 2], 1.0).unwrap();
@@ -356,7 +356,7 @@ fn bad_input_is_refused() {
     refused(Lattice::new([0.0; 3], 0.0).unwrap_err(), "Lattice", "spacing");
     refused(Lattice::new([f64::NAN; 3], 1.0).unwrap_err(), "Lattice", "origin");
     let message = OgiveRod::new([0.0; 3], [1.0; 3], -1.0, 1.0, 0.4).unwrap_err().to_string();
-    assert_eq!(message, "OgiveRod: diameter = -1 is not allowed; it must be positive and finite");
+    assert_eq!(message, "ogive rod: diameter = -1 is not allowed; it must be positive and finite");
 }
 
 fn point() -> impl Strategy<Value = [f64; 3]> {

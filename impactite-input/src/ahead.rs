@@ -141,7 +141,8 @@ impl Source {
     /// The step that the method takes by itself at the start, s, of a scene with a fixed one.
     fn stable(&self, scene: &SceneFile) -> Result<Option<f64>, InputError> {
         let Some(TimeStep::Fixed(_)) = scene.time_step else { return Ok(None) };
-        let free = SceneFile { time_step: None, ..scene.clone() };
+        let mut free = scene.clone();
+        free.time_step = None;
         let stable = self.build(&free)?.stable_step();
         // Rigid bodies alone have no stable step.
         Ok(stable.ok().filter(|dt| *dt > 0.0 && dt.is_finite()))
