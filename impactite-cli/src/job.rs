@@ -255,7 +255,9 @@ impl Job {
             history(scene, &measures, folder, pace(histories, ROWS)?, recorder.latest_energy_error())?;
         let bar =
             Progress::new(&scene.title).with_a_line_every(self.log).with_lines(|kind, line| match kind {
-                LineKind::Warning => tracing::warn!("{}", shown(line)),
+                LineKind::Warning => {
+                    tracing::warn!("{}", shown(line.strip_prefix("warning: ").unwrap_or(line)))
+                }
                 _ => tracing::info!("{line}"),
             });
         let mut progress = Shown { bar, advance: self.advance.clone(), last: None };
@@ -340,7 +342,7 @@ impl Job {
             Err(error) => record.stopped(error),
         };
         for late in recorder.late_warnings() {
-            tracing::warn!("{}", shown(&format!("warning: {}; {}", late.found, late.remedy)));
+            tracing::warn!("{}", shown(&format!("{}; {}", late.found, late.remedy)));
         }
         record = record.in_words(shown);
         record.save(folder)?;

@@ -272,6 +272,14 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
         }
         Command::Resume(ResumeOptions { folder, set, how }) => {
             let folder = if folder.is_file() {
+                if folder.file_name().is_none_or(|name| name != CHECKPOINT) {
+                    let name = Path::new("out").join(folder.file_stem().unwrap_or_default());
+                    let why = format!(
+                        "it is a file; give the folder of a run, as `impactite resume {}`",
+                        name.display()
+                    );
+                    return Err(CliError::NoResume { path: folder, why });
+                }
                 folder.parent().map(Path::to_path_buf).unwrap_or_default()
             } else {
                 folder

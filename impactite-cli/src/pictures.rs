@@ -130,8 +130,16 @@ fn mirrors(scene: &SceneFile) -> Vec<Mirror> {
             of_axes.push(plane.axis);
         }
     }
+    // A plane below matter that has weight is a floor.
+    let weighs = |axis: usize| {
+        let along = scene.gravity.as_ref().and_then(|list| list.get(axis));
+        along.is_some_and(|formula| formula.as_constant() != Some(0.0))
+    };
     let is_chosen = |n: usize| match &scene.output.mirror {
-        Mirrors::Single(chosen) => *chosen && of_axes.iter().filter(|axis| **axis == of_axes[n]).count() == 1,
+        Mirrors::Single(chosen) => {
+            let alone = of_axes.iter().filter(|axis| **axis == of_axes[n]).count() == 1;
+            *chosen && alone && !weighs(mirrors[n].axis)
+        }
         Mirrors::Axes(axes) => axes.contains(&of_axes[n]),
     };
     mirrors.iter().enumerate().filter(|(n, _)| is_chosen(*n)).map(|(_, mirror)| *mirror).collect()

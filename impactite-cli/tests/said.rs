@@ -65,7 +65,7 @@ fn of_nothing_no_error_is_said() {
         "{said}"
     );
     assert!(
-        said.contains("error: 0.000000e0 -") && said.contains(" kg/m\n") && !said.contains("warning"),
+        said.contains("error: 0.000000e0 -") && said.contains(" kg/m\n") && !said.contains("WARN"),
         "{said}"
     );
     assert_eq!(folder.json("result.json")["energy_error"], serde_json::Value::Null);
@@ -94,7 +94,7 @@ fn an_error_of_few_steps_is_warned_of() {
     let (steps, error) =
         (result["steps"].as_u64().expect("steps"), result["energy_error"].as_f64().expect("motion"));
     assert!(steps < 16 && error.abs() > 0.1, "{result}");
-    assert!(said.contains("warning") && said.contains("the energy balance is off by"), "{said}");
+    assert!(said.contains("WARN") && said.contains("the energy balance is off by"), "{said}");
     assert!(said.contains("a later `end` or a smaller `time_step.factor`"), "{said}");
     let page = folder.read("report.html");
     assert!(page.contains("<b>What to do: </b>make more steps, by a later `end`"));

@@ -7,11 +7,15 @@ use impactite::scene::{Solver, StepLimit};
 use crate::build::{material, placed, shape, size, wrong};
 use crate::document::Source;
 use crate::error::InputError;
-use crate::model::method::TimeStep;
+use crate::model::body::Body;
+use crate::model::method::{Method, Purpose, ShapeFunction, TimeStep};
 use crate::model::{SceneFile, Space};
 
 /// Most steps that a run may be expected to make: some months of the smallest scene.
 const MOST_STEPS: f64 = 1e11;
+
+/// Speed of sound beyond that of any material, m/s: diamond has 18 000.
+const FASTEST_WAVES: f64 = 50_000.0;
 
 /// A fixed step beyond this many times that of the method is refused: methods take 0.2 to 0.8 of the step at which waves become
 /// unstable.
@@ -53,6 +57,8 @@ pub struct BodyAhead {
     pub volume_factor: Option<f64>,
     /// Speed of longitudinal waves at rest, m/s; none of a rigid body.
     pub wave_speed: Option<f64>,
+    /// Largest speed of its points, m/s.
+    pub fastest: f64,
 }
 
 impl Source {
@@ -72,8 +78,9 @@ impl Source {
         let mut bodies = Vec::new();
         for body in solver.bodies() {
             let (mut low, mut high) = (vec![f64::INFINITY; dimensions], vec![f64::NEG_INFINITY; dimensions]);
-            let mut volume = 0.0;
+            let (mut volume, mut fastest) = (0.0, 0.0f64);
             body.for_each(&mut |p| {
+                fastest = fastest.max(p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt());
                 let half = if p.corners.is_empty() { 0.5 * p.drawn_width(dimensions, revolved) } else { 0.0 };
                 let corners = p.corners.iter().chain(p.corners.is_empty().then_some(&p.position));
                 for x in corners {
@@ -91,6 +98,7 @@ impl Source {
                 volume_factor: self.measure(scene, body.name()).map(|m| volume / m).filter(|f| f.is_finite()),
                 bounds: [low, high],
                 wave_speed: wave_speed(scene, body.name()),
+                fastest,
             });
         }
         let limit = match limited {
@@ -167,7 +175,31 @@ impl Source {
                 notes.push(format!("materials.{name}: no body uses this material"));
             }
         }
+        let weighed = scene.gravity.is_some();
+        if let (Method::Mpm(options), true) = (&scene.method, weighed) {
+            let splines = match &options.parts {
+                Some(parts) => parts.shape_function == ShapeFunction::QuadraticBSpline,
+                None => options.purpose != Some(Purpose::LargeElastic),
+            };
+            let fluid = |body: &&Body| {
+                let material = body.material.as_ref().and_then(|name| scene.materials.get(name));
+                material.is_some_and(|m| m.fluid.is_some())
+            };
+            if splines && scene.bodies.values().any(|b| fluid(&b)) {
+                notes.push(
+                    "method.mpm: quadratic B-splines stir a fluid at rest; `parts = { shape_function = \"cpgimp\", transfer = \"flip\", \
+                     stress_update = \"musl\" }` instead of `for` keeps it at rest"
+                        .into(),
+                );
+            }
+        }
         for body in bodies {
+            if let Some(speed) = body.wave_speed.filter(|c| *c > FASTEST_WAVES || body.fastest > 30.0 * c) {
+                notes.push(format!(
+                    "bodies.{}: the speed of sound of its material is {speed:.3} m/s at a speed of the body of {:.3} m/s; is a unit missing?",
+                    body.name, body.fastest
+                ));
+            }
             if let Some(factor) = body.volume_factor.filter(|f| (f - 1.0).abs() > 0.01) {
                 notes.push(format!(
                     "bodies.{}: its points fill {:.1} % of its shape; finer cells or a smaller spacing fill it better",

@@ -107,6 +107,12 @@ fn bodies_behind_planes_are_refused_in_every_method() {
         let fixed = |at: &str| format!("conditions = [{{ fixed = {{ axis = \"x\", at = \"{at}\" }} }}]");
         refused(&blocks(method, FRICTION, &fixed("36 mm")), &["conditions[0].fixed", "side = \"below\""]);
         // Behind it stands what it is to hold.
+        // Also where the plane is a face of the body.
+        let one = blocks(method, FRICTION, &fixed("10 mm"));
+        refused(
+            one.split("[bodies.right]").next().unwrap_or_default(),
+            &["conditions[0].fixed", "nothing moves"],
+        );
         if !method.contains("fpm") {
             assert_eq!(said(&blocks(method, FRICTION, &fixed("16 mm"))), None, "{method}");
         }
@@ -187,6 +193,43 @@ fn gravity_beside_elements_on_the_grid_is_refused() {
     };
     refused(&text("grid"), &["gravity", "`right`", "bodies.right.elements.by = \"surface\""]);
     assert_eq!(said(&text("surface")), None);
+}
+
+/// Elements that meet particles by their surface report no forces between bodies.
+#[test]
+fn contact_forces_that_nobody_measures_are_refused() {
+    let measure =
+        "\n[measures]\nforce = { contact_force = { between = [\"left\", \"right\"], axis = \"x\" } }\n";
+    let text = |contact: &str, body: &str| {
+        blocks(METHODS[0], contact, "").replace("velocity = [\"-1 m/s\", 0]", body) + measure
+    };
+    let by = |way: &str| format!("mesh.edge = \"2 mm\"\nelements.by = \"{way}\"");
+    refused(&text(FRICTION, &by("surface")), &["measures.force.contact_force", "`right`", "grid"]);
+    refused(&text("contact = \"none\"", ""), &["measures.force.contact_force", "needs a `contact`"]);
+    assert_eq!(said(&text(FRICTION, &by("grid"))), None);
+    assert_eq!(said(&text(FRICTION, "")), None);
+}
+
+#[test]
+fn units_that_are_missing_and_fluids_that_are_stirred_are_noted() {
+    let notes = |text: &str| {
+        let source = Source::new("scene.toml", text);
+        let scene = source.parse().unwrap_or_else(|e| panic!("{e}"));
+        let mut solver = source.build(&scene).unwrap_or_else(|e| panic!("{e}"));
+        source.ahead(&scene, &mut *solver).unwrap_or_else(|e| panic!("{e}")).notes.join("; ")
+    };
+    let sound = blocks(METHODS[0], FRICTION, "");
+    assert_eq!(notes(&sound), "");
+    assert!(notes(&sound.replace("\"200 GPa\"", "2")).contains("is a unit missing?"));
+    assert!(notes(&sound.replace("7800", "7.85")).contains("is a unit missing?"));
+    let steel = "elastic = { density = 7800, young = \"200 GPa\", poisson = 0.3 }";
+    let water = |method: &str| {
+        blocks(method, FRICTION, "gravity = [0, -10]")
+            .replace(steel, "fluid.tait = { density = 1000, sound_speed = 30 }")
+    };
+    assert!(notes(&water(METHODS[0])).contains("cpgimp"));
+    let parts = "method.mpm = { cell = \"2 mm\", parts = { shape_function = \"cpgimp\", transfer = \"flip\", stress_update = \"musl\" } }";
+    assert_eq!(notes(&water(parts)), "");
 }
 
 /// Before any point is made.

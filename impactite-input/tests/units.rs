@@ -52,6 +52,11 @@ fn costly_and_malformed_texts_are_refused() {
         let why = length(text).unwrap_err();
         assert!(why.contains("too many operations"), "{text}: {why}");
     }
+    // A decimal comma is no separator of thousands.
+    for text in ["3,8 m", "0,5 m", "1,000 m"] {
+        let why = length(text).unwrap_err();
+        assert!(why.contains("`,` is not allowed"), "{text}: {why}");
+    }
     for text in [
         "(1e9)! m",
         "0/0 m",

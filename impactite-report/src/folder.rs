@@ -148,7 +148,13 @@ pub(crate) fn names(folder: &Path) -> Result<Vec<String>, ReportError> {
     for entry in fs::read_dir(folder).map_err(ReportError::read(folder))? {
         let entry = entry.map_err(ReportError::read(folder))?;
         let file = entry.path().is_file();
-        names.extend(entry.file_name().into_string().ok().filter(|name| file && !name.ends_with(".part")));
+        names.extend(
+            entry
+                .file_name()
+                .into_string()
+                .ok()
+                .filter(|name| file && !name.ends_with(".part") && !name.starts_with('.')),
+        );
     }
     names.sort();
     Ok(names)

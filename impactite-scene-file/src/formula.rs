@@ -155,7 +155,8 @@ impl<U: Measure> Formula<U> {
 
     fn of(text: &str) -> Result<Self, String> {
         bounded(text)?;
-        let formula = Parsed::parse(text).map_err(|why| why.to_string())?;
+        let formula = Parsed::parse(text)
+            .map_err(|why| format!("{why} (formulas are in SI units and take no units: `= 200 * x`)"))?;
         let variables = formula.var_names().iter().map(|name| {
             Ok(match name.as_str() {
                 "x" => Variable::X,

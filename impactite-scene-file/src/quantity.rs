@@ -251,6 +251,10 @@ fn checked(text: &str) -> Result<String, String> {
     if let Some(sign) = text.chars().find(|c| "=:;@#!\\\n".contains(*c)) {
         return Err(format!("`{}` is not allowed in an expression", sign.escape_debug()));
     }
+    // A comma would stand between thousands: `3,8 m` would be 38 m.
+    if text.contains(',') {
+        return Err(format!("`,` is not allowed in an expression; write `{}`", text.replace(',', ".")));
+    }
     let words = text.split(|c: char| !c.is_alphanumeric() && c != '_');
     if let Some(word) = words.into_iter().find(|w| ["ans", "_"].contains(w)) {
         return Err(format!("`{word}` stands for no value"));

@@ -149,7 +149,7 @@ impl Scene {
         Scene::read(class.py(), Source::new(name, text), None)
     }
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String, String))> {
-        let Source { name, text } = slf.get().source.clone();
+        let Source { name, text, .. } = slf.get().source.clone();
         Ok((slf.get_type().getattr("_of")?, (name, text)))
     }
     // Scenes are immutable.

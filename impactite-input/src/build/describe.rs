@@ -1,6 +1,7 @@
 //! Measures: what they are called, and whether they are of what there is.
 
 use super::wrong::{At, Made, known, wrong};
+use crate::model::body::MeetBy;
 use crate::model::measure::{Measurement, Reference};
 use crate::model::{SceneFile, Space};
 
@@ -53,6 +54,19 @@ pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
                     name,
                     scene.expanded.keys().map(String::as_str),
                 )?;
+            }
+            let by_surface = |name: &String| {
+                let elements = scene.expanded.get(name).and_then(|body| body.elements.as_ref());
+                elements.is_some_and(|e| e.within.is_none() && e.by == MeetBy::Surface)
+            };
+            if let Some(name) = of.between.iter().find(|name| by_surface(name)) {
+                let message = format!(
+                    "is not available for `{name}`, whose elements meet particles by their surface; write `bodies.{name}.elements.by = \"grid\"`, or measure the `momentum` of a body"
+                );
+                return wrong(format!("{key}.between"), message);
+            }
+            if scene.contact().is_none() {
+                return wrong(key, "needs a `contact`: bodies in one velocity field have no contact forces");
             }
             if of.between[0] == of.between[1] {
                 return wrong(format!("{key}.between"), "must be two bodies");

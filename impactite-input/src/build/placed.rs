@@ -94,7 +94,7 @@ fn behind<const D: usize>(
     for body in placed.iter().filter(|b| !b.points.is_empty()) {
         let count = body.points.iter().filter(|p| back(p)).count();
         let whole = count == body.points.len();
-        all_behind &= whole;
+        all_behind &= body.points.iter().all(|(x, width)| sign * (x[d] - at) < 1e-6 * width);
         // What is behind a fixed plane stands still: part of a body, or a whole one beside others.
         if word == "fixed" || count == 0 {
             continue;
@@ -108,7 +108,7 @@ fn behind<const D: usize>(
                 "{part} points of `{}` are behind it, up to {deepest:.3e} m: its material is {said} {axis} = {at:?} m (`side = \"{said}\"`)",
                 body.name
             ),
-            help: Some(if whole {
+            help: Some(if 2 * count > body.points.len() {
                 format!("write `side = \"{other}\"`, or move the plane")
             } else {
                 "move the plane or the body".into()
