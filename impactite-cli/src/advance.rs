@@ -6,6 +6,7 @@ use std::time::{Duration, Instant};
 
 use impactite::observe::{ObserveError, Observer, Pace, Progress, RunView};
 use impactite::scene::{Archive, CheckpointError, Warning};
+use impactite_input::shown;
 
 /// Wall-clock time between updates of a [`Stand`].
 const EVERY: Duration = Duration::from_millis(50);
@@ -94,7 +95,7 @@ impl Observer for Shown {
     }
     fn warned(&mut self, warning: &Warning) {
         match &self.advance {
-            Some(advance) => advance.update(|_, warnings| warnings.push(warning.to_string())),
+            Some(advance) => advance.update(|_, warnings| warnings.push(shown(&warning.to_string()))),
             None => self.bar.warned(warning),
         }
     }

@@ -18,9 +18,23 @@ pub(crate) fn gather(
     let mut columns = Gathered::new(bodies);
     for (index, body) in bodies.iter().enumerate() {
         let places = columns.places(&body.state_names());
+        // A failed point carries no tension, and its volume may grow without bound as it flies: it is drawn as wide as sound ones at
+        // most.
+        let (mut failed, mut widest) = (Vec::new(), 0.0f64);
         body.for_each(&mut |p| {
-            columns.push(index as u32, p, p.drawn_width(dimensions, axisymmetric), &places);
+            let width = p.drawn_width(dimensions, axisymmetric);
+            if p.failed {
+                failed.push(columns.sizes.len());
+            } else {
+                widest = widest.max(width);
+            }
+            columns.push(index as u32, p, width, &places);
         });
+        if widest > 0.0 {
+            for point in failed {
+                columns.sizes[point] = columns.sizes[point].min(widest);
+            }
+        }
     }
     // A line is drawn in the plane.
     let snapshot = columns.into_snapshot(dimensions.max(2), clock.time, clock.steps)?;

@@ -72,7 +72,9 @@ impl Body for Flock {
                 position,
                 velocity,
                 mass: 1.0,
-                volume: 1.0,
+                // The one that is split off has failed, and its volume grows without bound.
+                volume: if number == NEW { 1e15 } else { 1.0 },
+                failed: number == NEW,
                 state,
                 ..Default::default()
             });
@@ -265,4 +267,16 @@ fn a_run_that_is_resumed_goes_on_with_the_same_displacements() {
         panic!("{refused:?}");
     };
     assert_eq!(what, "`displacement` of the frames");
+}
+
+/// A failed point of a huge volume is drawn as wide as sound ones.
+#[test]
+fn failed_points_are_drawn_no_wider_than_sound_ones() {
+    let mut flight = Flight::new();
+    for _ in 0..SPLITS {
+        flight.step_at_most(STEP).expect("a step");
+    }
+    let snapshot = flight.snapshot().expect("points");
+    assert_eq!(snapshot.len(), 15);
+    assert!((0..snapshot.len()).all(|n| snapshot.size_of(n) == 1.0), "{:?}", snapshot.size());
 }

@@ -136,7 +136,9 @@ impl Simulation {
     /// What the run warned of so far.
     #[getter]
     fn warnings(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.0.look(py, |solver| solver.warnings().iter().map(|w| impactite_input::shown(&w.to_string())).collect())
+        self.0.look(py, |solver| {
+            solver.warnings().iter().map(|w| impactite_input::shown(&w.to_string())).collect()
+        })
     }
 
     /// Write a checkpoint to the file `path`, which is the old one or the new one at any time.

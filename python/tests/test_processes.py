@@ -182,11 +182,11 @@ def test_a_sweep_runs_only_what_is_not_done(scene, tmp_path, monkeypatch):
 
 
 def test_a_point_that_fails_is_a_row(scene, tmp_path, monkeypatch):
-    over = {"time_step": [{"fixed": "2 ms"}, {"factor": 0.5}]}
+    over = {"time_step": [{"fixed": "80 us"}, {"factor": 0.5}]}
     points = im.sweep(scene.changed({"end": "4 ms"}), over, tmp_path, processes=2, **HOW)
     assert points[0].result is None and "step " in points[0].error and points[1].error is None
     bad, good = points.rows()
-    assert bad["error"] == points[0].error and bad["height"] is None and bad["time_step"] == {"fixed": "2 ms"}
+    assert bad["error"] == points[0].error and bad["height"] is None and bad["time_step"] == {"fixed": "80 us"}
     assert good["error"] is None and good["height"] == points[1].result.measures["height"] and good["met"] is True
     table = (tmp_path / "sweep.csv").read_text().splitlines()
     assert table[0].startswith("time_step,height [m],") and any("body `disc`" in line for line in table[1:])

@@ -189,6 +189,6 @@ def test_what_scenes_can_say_is_listed():
     assert {"mpm", "fem", "sph", "fpm", "pcmm"} <= {item.name for item in im.list("methods")}
     assert "copper_taylor" in {item.name for item in im.list("materials")}
     assert all(item.name and item.what for item in im.list("templates"))
-    with pytest.raises(ValueError, match="methods, laws"):
+    with pytest.raises(ValueError, match="methods, parts"):
         im.list("method")
     assert {"title", "bodies", "method"} <= im.schema()["properties"].keys()
