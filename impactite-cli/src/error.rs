@@ -49,7 +49,7 @@ pub enum CliError {
     },
     /// A folder that another run writes into.
     #[error("another run{} writes into `{}`; choose another folder with --out", if process.is_empty() { String::new() } else { format!(" (process {process})") }, path.display())]
-    Held {
+    Locked {
         /// The folder.
         path: PathBuf,
         /// The number of its process, where that is known.
@@ -78,6 +78,11 @@ impl CliError {
     #[must_use]
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, CliError::File { source, .. } if source.kind() == std::io::ErrorKind::BrokenPipe)
+    }
+    /// Is the scene or its run the cause, so that the same run fails again? Files, folders and options are not.
+    #[must_use]
+    pub fn is_of_the_scene(&self) -> bool {
+        matches!(self, CliError::Input(_) | CliError::Measure(_) | CliError::Run(RunError::Step(_)))
     }
     /// A file or folder, of an error of the operating system.
     pub fn file(path: impl Into<PathBuf>) -> impl FnOnce(std::io::Error) -> CliError {

@@ -23,12 +23,12 @@ pub(crate) const SERIES: &str = "scene";
 
 /// A folder that one run holds. The operating system releases it when the process ends, however that comes.
 #[derive(Debug)]
-pub(crate) struct Held {
+pub(crate) struct FolderLock {
     path: PathBuf,
     _lock: File,
 }
 
-impl Held {
+impl FolderLock {
     /// The folder at `path`, which is created if it does not exist.
     ///
     /// # Errors
@@ -48,7 +48,7 @@ impl Held {
             Err(TryLockError::WouldBlock) => {
                 let mut process = String::new();
                 let _ = lock.read_to_string(&mut process);
-                return Err(CliError::Held { path: path.into(), process: process.trim().into() });
+                return Err(CliError::Locked { path: path.into(), process: process.trim().into() });
             }
             // A file system without locks: the run is made all the same.
             Err(TryLockError::Error(why)) => {
@@ -60,7 +60,7 @@ impl Held {
             .set_len(0)
             .and_then(|()| lock.rewind())
             .and_then(|()| write!(lock, "{}", std::process::id()));
-        Ok(Held { path: path.into(), _lock: lock })
+        Ok(FolderLock { path: path.into(), _lock: lock })
     }
 
     /// Remove the files of an earlier run: a run that fails leaves no results of another one. Other files stay.

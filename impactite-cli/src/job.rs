@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::CliError;
 use crate::advance::{Advance, Shown};
-use crate::folder::{CHECKPOINT, FRAMES, Held, MEASURES, PICTURES, RESULT, SCENE, SERIES, remove};
+use crate::folder::{CHECKPOINT, FRAMES, FolderLock, MEASURES, PICTURES, RESULT, SCENE, SERIES, remove};
 use crate::pictures::Draws;
 
 /// A run that is to be made.
@@ -43,7 +43,7 @@ pub struct Job {
     /// Seconds by the clock between lines of the log.
     pub log: Duration,
     /// Keep the checkpoint of the end, from which a later `end` can be reached.
-    pub keep: bool,
+    pub keep_checkpoint: bool,
     /// Becomes false when the scene is set up and the first step begins, and true again when the run is over.
     pub setting_up: Arc<AtomicBool>,
     /// Progress for a program that shows it itself; None for a bar on the terminal and lines in the log.
@@ -122,7 +122,7 @@ impl Job {
             pictures: true,
             report: true,
             log: Duration::from_secs(60),
-            keep: false,
+            keep_checkpoint: false,
             setting_up: Arc::new(AtomicBool::new(true)),
             advance: None,
         }
@@ -232,11 +232,11 @@ impl Job {
         // What cannot be measured is refused now, and not after an hour.
         let measures = Measures::new(scene, solver)?;
         let folder = &self.folder;
-        let held = Held::new(folder)?;
+        let lock = FolderLock::new(folder)?;
         if self.resume {
-            held.clear_parts()?
+            lock.clear_parts()?
         } else {
-            held.clear()?
+            lock.clear()?
         }
         let source = self.source.anchored();
         impactite::output::write_whole(folder.join(SCENE), source.text.clone())?;
@@ -300,7 +300,7 @@ impl Job {
         let setup = start.elapsed().as_secs_f64();
         self.setting_up.store(false, Ordering::Relaxed);
         let ended = run.until(end);
-        if ended.is_ok() && self.keep {
+        if ended.is_ok() && self.keep_checkpoint {
             run.save()?;
         }
         let summary = run.summary();
@@ -350,7 +350,7 @@ impl Job {
             write_page(folder)?;
         }
         ended?;
-        if !self.keep {
+        if !self.keep_checkpoint {
             remove(&path)?;
         }
         let [met, judged] = record.met();
@@ -486,7 +486,7 @@ impl Job {
         file.text(&mut self.source.text)?;
         file.flag(&mut self.pictures)?;
         file.flag(&mut self.report)?;
-        file.flag(&mut self.keep)
+        file.flag(&mut self.keep_checkpoint)
     }
 }
 

@@ -2,68 +2,43 @@
 
 use std::fmt::Write;
 
-use clap::ValueEnum;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use impactite_input::keys;
 use impactite_input::list::Topic;
 
 use crate::templates::TEMPLATES;
 
-/// Topic of a list, as the command line has it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Word {
-    /// Methods with their options
-    Methods,
-    /// Combinations of parts of mpm and of laws that are compiled
-    Parts,
-    /// Keys of a body
-    Bodies,
-    /// Shapes of bodies and regions
-    Shapes,
-    /// Named sets of constants: density, moduli, laws, failure, source
-    Materials,
-    /// Laws of materials and their constants
-    Laws,
-    /// Laws and detectors of contact
-    Contacts,
-    /// Boundary conditions
-    Conditions,
-    /// Time steps
-    TimeStep,
-    /// Measures of a scene
-    Measures,
-    /// Keys of a check
-    Checks,
-    /// Keys of the output
-    Output,
-    /// All keys, or those below a prefix: keys bodies.plate.shape
-    Keys,
-    /// Scene files to begin with, for `impactite new`
-    Templates,
+/// Topics beside those of the library: name and description.
+const KEYS: (&str, &str) = ("keys", "all keys, or those below a prefix: keys bodies.plate.shape");
+const SCENES: (&str, &str) = ("templates", "scene files to begin with, for `impactite new`");
+
+/// Names and descriptions of all topics.
+fn topics() -> impl Iterator<Item = (&'static str, &'static str)> {
+    Topic::ALL.iter().map(|(topic, name)| (*name, topic.what())).chain([KEYS, SCENES])
 }
 
-impl Word {
-    fn name(self) -> String {
-        self.to_possible_value().map(|v| v.get_name().to_string()).unwrap_or_default()
-    }
+/// Parser of topics on the command line.
+#[must_use]
+pub fn topic_parser() -> PossibleValuesParser {
+    PossibleValuesParser::new(topics().map(|(name, what)| PossibleValue::new(name).help(what)))
 }
 
 /// The list of a topic, of keys those below a prefix; the topics if there is none.
 ///
 /// # Errors
-/// A prefix of no key, or of a topic that takes none.
-pub fn list(topic: Option<Word>, prefix: Option<&str>, markdown: bool) -> Result<String, String> {
+/// A topic that there is not; a prefix of no key, or of a topic that takes none.
+pub fn list(topic: Option<&str>, prefix: Option<&str>, markdown: bool) -> Result<String, String> {
     let mut text = String::new();
     match topic {
         None => {
             text += "topics, as in `impactite list bodies`:\n";
-            for word in Word::value_variants() {
-                let what = word.to_possible_value().and_then(|v| Some(v.get_help()?.to_string()));
-                let _ = writeln!(text, "  {:<11} {}", word.name(), what.unwrap_or_default());
+            for (name, what) in topics() {
+                let _ = writeln!(text, "  {name:<11} {what}");
             }
             return Ok(text);
         }
-        Some(Word::Keys) if markdown => return Ok(keys::markdown()),
-        Some(Word::Keys) => return of_keys(prefix.unwrap_or_default()),
+        Some(topic) if topic == KEYS.0 && markdown => return Ok(keys::markdown()),
+        Some(topic) if topic == KEYS.0 => return of_keys(prefix.unwrap_or_default()),
         Some(other) => {
             if markdown {
                 return Err("--markdown is for the topic `keys`".into());
@@ -71,14 +46,14 @@ pub fn list(topic: Option<Word>, prefix: Option<&str>, markdown: bool) -> Result
             if let Some(prefix) = prefix {
                 return Err(format!("`{prefix}`: only the topic `keys` takes a prefix"));
             }
-            if other == Word::Templates {
+            if other == SCENES.0 {
                 for (name, what, _) in TEMPLATES {
                     let _ = writeln!(text, "{name}: {what}");
                 }
                 return Ok(text);
             }
-            let Some((topic, _)) = Topic::ALL.iter().find(|(_, word)| *word == other.name()) else {
-                return Err(format!("no list of {}", other.name()));
+            let Some((topic, _)) = Topic::ALL.iter().find(|(_, name)| *name == other) else {
+                return Err(format!("no list has the name `{other}`"));
             };
             let lines = topic.lines();
             let several = lines.iter().any(|line| line.group != lines[0].group);

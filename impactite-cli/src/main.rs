@@ -12,7 +12,7 @@ use impactite::parallel::Team;
 use impactite::scene::{RunError, Solver};
 use impactite_cli::folder::CHECKPOINT;
 use impactite_cli::job::Measured;
-use impactite_cli::lists::{self, Word};
+use impactite_cli::lists;
 use impactite_cli::sweep::{PLAN, Point, Values, resume, sweep};
 use impactite_cli::{CliError, Job, Outcome, templates};
 use impactite_input::{Source, shown};
@@ -129,7 +129,8 @@ struct SweepOptions {
 #[derive(Debug, Args)]
 struct ListOptions {
     /// Topic; the topics if not given
-    topic: Option<Word>,
+    #[arg(value_parser = lists::topic_parser())]
+    topic: Option<String>,
     /// Part of the keys, as bodies.plate.shape or conditions.wall (topic `keys`)
     prefix: Option<String>,
     /// Print the page of the book (topic `keys`)
@@ -172,16 +173,16 @@ fn main() -> ExitCode {
         Err(error) => {
             let code = match &error {
                 CliError::Run(RunError::Interrupted { .. }) => {
-                    complain(&error.to_string());
+                    print_error(&error.to_string());
                     STOPPED
                 }
                 _ => {
-                    complain(&format!("error: {error}"));
+                    print_error(&format!("error: {error}"));
                     ERROR
                 }
             };
             if json {
-                let _ = write(format_args!(
+                let _ = print_line(format_args!(
                     "{}",
                     serde_json::json!({ "error": error.to_string(), "exit_code": code })
                 ));
@@ -193,17 +194,17 @@ fn main() -> ExitCode {
 }
 
 /// A line on the standard error; none where nobody reads it.
-fn complain(line: &str) {
+fn print_error(line: &str) {
     let _ = writeln!(std::io::stderr(), "{}", shown(line));
 }
 
 /// A line for people on the standard output: in words of scene files, without characters that steer a terminal.
-fn say(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
-    write(format_args!("{}", shown(&line.to_string())))
+fn print_words(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
+    print_line(format_args!("{}", shown(&line.to_string())))
 }
 
 /// A line on the standard output.
-fn write(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
+fn print_line(line: std::fmt::Arguments<'_>) -> Result<(), CliError> {
     writeln!(std::io::stdout(), "{line}").map_err(CliError::file("standard output"))
 }
 
@@ -268,7 +269,7 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
     match command {
         Command::Run(options) => {
             let job = job(&options, signals)?;
-            told(&job.run(stop)?, &job, &options.how)
+            print_outcome(&job.run(stop)?, &job, &options.how)
         }
         Command::Resume(ResumeOptions { folder, set, how }) => {
             let folder = if folder.is_file() {
@@ -285,10 +286,10 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
                 folder
             };
             if folder.join(PLAN).exists() && set.is_empty() {
-                return swept(&resume(&folder, |job| with(job, &how, signals), stop)?, &folder);
+                return print_sweep(&resume(&folder, |job| with(job, &how, signals), stop)?, &folder);
             }
             let job = with(Job::resume(&folder)?, &how, signals).set(&set)?;
-            told(&job.run(stop)?, &job, &how)
+            print_outcome(&job.run(stop)?, &job, &how)
         }
         Command::Check(options) => {
             let source = source(&options)?;
@@ -296,50 +297,50 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             let mut solver = source.build(&scene)?;
             impactite_input::measured::Measures::new(&scene, &*solver)?;
             let ahead = source.ahead(&scene, &mut *solver)?;
-            say(format_args!("{}: {}", scene.title, solver.method()))?;
+            print_words(format_args!("{}: {}", scene.title, solver.method()))?;
             // The first steps show what only they refuse, and how long one takes.
             let team = Team::new(std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST));
             solver.set_team(
                 team.map_err(|e| CliError::Option { option: "threads".into(), why: e.to_string() })?,
             );
-            let seconds = timed(&mut *solver, scene.end.value)?;
+            let seconds = seconds_a_step(&mut *solver, scene.end.value)?;
             for line in ahead.lines(seconds) {
-                say(format_args!("  {line}"))?;
+                print_words(format_args!("  {line}"))?;
             }
             Ok(ExitCode::SUCCESS)
         }
         Command::Sweep(SweepOptions { run, over }) => {
             let job = job(&run, signals)?;
-            swept(&sweep(&job, &over, stop)?, &job.folder)
+            print_sweep(&sweep(&job, &over, stop)?, &job.folder)
         }
         Command::List(ListOptions { topic, prefix, markdown }) => {
-            let list = lists::list(topic, prefix.as_deref(), markdown);
+            let list = lists::list(topic.as_deref(), prefix.as_deref(), markdown);
             let list = list.map_err(|why| CliError::Option { option: "list".into(), why })?;
-            write(format_args!("{}", list.trim_end_matches('\n')))?;
+            print_line(format_args!("{}", list.trim_end_matches('\n')))?;
             Ok(ExitCode::SUCCESS)
         }
         Command::New(NewOptions { template, file }) => {
             let path = file.unwrap_or_else(|| format!("{template}.toml").into());
             for other in &templates::write(&template, &path)?[1..] {
-                say(format_args!("{}", other.display()))?;
+                print_words(format_args!("{}", other.display()))?;
             }
-            say(format_args!("{}: `impactite run {}`", path.display(), path.display()))?;
+            print_words(format_args!("{}: `impactite run {}`", path.display(), path.display()))?;
             Ok(ExitCode::SUCCESS)
         }
         Command::Report { folder } => {
             let page = impactite_report::write_page(&folder)?;
-            say(format_args!("{}", page.display()))?;
+            print_words(format_args!("{}", page.display()))?;
             Ok(ExitCode::SUCCESS)
         }
         Command::Schema => {
-            write(format_args!("{:#}", impactite_input::schema().to_value()))?;
+            print_line(format_args!("{:#}", impactite_input::schema().to_value()))?;
             Ok(ExitCode::SUCCESS)
         }
     }
 }
 
 /// Seconds that a step of a scene takes, by its first steps but one: as many as half a second holds, at most 20.
-fn timed(solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, CliError> {
+fn seconds_a_step(solver: &mut dyn Solver, end: f64) -> Result<Option<f64>, CliError> {
     let mut taken = Duration::ZERO;
     let mut steps = 0;
     for n in 0..20 {
@@ -379,7 +380,7 @@ fn job(options: &RunOptions, signals: &Signals) -> Result<Job, CliError> {
     let job = Job {
         pictures: !files.no_pictures,
         report: !files.no_report,
-        keep: files.keep_checkpoint,
+        keep_checkpoint: files.keep_checkpoint,
         ..Job::new(source, folder)
     };
     Ok(with(job, &options.how, signals))
@@ -396,7 +397,7 @@ fn with(job: Job, how: &HowOptions, signals: &Signals) -> Job {
 }
 
 /// The measures of each run of a sweep.
-fn swept(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
+fn print_sweep(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
     for point in points {
         let values = point.values.join(", ");
         match &point.outcome {
@@ -405,19 +406,19 @@ fn swept(points: &[Point], folder: &Path) -> Result<ExitCode, CliError> {
                     .measures
                     .iter()
                     .map(|Measured(name, value, unit)| format!("{name} {value:.5e} {unit}"));
-                say(format_args!("{values}: {}", list.collect::<Vec<_>>().join(", ")))?;
+                print_words(format_args!("{values}: {}", list.collect::<Vec<_>>().join(", ")))?;
             }
-            Err(why) => say(format_args!("{values}: failed: {why}"))?,
+            Err(why) => print_words(format_args!("{values}: failed: {why}"))?,
         }
     }
-    say(format_args!("files in {}", folder.display()))?;
+    print_words(format_args!("files in {}", folder.display()))?;
     Ok(if points.iter().all(|p| p.outcome.is_ok()) { ExitCode::SUCCESS } else { ExitCode::from(ERROR) })
 }
 
 /// The measures, the checks with the failed ones first, and the exit code: failure if a check failed.
-fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliError> {
+fn print_outcome(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliError> {
     for Measured(name, value, unit) in &outcome.measures {
-        say(format_args!("{name}: {value:.6e} {unit}"))?;
+        print_words(format_args!("{name}: {value:.6e} {unit}"))?;
     }
     let mut checks: Vec<_> = outcome.checks.iter().collect();
     checks.sort_by_key(|c| c.pass != Some(false));
@@ -434,7 +435,7 @@ fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliE
                 format!("{:.1} %", 100.0 * allowed),
             )
         };
-        say(format_args!(
+        print_words(format_args!(
             "{verdict}: {} {:.4e} {unit}, reference {reference:.4e} {unit} ({off}{allowed} allowed), {}",
             check.name,
             check.value,
@@ -442,7 +443,7 @@ fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliE
             unit = check.unit,
         ))?;
     }
-    say(format_args!(
+    print_words(format_args!(
         "{}; {} steps of {} points in {:.2} s of stepping: {:.2} million updates a second; largest energy error {}",
         checks_passed([outcome.met, outcome.met + outcome.missed]),
         outcome.steps,
@@ -452,7 +453,7 @@ fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliE
         energy_error(Some(outcome.energy_error).filter(|error| !error.is_nan())),
     ))?;
     let page = job.folder.join("report.html");
-    say(format_args!(
+    print_words(format_args!(
         "files in {}{}",
         job.folder.display(),
         if job.report { format!("; look at {}", page.display()) } else { String::new() }
@@ -460,7 +461,7 @@ fn told(outcome: &Outcome, job: &Job, how: &HowOptions) -> Result<ExitCode, CliE
     if how.json {
         let json = serde_json::to_string(outcome)
             .map_err(|e| CliError::Option { option: "--json".into(), why: e.to_string() })?;
-        write(format_args!("{json}"))?;
+        print_line(format_args!("{json}"))?;
     }
     Ok(if outcome.missed == 0 { ExitCode::SUCCESS } else { ExitCode::from(CHECKS_FAILED) })
 }

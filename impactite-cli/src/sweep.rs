@@ -11,7 +11,7 @@ use impactite_input::Source;
 use serde::{Deserialize, Serialize};
 
 use crate::CliError;
-use crate::folder::{CHECKPOINT, Held, RESULT, SCENE, remove};
+use crate::folder::{CHECKPOINT, FolderLock, RESULT, SCENE, remove};
 use crate::job::{Job, Measured, Outcome};
 
 /// One key and the values that it takes.
@@ -84,7 +84,7 @@ struct Plan {
     keys: Vec<Values>,
     pictures: bool,
     report: bool,
-    keep: bool,
+    keep_checkpoint: bool,
     /// Why runs failed, by their numbers from 1.
     failed: BTreeMap<usize, String>,
 }
@@ -118,10 +118,10 @@ pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point
         keys: keys.to_vec(),
         pictures: base.pictures,
         report: base.report,
-        keep: base.keep,
+        keep_checkpoint: base.keep_checkpoint,
         failed: BTreeMap::new(),
     };
-    let held = Held::new(&base.folder)?;
+    let lock = FolderLock::new(&base.folder)?;
     sources(base, &plan)?;
     for name in [PLAN, TABLE, CHART] {
         remove(&base.folder.join(name))?;
@@ -132,10 +132,10 @@ pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point
         if !folder.is_dir() {
             break;
         }
-        Held::new(&folder)?.clear()?;
+        FolderLock::new(&folder)?.clear()?;
     }
     plan.save(&base.folder)?;
-    go_on(base, plan, stop, &held)
+    go_on(base, plan, stop, &lock)
 }
 
 /// Go on with the sweep in a folder: runs that have ended are read, runs that were stopped are resumed, the others are made.
@@ -152,9 +152,14 @@ pub fn resume(
     let plan: Plan = serde_json::from_str(&text)
         .map_err(|e| CliError::NoResume { path: folder.into(), why: format!("`{PLAN}` is damaged: {e}") })?;
     let job = Job::new(Source::new(&plan.name, &plan.scene), folder);
-    let base = how(Job { pictures: plan.pictures, report: plan.report, keep: plan.keep, ..job });
-    let held = Held::new(folder)?;
-    go_on(&base, plan, stop, &held)
+    let base = how(Job {
+        pictures: plan.pictures,
+        report: plan.report,
+        keep_checkpoint: plan.keep_checkpoint,
+        ..job
+    });
+    let lock = FolderLock::new(folder)?;
+    go_on(&base, plan, stop, &lock)
 }
 
 /// The scene of each run. Invalid scenes are refused before the first run.
@@ -170,7 +175,7 @@ fn sources(base: &Job, plan: &Plan) -> Result<Vec<Source>, CliError> {
     plan.combinations().iter().map(one).collect()
 }
 
-fn go_on(base: &Job, mut plan: Plan, stop: &AtomicBool, _held: &Held) -> Result<Vec<Point>, CliError> {
+fn go_on(base: &Job, mut plan: Plan, stop: &AtomicBool, _lock: &FolderLock) -> Result<Vec<Point>, CliError> {
     let mut points = Vec::new();
     for (n, (source, values)) in sources(base, &plan)?.into_iter().zip(plan.combinations()).enumerate() {
         let number = n + 1;
@@ -192,8 +197,11 @@ fn go_on(base: &Job, mut plan: Plan, stop: &AtomicBool, _held: &Held) -> Result<
                         return Err(interrupted.into());
                     }
                     Err(why) => {
-                        plan.failed.insert(number, why.to_string());
-                        plan.save(&base.folder)?;
+                        // A full disk or a folder in use is tried again when the sweep goes on; a scene fails again.
+                        if why.is_of_the_scene() {
+                            plan.failed.insert(number, why.to_string());
+                            plan.save(&base.folder)?;
+                        }
                         Err(why.to_string())
                     }
                     Ok(outcome) => Ok(outcome),

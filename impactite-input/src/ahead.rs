@@ -2,9 +2,10 @@
 
 use impactite::materials::material::{Material, Response, States};
 use impactite::parallel::Float;
+use impactite::scene::embedding::unit_of_part;
 use impactite::scene::{Solver, StepLimit};
 
-use crate::build::{material, placed, shape, size, wrong};
+use crate::build::{material, shape, size, wrong};
 use crate::document::Source;
 use crate::error::InputError;
 use crate::model::body::Body;
@@ -17,9 +18,8 @@ const MOST_STEPS: f64 = 1e11;
 /// Speed of sound beyond that of any material, m/s: diamond has 18 000.
 const FASTEST_WAVES: f64 = 50_000.0;
 
-/// A fixed step beyond this many times that of the method is refused: methods take 0.2 to 0.8 of the step at which waves become
-/// unstable.
-const UNSTABLE: f64 = 5.0;
+/// Courant number c dt / h of a fixed step beyond which it is refused: no explicit method here is stable there.
+const UNSTABLE: f64 = 2.0;
 
 /// What a scene holds at its start, and what its run is expected to take.
 #[derive(Clone, Debug)]
@@ -35,7 +35,7 @@ pub struct Ahead {
     /// Number of steps until the end, if all are as long as the first.
     pub steps: f64,
     /// Unit of masses: that of the whole, or of a radian or metre of depth of it.
-    pub mass_unit: &'static str,
+    pub mass_unit: String,
     /// What is allowed and probably not meant.
     pub notes: Vec<String>,
 }
@@ -53,8 +53,13 @@ pub struct BodyAhead {
     pub mass: f64,
     /// Lower and upper corner of its points with their half widths, m.
     pub bounds: [Vec<f64>; 2],
-    /// Volume of its points over that of its shape, where both are known.
+    /// Volume of its points over that of as many cells of the lattice, by which they fill their shape (`mpm`, `sph`); of other points over
+    /// that of the shape, where it is known: the part of its mass that the body has.
     pub volume_factor: Option<f64>,
+    /// Are its points particles of a lattice, whose volumes are scaled to those of the shape?
+    pub lattice: bool,
+    /// Width of its cells: the cell of the grid, or the smallest width of a point or an element, m.
+    pub width: Option<f64>,
     /// Speed of longitudinal waves at rest, m/s; none of a rigid body.
     pub wave_speed: Option<f64>,
     /// Largest speed of its points, m/s.
@@ -78,8 +83,11 @@ impl Source {
         let mut bodies = Vec::new();
         for body in solver.bodies() {
             let (mut low, mut high) = (vec![f64::INFINITY; dimensions], vec![f64::NEG_INFINITY; dimensions]);
-            let (mut volume, mut fastest) = (0.0, 0.0f64);
+            let (mut volume, mut radii, mut fastest) = (0.0, 0.0, 0.0f64);
+            let mut narrowest = f64::INFINITY;
             body.for_each(&mut |p| {
+                narrowest = narrowest.min(p.drawn_width(dimensions, revolved));
+                radii += if revolved { p.position[0] } else { 1.0 };
                 fastest = fastest.max(p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt());
                 let half = if p.corners.is_empty() { 0.5 * p.drawn_width(dimensions, revolved) } else { 0.0 };
                 let corners = p.corners.iter().chain(p.corners.is_empty().then_some(&p.position));
@@ -90,12 +98,31 @@ impl Source {
                 }
                 volume += p.volume;
             });
+            let spec = scene.expanded.get(body.name());
+            let spacing = spec.and_then(|b| size::spacing(&scene.method, b));
+            // Particles of a lattice have equal volumes, scaled by one factor to those of their shape; other points have volumes of their own.
+            let lattice = match &scene.method {
+                Method::Mpm(_) => spec.is_some_and(|b| b.elements.is_none()),
+                Method::Sph(_) => true,
+                _ => false,
+            };
+            let whole = match (lattice, spec, spacing) {
+                (true, _, Some(spacing)) => Some(radii * spacing.powi(dimensions as i32)),
+                (false, Some(spec), _) => self.measure(scene, spec),
+                _ => None,
+            };
+            let width = match &scene.method {
+                Method::Mpm(m) if lattice => m.cell.value,
+                _ => narrowest,
+            };
             bodies.push(BodyAhead {
                 name: body.name().into(),
                 law: body.law(),
                 points: body.len(),
                 mass: body.totals().mass,
-                volume_factor: self.measure(scene, body.name()).map(|m| volume / m).filter(|f| f.is_finite()),
+                volume_factor: whole.map(|whole| volume / whole).filter(|f| f.is_finite()),
+                lattice,
+                width: Some(width).filter(|w| *w > 0.0 && w.is_finite()),
                 bounds: [low, high],
                 wave_speed: wave_speed(scene, body.name()),
                 fastest,
@@ -123,15 +150,22 @@ impl Source {
             ));
         }
         let mut notes = self.notes(scene, &bodies);
-        if let Some(stable) = self.stable(scene)? {
-            let over = step / stable;
-            let message = format!(
-                "{step:.3e} s is {over:.1} times the step of {stable:.3e} s that the method takes by itself"
-            );
-            if over > UNSTABLE {
-                return Err(at("time_step.fixed", message, "leave `time_step` out, or take a shorter one"));
-            }
-            if over > 1.0 {
+        if matches!(scene.time_step, Some(TimeStep::Fixed(_))) {
+            let courant = bodies
+                .iter()
+                .filter_map(|b| Some((step * (b.wave_speed? + b.fastest) / b.width?, b.name.as_str())));
+            let largest = courant.max_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((courant, name)) = largest.filter(|c| c.0 > 1.0) {
+                let message = format!(
+                    "{step:.3e} s is {courant:.1} times the time in which a wave crosses a cell of `{name}`"
+                );
+                if courant > UNSTABLE {
+                    return Err(at(
+                        "time_step.fixed",
+                        message,
+                        "leave `time_step` out, or take a shorter step",
+                    ));
+                }
                 notes.push(format!("time_step.fixed: {message}; it may be unstable"));
             }
         }
@@ -141,26 +175,15 @@ impl Source {
             step,
             limit,
             steps,
-            mass_unit: placed::mass_unit(scene.space),
+            mass_unit: unit_of_part("kg", dimensions, revolved),
             notes,
         })
     }
 
-    /// The step that the method takes by itself at the start, s, of a scene with a fixed one.
-    fn stable(&self, scene: &SceneFile) -> Result<Option<f64>, InputError> {
-        let Some(TimeStep::Fixed(_)) = scene.time_step else { return Ok(None) };
-        let mut free = scene.clone();
-        free.time_step = None;
-        let stable = self.build(&free)?.stable_step();
-        // Rigid bodies alone have no stable step.
-        Ok(stable.ok().filter(|dt| *dt > 0.0 && dt.is_finite()))
-    }
-
     /// The measure of a body's shape, m^3 (per radian or metre of depth), where it is known.
-    fn measure(&self, scene: &SceneFile, body: &str) -> Option<f64> {
+    fn measure(&self, scene: &SceneFile, body: &Body) -> Option<f64> {
         use impactite::geometry::Shape;
-        let spec = scene.expanded.get(body)?.shape.as_ref()?;
-        let folder = wrong::Folder(self.folder());
+        let (spec, folder) = (body.shape.as_ref()?, wrong::Folder(self.folder()));
         match scene.space {
             Space::Full => shape::build::<3>("", spec, &folder).ok()?.measure(),
             Space::Axisymmetric => shape::build::<2>("", spec, &folder).ok()?.revolved_measure(),
@@ -200,9 +223,16 @@ impl Source {
                     body.name, body.fastest
                 ));
             }
-            if let Some(factor) = body.volume_factor.filter(|f| (f - 1.0).abs() > 0.01) {
+            let Some(factor) = body.volume_factor else { continue };
+            if body.lattice && (factor - 1.0).abs() > 0.1 {
                 notes.push(format!(
-                    "bodies.{}: its points fill {:.1} % of its shape; finer cells or a smaller spacing fill it better",
+                    "bodies.{}: volumes of its points are scaled by {factor:.3} to fill its shape; smaller cells or spacing fit it better",
+                    body.name
+                ));
+            }
+            if !body.lattice && (factor - 1.0).abs() > 0.01 {
+                notes.push(format!(
+                    "bodies.{}: its points have {:.1} % of the volume of its shape, and of its mass; a smaller spacing fits it better",
                     body.name,
                     100.0 * factor
                 ));
@@ -236,7 +266,7 @@ impl Ahead {
     /// Lines for people; `seconds` is the time that a step takes on this machine, where it was measured.
     #[must_use]
     pub fn lines(&self, seconds: Option<f64>) -> Vec<String> {
-        let unit = self.mass_unit;
+        let unit = &self.mass_unit;
         let mut lines = Vec::new();
         let mut rest = &self.bodies[..];
         while let Some(first) = rest.first() {

@@ -45,6 +45,7 @@ pub mod measured;
 mod sets;
 
 pub use ahead::{Ahead, BodyAhead};
+pub use build::size::bytes_a_point;
 pub use document::{RESUMABLE, Source};
 pub use error::{Fault, InputError, shown};
 pub use impactite_scene_file::{SceneFile, formula, model, quantity, remedy, schema};

@@ -123,11 +123,28 @@ fn bodies_behind_planes_are_refused_in_every_method() {
 fn bodies_within_bodies_are_refused_in_every_method() {
     for method in METHODS {
         let text = blocks(method, FRICTION, "");
-        let within = text.replace("[\"20 mm\", 0], to = [\"30 mm\"", "[\"6 mm\", 0], to = [\"16 mm\"");
-        refused(&within, &["bodies.", "points lie in the shape of"]);
-        // Faces that touch are no overlap.
-        let touching = text.replace("[\"20 mm\", 0], to = [\"30 mm\"", "[\"10 mm\", 0], to = [\"20 mm\"");
-        assert_eq!(said(&touching), None, "{method}");
+        let at = |left: &str, right: &str| {
+            text.replace("[\"20 mm\", 0], to = [\"30 mm\"", &format!("[\"{left}\", 0], to = [\"{right}\""))
+        };
+        // By four tenths of its width, and by one spacing.
+        for [left, right] in [["6 mm", "16 mm"], ["8 mm", "18 mm"]] {
+            refused(&at(left, right), &["bodies.", "points lie in the shape of"]);
+        }
+        // Faces that touch are no overlap, nor is a gap.
+        for [left, right] in [["10 mm", "20 mm"], ["10.1 mm", "20.1 mm"]] {
+            assert_eq!(said(&at(left, right)), None, "{method}");
+        }
+    }
+}
+
+/// Bodies one spacing thick that touch: all of their points lie by the common face.
+#[test]
+fn thin_bodies_that_touch_do_not_overlap() {
+    for method in METHODS.iter().filter(|m| !m.contains("pcmm")) {
+        let thin = blocks(method, FRICTION, "")
+            .replace("to = [\"10 mm\", \"10 mm\"]", "to = [\"2 mm\", \"10 mm\"]")
+            .replace("[\"20 mm\", 0], to = [\"30 mm\"", "[\"2 mm\", 0], to = [\"4 mm\"");
+        assert_eq!(said(&thin), None, "{method}");
     }
 }
 
@@ -140,7 +157,7 @@ fn steps_speeds_and_materials_that_cannot_be_are_refused() {
     for method in METHODS {
         refused(
             &blocks(method, FRICTION, "time_step.fixed = \"10 us\""),
-            &["time_step.fixed", "times the step of"],
+            &["time_step.fixed", "times the time in which a wave crosses"],
         );
         assert_eq!(said(&blocks(method, FRICTION, "time_step.fixed = \"10 ns\"")), None, "{method}");
     }

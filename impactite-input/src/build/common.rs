@@ -1,5 +1,7 @@
 //! What all methods have in common.
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use impactite::contact::{Adhesion, Coulomb, Frictionless, Pairs, SlipWeakening, Stick};
@@ -20,6 +22,8 @@ use crate::model::{SceneFile, Space, fixed, formulas};
 pub(crate) struct World<'a, const D: usize> {
     pub scene: &'a SceneFile,
     pub folder: &'a Folder,
+    /// Shapes of bodies by key: each file of a surface is read once.
+    shapes: RefCell<BTreeMap<String, Arc<dyn Shape<D>>>>,
 }
 
 /// What is wrong whatever the method: names, and what does not go together.
@@ -104,7 +108,7 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
 
 impl<'a, const D: usize> World<'a, D> {
     pub fn new(scene: &'a SceneFile, folder: &'a Folder) -> Self {
-        World { scene, folder }
+        World { scene, folder, shapes: RefCell::default() }
     }
     pub fn space(&self) -> Space {
         self.scene.space
@@ -129,10 +133,13 @@ impl<'a, const D: usize> World<'a, D> {
 
     /// The shape of a body.
     pub fn shape(&self, key: &str, body: &Body) -> Made<Arc<dyn Shape<D>>> {
-        match &body.shape {
-            Some(spec) => shape::build(&format!("{key}.shape"), spec, self.folder),
-            None => wrong(key, "needs a `shape`"),
+        let Some(spec) = &body.shape else { return wrong(key, "needs a `shape`") };
+        if let Some(shape) = self.shapes.borrow().get(key) {
+            return Ok(shape.clone());
         }
+        let shape = shape::build(&format!("{key}.shape"), spec, self.folder)?;
+        self.shapes.borrow_mut().insert(key.into(), shape.clone());
+        Ok(shape)
     }
 
     /// The velocity of a body at the start, which turns about the middle of these bounds.

@@ -10,7 +10,7 @@ mod mesh;
 mod mpm;
 mod output;
 mod particles;
-pub(crate) mod placed;
+mod placed;
 pub(crate) mod shape;
 pub(crate) mod size;
 pub(crate) mod wrong;

@@ -1,135 +1,163 @@
-//! A scene as it was set up: bodies on the right sides of planes, apart from each other, and of possible speeds.
+//! Placement of bodies at the start: in front of planes, apart from each other, at possible speeds.
 
-use impactite::geometry::Shape as _;
-use impactite::scene::{Body, Solver};
+use impactite::scene::{PointView, Solver};
 
 use super::common::World;
-use super::shape;
 use super::wrong::{Made, Wrong};
-use crate::model::Space;
 use crate::model::condition::{Condition, Side};
 
-/// The speed of light, m/s: nothing here is relativistic.
+/// Speed of light, m/s: an upper bound of all speeds.
 const LIGHT: f64 = 299_792_458.0;
+/// Depth in spacings by which a point must lie within another shape to overlap: points on a common face, and those that are fitted to one, do
+/// not.
+const DEPTH: f64 = 0.25;
 
-/// Where a body lies, and how fast it is.
-struct Placed<const D: usize> {
-    name: String,
-    points: Vec<([f64; D], f64)>,
-    fastest: f64,
-}
-
-/// Refuse bodies behind planes, bodies within bodies, and speeds that nothing has.
+/// Refuse speeds beyond that of light, planes behind which everything is fixed, and bodies that overlap.
 pub(super) fn check<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> {
-    let placed = bodies::<D>(solver);
-    for body in &placed {
-        // Elements among particles are one body of the solver.
-        let name = body.name.split(" + ").next().unwrap_or_default();
-        if body.fastest >= LIGHT {
+    let mut bounds = Vec::new();
+    for body in solver.bodies() {
+        let mut fastest = 0.0f64;
+        let (mut low, mut high) = ([f64::INFINITY; D], [f64::NEG_INFINITY; D]);
+        body.for_each(&mut |p| {
+            fastest = fastest.max(p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt());
+            for d in 0..D {
+                (low[d], high[d]) = (low[d].min(p.position[d]), high[d].max(p.position[d]));
+            }
+        });
+        if fastest >= LIGHT {
+            // Elements among particles are one body of the solver.
+            let name = body.name().split(" + ").next().unwrap_or_default();
             return Err(Wrong {
                 key: format!("bodies.{name}"),
                 message: format!(
-                    "{:.3e} m/s is not allowed; speeds must be below that of light, {LIGHT:.3e} m/s",
-                    body.fastest
+                    "{fastest:.3e} m/s is not allowed; speeds must be below that of light, {LIGHT:.3e} m/s"
                 ),
                 help: Some("look at the unit of its `velocity`, `speed` or `spin`".into()),
             });
         }
+        bounds.push((low, high));
     }
-    for (n, condition) in world.scene.conditions.iter().enumerate() {
-        behind(world, n, condition, &placed)?;
-    }
-    overlap(world, &placed)
+    fixed(world, solver)?;
+    overlap(world, solver, &bounds)
 }
 
-/// Refuse bodies behind planes, but for fixed ones, behind which some bodies of a scene may be: before solvers see the planes, whose
-/// words have no keys.
+/// A plane of a condition with material on one side.
+struct Plane {
+    key: String,
+    axis: usize,
+    letter: &'static str,
+    at: f64,
+    side: Side,
+    fixed: bool,
+}
+
+impl Plane {
+    /// The planes of a scene.
+    fn all<const D: usize>(world: &World<'_, D>) -> Vec<Plane> {
+        let list = world.scene.conditions.iter().enumerate();
+        let of = |(n, condition): (usize, &Condition)| {
+            let (word, axis, at, side) = match condition {
+                Condition::Symmetry(p) => ("symmetry", p.axis, p.at.value, p.side),
+                Condition::Wall(p) => ("wall", p.axis, p.at.value, p.side),
+                Condition::Absorbing(p) => ("absorbing", p.axis, p.at.value, p.side),
+                Condition::Fixed(p) => ("fixed", p.axis, p.at.value, p.side),
+                Condition::Periodic(_) | Condition::Prescribed(_) => return None,
+            };
+            Some(Plane {
+                key: format!("conditions[{n}].{word}"),
+                axis: world.space().axis(axis).ok()?,
+                letter: axis.name(),
+                at,
+                side,
+                fixed: word == "fixed",
+            })
+        };
+        list.filter_map(of).collect()
+    }
+
+    /// Distance of a point in front of the plane, m; negative behind it.
+    fn distance(&self, p: &PointView) -> f64 {
+        let distance = p.position[self.axis] - self.at;
+        if self.side == Side::Above { distance } else { -distance }
+    }
+
+    /// Words for the side of the material, and for the other one.
+    fn sides(&self) -> [&'static str; 2] {
+        if self.side == Side::Above { ["above", "below"] } else { ["below", "above"] }
+    }
+}
+
+/// Refuse bodies behind planes of symmetry, walls and absorbing planes: before solvers see the planes, whose words have no keys.
 pub(super) fn check_planes<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> {
-    let placed = bodies::<D>(solver);
-    let mut conditions = world.scene.conditions.iter().enumerate();
-    conditions.try_for_each(|(n, c)| {
-        if matches!(c, Condition::Fixed(_)) { Ok(()) } else { behind(world, n, c, &placed) }
-    })
-}
-
-fn bodies<const D: usize>(solver: &dyn Solver) -> Vec<Placed<D>> {
+    let planes: Vec<Plane> = Plane::all(world).into_iter().filter(|plane| !plane.fixed).collect();
+    if planes.is_empty() {
+        return Ok(());
+    }
     let revolved = solver.axisymmetric();
-    let of = |body: &dyn Body| {
-        let mut here =
-            Placed { name: body.name().into(), points: Vec::with_capacity(body.len()), fastest: 0.0 };
+    for body in solver.bodies() {
+        let mut behind = vec![(0usize, 0.0f64); planes.len()];
         body.for_each(&mut |p| {
-            let at = std::array::from_fn(|d| p.position[d]);
-            here.points.push((at, p.drawn_width(D, revolved)));
-            let square = p.velocity.iter().map(|v| v * v).sum::<f64>();
-            here.fastest = here.fastest.max(square.sqrt());
+            // Points are fitted to shapes within half a spacing.
+            let tolerance = 0.5001 * p.drawn_width(D, revolved);
+            for (plane, (count, deepest)) in planes.iter().zip(&mut behind) {
+                let depth = -plane.distance(p);
+                if depth > tolerance {
+                    (*count, *deepest) = (*count + 1, deepest.max(depth));
+                }
+            }
         });
-        here
-    };
-    solver.bodies().into_iter().map(of).collect()
-}
-
-/// Refuse bodies behind a plane of a condition: what it does to them there is not what it says.
-fn behind<const D: usize>(
-    world: &World<'_, D>,
-    number: usize,
-    condition: &Condition,
-    placed: &[Placed<D>],
-) -> Made<()> {
-    let key = format!("conditions[{number}]");
-    let (word, axis, at, side) = match condition {
-        Condition::Symmetry(p) => ("symmetry", p.axis, p.at.value, p.side),
-        Condition::Wall(p) => ("wall", p.axis, p.at.value, p.side),
-        Condition::Absorbing(p) => ("absorbing", p.axis, p.at.value, p.side),
-        Condition::Fixed(p) => ("fixed", p.axis, p.at.value, p.side),
-        Condition::Periodic(_) | Condition::Prescribed(_) => return Ok(()),
-    };
-    let Ok(d) = world.space().axis(axis) else { return Ok(()) };
-    let (sign, said, other) = match side {
-        Side::Above => (1.0, "above", "below"),
-        Side::Below => (-1.0, "below", "above"),
-    };
-    // Points are fitted to shapes within half a spacing.
-    let back = |(x, width): &([f64; D], f64)| sign * (x[d] - at) < -0.5001 * width;
-    let mut all_behind = true;
-    for body in placed.iter().filter(|b| !b.points.is_empty()) {
-        let count = body.points.iter().filter(|p| back(p)).count();
-        let whole = count == body.points.len();
-        all_behind &= body.points.iter().all(|(x, width)| sign * (x[d] - at) < 1e-6 * width);
-        // What is behind a fixed plane stands still: part of a body, or a whole one beside others.
-        if word == "fixed" || count == 0 {
+        let Some((plane, (count, deepest))) = planes.iter().zip(behind).find(|(_, (count, _))| *count > 0)
+        else {
             continue;
-        }
-        let deepest = body.points.iter().map(|(x, _)| -sign * (x[d] - at)).fold(0.0, f64::max);
-        let part = if whole { "all".into() } else { format!("{count} of {}", body.points.len()) };
-        let axis = axis.name();
+        };
+        let ([side, other], letter) = (plane.sides(), plane.letter);
+        let part = if count == body.len() { "all".into() } else { format!("{count} of {}", body.len()) };
         return Err(Wrong {
-            key: format!("{key}.{word}"),
+            key: plane.key.clone(),
             message: format!(
-                "{part} points of `{}` are behind it, up to {deepest:.3e} m: its material is {said} {axis} = {at:?} m (`side = \"{said}\"`)",
-                body.name
+                "{part} points of `{}` are behind it, up to {deepest:.3e} m: material lies {side} {letter} = {:?} m (`side = \"{side}\"`)",
+                body.name(),
+                plane.at
             ),
-            help: Some(if 2 * count > body.points.len() {
+            help: Some(if 2 * count > body.len() {
                 format!("write `side = \"{other}\"`, or move the plane")
             } else {
                 "move the plane or the body".into()
             }),
         });
     }
-    if word == "fixed" && all_behind {
-        return Err(Wrong {
-            key: format!("{key}.fixed"),
-            message: format!(
-                "all bodies are behind it, so that nothing moves: what is {other} {} = {at:?} m stands still",
-                axis.name()
-            ),
-            help: Some(format!("write `side = \"{other}\"` to hold what is {said}")),
-        });
+    Ok(())
+}
+
+/// Refuse a fixed plane that no body lies in front of: nothing moves. Some bodies may lie behind it, and a part of each.
+fn fixed<const D: usize>(world: &World<'_, D>, solver: &dyn Solver) -> Made<()> {
+    let revolved = solver.axisymmetric();
+    for plane in Plane::all(world).into_iter().filter(|plane| plane.fixed) {
+        let mut moves = false;
+        for body in solver.bodies() {
+            body.for_each(&mut |p| moves |= plane.distance(p) >= 1e-6 * p.drawn_width(D, revolved));
+        }
+        let [side, other] = plane.sides();
+        if !moves {
+            return Err(Wrong {
+                message: format!(
+                    "all bodies are behind it, so that nothing moves: points {other} {} = {:?} m are fixed",
+                    plane.letter, plane.at
+                ),
+                help: Some(format!("write `side = \"{other}\"` to fix those {side}")),
+                key: plane.key,
+            });
+        }
     }
     Ok(())
 }
 
-/// Refuse bodies that lie in each other at the start.
-fn overlap<const D: usize>(world: &World<'_, D>, placed: &[Placed<D>]) -> Made<()> {
+/// Refuse bodies that overlap at the start: points of one that lie within the shape of another one.
+fn overlap<const D: usize>(
+    world: &World<'_, D>,
+    solver: &dyn Solver,
+    bounds: &[([f64; D], [f64; D])],
+) -> Made<()> {
     // Bodies that share one velocity field may.
     if world.scene.contact().is_none() {
         return Ok(());
@@ -137,31 +165,45 @@ fn overlap<const D: usize>(world: &World<'_, D>, placed: &[Placed<D>]) -> Made<(
     let mut shapes = Vec::new();
     for (name, body) in &world.scene.expanded {
         let embedded = body.elements.as_ref().is_some_and(|e| e.within.is_some());
-        let Some(spec) = body.shape.as_ref().filter(|_| !embedded) else { continue };
-        let shape = shape::build::<D>(&format!("bodies.{name}.shape"), spec, world.folder)?;
-        shapes.push((name, shape.bounds(), shape));
-    }
-    for body in placed.iter().filter(|b| !b.points.is_empty()) {
-        let [mut low, mut high] = [[f64::INFINITY; D], [f64::NEG_INFINITY; D]];
-        for (x, _) in &body.points {
-            for d in 0..D {
-                (low[d], high[d]) = (low[d].min(x[d]), high[d].max(x[d]));
-            }
+        if body.shape.is_some() && !embedded {
+            let shape = world.shape(&format!("bodies.{name}"), body)?;
+            shapes.push((name.as_str(), shape.bounds(), shape));
         }
-        for (other, bounds, shape) in &shapes {
-            if **other == body.name || (0..D).any(|d| low[d] > bounds.max[d] || high[d] < bounds.min[d]) {
+    }
+    let revolved = solver.axisymmetric();
+    for (body, (low, high)) in solver.bodies().into_iter().zip(bounds) {
+        let embedded = |name: &str| {
+            let elements = world.scene.expanded.get(name).and_then(|b| b.elements.as_ref());
+            elements.is_some_and(|e| e.within.is_some())
+        };
+        if embedded(body.name()) {
+            continue;
+        }
+        for (other, of, shape) in &shapes {
+            let apart = (0..D).any(|d| low[d] > of.max[d] || high[d] < of.min[d]);
+            if apart || *other == body.name() {
                 continue;
             }
-            let within = body.points.iter().filter(|(x, _)| shape.contains(*x)).count();
-            // Points on a common face may count for either.
-            if within * 50 > body.points.len() {
-                let place = body.points.iter().find(|(x, _)| shape.contains(*x)).map(|p| p.0);
-                let place = place.map_or(String::new(), |x| format!(", as at {x:?} m"));
+            let (mut count, mut first) = (0, None);
+            body.for_each(&mut |p| {
+                let x: [f64; D] = std::array::from_fn(|d| p.position[d]);
+                let depth = DEPTH * p.drawn_width(D, revolved);
+                let within = |n: usize| {
+                    let mut moved = x;
+                    moved[n / 2] += if n % 2 == 0 { depth } else { -depth };
+                    shape.contains(moved)
+                };
+                if shape.contains(x) && (0..2 * D).all(within) {
+                    count += 1;
+                    first = first.or(Some(x));
+                }
+            });
+            if let Some(x) = first {
                 return Err(Wrong {
-                    key: format!("bodies.{}", body.name),
+                    key: format!("bodies.{}", body.name()),
                     message: format!(
-                        "{within} of its {} points lie in the shape of `{other}`{place}",
-                        body.points.len()
+                        "{count} of its {} points lie in the shape of `{other}`, as at {x:?} m",
+                        body.len()
                     ),
                     help: Some(format!(
                         "bodies in contact must not overlap at the start: move one, or cut `{other}` out of it by `shape.difference`"
@@ -171,13 +213,4 @@ fn overlap<const D: usize>(world: &World<'_, D>, placed: &[Placed<D>]) -> Made<(
         }
     }
     Ok(())
-}
-
-/// Words for a mass in these coordinates: kilograms of a part of the whole.
-pub(crate) fn mass_unit(space: Space) -> &'static str {
-    match space {
-        Space::Full => "kg",
-        Space::PlaneStrain | Space::PlaneStress => "kg/m",
-        Space::Axisymmetric => "kg/rad",
-    }
 }

@@ -7,36 +7,36 @@ use crate::quantity::{Length, Plain, Pressure, Quantity};
 
 /// Contact of the bodies, or none: `"none"`.
 #[derive(Clone, Debug)]
-pub enum Meeting {
+pub enum ContactChoice {
     /// Bodies share one velocity field (`mpm`): they stick to each other without resistance at their surfaces.
     None,
     /// Contact by laws.
     By(Contact),
 }
 
-impl<'de> Deserialize<'de> for Meeting {
+impl<'de> Deserialize<'de> for ContactChoice {
     fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
         struct Reads;
         impl<'de> serde::de::Visitor<'de> for Reads {
-            type Value = Meeting;
+            type Value = ContactChoice;
             fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
                 write!(f, "a table with a `law`, or \"none\"")
             }
-            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<Meeting, E> {
+            fn visit_str<E: serde::de::Error>(self, text: &str) -> Result<ContactChoice, E> {
                 match text {
-                    "none" => Ok(Meeting::None),
+                    "none" => Ok(ContactChoice::None),
                     _ => Err(E::invalid_value(serde::de::Unexpected::Str(text), &self)),
                 }
             }
-            fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<Meeting, A::Error> {
-                Contact::deserialize(serde::de::value::MapAccessDeserializer::new(map)).map(Meeting::By)
+            fn visit_map<A: serde::de::MapAccess<'de>>(self, map: A) -> Result<ContactChoice, A::Error> {
+                Contact::deserialize(serde::de::value::MapAccessDeserializer::new(map)).map(ContactChoice::By)
             }
         }
         from.deserialize_any(Reads)
     }
 }
 
-impl JsonSchema for Meeting {
+impl JsonSchema for ContactChoice {
     fn schema_name() -> std::borrow::Cow<'static, str> {
         "ContactOrNone".into()
     }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::body::Body;
 use super::condition::Condition;
-use super::contact::{Contact, Meeting};
+use super::contact::{Contact, ContactChoice};
 use super::material::Material;
 use super::measure::{Check, Measurement};
 use super::method::{Method, TimeStep};
@@ -45,7 +45,7 @@ pub struct SceneFile {
     pub bodies: IndexMap<String, Body>,
     /// Contact of bodies; required by scenes of several bodies. `"none"`: bodies of `mpm` share one velocity field and stick to each other.
     #[serde(default)]
-    pub contact: Option<Meeting>,
+    pub contact: Option<ContactChoice>,
     /// Boundary conditions.
     #[serde(default)]
     pub conditions: Vec<Condition>,
@@ -86,8 +86,8 @@ impl SceneFile {
     #[must_use]
     pub fn contact(&self) -> Option<&Contact> {
         match &self.contact {
-            Some(Meeting::By(contact)) => Some(contact),
-            Some(Meeting::None) | None => None,
+            Some(ContactChoice::By(contact)) => Some(contact),
+            Some(ContactChoice::None) | None => None,
         }
     }
 
