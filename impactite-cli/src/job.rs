@@ -19,9 +19,9 @@ use impactite_report::{Check, Frames, Record, Recorder, write_page};
 use serde::{Deserialize, Serialize};
 
 use crate::CliError;
-use crate::advance::{Advance, Shown};
 use crate::folder::{CHECKPOINT, FRAMES, FolderLock, MEASURES, PICTURES, RESULT, SCENE, SERIES, remove};
 use crate::pictures::Draws;
+use crate::shared_progress::{SharedProgress, Shown};
 
 /// A run that is to be made.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ pub struct Job {
     /// Becomes false when the scene is set up and the first step begins, and true again when the run is over.
     pub setting_up: Arc<AtomicBool>,
     /// Progress for a program that shows it itself; None for a bar on the terminal and lines in the log.
-    pub advance: Option<Arc<Advance>>,
+    pub advance: Option<Arc<SharedProgress>>,
 }
 
 /// What a run came to: the keys of the JSON object of `--json`.
@@ -156,7 +156,7 @@ impl Job {
         Ok(job)
     }
 
-    /// The same with other values of keys. In a run that goes on they are those that change no step: `end`, `title`, `description`,
+    /// Copy with other values of keys. In a run that goes on they are those that change no step: `end`, `title`, `description`,
     /// `checks`. The pace of histories, pictures and frames stays.
     ///
     /// # Errors
@@ -205,7 +205,7 @@ impl Job {
             return Err(RunError::Interrupted { time, steps, saved: None }.into());
         }
         if !self.resume {
-            let ahead = self.source.ahead(&scene, &mut *solver)?;
+            let ahead = self.source.estimate(&scene, &mut *solver)?;
             ahead.notes.iter().for_each(|note| tracing::warn!("{note}"));
         }
         solver.set_team(team);
@@ -229,7 +229,7 @@ impl Job {
         start: Instant,
         stop: &AtomicBool,
     ) -> Result<Outcome, CliError> {
-        // What cannot be measured is refused now, and not after an hour.
+        // Quantities that cannot be measured are refused now, and not after an hour.
         let measures = Measures::new(scene, solver)?;
         let folder = &self.folder;
         let lock = FolderLock::new(folder)?;

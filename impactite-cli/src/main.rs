@@ -238,7 +238,7 @@ fn log(options: &Options) {
     tracing_subscriber::registry().with(lines.with_filter(filter)).init();
 }
 
-/// What SIGINT and SIGTERM do: while a scene is set up they end the program at once, in a run they stop it with a checkpoint, and a
+/// Effect of SIGINT and SIGTERM: while a scene is set up they end the program at once, in a run they stop it with a checkpoint, and a
 /// second one ends it at once.
 struct Signals {
     stop: Arc<AtomicBool>,
@@ -296,7 +296,7 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             let scene = source.parse()?;
             let mut solver = source.build(&scene)?;
             impactite_input::measured::Measures::new(&scene, &*solver)?;
-            let ahead = source.ahead(&scene, &mut *solver)?;
+            let ahead = source.estimate(&scene, &mut *solver)?;
             print_words(format_args!("{}: {}", scene.title, solver.method()))?;
             // The first steps show what only they refuse, and how long one takes.
             let team = Team::new(std::thread::available_parallelism().map_or(1, usize::from).min(Team::MOST));

@@ -1,7 +1,7 @@
 //! Pictures of a scene as it goes.
 
 use impactite::observe::Draw;
-use impactite::output::picture::{FieldPicture, Film, Mirror, ParticlePicture, Picture, Quantity};
+use impactite::output::picture::{FieldPicture, Mirror, ParticlePicture, Picture, Quantity, SeriesView};
 use impactite::output::{OutputError, Snapshot};
 use impactite::scene::{Archive, CheckpointError};
 use impactite_input::SceneFile;
@@ -12,7 +12,7 @@ use impactite_input::model::output::Mirror as Mirrors;
 /// Widths and heights of pictures, pixels: one of each for a run, so that the scene fills the picture.
 const WIDTHS: [usize; 2] = [640, 1000];
 const HEIGHTS: [usize; 2] = [350, 750];
-/// How far beyond the bodies the first window follows their flight, part of the longest side of all.
+/// Distance beyond the bodies to which the first window follows their flight, part of the longest side of all.
 const FORESIGHT: f64 = 0.5;
 
 /// Draws snapshots of a scene.
@@ -25,11 +25,11 @@ pub struct Draws {
     seen_from: Option<[f64; 3]>,
     /// Planes that hold matter on one side: axis, place (m), side.
     planes: Vec<(usize, f64, Side)>,
-    film: Film,
+    film: SeriesView,
 }
 
 impl Draws {
-    /// As a scene file says; mirrored where an axis has one plane of symmetry, so that a quarter is drawn whole.
+    /// Pictures of a scene file; mirrored where an axis has one plane of symmetry, so that a quarter is drawn whole.
     #[must_use]
     pub fn new(scene: &SceneFile) -> Self {
         let (output, space) = (&scene.output, scene.space);
@@ -51,7 +51,7 @@ impl Draws {
             };
             planes.extend(space.axis(axis).map(|axis| (axis, at, side)));
         }
-        let mut film = Film::new();
+        let mut film = SeriesView::new();
         if let Some(window) = &output.window {
             let corner = |list: &[impactite_input::quantity::Quantity<_>]| {
                 [0, 1, 2]

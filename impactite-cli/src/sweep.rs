@@ -141,7 +141,7 @@ pub fn sweep(base: &Job, keys: &[Values], stop: &AtomicBool) -> Result<Vec<Point
 /// Go on with the sweep in a folder: runs that have ended are read, runs that were stopped are resumed, the others are made.
 ///
 /// # Errors
-/// As [`sweep`]; a folder without a plan.
+/// [`sweep`] in a folder without a plan.
 pub fn resume(
     folder: &Path,
     how: impl FnOnce(Job) -> Job,

@@ -11,7 +11,7 @@ use std::time::Duration;
 struct Numbers(u64);
 
 impl Numbers {
-    /// Of this attack, by the seed of the environment.
+    /// Random numbers of this attack, by the seed of the environment.
     fn new(attack: u64) -> Self {
         let seed = std::env::var("IMPACTITE_SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(1u64);
         Numbers(seed.wrapping_mul(1000) + attack)

@@ -249,7 +249,7 @@ fn a_sweep_goes_on_where_it_was_stopped() {
     let rows: Vec<&str> = table.lines().collect();
     assert!(rows.len() == 4 && rows[2].to_lowercase().contains("nan"), "{table}");
     assert!(read(at.join("s/sweep.json")).contains("disc"), "the reason is kept");
-    // As if it had been killed in its third run.
+    // State after a kill in the third run.
     let first = std::fs::metadata(at.join("s/001/result.json")).unwrap().modified().unwrap();
     std::fs::remove_file(at.join("s/003/result.json")).unwrap();
     std::fs::remove_file(at.join("s/sweep.csv")).unwrap();

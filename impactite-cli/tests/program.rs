@@ -177,7 +177,7 @@ fn frames_have_the_fields_and_the_format_that_the_file_says() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// What pictures and frames cannot be is told before a run, with the key.
+/// Impossible pictures and frames are refused before a run, with the key.
 #[test]
 fn keys_of_output_are_checked() {
     let folder = folder("output");

@@ -1,4 +1,4 @@
-//! What the program says of scenes, on the terminal and on the page.
+//! Messages of the program about scenes, on the terminal and on the page.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

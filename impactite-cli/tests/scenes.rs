@@ -50,7 +50,7 @@ fn scenes_in(folder: &Path) -> Vec<String> {
     there
 }
 
-/// As they are written by `new`, with default options: without a warning, with a small energy error, every check passed.
+/// Templates as `new` writes them, with default options: without a warning, with a small energy error, every check passed.
 #[test]
 fn templates_run_as_they_are_without_a_warning_and_pass_their_checks() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/templates");

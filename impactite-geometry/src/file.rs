@@ -6,7 +6,7 @@ use std::path::Path;
 /// Bytes of a file at most, 4 GiB: a binary STL file of 8.6e7 triangles.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// What a file holds.
+/// Content of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
     /// Triangles, text or binary.
@@ -17,12 +17,12 @@ pub(crate) enum Kind {
     Gmsh,
     /// Elements of Abaqus.
     Abaqus,
-    /// What no reader takes.
+    /// Format without a reader.
     Other(&'static str),
 }
 
 impl Kind {
-    /// What such a file is, and what reads it.
+    /// Format of the file, and its reader.
     fn told(self) -> (&'static str, &'static str) {
         match self {
             Kind::Stl => {

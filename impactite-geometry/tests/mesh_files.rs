@@ -443,7 +443,7 @@ fn files_of_gmsh_itself_are_read() {
     }
 }
 
-/// What each reader says of a file at `path`.
+/// Message of each reader for a file at `path`.
 fn said(path: &std::path::Path) -> [String; 4] {
     fn said<X>(read: Result<X, GeometryError>) -> String {
         read.err().expect("refused").to_string()

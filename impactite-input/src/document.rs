@@ -115,7 +115,7 @@ impl Source {
         }
     }
 
-    /// The same with the files that it names by their full paths, so that the text means the same anywhere.
+    /// Copy with the files that it names by their full paths, so that the text means the same anywhere.
     #[must_use]
     pub fn anchored(&self) -> Self {
         let folder = Path::new(&self.name).parent().unwrap_or(Path::new(""));

@@ -42,7 +42,7 @@ pub enum InputError {
     },
 }
 
-/// What is wrong in a file, with its place. [`Display`](fmt::Display) shows the line with a mark below it, and no character that steers a
+/// Error in a file, with its place. [`Display`](fmt::Display) shows the line with a mark below it, and no character that steers a
 /// terminal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {

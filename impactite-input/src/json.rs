@@ -14,7 +14,7 @@ pub(crate) struct Place {
     pub wrong: Option<Wrong>,
 }
 
-/// What JSON allows and scenes do not.
+/// JSON that scenes do not allow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wrong {
     /// Its key stands twice in its object.

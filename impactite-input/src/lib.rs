@@ -34,18 +34,18 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod ahead;
 mod build;
 mod document;
 mod error;
+mod estimate;
 mod json;
 pub mod keys;
 pub mod list;
 pub mod measured;
 mod sets;
 
-pub use ahead::{Ahead, BodyAhead};
 pub use build::size::bytes_a_point;
 pub use document::{RESUMABLE, Source};
 pub use error::{Fault, InputError, shown};
+pub use estimate::{BodyEstimate, SceneEstimate};
 pub use impactite_scene_file::{SceneFile, formula, model, quantity, remedy, schema};

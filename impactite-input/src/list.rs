@@ -51,7 +51,7 @@ impl Topic {
         (Topic::Output, "output"),
     ];
 
-    /// What the list contains.
+    /// Topic of the list.
     #[must_use]
     pub fn what(self) -> &'static str {
         match self {

@@ -91,7 +91,7 @@ fn nearest(body: &dyn Body, at: &[Quantity<Length>], revolved: bool) -> Result<u
     body.for_each(&mut |p| {
         let square: f64 = at.iter().zip(p.position).map(|(a, x)| (a.value - x).powi(2)).sum();
         if best.is_none_or(|(least, number, _)| square < least || square == least && p.number < number) {
-            // Of an element the largest distance of a corner.
+            // Largest distance of a corner of an element.
             let far =
                 |c: &[f64; 3]| (0..at.len()).map(|d| (c[d] - p.position[d]).powi(2)).sum::<f64>().sqrt();
             let half = p.corners.iter().map(far).fold(0.0, f64::max);

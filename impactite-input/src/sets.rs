@@ -58,7 +58,7 @@ impl Node {
     fn is_table(&self) -> bool {
         matches!(self, Node::Table(..))
     }
-    /// Whether it is a constant of the source, and no absent part or number that follows from others.
+    /// True for a constant of the source; false for an absent part or a number that follows from others.
     fn is_told(&self, key: &str) -> bool {
         let derived = ["beyond", "chord", "locked", "compression_burn", "delay", "localisation"];
         let absent =

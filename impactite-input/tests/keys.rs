@@ -166,7 +166,7 @@ fn defaults_are_what_scenes_without_the_key_have() {
             Ok(x) => format!("{}", 0.9 * x),
             Err(_) => format!("\"{}\"", keys[path].words[1].0),
         };
-        // What only matters once bodies subcycle or lattices part.
+        // Keys that matter only once bodies subcycle or lattices part.
         if !["method.fem.subcycles", "method.pcmm.stretch", "method.pcmm.tolerance"].contains(&path) {
             let other = source.set(&format!("{place}={other}")).unwrap_or_else(|e| panic!("{e}"));
             assert!(state(&source) != state(&other), "{path} does nothing");
@@ -235,7 +235,7 @@ fn lists_have_the_key_that_takes_a_law_and_what_named_sets_are() {
     assert!(parts.iter().any(|l| l.name == "impact" && l.what.contains("quadratic_b_spline, aflip, usl")));
 }
 
-/// What `for` chooses is what the list says, and each combination of the list is compiled.
+/// Choices of `for` agree with the list, and each combination of the list is compiled.
 #[test]
 fn purposes_and_parts_are_those_of_the_list() {
     let method = |options: &str| {

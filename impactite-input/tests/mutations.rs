@@ -152,7 +152,7 @@ fn a_thousand_wrong_files_give_each_an_error_with_its_place() {
         // Setting up a scene of a million particles is no error, and takes its time: what parses is set up where it is small.
         let read = catch_unwind(|| match source.parse() {
             Ok(scene) if wrong % 8 == 0 || scene.bodies.is_empty() => {
-                source.build(&scene).and_then(|mut solver| source.ahead(&scene, &mut *solver)).map(|_| ())
+                source.build(&scene).and_then(|mut solver| source.estimate(&scene, &mut *solver)).map(|_| ())
             }
             other => other.map(|_| ()),
         });

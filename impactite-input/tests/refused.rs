@@ -36,12 +36,12 @@ const METHODS: [&str; 5] = [
 ];
 const FRICTION: &str = "contact.law.friction = 0.2";
 
-/// What is said of a scene; nothing of one that is set up.
+/// Error of a scene; none of one that is set up.
 fn said(text: &str) -> Option<String> {
     let source = Source::new("scene.toml", text);
     let built = source.parse().and_then(|scene| {
         let mut solver = source.build(&scene)?;
-        source.ahead(&scene, &mut *solver)
+        source.estimate(&scene, &mut *solver)
     });
     built.err().map(|e| e.to_string())
 }
@@ -171,7 +171,7 @@ fn steps_speeds_and_materials_that_cannot_be_are_refused() {
     let source = Source::new("scene.toml", text(note));
     let scene = source.parse().unwrap();
     let mut solver = source.build(&scene).unwrap();
-    let ahead = source.ahead(&scene, &mut *solver).unwrap();
+    let ahead = source.estimate(&scene, &mut *solver).unwrap();
     assert!(ahead.notes.iter().any(|n| n.contains("materials.spare")), "{:?}", ahead.notes);
 }
 
@@ -233,7 +233,7 @@ fn units_that_are_missing_and_fluids_that_are_stirred_are_noted() {
         let source = Source::new("scene.toml", text);
         let scene = source.parse().unwrap_or_else(|e| panic!("{e}"));
         let mut solver = source.build(&scene).unwrap_or_else(|e| panic!("{e}"));
-        source.ahead(&scene, &mut *solver).unwrap_or_else(|e| panic!("{e}")).notes.join("; ")
+        source.estimate(&scene, &mut *solver).unwrap_or_else(|e| panic!("{e}")).notes.join("; ")
     };
     let sound = blocks(METHODS[0], FRICTION, "");
     assert_eq!(notes(&sound), "");

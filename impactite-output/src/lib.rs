@@ -44,7 +44,7 @@ pub enum OutputError {
     /// The operating system refused to create, write, flush or rename a file.
     #[error("cannot {action} `{}`: {source}", path.display())]
     File {
-        /// What was tried: "look at", "follow", "create", "write", "rename to", "remove", "open".
+        /// Attempted operation: "look at", "follow", "create", "write", "rename to", "remove", "open".
         action: &'static str,
         /// The file or folder.
         path: PathBuf,

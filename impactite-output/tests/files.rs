@@ -225,7 +225,7 @@ fn names_of_bodies_are_written() {
     let array = "<Array type=\"String\" Name=\"body_names\" NumberOfTuples=\"2\" format=\"ascii\">";
     let (_, rest) = text.split_once(array).expect("the array");
     let numbers = rest.split("</Array>").next().expect("its end").split_whitespace();
-    // As VTK's own writer has them.
+    // Types as in VTK's own writer.
     assert_eq!(numbers.collect::<Vec<_>>(), ["114", "111", "100", "0", "-61", "-87", "0"]);
     // All else stays readable.
     assert!(read(&path).contains_key("velocity"));

@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use impactite_output::picture::{
-    Axis, Camera, Chart, ColourMap, Cut, FieldPicture, Film, Mark, Marker, Mirror, Panels, ParticlePicture,
-    Picture, Quantity, Series, Stroke,
+    Axis, Camera, Chart, ColourMap, Cut, FieldPicture, Mark, Marker, Mirror, Panels, ParticlePicture,
+    Picture, Quantity, Series, SeriesView, Stroke,
 };
 use impactite_output::{Cells, OutputError, ParticleSize, Snapshot};
 use proptest::prelude::*;
@@ -255,7 +255,7 @@ fn elements_in_space_are_drawn_by_their_faces() {
     let solid = bricks(6);
     let picture = ParticlePicture::new(500, 400).colour_by(Quantity::scalar("x")).mirrored([Mirror::y(0.0)]);
     keep(&picture.clone().draw(&solid).expect("drawn"), "bricks.png");
-    // As many pixels have colour as the outline of a box has, which balls in the middles would not fill.
+    // Coloured pixels are as many as those of the outline of a box, which balls in the middles would not fill.
     let camera = Camera::looking([3.0, 3.0, 99.0], [3.0; 3], [0.0, 1.0, 0.0], 8.0).expect("a camera");
     let above = ParticlePicture::new(400, 400).without_marks().camera(camera).draw(&solid).expect("drawn");
     let side = 6.0 / 8.0 * 0.97 * (400.0 - 22.0);
@@ -275,7 +275,7 @@ fn a_film_keeps_size_window_and_colours() {
     };
     let field =
         FieldPicture::new(10, 10).fitted([400, 800], [200, 800]).colour_by(Quantity::named("von_mises"));
-    let mut film = Film::new();
+    let mut film = SeriesView::new();
     let first = field.draw_in(&mut film, &square(0.0, 9.0e7)).expect("drawn");
     // Four times as long as high, without empty halves.
     assert_eq!(first.width(), 800);
@@ -289,7 +289,7 @@ fn a_film_keeps_size_window_and_colours() {
     let left_axis = |p: &Picture| (0..p.height()).map(|y| p.pixel(60, y)).collect::<Vec<_>>();
     let moved = field.draw_in(&mut film, &square(1.0, 9.0e7)).expect("drawn");
     assert_eq!(left_axis(&moved), left_axis(&first));
-    let mut other = Film::new();
+    let mut other = SeriesView::new();
     for (to, from) in other.numbers().zip(film.clone().numbers()) {
         *to = *from;
     }
@@ -297,10 +297,10 @@ fn a_film_keeps_size_window_and_colours() {
     assert!(
         field.draw_in(&mut other, &far).expect("drawn") == field.draw_in(&mut film, &far).expect("drawn")
     );
-    let mut set = Film::new().with_window([0.0; 3], [20.0, 20.0, 0.0], 2).expect("a window");
+    let mut set = SeriesView::new().with_window([0.0; 3], [20.0, 20.0, 0.0], 2).expect("a window");
     let part = field.draw_in(&mut set, &square(0.0, 9.0e7)).expect("drawn");
     assert!((600..=800).contains(&part.height()), "as high as wide: {} x {}", part.width(), part.height());
-    assert!(Film::new().with_window([1.0; 3], [1.0, 2.0, 0.0], 2).is_err());
+    assert!(SeriesView::new().with_window([1.0; 3], [1.0, 2.0, 0.0], 2).is_err());
 }
 
 #[test]

@@ -98,7 +98,7 @@ pub fn energy_error(error: Option<f64>) -> String {
     error.map_or_else(|| "none: nothing moves".into(), percent)
 }
 
-/// How many checks passed of those that are judged, in words.
+/// Number of checks passed of those that are judged, in words.
 ///
 /// ```
 /// use impactite_report::checks_passed;

@@ -86,7 +86,7 @@ pub struct Warned {
     pub title: String,
     /// What was found, and its likely cause.
     pub found: String,
-    /// What to do about it.
+    /// Remedy.
     pub remedy: String,
 }
 
@@ -309,7 +309,7 @@ impl Recorder {
         self.clock.before + self.clock.seconds
     }
 
-    /// What is warned of at the end of a run, beside what the run warned of itself: points that are gone, and a large energy error that
+    /// Warnings at the end of a run, beside those of the run itself: points that are gone, and a large energy error that
     /// was there between two looks of the watch.
     #[must_use]
     pub fn late_warnings(&self) -> Vec<Warned> {

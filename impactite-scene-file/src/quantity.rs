@@ -425,7 +425,7 @@ impl<'de, U: Measure> Deserialize<'de> for Quantity<U> {
     }
 }
 
-/// As a number in SI units: the schema has defaults by it.
+/// Number in SI units: the schema has defaults by it.
 impl<U> serde::Serialize for Quantity<U> {
     fn serialize<S: serde::Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         to.serialize_f64(self.value)

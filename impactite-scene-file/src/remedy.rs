@@ -6,7 +6,7 @@
 /// A phrase of the messages of the libraries, and the same for scene files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Remedy {
-    /// As the library says it.
+    /// Text of the library.
     pub library: &'static str,
     /// With keys of scene files, `NAME` for names of bodies and materials; without what scene files do not have.
     pub scene_file: &'static str,
@@ -37,9 +37,9 @@ pub const REMEDIES: &[Remedy] = &[
     remedy("it needs FLIP or a blend", "it needs `method.mpm.parts.transfer = \"flip\"` or `\"blend\"`"),
     remedy("take FLIP or a blend", "take `method.mpm.parts.transfer = \"flip\"` or `\"blend\"`"),
     remedy(
-        "FLIP with MUSL where nothing spins, AFLIP with USF, AFLIP with USL (`Method::impact`), APIC",
-        "FLIP with MUSL where nothing spins (`method.mpm.parts`), AFLIP with USL (`method.mpm.for = \"impact\"`), APIC \
-         (`method.mpm.for = \"contact at rest\"`)",
+        "FLIP with MUSL where nothing spins, AFLIP with USF",
+        "FLIP with MUSL where nothing spins (`method.mpm.parts = { shape_function = \"linear\", transfer = \"flip\", \
+         stress_update = \"musl\" }` instead of `for`)",
     ),
     remedy("take `Gimp`, `Linear` or a B-spline", "take another `method.mpm.parts.shape_function`"),
     remedy(

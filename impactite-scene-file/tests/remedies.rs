@@ -125,7 +125,7 @@ fn messages() -> Vec<(PathBuf, String)> {
     CRATES.iter().for_each(|name| sources(&root.join(name).join("src"), &mut files));
     files.retain(|f| {
         // The table, and the page of keys, are not messages.
-        let apart = ["impactite-scene-file/src/remedy.rs", "impactite-input/src/keys.rs"];
+        let apart = ["impactite-scene-file/src/remedy.rs", "impactite-input/src/keys/page.rs"];
         !apart.iter().any(|name| f.ends_with(name)) && !f.iter().any(|part| part == "conformance")
     });
     let of = |file: PathBuf| {
@@ -220,7 +220,7 @@ fn keys_of(text: &'static str) -> impl Iterator<Item = Remedied> {
     text.split('`').skip(1).step_by(2).filter(|quoted| !quoted.starts_with('"')).map(move |quoted| {
         let (key, value) = quoted.split_once(" = ").map_or((quoted, None), |(key, value)| (key, Some(value)));
         let value = value.and_then(|v| v.strip_prefix('"')?.strip_suffix('"')).map(String::from);
-        // Of what stands in a table already named.
+        // Keys of a table already named.
         let key =
             if key.starts_with("integration.") { format!("bodies.NAME.{key}") } else { key.to_string() };
         Remedied { text, key, value }

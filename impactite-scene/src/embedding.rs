@@ -82,7 +82,7 @@ pub fn unit_of_part(unit: &str, dimensions: usize, axisymmetric: bool) -> String
     if unit.contains([' ', '/']) { format!("({unit})/{per}") } else { format!("{unit}/{per}") }
 }
 
-/// What an extensive quantity of a scene is per, as it is said after its unit: " per radian", " per metre of depth"; empty of the whole.
+/// Reference of an extensive quantity of a scene, as written after its unit: " per radian", " per metre of depth"; empty of the whole.
 #[must_use]
 pub fn part_in_words(dimensions: usize, axisymmetric: bool) -> &'static str {
     match (dimensions, axisymmetric) {

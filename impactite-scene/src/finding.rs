@@ -23,7 +23,7 @@ pub struct Loss {
     pub remedy: &'static str,
 }
 
-/// What a look at a run found. [`Display`](fmt::Display) is [`found`](Finding::found), a semicolon, and [`remedy`](Finding::remedy).
+/// Finding of a look at a run. [`Display`](fmt::Display) is [`found`](Finding::found), a semicolon, and [`remedy`](Finding::remedy).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Finding {
@@ -55,7 +55,7 @@ pub enum Finding {
     FewSteps {
         /// Steps made.
         steps: u64,
-        /// Of the largest energy so far; negative: lost.
+        /// Part of the largest energy so far; negative: lost.
         share: f64,
         /// Energy, J; negative: lost.
         joules: f64,
@@ -134,7 +134,7 @@ impl fmt::Display for Finding {
 }
 
 impl Finding {
-    /// What was found and its likely cause, without the remedy.
+    /// Finding and likely cause, without the remedy.
     #[must_use]
     pub fn found(&self) -> String {
         let per_cent = |share: &f64| 100.0 * share;
@@ -194,7 +194,7 @@ impl Finding {
         }
     }
 
-    /// What to do, as an imperative. Parts are named by their calls; scene files have keys for them.
+    /// Remedy, as an imperative. Parts are named by their calls; scene files have keys for them.
     #[must_use]
     pub fn remedy(&self) -> &'static str {
         match self {
@@ -223,7 +223,7 @@ impl Finding {
     }
 }
 
-/// What most likely made energy. [`Display`](fmt::Display) is the cause, a semicolon, and the remedy.
+/// Likely cause of a gain of energy. [`Display`](fmt::Display) is the cause, a semicolon, and the remedy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum GainCause {
@@ -248,7 +248,7 @@ pub enum GainCause {
     Contact,
     /// Particles that cross cells.
     Crossing,
-    /// What else a method knows: the cause, a semicolon, and the remedy.
+    /// Cause that a method knows: the cause, a semicolon, and the remedy.
     Other(&'static str),
 }
 
@@ -280,7 +280,7 @@ impl GainCause {
         }
     }
 
-    /// What to do, as an imperative.
+    /// Remedy, as an imperative.
     #[must_use]
     pub fn remedy(&self) -> &'static str {
         match self {

@@ -284,7 +284,7 @@ impl<'a> Run<'a> {
                 return Err(RunError::Interrupted { time, steps, saved });
             }
         }
-        // Of a run that had no step to make.
+        // A run that had no step to make.
         let known = self.solver.warnings().len();
         let looked = self.solver.look_at_the_end();
         self.tell(known);

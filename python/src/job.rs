@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use impactite_cli::sweep::{Values, chart as draw};
-use impactite_cli::{Advance, Job, Stand};
+use impactite_cli::{Job, ProgressState, SharedProgress};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 
@@ -22,7 +22,7 @@ pub struct How {
     threads: Option<usize>,
     #[pyo3(item)]
     checkpoint: f64,
-    /// As the checkpoint has it if not given.
+    /// Value of the checkpoint if not given.
     #[pyo3(item)]
     pictures: Option<bool>,
     #[pyo3(item)]
@@ -39,7 +39,7 @@ fn perform(py: Python<'_>, job: Job, how: &How, shown: Option<&Bound<'_, PyAny>>
         let why = format!("checkpoint = {seconds} s is not allowed; it must be from 0 to 1e9");
         return Err(PyValueError::new_err(why));
     }
-    let (stop, advance) = (Arc::new(AtomicBool::new(false)), Arc::new(Advance::default()));
+    let (stop, advance) = (Arc::new(AtomicBool::new(false)), Arc::new(SharedProgress::default()));
     let job = Job {
         threads: how.threads,
         checkpoint: Duration::from_secs_f64(seconds),
@@ -50,7 +50,7 @@ fn perform(py: Python<'_>, job: Job, how: &How, shown: Option<&Bound<'_, PyAny>>
     };
     let stopping = stop.clone();
     let show = || {
-        let Stand { time, end, steps, rate, energy_error } = advance.stand();
+        let ProgressState { time, end, steps, rate, energy_error } = advance.stand();
         match shown {
             Some(shown) if end > 0.0 => shown.call1((time, end, steps, rate, energy_error)).map(drop),
             _ => Ok(()),

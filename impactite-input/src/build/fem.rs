@@ -6,7 +6,7 @@ use impactite::scene::Solver;
 use super::common::World;
 use super::kernels::Setting;
 use super::wrong::{At, Made, known, of_body, wrong};
-use super::{mesh, placed};
+use super::{mesh, placement};
 use crate::model::contact::Detector;
 use crate::model::method::{Fem, SUBCYCLES};
 
@@ -34,7 +34,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         let key = format!("method.fem.touch_themselves[{n}]");
         fem.touch_itself(known(&key, "body", name, names.iter().copied())?).at(key)?;
     }
-    placed::check_planes(world, &fem)?;
+    placement::check_planes(world, &fem)?;
     for (key, boundary) in world.conditions()? {
         fem.bound(boundary).at(key)?;
     }

@@ -11,7 +11,7 @@ use impactite::scene::{Embedding, Solver};
 
 use super::common::World;
 use super::wrong::{At, Made, of_body, wrong};
-use super::{mesh, particles, placed, shape};
+use super::{mesh, particles, placement, shape};
 use crate::model::body::Body as Spec;
 use crate::model::method::{Cracks, Flux as FluxWord, Fpm, PENALTY, Points};
 use crate::model::shape::Shape;
@@ -60,7 +60,7 @@ where
         if let Some(friction) = options.friction {
             body.set_friction(friction.value).at("method.fpm.friction")?;
         }
-        placed::check_planes(world, &body)?;
+        placement::check_planes(world, &body)?;
         for (key, boundary) in world.conditions()? {
             body.bound(boundary).at(key)?;
         }

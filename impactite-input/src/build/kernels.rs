@@ -110,7 +110,7 @@ macro_rules! of_parts {
 macro_rules! kernels {
     ($space:ident, $options:ident) => {
         match (&$options.parts, $options.purpose) {
-            (Some(_), Some(_)) => wrong("method.mpm.parts", "either `for` or `parts`"),
+            (Some(_), Some(_)) => wrong("method.mpm.parts", "either `for` or `parts`: leave `for` out, and write `shape_function`, `transfer` and `stress_update`"),
             (None, purpose) => Ok(match purpose.unwrap_or_default() {
                 Purpose::Impact => Method::impact($space).into_kernels(),
                 Purpose::ContactAtRest => Method::contact_at_rest($space).into_kernels(),

@@ -413,7 +413,7 @@ pub(crate) struct Described {
     pub failure: String,
 }
 
-/// What a named set is.
+/// Kind of a named set.
 pub(crate) fn described(name: Library) -> Option<Described> {
     let law = of_library("materials", name, None, None, None).ok()?.material;
     let failure = match own_failure(name) {

@@ -10,7 +10,7 @@ mod mesh;
 mod mpm;
 mod output;
 mod particles;
-mod placed;
+mod placement;
 pub(crate) mod shape;
 pub(crate) mod size;
 pub(crate) mod wrong;
@@ -107,7 +107,7 @@ fn checked<const D: usize>(
     world.check()?;
     size::check(world)?;
     let solver = build(world)?;
-    placed::check(world, &*solver)?;
+    placement::check(world, &*solver)?;
     Ok(solver)
 }
 

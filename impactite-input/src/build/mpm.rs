@@ -18,7 +18,7 @@ use super::common::World;
 use super::kernels::Setting;
 use super::material::{Acting, Start};
 use super::wrong::{At, Made, Wrong, known, of_body, wrong};
-use super::{mesh, placed, shape};
+use super::{mesh, placement, shape};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
 use crate::model::method::{Dense, Grid, Mpm};
@@ -118,7 +118,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         add_elements(embedding, world, &mut mpm, name, body)?;
     }
     // Bodies behind planes have their own words, with the key that helps.
-    placed::check_planes(world, &mpm)?;
+    placement::check_planes(world, &mpm)?;
     for (key, boundary) in others {
         mpm.bound(boundary).at(key)?;
     }

@@ -9,7 +9,7 @@ use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
 
 use super::common::World;
 use super::kernels::Setting;
-use super::placed;
+use super::placement;
 use super::wrong::{At, Made, of_body, wrong};
 use crate::model::contact::Detector;
 use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCE};
@@ -63,7 +63,7 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
                 let law = world.law(&key, spec)?.material;
                 let body = SphBody::new($method, law, &Layout::of_seeds(&seeds), move |x| velocity(x));
                 let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
-                placed::check_planes(world, &body)?;
+                placement::check_planes(world, &body)?;
                 for (key, boundary) in world.conditions()? {
                     body.bound(boundary).at(key)?;
                 }
@@ -105,7 +105,7 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
         let body: Result<PcmmBody<D, _>, _> =
             PcmmBody::new(method, law, &packing, move |x| velocity(x), Masses::FromElements);
         let mut body = body.map_err(|e| of_body(&key, e))?.named(name);
-        placed::check_planes(world, &body)?;
+        placement::check_planes(world, &body)?;
         for (key, boundary) in world.conditions()? {
             body.bound(boundary).at(key)?;
         }

@@ -19,7 +19,7 @@ pub fn bytes_a_point(method: &Method, dimensions: usize) -> f64 {
         (Method::Sph(_), _) => 1000.0,
         (Method::Fpm(_), 3) => 2500.0,
         (Method::Fpm(_), _) => 1100.0,
-        (Method::Pcmm(_), _) => 420.0,
+        (Method::Pcmm(_), _) => 400.0,
     }
 }
 

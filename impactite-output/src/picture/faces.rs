@@ -154,7 +154,7 @@ mod tests {
         // The cut opens the rod after two cells, and shows the face behind them.
         let cut = Cut { normal: [1.0, 0.0, 0.0], through: [2.0, 0.0, 0.0] };
         assert_eq!(count(&rod, &[], &[cut]), 10);
-        // Of the copy on the other side nothing is cut.
+        // The copy on the other side is not cut.
         assert_eq!(count(&rod, &[Mirror::x(0.0)], &[cut]), 32);
     }
 }

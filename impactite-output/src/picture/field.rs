@@ -7,9 +7,9 @@ use super::camera::{Camera, Mirror};
 use super::canvas::{Pen, Picture};
 use super::colour::Rgb;
 use super::faces;
-use super::film::Film;
 use super::legend::Legend;
 use super::quantity::{Quantity, colours_of};
+use super::series_view::SeriesView;
 
 /// How a particle in the plane is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -165,7 +165,7 @@ impl FieldPicture {
     ///
     /// # Errors
     /// As [`draw`](Self::draw).
-    pub fn draw_in(&self, film: &mut Film, snapshot: &Snapshot) -> Result<Picture, OutputError> {
+    pub fn draw_in(&self, film: &mut SeriesView, snapshot: &Snapshot) -> Result<Picture, OutputError> {
         self.drawn(snapshot, Some(film))
     }
 
@@ -179,7 +179,7 @@ impl FieldPicture {
         self.drawn(snapshot, None)
     }
 
-    fn drawn(&self, snapshot: &Snapshot, mut film: Option<&mut Film>) -> Result<Picture, OutputError> {
+    fn drawn(&self, snapshot: &Snapshot, mut film: Option<&mut SeriesView>) -> Result<Picture, OutputError> {
         if snapshot.dimension() != 2 {
             let allowed = "2; a snapshot in space is drawn by ParticlePicture";
             return Err(OutputError::value("dimension", snapshot.dimension(), allowed));
@@ -326,7 +326,7 @@ impl FieldPicture {
     }
 
     /// The window of a series that holds the snapshot, m.
-    fn window(&self, film: &mut Film, snapshot: &Snapshot) -> Result<[[f64; 2]; 2], OutputError> {
+    fn window(&self, film: &mut SeriesView, snapshot: &Snapshot) -> Result<[[f64; 2]; 2], OutputError> {
         // The plane as a camera sees it, with coordinates of its own.
         let (toward, up) = ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
         let of_box = |given: [[f64; 3]; 2]| Camera::extent_of_box(given, &self.mirrors, toward, up);
@@ -484,7 +484,7 @@ impl FieldPicture {
 /// Half the width of the edges of elements, samples.
 const EDGE: f32 = 1.0;
 
-/// How dark the edges of an element are: 0 where they would be all that is seen.
+/// Darkness of the edges of an element: 0 where they would be all that is seen.
 fn edge_strength(outline: &[[f32; 2]]) -> f32 {
     let next = outline.iter().cycle().skip(1);
     let sides = outline.iter().zip(next).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1]));

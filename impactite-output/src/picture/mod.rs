@@ -27,12 +27,13 @@ mod chart;
 mod colour;
 mod faces;
 mod field;
-mod film;
 mod legend;
 mod matter;
 mod panels;
 mod particles;
 mod quantity;
+mod raster;
+mod series_view;
 
 use super::OutputError;
 use impactite_simd::memory::{Budget, MOST_BYTES};
@@ -43,10 +44,10 @@ pub use canvas::Picture;
 pub use chart::{Axis, Chart, Marker, Series, Stroke};
 pub use colour::{ColourMap, Rgb, hex, palette};
 pub use field::{FieldPicture, Mark};
-pub use film::Film;
 pub use panels::Panels;
 pub use particles::ParticlePicture;
 pub use quantity::Quantity;
+pub use series_view::SeriesView;
 
 /// The unit in which a length (m) reads best, and how many of it make a metre.
 #[must_use]
@@ -82,7 +83,7 @@ fn check_scale(scale: f64) -> Result<(), OutputError> {
     }
 }
 
-/// Sizes that a picture of a [`Film`] may have, pixels: as the first one fits into.
+/// Sizes that a picture of a [`SeriesView`] may have, pixels: as the first one fits into.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Sizes {
     width: [usize; 2],

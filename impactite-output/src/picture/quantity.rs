@@ -3,7 +3,7 @@
 use super::super::{FieldKind, OutputError, Snapshot};
 use super::axis::{ColourBar, Scale};
 use super::colour::{ColourMap, Rgb};
-use super::film::Film;
+use super::series_view::SeriesView;
 
 /// A quantity shown in colour: a field of the snapshot, its label, its unit, its range and its colours.
 ///
@@ -285,7 +285,7 @@ impl Quantity {
     }
 
     /// The quantity with the range of a series, unless it has one; those along the logarithm keep the range of each picture.
-    pub(crate) fn in_film(&self, film: &mut Film, snapshot: &Snapshot) -> Result<Self, OutputError> {
+    pub(crate) fn in_film(&self, film: &mut SeriesView, snapshot: &Snapshot) -> Result<Self, OutputError> {
         if self.range.is_some() || self.log {
             return Ok(self.clone());
         }

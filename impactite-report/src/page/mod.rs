@@ -105,7 +105,7 @@ pub fn page(record: &Record, folder: &Path) -> String {
             }
         }
     };
-    // What a scene is called must not do anything.
+    // The title of a scene must have no effect.
     printable(&page.into_string()).into_owned()
 }
 

@@ -86,7 +86,7 @@ impl Balances {
             column("impacts", "J", &|r| r.impacts),
             column("conversion", "J", &|r| r.conversion),
             column("total", "J", &Row::total),
-            // What is rest is not known before a look of the watch.
+            // Energy at rest is not known before a look of the watch.
             column("energy error", "-", &|r| if rests { 0.0 } else { r.energy_error }),
             column("momentum x", "kg m/s", &|r| r.momentum[0]),
             column("momentum y", "kg m/s", &|r| r.momentum[1]),

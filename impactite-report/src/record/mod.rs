@@ -65,7 +65,7 @@ pub struct Record {
     /// What part of the whole the scene is.
     #[serde(default)]
     pub part: Part,
-    /// What the scene shows, in its author's words; paragraphs are separated by empty lines.
+    /// Description of the scene, in its author's words; paragraphs are separated by empty lines.
     #[serde(default)]
     pub description: String,
     /// The scene as its author wrote it.
@@ -140,7 +140,7 @@ impl Record {
         }
     }
 
-    /// What the scene shows, in its author's words.
+    /// Description of the scene, in its author's words.
     #[must_use]
     pub fn description(self, text: impl Into<String>) -> Self {
         Record { description: text.into(), ..self }

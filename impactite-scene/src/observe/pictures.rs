@@ -120,7 +120,7 @@ impl Observer for VtkSeries {
     }
 }
 
-/// Draws the pictures of a run, with what stays from one to the next, as a [`Film`](output::picture::Film). Functions draw, too.
+/// Draws the pictures of a run, with what stays from one to the next, as a [`SeriesView`](output::picture::SeriesView). Functions draw, too.
 pub trait Draw {
     /// Draw a snapshot.
     ///

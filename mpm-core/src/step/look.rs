@@ -6,6 +6,7 @@ use impactite_scene::watch::{Account, Finding, GainCause, Look, Loss, Warning, W
 
 use super::cells::{Alternation, Cells, Wholeness};
 
+use super::kernels::Facts;
 use super::mpm::Mpm;
 use crate::parallel::Float;
 
@@ -18,12 +19,24 @@ const ALTERNATES: f64 = 0.35;
 /// Fewer particles that failed alone say nothing.
 const FEW_FAILED: u64 = 8;
 
-/// Where energy goes that no balance has, and what keeps more of it, the best first.
-const LOSS: Loss = Loss {
-    by: "the filter of the transfer or contacts that closed",
-    remedy: "take smaller cells, or a transfer that keeps more: FLIP with MUSL where nothing spins, AFLIP with USF, AFLIP with USL \
-             (`Method::impact`), APIC",
-};
+/// Sink of energy that no balance has.
+const SINK: &str = "the filter of the transfer or contacts that closed";
+
+/// Sink of energy that no balance has, and remedies by the transfer in use: those that keep more of the energy, the best first. FLIP with
+/// MUSL keeps most, then AFLIP, then all others.
+fn loss(facts: &Facts) -> Loss {
+    let remedy = match (facts.affine, facts.reads_increment) {
+        (false, true) if facts.remap => "take smaller cells",
+        (true, true) => {
+            "take smaller cells, or a transfer that keeps more: FLIP with MUSL where nothing spins, AFLIP with USF"
+        }
+        _ => {
+            "take smaller cells, or a transfer that keeps more: FLIP with MUSL where nothing spins, AFLIP with USF, AFLIP with USL \
+             (`Method::impact`)"
+        }
+    };
+    Loss { by: SINK, remedy }
+}
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Choose what the run watches over: [`Watch`]. A run that the watch stopped may go on after this.
@@ -95,7 +108,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             speed: self.stepper.rate.to_double() * self.grid.lattice().spacing(),
             // Kinetic damping closes its balance to half a step.
             energy: self.between_steps.kinetic_damping.is_none(),
-            loss: LOSS,
+            loss: loss(self.facts()),
         };
         let broken = || {
             let broken = self.scene.bodies.iter().find(|b| !b.totals().is_finite());

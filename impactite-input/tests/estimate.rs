@@ -1,12 +1,12 @@
 //! Looks ahead: memory, and what points fill of their shapes.
 
-use impactite_input::{Ahead, Source, bytes_a_point};
+use impactite_input::{SceneEstimate, Source, bytes_a_point};
 
-fn ahead(text: &str) -> (Ahead, f64) {
+fn ahead(text: &str) -> (SceneEstimate, f64) {
     let source = Source::new("scene.toml", text);
     let scene = source.parse().unwrap_or_else(|e| panic!("{e}"));
     let mut solver = source.build(&scene).unwrap_or_else(|e| panic!("{e}"));
-    let ahead = source.ahead(&scene, &mut *solver).unwrap_or_else(|e| panic!("{e}"));
+    let ahead = source.estimate(&scene, &mut *solver).unwrap_or_else(|e| panic!("{e}"));
     let estimated = bytes_a_point(&scene.method, scene.space.dimensions());
     (ahead, estimated)
 }

@@ -6,13 +6,13 @@ use super::super::{FARTHEST, OutputError, is_place};
 ///
 /// Size and window are those of the first picture, with a margin. Where matter leaves the window, the side that it leaves by moves out
 /// by a tenth of the window beyond it; where values leave the range, the range grows to the next round number. So a series has few
-/// steps, and none where [`Film::with_window`] and [`Quantity::range`](super::Quantity::range) are set.
+/// steps, and none where [`SeriesView::with_window`] and [`Quantity::range`](super::Quantity::range) are set.
 ///
 /// ```
-/// use impactite_output::picture::{FieldPicture, Film};
+/// use impactite_output::picture::{FieldPicture, SeriesView};
 /// # use impactite_output::{OutputError, ParticleSize, Snapshot};
 /// # fn draw(snapshots: &[Snapshot]) -> Result<(), OutputError> {
-/// let mut film = Film::new();
+/// let mut film = SeriesView::new();
 /// for (n, snapshot) in snapshots.iter().enumerate() {
 ///     let picture = FieldPicture::new(1000, 750).draw_in(&mut film, snapshot)?;
 ///     picture.save(format!("film_{n:03}.png"))?;
@@ -21,7 +21,7 @@ use super::super::{FARTHEST, OutputError, is_place};
 /// # }
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-pub struct Film {
+pub struct SeriesView {
     /// Width and height, pixels; NaN before the first picture, as all that follows.
     size: [f64; 2],
     /// Two corners, m: of coordinates in the plane, of directions of the camera in space.
@@ -34,18 +34,18 @@ pub struct Film {
 
 /// Margin around matter in the first picture, part of the longest side.
 const MARGIN: f64 = 0.08;
-/// How far a side that matter leaves by moves beyond it, part of the window's extent along that axis.
+/// Distance beyond which a side that matter leaves by moves, part of the window's extent along that axis.
 const STEP: f64 = 0.1;
 /// Extent along an axis that steps are reckoned with at least, part of the longest side.
 const LEAST: f64 = 0.3;
 
-impl Default for Film {
+impl Default for SeriesView {
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl Film {
+impl SeriesView {
     /// Before the first picture.
     #[must_use]
     pub fn new() -> Self {
@@ -93,7 +93,7 @@ impl Film {
         Self { foreseen: Some([low, high]), ..self }
     }
 
-    /// What is foreseen, before the first picture, m.
+    /// Foreseen window, before the first picture, m.
     pub(super) fn foreseen(&self) -> Option<[[f64; 3]; 2]> {
         self.foreseen.filter(|[low, high]| !self.has_begun() && is_place(low) && is_place(high))
     }
@@ -139,7 +139,7 @@ impl Film {
             self.range = round(low, high).into();
         } else if low < from || high > to {
             let (low, high) = round(low.min(from), high.max(to));
-            // What was round stays.
+            // Rounded sides stay.
             self.range = [if low < from { low } else { from }, if high > to { high } else { to }];
         }
         Some((self.range[0], self.range[1]))
@@ -185,17 +185,17 @@ mod tests {
 
     #[test]
     fn ranges_grow_in_few_round_steps() {
-        let mut film = Film::new();
+        let mut film = SeriesView::new();
         assert_eq!(film.colours(0.0, 0.0, true), None);
         assert_eq!(film.colours(0.0, 8.7e7, true), Some((0.0, 1e8)));
         assert_eq!(film.colours(1e6, 9.9e7, true), Some((0.0, 1e8)));
         assert_eq!(film.colours(0.0, 1.01e8, true), Some((0.0, 1.5e8)));
-        let mut ratio = Film::new();
+        let mut ratio = SeriesView::new();
         assert_eq!(ratio.colours(0.981, 1.012, false), Some((0.98, 1.02)));
-        let mut signed = Film::new();
+        let mut signed = SeriesView::new();
         assert_eq!(signed.colours(-3.1e6, 4.4e8, false), Some((-5e7, 4.5e8)));
         // A hundred growing values make few steps.
-        let mut growing = Film::new();
+        let mut growing = SeriesView::new();
         let ranges: Vec<_> = (1..=100).map(|n| growing.colours(0.0, f64::from(n), true)).collect();
         assert!(ranges.windows(2).filter(|w| w[0] != w[1]).count() <= 18);
         for (low, high) in [(f64::MIN, f64::MAX), (1e-320, 2e-320), (-1e-300, 1e300), (5.0, 5.0 + 1e-14)] {
@@ -206,14 +206,14 @@ mod tests {
 
     #[test]
     fn a_window_stays_until_matter_leaves_it() {
-        let mut film = Film::new();
+        let mut film = SeriesView::new();
         let first = film.cover([0.0; 3], [1.0, 2.0, 0.0]);
         assert_eq!(first, [[-0.16, -0.16, -0.16], [1.16, 2.16, 0.16]]);
         assert_eq!(film.cover([-0.1; 3], [1.1, 0.0, 0.0]), first);
         let [low, high] = film.cover([0.0; 3], [1.2, 0.0, 0.0]);
         assert_eq!((low, high[1]), (first[0], first[1][1]));
         assert!((high[0] - (1.2 + 0.1 * 1.32)).abs() < 1e-12);
-        let mut again = Film::new();
+        let mut again = SeriesView::new();
         for (to, from) in again.numbers().zip(film.clone().numbers()) {
             *to = *from;
         }

@@ -8,19 +8,19 @@ use impactite::observe::{ObserveError, Observer, Pace, Progress, RunView};
 use impactite::scene::{Archive, CheckpointError, Warning};
 use impactite_input::shown;
 
-/// Wall-clock time between updates of a [`Stand`].
+/// Wall-clock time between updates of a [`ProgressState`].
 const EVERY: Duration = Duration::from_millis(50);
 
 /// Progress of a run, shared between its thread and others. It replaces the bar on the terminal for a [`Job`](crate::Job).
 #[derive(Debug, Default)]
-pub struct Advance {
+pub struct SharedProgress {
     begun: AtomicBool,
-    now: Mutex<(Stand, Vec<String>)>,
+    now: Mutex<(ProgressState, Vec<String>)>,
 }
 
 /// Time and steps that a run has reached.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Stand {
+pub struct ProgressState {
     /// Simulated time, s.
     pub time: f64,
     /// Simulated time at the end of the run, s; 0 before the first step.
@@ -33,14 +33,14 @@ pub struct Stand {
     pub energy_error: f64,
 }
 
-impl Advance {
-    /// Whether the scene is set up. A run that is asked to stop earlier ends before it writes a file.
+impl SharedProgress {
+    /// Set-up is complete. A run that is asked to stop earlier ends before it writes a file.
     pub fn begun(&self) -> bool {
         self.begun.load(Ordering::SeqCst)
     }
 
     /// Time and steps reached.
-    pub fn stand(&self) -> Stand {
+    pub fn stand(&self) -> ProgressState {
         self.now.lock().unwrap_or_else(PoisonError::into_inner).0
     }
 
@@ -56,17 +56,17 @@ impl Advance {
         !stop.load(Ordering::SeqCst)
     }
 
-    fn update<R>(&self, update: impl FnOnce(&mut Stand, &mut Vec<String>) -> R) -> R {
+    fn update<R>(&self, update: impl FnOnce(&mut ProgressState, &mut Vec<String>) -> R) -> R {
         let mut now = self.now.lock().unwrap_or_else(PoisonError::into_inner);
         let (stand, warnings) = &mut *now;
         update(stand, warnings)
     }
 }
 
-/// Observer of progress: the bar of the program, or an [`Advance`] in its place. It is one observer in both cases, so that checkpoints fit both.
+/// Observer of progress: the bar of the program, or an [`SharedProgress`] in its place. It is one observer in both cases, so that checkpoints fit both.
 pub(crate) struct Shown {
     pub bar: Progress,
-    pub advance: Option<Arc<Advance>>,
+    pub advance: Option<Arc<SharedProgress>>,
     pub last: Option<Instant>,
 }
 
@@ -79,7 +79,7 @@ impl Observer for Shown {
         let ends = now.time() >= now.end();
         if ends || self.last.is_none_or(|last| last.elapsed() >= EVERY) {
             self.last = Some(Instant::now());
-            let stand = Stand {
+            let stand = ProgressState {
                 time: now.time(),
                 end: now.end(),
                 steps: now.step(),

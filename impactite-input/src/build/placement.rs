@@ -190,7 +190,7 @@ fn overlap<const D: usize>(
                 let depth = DEPTH * p.drawn_width(D, revolved);
                 let within = |n: usize| {
                     let mut moved = x;
-                    moved[n / 2] += if n % 2 == 0 { depth } else { -depth };
+                    moved[n / 2] += if n.is_multiple_of(2) { depth } else { -depth };
                     shape.contains(moved)
                 };
                 if shape.contains(x) && (0..2 * D).all(within) {

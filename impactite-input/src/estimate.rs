@@ -1,4 +1,4 @@
-//! A look ahead: what a scene that was set up will take.
+//! Estimate of size and cost of a scene that was set up: points, mass, memory, first step, number of steps, time.
 
 use impactite::materials::material::{Material, Response, States};
 use impactite::parallel::Float;
@@ -21,28 +21,28 @@ const FASTEST_WAVES: f64 = 50_000.0;
 /// Courant number c dt / h of a fixed step beyond which it is refused: no explicit method here is stable there.
 const UNSTABLE: f64 = 2.0;
 
-/// What a scene holds at its start, and what its run is expected to take.
+/// Content of a scene at its start, and expected cost of its run.
 #[derive(Clone, Debug)]
-pub struct Ahead {
+pub struct SceneEstimate {
     /// The bodies.
-    pub bodies: Vec<BodyAhead>,
+    pub bodies: Vec<BodyEstimate>,
     /// Memory of bodies and scratch, bytes.
     pub bytes: usize,
     /// The first step, s.
     pub step: f64,
-    /// What limits it, in words.
+    /// Limit of the step, in words.
     pub limit: String,
     /// Number of steps until the end, if all are as long as the first.
     pub steps: f64,
     /// Unit of masses: that of the whole, or of a radian or metre of depth of it.
     pub mass_unit: String,
-    /// What is allowed and probably not meant.
+    /// Warnings: allowed and probably not meant.
     pub notes: Vec<String>,
 }
 
 /// A body at the start.
 #[derive(Clone, Debug)]
-pub struct BodyAhead {
+pub struct BodyEstimate {
     /// Its name.
     pub name: String,
     /// Name of its law.
@@ -67,11 +67,11 @@ pub struct BodyAhead {
 }
 
 impl Source {
-    /// A look ahead at a scene that was set up from this text and has made no step.
+    /// Estimate of size and cost of a scene that was set up from this text and has made no step.
     ///
     /// # Errors
     /// A step so short that no run ends; wave speeds that give none; a field that no body has.
-    pub fn ahead(&self, scene: &SceneFile, solver: &mut dyn Solver) -> Result<Ahead, InputError> {
+    pub fn estimate(&self, scene: &SceneFile, solver: &mut dyn Solver) -> Result<SceneEstimate, InputError> {
         let at = |key: &str, message: String, help: &str| {
             InputError::from(Box::new(self.fault_at(key, message, Some(help.into()))))
         };
@@ -115,7 +115,7 @@ impl Source {
                 Method::Mpm(m) if lattice => m.cell.value,
                 _ => narrowest,
             };
-            bodies.push(BodyAhead {
+            bodies.push(BodyEstimate {
                 name: body.name().into(),
                 law: body.law(),
                 points: body.len(),
@@ -169,7 +169,7 @@ impl Source {
                 notes.push(format!("time_step.fixed: {message}; it may be unstable"));
             }
         }
-        Ok(Ahead {
+        Ok(SceneEstimate {
             bodies,
             bytes: solver.bytes(),
             step,
@@ -191,7 +191,7 @@ impl Source {
         }
     }
 
-    fn notes(&self, scene: &SceneFile, bodies: &[BodyAhead]) -> Vec<String> {
+    fn notes(&self, scene: &SceneFile, bodies: &[BodyEstimate]) -> Vec<String> {
         let mut notes = Vec::new();
         for name in scene.materials.keys() {
             if !scene.bodies.values().any(|b| b.material.as_ref() == Some(name)) {
@@ -242,9 +242,9 @@ impl Source {
     }
 }
 
-impl BodyAhead {
+impl BodyEstimate {
     /// Is the other one a repetition of the same body?
-    fn is_repeated_as(&self, other: &BodyAhead) -> bool {
+    fn is_repeated_as(&self, other: &BodyEstimate) -> bool {
         let stem = |name: &str| name.trim_end_matches(|c: char| c.is_ascii_digit()).to_string();
         stem(&self.name).ends_with(' ') && stem(&self.name) == stem(&other.name) && self.law == other.law
     }
@@ -262,7 +262,7 @@ fn box_of([low, high]: &[Vec<f64>; 2]) -> String {
     format!("from [{}] to [{}]", list(low), list(high))
 }
 
-impl Ahead {
+impl SceneEstimate {
     /// Lines for people; `seconds` is the time that a step takes on this machine, where it was measured.
     #[must_use]
     pub fn lines(&self, seconds: Option<f64>) -> Vec<String> {
@@ -274,7 +274,7 @@ impl Ahead {
             let alike = rest.iter().take_while(|b| first.is_repeated_as(b)).count();
             let (all, after) = rest.split_at(alike.max(1));
             rest = after;
-            let sum = |of: fn(&BodyAhead) -> f64| all.iter().map(of).sum::<f64>();
+            let sum = |of: fn(&BodyEstimate) -> f64| all.iter().map(of).sum::<f64>();
             let bounds = all.iter().fold(first.bounds.clone(), |[low, high], b| {
                 let with = |x: Vec<f64>, y: &[f64], pick: fn(f64, f64) -> f64| {
                     x.iter().zip(y).map(|(x, y)| pick(*x, *y)).collect()
