@@ -25,18 +25,20 @@ pub trait ObjectiveRate: std::fmt::Debug + Copy + Send + Sync + 'static {
 
 /// Jaumann rate, exact for rotations of any size below half a turn a step (\[HughesWinget1980\]): strain and spin are
 /// those of the middle of the step ([`Kinematics::increments`]), the tensor becomes Q s Q^T with
-/// Q = (I - W/2)^-1 (I + W/2), which is orthogonal.
+/// Q = (I - W/2)^-1 (I + W/2), which is orthogonal, and the strain H e H^T with H H = Q: the middle of the step sees it half
+/// a rotation before the end.
 ///
-/// A motion that is a rotation, X = R - I, has no strain and Q = R, to rounding. Where a body turns by alpha and is
-/// strained in the same step, the strain is that of the middle of the step and does not turn by the second half:
-/// stresses are off by alpha times the stress that the step adds, which over a path is first order in the step.
+/// A motion that is a rotation, X = R - I, has no strain and Q = R, to rounding. A motion that turns and strains is of
+/// second order in the step over a path. Without H the increments of stress lag by half the rotation of a step, so that they do
+/// work on a body that oscillates while it spins: its energy grows exponentially.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HughesWinget;
 
 impl ObjectiveRate for HughesWinget {
     #[inline(always)]
     fn increments<L: Lane>(&self, kinematics: &Kinematics<L>) -> Increments<L> {
-        kinematics.increments()
+        let middle = kinematics.increments();
+        Increments { strain: rotation(half(middle.spin)).congruence(&middle.strain), ..middle }
     }
     #[inline(always)]
     fn rotate<L: Lane>(&self, step: &Increments<L>, tensor: &Sym3<L>) -> Sym3<L> {
@@ -79,6 +81,15 @@ impl ObjectiveRate for SmallRotation {
             z.mul_add(xx - yy, y.mul_add(yz, (-x).mul_add(xz, xy))),
         ])
     }
+}
+
+/// Axial vector of half the rotation of [`rotation`]: w / (1 + sqrt(1 + w.w/4)), exact.
+#[inline(always)]
+pub fn half<L: Lane>(w: [L; 3]) -> [L; 3] {
+    let [x, y, z] = w;
+    let square = x.mul_add(x, y.mul_add(y, z * z));
+    let a = (L::one() + square.mul_add(L::of(0.25), L::one()).sqrt()).recip();
+    [a * x, a * y, a * z]
 }
 
 /// The rotation (I - W/2)^-1 (I + W/2) of axial vector `w`, by 2 atan(|w|/2) about `w`.
