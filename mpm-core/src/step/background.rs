@@ -152,7 +152,20 @@ impl<T: Float, const D: usize> Background<T, D> {
         (folds, cutoff, known, dt): (&Folds<D>, T, bool, T),
         reaches: &dyn Fn(&[f64; D], &[f64; D]) -> bool,
     ) {
-        let node_at = |at: &[i32; D]| {
+        let node_at = self.near_node(body, (cutoff, known, dt));
+        particles.visit_near(dt.to_double(), reaches, &mut |particle, weights| {
+            let mut fold = |folded: &mut Vec<NodeWeight<D>>| folds.fold(weights, folded);
+            near.add(body, particle, &mut fold, &node_at);
+        });
+    }
+
+    /// Nodes of a body with mass, by index on the lattice; `known`: are their velocities at the start of the step of `dt`, s?
+    pub(super) fn near_node(
+        &self,
+        body: u32,
+        (cutoff, known, dt): (T, bool, T),
+    ) -> impl Fn(&[i32; D]) -> Option<NearNode<D>> + '_ {
+        move |at: &[i32; D]| {
             let block = at.map(|c| c.div_euclid(BLOCK as i32));
             let within = (0..D).rev().fold(0, |n, d| n * BLOCK + at[d].rem_euclid(BLOCK as i32) as usize);
             let found = self.fields.find(&*self.storage, &block, body)?;
@@ -168,11 +181,7 @@ impl<T: Float, const D: usize> Background<T, D> {
                 velocity: std::array::from_fn(|d| node.first[d + 1].to_double()),
                 change: [0.0; D],
             })
-        };
-        particles.visit_near(dt.to_double(), reaches, &mut |particle, weights| {
-            let mut fold = |folded: &mut Vec<NodeWeight<D>>| folds.fold(weights, folded);
-            near.add(body, particle, &mut fold, &node_at);
-        });
+        }
     }
 
     /// Bytes of its memory.

@@ -120,7 +120,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// What particles got from a surface goes to the nodes, boundaries again where any did.
-    fn push_nodes(&mut self, near: &NearParticles<D>, dt: T) {
+    pub(super) fn push_nodes(&mut self, near: &NearParticles<D>, dt: T) {
         let end = self.clock.time + dt.to_double();
         let tolerance = 1e-6 * self.grid.lattice().spacing();
         let copies = if self.facts().wide() { 1.5 * self.grid.lattice().spacing() } else { 0.0 };
@@ -136,7 +136,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let mut v = [0.0; 3];
             v[..D].copy_from_slice(&near.velocity);
             let free = v;
-            for b in &self.scene.conditions.boundaries {
+            for b in self.scene.conditions.boundaries.iter().filter(|b| !b.is_wall()) {
                 b.constrain(&near.position, &mut v, end, tolerance, copies);
             }
             for d in 0..D {

@@ -34,6 +34,7 @@ mod loads;
 mod look;
 mod looks;
 mod mean;
+mod meet_walls;
 pub mod merging;
 mod migrate;
 mod mpm;

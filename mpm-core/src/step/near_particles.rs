@@ -40,6 +40,10 @@ pub struct NearParticle<const D: usize> {
     pub velocity: [f64; D],
     /// Half the edge of a cube (square in the plane) as large as its domain, m.
     pub half_size: f64,
+    /// Mass, kg; kg/m in the plane, kg/rad about an axis.
+    pub mass: f64,
+    /// Speed of its fastest wave, m/s.
+    pub wave_speed: f64,
 }
 
 /// A node of particles near a surface.
@@ -174,6 +178,65 @@ impl<const D: usize> NearParticles<D> {
                 }
             }
         }
+    }
+
+    /// Have particles rub on a plane across `axis` of this velocity, m/s: those that `rubs` names take impulses along it that bring them to rest on it,
+    /// of at most `limit`, N s, found in so many sweeps. Returns the impulses, N s, by particle, and the heat, J.
+    pub(super) fn rub(
+        &mut self,
+        rubs: impl Fn(usize) -> bool,
+        limit: impl Fn(usize) -> f64,
+        axis: usize,
+        velocity: &[f64; D],
+        sweeps: usize,
+    ) -> (Vec<[f64; D]>, f64) {
+        let mut impulses = vec![[0.0; D]; self.len()];
+        for _ in 0..sweeps {
+            for p in (0..self.len()).filter(|p| rubs(*p)) {
+                let (mut slip, mut give) = ([0.0; D], [0.0; D]);
+                for (node, weight) in &self.weights[self.starts[p]..self.starts[p + 1]] {
+                    let node = &self.nodes[*node as usize];
+                    for d in 0..D {
+                        slip[d] += weight[d] * node.velocity[d];
+                        give[d] += weight[d] * weight[d] / node.mass;
+                    }
+                }
+                let mut wanted = impulses[p];
+                for d in (0..D).filter(|d| *d != axis && give[*d] > 0.0) {
+                    wanted[d] += (velocity[d] - slip[d]) / give[d];
+                }
+                let size = wanted.iter().map(|j| j * j).sum::<f64>().sqrt();
+                let scale = if size > limit(p) { limit(p) / size } else { 1.0 };
+                for d in 0..D {
+                    wanted[d] *= scale;
+                    let more = wanted[d] - impulses[p][d];
+                    impulses[p][d] = wanted[d];
+                    for n in self.starts[p]..self.starts[p + 1] {
+                        let (node, weight) = self.weights[n];
+                        let node = &mut self.nodes[node as usize];
+                        let change = weight[d] * more / node.mass;
+                        node.velocity[d] += change;
+                        node.change[d] += change;
+                    }
+                }
+            }
+        }
+        for (p, impulse) in impulses.iter().enumerate() {
+            for d in 0..D {
+                let given: f64 = self.weights(p).iter().map(|(_, weight)| weight[d]).sum();
+                self.planes[d] += (given - 1.0) * impulse[d];
+            }
+        }
+        // What rests at the end of a step rested at its start: its trial velocity is that of forces, which friction answers.
+        let mut heat = 0.0;
+        for (p, impulse) in impulses.iter().enumerate().filter(|(_, j)| **j != [0.0; D]) {
+            for (node, weight) in self.weights(p) {
+                let node = &self.nodes[*node as usize];
+                (0..D).for_each(|d| heat -= impulse[d] * weight[d] * node.velocity[d]);
+            }
+            (0..D).for_each(|d| heat += impulse[d] * velocity[d]);
+        }
+        (impulses, heat)
     }
 
     pub(super) fn clear(&mut self) {

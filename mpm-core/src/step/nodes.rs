@@ -409,9 +409,14 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         // Matter whose stress is not on these nodes is stopped by the wall's impulse alone.
         let body = self.bodies.get(self.fields.owner(block) as usize);
         let unstressed = body.is_some_and(|b| b.rigid().is_some() || b.client().is_some());
-        let near = || self.boundaries.iter().filter(reaches);
+        // Particles meet walls one by one.
+        let one_by_one = match body {
+            Some(body) => body.meets_surfaces().is_some(),
+            None => self.bodies.iter().all(|b| b.meets_surfaces().is_some()),
+        };
+        let near = || self.boundaries.iter().filter(reaches).filter(|b| !(one_by_one && b.is_wall()));
         let mut walls = if unstressed { Walls::default() } else { Walls::of(near(), self.time) };
-        let apart = !walls.is_empty();
+        let apart = one_by_one || !walls.is_empty();
         let reacts = |b: &&Boundary<D>| b.reacts() && !(apart && b.is_wall());
         let reacting = near().any(|b| reacts(&b));
         let (before, held_before) = ([*pressed, *stuck], *held);

@@ -239,6 +239,13 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
             let high = std::array::from_fn::<f64, D, _>(|d| low[d] + h * f64::from(cells) + 2.0 * margin);
             (low, high)
         };
+        let size_of = |numbers: &[T]| {
+            let edges = self.half_edges(numbers);
+            (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64)
+        };
+        // Domains that do not change are all alike.
+        let carried = self.facts().total || self.facts().domain.carried();
+        let of_all = if carried { None } else { Some(size_of(&[])) };
         let (mut numbers, mut weights) = (Vec::new(), Vec::new());
         for slot in self.in_place().filter(|slot| !slot.block.is_empty()) {
             let (low, high) = box_of(&slot.block.bin_coordinates(0), BLOCK as i32);
@@ -252,16 +259,17 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                     continue;
                 }
                 for at in slot.block.bin_places(bin) {
-                    numbers.clear();
-                    slot.block.read(at, &mut numbers);
                     let position: [f64; D] = std::array::from_fn(|d| {
                         let cells = f64::from(coordinates[d]) + centre;
-                        origin[d] + h * (cells + numbers[Columns::position() + d].to_double())
+                        origin[d] + h * (cells + slot.block.get(at, Columns::position() + d).to_double())
                     });
-                    let edges = self.half_edges(&numbers);
-                    let half_size = (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64);
                     let velocity: [f64; D] =
-                        std::array::from_fn(|d| numbers[Columns::velocity(D) + d].to_double());
+                        std::array::from_fn(|d| slot.block.get(at, Columns::velocity(D) + d).to_double());
+                    numbers.clear();
+                    let half_size = of_all.unwrap_or_else(|| {
+                        slot.block.read(at, &mut numbers);
+                        size_of(&numbers)
+                    });
                     // What its nodes' accelerations add to its motion is within the margin.
                     let beside = half_size + BESIDE * h;
                     let low = std::array::from_fn(|d| position[d] + (dt * velocity[d]).min(0.0) - beside);
@@ -269,9 +277,16 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                     if !reaches(&low, &high) {
                         continue;
                     }
+                    if numbers.is_empty() {
+                        slot.block.read(at, &mut numbers);
+                    }
                     self.node_weights(&slot.block, bin, at, &mut weights);
                     let number = slot.block.number(at);
-                    visit(&NearParticle { number, position, velocity, half_size }, &weights);
+                    let mass = self.masses.of(&numbers).to_double();
+                    let said = self.material.describe_point(self.state_of(&numbers));
+                    let wave_speed = said.map_or(0.0, |said| said.wave_speed.to_double());
+                    let particle = NearParticle { number, position, velocity, half_size, mass, wave_speed };
+                    visit(&particle, &weights);
                 }
             }
         }

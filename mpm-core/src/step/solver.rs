@@ -97,6 +97,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stage(dt).integrate_momentum(dt, true); // vi: eq. 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // vii: eqs. 11 - 15
             self.move_rigid(dt)?;
+            self.meet_walls(dt);
             self.meet_surfaces(dt)?;
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
@@ -105,6 +106,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stage(dt).integrate_momentum(dt, false); // iii, vi: eqs. 2, 3, 9 summed; viii: eq. 8
             self.apply_contact(ContactPhase::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.move_rigid(dt)?;
+            self.meet_walls(dt);
             self.meet_surfaces(dt)?;
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM

@@ -157,6 +157,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 }
                 return;
             }
+            let one_by_one = bodies[fields.owner(block) as usize].meets_surfaces().is_some();
             for (n, impulse) in found.impulses(field).filter(|i| !place.is_copy(i.0, mirrors)) {
                 let Some(node) = nodes.get(n) else { continue };
                 let mass = node.first[0];
@@ -170,7 +171,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 }
                 let free = v;
                 let x = place.node(n);
-                for b in &conditions.boundaries {
+                for b in conditions.boundaries.iter().filter(|b| !(one_by_one && b.is_wall())) {
                     b.constrain(&x, &mut v, end, tolerance, copies);
                 }
                 for d in 0..D {
