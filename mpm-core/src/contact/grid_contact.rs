@@ -16,6 +16,10 @@ use super::{BlockContacts, ContactPhase, Pair, Scratch, SharedNodes, Touch, Touc
 /// (book, "Detection and normals"; book, "A pack of balls under a plate"). Not a number that a sum of equal steps meets.
 const KEEPS: f64 = 1.03e-3;
 
+/// Gap, in cells, up to which laws that pull hold bodies: half a particle of the default filling. What touches at the start touches to within
+/// rounding and half a strained particle.
+const HOLDS: f64 = 0.25;
+
 /// Contact of any number of bodies through the nodes they share: a detector and the laws of the pairs, of `mpm-contact` or one's own
 /// ([`ContactLaw`], [`mpm_contact::PairDetector`]). What laws remember goes with the bodies ([`Remembers`]); where none does, nothing
 /// is kept.
@@ -99,11 +103,10 @@ where
         }
         self.look(at, found, bits, numbers, crowded);
         let (zero, criterion) = ([T::of(0.0); 3], self.detector.criterion(at.spacing()));
-        let limit = if let Criterion::Gap(limit) = criterion { limit } else { f64::INFINITY };
-        let limit = T::of(limit);
         for touch in &mut found.touches {
             let Pair { fields, bodies, .. } = &found.pairs[touch.pair as usize];
-            let parting = acts_on_parting(self.laws.law(bodies[0] as usize, bodies[1] as usize));
+            let law = self.laws.law(bodies[0] as usize, bodies[1] as usize);
+            let (parting, limit) = (acts_on_parting(law), T::of(furthest(law, criterion, at.spacing())));
             let closes = || approach(at, fields, touch.node, touch.normal);
             touch.acts =
                 touch.gap.is_none_or(|gap| gap <= limit) && (parting || has(crowded, touch.node) || closes());
@@ -196,6 +199,12 @@ fn remembers<T: Float>(law: &dyn ContactLaw<T>) -> bool {
 /// Is there anything for the law to do where bodies move apart?
 fn acts_on_parting<T: Float>(law: &dyn ContactLaw<T>) -> bool {
     law.pulls() || law.springs()
+}
+
+/// The largest gap, m, over which a law acts on bodies in cells of `spacing`, m.
+fn furthest<T: Float>(law: &dyn ContactLaw<T>, criterion: Criterion, spacing: f64) -> f64 {
+    let Criterion::Gap(limit) = criterion else { return f64::INFINITY };
+    if law.pulls() { limit + HOLDS * spacing } else { limit }
 }
 
 /// Do the two fields approach each other at a node ((v_r - v_s) . n > 0, eq. 4 of \[Ma2010\])?
@@ -320,9 +329,10 @@ impl<S, T: Float> GridContact<S, T> {
             return;
         }
         let mut touching = self.detector.touching(at, pair, nodes, &normals, &mut gaps);
-        if let Criterion::Gap(limit) = self.detector.criterion(at.spacing()) {
+        let criterion = self.detector.criterion(at.spacing());
+        if let Criterion::Gap(_) = criterion {
             // Those, too, that may touch before they are looked at anew.
-            let limit = T::of(limit + self.keeps * at.spacing());
+            let limit = T::of(furthest(law, criterion, at.spacing()) + self.keeps * at.spacing());
             let near = |n: &usize| gaps[*n].is_some_and(|gap| gap <= limit);
             touching |= each_place(nodes).filter(near).fold(0, |bits, n| bits | 1 << n);
         }

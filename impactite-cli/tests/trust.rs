@@ -1,0 +1,74 @@
+//! Scenes with exact answers, of the folder `scenes/trust`: each runs as it is, with default options, without a warning, and meets all
+//! that it checks.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+/// Scenes that run at a time.
+const AT_A_TIME: usize = 2;
+
+/// A scene that was run: name, time, checks met and missed, and what was said if something is wrong.
+struct Ran {
+    name: String,
+    seconds: f64,
+    met: u64,
+    missed: u64,
+    wrong: Option<String>,
+}
+
+fn run(scene: &Path, out: &Path) -> Ran {
+    let name = scene.file_stem().and_then(|n| n.to_str()).unwrap_or_default().to_string();
+    let begun = Instant::now();
+    let output = Command::new(env!("CARGO_BIN_EXE_impactite"))
+        .args(["run", "--json", "-q", "--threads", "1", "--set", "output.pictures=1e6"])
+        .arg(scene)
+        .arg("--out")
+        .arg(out.join(&name))
+        .output()
+        .expect("the program");
+    let text = String::from_utf8_lossy(&output.stdout).to_string();
+    let warnings = String::from_utf8_lossy(&output.stderr).to_string();
+    let result: serde_json::Value =
+        serde_json::from_str(text.lines().last().unwrap_or_default()).unwrap_or_default();
+    let count = |key: &str| result[key].as_u64().unwrap_or(0);
+    let (met, missed) = (count("met"), count("missed"));
+    let right = output.status.success() && met > 0 && missed == 0 && warnings.is_empty();
+    let checks = result["checks"].to_string();
+    let wrong = (!right).then(|| format!("{name}: {checks}\n{warnings}"));
+    Ran { name, seconds: begun.elapsed().as_secs_f64(), met, missed, wrong }
+}
+
+#[test]
+fn scenes_with_exact_answers_meet_them_by_default_and_without_a_warning() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/trust");
+    let out = std::env::temp_dir().join(format!("impactite-trust-{}", std::process::id()));
+    let entries = std::fs::read_dir(&root).expect("the folder of scenes");
+    let mut scenes: Vec<PathBuf> = entries
+        .filter_map(|e| Some(e.ok()?.path()))
+        .filter(|path| path.extension().is_some_and(|e| e == "toml"))
+        .collect();
+    scenes.sort();
+    assert!(scenes.len() >= 40, "{} scenes", scenes.len());
+    let (next, all) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..AT_A_TIME {
+            scope.spawn(|| {
+                while let Some(scene) = scenes.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let ran = run(scene, &out);
+                    all.lock().expect("no thread panics").push(ran);
+                }
+            });
+        }
+    });
+    let mut all = all.into_inner().expect("no thread panics");
+    all.sort_by(|a, b| a.name.cmp(&b.name));
+    for ran in &all {
+        println!("{:40} {:5.1} s, {} met, {} missed", ran.name, ran.seconds, ran.met, ran.missed);
+    }
+    let wrong: Vec<&str> = all.iter().filter_map(|ran| ran.wrong.as_deref()).collect();
+    assert!(wrong.is_empty(), "{} of {} scenes are wrong:\n{}", wrong.len(), all.len(), wrong.join("\n"));
+    std::fs::remove_dir_all(out).expect("the folder of the runs");
+}
