@@ -49,6 +49,7 @@ pub mod rest;
 pub mod rigid;
 mod rigid_body;
 mod rigid_nodes;
+mod rigid_planes;
 mod rigid_push;
 mod rows;
 mod scatter;
@@ -84,5 +85,6 @@ pub use new_particles::{Matter, NewParticle, NewParticles, Occupied, Surrounding
 pub use particle_body::ParticleBody;
 pub use rest::{Balance, Frequency, Rest, Rested};
 pub use rigid::{Rigid, RigidState, Twist};
+pub use rigid_planes::PlaneTouch;
 pub(crate) use rows::RowsMut;
 pub use splitting::{SplitBook, Splitting};

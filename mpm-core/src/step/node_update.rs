@@ -26,6 +26,8 @@ pub(super) trait Around {
     fn react(&mut self, trial: &Trial, v: &mut [f64; 3], takes: f64, ledger: &mut Exchange) -> bool;
     /// The directions in which those hold the node in this step.
     fn held(&self) -> [bool; 3];
+    /// The directions in which the weight of the node is among its forces already.
+    fn weighed(&self) -> [bool; 3];
 }
 
 /// None.
@@ -41,12 +43,20 @@ impl Around for Nothing {
     fn held(&self) -> [bool; 3] {
         [false; 3]
     }
+    fn weighed(&self) -> [bool; 3] {
+        [false; 3]
+    }
 }
 
 /// What a stage makes of a node.
 pub(super) trait NodeUpdate<T>: Sync {
     /// Does it find out which nodes press on walls, and which are held?
     const PRESSES: bool = false;
+
+    /// The acceleration of all material that it adds, m/s^2.
+    fn weight(&self) -> Option<[f64; 3]> {
+        None
+    }
 
     /// Change the node as the boundaries around it allow.
     fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange);
@@ -158,6 +168,14 @@ pub(super) struct Integrate<T, const D: usize> {
 impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
     const PRESSES: bool = true;
 
+    fn weight(&self) -> Option<[f64; 3]> {
+        self.gravity.map(|g| {
+            let mut weight = [0.0; 3];
+            weight[..D].copy_from_slice(&g);
+            weight
+        })
+    }
+
     #[inline(always)]
     fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange) {
         let (mass, dt) = (node.first[0], self.dt);
@@ -170,11 +188,14 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
         let per_first = if self.from_velocity { T::of(1.0) } else { per_mass };
         let (mut old, mut new) = ([T::default(); 3], [T::default(); 3]);
         let mut given = [0.0; 3];
+        let weighed = around.weighed();
         for d in 0..D {
             old[d] = node.first[d + 1] * per_first;
             let mut a = node.second[d + 1] * per_mass;
             if let Some(g) = self.gravity {
-                a += T::of(g[d]);
+                if !weighed[d] {
+                    a += T::of(g[d]);
+                }
                 given[d] = g[d];
             }
             if self.damping > 0.0 {

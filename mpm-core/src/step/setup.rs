@@ -52,8 +52,21 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.scene.bodies[client].client_mut().map_or(Ok(()), |client| client.bound(&boundary))?;
         }
         self.scene.conditions.boundaries.push(boundary);
+        self.halve_rigid();
         self.arrange_planes();
         Ok(())
+    }
+
+    /// Constrain free rigid bodies that planes of symmetry cut to motions that keep the symmetry.
+    pub(super) fn halve_rigid(&mut self) {
+        for boundary in &self.scene.conditions.boundaries {
+            let Boundary::Symmetry { axis, at, side } = *boundary else { continue };
+            for &number in &self.scene.rigid {
+                if let Some(state) = self.scene.bodies[number].rigid_mut() {
+                    state.halve(axis, at, side.sign());
+                }
+            }
+        }
     }
 
     /// Where blocks are found beyond periodic planes.

@@ -15,6 +15,7 @@ use super::load::Loading;
 use super::mpm::Mpm;
 use super::nodes::{GridStages, StageOf};
 use super::rigid::Wrong;
+use super::rigid_planes;
 
 use crate::dim::BLOCK;
 use crate::grid::OutsideGrid;
@@ -184,8 +185,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn apply_contact(&mut self, phase: ContactPhase, dt: T) {
         let contact = &*self.scene.contact;
         if contact.separates() && (phase == ContactPhase::Trial || contact.corrects_strain()) {
-            let (mut stage, state) = self.grid.stage(&self.scene, &self.team, self.stage_of(dt));
-            stage.apply_contact(contact, phase, state);
+            let of = self.stage_of(dt);
+            let (mut stage, state) = self.grid.stage(&self.scene, &self.team, of);
+            let acts = phase == ContactPhase::Trial;
+            let mut planes = if acts { stage.plane_touches(&self.scene.rigid) } else { Vec::new() };
+            stage.apply_contact(contact, phase, state, &mut planes);
+            if acts {
+                self.stepper.plane_pushes = rigid_planes::pushes(&planes);
+            }
         }
     }
 
@@ -207,6 +214,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if self.scene.rigid.is_empty() {
             return Ok(());
         }
+        let pushes = std::mem::take(&mut self.stepper.plane_pushes);
+        let (time, step) = (self.clock.time, dt.to_double());
+        let gravity = self.scene.conditions.gravity.as_ref().map_or([0.0; D], |g| g(time));
         for n in 0..self.scene.rigid.len() {
             let number = self.scene.rigid[n];
             let Some(state) = self.scene.bodies[number].rigid().filter(|s| !s.is_prescribed()).cloned()
@@ -214,18 +224,26 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 continue;
             };
             let (impulse, moment) = self.stage(dt).push_on(number, &state);
+            let of_planes = || pushes.iter().filter(|p| p.body == number);
+            let [impulse, moment] = state.pushed_by([impulse, moment], of_planes());
             let Some(state) = self.scene.bodies[number].rigid_mut() else { continue };
-            let held = state.push(impulse, moment, dt.to_double());
+            let held = state.push(impulse, moment, step);
             let held = held.map_err(|wrong| {
                 let body = self.scene.bodies[number].name().into();
                 let Wrong { field, value, allowed } = wrong;
                 self.stopped(Stopped::Scene(SceneError::Rigid { body, field, value, allowed }))
             })?;
-            let Some(state) = self.scene.bodies[number].rigid() else { continue };
+            let Some(state) = self.scene.bodies[number].rigid_mut() else { continue };
+            state.keep_out_of(&self.scene.conditions.boundaries, time, step);
+            of_planes().for_each(|p| p.book(state, &gravity, step, &mut self.grid.scene_wide));
             let velocity = state.velocity();
             for d in 0..3 {
                 self.grid.scene_wide.impulse[d] += held[d];
                 self.grid.scene_wide.work += held[d] * velocity[d];
+            }
+            // The work of a body force was booked with velocities as if nothing held the body.
+            for d in 0..D {
+                self.grid.scene_wide.work += 0.5 * step * gravity[d] * held[d];
             }
         }
         self.stage(dt).move_rigid();
@@ -237,7 +255,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.check_rigid_places().map_err(|error| self.stopped(Stopped::Scene(error)))
     }
 
-    /// Refuse rigid bodies that went behind planes of symmetry, which do not stop them.
+    /// Refuse rigid bodies that went behind planes of symmetry, which do not stop those of prescribed motion.
     fn check_rigid_places(&self) -> Result<(), SceneError> {
         let planes =
             self.scene.conditions.boundaries.iter().filter(|b| matches!(b, Boundary::Symmetry { .. }));
@@ -441,7 +459,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(super) fn arrange_planes(&mut self) {
         let planes = self.at_planes();
-        self.grid.arrange_planes(&self.scene.conditions.boundaries, planes);
+        self.grid.arrange_planes(&self.scene.conditions.boundaries, &self.scene.rigid, planes);
     }
 
     /// How planes see the nodes.

@@ -57,6 +57,7 @@ impl<const D: usize> RigidState<D> {
             held: _,
             mass: _,
             inertia: _,
+            surface: _,
             centre,
             rotation,
             velocity,
