@@ -19,6 +19,21 @@ pub struct Totals {
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
+    /// Heat of viscosity since the start, J, which is part of the internal energy: where a law knows it.
+    pub viscous_heat: f64,
+    /// Of schemes whose velocities are half a step behind positions (leap-frog).
+    pub staggered: Staggered,
+}
+
+/// Balanced quantities of a leap-frog scheme less those that are reported. Velocities v- belong to the middle of the last step; what is
+/// reported is that of the time of the positions, v = v- + lag a with the acceleration a there. Books have the momentum m v-, to which
+/// impulses were booked, and the energy m v- . v+ / 2 that central differences conserve together with the internal energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Staggered {
+    /// Sum of m (v- - v), kg m/s.
+    pub momentum: [f64; 3],
+    /// Balanced kinetic energy less sum of m v . v / 2, J.
+    pub energy: f64,
 }
 
 impl Totals {
@@ -34,6 +49,9 @@ impl Totals {
         self.momentum_scale += o.momentum_scale;
         self.kinetic += o.kinetic;
         self.internal += o.internal;
+        self.viscous_heat += o.viscous_heat;
+        self.staggered.energy += o.staggered.energy;
+        (0..3).for_each(|d| self.staggered.momentum[d] += o.staggered.momentum[d]);
         self
     }
 
@@ -54,10 +72,29 @@ impl Totals {
         }
     }
 
+    /// Add a point of a leap-frog scheme of this mass (kg) at a position (m) that moved with the velocity v- (m/s) in the last step and has
+    /// another one (m/s) at its end. The balanced kinetic energy is m v- . v- / 2 with the work (J) that its inner forces f do until then,
+    /// lag v- . f.
+    pub fn add_staggered(
+        &mut self,
+        mass: f64,
+        position: &[f64],
+        [behind, now]: [&[f64]; 2],
+        lagged_work: f64,
+    ) {
+        self.add_point(mass, position, now);
+        let mut change = lagged_work;
+        for (d, (b, n)) in behind.iter().zip(now).enumerate() {
+            self.staggered.momentum[d] += mass * (b - n);
+            change += 0.5 * mass * (b - n) * (b + n);
+        }
+        self.staggered.energy += change;
+    }
+
     /// Are energies and momentum finite numbers?
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        (self.kinetic + self.internal + self.momentum_scale).is_finite()
+        (self.kinetic + self.internal + self.momentum_scale + self.staggered.energy).is_finite()
     }
 }
 
