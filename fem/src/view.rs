@@ -7,8 +7,8 @@ use crate::set::{Set, wide};
 use crate::sweep::Batch;
 
 impl<const D: usize> ElementBody<D> {
-    /// Sums over nodes and elements, with the velocities of the time of the positions ([`ElementBody::velocity_now`]). Balanced
-    /// ([`Totals::staggered`]) are the momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the
+    /// Sums over nodes and elements: the balanced ones, and what those at the time of the positions have more
+    /// ([`Totals::staggered`]). Balanced are the momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the
     /// velocities that the forces of the elements make half a step after the present: with the internal energy the quantity that central
     /// differences conserve in linear motion. What is held has that of its velocity.
     pub fn totals(&self) -> Totals {

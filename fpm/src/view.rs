@@ -11,7 +11,7 @@ use crate::sums::{BATCH, Batch};
 use crate::vector::{along, difference, with_identity, zero};
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
-    /// Sums over cells, with the velocities of the time of the positions ([`Fpm::velocity_now`]). Balanced ([`Totals::staggered`]) are the
+    /// Sums over cells: the balanced ones, and what those at the time of the positions have more ([`Totals::staggered`]). Balanced are the
     /// momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the velocities that faces make
     /// half a step after the present: with the internal energy what central differences conserve. What is held has that of its velocity.
     pub fn totals(&self) -> Totals {

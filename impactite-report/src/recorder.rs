@@ -45,7 +45,7 @@ pub struct Row {
     pub viscosity: f64,
     /// Heat of the viscosity of laws since the first row, J: part of the internal energy.
     pub viscous_heat: f64,
-    /// Balanced kinetic energy less the one reported, J, where velocities are half a step behind positions.
+    /// Kinetic energy less the balanced one, J, where velocities are half a step behind positions.
     pub staggered: f64,
     /// Energy that came with points split, merged, made or removed since the first row, J.
     pub conversion: f64,
@@ -64,11 +64,11 @@ pub struct Row {
 }
 
 impl Row {
-    /// kinetic + staggered + internal - work + friction + impacts + damping + viscosity - conversion, J: constant if energy is conserved.
+    /// kinetic - staggered + internal - work + friction + impacts + damping + viscosity - conversion, J: constant if energy is conserved.
     #[must_use]
     pub fn total(&self) -> f64 {
         let taken = self.friction + self.impacts + self.damping + self.viscosity;
-        self.kinetic + self.staggered + self.internal - self.work + taken - self.conversion
+        self.kinetic - self.staggered + self.internal - self.work + taken - self.conversion
     }
 
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
@@ -429,7 +429,7 @@ impl Observer for Recorder {
             dt: clock.last.unwrap_or(f64::NAN),
             points: totals.particles,
             mass: totals.mass,
-            kinetic: account.kinetic,
+            kinetic: account.kinetic + account.staggered,
             internal: account.internal,
             work: account.work,
             friction: account.friction,
@@ -441,7 +441,7 @@ impl Observer for Recorder {
             conversion: account.conversion,
             unexplained: account.unexplained,
             energy_error: self.books.energy_error(account.unexplained),
-            momentum: totals.momentum,
+            momentum: totals.momentum_now(),
             momentum_error: share(account.missing(), account.momentum_scale),
             wall_seconds: now.wall_seconds(),
             // A count, that division and multiplication by a time may have moved off its whole number.

@@ -34,7 +34,7 @@ pub struct Books {
 /// The books at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account {
-    /// Kinetic energy of the particles and free rigid bodies, J.
+    /// Kinetic energy of the particles and free rigid bodies, J: the balanced one, see `staggered`.
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
@@ -52,10 +52,10 @@ pub struct Account {
     pub viscous_heat: f64,
     /// Energy that came with points split, merged, made or removed since the first entry, J.
     pub conversion: f64,
-    /// Balanced kinetic energy less the one reported, J: [`Staggered::energy`](crate::body::Staggered::energy). 0 of methods whose velocities
-    /// and positions belong to one time.
+    /// Kinetic energy at the time of the positions less `kinetic`, J: [`Staggered::energy`](crate::body::Staggered::energy). 0 of methods whose
+    /// velocities and positions belong to one time.
     pub staggered: f64,
-    /// Change since the first entry of kinetic + staggered + internal - work + friction + impacts + damping + viscosity - conversion, J: what
+    /// Change since the first entry of kinetic + internal - work + friction + impacts + damping + viscosity - conversion, J: what
     /// nothing explains. Negative: the method lost energy, as transfers with a filter (PIC, APIC) and contacts that close do.
     pub unexplained: f64,
     /// Momentum that nothing explains, kg m/s: the change since the first entry less the impulses of boundaries, loads and body
@@ -70,12 +70,12 @@ pub struct Account {
 }
 
 impl Account {
-    /// Sum that is constant if energy is conserved, J: kinetic + staggered + internal - work + friction + impacts + damping + viscosity -
+    /// Sum that is constant if energy is conserved, J: kinetic + internal - work + friction + impacts + damping + viscosity -
     /// conversion.
     #[must_use]
     pub fn total(&self) -> f64 {
         let taken = self.friction + self.impacts + self.damping + self.viscosity;
-        self.kinetic + self.staggered + self.internal - self.work + taken - self.conversion
+        self.kinetic + self.internal - self.work + taken - self.conversion
     }
     /// `unexplained` over `energy_scale`; 0 where nothing [moves](Account::moves), since that quotient is of rounding alone.
     #[must_use]
@@ -108,8 +108,8 @@ impl Books {
         let mut momentum = [0.0; 3];
         for d in if axisymmetric { 1..2 } else { 0..3 } {
             let impulses = given.impulse[d] - before.impulse[d] + (given.load[d] - before.load[d]);
-            let change = balanced(now, d) - balanced(&first, d);
-            momentum[d] = change - impulses - (given.dropped[d] - before.dropped[d]);
+            momentum[d] =
+                now.momentum[d] - first.momentum[d] - impulses - (given.dropped[d] - before.dropped[d]);
         }
         Account {
             kinetic: now.kinetic,
@@ -122,10 +122,9 @@ impl Books {
             viscous_heat: now.viscous_heat - first.viscous_heat,
             conversion,
             staggered: now.staggered.energy,
-            unexplained: now.kinetic + now.staggered.energy + now.internal - work
-                + (friction + impacts + damping + viscosity)
+            unexplained: now.kinetic + now.internal - work + (friction + impacts + damping + viscosity)
                 - conversion
-                - (first.kinetic + first.staggered.energy)
+                - first.kinetic
                 - first.internal,
             momentum,
             energy_scale: self.energy_scale,
@@ -180,11 +179,6 @@ impl Books {
         })?;
         file.reals([&mut self.energy_scale, &mut self.momentum_scale, &mut self.rest])
     }
-}
-
-/// Momentum to which impulses were booked, kg m/s, along an axis.
-fn balanced(totals: &Totals, d: usize) -> f64 {
-    totals.momentum[d] + totals.staggered.momentum[d]
 }
 
 /// `error / scale`. 0 / 0 is 0: nothing is missing of nothing.

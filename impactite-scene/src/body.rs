@@ -9,13 +9,13 @@ pub struct Totals {
     pub particles: usize,
     /// Mass, kg.
     pub mass: f64,
-    /// Momentum, kg m/s.
+    /// Momentum, kg m/s: the balanced one, see [`Totals::staggered`].
     pub momentum: [f64; 3],
     /// Angular momentum about the origin, kg m^2/s.
     pub angular_momentum: [f64; 3],
     /// Sum of m |v|, kg m/s: the scale for errors of the momentum.
     pub momentum_scale: f64,
-    /// Kinetic energy, J.
+    /// Kinetic energy, J: the balanced one, see [`Totals::staggered`].
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
@@ -25,14 +25,14 @@ pub struct Totals {
     pub staggered: Staggered,
 }
 
-/// Balanced quantities of a leap-frog scheme less those that are reported. Velocities v- belong to the middle of the last step; what is
-/// reported is that of the time of the positions, v = v- + lag a with the acceleration a there. Books have the momentum m v-, to which
-/// impulses were booked, and the energy m v- . v+ / 2 that central differences conserve together with the internal energy.
+/// Quantities of a leap-frog scheme at the time of the positions less the balanced ones. Velocities v- belong to the middle of the last step;
+/// those of the time of the positions are v = v- + lag a, with the acceleration a there. Balanced are the momentum m v-, to which impulses were
+/// booked, and the energy m v- . v+ / 2, which central differences conserve together with the internal energy.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Staggered {
-    /// Sum of m (v- - v), kg m/s.
+    /// Sum of m (v - v-), kg m/s.
     pub momentum: [f64; 3],
-    /// Balanced kinetic energy less sum of m v . v / 2, J.
+    /// Sum of m v . v / 2 less the balanced kinetic energy, J.
     pub energy: f64,
 }
 
@@ -72,6 +72,18 @@ impl Totals {
         }
     }
 
+    /// Momentum at the time of the positions, kg m/s.
+    #[must_use]
+    pub fn momentum_now(&self) -> [f64; 3] {
+        std::array::from_fn(|d| self.momentum[d] + self.staggered.momentum[d])
+    }
+
+    /// Kinetic energy at the time of the positions, J.
+    #[must_use]
+    pub fn kinetic_now(&self) -> f64 {
+        self.kinetic + self.staggered.energy
+    }
+
     /// Add a point of a leap-frog scheme of this mass (kg) at a position (m) that moved with the velocity v- (m/s) in the last step and has
     /// another one (m/s) at its end. The balanced kinetic energy is m v- . v- / 2 with the work (J) that its inner forces f do until then,
     /// lag v- . f.
@@ -82,11 +94,12 @@ impl Totals {
         [behind, now]: [&[f64]; 2],
         lagged_work: f64,
     ) {
-        self.add_point(mass, position, now);
-        let mut change = lagged_work;
+        self.add_point(mass, position, behind);
+        self.kinetic += lagged_work;
+        let mut change = -lagged_work;
         for (d, (b, n)) in behind.iter().zip(now).enumerate() {
-            self.staggered.momentum[d] += mass * (b - n);
-            change += 0.5 * mass * (b - n) * (b + n);
+            self.staggered.momentum[d] += mass * (n - b);
+            change += 0.5 * mass * (n - b) * (n + b);
         }
         self.staggered.energy += change;
     }
@@ -94,7 +107,7 @@ impl Totals {
     /// Are energies and momentum finite numbers?
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        (self.kinetic + self.internal + self.momentum_scale + self.staggered.energy).is_finite()
+        (self.kinetic + self.internal + self.momentum_scale).is_finite()
     }
 }
 

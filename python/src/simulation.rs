@@ -120,9 +120,9 @@ impl Simulation {
         let (totals, account) = self.0.look(py, |solver| (solver.totals(), solver.account()))?;
         let all = PyDict::new(py);
         for (name, value) in [
-            ("kinetic", totals.kinetic),
+            ("kinetic", totals.kinetic_now()),
             ("internal", totals.internal),
-            ("total", totals.kinetic + totals.internal),
+            ("total", totals.kinetic_now() + totals.internal),
             ("work", account.work),
             ("friction", account.friction),
             ("impacts", account.impacts),

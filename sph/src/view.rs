@@ -8,7 +8,7 @@ use crate::solver::{HELD, Sph, TOUCHED};
 use crate::sums::BATCH;
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {
-    /// Sums over particles, with the velocities of the time of the positions ([`Sph::velocity_now`]). Balanced ([`Totals::staggered`]) are the
+    /// Sums over particles: the balanced ones, and what those at the time of the positions have more ([`Totals::staggered`]). Balanced are the
     /// momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the velocities that neighbours
     /// make half a step after the present: with the internal energy what central differences conserve. What is held has that of its velocity.
     pub fn totals(&self) -> Totals {

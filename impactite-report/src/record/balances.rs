@@ -46,7 +46,7 @@ impl Balances {
     /// What is meant by the momentum error.
     pub const MOMENTUM_ERROR: &str = "amount of the change of momentum since the start that no impulse of boundaries, loads and body forces explains, over the largest sum of m |v| so far; around an axis along that alone";
     /// What is meant by the energy error.
-    pub const ENERGY_ERROR: &str = "change since the start of kinetic + staggering + internal energy − work + friction + impacts + damping + viscosity − conversion, over the largest energy so far: kinetic, kinetic and internal, or work of damping or viscosity; negative: energy was lost. Of energies that are rounding, where nothing moves, there is none";
+    pub const ENERGY_ERROR: &str = "change since the start of kinetic − staggering + internal energy − work + friction + impacts + damping + viscosity − conversion, over the largest energy so far: kinetic, kinetic and internal, or work of damping or viscosity; negative: energy was lost. Of energies that are rounding, where nothing moves, there is none";
 
     /// The numbers of this column, if it is there.
     #[must_use]

@@ -14,7 +14,7 @@ pub struct LedgerEntry {
     pub time: f64,
     /// Steps made.
     pub step: u64,
-    /// Kinetic energy of the particles, J.
+    /// Kinetic energy of the particles, J: the balanced one ([`Account::kinetic`]).
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
@@ -30,7 +30,7 @@ pub struct LedgerEntry {
     pub viscosity: f64,
     /// Energy that came with points split, merged, made or removed since the first entry, J.
     pub conversion: f64,
-    /// kinetic + staggered + internal - work + friction + impacts + damping + viscosity - conversion, J: constant if energy is conserved.
+    /// kinetic + internal - work + friction + impacts + damping + viscosity - conversion, J: constant if energy is conserved.
     pub total: f64,
     /// Change of `total` since the first entry, relative to the largest kinetic energy, or sum of kinetic and
     /// internal energy, so far. Negative: the method lost energy.
@@ -148,7 +148,7 @@ impl Ledger {
             conversion,
             total: account.total(),
             energy_error: account.energy_error(),
-            momentum: totals.momentum,
+            momentum: totals.momentum_now(),
             momentum_error: share(lost, account.momentum_scale),
         }
     }
