@@ -7,7 +7,7 @@ use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody};
 use crate::cells::OuterFace;
 use crate::method::Composition;
 use crate::rest::PLACES;
-use crate::solver::{ADVICE, Fpm};
+use crate::solver::{ADVICE, Fpm, TOUCHED};
 use crate::sums::BATCH;
 use crate::vector::{along, apply, cofactor, scaled, with_identity};
 
@@ -106,6 +106,9 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Fpm<D, M> {
         let i = self.place_of(n);
         for d in 0..D {
             self.velocity[i][d] += impulse[d] / self.mass[i];
+            if impulse[d] != 0.0 {
+                self.batches[i / BATCH].held[i % BATCH] |= TOUCHED << d;
+            }
         }
     }
     fn advance(&mut self, dt: f64, _: &[[f64; D]]) -> Result<(), StepError> {

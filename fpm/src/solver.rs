@@ -8,8 +8,8 @@ use impactite_scene::embedding::described;
 use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, Exchange, SceneError, Solver, StepError,
-    StepLimit, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundary, CheckpointError, Clock, Exchange, LocalDamping, SceneError, Solver,
+    StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -34,6 +34,11 @@ const COURANT: f64 = 0.9;
 pub const SMALL: usize = 1000;
 /// What a body is called that has no name.
 const BODY: &str = "body";
+
+/// The first direction, where conditions moved a point in the last step.
+pub(crate) const HELD: u8 = 1;
+/// The first direction, where contact with other bodies did.
+pub(crate) const TOUCHED: u8 = 8;
 
 /// A body of cells of one law in `D` dimensions, with the parts of `M`.
 ///
@@ -82,6 +87,7 @@ pub struct Fpm<const D: usize, M> {
     /// Of each of them that is a wall, how far beyond each point the surface is along its axis, m.
     pub(crate) walls: Vec<Vec<f64>>,
     pub(crate) body_force: Option<BodyForce<D>>,
+    pub(crate) damping: LocalDamping,
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
     pub(crate) clock: Clock,
@@ -163,6 +169,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             boundaries: Vec::new(),
             walls: Vec::new(),
             body_force: None,
+            damping: LocalDamping::default(),
             team: Team::one(),
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
             clock: Clock::default(),
@@ -260,6 +267,16 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     pub fn set_time_control(&mut self, control: TimeControl) -> Result<(), ControlError> {
         control.check_without_grid()?;
         self.control = control;
+        Ok(())
+    }
+
+    /// Damp towards rest ([`LocalDamping`]): part of the unbalanced force of every point, contact and conditions included, is taken away while it
+    /// speeds the point up, and added while it slows it down. States at rest stay as they are. What it takes is booked as damping.
+    ///
+    /// # Errors
+    /// A coefficient outside \[0, 1).
+    pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
+        self.damping = LocalDamping::new(coefficient)?;
         Ok(())
     }
 

@@ -11,7 +11,7 @@ use crate::crack::Criterion;
 use crate::flux::Flux;
 use crate::method::Composition;
 use crate::rest::PLACES;
-use crate::solver::{Fpm, Scratch};
+use crate::solver::{Fpm, HELD, Scratch, TOUCHED};
 use crate::sums::{BATCH, Batch, Deform, Force, GROUP, Lift, Load, Row, Trace, Traction};
 use crate::vector::{
     Tensor, add_dyad, along, contract, identity, inverse, largest_row, product, subtract, with_identity, zero,
@@ -46,6 +46,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             batch.start.copy_from_slice(velocities);
             for (n, v) in velocities.iter_mut().enumerate() {
                 let i = b * BATCH + n;
+                batch.held[n] &= !(7 * TOUCHED);
                 for d in 0..D {
                     given.load[d] += kick * mass[i] * force[d];
                     v[d] += kick * (acceleration[i][d] + force[d]);
@@ -63,6 +64,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// Conditions, and new displacements.
     pub(crate) fn advance(&mut self, dt: f64) -> Result<(), StepError> {
         self.obey(dt);
+        self.damp();
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         // Steps that change in size change what of forces is in the kinetic energy as it is counted.
@@ -76,7 +78,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 let (v, start, a) = (&velocity[i], &batch.start[n], &acceleration[i]);
                 for d in 0..D {
                     given += mass[i] * force[d] * (start[d] + v[d]);
-                    if batch.held[n] & 1 << d == 0 {
+                    if batch.held[n] & HELD << d == 0 {
                         resized += mass[i] * a[d] * (v[d] - start[d]);
                     }
                     u[d] += dt * v[d];
@@ -95,6 +97,26 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         let lost =
             self.batches.iter().enumerate().find_map(|(b, batch)| Some(b * BATCH + batch.report.lost?));
         lost.map_or(Ok(()), |i| Err(self.broken(i, Cause::Velocity)))
+    }
+
+    /// Local damping, where asked for, in directions that conditions leave free.
+    fn damp(&mut self) {
+        if !self.damping.acts() {
+            return;
+        }
+        let Fpm { velocity, mass, team, batches, damping, .. } = self;
+        team.each_piece(velocity, BATCH, batches, |b, velocities, batch| {
+            for (n, v) in velocities.iter_mut().enumerate() {
+                let mass = mass[b * BATCH + n];
+                for d in (0..D).filter(|d| batch.held[n] & HELD << d == 0) {
+                    let slowed = damping.slowed(batch.start[n][d], v[d]);
+                    let impulse = mass * (slowed - v[d]);
+                    batch.report.given.load[d] += impulse;
+                    batch.report.given.damping -= 0.5 * impulse * (batch.start[n][d] + slowed);
+                    v[d] = slowed;
+                }
+            }
+        });
     }
 
     /// Velocities as conditions allow.
@@ -139,10 +161,10 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                         point.position[axis] -= beyond;
                     }
                 }
-                batch.held[n] = 0;
+                batch.held[n] &= !(7 * HELD);
                 for d in 0..D {
                     if point.velocity[d] != v[d] {
-                        batch.held[n] |= 1 << d;
+                        batch.held[n] |= HELD << d;
                         v[d] = point.velocity[d];
                     }
                 }

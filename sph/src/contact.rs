@@ -7,7 +7,7 @@ use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody};
 use crate::kernel::Kernel as _;
 use crate::matrix::inverse;
 use crate::method::Composition;
-use crate::solver::{ADVICE, Sph};
+use crate::solver::{ADVICE, Sph, TOUCHED};
 use crate::sums::BATCH;
 use crate::tensors::PLACES;
 
@@ -130,6 +130,9 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Sph<D, M> {
         let mass = v[3];
         for d in 0..D {
             v[d] += impulse[d] / mass;
+            if impulse[d] != 0.0 {
+                self.held[i] |= TOUCHED << d;
+            }
         }
     }
     fn advance(&mut self, dt: f64, _: &[[f64; D]]) -> Result<(), StepError> {

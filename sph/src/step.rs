@@ -14,7 +14,7 @@ use crate::images::{Images, Mirror, MirrorKind};
 use crate::matrix::{identity, inverse, inverse_of_moments, largest_row, mean_size, times};
 use crate::method::Composition;
 use crate::records::Records;
-use crate::solver::{Scratch, Sph, StepTimes};
+use crate::solver::{HELD, Scratch, Sph, StepTimes, TOUCHED};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{
     BATCH, Balance, Batch, DensityGradient, Diffuse, GROUP, Push, Pushed, Report, Row, Strain, Weigh,
@@ -64,6 +64,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     fn new_velocities(&mut self, dt: f64) {
         let kick = self.lag + 0.5 * dt;
+        self.held.iter_mut().for_each(|held| *held &= !(7 * TOUCHED));
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let particles = self.positions.len();
         let acceleration = &self.acceleration;
@@ -96,6 +97,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     fn new_positions(&mut self, dt: f64) -> Result<(), StepError> {
         self.obey(dt);
+        self.damp();
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let velocities = &self.records.velocity;
@@ -113,7 +115,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     x[d] += dt * v[d];
                 }
                 batch.report.given.work += kick * v[3] * work;
-                batch.report.given.impacts += kick * v[3] * taken;
+                batch.report.given.viscosity += kick * v[3] * taken;
                 let found = x.iter().all(|x| x.is_finite()) && (!Self::HOOP || x[0] > 0.0);
                 if !found && batch.report.lost.is_none() {
                     batch.report.lost = Some(n);
@@ -133,6 +135,26 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             Some(i) => Err(self.broken(i, Cause::Velocity)),
             None => Ok(()),
         }
+    }
+
+    /// Local damping, where asked for, in directions that conditions leave free.
+    fn damp(&mut self) {
+        if !self.damping.acts() {
+            return;
+        }
+        let particles = self.positions.len();
+        let Sph { records, team, batches, held, damping, .. } = self;
+        team.each_piece(&mut records.velocity[..particles], BATCH, batches, |b, velocities, batch| {
+            for (n, v) in velocities.iter_mut().enumerate() {
+                for d in (0..D).filter(|d| held[b * BATCH + n] & HELD << d == 0) {
+                    let slowed = damping.slowed(batch.start[n][d], v[d]);
+                    let impulse = v[3] * (slowed - v[d]);
+                    batch.report.given.load[d] += impulse;
+                    batch.report.given.damping -= 0.5 * impulse * (batch.start[n][d] + slowed);
+                    v[d] = slowed;
+                }
+            }
+        });
     }
 
     /// Velocities as conditions allow.
@@ -189,7 +211,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
         for (b, batch) in batches.iter().enumerate() {
             for (held, start) in held[b * BATCH..].iter_mut().zip(&batch.start) {
-                *held = start[3] as u8;
+                *held = *held & !(7 * HELD) | start[3] as u8;
             }
         }
     }
@@ -261,7 +283,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             batch.report.diffused = 0.5 * dt * (before + work_of_diffusion(batch, &reference[b * BATCH..]));
         });
         if Self::HAS.diffusion {
-            self.exchange.impacts -= self.batches.iter().map(|batch| batch.report.diffused).sum::<f64>();
+            self.exchange.viscosity -= self.batches.iter().map(|batch| batch.report.diffused).sum::<f64>();
         }
         let trouble =
             self.batches.iter().enumerate().find_map(|(b, batch)| {

@@ -5,13 +5,15 @@ use crate::geometry::Lattice;
 use crate::grid::{GridStorage, Node};
 use crate::parallel::{Float, Team};
 use impactite_scene::boundary::{BodyForce, Boundary};
-use impactite_scene::{Condition, Exchange, Place};
+use impactite_scene::{Condition, Exchange, LocalDamping, Place};
 
 use super::block_place::BlockPlace;
 use super::body::GridBody;
 use super::fields::Fields;
 use super::layout::{Layout, NodeSums, Piece};
-use super::node_update::{Around, Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Trial, Velocities};
+use super::node_update::{
+    Around, Damp, Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Trial, Velocities,
+};
 use super::planes::Planes;
 use super::rigid_nodes::{self, rigid_of};
 
@@ -26,6 +28,7 @@ fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
     }
     sum.work += share * o.work;
     sum.friction += share * o.friction;
+    sum.damping += share * o.damping;
 }
 
 /// What is kept of a block of nodes beside the nodes.
@@ -48,8 +51,8 @@ pub struct Conditions<const D: usize> {
     pub boundaries: Vec<Boundary<D>>,
     /// Acceleration of all material.
     pub gravity: Option<BodyForce<D>>,
-    /// Local damping coefficient; zero for none.
-    pub damping: f64,
+    /// Local damping.
+    pub damping: LocalDamping,
 }
 
 /// A node counts as massless below this part of the smallest particle mass: the square of the rounding unit.
@@ -223,11 +226,20 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
     pub fn integrate_momentum(&mut self, dt: T, from_velocity: bool) {
         let (cutoff, end) = (self.cutoff, self.of.time + dt.to_double());
         let gravity = self.conditions.gravity.as_ref().map(|g| g(self.of.time));
-        let damping = self.conditions.damping;
         let sums = if from_velocity { NodeSums::Force } else { NodeSums::All };
         let (takes, forces) = (self.of.takes, self.of.forces);
-        let update = Integrate::<T, D> { cutoff, dt, end, gravity, damping, from_velocity, takes, forces };
+        let update = Integrate::<T, D> { cutoff, dt, end, gravity, from_velocity, takes, forces };
         self.collect_and(sums, &update);
+        self.planes.extrapolate(self.grid.nodes_mut());
+    }
+
+    /// Local damping of what the velocities of nodes changed by in the step, contact and boundaries included ([`LocalDamping`]). Nodes of rigid
+    /// bodies and of bodies of other solvers are left alone: their forces are not those at their nodes.
+    pub fn damp(&mut self, dt: T) {
+        let (cutoff, end) = (self.cutoff, self.of.time + dt.to_double());
+        let gravity = self.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.of.time));
+        let update = Damp::<T, D> { cutoff, dt, end, gravity, damping: self.conditions.damping };
+        self.each_node_of(&update, &|body| body.rigid().is_none() && body.client().is_none());
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
@@ -332,6 +344,27 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         let (layout, team) = (fields.layout(), self.team);
         layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
             if !(rigid && carry(bodies, fields, &constraints, block, sums, &mut nodes)) {
+                constraints.apply(update, block, &mut nodes, books);
+            }
+        });
+    }
+
+    /// Change nodes of bodies for which `counts` holds, and of those that bodies share.
+    fn each_node_of(
+        &mut self,
+        update: &impl NodeUpdate<T>,
+        counts: &(dyn Fn(&dyn GridBody<T, D>) -> bool + Sync),
+    ) {
+        let constraints = Self::constraints(
+            (self.conditions, self.planes),
+            (self.bodies, self.fields),
+            *self.grid.lattice(),
+            self.of,
+        );
+        let (bodies, fields) = (self.bodies, self.fields);
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
+            if bodies.get(fields.owner(block) as usize).is_none_or(|body| counts(&**body)) {
                 constraints.apply(update, block, &mut nodes, books);
             }
         });

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use impactite_scene::boundary::check_at;
 use impactite_scene::error::{SceneError, StepError, Stopped};
-use impactite_scene::{PointKind, StepLimit, TimeControl};
+use impactite_scene::{CentreLead, PointKind, StepLimit, TimeControl};
 
 use super::background::AtPlanes;
 use super::between_steps::StepEnd;
@@ -14,7 +14,7 @@ use super::layout::Nodes;
 use super::load::Loading;
 use super::mpm::Mpm;
 use super::nodes::{GridStages, StageOf};
-use super::rigid::Wrong;
+use super::rigid::{RigidState, Wrong};
 use super::rigid_planes;
 
 use crate::dim::BLOCK;
@@ -99,6 +99,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.apply_contact(ContactPhase::Trial, dt); // vii: eqs. 11 - 15
             self.move_rigid(dt)?;
             self.meet_surfaces(dt)?;
+            self.damp(dt);
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
@@ -107,6 +108,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.apply_contact(ContactPhase::Trial, dt); // iv, vii: eqs. 6, 7, 11 - 15
             self.move_rigid(dt)?;
             self.meet_surfaces(dt)?;
+            self.damp(dt);
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
@@ -226,6 +228,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let (impulse, moment) = self.stage(dt).push_on(number, &state);
             let of_planes = || pushes.iter().filter(|p| p.body == number);
             let [impulse, moment] = state.pushed_by([impulse, moment], of_planes());
+            let (impulse, moment) = self.damped(&state, (impulse, moment), dt.to_double());
             let Some(state) = self.scene.bodies[number].rigid_mut() else { continue };
             let held = state.push(impulse, moment, step);
             let held = held.map_err(|wrong| {
@@ -253,6 +256,43 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             }
         }
         self.check_rigid_places().map_err(|error| self.stopped(Stopped::Scene(error)))
+    }
+
+    /// Local damping of nodes, where asked for.
+    fn damp(&mut self, dt: T) {
+        if self.scene.conditions.damping.acts() {
+            self.stage(dt).damp(dt);
+        }
+    }
+
+    /// Local damping of a free rigid body: impulse, N s, and moment about its centre, N m s, of the step that are left. What was taken is booked.
+    fn damped(
+        &mut self,
+        state: &RigidState<D>,
+        (mut impulse, mut moment): ([f64; 3], [f64; 3]),
+        dt: f64,
+    ) -> ([f64; 3], [f64; 3]) {
+        let damping = self.scene.conditions.damping;
+        if !damping.acts() {
+            return (impulse, moment);
+        }
+        let (mass, velocity, spin) = (state.mass(), state.velocity(), state.spin());
+        let gravity = self.scene.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.clock.time));
+        for d in 0..3 {
+            let left = mass * (damping.slowed(velocity[d], velocity[d] + impulse[d] / mass) - velocity[d]);
+            let more = left - impulse[d];
+            self.grid.scene_wide.load[d] += more;
+            self.grid.scene_wide.damping -= more * (velocity[d] + 0.5 * left / mass);
+            // The work of a body force was booked with the velocities before.
+            self.grid.scene_wide.work += 0.5 * dt * gravity.get(d).map_or(0.0, |g| g * more);
+            impulse[d] = left;
+            if spin[d] != 0.0 {
+                let turning = -damping.coefficient() * moment[d].abs() * spin[d].signum();
+                self.grid.scene_wide.damping -= turning * spin[d];
+                moment[d] += turning;
+            }
+        }
+        (impulse, moment)
     }
 
     /// Refuse rigid bodies that went behind planes of symmetry, which do not stop those of prescribed motion.
@@ -340,7 +380,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         // Forces act in the step that follows the map; those of USF in this one.
         let usf = self.facts().before_forces && which == Which::First;
         let force_time = self.clock.time + if usf { 0.0 } else { dt.to_double() };
-        let dt = Steps { this: dt, next: self.stepper.planned, adapt, force_time };
+        let axes = CentreLead::axes(&self.scene.conditions.boundaries, self.facts().hoop);
+        let dt = Steps { this: dt, next: self.stepper.planned, adapt, force_time, axes };
         let nodes = Nodes { all: self.grid.nodes(), layout: self.grid.fields.layout() };
         let team = &self.team;
         self.stepper.passed.resize_with(self.scene.bodies.len(), || Ok(T::default()));

@@ -21,7 +21,9 @@ fn bars<M: Composition<2>>(method: M) -> (f64, f64, f64) {
     scene.run_until(60e-6).unwrap();
     let speed = |n: usize| scene.totals_of(n).map_or(0.0, |t| t.momentum[0] / t.mass);
     let after = scene.totals();
-    let off = (after.kinetic + after.internal + scene.exchange().impacts) / before.kinetic - 1.0;
+    let off = (after.kinetic + after.internal + (scene.exchange().impacts + scene.exchange().viscosity))
+        / before.kinetic
+        - 1.0;
     assert!((after.momentum[0] - before.momentum[0]).abs() < 1e-12 * before.momentum_scale);
     (speed(0), speed(1), off)
 }
