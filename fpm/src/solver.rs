@@ -32,6 +32,8 @@ use crate::vector::{Tensor, dot, scaled, zero};
 const COURANT: f64 = 0.9;
 /// Cells of a body for which more than one thread is used.
 pub const SMALL: usize = 1000;
+/// The first of the bits of directions in which a condition other than a wall moved a cell.
+pub(crate) const PRESCRIBED: u32 = 4;
 /// What a body is called that has no name.
 const BODY: &str = "body";
 
@@ -79,8 +81,6 @@ pub struct Fpm<const D: usize, M> {
     pub(crate) softening: Softening<D>,
     pub(crate) friction: f64,
     pub(crate) boundaries: Vec<Boundary<D>>,
-    /// Of each of them that is a wall, how far beyond each point the surface is along its axis, m.
-    pub(crate) walls: Vec<Vec<f64>>,
     pub(crate) body_force: Option<BodyForce<D>>,
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
@@ -161,7 +161,6 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             softening: Softening::default(),
             friction: 0.0,
             boundaries: Vec::new(),
-            walls: Vec::new(),
             body_force: None,
             team: Team::one(),
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
@@ -274,7 +273,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 
     /// Add a condition on points: [`Boundary::hold`](Boundary::check_moving) says what it does to them; walls keep the surface in front of
-    /// them, half a spacing beyond points. A plane of symmetry is held by the faces that lie on it ([`Fpm::hold_faces`]): there the normal
+    /// them. A plane of symmetry is held by the faces that lie on it ([`Fpm::hold_faces`]): there the normal
     /// displacement is none.
     ///
     /// # Errors
@@ -288,16 +287,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             let across = move |_| std::array::from_fn(|d| (d == axis).then_some(0.0));
             return self.hold_faces(|f| on(f) && f.normal[axis].abs() > 0.999, Arc::new(across)).map(|_| ());
         }
-        let mut beyond = Vec::new();
-        if let (true, Some(axis)) = (boundary.is_wall(), boundary.across()) {
-            beyond.resize(self.reference.len(), 0.0);
-            for face in self.surface.iter().filter(|f| f.normal[axis].abs() > 0.5) {
-                let cell = face.cell as usize;
-                beyond[cell] = face.centroid[axis] - self.reference[cell][axis];
-            }
-        }
         self.boundaries.push(boundary);
-        self.walls.push(beyond);
         Ok(())
     }
 

@@ -27,11 +27,14 @@ use crate::method::Composition;
 use crate::records::{Has, Records};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Row};
+use crate::surface::Surface;
 
 /// The default safety factor of the time step.
 const COURANT: f64 = 0.7;
 /// Particles of a body for which more than one thread is used.
 pub const SMALL: usize = 1000;
+/// The first of the bits of directions in which a condition other than a wall moved a particle.
+pub(crate) const PRESCRIBED: u32 = 4;
 /// The skin of the neighbour lists over the smallest spacing, unless told otherwise.
 const SKIN: f64 = 0.4;
 
@@ -59,8 +62,11 @@ pub struct Sph<const D: usize, M> {
     pub(crate) batches: Vec<Batch>,
     /// By neighbours, hoop stress and body force, m/s^2: what the next step begins with.
     pub(crate) acceleration: Vec<[f64; 4]>,
-    /// Directions in which something else than neighbours moved a particle in the last step, a bit each.
+    /// Directions in which something else than neighbours moved a particle in the last step, a bit each; from [`PRESCRIBED`] on those of
+    /// what is no wall.
     pub(crate) held: Vec<u8>,
+    /// Boundary particles and their normals.
+    pub(crate) skin: Surface<D>,
     pub(crate) lists: VerletLists<D>,
     pub(crate) search: SearchMethod,
     /// Of the parts of steps, where asked for.
@@ -179,6 +185,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             batches: Vec::new(),
             acceleration: vec![[0.0; 4]; count],
             held: vec![0; count],
+            skin: Surface::default(),
             lists,
             search: SearchMethod::default(),
             times: None,

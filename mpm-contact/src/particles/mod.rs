@@ -52,9 +52,12 @@ mod meet;
 mod member;
 mod places;
 mod solve;
+mod surface;
+mod system;
 mod wall;
 
 pub use bodies::Bodies;
 pub use body::{Advice, ContactParticle, Facing, ParticleBody};
 pub use meet::PairOfParticles;
+pub use surface::{SurfacePoint, press_on_walls};
 pub use wall::RigidWall;
