@@ -36,9 +36,11 @@ pub const SMALL: usize = 1000;
 const BODY: &str = "body";
 
 /// The first direction, where conditions moved a point in the last step.
-pub(crate) const HELD: u8 = 1;
+pub(crate) const HELD: u16 = 1;
 /// The first direction, where contact with other bodies did.
-pub(crate) const TOUCHED: u8 = 8;
+pub(crate) const TOUCHED: u16 = 8;
+/// The first direction, where a condition other than a wall moved a cell.
+pub(crate) const PRESCRIBED: u16 = 64;
 
 /// A body of cells of one law in `D` dimensions, with the parts of `M`.
 ///
@@ -84,8 +86,6 @@ pub struct Fpm<const D: usize, M> {
     pub(crate) softening: Softening<D>,
     pub(crate) friction: f64,
     pub(crate) boundaries: Vec<Boundary<D>>,
-    /// Of each of them that is a wall, how far beyond each point the surface is along its axis, m.
-    pub(crate) walls: Vec<Vec<f64>>,
     pub(crate) body_force: Option<BodyForce<D>>,
     pub(crate) damping: LocalDamping,
     pub(crate) team: Team,
@@ -167,7 +167,6 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             softening: Softening::default(),
             friction: 0.0,
             boundaries: Vec::new(),
-            walls: Vec::new(),
             body_force: None,
             damping: LocalDamping::default(),
             team: Team::one(),
@@ -291,7 +290,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 
     /// Add a condition on points: [`Boundary::hold`](Boundary::check_moving) says what it does to them; walls keep the surface in front of
-    /// them, half a spacing beyond points. A plane of symmetry is held by the faces that lie on it ([`Fpm::hold_faces`]): there the normal
+    /// them. A plane of symmetry is held by the faces that lie on it ([`Fpm::hold_faces`]): there the normal
     /// displacement is none.
     ///
     /// # Errors
@@ -305,16 +304,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             let across = move |_| std::array::from_fn(|d| (d == axis).then_some(0.0));
             return self.hold_faces(|f| on(f) && f.normal[axis].abs() > 0.999, Arc::new(across)).map(|_| ());
         }
-        let mut beyond = Vec::new();
-        if let (true, Some(axis)) = (boundary.is_wall(), boundary.across()) {
-            beyond.resize(self.reference.len(), 0.0);
-            for face in self.surface.iter().filter(|f| f.normal[axis].abs() > 0.5) {
-                let cell = face.cell as usize;
-                beyond[cell] = face.centroid[axis] - self.reference[cell][axis];
-            }
-        }
         self.boundaries.push(boundary);
-        self.walls.push(beyond);
         Ok(())
     }
 

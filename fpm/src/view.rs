@@ -190,7 +190,7 @@ fn archive_batch<const D: usize>(batch: &mut Batch<D>, file: &mut Archive) -> Re
     for held in &mut batch.held {
         let mut bits = u64::from(*held);
         file.word(&mut bits)?;
-        *held = bits as u8;
+        *held = bits as u16;
     }
     for list in [&mut batch.rigid, &mut batch.jumps] {
         file.list(list, &(0, zero()), |file, (n, h)| {

@@ -2,12 +2,12 @@
 
 use impactite_scene::{Archive, CheckpointError, Exchange, SceneError, Solver, StepError};
 use impactite_simd::Team;
-use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody};
+use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody, SurfacePoint};
 
 use crate::kernel::Kernel as _;
 use crate::matrix::inverse;
 use crate::method::Composition;
-use crate::solver::{ADVICE, Sph, TOUCHED};
+use crate::solver::{ADVICE, PRESCRIBED, Sph, TOUCHED};
 use crate::sums::BATCH;
 use crate::tensors::PLACES;
 
@@ -96,6 +96,24 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Sph<D, M> {
         for &j in self.batches[i / BATCH].near.of(i % BATCH).0.iter().filter(|&&j| (j as usize) < particles) {
             visit(self.numbers[j as usize] as usize);
         }
+    }
+
+    fn has_surface(&self) -> bool {
+        true
+    }
+    fn find_surface(&mut self, particles: &[usize]) {
+        let places: Vec<usize> = particles.iter().map(|&n| self.place_of(n)).collect();
+        self.find_faces_of(places.into_iter());
+    }
+    fn surface(&self, n: usize, out: &mut Vec<SurfacePoint>) {
+        self.surface_points(self.place_of(n), out);
+    }
+    fn carriers(&self, n: usize, point: &SurfacePoint, visit: &mut dyn FnMut(usize, [f64; 3])) {
+        self.carriers_of(self.place_of(n), point, visit);
+    }
+    fn held(&self, n: usize) -> [bool; 3] {
+        let bits = self.held[self.place_of(n)];
+        std::array::from_fn(|d| bits & PRESCRIBED << d != 0)
     }
 
     fn traction(&self, n: usize, normal: &[f64; 3]) -> f64 {

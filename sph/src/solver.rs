@@ -27,6 +27,7 @@ use crate::method::Composition;
 use crate::records::{Has, Records};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Row};
+use crate::surface::Surface;
 
 /// The default safety factor of the time step.
 const COURANT: f64 = 0.7;
@@ -36,9 +37,11 @@ pub const SMALL: usize = 1000;
 const SKIN: f64 = 0.4;
 
 /// The first direction, where conditions moved a particle.
-pub(crate) const HELD: u8 = 1;
+pub(crate) const HELD: u16 = 1;
 /// The first direction, where contact with other bodies did.
-pub(crate) const TOUCHED: u8 = 8;
+pub(crate) const TOUCHED: u16 = 8;
+/// The first direction, where a condition other than a wall moved a particle.
+pub(crate) const PRESCRIBED: u16 = 64;
 
 /// Smoothed particles of one law in `D` dimensions, with the parts of `M`.
 ///
@@ -64,8 +67,11 @@ pub struct Sph<const D: usize, M> {
     pub(crate) batches: Vec<Batch>,
     /// By neighbours, hoop stress and body force, m/s^2: what the next step begins with.
     pub(crate) acceleration: Vec<[f64; 4]>,
-    /// Directions in which something else than neighbours moved a particle in the last step, a bit each: [`HELD`], [`TOUCHED`].
-    pub(crate) held: Vec<u8>,
+    /// Directions in which something else than neighbours moved a particle in the last step, a bit each: [`HELD`], [`TOUCHED`],
+    /// [`PRESCRIBED`].
+    pub(crate) held: Vec<u16>,
+    /// Boundary particles and their normals.
+    pub(crate) skin: Surface<D>,
     pub(crate) lists: VerletLists<D>,
     pub(crate) search: SearchMethod,
     /// Of the parts of steps, where asked for.
@@ -185,6 +191,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             batches: Vec::new(),
             acceleration: vec![[0.0; 4]; count],
             held: vec![0; count],
+            skin: Surface::default(),
             lists,
             search: SearchMethod::default(),
             times: None,
@@ -500,7 +507,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         for held in &mut self.held {
             let mut bits = u64::from(*held);
             file.word(&mut bits)?;
-            *held = bits as u8;
+            *held = bits as u16;
         }
         file.word(&mut self.renewals)?;
         file.reals([&mut self.rate, &mut self.lag])?;

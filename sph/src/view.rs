@@ -116,6 +116,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             + 8 * (self.reference.capacity() + self.spacing.capacity())
             + 4 * self.numbers.capacity()
             + self.held.capacity()
+            + self.skin.bytes()
     }
 }
 

@@ -3,11 +3,12 @@
 use std::collections::HashMap;
 
 use super::body::{ContactParticle, Facing};
-use super::candidates::RANGE;
+use super::candidates::{Candidates, RANGE};
 use super::member::{Member, Place};
 use super::places::{FacingPair, PairPlaces, Side};
 use super::solve::{Touch, gather, solve};
-use crate::detect::ContactDetector;
+use super::surface::meet_surfaces;
+use crate::detect::{ContactDetector, Criterion};
 use crate::law::{Contact, Pairs};
 use crate::normal::{Memory, Nodal, NormalRule};
 use crate::vector::{difference, dot, wide};
@@ -219,8 +220,25 @@ pub(super) struct Met {
     pub work: f64,
 }
 
-/// Exchange impulses between members that have their trial velocities.
+/// Exchange impulses between members that have their trial velocities: between surfaces where a body has one, else between pairs of
+/// particles.
 pub(super) fn meet<const D: usize, S: ContactDetector<f64, D>>(
+    members: &mut [Member<D>],
+    detector: &S,
+    laws: &Pairs<f64>,
+    spacing: f64,
+    candidates: &Candidates,
+    (time, dt): (f64, f64),
+) -> Met {
+    let mut met = meet_pairs(members, detector, laws, spacing, candidates.pairs(), time, dt);
+    // Detectors that do not measure gaps touch where surfaces do.
+    let threshold = if let Criterion::Gap(gap) = detector.criterion(spacing) { gap } else { 0.0 };
+    meet_surfaces(members, laws, threshold, candidates, (time, dt), &mut met);
+    met
+}
+
+/// The same between pairs of particles.
+fn meet_pairs<const D: usize, S: ContactDetector<f64, D>>(
     members: &mut [Member<D>],
     detector: &S,
     laws: &Pairs<f64>,
