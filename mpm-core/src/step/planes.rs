@@ -245,12 +245,13 @@ impl<T: Float> Planes<T> {
     /// Nodes of rigid bodies beside planes of symmetry stand for the body's image, too.
     fn fold_masses_of_rigid(&self, nodes: &mut [Node<T>]) {
         for copy in [false, true] {
-            for &[front, _, back] in self.symmetries.iter().flat_map(|s| &s.rigid).filter(|c| is_pair(c)) {
+            for &[front, _, back] in self.symmetries.iter().flat_map(|s| &s.rigid).filter(is_pair) {
                 let [front, back] = [front, back].map(|n| n as usize);
                 if copy {
                     nodes[back].first[0] = nodes[front].first[0];
                 } else {
-                    nodes[front].first[0] = nodes[front].first[0] + nodes[back].first[0];
+                    let behind = nodes[back].first[0];
+                    nodes[front].first[0] += behind;
                 }
             }
         }
@@ -293,7 +294,7 @@ impl<T: Float> Planes<T> {
             return impulse;
         }
         for Columns { plane, columns, rigid } in &self.symmetries {
-            for &[front, _, back] in rigid.iter().filter(|c| is_pair(c)) {
+            for &[front, _, back] in rigid.iter().filter(is_pair) {
                 let Some([before, behind]) = self.noted(front).zip(self.noted(back)).map(|(f, b)| [f, b])
                 else {
                     continue;

@@ -79,7 +79,7 @@ fn press<const D: usize>(
     for _ in 0..steps {
         mpm.step().expect("step");
     }
-    assert!(mpm.contacts().len() >= 3, "{} contacts", mpm.contacts().len());
+    assert!(mpm.contacts().len() >= 2, "{} contacts", mpm.contacts().len());
     particles(&mpm)
 }
 
@@ -117,11 +117,11 @@ halves! {
     half_with_the_hat: 2, 1, 100, Plane, Method::new(Linear, Flip, Musl, PlaneStrain);
     half_with_cpgimp: 2, 1, 100, Plane, Method::new(CpGimp, Flip, Musl, PlaneStrain);
     half_with_cpgimp_stress_first: 2, 1, 60, Plane, Method::new(CpGimp, Flip, Usf, PlaneStrain).compiled();
-    half_with_mls: 2, 1, 100, Mass, Method::new(CubicBSpline, Mls, Usl, PlaneStrain).compiled();
+    half_with_mls: 2, 1, 60, Mass, Method::new(CubicBSpline, Mls, Usl, PlaneStrain).compiled();
     half_with_splines: 2, 1, 100, Mass, Method::new(QuadraticBSpline, Flip, Musl, PlaneStrain);
     half_with_affine_splines: 2, 1, 100, Plane, Method::new(QuadraticBSpline, Apic, Usl, PlaneStrain);
     half_with_cubic_splines: 2, 1, 60, Plane, Method::new(CubicBSpline, Apic, Usl, PlaneStrain).compiled();
-    quarter_with_splines: 3, 2, 60, Mass, Method::new(QuadraticBSpline, Apic, Usl, FullSpace);
+    quarter_with_splines: 3, 2, 40, Plane, Method::new(QuadraticBSpline, Apic, Usl, FullSpace);
     quarter_with_cpgimp: 3, 2, 60, Plane, Method::new(CpGimp, Flip, Musl, FullSpace);
 }
 
