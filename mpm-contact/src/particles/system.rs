@@ -6,9 +6,9 @@ use crate::law::{Contact, ContactLaw};
 use crate::vector::{difference, dot, length, sum, times};
 
 /// Largest change of an impulse in a sweep, over the largest impulse, at which impulses count as found.
-const FOUND: f64 = 1e-9;
+const FOUND: f64 = 1e-4;
 /// Most sweeps.
-const SWEEPS: usize = 400;
+const SWEEPS: usize = 30;
 
 /// What an impulse moves.
 #[derive(Clone, Copy, Debug)]
