@@ -148,7 +148,8 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
     /// sqrt((K + 4G/3 + J s) / rho0), s a bound of the largest compressive stress: -mean + 2/3 of the equivalent stress.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
-        let squeezed = now.stress.deviator().equivalent().mul_add(L::of(2.0 / 3.0), -now.stress.mean()).max(L::zero());
+        let squeezed =
+            now.stress.deviator().equivalent().mul_add(L::of(2.0 / 3.0), -now.stress.mean()).max(L::zero());
         let stiffness = now.volume_ratio.mul_add(squeezed, L::splat(self.moduli.p_wave()));
         (stiffness * L::splat(T::of(1.0) / self.density)).sqrt()
     }
