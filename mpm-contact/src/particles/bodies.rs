@@ -12,8 +12,9 @@ use impactite_simd::Team;
 
 use super::body::{Advice, ContactParticle, ParticleBody};
 use super::candidates::Candidates;
-use super::meet::{PairOfParticles, meet};
+use super::meet::meet;
 use super::member::{Member, particles};
+use super::met::PairOfParticles;
 use super::wall::RigidWall;
 use crate::detect::ContactDetector;
 use crate::law::Pairs;

@@ -6,7 +6,20 @@ use impactite_scene::watch::Loss;
 use impactite_scene::{Archive, Body, CheckpointError, Exchange, SceneError, StepError};
 use impactite_simd::Team;
 
-use super::surface::SurfacePoint;
+/// A point of the surface of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfacePoint {
+    /// Position, m; zero beyond the dimensions of the scene.
+    pub position: [f64; 3],
+    /// Unit normal, out of the body.
+    pub normal: [f64; 3],
+    /// Area that the point stands for, m^2 (per metre of depth, or per radian).
+    pub area: f64,
+    /// Does it lie on an edge or corner between faces? Then other surfaces do not rest on it: it rests on them.
+    pub corner: bool,
+    /// Distance of the surface beyond the point in all directions, m: the radius of a ball, else zero.
+    pub reach: f64,
+}
 
 /// A particle as contact sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -54,6 +54,7 @@ mod body;
 mod candidates;
 mod meet;
 mod member;
+mod met;
 mod places;
 mod solve;
 mod surface;
@@ -61,7 +62,7 @@ mod system;
 mod wall;
 
 pub use bodies::Bodies;
-pub use body::{Advice, ContactParticle, Facing, ParticleBody};
-pub use meet::PairOfParticles;
-pub use surface::{SurfacePoint, press_on_walls};
+pub use body::{Advice, ContactParticle, Facing, ParticleBody, SurfacePoint};
+pub use met::PairOfParticles;
+pub use surface::press_on_walls;
 pub use wall::RigidWall;

@@ -15,10 +15,10 @@ use std::ops::Range;
 
 use impactite_scene::{Boundary, Exchange};
 
-use super::body::ParticleBody;
+use super::body::{ParticleBody, SurfacePoint};
 use super::candidates::Candidates;
-use super::meet::{Met, PairOfParticles};
 use super::member::{Member, Place};
+use super::met::{Met, PairOfParticles};
 use super::system::{Mover, Row, SurfaceTouch, System};
 use crate::friction::Coulomb;
 use crate::law::{Contact, Pairs};
@@ -46,21 +46,6 @@ const ROUNDED: f64 = 1e-3;
 pub(super) const BOND: f64 = 0.1;
 /// Part of an overlap with a rigid plane that a step takes away.
 const RETURN: f64 = 0.1;
-
-/// A point of the surface of a body.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct SurfacePoint {
-    /// Position, m; zero beyond the dimensions of the scene.
-    pub position: [f64; 3],
-    /// Unit normal, out of the body.
-    pub normal: [f64; 3],
-    /// Area that the point stands for, m^2 (per metre of depth, or per radian).
-    pub area: f64,
-    /// Does it lie on an edge or corner between faces? Then other surfaces do not rest on it: it rests on them.
-    pub corner: bool,
-    /// Distance of the surface beyond the point in all directions, m: the radius of a ball, else zero.
-    pub reach: f64,
-}
 
 /// A surface point of a particle, with the particle's size.
 #[derive(Clone, Copy, Debug)]

@@ -51,6 +51,7 @@ mod rigid_body;
 mod rigid_nodes;
 mod rigid_planes;
 mod rigid_push;
+mod rigid_surface;
 mod rows;
 mod scatter;
 mod scene;

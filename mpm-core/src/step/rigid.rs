@@ -18,7 +18,7 @@ use std::sync::Arc;
 use mpm_materials::{Check, ParameterError};
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 
-use super::rigid_planes::Surface;
+use super::rigid_surface::Surface;
 use crate::geometry::Seeds;
 use impactite_scene::error::SceneError;
 
