@@ -39,7 +39,7 @@ pub const REMEDIES: &[Remedy] = &[
     remedy(
         "FLIP with MUSL where nothing spins, AFLIP with USF",
         "FLIP with MUSL where nothing spins (`method.mpm.parts = { shape_function = \"linear\", transfer = \"flip\", \
-         stress_update = \"musl\" }` instead of `for`)",
+         stress_update = \"musl\" }` instead of `method.mpm.for`)",
     ),
     remedy("take `Gimp`, `Linear` or a B-spline", "take another `method.mpm.parts.shape_function`"),
     remedy(
