@@ -215,6 +215,7 @@ impl<const D: usize> MeshBody<D> {
             touched: Exchange::default(),
             erosion,
             eroded: Eroded::default(),
+            largest_energy: 0.0,
             debris: Vec::new(),
             surface,
             revision: 0,
@@ -342,6 +343,8 @@ pub struct ElementBody<const D: usize> {
     pub(crate) touched: Exchange,
     pub(crate) erosion: Resolved,
     pub(crate) eroded: Eroded,
+    /// The largest energy that it had at a look: kinetic and internal, without that of hourglass forces, J.
+    pub(crate) largest_energy: f64,
     /// Mass of elements that left, by node; empty before the first does.
     pub(crate) debris: Vec<f64>,
     pub(crate) surface: Vec<Facet>,
@@ -416,6 +419,12 @@ impl<const D: usize> ElementBody<D> {
     /// Energy in hourglass forces, J: a part of the internal energy.
     pub fn hourglass_energy(&self) -> f64 {
         self.sets.iter().flat_map(|s| s.alive().map(|(b, e, _)| s.hourglass(b, e))).sum()
+    }
+    /// Note its energy, if it never had more: what hourglass forces are measured against.
+    pub(crate) fn note_energy(&mut self) {
+        let totals = self.totals();
+        let energy = totals.kinetic.max(totals.kinetic + totals.internal - self.hourglass_energy());
+        self.largest_energy = self.largest_energy.max(energy);
     }
     /// The sum of the forces of the elements on a node, N.
     ///

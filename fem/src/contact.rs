@@ -2,7 +2,7 @@
 
 use impactite_geometry::Facet;
 use impactite_scene::{Archive, Boundary, CheckpointError, Clock, ContactPoint, Exchange, PairContact};
-use impactite_scene::{StepError, Stopped};
+use impactite_scene::{LocalDamping, StepError, Stopped};
 use impactite_simd::Team;
 use mpm_contact::Pairs;
 use mpm_contact::mesh::{ContactBody, MeshContact, MeshStep};
@@ -114,7 +114,7 @@ pub(crate) fn look<const D: usize>(
 ) -> Result<(), StepError> {
     for (surface, body) in surfaces.iter_mut().zip(bodies) {
         surface.update(body, boundaries);
-        let motion = Motion { body, boundaries, time: clock.time, dt };
+        let motion = Motion { body, boundaries, time: clock.time, dt, damping: LocalDamping::default() };
         if let Some(node) = surface.look(&motion, team) {
             return Err(body.runs_away(clock, node));
         }

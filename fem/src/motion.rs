@@ -1,7 +1,7 @@
 //! Nodes through a step: velocities from forces, conditions, positions.
 
 use impactite_scene::boundary::BodyForce;
-use impactite_scene::{Boundary, Cause, Exchange, MovingPoint, PointKind, StepError, Stopped};
+use impactite_scene::{Boundary, Cause, Exchange, LocalDamping, MovingPoint, PointKind, StepError, Stopped};
 use impactite_scene::{Clock, Condition};
 use impactite_simd::Team;
 
@@ -35,6 +35,7 @@ pub(crate) struct Part<'a, const D: usize> {
     /// Steps of the scene in one of the body.
     pub ratio: u32,
     pub force: Option<&'a BodyForce<D>>,
+    pub damping: LocalDamping,
     pub boundaries: &'a [Boundary<D>],
 }
 
@@ -52,9 +53,9 @@ impl<const D: usize> ElementBody<D> {
     /// Conditions and new positions.
     pub(crate) fn advance(&mut self, part: &Part<'_, D>, team: &Team) -> Result<(), StepError> {
         self.merge_pushes();
-        let Part { clock, dt, boundaries, .. } = *part;
+        let Part { clock, dt, boundaries, damping, .. } = *part;
         let chunks = self.each_node(team, |body, n, node, found| {
-            Motion { body, boundaries, time: clock.time, dt }.advance(n, node, found);
+            Motion { body, boundaries, time: clock.time, dt, damping }.advance(n, node, found);
         });
         self.take(clock, &chunks)
     }
@@ -207,6 +208,7 @@ pub(crate) struct Motion<'a, const D: usize> {
     pub boundaries: &'a [Boundary<D>],
     pub time: f64,
     pub dt: f64,
+    pub damping: LocalDamping,
 }
 
 /// A node in a step.
@@ -229,6 +231,9 @@ impl<const D: usize> Motion<'_, D> {
         let pushed = self.pushed(n);
         if pushed.is_some() || self.is_bound(n, node) {
             self.constrain(n, node, pushed, found);
+        }
+        if self.damping.acts() {
+            self.damp(n, node, pushed, found);
         }
         let mut square = 0.0;
         let moves = self.carried(n).unwrap_or(&node.velocity);
@@ -346,6 +351,40 @@ impl<const D: usize> Motion<'_, D> {
         }
         self.obey(n, &mut point, &mut Exchange::default());
         (point.velocity, held == [true; D])
+    }
+
+    /// Local damping of a node: on what its velocity changed by in the step, in directions that no condition holds. A body that makes one step
+    /// for several of the scene is damped in that in which its forces act.
+    #[inline(never)]
+    fn damp(&self, n: usize, node: &mut Node<D>, pushed: Option<&Push<D>>, found: &mut Moved) {
+        let (body, kick) = (self.body, self.body.pace.kick);
+        if kick == 0.0 || self.carried(n).is_some() {
+            return;
+        }
+        let force = body.force(n);
+        let given = pushed.map_or([0.0; D], |push| push.given);
+        let touch = pushed.map_or([0.0; D], |push| push.touch);
+        for d in 0..D {
+            if node.is_held(d) {
+                continue;
+            }
+            let gained =
+                kick * (force[d] / node.mass + body.acceleration[d]) + (given[d] + touch[d]) / node.mass;
+            let start = node.velocity[d] - gained;
+            let change = self.damping.slowed(start, node.velocity[d]) - node.velocity[d];
+            if change == 0.0 {
+                continue;
+            }
+            node.velocity[d] += change;
+            let impulse = node.mass * change;
+            found.given.load[d] += impulse;
+            found.given.damping -= 0.5 * impulse * (start + node.velocity[d]);
+            // Work was booked with the velocities before.
+            let per = 0.5 * change;
+            found.given.work += per * (kick * node.mass * body.acceleration[d] + given[d]);
+            found.pushed.work += per * given[d];
+            found.touched.work += per * touch[d];
+        }
     }
 
     /// Conditions on a node, and the books of what pushed it: of few nodes, and so kept out of the loop over all.

@@ -10,7 +10,8 @@ use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Loss, Watcher};
 use impactite_scene::{
     Account, Archive, Body, Boundary, CheckpointError, Clock, ContactPoint, Embedding, Exchange, Finding,
-    GainCause, PairContact, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    GainCause, LocalDamping, PairContact, SceneError, Solver, StepError, StepLimit, Stopped, TimeControl,
+    Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::Pairs;
@@ -25,7 +26,7 @@ use crate::sweep::Scratch;
 const COURANT: f64 = 0.9;
 /// Elements of a body below which one thread is faster than waking more, and is used.
 const SMALL: usize = 500;
-/// Hourglass energy over internal energy that is warned of.
+/// Hourglass energy over the largest energy of the body that is warned of.
 const HOURGLASS: f64 = 0.05;
 /// Internal energy over all energy below which that is not looked at.
 const HARDLY: f64 = 1e-6;
@@ -40,6 +41,7 @@ pub struct Fem<const D: usize> {
     pub(crate) bodies: Vec<ElementBody<D>>,
     boundaries: Vec<Boundary<D>>,
     body_force: Option<BodyForce<D>>,
+    damping: LocalDamping,
     pub(crate) team: Team,
     /// Boxed, for most scenes have none.
     contact: Option<Box<Contacts<D>>>,
@@ -64,6 +66,7 @@ impl<const D: usize> Fem<D> {
             bodies: Vec::new(),
             boundaries: Vec::new(),
             body_force: None,
+            damping: LocalDamping::default(),
             team: Team::one(),
             contact: None,
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
@@ -205,6 +208,16 @@ impl<const D: usize> Fem<D> {
         self.body_force = Some(acceleration);
     }
 
+    /// Damp towards rest ([`LocalDamping`]): part of the unbalanced force of every node, contact and conditions included, is taken away while it
+    /// speeds the node up, and added while it slows it down. States at rest stay as they are. What it takes is booked as damping.
+    ///
+    /// # Errors
+    /// A coefficient outside \[0, 1).
+    pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
+        self.damping = LocalDamping::new(coefficient)?;
+        Ok(())
+    }
+
     /// Choose the time step otherwise. The Courant rate is half the bound of the highest frequency of any element, bulk viscosity
     /// and hourglass springs included: a factor of 1 is the limit of stability.
     ///
@@ -285,7 +298,8 @@ impl<const D: usize> Fem<D> {
         for (body, &ratio) in self.bodies.iter_mut().zip(&ratios) {
             let team = if body.elements < SMALL { &Team::one() } else { &self.team };
             let (clock, force, boundaries) = (&self.clock, self.body_force.as_ref(), &self.boundaries);
-            body.accelerate(&Part { clock, dt, ratio, force, boundaries }, team);
+            let damping = self.damping;
+            body.accelerate(&Part { clock, dt, ratio, force, damping, boundaries }, team);
         }
         self.open = Some(dt);
         Ok(())
@@ -358,6 +372,7 @@ impl<const D: usize> Fem<D> {
         }
         self.check_loads(dt).map_err(|error| self.clock.stopped(Stopped::Scene(error)))?;
         if self.watcher.opens() {
+            self.bodies.iter_mut().for_each(|body| body.note_energy());
             let (totals, exchange) = (self.totals(), Solver::exchange(self));
             self.watcher.open(self.clock.steps, &totals, &exchange, self.hoop);
         }
@@ -387,7 +402,8 @@ impl<const D: usize> Fem<D> {
         for (body, &ratio) in self.bodies.iter_mut().zip(&ratios) {
             let team = if body.elements < SMALL { &Team::one() } else { &self.team };
             let (clock, force, boundaries) = (&self.clock, self.body_force.as_ref(), &self.boundaries);
-            body.advance(&Part { clock, dt, ratio, force, boundaries }, team)?;
+            let damping = self.damping;
+            body.advance(&Part { clock, dt, ratio, force, damping, boundaries }, team)?;
             if let Some(step) = body.pace.moved(dt) {
                 body.strain(step, clock, team, &self.memory)?;
             }
@@ -407,6 +423,7 @@ impl<const D: usize> Fem<D> {
     }
 
     fn look(&mut self) -> Result<(), StepError> {
+        self.bodies.iter_mut().for_each(|body| body.note_energy());
         let (totals, exchange, clock) = (self.totals(), Solver::exchange(self), self.clock);
         let speed = self.bodies.iter().map(|b| b.probe.speed).fold(0.0, f64::max);
         let loss = Loss {
@@ -421,10 +438,10 @@ impl<const D: usize> Fem<D> {
         let looked = watcher.look(&totals, self.hoop, &at, || broken.unwrap_or_default(), gain);
         let scale = watcher.account(&totals, &exchange, self.hoop).energy_scale;
         for body in &self.bodies {
-            let (internal, joules) = (body.internal_energy(), body.hourglass_energy());
-            if joules > HOURGLASS * internal && internal + joules > HARDLY * scale {
+            let (largest, joules) = (body.largest_energy, body.hourglass_energy());
+            if joules > HOURGLASS * largest && largest > HARDLY * scale {
                 let (name, position) = (body.name.clone(), body.worst_hourglass().1);
-                let share = if internal > 0.0 { joules / internal } else { f64::INFINITY };
+                let share = joules / largest;
                 let finding = Finding::Hourglass { body: name.clone(), share, joules, position };
                 watcher.warn_once(
                     &clock,
@@ -535,6 +552,7 @@ impl<const D: usize> Solver for Fem<D> {
         let times = [0.0, self.clock.time];
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same("body force", &force.unwrap_or_default())?;
+        file.same("local damping", &format!("{:?}", self.damping.coefficient()))?;
         file.same("number of boundaries", &self.boundaries.len().to_string())?;
         for (n, boundary) in self.boundaries.iter().enumerate() {
             file.same(&format!("boundary {n}"), &impactite_scene::Condition::constants(boundary, times))?;

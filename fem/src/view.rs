@@ -7,22 +7,44 @@ use crate::set::{Set, wide};
 use crate::sweep::Batch;
 
 impl<const D: usize> ElementBody<D> {
-    /// Sums over nodes and elements. Momentum is that of the velocities, which belong to the middle of the last step. Kinetic energy is the
-    /// sum of m v- . v+ / 2 of these and the velocities that the forces of the elements make half a step after the present: with the
-    /// internal energy the quantity that central differences conserve in linear motion. What is held has that of its velocity.
+    /// Sums over nodes and elements: the balanced ones, and what those at the time of the positions have more
+    /// ([`Totals::staggered`]). Balanced are the momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the
+    /// velocities that the forces of the elements make half a step after the present: with the internal energy the quantity that central
+    /// differences conserve in linear motion. What is held has that of its velocity.
     pub fn totals(&self) -> Totals {
         let (mut sum, lag) = (Totals::default(), self.pace.lag());
         for (n, node) in self.nodes.iter().enumerate() {
-            sum.add_point(node.mass, &node.position, &node.velocity);
+            let mut lagged = 0.0;
             if lag != 0.0 {
                 let force = self.force(n);
                 for d in (0..D).filter(|&d| node.is_free(d)) {
-                    sum.kinetic += lag * node.velocity[d] * force[d];
+                    lagged += lag * node.velocity[d] * force[d];
                 }
             }
+            let velocities: [&[f64]; 2] = [&node.velocity, &self.velocity_now(n)];
+            sum.add_staggered(node.mass, &node.position, velocities, lagged);
         }
-        sum.internal = self.internal_energy() + self.hourglass_energy();
+        let [internal, viscous_heat] = self.energies_of_law();
+        sum.internal = internal + self.hourglass_energy();
+        sum.viscous_heat = viscous_heat;
         sum
+    }
+
+    /// The velocity of a node at the time of its position, m/s: v = v- + lag (f / m + g), with the velocity v- of the middle of the last step,
+    /// the force f of its elements and the body force g. What conditions, contact or others moved has v-.
+    ///
+    /// # Panics
+    /// There is no such node.
+    pub fn velocity_now(&self, n: usize) -> [f64; D] {
+        let (node, lag) = (&self.nodes[n], self.pace.lag());
+        if lag == 0.0 || node.mass == 0.0 {
+            return node.velocity;
+        }
+        let force = self.force(n);
+        std::array::from_fn(|d| {
+            let more = lag * (force[d] / node.mass + self.acceleration[d]);
+            if node.is_free(d) { node.velocity[d] + more } else { node.velocity[d] }
+        })
     }
 
     /// Work that what moved nodes in the last step (in the directions that `holds` says) did since the time of their velocities, J:
@@ -40,14 +62,20 @@ impl<const D: usize> ElementBody<D> {
 
     /// Internal energy by the law, J: without that of hourglass forces.
     pub fn internal_energy(&self) -> f64 {
-        let (mut sum, mut state) = (0.0, vec![0.0; self.virgin.len()]);
+        self.energies_of_law()[0]
+    }
+
+    /// Internal energy by the law, and heat of viscosity in it, J.
+    fn energies_of_law(&self) -> [f64; 2] {
+        let (mut sum, mut state) = ([0.0; 2], vec![0.0; self.virgin.len()]);
         for set in &self.sets {
             let points = set.sweep.points();
             for (batch, e, _) in set.alive() {
                 for p in 0..points {
                     batch.read(e, (p, points), &mut state);
                     let volume = crate::sweep::lane(&batch.reference[e / 8 * points + p], e % 8);
-                    sum += volume * self.material.energy_of(&state).unwrap_or(f64::NAN);
+                    sum[0] += volume * self.material.energy_of(&state).unwrap_or(f64::NAN);
+                    sum[1] += volume * self.material.viscous_heat_of(&state);
                 }
             }
         }
@@ -92,7 +120,7 @@ impl<const D: usize> ElementBody<D> {
         (to.position, to.velocity, to.stress) = (self.centre(set, batch, e), [0.0; 3], [0.0; 6]);
         (to.in_range, to.failed) = (true, false);
         for node in set.nodes_of(batch, e) {
-            let v = wide(&self.nodes[node as usize].velocity);
+            let v = wide(&self.velocity_now(node as usize));
             (0..3).for_each(|d| to.velocity[d] += v[d] / n);
         }
         to.state.iter_mut().for_each(|x| *x = 0.0);
@@ -151,6 +179,7 @@ impl<const D: usize> ElementBody<D> {
         }
         file.word(&mut self.eroded.elements)?;
         file.reals([&mut self.eroded.mass, &mut self.eroded.energy, &mut self.eroded.hourglass])?;
+        file.real(&mut self.largest_energy)?;
         file.word(&mut self.revision)?;
         self.exchange.archive(file)?;
         self.pushed.archive(file)?;
@@ -203,7 +232,7 @@ impl<const D: usize> Body for ElementBody<D> {
             visit(&PointView {
                 number: self.elements + n,
                 position: wide(&self.nodes[n].position),
-                velocity: wide(&self.nodes[n].velocity),
+                velocity: wide(&self.velocity_now(n)),
                 mass,
                 volume: mass / self.probe.density,
                 in_range: true,

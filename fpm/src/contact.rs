@@ -2,14 +2,18 @@
 
 use impactite_scene::{Archive, CheckpointError, Exchange, SceneError, Solver, StepError};
 use impactite_simd::Team;
-use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody};
+use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody, SurfacePoint};
+use mpm_contact::vector::{dot as dot3, sum as sum3, times as times3, unit as unit3, wide};
 
 use crate::cells::OuterFace;
 use crate::method::Composition;
 use crate::rest::PLACES;
-use crate::solver::{ADVICE, Fpm};
+use crate::solver::{ADVICE, Fpm, PRESCRIBED, TOUCHED};
 use crate::sums::BATCH;
-use crate::vector::{along, apply, cofactor, scaled, with_identity};
+use crate::vector::{along, apply, cofactor, inverse, scaled, with_identity};
+
+/// Cosine of the angle between faces of a cell above which they are one.
+const ONE_FACE: f64 = 0.8;
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     fn place_of(&self, n: usize) -> usize {
@@ -22,11 +26,40 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         self.surface[first..].iter().take_while(move |f| f.cell as usize == i)
     }
 
-    /// Areas of the faces of a cell that have nothing behind them, each times its outward normal, in the reference configuration, m^2.
+    /// The faces of a cell that have nothing behind them: area times outward normal, m^2, and the way from the point of the cell to the
+    /// centroid, m, in the reference configuration.
+    fn bare_faces(&self, i: usize) -> impl Iterator<Item = ([f64; D], [f64; D])> {
+        let way = move |x: &[f64; D]| std::array::from_fn(|d| x[d] - self.reference[i][d]);
+        let outer = self.outer_of(i).map(move |f| (scaled(&f.normal, f.area), way(&f.centroid)));
+        let open = self.sides.of(i).filter(move |&s| !self.joins(i, s));
+        outer.chain(open.map(|s| (self.sides.surface[s].area, self.sides.surface[s].own)))
+    }
+
+    /// The sum of these areas, m^2.
     fn bare(&self, i: usize) -> [f64; D] {
-        let sum = self.outer_of(i).fold([0.0; D], |sum, f| along(&sum, f.area, &f.normal));
-        let open = self.sides.of(i).filter(|&s| !self.joins(i, s));
-        open.fold(sum, |sum, s| along(&sum, 1.0, &self.sides.surface[s].area))
+        self.bare_faces(i).fold([0.0; D], |sum, (area, _)| along(&sum, 1.0, &area))
+    }
+
+    /// The way from the point of a cell to the corner that planes of normals and distances share: the shortest vector that is on all.
+    fn corner(planes: &[([f64; 3], f64)]) -> Option<[f64; 3]> {
+        let cross = |a: [f64; 3], b: [f64; 3]| -> [f64; 3] {
+            [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+        };
+        match *planes {
+            [(a, p), (b, q)] => {
+                let along = dot3(a, b);
+                let det = 1.0 - along * along;
+                let (x, y) = ((p - along * q) / det, (q - along * p) / det);
+                (det > 0.1).then(|| sum3(times3(a, x), times3(b, y)))
+            }
+            [(a, p), (b, q), (c, r)] => {
+                let volume = dot3(a, cross(b, c));
+                let point =
+                    sum3(sum3(times3(cross(b, c), p), times3(cross(c, a), q)), times3(cross(a, b), r));
+                (volume.abs() > 0.1).then(|| times3(point, 1.0 / volume))
+            }
+            _ => None,
+        }
     }
 }
 
@@ -54,7 +87,6 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Fpm<D, M> {
         // Nanson's formula.
         let area = apply(&cofactor(&with_identity(&self.traces[i].h)), &self.bare(i));
         let density = self.mass[i] / (self.volume[i] * self.batches[i / BATCH].said[i % BATCH][6]);
-        let wide = |a: &[f64; D]| mpm_contact::vector::wide(a);
         Facing { area: wide(&area), mass: wide(&scaled(&area, density)), lone: false }
     }
 
@@ -74,6 +106,56 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Fpm<D, M> {
         near.sort_unstable();
         near.dedup();
         near.into_iter().for_each(|j| visit(self.numbers[j as usize] as usize));
+    }
+
+    fn has_surface(&self) -> bool {
+        true
+    }
+
+    /// A point at the centroid of each face with nothing behind it, and one at the corner of several.
+    fn surface(&self, n: usize, out: &mut Vec<SurfacePoint>) {
+        let i = self.place_of(n);
+        let f = with_identity(&self.traces[i].h);
+        let (turn, x) = (cofactor(&f), self.position(i));
+        let mut planes: Vec<([f64; 3], f64)> = Vec::new();
+        let mut normals = [0.0; 3];
+        let present = |arm: &[f64; D]| wide(&along(&x, 1.0, &apply(&f, arm)));
+        for (area, arm) in self.bare_faces(i) {
+            let turned = wide(&apply(&turn, &area));
+            let (Some(normal), Some(reference)) = (unit3(turned), unit3(wide(&area))) else { continue };
+            let area = dot3(turned, normal);
+            out.push(SurfacePoint { position: present(&arm), normal, area, corner: false, reach: 0.0 });
+            if planes.iter().all(|(other, _)| dot3(*other, reference) < ONE_FACE) {
+                planes.push((reference, dot3(reference, wide(&arm))));
+                normals = sum3(normals, normal);
+            }
+        }
+        if let (Some(corner), Some(normal)) = (Self::corner(&planes), unit3(normals)) {
+            let arm: [f64; D] = std::array::from_fn(|d| corner[d]);
+            out.push(SurfacePoint { position: present(&arm), normal, area: 0.0, corner: true, reach: 0.0 });
+        }
+    }
+
+    fn carriers(&self, n: usize, point: &SurfacePoint, visit: &mut dyn FnMut(usize, [f64; 3])) {
+        let i = self.place_of(n);
+        let x = self.position(i);
+        let offset: [f64; D] = std::array::from_fn(|d| point.position[d] - x[d]);
+        let arm = apply(&inverse(&with_identity(&self.traces[i].h)), &offset);
+        let mut rest = 1.0;
+        for s in self.sides.intact_of(i) {
+            let weight: f64 = (0..D).map(|d| self.sides.gradient[s][d] * arm[d]).sum();
+            if weight != 0.0 {
+                rest -= weight;
+                visit(self.numbers[self.sides.neighbour[s] as usize] as usize, [weight; 3]);
+            }
+        }
+        visit(n, [rest; 3]);
+    }
+
+    fn held(&self, n: usize) -> [bool; 3] {
+        let i = self.place_of(n);
+        let bits = self.batches[i / BATCH].held[i % BATCH];
+        std::array::from_fn(|d| bits & PRESCRIBED << d != 0)
     }
 
     fn traction(&self, n: usize, normal: &[f64; 3]) -> f64 {
@@ -106,6 +188,9 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Fpm<D, M> {
         let i = self.place_of(n);
         for d in 0..D {
             self.velocity[i][d] += impulse[d] / self.mass[i];
+            if impulse[d] != 0.0 {
+                self.batches[i / BATCH].held[i % BATCH] |= TOUCHED << d;
+            }
         }
     }
     fn advance(&mut self, dt: f64, _: &[[f64; D]]) -> Result<(), StepError> {

@@ -8,8 +8,8 @@ use impactite_scene::embedding::described;
 use impactite_scene::error::parameter;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, Exchange, SceneError, Solver, StepError,
-    StepLimit, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundary, CheckpointError, Clock, Exchange, LocalDamping, SceneError, Solver,
+    StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -34,6 +34,13 @@ const COURANT: f64 = 0.9;
 pub const SMALL: usize = 1000;
 /// What a body is called that has no name.
 const BODY: &str = "body";
+
+/// The first direction, where conditions moved a point in the last step.
+pub(crate) const HELD: u16 = 1;
+/// The first direction, where contact with other bodies did.
+pub(crate) const TOUCHED: u16 = 8;
+/// The first direction, where a condition other than a wall moved a cell.
+pub(crate) const PRESCRIBED: u16 = 64;
 
 /// A body of cells of one law in `D` dimensions, with the parts of `M`.
 ///
@@ -79,9 +86,8 @@ pub struct Fpm<const D: usize, M> {
     pub(crate) softening: Softening<D>,
     pub(crate) friction: f64,
     pub(crate) boundaries: Vec<Boundary<D>>,
-    /// Of each of them that is a wall, how far beyond each point the surface is along its axis, m.
-    pub(crate) walls: Vec<Vec<f64>>,
     pub(crate) body_force: Option<BodyForce<D>>,
+    pub(crate) damping: LocalDamping,
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
     pub(crate) clock: Clock,
@@ -161,8 +167,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             softening: Softening::default(),
             friction: 0.0,
             boundaries: Vec::new(),
-            walls: Vec::new(),
             body_force: None,
+            damping: LocalDamping::default(),
             team: Team::one(),
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
             clock: Clock::default(),
@@ -263,6 +269,16 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         Ok(())
     }
 
+    /// Damp towards rest ([`LocalDamping`]): part of the unbalanced force of every point, contact and conditions included, is taken away while it
+    /// speeds the point up, and added while it slows it down. States at rest stay as they are. What it takes is booked as damping.
+    ///
+    /// # Errors
+    /// A coefficient outside \[0, 1).
+    pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
+        self.damping = LocalDamping::new(coefficient)?;
+        Ok(())
+    }
+
     /// Coulomb friction of cracks that close. None at the start.
     ///
     /// # Errors
@@ -274,7 +290,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     }
 
     /// Add a condition on points: [`Boundary::hold`](Boundary::check_moving) says what it does to them; walls keep the surface in front of
-    /// them, half a spacing beyond points. A plane of symmetry is held by the faces that lie on it ([`Fpm::hold_faces`]): there the normal
+    /// them. A plane of symmetry is held by the faces that lie on it ([`Fpm::hold_faces`]): there the normal
     /// displacement is none.
     ///
     /// # Errors
@@ -288,16 +304,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             let across = move |_| std::array::from_fn(|d| (d == axis).then_some(0.0));
             return self.hold_faces(|f| on(f) && f.normal[axis].abs() > 0.999, Arc::new(across)).map(|_| ());
         }
-        let mut beyond = Vec::new();
-        if let (true, Some(axis)) = (boundary.is_wall(), boundary.across()) {
-            beyond.resize(self.reference.len(), 0.0);
-            for face in self.surface.iter().filter(|f| f.normal[axis].abs() > 0.5) {
-                let cell = face.cell as usize;
-                beyond[cell] = face.centroid[axis] - self.reference[cell][axis];
-            }
-        }
         self.boundaries.push(boundary);
-        self.walls.push(beyond);
         Ok(())
     }
 

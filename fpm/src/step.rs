@@ -2,8 +2,9 @@
 
 use std::marker::PhantomData;
 
-use impactite_scene::{Cause, Exchange, MovingPoint, PointKind, StepError, Stopped};
+use impactite_scene::{Boundary, Cause, Exchange, MovingPoint, PointKind, StepError, Stopped};
 use impactite_simd::Float;
+use mpm_contact::particles::press_on_walls;
 use mpm_materials::Breakdown;
 use mpm_materials::material::{Deformation, Length, Motion, Response, States, StatesMut};
 
@@ -11,7 +12,7 @@ use crate::crack::Criterion;
 use crate::flux::Flux;
 use crate::method::Composition;
 use crate::rest::PLACES;
-use crate::solver::{Fpm, Scratch};
+use crate::solver::{Fpm, HELD, PRESCRIBED, Scratch, TOUCHED};
 use crate::sums::{BATCH, Batch, Deform, Force, GROUP, Lift, Load, Row, Trace, Traction};
 use crate::vector::{
     Tensor, add_dyad, along, contract, identity, inverse, largest_row, product, subtract, with_identity, zero,
@@ -46,6 +47,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             batch.start.copy_from_slice(velocities);
             for (n, v) in velocities.iter_mut().enumerate() {
                 let i = b * BATCH + n;
+                batch.held[n] &= !(7 * TOUCHED);
                 for d in 0..D {
                     given.load[d] += kick * mass[i] * force[d];
                     v[d] += kick * (acceleration[i][d] + force[d]);
@@ -63,6 +65,8 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
     /// Conditions, and new displacements.
     pub(crate) fn advance(&mut self, dt: f64) -> Result<(), StepError> {
         self.obey(dt);
+        self.press_on_walls(dt);
+        self.damp();
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         // Steps that change in size change what of forces is in the kinetic energy as it is counted.
@@ -76,7 +80,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                 let (v, start, a) = (&velocity[i], &batch.start[n], &acceleration[i]);
                 for d in 0..D {
                     given += mass[i] * force[d] * (start[d] + v[d]);
-                    if batch.held[n] & 1 << d == 0 {
+                    if batch.held[n] & HELD << d == 0 {
                         resized += mass[i] * a[d] * (v[d] - start[d]);
                     }
                     u[d] += dt * v[d];
@@ -97,24 +101,33 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         lost.map_or(Ok(()), |i| Err(self.broken(i, Cause::Velocity)))
     }
 
+    /// Local damping, where asked for, in directions that conditions leave free.
+    fn damp(&mut self) {
+        if !self.damping.acts() {
+            return;
+        }
+        let Fpm { velocity, mass, team, batches, damping, .. } = self;
+        team.each_piece(velocity, BATCH, batches, |b, velocities, batch| {
+            for (n, v) in velocities.iter_mut().enumerate() {
+                let mass = mass[b * BATCH + n];
+                for d in (0..D).filter(|d| batch.held[n] & HELD << d == 0) {
+                    let slowed = damping.slowed(batch.start[n][d], v[d]);
+                    let impulse = mass * (slowed - v[d]);
+                    batch.report.given.load[d] += impulse;
+                    batch.report.given.damping -= 0.5 * impulse * (batch.start[n][d] + slowed);
+                    v[d] = slowed;
+                }
+            }
+        });
+    }
+
     /// Velocities as conditions allow.
     fn obey(&mut self, dt: f64) {
         if self.boundaries.is_empty() {
             return;
         }
-        let Fpm {
-            velocity,
-            boundaries,
-            reference,
-            displacement,
-            mass,
-            sizes,
-            clock,
-            team,
-            batches,
-            walls,
-            ..
-        } = self;
+        let Fpm { velocity, boundaries, reference, displacement, mass, sizes, clock, team, batches, .. } =
+            self;
         let time = clock.time;
         team.each_piece(velocity, BATCH, batches, |b, velocities, batch| {
             for (n, v) in velocities.iter_mut().enumerate() {
@@ -128,26 +141,43 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                     depth: sizes[i],
                     tolerance: 0.75 * sizes[i],
                 };
-                for (boundary, beyond) in boundaries.iter().zip(walls.iter()) {
-                    // Walls are met by the surface.
-                    let behind = boundary.across().zip(beyond.get(i));
-                    if let Some((axis, beyond)) = behind {
-                        point.position[axis] += beyond;
-                    }
+                let mut prescribed = 0;
+                // Surfaces are held in front of walls by what follows: here no point gets through.
+                for boundary in boundaries.iter() {
+                    let before = point.velocity;
                     boundary.hold(&mut point, (time, dt), &mut batch.report.given);
-                    if let Some((axis, beyond)) = behind {
-                        point.position[axis] -= beyond;
+                    for d in (0..D).filter(|d| !boundary.is_wall() && point.velocity[*d] != before[*d]) {
+                        prescribed |= PRESCRIBED << d;
                     }
                 }
-                batch.held[n] = 0;
+                batch.held[n] = batch.held[n] & 7 * TOUCHED | prescribed;
                 for d in 0..D {
                     if point.velocity[d] != v[d] {
-                        batch.held[n] |= 1 << d;
+                        batch.held[n] |= HELD << d;
                         v[d] = point.velocity[d];
                     }
                 }
             }
         });
+    }
+
+    /// Keep the surface in front of walls.
+    fn press_on_walls(&mut self, dt: f64) {
+        if !self.boundaries.iter().any(Boundary::is_wall) {
+            return;
+        }
+        let boundaries = std::mem::take(&mut self.boundaries);
+        let start = |fpm: &Self, n: usize| -> [f64; D] {
+            let i = fpm.places[n] as usize;
+            fpm.batches[i / BATCH].start[i % BATCH]
+        };
+        let (given, moved) = press_on_walls(self, &boundaries, &start, (self.clock.time, dt));
+        self.boundaries = boundaries;
+        self.exchange.add(&given);
+        for (n, bits) in moved {
+            let i = self.places[n] as usize;
+            self.batches[i / BATCH].held[i % BATCH] |= u16::from(bits);
+        }
     }
 
     /// Gradients, law, tractions, cracks and forces at the new displacements.

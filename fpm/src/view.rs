@@ -5,30 +5,59 @@ use impactite_scene::{Archive, Body, CheckpointError, Condition, PointView, Tota
 
 use crate::method::Composition;
 use crate::open::OpenFace;
-use crate::solver::Fpm;
+use crate::solver::{Fpm, HELD, TOUCHED};
 use crate::step::wide;
 use crate::sums::{BATCH, Batch};
 use crate::vector::{along, difference, with_identity, zero};
 
 impl<const D: usize, M: Composition<D>> Fpm<D, M> {
-    /// Sums over cells. Momentum is that of the velocities, which belong to the middle of the last step. Kinetic energy is the sum of m v-
-    /// . v+ / 2 of these and the velocities that faces make half a step after the present: with the internal energy what central
-    /// differences conserve. What is held has that of its velocity.
+    /// Sums over cells: the balanced ones, and what those at the time of the positions have more ([`Totals::staggered`]). Balanced are the
+    /// momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the velocities that faces make
+    /// half a step after the present: with the internal energy what central differences conserve. What is held has that of its velocity.
     pub fn totals(&self) -> Totals {
         let mut sum = Totals::default();
+        let force = self.force_now();
         for i in 0..self.reference.len() {
-            let (mass, velocity) = (self.mass[i], &self.velocity[i]);
-            sum.add_point(mass, &self.position(i), velocity);
-            sum.kinetic += self.forced(i);
+            let velocities: [&[f64]; 2] = [&self.velocity[i], &self.velocity_at(i, &force)];
+            sum.add_staggered(self.mass[i], &self.position(i), velocities, self.forced(i));
         }
-        sum.internal = self.internal_energy() + self.penalty_energy() + self.stored_in_cracks();
+        let state = &mut vec![0.0; self.virgin.len()];
+        for (i, volume) in self.volume.iter().enumerate() {
+            self.batches[i / BATCH].read(i % BATCH, state);
+            sum.internal += volume * self.material.energy_of(state).unwrap_or(f64::NAN);
+            sum.viscous_heat += volume * self.material.viscous_heat_of(state);
+        }
+        sum.internal += self.penalty_energy() + self.stored_in_cracks();
         sum
+    }
+
+    /// The velocity of a point at the time of its position, m/s: v = v- + lag a, with the velocity v- of the middle of the last step and the
+    /// acceleration a by faces and body force. What conditions or contact moved has v-.
+    ///
+    /// # Panics
+    /// There is no such point.
+    pub fn velocity_now(&self, i: usize) -> [f64; D] {
+        self.velocity_at(i, &self.force_now())
+    }
+
+    /// Acceleration of the body force now, m/s^2.
+    fn force_now(&self) -> [f64; D] {
+        self.body_force.as_ref().map_or([0.0; D], |force| force(self.clock.time))
+    }
+
+    fn velocity_at(&self, i: usize, force: &[f64; D]) -> [f64; D] {
+        let (v, a, held) =
+            (&self.velocity[i], &self.acceleration[i], self.batches[i / BATCH].held[i % BATCH]);
+        std::array::from_fn(|d| {
+            let free = held & (HELD | TOUCHED) << d == 0;
+            if free { v[d] + self.lag * (a[d] + force[d]) } else { v[d] }
+        })
     }
 
     /// What forces add to m v- . v- / 2 to make it m v- . v+ / 2, J.
     pub(crate) fn forced(&self, i: usize) -> f64 {
         let held = self.batches[i / BATCH].held[i % BATCH];
-        let free = (0..D).filter(|d| held & 1 << d == 0);
+        let free = (0..D).filter(|d| held & HELD << d == 0);
         free.map(|d| self.lag * self.mass[i] * self.velocity[i][d] * self.acceleration[i][d]).sum()
     }
 
@@ -107,6 +136,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
         let times = [0.0, self.clock.time];
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same(&of("body force"), &force.unwrap_or_default())?;
+        file.same(&of("local damping"), &format!("{:?}", self.damping.coefficient()))?;
         file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
         for (n, boundary) in self.boundaries.iter().enumerate() {
             file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
@@ -160,7 +190,7 @@ fn archive_batch<const D: usize>(batch: &mut Batch<D>, file: &mut Archive) -> Re
     for held in &mut batch.held {
         let mut bits = u64::from(*held);
         file.word(&mut bits)?;
-        *held = bits as u8;
+        *held = bits as u16;
     }
     for list in [&mut batch.rigid, &mut batch.jumps] {
         file.list(list, &(0, zero()), |file, (n, h)| {
@@ -192,7 +222,7 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
     }
     /// Cells as they are sorted in space, with the numbers of their [`Cells`](crate::Cells).
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
-        let mut point = PointView::default();
+        let (mut point, force) = (PointView::default(), self.force_now());
         point.state.resize(self.virgin.len(), 0.0);
         for (i, trace) in self.traces.iter().enumerate() {
             let batch = &self.batches[i / BATCH];
@@ -200,7 +230,7 @@ impl<const D: usize, M: Composition<D>> Body for Fpm<D, M> {
             let said = self.material.describe_point(&point.state);
             point.number = self.numbers[i] as usize;
             point.position = wide(&self.position(i));
-            point.velocity = wide(&self.velocity[i]);
+            point.velocity = wide(&self.velocity_at(i, &force));
             point.mass = self.mass[i];
             point.volume = self.volume[i] * said.as_ref().map_or(1.0, |said| said.volume_ratio);
             point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);

@@ -168,10 +168,10 @@ fn of(space: Space, bodies: &[&dyn Body], solver: &dyn Solver, taken: &Taken) ->
         }
         M::MeanVelocity(m) => {
             let totals = find(&m.body)?.totals();
-            totals.momentum[space.axis(m.axis)?] / totals.mass
+            totals.momentum_now()[space.axis(m.axis)?] / totals.mass
         }
-        M::Momentum(m) => find(&m.body)?.totals().momentum[space.axis(m.axis)?],
-        M::Kinetic(m) => find(&m.body)?.totals().kinetic,
+        M::Momentum(m) => find(&m.body)?.totals().momentum_now()[space.axis(m.axis)?],
+        M::Kinetic(m) => find(&m.body)?.totals().kinetic_now(),
         M::Internal(m) => find(&m.body)?.totals().internal,
         M::Mass(m) => find(&m.body)?.totals().mass,
         M::FailedShare(m) => {

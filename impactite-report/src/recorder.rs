@@ -39,6 +39,14 @@ pub struct Row {
     pub friction: f64,
     /// Kinetic energy that plastic impacts of points took since the first row, J.
     pub impacts: f64,
+    /// Energy that local damping, kinetic damping and the null-space filter took since the first row, J.
+    pub damping: f64,
+    /// Energy that numerical viscosity took since the first row, J, which no law has.
+    pub viscosity: f64,
+    /// Heat of the viscosity of laws since the first row, J: part of the internal energy.
+    pub viscous_heat: f64,
+    /// Kinetic energy less the balanced one, J, where velocities are half a step behind positions.
+    pub staggered: f64,
     /// Energy that came with points split, merged, made or removed since the first row, J.
     pub conversion: f64,
     /// Energy that nothing explains, J ([`impactite_scene::Account::unexplained`]); negative: lost.
@@ -56,10 +64,11 @@ pub struct Row {
 }
 
 impl Row {
-    /// kinetic + internal - work + friction + impacts - conversion, J: constant if energy is conserved.
+    /// kinetic - staggered + internal - work + friction + impacts + damping + viscosity - conversion, J: constant if energy is conserved.
     #[must_use]
     pub fn total(&self) -> f64 {
-        self.kinetic + self.internal - self.work + self.friction + self.impacts - self.conversion
+        let taken = self.friction + self.impacts + self.damping + self.viscosity;
+        self.kinetic - self.staggered + self.internal - self.work + taken - self.conversion
     }
 
     fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
@@ -67,6 +76,7 @@ impl Row {
         file.word(step)?;
         file.count(points)?;
         file.reals([time, dt, mass, kinetic, internal, work, friction, impacts])?;
+        file.reals([&mut self.damping, &mut self.viscosity, &mut self.viscous_heat, &mut self.staggered])?;
         file.reals([&mut self.conversion, &mut self.unexplained, &mut self.energy_error])?;
         file.reals(&mut self.momentum)?;
         file.reals([&mut self.momentum_error, &mut self.wall_seconds, &mut self.updates])
@@ -419,15 +429,19 @@ impl Observer for Recorder {
             dt: clock.last.unwrap_or(f64::NAN),
             points: totals.particles,
             mass: totals.mass,
-            kinetic: account.kinetic,
+            kinetic: account.kinetic + account.staggered,
             internal: account.internal,
             work: account.work,
             friction: account.friction,
             impacts: account.impacts,
+            damping: account.damping,
+            viscosity: account.viscosity,
+            viscous_heat: account.viscous_heat,
+            staggered: account.staggered,
             conversion: account.conversion,
             unexplained: account.unexplained,
             energy_error: self.books.energy_error(account.unexplained),
-            momentum: totals.momentum,
+            momentum: totals.momentum_now(),
             momentum_error: share(account.missing(), account.momentum_scale),
             wall_seconds: now.wall_seconds(),
             // A count, that division and multiplication by a time may have moved off its whole number.
@@ -510,7 +524,8 @@ mod tests {
     #[test]
     fn a_warning_has_what_was_found_and_what_to_do() {
         let loss = Loss { by: "contacts that closed", remedy: "take smaller cells; or a larger step" };
-        let finding = Finding::EnergyLoss { share: 0.12, joules: 3.0, contact: 0.0, loss };
+        let booked = impactite_scene::watch::Booked::default();
+        let finding = Finding::EnergyLoss { share: 0.12, joules: 3.0, contact: 0.0, booked, loss };
         let warned = Warned::from(&Warning { step: 1, time: 0.5, finding });
         assert_eq!(
             warned.found,

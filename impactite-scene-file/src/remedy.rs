@@ -33,13 +33,16 @@ pub const REMEDIES: &[Remedy] = &[
         "take a smaller `time_step.factor`",
     ),
     remedy("a wider shape function", "a wider `method.mpm.parts.shape_function`"),
-    remedy("take FLIP, MUSL or USF", "take `method.mpm.parts.transfer = \"flip\"`"),
+    remedy(
+        "take FLIP, MUSL or USF",
+        "take `method.mpm.for = \"impact\"` or `method.mpm.parts.transfer = \"flip\"`",
+    ),
     remedy("it needs FLIP or a blend", "it needs `method.mpm.parts.transfer = \"flip\"` or `\"blend\"`"),
     remedy("take FLIP or a blend", "take `method.mpm.parts.transfer = \"flip\"` or `\"blend\"`"),
     remedy(
         "FLIP with MUSL where nothing spins, AFLIP with USF",
         "FLIP with MUSL where nothing spins (`method.mpm.parts = { shape_function = \"linear\", transfer = \"flip\", \
-         stress_update = \"musl\" }` instead of `for`)",
+         stress_update = \"musl\" }` instead of `method.mpm.for`)",
     ),
     remedy("take `Gimp`, `Linear` or a B-spline", "take another `method.mpm.parts.shape_function`"),
     remedy(

@@ -10,10 +10,12 @@ impl Totals {
     /// # Errors
     /// The file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        let Totals { particles, mass, momentum, angular_momentum, momentum_scale, kinetic, internal } = self;
+        let Totals { particles, mass, momentum, angular_momentum, momentum_scale, kinetic, internal, .. } =
+            self;
+        let (viscous_heat, staggered) = (&mut self.viscous_heat, &mut self.staggered);
         file.count(particles)?;
-        let rest = [mass, momentum_scale, kinetic, internal];
-        file.reals(rest.into_iter().chain(momentum).chain(angular_momentum))
+        let rest = [mass, momentum_scale, kinetic, internal, viscous_heat, &mut staggered.energy];
+        file.reals(rest.into_iter().chain(momentum).chain(angular_momentum).chain(&mut staggered.momentum))
     }
 }
 
@@ -21,7 +23,7 @@ impl Totals {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Books {
     start: Option<(Totals, Exchange)>,
-    /// The largest kinetic energy, or sum of kinetic and internal energy, so far, J.
+    /// [`Account::energy_scale`], J.
     energy_scale: f64,
     /// The largest sum of m |v| so far, kg m/s.
     momentum_scale: f64,
@@ -32,26 +34,34 @@ pub struct Books {
 /// The books at one time. Per radian in axisymmetric scenes, per metre of depth in plane strain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Account {
-    /// Kinetic energy of the particles and free rigid bodies, J.
+    /// Kinetic energy of the particles and free rigid bodies, J: the balanced one, see `staggered`.
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
-    /// Work that boundaries, loads and body forces did on the material since the first entry, J. What local and kinetic damping and the
-    /// null-space filter take is in it.
+    /// Work that boundaries, loads and body forces did on the material since the first entry, J.
     pub work: f64,
     /// Work of friction between bodies and on walls since the first entry, J: heat that no particle gets.
     pub friction: f64,
     /// Kinetic energy that plastic impacts of points took since the first entry, J.
     pub impacts: f64,
+    /// Energy that local damping, kinetic damping and the null-space filter took since the first entry, J.
+    pub damping: f64,
+    /// Energy that numerical viscosity took since the first entry, J: that of stabilisations, which no law has.
+    pub viscosity: f64,
+    /// Heat of the viscosity of laws since the first entry, J. It is part of the internal energy.
+    pub viscous_heat: f64,
     /// Energy that came with points split, merged, made or removed since the first entry, J.
     pub conversion: f64,
-    /// Change since the first entry of kinetic + internal - work + friction + impacts - conversion, J: what nothing explains. Negative: the
-    /// method lost energy, as transfers with a filter (PIC, APIC) and contacts that close do.
+    /// Kinetic energy at the time of the positions less `kinetic`, J: [`Staggered::energy`](crate::body::Staggered::energy). 0 of methods whose
+    /// velocities and positions belong to one time.
+    pub staggered: f64,
+    /// Change since the first entry of kinetic + internal - work + friction + impacts + damping + viscosity - conversion, J: what
+    /// nothing explains. Negative: the method lost energy, as transfers with a filter (PIC, APIC) and contacts that close do.
     pub unexplained: f64,
     /// Momentum that nothing explains, kg m/s: the change since the first entry less the impulses of boundaries, loads and body
     /// forces and what was dropped at nodes too light. In axisymmetric scenes along the axis only: hoop stresses push outwards.
     pub momentum: [f64; 3],
-    /// The largest kinetic energy, or sum of kinetic and internal energy, so far, J.
+    /// The largest energy so far, J: kinetic energy, sum of kinetic and internal energy, or work of damping or viscosity.
     pub energy_scale: f64,
     /// The largest sum of m |v| so far, kg m/s.
     pub momentum_scale: f64,
@@ -60,6 +70,13 @@ pub struct Account {
 }
 
 impl Account {
+    /// Sum that is constant if energy is conserved, J: kinetic + internal - work + friction + impacts + damping + viscosity -
+    /// conversion.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        let taken = self.friction + self.impacts + self.damping + self.viscosity;
+        self.kinetic + self.internal - self.work + taken - self.conversion
+    }
     /// `unexplained` over `energy_scale`; 0 where nothing [moves](Account::moves), since that quotient is of rounding alone.
     #[must_use]
     pub fn energy_error(&self) -> f64 {
@@ -83,8 +100,10 @@ impl Books {
         let (first, before) = *self.start.get_or_insert((*now, *given));
         let [work, friction] = [given.work - before.work, given.friction - before.friction];
         let [impacts, conversion] = [given.impacts - before.impacts, given.conversion - before.conversion];
+        let [damping, viscosity] = [given.damping - before.damping, given.viscosity - before.viscosity];
         // An explosive's energies are opposite: their sum says nothing about their size.
         self.energy_scale = self.energy_scale.max((now.kinetic + now.internal).abs()).max(now.kinetic);
+        self.energy_scale = self.energy_scale.max(damping.abs()).max(viscosity.abs());
         self.momentum_scale = self.momentum_scale.max(now.momentum_scale);
         let mut momentum = [0.0; 3];
         for d in if axisymmetric { 1..2 } else { 0..3 } {
@@ -98,8 +117,12 @@ impl Books {
             work,
             friction,
             impacts,
+            damping,
+            viscosity,
+            viscous_heat: now.viscous_heat - first.viscous_heat,
             conversion,
-            unexplained: now.kinetic + now.internal - work + friction + impacts
+            staggered: now.staggered.energy,
+            unexplained: now.kinetic + now.internal - work + (friction + impacts + damping + viscosity)
                 - conversion
                 - first.kinetic
                 - first.internal,

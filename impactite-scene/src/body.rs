@@ -9,16 +9,31 @@ pub struct Totals {
     pub particles: usize,
     /// Mass, kg.
     pub mass: f64,
-    /// Momentum, kg m/s.
+    /// Momentum, kg m/s: the balanced one, see [`Totals::staggered`].
     pub momentum: [f64; 3],
     /// Angular momentum about the origin, kg m^2/s.
     pub angular_momentum: [f64; 3],
     /// Sum of m |v|, kg m/s: the scale for errors of the momentum.
     pub momentum_scale: f64,
-    /// Kinetic energy, J.
+    /// Kinetic energy, J: the balanced one, see [`Totals::staggered`].
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
+    /// Heat of viscosity since the start, J, which is part of the internal energy: where a law knows it.
+    pub viscous_heat: f64,
+    /// Of schemes whose velocities are half a step behind positions (leap-frog).
+    pub staggered: Staggered,
+}
+
+/// Quantities of a leap-frog scheme at the time of the positions less the balanced ones. Velocities v- belong to the middle of the last step;
+/// those of the time of the positions are v = v- + lag a, with the acceleration a there. Balanced are the momentum m v-, to which impulses were
+/// booked, and the energy m v- . v+ / 2, which central differences conserve together with the internal energy.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Staggered {
+    /// Sum of m (v - v-), kg m/s.
+    pub momentum: [f64; 3],
+    /// Sum of m v . v / 2 less the balanced kinetic energy, J.
+    pub energy: f64,
 }
 
 impl Totals {
@@ -34,6 +49,9 @@ impl Totals {
         self.momentum_scale += o.momentum_scale;
         self.kinetic += o.kinetic;
         self.internal += o.internal;
+        self.viscous_heat += o.viscous_heat;
+        self.staggered.energy += o.staggered.energy;
+        (0..3).for_each(|d| self.staggered.momentum[d] += o.staggered.momentum[d]);
         self
     }
 
@@ -52,6 +70,38 @@ impl Totals {
             self.momentum[d] += mass * v[d];
             self.angular_momentum[d] += mass * (x[i] * v[j] - x[j] * v[i]);
         }
+    }
+
+    /// Momentum at the time of the positions, kg m/s.
+    #[must_use]
+    pub fn momentum_now(&self) -> [f64; 3] {
+        std::array::from_fn(|d| self.momentum[d] + self.staggered.momentum[d])
+    }
+
+    /// Kinetic energy at the time of the positions, J.
+    #[must_use]
+    pub fn kinetic_now(&self) -> f64 {
+        self.kinetic + self.staggered.energy
+    }
+
+    /// Add a point of a leap-frog scheme of this mass (kg) at a position (m) that moved with the velocity v- (m/s) in the last step and has
+    /// another one (m/s) at its end. The balanced kinetic energy is m v- . v- / 2 with the work (J) that its inner forces f do until then,
+    /// lag v- . f.
+    pub fn add_staggered(
+        &mut self,
+        mass: f64,
+        position: &[f64],
+        [behind, now]: [&[f64]; 2],
+        lagged_work: f64,
+    ) {
+        self.add_point(mass, position, behind);
+        self.kinetic += lagged_work;
+        let mut change = -lagged_work;
+        for (d, (b, n)) in behind.iter().zip(now).enumerate() {
+            self.staggered.momentum[d] += mass * (n - b);
+            change += 0.5 * mass * (n - b) * (n + b);
+        }
+        self.staggered.energy += change;
     }
 
     /// Are energies and momentum finite numbers?

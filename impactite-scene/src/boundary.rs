@@ -16,7 +16,8 @@ pub type VelocityHistory = Arc<dyn Fn(f64) -> [Option<f64>; 3] + Send + Sync>;
 #[derive(Clone)]
 pub enum Boundary<const D: usize> {
     /// A plane of symmetry: no velocity across it, everything else free. With wide stencils the nodes behind
-    /// the plane mirror those in front, so that half a model gives what the whole one would. Particles behind it are refused.
+    /// the plane mirror those in front, so that half a model gives what the whole one would. Particles behind it are refused. A free rigid body that touches it at the start is
+    /// half of one, if its motion is its own mirror image; another one is stopped by the plane.
     Symmetry {
         /// Normal axis, `0..D`.
         axis: usize,
@@ -27,8 +28,8 @@ pub enum Boundary<const D: usize> {
     },
     /// A rigid frictionless wall that only pushes, moving along its normal: a plane of symmetry that lets go. Matter that comes within
     /// a cell of it is stopped by its own stress, and let go when the wall no longer carries it; a wall at rest does no work
-    /// (book, "Where contact is applied"). Bodies without stress on the scene's nodes (free rigid ones, those mapped in their reference
-    /// configuration) are stopped by impulses on their nodes.
+    /// (book, "Where contact is applied"). Bodies mapped in their reference configuration have no stress on the scene's nodes and are stopped by
+    /// impulses there; free rigid bodies are stopped where their surface reaches the wall.
     Wall {
         /// Normal axis, `0..D`.
         axis: usize,
@@ -88,7 +89,7 @@ pub enum Boundary<const D: usize> {
         /// Position of the upper plane, m; a whole number of blocks of four cells above.
         high: f64,
     },
-    /// All nodes on and behind a plane stand still.
+    /// All nodes on and behind a plane stand still. For free rigid bodies it is a wall without slip.
     Fixed {
         /// Normal axis, `0..D`.
         axis: usize,

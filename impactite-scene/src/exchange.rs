@@ -17,6 +17,10 @@ pub struct Exchange {
     pub friction: f64,
     /// Kinetic energy that impulses between points, or of points on walls, took beside friction, J: plastic impacts of points.
     pub impacts: f64,
+    /// Energy that damping took, J: local damping, kinetic damping, null-space filter.
+    pub damping: f64,
+    /// Energy that numerical viscosity took, J: of stabilisations whose work no law has. Viscosity of a law heats its points instead.
+    pub viscosity: f64,
     /// Energy that came with points split, merged, made or removed, J.
     pub conversion: f64,
     /// Kinetic energy of nodes of a grid that contact took beside friction, J, where forces tear their velocities apart in every
@@ -35,6 +39,8 @@ impl Exchange {
         self.work += o.work;
         self.friction += o.friction;
         self.impacts += o.impacts;
+        self.damping += o.damping;
+        self.viscosity += o.viscosity;
         self.conversion += o.conversion;
         self.node_contact += o.node_contact;
     }
@@ -51,8 +57,19 @@ impl Exchange {
     /// # Errors
     /// The file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        let Exchange { impulse, load, work, dropped, friction, impacts, conversion, node_contact } = self;
+        let Exchange {
+            impulse,
+            load,
+            work,
+            dropped,
+            friction,
+            impacts,
+            damping,
+            viscosity,
+            conversion,
+            node_contact,
+        } = self;
         let vectors = impulse.iter_mut().chain(load).chain(dropped);
-        file.reals(vectors.chain([work, friction, impacts, conversion, node_contact]))
+        file.reals(vectors.chain([work, friction, impacts, damping, viscosity, conversion, node_contact]))
     }
 }

@@ -23,6 +23,33 @@ pub struct Loss {
     pub remedy: &'static str,
 }
 
+/// Energies that were taken and booked, J: none of them is lost.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Booked {
+    /// By friction.
+    pub friction: f64,
+    /// By plastic impacts of points.
+    pub impacts: f64,
+    /// By local damping, kinetic damping and the null-space filter.
+    pub damping: f64,
+    /// By numerical viscosity, and as heat by that of laws.
+    pub viscosity: f64,
+}
+
+impl fmt::Display for Booked {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Booked { friction, impacts, damping, viscosity } = *self;
+        let all =
+            [(friction, "friction"), (impacts, "impacts"), (damping, "damping"), (viscosity, "viscosity")];
+        let mut before = "";
+        for (joules, name) in all.into_iter().filter(|(joules, _)| *joules != 0.0) {
+            write!(f, "{before}{joules:.4e} J by {name}")?;
+            before = ", ";
+        }
+        Ok(())
+    }
+}
+
 /// Finding of a look at a run. [`Display`](fmt::Display) is [`found`](Finding::found), a semicolon, and [`remedy`](Finding::remedy).
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -48,6 +75,8 @@ pub enum Finding {
         joules: f64,
         /// Upper bound of what contact took of it at nodes of a grid, J; 0 where there was no such contact.
         contact: f64,
+        /// Energy that went where a balance has it, J.
+        booked: Booked,
         /// Where it most likely went, and what keeps more.
         loss: Loss,
     },
@@ -98,7 +127,7 @@ pub enum Finding {
     Hourglass {
         /// The body.
         body: String,
-        /// Of the internal energy of its law.
+        /// Of the largest kinetic and internal energy of the body so far.
         share: f64,
         /// Energy, J.
         joules: f64,
@@ -145,14 +174,18 @@ impl Finding {
                 per_cent(share),
                 cause.found()
             ),
-            Finding::EnergyLoss { share, joules, contact, loss } => {
+            Finding::EnergyLoss { share, joules, contact, booked, loss } => {
                 let contact = if *contact > 0.0 {
                     format!(" (contact took at most {contact:.4e} J at nodes)")
                 } else {
                     String::new()
                 };
+                let booked = match booked.to_string() {
+                    none if none.is_empty() => none,
+                    some => format!("; taken and booked, and not lost: {some}"),
+                };
                 format!(
-                    "{joules:.4e} J of energy are lost, {:.1} % of the largest energy of the run, in {}{contact}",
+                    "{joules:.4e} J of energy are lost, {:.1} % of the largest energy of the run, in {}{contact}{booked}",
                     per_cent(share),
                     loss.by
                 )
@@ -180,7 +213,7 @@ impl Finding {
                 per_cent(share)
             ),
             Finding::Hourglass { body, share, joules, position } => format!(
-                "hourglass forces of body `{body}` hold {joules:.3e} J, {:.1} % of its internal energy, most near {position:?} m: elements \
+                "hourglass forces of body `{body}` hold {joules:.3e} J, {:.1} % of the largest energy that it had, most near {position:?} m: elements \
                  deform there in ways that one point of integration does not see",
                 per_cent(share)
             ),
@@ -314,12 +347,21 @@ mod tests {
         assert_eq!(torn.to_string(), format!("{}; {}", torn.found(), torn.remedy()));
         assert!(torn.found().contains("`a; b` is in 3 parts") && !torn.found().contains("Splitting"));
         let loss = Loss { by: "the filter of the transfer", remedy: "take smaller cells" };
-        let lost = |contact| Finding::EnergyLoss { share: 0.12, joules: 3.0, contact, loss };
+        let booked = Booked::default();
+        let lost = |contact| Finding::EnergyLoss { share: 0.12, joules: 3.0, contact, booked, loss };
         assert_eq!(
             lost(0.0).to_string(),
             "3.0000e0 J of energy are lost, 12.0 % of the largest energy of the run, in the filter of the transfer; take smaller cells"
         );
         assert!(lost(2.0).found().ends_with("(contact took at most 2.0000e0 J at nodes)"));
+        let booked = Booked { friction: 1.0, viscosity: 0.5, ..booked };
+        assert_eq!(booked.to_string(), "1.0000e0 J by friction, 5.0000e-1 J by viscosity");
+        let found = Finding::EnergyLoss { share: 0.12, joules: 3.0, contact: 0.0, booked, loss };
+        assert!(
+            found.found().ends_with(
+                "; taken and booked, and not lost: 1.0000e0 J by friction, 5.0000e-1 J by viscosity"
+            )
+        );
         let other = GainCause::Other("the nodes there are the fastest; take a finer mesh");
         assert_eq!(
             (other.found(), other.remedy()),

@@ -221,6 +221,6 @@ pub(crate) fn archive_body<S: Solver + ?Sized>(
 }
 
 /// How checkpoints begin.
-pub(crate) const TITLE: &str = "impactite checkpoint 9";
+pub(crate) const TITLE: &str = "impactite checkpoint 10";
 /// How those of runs with a preface do.
-pub(crate) const PREFACED: &str = "impactite checkpoint 9 with a preface";
+pub(crate) const PREFACED: &str = "impactite checkpoint 10 with a preface";

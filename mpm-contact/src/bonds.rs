@@ -7,8 +7,9 @@ use crate::law::{Contact, ContactLaw};
 use crate::vector::{difference, dot, length, times};
 
 /// Bodies that are glued: one velocity where they meet, pulled or pushed, at every node where the detector says they
-/// touch: with [`crate::Approach`] that is what one velocity field does. A distance test with the threshold zero
-/// lets go as soon as a gap opens.
+/// touch: with [`crate::Approach`] that is what one velocity field does. On a grid a distance test finds a touch up to a quarter of a cell
+/// beyond its threshold for laws that pull, so that bodies whose faces lie on each other at the start hold, and what is strained at the joint
+/// does not let go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Stick;
 impl<T: Real> ContactLaw<T> for Stick {
@@ -22,8 +23,7 @@ impl<T: Real> ContactLaw<T> for Stick {
 
 /// Bodies that stick up to a strength: glued while the traction stays below, (t_n / strength)^2 +
 /// (t_t / shear strength)^2 <= 1 (only t_t counts in compression); beyond it, Coulomb friction. Without memory:
-/// surfaces that touch again stick again. As with [`Stick`], the detector must see a touch where a small
-/// gap opens.
+/// surfaces that touch again stick again. As with [`Stick`], bodies hold from the start where their faces lie on each other.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Adhesion<T> {
     strength: T,

@@ -61,8 +61,9 @@ state! {
     }
 }
 
-/// Linear elasticity in rate form: sigma' = lambda tr(d) I + 2 G d with an objective rate sigma'
-/// (\[Ma2010\] section 1.2). For small strains; it does not conserve energy exactly on finite closed paths.
+/// Linear elasticity in rate form: tau' = lambda tr(d) I + 2 G d with an objective rate tau' of the Kirchhoff stress tau = J sigma
+/// (\[Ma2010\] section 1.2, where tau is sigma). For small strains: what a closed path of strains of size e leaves of the energy it stored is of
+/// the order e^2. (With the rate of sigma it is of the order e: volume would change what shear gives back.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearElastic<T, R = HughesWinget> {
     density: T,
@@ -122,10 +123,12 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
         let strain = step.strain;
         let lambda = L::splat(self.moduli.lambda());
         let two_g = L::splat(self.moduli.shear * T::of(2.0));
-        let rotated = self.rate.rotate(&step, &old.stress);
-        let stress = rotated.plus_times(&strain, two_g).plus_isotropic(lambda * strain.trace());
         let factor = step.volume_factor;
-        let state = HypoelasticState { stress, volume_ratio: old.volume_ratio * factor };
+        let volume_ratio = old.volume_ratio * factor;
+        let rotated = self.rate.rotate(&step, &old.stress) * old.volume_ratio;
+        let kirchhoff = rotated.plus_times(&strain, two_g).plus_isotropic(lambda * strain.trace());
+        let stress = kirchhoff * volume_ratio.recip();
+        let state = HypoelasticState { stress, volume_ratio };
         let (turned, finite) = (factor.gt(L::zero()), finite_state(&state));
         let mut fault = Fault::none();
         // Nearly always nothing broke, and one test tells so.
@@ -142,18 +145,21 @@ impl<T: Real, R: ObjectiveRate> Constitutive<T> for LinearElastic<T, R> {
     fn volume_ratio<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
         now.volume_ratio
     }
-    /// sqrt((K + 4G/3) J / rho0).
+    /// sqrt((K + 4G/3 + J s) / rho0), s a bound of the largest compressive stress: -mean + 2/3 of the equivalent stress.
     #[inline(always)]
     fn wave_speed<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
-        (L::splat(self.moduli.p_wave() / self.density) * now.volume_ratio).sqrt()
+        let squeezed =
+            now.stress.deviator().equivalent().mul_add(L::of(2.0 / 3.0), -now.stress.mean()).max(L::zero());
+        let stiffness = now.volume_ratio.mul_add(squeezed, L::splat(self.moduli.p_wave()));
+        (stiffness * L::splat(T::of(1.0) / self.density)).sqrt()
     }
-    /// Complementary energy of the stress, J (s:s / 4G + p^2 / 2K).
+    /// Complementary energy of the Kirchhoff stress, J^2 (s:s / 4G + p^2 / 2K).
     #[inline(always)]
     fn energy<L: Lane<Real = T>>(&self, now: &HypoelasticState<L>) -> L {
         let (mean, dev) = (now.stress.mean(), now.stress.deviator());
         let shear = dev.dot(&dev) * L::splat(T::of(0.25) / self.moduli.shear);
         let bulk = mean * mean * L::splat(T::of(0.5) / self.moduli.bulk);
-        now.volume_ratio * (shear + bulk)
+        now.volume_ratio * now.volume_ratio * (shear + bulk)
     }
 }
 

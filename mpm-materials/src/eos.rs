@@ -182,6 +182,8 @@ impl<T: Real> Continuation<T> {
 pub trait EnergyColumn<L: Lane>: State<L> {
     /// Is there a column?
     const KEPT: bool;
+    /// The column of a heat `H` beside it: none where the energy, which has that heat in it, is kept.
+    type Beside<H: EnergyColumn<L>>: EnergyColumn<L>;
     /// Remember the energy e, J/m^3.
     fn keep(energy: L) -> Self;
     /// What is remembered, or zero.
@@ -190,6 +192,7 @@ pub trait EnergyColumn<L: Lane>: State<L> {
 
 impl<L: Lane> EnergyColumn<L> for L {
     const KEPT: bool = true;
+    type Beside<H: EnergyColumn<L>> = Nothing;
     #[inline(always)]
     fn keep(energy: L) -> Self {
         energy
@@ -202,6 +205,7 @@ impl<L: Lane> EnergyColumn<L> for L {
 
 impl<L: Lane> EnergyColumn<L> for Nothing {
     const KEPT: bool = false;
+    type Beside<H: EnergyColumn<L>> = H;
     #[inline(always)]
     fn keep(_: L) -> Self {
         Nothing
@@ -212,7 +216,7 @@ impl<L: Lane> EnergyColumn<L> for Nothing {
     }
 }
 
-/// The same law with an energy column, for a barotropic fluid whose viscous heat shall stay in the ledger.
+/// The same law with an energy column, for a barotropic fluid whose states shall merge without a loss of energy.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KeepEnergy<E>(
     /// The law.

@@ -13,8 +13,9 @@ use crate::viscosity::{BulkViscosity, NoViscosity, ShockViscosity};
 
 state! {
     /// What a point of a fluid remembers: one number when the pressure depends on the volume alone, two with
-    /// internal energy; six more with Newtonian viscosity, one more with bulk viscosity.
-    pub struct FluidState<L, E, N, Q> {
+    /// internal energy; six more with Newtonian viscosity, one more with bulk viscosity, and one more with either where the internal
+    /// energy is not kept.
+    pub struct FluidState<L, E, N, Q, H> {
         /// Volume over reference volume, J.
         pub volume_ratio: L,
         /// Internal energy e per reference volume, J/m^3, where the equation of state keeps it.
@@ -23,6 +24,8 @@ state! {
         pub viscous_stress: N,
         /// Viscous pressure of the last step, Pa, where there is bulk viscosity.
         pub viscous_pressure: Q,
+        /// Heat of viscosity per reference volume, J/m^3, where the fluid is viscous and its equation of state keeps no energy.
+        pub viscous_heat: H,
     }
 }
 
@@ -30,6 +33,8 @@ state! {
 pub trait ShearViscosity<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// The remembered viscous deviator, or nothing.
     type Memory<L: Lane<Real = T>>: State<L>;
+    /// A column for heat of this viscosity and of another one, which has the column `H`.
+    type Heat<L: Lane<Real = T>, H: EnergyColumn<L>>: EnergyColumn<L>;
     /// Viscous deviator of a step.
     fn deviator<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>) -> Self::Memory<L>;
     /// The deviator as a tensor, Pa.
@@ -44,6 +49,7 @@ pub struct Inviscid;
 
 impl<T: Real> ShearViscosity<T> for Inviscid {
     type Memory<L: Lane<Real = T>> = Nothing;
+    type Heat<L: Lane<Real = T>, H: EnergyColumn<L>> = H;
     #[inline(always)]
     fn deviator<L: Lane<Real = T>>(&self, _: &Kinematics<L>) -> Nothing {
         Nothing
@@ -75,6 +81,7 @@ impl<T: Real> Newtonian<T> {
 
 impl<T: Real> ShearViscosity<T> for Newtonian<T> {
     type Memory<L: Lane<Real = T>> = Sym3<L>;
+    type Heat<L: Lane<Real = T>, H: EnergyColumn<L>> = L;
     #[inline(always)]
     fn deviator<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>) -> Sym3<L> {
         kinematics.strain().deviator() * (L::splat(self.viscosity * T::of(2.0)) / kinematics.dt)
@@ -118,6 +125,7 @@ impl<T: Real> Bingham<T> {
 
 impl<T: Real> ShearViscosity<T> for Bingham<T> {
     type Memory<L: Lane<Real = T>> = Sym3<L>;
+    type Heat<L: Lane<Real = T>, H: EnergyColumn<L>> = L;
     #[inline(always)]
     fn deviator<L: Lane<Real = T>>(&self, kinematics: &Kinematics<L>) -> Sym3<L> {
         let one = L::one();
@@ -143,9 +151,9 @@ impl<T: Real> ShearViscosity<T> for Bingham<T> {
 
 /// Compressible fluid, sigma = -(p + q) I + 2 eta dev(d).
 ///
-/// The energy takes in pressure, bulk-viscous and shear-viscous work. A fluid whose equation of state keeps
-/// no energy reports the energy stored in its volume; its viscous heat is lost to the ledger unless the
-/// equation is wrapped in [`KeepEnergy`](crate::eos::KeepEnergy).
+/// The energy takes in pressure, bulk-viscous and shear-viscous work. The energy of a fluid whose equation of state keeps
+/// none is what is stored in its volume, and the heat of its viscosity, J (s : dev(d) - q tr(d)) integrated over time
+/// per reference volume, which its state keeps then.
 ///
 /// ```
 /// use mpm_materials::{Fluid, IdealGas, Newtonian, Tait};
@@ -196,6 +204,11 @@ impl<E, N, V> Fluid<E, N, V> {
     }
 }
 
+/// The column for viscous heat of a fluid.
+type HeatColumn<T, L, E, N, V> = <<E as Eos<T>>::Energy<L> as EnergyColumn<L>>::Beside<
+    <N as ShearViscosity<T>>::Heat<L, <V as ShockViscosity<T>>::Heat<L>>,
+>;
+
 impl<T, E, N, V> Constitutive<T> for Fluid<E, N, V>
 where
     T: Real,
@@ -203,7 +216,8 @@ where
     N: ShearViscosity<T>,
     V: ShockViscosity<T>,
 {
-    type State<L: Lane<Real = T>> = FluidState<L, E::Energy<L>, N::Memory<L>, V::Memory<L>>;
+    type State<L: Lane<Real = T>> =
+        FluidState<L, E::Energy<L>, N::Memory<L>, V::Memory<L>, HeatColumn<T, L, E, N, V>>;
 
     fn name(&self) -> &'static str {
         self.eos.name()
@@ -223,6 +237,7 @@ where
             energy: E::Energy::keep(T::Single::splat(self.eos.initial_energy())),
             viscous_stress: self.shear.deviator(&still),
             viscous_pressure: self.viscosity.memory(T::Single::zero()),
+            viscous_heat: EnergyColumn::keep(T::Single::zero()),
         }
     }
     #[inline(always)]
@@ -244,8 +259,9 @@ where
         let middle_volume = old.volume_ratio + volume_change * half;
         let shear = self.shear.stress(&old.viscous_stress) + self.shear.stress(&viscous_stress);
         let shear_work = middle_volume * shear.dot(&kinematics.strain()) * half;
-        let old_pressure = self.eos.pressure(old.volume_ratio, old_energy)
-            + self.viscosity.remembered(&old.viscous_pressure);
+        let old_viscous = self.viscosity.remembered(&old.viscous_pressure);
+        let old_pressure = self.eos.pressure(old.volume_ratio, old_energy) + old_viscous;
+        let heat = shear_work - (old_viscous + viscous_pressure) * volume_change * half;
         let worked = old_energy + shear_work - (old_pressure + viscous_pressure) * volume_change * half;
 
         let balanced = balance(self.eos.terms(volume_ratio), worked, volume_change);
@@ -254,6 +270,7 @@ where
             energy: E::Energy::keep(balanced.energy),
             viscous_stress,
             viscous_pressure: self.viscosity.memory(viscous_pressure),
+            viscous_heat: EnergyColumn::keep(old.viscous_heat.recall() + heat),
         };
         let total_pressure = balanced.pressure + viscous_pressure;
         let stress = self.shear.stress(&viscous_stress).plus_isotropic(-total_pressure);
@@ -294,8 +311,15 @@ where
         if <E::Energy<L> as EnergyColumn<L>>::KEPT {
             now.energy.recall() - L::splat(self.eos.initial_energy())
         } else {
-            self.eos.stored_energy(now.volume_ratio)
+            self.eos.stored_energy(now.volume_ratio) + now.viscous_heat.recall()
         }
+    }
+    fn has_viscous_heat(&self) -> bool {
+        <HeatColumn<T, T::Single, E, N, V> as EnergyColumn<T::Single>>::KEPT
+    }
+    #[inline(always)]
+    fn viscous_heat<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        now.viscous_heat.recall()
     }
     /// Points whose volume ratios are within [`LIKE_VOLUME`] of their mean, if the fluid keeps its energy
     /// ([`KeepEnergy`](crate::eos::KeepEnergy)): all numbers are means by mass. One that doesn't would store less in the

@@ -225,6 +225,12 @@ pub trait Material<T: Float>: Send + Sync {
     fn step_speed(&self, state: &[T], length: T) -> Option<T>;
     /// Internal energy per reference volume of one state, J/m^3; nothing unless it has [`Material::numbers`] numbers.
     fn energy_of(&self, state: &[T]) -> Option<T>;
+    /// Heat of viscosity per reference volume of one state, J/m^3, which is part of its energy; zero unless the law knows it and the state has
+    /// [`Material::numbers`] numbers.
+    fn viscous_heat_of(&self, state: &[T]) -> T {
+        let _ = state;
+        T::default()
+    }
     /// One state for points that become one, each with its mass, kg: [`Constitutive::merged`].
     fn merged(&self, points: &[(f64, &[T])]) -> Option<Vec<T>>;
     /// Where a state keeps the accumulated stretch, if it does: [`Constitutive::stretch_place`].
@@ -578,6 +584,11 @@ impl<T: Float, C: Constitutive<T>> Material<T> for Compiled<C> {
     }
     fn energy_of(&self, state: &[T]) -> Option<T> {
         Some(self.law.energy(&single::<T, C>(state)?).into())
+    }
+    fn viscous_heat_of(&self, state: &[T]) -> T {
+        let heats = self.law.has_viscous_heat();
+        let now = if heats { single::<T, C>(state) } else { None };
+        now.map_or(T::default(), |now| self.law.viscous_heat(&now).into())
     }
     fn merged(&self, points: &[(f64, &[T])]) -> Option<Vec<T>> {
         let states: Option<Vec<_>> =

@@ -68,6 +68,13 @@ impl<T: Real, C: Constitutive<T>> Constitutive<T> for PlaneStress<C> {
     fn density(&self) -> T {
         self.law.density()
     }
+    fn has_viscous_heat(&self) -> bool {
+        self.law.has_viscous_heat()
+    }
+    #[inline(always)]
+    fn viscous_heat<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        self.law.viscous_heat(&now.law)
+    }
     fn shock_viscosity(&self) -> [T; 2] {
         self.law.shock_viscosity()
     }

@@ -435,6 +435,18 @@ pub trait Constitutive<T: Real>: std::fmt::Debug + Clone + Send + Sync + 'static
         None
     }
 
+    /// Does the law know the heat of its viscosity apart from the rest of its energy? [`Constitutive::viscous_heat`] is zero otherwise.
+    fn has_viscous_heat(&self) -> bool {
+        false
+    }
+
+    /// Heat of viscosity per reference volume, J/m^3, which is part of [`Constitutive::energy`].
+    #[inline(always)]
+    fn viscous_heat<L: Lane<Real = T>>(&self, now: &Self::State<L>) -> L {
+        let _ = now;
+        L::zero()
+    }
+
     /// What bulk viscosity stiffens a closing point by, \[b1 c in m/s, b0\]
     /// ([`ShockViscosity::coefficients`](crate::ShockViscosity::coefficients)); zeros of laws without.
     fn shock_viscosity(&self) -> [T; 2] {

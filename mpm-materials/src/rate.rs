@@ -25,12 +25,12 @@ pub trait ObjectiveRate: std::fmt::Debug + Copy + Send + Sync + 'static {
 
 /// Jaumann rate, exact for rotations of any size below half a turn a step (\[HughesWinget1980\]): strain and spin are
 /// those of the middle of the step ([`Kinematics::increments`]), the tensor becomes Q s Q^T with
-/// Q = (I - W/2)^-1 (I + W/2), which is orthogonal, and the strain H e H^T with H H = Q: the middle of the step sees it half
+/// Q = (I - W/2)^-1 (I + W/2), which is orthogonal, and the strain e + (W e - e W) / 2: the middle of the step sees it half
 /// a rotation before the end.
 ///
 /// A motion that is a rotation, X = R - I, has no strain and Q = R, to rounding. A motion that turns and strains is of
-/// second order in the step over a path. Without H the increments of stress lag by half the rotation of a step, so that they do
-/// work on a body that oscillates while it spins: its energy grows exponentially.
+/// second order in the step over a path, and of third order in the angle between increments of stress and strain. Without that half
+/// rotation increments of stress lag, so that they do work on a body that oscillates while it spins: its energy grows exponentially.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct HughesWinget;
 
@@ -38,7 +38,8 @@ impl ObjectiveRate for HughesWinget {
     #[inline(always)]
     fn increments<L: Lane>(&self, kinematics: &Kinematics<L>) -> Increments<L> {
         let middle = kinematics.increments();
-        Increments { strain: rotation(half(middle.spin)).congruence(&middle.strain), ..middle }
+        let half = L::of(0.5);
+        Increments { strain: swung(middle.spin.map(|w| w * half), &middle.strain), ..middle }
     }
     #[inline(always)]
     fn rotate<L: Lane>(&self, step: &Increments<L>, tensor: &Sym3<L>) -> Sym3<L> {
@@ -67,29 +68,26 @@ impl ObjectiveRate for SmallRotation {
     }
     #[inline(always)]
     fn rotate<L: Lane>(&self, step: &Increments<L>, tensor: &Sym3<L>) -> Sym3<L> {
-        let two = L::of(2.0);
-        let [x, y, z] = step.spin;
-        let [xx, yy, zz, yz, xz, xy] = tensor.0;
-        let (ax, ay, az) = (x * yz, y * xz, z * xy);
-        let (dx, dy, dz) = (ay - az, az - ax, ax - ay);
-        Sym3([
-            dx.mul_add(two, xx),
-            dy.mul_add(two, yy),
-            dz.mul_add(two, zz),
-            x.mul_add(yy - zz, z.mul_add(xz, (-y).mul_add(xy, yz))),
-            y.mul_add(zz - xx, x.mul_add(xy, (-z).mul_add(yz, xz))),
-            z.mul_add(xx - yy, y.mul_add(yz, (-x).mul_add(xz, xy))),
-        ])
+        swung(step.spin, tensor)
     }
 }
 
-/// Axial vector of half the rotation of [`rotation`]: w / (1 + sqrt(1 + w.w/4)), exact.
+/// A symmetric tensor turned by the small axial vector `w`: t + W t - t W.
 #[inline(always)]
-pub fn half<L: Lane>(w: [L; 3]) -> [L; 3] {
+fn swung<L: Lane>(w: [L; 3], tensor: &Sym3<L>) -> Sym3<L> {
+    let two = L::of(2.0);
     let [x, y, z] = w;
-    let square = x.mul_add(x, y.mul_add(y, z * z));
-    let a = (L::one() + square.mul_add(L::of(0.25), L::one()).sqrt()).recip();
-    [a * x, a * y, a * z]
+    let [xx, yy, zz, yz, xz, xy] = tensor.0;
+    let (ax, ay, az) = (x * yz, y * xz, z * xy);
+    let (dx, dy, dz) = (ay - az, az - ax, ax - ay);
+    Sym3([
+        dx.mul_add(two, xx),
+        dy.mul_add(two, yy),
+        dz.mul_add(two, zz),
+        x.mul_add(yy - zz, z.mul_add(xz, (-y).mul_add(xy, yz))),
+        y.mul_add(zz - xx, x.mul_add(xy, (-z).mul_add(yz, xz))),
+        z.mul_add(xx - yy, y.mul_add(yz, (-x).mul_add(xz, xy))),
+    ])
 }
 
 /// The rotation (I - W/2)^-1 (I + W/2) of axial vector `w`, by 2 atan(|w|/2) about `w`.

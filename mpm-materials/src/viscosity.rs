@@ -1,5 +1,6 @@
 //! Artificial bulk viscosity: spreads a shock over a few cells.
 
+use crate::eos::EnergyColumn;
 use crate::lane::{Lane, Real};
 use crate::parameter::{Check, ParameterError};
 use crate::point::{Kinematics, Nothing, State};
@@ -8,6 +9,8 @@ use crate::point::{Kinematics, Nothing, State};
 pub trait ShockViscosity<T: Real>: std::fmt::Debug + Copy + Send + Sync + 'static {
     /// What a law must remember when its stress is not part of its state: the viscous pressure, or nothing.
     type Memory<L: Lane<Real = T>>: State<L>;
+    /// A column for the heat that it makes in a law without a column for energy, or none.
+    type Heat<L: Lane<Real = T>>: EnergyColumn<L>;
     /// The memory of a given viscous pressure.
     fn memory<L: Lane<Real = T>>(&self, pressure: L) -> Self::Memory<L>;
     /// The remembered viscous pressure, Pa.
@@ -28,6 +31,7 @@ pub struct NoViscosity;
 
 impl<T: Real> ShockViscosity<T> for NoViscosity {
     type Memory<L: Lane<Real = T>> = Nothing;
+    type Heat<L: Lane<Real = T>> = Nothing;
     #[inline(always)]
     fn memory<L: Lane<Real = T>>(&self, _: L) -> Nothing {
         Nothing
@@ -73,6 +77,7 @@ impl<T: Real> BulkViscosity<T> {
 
 impl<T: Real> ShockViscosity<T> for BulkViscosity<T> {
     type Memory<L: Lane<Real = T>> = L;
+    type Heat<L: Lane<Real = T>> = L;
     fn coefficients(&self) -> [T; 2] {
         [self.linear * self.sound_speed, self.quadratic]
     }

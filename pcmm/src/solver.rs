@@ -9,8 +9,8 @@ use impactite_scene::control::ControlError;
 use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
-    Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundary, CentreLead, CheckpointError, Clock, Condition, Embedding, Exchange,
+    SceneError, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -80,6 +80,8 @@ pub struct Pcmm<const D: usize, M> {
     pub(crate) exchange: Exchange,
     watcher: Watcher,
     pub(crate) audit: Audit,
+    /// Lead of particles over the path of the centre of mass.
+    pub(crate) lead: CentreLead,
     /// Memory of each thread for elements on their way through their law.
     pub(crate) waiting: Arc<Vec<Mutex<Waiting>>>,
 }
@@ -221,6 +223,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
             exchange: Exchange::default(),
             watcher: Watcher::default(),
             audit: Audit::default(),
+            lead: CentreLead::default(),
             waiting: Arc::new(vec![Mutex::default()]),
         };
         solver.first_elements()?;
@@ -477,6 +480,7 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
         file.list(&mut self.stores, &[0.0; 2], |file, store| file.reals(store))?;
         file.reals([&mut self.rate, &mut self.surface])?;
         self.exchange.archive(file)?;
+        self.lead.archive(file)?;
         self.audit.archive(file)
     }
 

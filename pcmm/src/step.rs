@@ -1,7 +1,8 @@
 //! A step: the stages in the order of the flow chart of \[Feng2014\].
 
 use impactite_scene::boundary::BodyForce;
-use impactite_scene::{Boundary, Cause, Exchange, MovingPoint, PointKind, Solver, StepError, Stopped};
+use impactite_scene::{Boundary, Cause, CentreLead, Embedding, Exchange, MovingPoint, PointKind};
+use impactite_scene::{Solver, StepError, Stopped};
 use mpm_contact::vector::wide;
 
 use crate::elements::{BATCH, Batch, Elements, Incidence};
@@ -21,7 +22,15 @@ struct Moved {
     given: Exchange,
     /// Largest speed over diameter, 1/s.
     rate: f64,
+    /// Mass, kg, and momentum, kg m/s.
+    moments: [f64; 4],
     trouble: Option<usize>,
+}
+
+/// Add mass and momentum of a particle.
+fn add_moments<const D: usize>(sums: &mut [f64; 4], p: &Particle<D>) {
+    sums[0] += p.mass;
+    (0..D).for_each(|d| sums[d + 1] += p.mass * p.velocity[d]);
 }
 
 impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
@@ -44,23 +53,35 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
 
     /// Step 11: forces summed at each particle, F/m, new velocity, boundaries, new position.
     fn move_particles(&mut self, dt: f64) -> Result<(), StepError> {
+        self.open_lead();
         let chunks = self.each_particle(dt, |motion, n, p, found| {
             let start = p.velocity;
             motion.accelerate(n, p);
             motion.advance(n, p, &start, found);
         });
-        self.take(&chunks)
+        self.take(&chunks, dt)
+    }
+
+    /// Note mass and momentum before the first step.
+    fn open_lead(&mut self) {
+        if self.lead.is_closed() {
+            let mut moments = [0.0; 4];
+            self.particles.iter().for_each(|p| add_moments(&mut moments, p));
+            let [mass, x, y, z] = moments;
+            self.lead.open(mass, [x, y, z]);
+        }
     }
 
     /// The first half of step 11: new velocities.
     pub(crate) fn accelerate(&mut self, dt: f64) {
+        self.open_lead();
         self.each_particle(dt, |motion, n, p, _| motion.accelerate(n, p));
     }
 
     /// Its second half: boundaries, new positions, of particles that had the velocities `start` before forces acted.
     pub(crate) fn advance(&mut self, dt: f64, start: &[[f64; D]]) -> Result<(), StepError> {
         let chunks = self.each_particle(dt, |motion, n, p, found| motion.advance(n, p, &start[n], found));
-        self.take(&chunks)
+        self.take(&chunks, dt)
     }
 
     fn each_particle(
@@ -87,9 +108,11 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
     }
 
     /// What moving the particles found.
-    fn take(&mut self, chunks: &[Moved]) -> Result<(), StepError> {
+    fn take(&mut self, chunks: &[Moved], dt: f64) -> Result<(), StepError> {
         self.rate = 0.0;
+        let mut moments = [0.0; 4];
         for found in chunks {
+            (0..4).for_each(|k| moments[k] += found.moments[k]);
             self.exchange.add(&found.given);
             self.rate = self.rate.max(found.rate);
             if let Some(particle) = found.trouble {
@@ -98,6 +121,8 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
                 return Err(self.broken(PointKind::Particle, particle, position, Cause::Velocity));
             }
         }
+        let axes = CentreLead::axes(&self.boundaries, M::Embedding::HOOP);
+        self.lead.step(moments, dt, axes);
         Ok(())
     }
 
@@ -267,6 +292,7 @@ impl<const D: usize> Motion<'_, D> {
             p.position[d] += self.dt * p.velocity[d];
             square += p.velocity[d] * p.velocity[d];
         }
+        add_moments(&mut found.moments, p);
         if !square.is_finite() && found.trouble.is_none() {
             found.trouble = Some(n);
         }

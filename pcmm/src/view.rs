@@ -11,17 +11,19 @@ use crate::solver::Pcmm;
 use crate::tessellation::corners;
 
 impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
-    /// Sums over particles and elements. Kinetic energy with the velocities of the particles, which are those of the middle of the last step; internal energy of the
+    /// Sums over particles and elements. Kinetic energy with the velocities at the end of the last step; internal energy of the
     /// elements, and what particles hold in store ([`Audit`](crate::Audit)).
     pub fn totals(&self) -> Totals {
         let mut sum = Totals::default();
         for p in &self.particles {
-            sum.add_point(p.mass, &p.position, &p.velocity);
+            let position: [f64; D] = std::array::from_fn(|d| p.position[d] - self.lead.way()[d]);
+            sum.add_point(p.mass, &position, &p.velocity);
         }
         let mut state = vec![0.0; self.virgin.len()];
         for e in 0..self.elements.len() {
             self.elements.read(e, &mut state);
             sum.internal += self.elements.reference[e] * self.energy_of(&state);
+            sum.viscous_heat += self.elements.reference[e] * self.material.viscous_heat_of(&state);
         }
         sum.internal += self.stored()[1];
         sum
@@ -98,7 +100,7 @@ impl<const D: usize, M: Composition<D>> Body for Pcmm<D, M> {
             self.mean_state(n, &mut point.state, &mut scratch);
             let said = self.material.describe_point(&point.state);
             point.number = n;
-            point.position[..D].copy_from_slice(&p.position);
+            (0..D).for_each(|d| point.position[d] = p.position[d] - self.lead.way()[d]);
             point.velocity[..D].copy_from_slice(&p.velocity);
             point.mass = p.mass;
             point.volume = p.mass / density * said.as_ref().map_or(1.0, |said| said.volume_ratio);

@@ -113,18 +113,22 @@ impl Simulation {
 
     /// Energies, J (per radian around an axis, per metre of depth in the plane).
     ///
-    /// `kinetic`, `internal`, `total` (their sum), `work` of loads, `friction`, `impacts`, `unexplained`; and `error`, what nothing
+    /// `kinetic`, `internal`, `total` (their sum), `work` of loads, `friction`, `impacts`, `damping`, `viscosity` (numerical), `viscous_heat` (of laws, part of
+    /// `internal`), `unexplained`; and `error`, what nothing
     /// explains over the largest energy so far.
     fn energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let (totals, account) = self.0.look(py, |solver| (solver.totals(), solver.account()))?;
         let all = PyDict::new(py);
         for (name, value) in [
-            ("kinetic", totals.kinetic),
+            ("kinetic", totals.kinetic_now()),
             ("internal", totals.internal),
-            ("total", totals.kinetic + totals.internal),
+            ("total", totals.kinetic_now() + totals.internal),
             ("work", account.work),
             ("friction", account.friction),
             ("impacts", account.impacts),
+            ("damping", account.damping),
+            ("viscosity", account.viscosity),
+            ("viscous_heat", account.viscous_heat),
             ("unexplained", account.unexplained),
             ("error", account.energy_error()),
         ] {

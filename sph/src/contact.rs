@@ -2,12 +2,12 @@
 
 use impactite_scene::{Archive, CheckpointError, Exchange, SceneError, Solver, StepError};
 use impactite_simd::Team;
-use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody};
+use mpm_contact::particles::{Advice, ContactParticle, Facing, ParticleBody, SurfacePoint};
 
 use crate::kernel::Kernel as _;
 use crate::matrix::inverse;
 use crate::method::Composition;
-use crate::solver::{ADVICE, Sph};
+use crate::solver::{ADVICE, PRESCRIBED, Sph, TOUCHED};
 use crate::sums::BATCH;
 use crate::tensors::PLACES;
 
@@ -98,6 +98,24 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Sph<D, M> {
         }
     }
 
+    fn has_surface(&self) -> bool {
+        true
+    }
+    fn find_surface(&mut self, particles: &[usize]) {
+        let places: Vec<usize> = particles.iter().map(|&n| self.place_of(n)).collect();
+        self.find_faces_of(places.into_iter());
+    }
+    fn surface(&self, n: usize, out: &mut Vec<SurfacePoint>) {
+        self.surface_points(self.place_of(n), out);
+    }
+    fn carriers(&self, n: usize, point: &SurfacePoint, visit: &mut dyn FnMut(usize, [f64; 3])) {
+        self.carriers_of(self.place_of(n), point, visit);
+    }
+    fn held(&self, n: usize) -> [bool; 3] {
+        let bits = self.held[self.place_of(n)];
+        std::array::from_fn(|d| bits & PRESCRIBED << d != 0)
+    }
+
     fn traction(&self, n: usize, normal: &[f64; 3]) -> f64 {
         let i = self.place_of(n);
         let said = &self.batches[i / BATCH].stress[i % BATCH];
@@ -130,6 +148,9 @@ impl<const D: usize, M: Composition<D>> ParticleBody<D> for Sph<D, M> {
         let mass = v[3];
         for d in 0..D {
             v[d] += impulse[d] / mass;
+            if impulse[d] != 0.0 {
+                self.held[i] |= TOUCHED << d;
+            }
         }
     }
     fn advance(&mut self, dt: f64, _: &[[f64; D]]) -> Result<(), StepError> {

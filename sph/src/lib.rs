@@ -15,6 +15,7 @@ mod solver;
 mod stabilisation;
 mod step;
 mod sums;
+mod surface;
 mod tensors;
 mod view;
 

@@ -9,8 +9,8 @@ use impactite_scene::control::ControlError;
 use impactite_scene::embedding::described;
 use impactite_scene::watch::{Look, Loss, Watcher, gain_at_the_fastest, not_finite};
 use impactite_scene::{
-    Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, SceneError,
-    Side, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
+    Account, Archive, Body, Boundary, CheckpointError, Clock, Condition, Embedding, Exchange, LocalDamping,
+    SceneError, Side, Solver, StepError, StepLimit, Stopped, TimeControl, Warning, Watch,
 };
 use impactite_simd::Team;
 use mpm_contact::particles::Advice;
@@ -27,6 +27,7 @@ use crate::method::Composition;
 use crate::records::{Has, Records};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Row};
+use crate::surface::Surface;
 
 /// The default safety factor of the time step.
 const COURANT: f64 = 0.7;
@@ -34,6 +35,13 @@ const COURANT: f64 = 0.7;
 pub const SMALL: usize = 1000;
 /// The skin of the neighbour lists over the smallest spacing, unless told otherwise.
 const SKIN: f64 = 0.4;
+
+/// The first direction, where conditions moved a particle.
+pub(crate) const HELD: u16 = 1;
+/// The first direction, where contact with other bodies did.
+pub(crate) const TOUCHED: u16 = 8;
+/// The first direction, where a condition other than a wall moved a particle.
+pub(crate) const PRESCRIBED: u16 = 64;
 
 /// Smoothed particles of one law in `D` dimensions, with the parts of `M`.
 ///
@@ -59,8 +67,11 @@ pub struct Sph<const D: usize, M> {
     pub(crate) batches: Vec<Batch>,
     /// By neighbours, hoop stress and body force, m/s^2: what the next step begins with.
     pub(crate) acceleration: Vec<[f64; 4]>,
-    /// Directions in which something else than neighbours moved a particle in the last step, a bit each.
-    pub(crate) held: Vec<u8>,
+    /// Directions in which something else than neighbours moved a particle in the last step, a bit each: [`HELD`], [`TOUCHED`],
+    /// [`PRESCRIBED`].
+    pub(crate) held: Vec<u16>,
+    /// Boundary particles and their normals.
+    pub(crate) skin: Surface<D>,
     pub(crate) lists: VerletLists<D>,
     pub(crate) search: SearchMethod,
     /// Of the parts of steps, where asked for.
@@ -71,6 +82,7 @@ pub struct Sph<const D: usize, M> {
     pub(crate) mirrors: Vec<Mirror>,
     pub(crate) boundaries: Vec<Boundary<D>>,
     pub(crate) body_force: Option<BodyForce<D>>,
+    pub(crate) damping: LocalDamping,
     pub(crate) team: Team,
     pub(crate) control: TimeControl,
     pub(crate) clock: Clock,
@@ -179,6 +191,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             batches: Vec::new(),
             acceleration: vec![[0.0; 4]; count],
             held: vec![0; count],
+            skin: Surface::default(),
             lists,
             search: SearchMethod::default(),
             times: None,
@@ -187,6 +200,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             mirrors: Vec::new(),
             boundaries: Vec::new(),
             body_force: None,
+            damping: LocalDamping::default(),
             team: Team::one(),
             control: TimeControl::Courant { factor: COURANT, growth: 1.1 },
             clock: Clock::default(),
@@ -351,6 +365,16 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.body_force = Some(acceleration);
     }
 
+    /// Damp towards rest ([`LocalDamping`]): part of the unbalanced force of every particle, contact and conditions included, is taken away while
+    /// it speeds the particle up, and added while it slows it down. States at rest stay as they are. What it takes is booked as damping.
+    ///
+    /// # Errors
+    /// A coefficient outside \[0, 1).
+    pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
+        self.damping = LocalDamping::new(coefficient)?;
+        Ok(())
+    }
+
     /// Give every particle's state, with its position (m), to `change`, for initial stresses: that of the law `C`, which must be the body's.
     ///
     /// # Errors
@@ -462,6 +486,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         let times = [0.0, self.clock.time];
         let force = self.body_force.as_ref().map(|force| over(times, |t| force(t)));
         file.same(&of("body force"), &force.unwrap_or_default())?;
+        file.same(&of("local damping"), &format!("{:?}", self.damping.coefficient()))?;
         file.same(&of("number of boundaries"), &self.boundaries.len().to_string())?;
         for (n, boundary) in self.boundaries.iter().enumerate() {
             file.same(&format!("boundary {n} of body `{name}`"), &boundary.constants(times))?;
@@ -482,7 +507,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         for held in &mut self.held {
             let mut bits = u64::from(*held);
             file.word(&mut bits)?;
-            *held = bits as u8;
+            *held = bits as u16;
         }
         file.word(&mut self.renewals)?;
         file.reals([&mut self.rate, &mut self.lag])?;

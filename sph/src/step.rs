@@ -6,6 +6,7 @@ use std::time::Instant;
 use impactite_geometry::search::{Points, SearchError};
 use impactite_scene::{Boundary, Cause, MovingPoint, PointKind, SceneError, StepError, Stopped};
 use impactite_simd::Float;
+use mpm_contact::particles::press_on_walls;
 use mpm_contact::vector::wide;
 use mpm_materials::material::{Deformation, Length, Motion, States, StatesMut};
 
@@ -14,7 +15,7 @@ use crate::images::{Images, Mirror, MirrorKind};
 use crate::matrix::{identity, inverse, inverse_of_moments, largest_row, mean_size, times};
 use crate::method::Composition;
 use crate::records::Records;
-use crate::solver::{Scratch, Sph, StepTimes};
+use crate::solver::{HELD, PRESCRIBED, Scratch, Sph, StepTimes, TOUCHED};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{
     BATCH, Balance, Batch, DensityGradient, Diffuse, GROUP, Push, Pushed, Report, Row, Strain, Weigh,
@@ -64,6 +65,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     fn new_velocities(&mut self, dt: f64) {
         let kick = self.lag + 0.5 * dt;
+        self.held.iter_mut().for_each(|held| *held &= !(7 * TOUCHED));
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let particles = self.positions.len();
         let acceleration = &self.acceleration;
@@ -96,6 +98,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     fn new_positions(&mut self, dt: f64) -> Result<(), StepError> {
         self.obey(dt);
+        self.press_on_walls(dt);
+        self.damp();
         let kick = self.lag + 0.5 * dt;
         let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
         let velocities = &self.records.velocity;
@@ -113,7 +117,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     x[d] += dt * v[d];
                 }
                 batch.report.given.work += kick * v[3] * work;
-                batch.report.given.impacts += kick * v[3] * taken;
+                batch.report.given.viscosity += kick * v[3] * taken;
                 let found = x.iter().all(|x| x.is_finite()) && (!Self::HOOP || x[0] > 0.0);
                 if !found && batch.report.lost.is_none() {
                     batch.report.lost = Some(n);
@@ -135,6 +139,26 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
     }
 
+    /// Local damping, where asked for, in directions that conditions leave free.
+    fn damp(&mut self) {
+        if !self.damping.acts() {
+            return;
+        }
+        let particles = self.positions.len();
+        let Sph { records, team, batches, held, damping, .. } = self;
+        team.each_piece(&mut records.velocity[..particles], BATCH, batches, |b, velocities, batch| {
+            for (n, v) in velocities.iter_mut().enumerate() {
+                for d in (0..D).filter(|d| held[b * BATCH + n] & HELD << d == 0) {
+                    let slowed = damping.slowed(batch.start[n][d], v[d]);
+                    let impulse = v[3] * (slowed - v[d]);
+                    batch.report.given.load[d] += impulse;
+                    batch.report.given.damping -= 0.5 * impulse * (batch.start[n][d] + slowed);
+                    v[d] = slowed;
+                }
+            }
+        });
+    }
+
     /// Velocities as conditions allow.
     fn obey(&mut self, dt: f64) {
         let walls = self.mirrors.iter().filter(|m| m.kind == MirrorKind::Wall).map(Mirror::wall);
@@ -144,7 +168,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
         let particles = self.positions.len();
         let Sph { records, boundaries, positions, spacing, clock, team, batches, held, .. } = self;
-        let (time, surface) = (clock.time, self.surface);
+        let time = clock.time;
+        // Surfaces are held by what follows: here no particle gets through.
+        let surface = if M::Correction::CORRECTED { 0.0 } else { self.surface };
         team.each_piece(&mut records.velocity[..particles], BATCH, batches, |b, velocities, batch| {
             for (n, v) in velocities.iter_mut().enumerate() {
                 let i = b * BATCH + n;
@@ -157,7 +183,9 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     depth: 0.5 * (1.0 + surface) * spacing[i],
                     tolerance: 0.5 * (0.5 + surface) * spacing[i],
                 };
+                let mut prescribed = 0;
                 for boundary in boundaries.iter() {
+                    let before = point.velocity;
                     // Walls are met by the surface.
                     let behind = match *boundary {
                         Boundary::Wall { axis, side, .. } | Boundary::FrictionWall { axis, side, .. } => {
@@ -171,16 +199,20 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
                     boundary.hold(&mut point, (time, dt), &mut batch.report.given);
                     if let Some((axis, half)) = behind {
                         point.position[axis] += half;
+                    } else {
+                        for d in (0..D).filter(|d| point.velocity[*d] != before[*d]) {
+                            prescribed |= PRESCRIBED << d;
+                        }
                     }
                 }
                 // What images did not hold back.
                 for wall in &walls {
                     wall.hold(&mut point, (time, dt), &mut batch.report.given);
                 }
-                let mut moved = 0;
+                let mut moved: u16 = prescribed;
                 for d in 0..D {
                     if point.velocity[d] != v[d] {
-                        moved |= 1 << d;
+                        moved |= HELD << d;
                         v[d] = point.velocity[d];
                     }
                 }
@@ -189,8 +221,27 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         });
         for (b, batch) in batches.iter().enumerate() {
             for (held, start) in held[b * BATCH..].iter_mut().zip(&batch.start) {
-                *held = start[3] as u8;
+                *held = *held & (7 * TOUCHED) | start[3] as u16;
             }
+        }
+    }
+
+    /// Keep the surface in front of walls.
+    fn press_on_walls(&mut self, dt: f64) {
+        if !M::Correction::CORRECTED || !self.boundaries.iter().any(Boundary::is_wall) {
+            return;
+        }
+        let boundaries = std::mem::take(&mut self.boundaries);
+        let start = |sph: &Self, n: usize| -> [f64; D] {
+            let i = sph.places[n] as usize;
+            let start = &sph.batches[i / BATCH].start[i % BATCH];
+            std::array::from_fn(|d| start[d])
+        };
+        let (given, moved) = press_on_walls(self, &boundaries, &start, (self.clock.time, dt));
+        self.boundaries = boundaries;
+        self.exchange.add(&given);
+        for (n, bits) in moved {
+            self.held[self.places[n] as usize] |= u16::from(bits);
         }
     }
 
@@ -261,7 +312,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             batch.report.diffused = 0.5 * dt * (before + work_of_diffusion(batch, &reference[b * BATCH..]));
         });
         if Self::HAS.diffusion {
-            self.exchange.impacts -= self.batches.iter().map(|batch| batch.report.diffused).sum::<f64>();
+            self.exchange.viscosity -= self.batches.iter().map(|batch| batch.report.diffused).sum::<f64>();
         }
         let trouble =
             self.batches.iter().enumerate().find_map(|(b, batch)| {
@@ -334,6 +385,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         }
         self.place();
         self.neighbours()?;
+        self.skin.forget();
         self.correct();
         self.tensors(dt);
         Ok(())
@@ -341,6 +393,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
 
     /// Go on from positions, states and stresses that were read.
     pub(crate) fn go_on(&mut self) -> Result<(), SearchError> {
+        self.skin.forget();
         self.neighbours()?;
         self.correct();
         self.tensors(0.0);

@@ -4,24 +4,54 @@ use impactite_scene::{Body, PointView, Totals};
 use mpm_contact::vector::wide;
 
 use crate::method::Composition;
-use crate::solver::Sph;
+use crate::solver::{HELD, Sph, TOUCHED};
 use crate::sums::BATCH;
 
 impl<const D: usize, M: Composition<D>> Sph<D, M> {
-    /// Sums over particles. Momentum is that of the velocities, which belong to the middle of the last step. Kinetic energy is the sum of m
-    /// v- . v+ / 2 of these and the velocities that forces make half a step after the present: with the internal energy what central
-    /// differences conserve. What is held has that of its velocity.
+    /// Sums over particles: the balanced ones, and what those at the time of the positions have more ([`Totals::staggered`]). Balanced are the
+    /// momentum of the velocities of the middle of the last step, and the sum of m v- . v+ / 2 of these and the velocities that neighbours
+    /// make half a step after the present: with the internal energy what central differences conserve. What is held has that of its velocity.
     pub fn totals(&self) -> Totals {
         let mut sum = Totals::default();
+        let force = self.force_now();
         for (i, x) in self.positions.iter().enumerate() {
             let (mass, velocity) = (self.mass(i), self.velocity(i));
-            sum.add_point(mass, x, &velocity);
-            for d in (0..D).filter(|d| self.held[i] & 1 << d == 0) {
-                sum.kinetic += self.lag * mass * velocity[d] * self.acceleration[i][d];
+            let mut lagged = 0.0;
+            for d in (0..D).filter(|d| self.held[i] & HELD << d == 0) {
+                lagged += self.lag * mass * velocity[d] * self.acceleration[i][d];
             }
+            sum.add_staggered(mass, x, [&velocity, &self.velocity_at(i, &force)], lagged);
         }
-        sum.internal = self.internal_energy() + self.penalty_energy();
+        let state = &mut vec![0.0; self.virgin.len()];
+        for (i, volume) in self.reference.iter().enumerate() {
+            self.batches[i / BATCH].read(i % BATCH, state);
+            sum.internal += volume * self.material.energy_of(state).unwrap_or(f64::NAN);
+            sum.viscous_heat += volume * self.material.viscous_heat_of(state);
+        }
+        sum.internal += self.penalty_energy();
         sum
+    }
+
+    /// The velocity of a particle at the time of its position, m/s: v = v- + lag a, with the velocity v- of the middle of the last step and the
+    /// acceleration a by neighbours and body force. What conditions or contact moved has v-.
+    ///
+    /// # Panics
+    /// There is no such particle.
+    pub fn velocity_now(&self, i: usize) -> [f64; D] {
+        self.velocity_at(i, &self.force_now())
+    }
+
+    /// Acceleration of the body force now, m/s^2.
+    fn force_now(&self) -> [f64; D] {
+        self.body_force.as_ref().map_or([0.0; D], |force| force(self.clock.time))
+    }
+
+    fn velocity_at(&self, i: usize, force: &[f64; D]) -> [f64; D] {
+        let (v, a, held) = (&self.records.velocity[i], &self.acceleration[i], self.held[i]);
+        std::array::from_fn(|d| {
+            let free = held & (HELD | TOUCHED) << d == 0;
+            if free { v[d] + self.lag * (a[d] + force[d]) } else { v[d] }
+        })
     }
 
     /// Internal energy by the law, J: without that of the zero-energy penalty.
@@ -86,6 +116,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             + 8 * (self.reference.capacity() + self.spacing.capacity())
             + 4 * self.numbers.capacity()
             + self.held.capacity()
+            + self.skin.bytes()
     }
 }
 
@@ -110,7 +141,7 @@ impl<const D: usize, M: Composition<D>> Body for Sph<D, M> {
     }
     /// Particles as they are sorted in space, with the numbers of the layout.
     fn for_each(&self, visit: &mut dyn FnMut(&PointView)) {
-        let mut point = PointView::default();
+        let (mut point, force) = (PointView::default(), self.force_now());
         point.state.resize(self.virgin.len(), 0.0);
         for (i, x) in self.positions.iter().enumerate() {
             let batch = &self.batches[i / BATCH];
@@ -118,7 +149,7 @@ impl<const D: usize, M: Composition<D>> Body for Sph<D, M> {
             let said = self.material.describe_point(&point.state);
             point.number = self.numbers[i] as usize;
             point.position = wide(x);
-            point.velocity = wide(&self.velocity(i));
+            point.velocity = wide(&self.velocity_at(i, &force));
             point.mass = self.mass(i);
             point.volume = self.reference[i] * said.as_ref().map_or(1.0, |said| said.volume_ratio);
             point.stress = said.as_ref().map_or([f64::NAN; 6], |said| said.stress);

@@ -9,3 +9,4 @@ mod locking;
 mod reference;
 mod solver;
 mod step;
+mod time;

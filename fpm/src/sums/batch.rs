@@ -49,7 +49,7 @@ pub(crate) struct Batch<const D: usize> {
     /// Velocities at the start of the step, m/s.
     pub start: Vec<[f64; D]>,
     /// Directions in which something else than neighbours moved a cell in the last step, a bit each.
-    pub held: Vec<u8>,
+    pub held: Vec<u16>,
     /// Faces on the surface that something acts on, by cell.
     pub outer: Vec<Outer<D>>,
     /// Cells whose neighbours are too few, or in a line or plane, with their gradient, which stays.

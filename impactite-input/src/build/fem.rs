@@ -42,6 +42,9 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         fem.set_body_force(gravity);
     }
     fem.set_subcycling(options.subcycles.unwrap_or(SUBCYCLES)).at("method.fem.subcycles")?;
+    if let Some(part) = options.local_damping {
+        fem.set_local_damping(part.value).at("method.fem.local_damping")?;
+    }
     if let Some(control) = world.time_control() {
         fem.set_time_control(control).at("time_step")?;
     }

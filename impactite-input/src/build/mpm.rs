@@ -115,7 +115,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
         }
     }
     for (name, body) in order.iter().filter(|(_, b)| b.elements.is_some()) {
-        add_elements(embedding, world, &mut mpm, name, body)?;
+        add_elements(embedding, world, &mut mpm, (name, body), options)?;
     }
     // Bodies behind planes have their own words, with the key that helps.
     placement::check_planes(world, &mpm)?;
@@ -203,12 +203,15 @@ fn add_elements<E: Setting<D>, const D: usize>(
     embedding: E,
     world: &World<'_, D>,
     mpm: &mut Scene<D>,
-    name: &str,
-    body: &Body,
+    (name, body): (&str, &Body),
+    options: &Mpm,
 ) -> Made<()> {
     let key = format!("bodies.{name}");
     let mut fem = Fem::new(embedding);
     fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&key, e))?;
+    if let Some(part) = options.local_damping {
+        fem.set_local_damping(part.value).at("method.mpm.local_damping")?;
+    }
     let spec = body.elements.as_ref();
     if let Some(host) = spec.and_then(|e| e.within.as_deref()) {
         let at = format!("{key}.elements.within");

@@ -70,6 +70,9 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
                 if let Some(gravity) = world.gravity()? {
                     body.set_body_force(gravity);
                 }
+                if let Some(part) = options.local_damping {
+                    body.set_local_damping(part.value).at("method.sph.local_damping")?;
+                }
                 if let Some(control) = world.time_control() {
                     body.set_time_control(control).at("time_step")?;
                 }

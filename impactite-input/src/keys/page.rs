@@ -149,7 +149,7 @@ fn names_of_parameters() -> String {
     )
 }
 
-/// What purposes choose, and which parts go together.
+/// Parts that purposes choose, and combinations of parts.
 fn parts_of_mpm() -> String {
     let mut page = String::from(
         "\nWhat `for` chooses:\n\n| `for` | shape function | transfer | stress update | frame |\n|---|---|---|---|---|\n",

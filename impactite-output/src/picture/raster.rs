@@ -36,7 +36,7 @@ pub(super) struct Seen {
     y: f32,
     depth: f32,
     radius: f32,
-    /// How far the front stands out of the centre: the radius before it grew to meet the neighbours.
+    /// Distance of the front from the centre: the radius before it grew to meet the neighbours.
     front: f32,
     normal: [f32; 3],
     sky: f32,
@@ -49,7 +49,7 @@ pub(super) struct Flat {
     corners: [[f32; 3]; 4],
     count: usize,
     colour: [f32; 3],
-    /// How dark its edges are: 0 where they would be all that is seen.
+    /// Darkness of its edges: 0 where they would be all that is seen.
     edge: f32,
     /// Its size, samples.
     front: f32,
@@ -58,7 +58,7 @@ pub(super) struct Flat {
 /// The samples of the viewport.
 struct Samples {
     depth: Vec<f32>,
-    /// What is seen: balls, then faces.
+    /// Visible objects: balls, then faces.
     who: Vec<u32>,
     columns: usize,
     rows: usize,
@@ -104,7 +104,7 @@ impl Viewport {
             }
             let (g, sky) = matter.surface(i, ball.x);
             let normal = [dot(g, right) as f32, dot(g, up) as f32, dot(g, out) as f32];
-            // What faces away is behind the matter it belongs to.
+            // Faces that look away are behind the matter they belong to.
             if normal[2] < -0.5 && !matter.coarse {
                 continue;
             }
@@ -261,7 +261,7 @@ fn splat(ball: &Seen, id: u32, depth: &mut [f32], who: &mut [u32], columns: usiz
     }
 }
 
-/// How much deeper than the sample before it a gap begins, beside a quarter of the ball's radius, samples: more than a ball's own round.
+/// Depth below the sample before it at which a gap begins, beside a quarter of the ball's radius, samples: more than a ball's own round.
 const FALL: f32 = 2.5;
 
 /// Close gaps between balls that are narrower than a ball, through which one would look into matter or through it, along rows and
@@ -352,7 +352,7 @@ impl Light {
         Light { key, half: normalised([key[0], key[1], key[2] + 1.0]), fill: normalised(FILL) }
     }
 
-    /// What a colour is multiplied by, and what is added, on a surface of this normal.
+    /// Factor and summand of a colour on a surface of this normal.
     fn on(&self, n: [f32; 3], sky: f32) -> (f32, f32) {
         let lit = dot3(n, self.key).max(0.0);
         let gloss = dot3(n, self.half).max(0.0);
@@ -392,7 +392,7 @@ impl Flat {
         }
     }
 
-    /// How much of a sample is covered by half an edge.
+    /// Part of a sample that half an edge covers.
     fn edge_at(&self, x: f32, y: f32) -> f32 {
         let mut nearest = f32::INFINITY;
         for i in 0..self.count {

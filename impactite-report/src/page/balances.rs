@@ -69,7 +69,17 @@ pub(super) fn balances(record: &Record, all: &mut Charts) -> Option<Markup> {
         record.part.axes(record.dimensions).iter().map(|axis| format!("momentum {axis}")).collect();
     let momenta: Vec<&str> = momenta.iter().map(String::as_str).collect();
     let entries = [&["mass"], &momenta[..], &["kinetic energy", "internal energy"]].concat();
-    let given = ["work", "friction", "impacts", "conversion", "total"];
+    let given = [
+        "work",
+        "friction",
+        "impacts",
+        "damping",
+        "viscosity",
+        "viscous heat",
+        "conversion",
+        "staggering",
+        "total",
+    ];
     let row = |column: &Column| {
         let [first, last] = first_and_last(column)?;
         let shown = |x: f64| quantity(x, &column.unit);
@@ -82,7 +92,7 @@ pub(super) fn balances(record: &Record, all: &mut Charts) -> Option<Markup> {
     let figures = balances.column("time").and_then(|time| {
         let is_zero = |c: &Column| c.values.iter().all(|v| *v == 0.0);
         let mut energies = columns(balances, &["kinetic energy", "internal energy", "total"]);
-        energies.extend(columns(balances, &given[..4]).into_iter().filter(|c| !is_zero(c)));
+        energies.extend(columns(balances, &given[..8]).into_iter().filter(|c| !is_zero(c)));
         let momenta = columns(balances, &momenta);
         let list = [
             ("Energy", energies),

@@ -35,7 +35,7 @@ pub struct Balances {
     /// The largest sum of m |v| of the run, kg m/s.
     #[serde(default, with = "maybe")]
     pub momentum_scale: Option<f64>,
-    /// The largest kinetic energy, or sum of kinetic and internal energy, of the run, J.
+    /// The largest energy of the run, J: kinetic, kinetic and internal, or work of damping or viscosity.
     #[serde(default, with = "maybe")]
     pub energy_scale: Option<f64>,
 }
@@ -46,7 +46,7 @@ impl Balances {
     /// What is meant by the momentum error.
     pub const MOMENTUM_ERROR: &str = "amount of the change of momentum since the start that no impulse of boundaries, loads and body forces explains, over the largest sum of m |v| so far; around an axis along that alone";
     /// What is meant by the energy error.
-    pub const ENERGY_ERROR: &str = "change since the start of kinetic + internal energy − work + friction + impacts − conversion, over the largest kinetic energy, or sum of kinetic and internal energy, so far; negative: energy was lost. Of energies that are rounding, where nothing moves, there is none";
+    pub const ENERGY_ERROR: &str = "change since the start of kinetic − staggering + internal energy − work + friction + impacts + damping + viscosity − conversion, over the largest energy so far: kinetic, kinetic and internal, or work of damping or viscosity; negative: energy was lost. Of energies that are rounding, where nothing moves, there is none";
 
     /// The numbers of this column, if it is there.
     #[must_use]
@@ -84,6 +84,10 @@ impl Balances {
             column("work", "J", &|r| r.work),
             column("friction", "J", &|r| r.friction),
             column("impacts", "J", &|r| r.impacts),
+            column("damping", "J", &|r| r.damping),
+            column("viscosity", "J", &|r| r.viscosity),
+            column("viscous heat", "J", &|r| r.viscous_heat),
+            column("staggering", "J", &|r| r.staggered),
             column("conversion", "J", &|r| r.conversion),
             column("total", "J", &Row::total),
             // Energy at rest is not known before a look of the watch.

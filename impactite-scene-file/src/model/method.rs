@@ -56,7 +56,7 @@ parts! {
         #[serde(default)]
         #[schemars(extend("default" = "blocks"))]
         grid: Grid,
-        /// Local damping towards rest: part of the unbalanced nodal force that is taken away. 0.05 for slow processes, 0.7 to come to rest soonest. For linear shape functions with `flip` and `musl`; its work is not in the energy balance.
+        /// Local damping towards rest: part of the unbalanced nodal force, contact included, that is taken away. 0.05 for slow processes, 0.7 to come to rest soonest. Soonest with linear shape functions, `flip` and `musl`; not with the transfers `apic` and `mls`.
         #[serde(default)]
         #[schemars(example = 0.7, extend("minimum" = 0, "exclusiveMaximum" = 1))]
         local_damping: Option<Quantity<Plain>>,
@@ -87,6 +87,10 @@ parts! {
         #[serde(default)]
         #[schemars(example = 8, extend("default" = SUBCYCLES, "minimum" = 1))]
         subcycles: Option<u32>,
+        /// Local damping towards rest: part of the unbalanced nodal force, contact included, that is taken away. 0.05 for slow processes, 0.7 to come to rest soonest.
+        #[serde(default)]
+        #[schemars(example = 0.7, extend("minimum" = 0, "exclusiveMaximum" = 1))]
+        local_damping: Option<Quantity<Plain>>,
     }
     /// Smoothed particles.
     Sph {
@@ -95,6 +99,10 @@ parts! {
         /// Reference configuration.
         #[serde(default)]
         form: SphForm,
+        /// Local damping towards rest: part of the unbalanced force of particles, contact included, that is taken away. 0.05 for slow processes, 0.7 to come to rest soonest.
+        #[serde(default)]
+        #[schemars(example = 0.7, extend("minimum" = 0, "exclusiveMaximum" = 1))]
+        local_damping: Option<Quantity<Plain>>,
     }
     /// Fragile points.
     Fpm {
@@ -121,6 +129,10 @@ parts! {
         #[serde(default)]
         #[schemars(example = 0.3)]
         friction: Option<Quantity<Plain>>,
+        /// Local damping towards rest: part of the unbalanced force of points, contact included, that is taken away. 0.05 for slow processes, 0.7 to come to rest soonest.
+        #[serde(default)]
+        #[schemars(example = 0.7, extend("minimum" = 0, "exclusiveMaximum" = 1))]
+        local_damping: Option<Quantity<Plain>>,
     }
     /// Particle-contact meshfree method.
     Pcmm {

@@ -89,10 +89,21 @@ fn seen(solver: &dyn Solver) -> Seen {
         bits(vectors.copied().chain([*number as f64, *mass, *volume]))
     };
     let points = solver.bodies().iter().flat_map(|b| b.points()).map(|p| of(&p)).collect();
-    let Exchange { impulse, load, work, dropped, friction, impacts, conversion, node_contact } =
-        solver.exchange();
+    let Exchange {
+        impulse,
+        load,
+        work,
+        dropped,
+        friction,
+        impacts,
+        damping,
+        viscosity,
+        conversion,
+        node_contact,
+    } = solver.exchange();
     let vectors = impulse.into_iter().chain(load).chain(dropped);
-    let exchange = bits(vectors.chain([work, friction, impacts, conversion, node_contact]));
+    let exchange =
+        bits(vectors.chain([work, friction, impacts, damping, viscosity, conversion, node_contact]));
     Seen { time: solver.time().to_bits(), steps: solver.steps(), points, exchange }
 }
 

@@ -14,7 +14,7 @@ pub struct LedgerEntry {
     pub time: f64,
     /// Steps made.
     pub step: u64,
-    /// Kinetic energy of the particles, J.
+    /// Kinetic energy of the particles, J: the balanced one ([`Account::kinetic`]).
     pub kinetic: f64,
     /// Internal energy, plastic work and heat included, J.
     pub internal: f64,
@@ -24,9 +24,13 @@ pub struct LedgerEntry {
     pub friction: f64,
     /// Kinetic energy that plastic impacts of points took since the first entry, J.
     pub impacts: f64,
+    /// Energy that damping took since the first entry, J.
+    pub damping: f64,
+    /// Energy that numerical viscosity took since the first entry, J.
+    pub viscosity: f64,
     /// Energy that came with points split, merged, made or removed since the first entry, J.
     pub conversion: f64,
-    /// kinetic + internal - work + friction + impacts - conversion, J: constant if energy is conserved.
+    /// kinetic + internal - work + friction + impacts + damping + viscosity - conversion, J: constant if energy is conserved.
     pub total: f64,
     /// Change of `total` since the first entry, relative to the largest kinetic energy, or sum of kinetic and
     /// internal energy, so far. Negative: the method lost energy.
@@ -44,6 +48,7 @@ impl LedgerEntry {
             self;
         file.word(step)?;
         file.reals([time, kinetic, internal, work, friction, impacts, conversion, total])?;
+        file.reals([&mut self.damping, &mut self.viscosity])?;
         file.reals([&mut self.energy_error, &mut self.momentum_error])?;
         file.reals(&mut self.momentum)
     }
@@ -128,7 +133,8 @@ impl Ledger {
         if lost.is_nan() || lost > self.worst_missing {
             self.worst_missing = lost;
         }
-        let Account { kinetic, internal, work, friction, impacts, conversion, .. } = account;
+        let Account { kinetic, internal, work, friction, impacts, damping, viscosity, conversion, .. } =
+            account;
         LedgerEntry {
             time: now.time(),
             step: now.step(),
@@ -137,10 +143,12 @@ impl Ledger {
             work,
             friction,
             impacts,
+            damping,
+            viscosity,
             conversion,
-            total: kinetic + internal - work + friction + impacts - conversion,
+            total: account.total(),
             energy_error: account.energy_error(),
-            momentum: totals.momentum,
+            momentum: totals.momentum_now(),
             momentum_error: share(lost, account.momentum_scale),
         }
     }

@@ -37,7 +37,7 @@ mod suspects;
 mod watcher;
 
 pub use crate::balance::Account;
-pub use crate::finding::{Finding, GainCause, Loss, Warning};
+pub use crate::finding::{Booked, Finding, GainCause, Loss, Warning};
 pub use suspects::{gain_at_the_fastest, not_finite};
 pub use watcher::{Look, Watcher};
 

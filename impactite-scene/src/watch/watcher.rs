@@ -7,7 +7,7 @@ use crate::body::Totals;
 use crate::clock::Clock;
 use crate::error::{StepError, Stopped};
 use crate::exchange::Exchange;
-use crate::finding::{Finding, Loss, Warning};
+use crate::finding::{Booked, Finding, Loss, Warning};
 
 /// Looks at the bodies, among all looks.
 const BODIES_EVERY: u64 = 16;
@@ -266,8 +266,14 @@ impl Watcher {
         }
         if loss > self.watch.warn_loss && !self.knows(|f| matches!(f, Finding::EnergyLoss { .. })) {
             let contact = at.exchange.node_contact.max(0.0);
-            let finding =
-                Finding::EnergyLoss { share: loss, joules: -account.unexplained, contact, loss: at.loss };
+            let booked = Booked {
+                friction: account.friction,
+                impacts: account.impacts,
+                damping: account.damping,
+                viscosity: account.viscosity + account.viscous_heat,
+            };
+            let joules = -account.unexplained;
+            let finding = Finding::EnergyLoss { share: loss, joules, contact, booked, loss: at.loss };
             self.found(at.clock, finding, false)?;
         }
         Ok(())

@@ -12,8 +12,9 @@ use impactite_simd::Team;
 
 use super::body::{Advice, ContactParticle, ParticleBody};
 use super::candidates::Candidates;
-use super::meet::{PairOfParticles, meet};
+use super::meet::meet;
 use super::member::{Member, particles};
+use super::met::PairOfParticles;
 use super::wall::RigidWall;
 use crate::detect::ContactDetector;
 use crate::law::Pairs;
@@ -242,16 +243,9 @@ impl<const D: usize, S: ContactDetector<f64, D>> Bodies<D, S> {
     }
 
     fn make_contact(&mut self, dt: f64) {
-        let candidates = self.candidates.update(&self.members);
-        let met = meet(
-            &mut self.members,
-            &self.detector,
-            &self.laws,
-            self.spacing,
-            candidates,
-            self.clock.time,
-            dt,
-        );
+        self.candidates.update(&self.members);
+        let (members, at) = (&mut self.members, (self.clock.time, dt));
+        let met = meet(members, &self.detector, &self.laws, self.spacing, &self.candidates, at);
         for d in 0..3 {
             self.walls.impulse[d] += met.impulse[d];
         }

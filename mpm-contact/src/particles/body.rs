@@ -6,6 +6,21 @@ use impactite_scene::watch::Loss;
 use impactite_scene::{Archive, Body, CheckpointError, Exchange, SceneError, StepError};
 use impactite_simd::Team;
 
+/// A point of the surface of a body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SurfacePoint {
+    /// Position, m; zero beyond the dimensions of the scene.
+    pub position: [f64; 3],
+    /// Unit normal, out of the body.
+    pub normal: [f64; 3],
+    /// Area that the point stands for, m^2 (per metre of depth, or per radian).
+    pub area: f64,
+    /// Does it lie on an edge or corner between faces? Then other surfaces do not rest on it: it rests on them.
+    pub corner: bool,
+    /// Distance of the surface beyond the point in all directions, m: the radius of a ball, else zero.
+    pub reach: f64,
+}
+
 /// A particle as contact sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactParticle<const D: usize> {
@@ -124,6 +139,30 @@ pub trait ParticleBody<const D: usize>: Body + Send + Sync + Any {
     /// order that depends on nothing but the body. Normals that look at particles ([`crate::Regression`],
     /// [`crate::SeparatingPlane`]) put their planes between those of both bodies.
     fn around(&self, n: usize, visit: &mut dyn FnMut(usize));
+
+    /// Does the body know its surface as points with normals ([`surface`](ParticleBody::surface))? Then contact is between these points and
+    /// the surface interpolated between those of the other body, instead of between pairs of particles.
+    fn has_surface(&self) -> bool {
+        false
+    }
+
+    /// Find the surface points of these particles (ascending), of which [`surface`](ParticleBody::surface) is asked before anything moves.
+    fn find_surface(&mut self, _particles: &[usize]) {}
+
+    /// Append the surface points of particle `n`: none within the body, several on edges. After
+    /// [`find_surface`](ParticleBody::find_surface).
+    fn surface(&self, _n: usize, _out: &mut Vec<SurfacePoint>) {}
+
+    /// Call `visit` with each particle k that moves a surface point of particle `n`, and its weight W_k by axis: the velocity of the point
+    /// is sum_k W_k v_k, and an impulse J on it acts on k by W_k J. The weights along an axis add up to 1, or less across a plane of symmetry.
+    fn carriers(&self, n: usize, _point: &SurfacePoint, visit: &mut dyn FnMut(usize, [f64; 3])) {
+        visit(n, [1.0; 3]);
+    }
+
+    /// The axes along which a condition prescribed the velocity of particle `n` in the last step: an impulse does not change it there.
+    fn held(&self, _n: usize) -> [bool; 3] {
+        [false; 3]
+    }
 
     /// The normal traction n . sigma . n at particle `n`, Pa, tension positive: what [`crate::Compression`] asks for.
     fn traction(&self, n: usize, normal: &[f64; 3]) -> f64;

@@ -8,6 +8,8 @@ use super::member::{Member, Place, particles};
 /// Particles are looked at up to this many sums of radii apart: with surfaces through the centres, particles of two bodies
 /// face each other half a spacing beside each other.
 pub(super) const RANGE: f64 = 1.5;
+/// The same of surfaces, whose points are up to 1.8 spacings beside each other.
+const SURFACE_RANGE: f64 = 2.25;
 /// The skin of the lists over the mean radius.
 const SKIN: f64 = 1.0;
 
@@ -16,6 +18,10 @@ const SKIN: f64 = 1.0;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Candidates {
     pairs: Vec<[Place; 2]>,
+    /// Particles and walls of the pairs of which a body has a surface, ascending, and for each the others of its pairs, ascending.
+    pub near: Vec<Place>,
+    starts: Vec<u32>,
+    others: Vec<u32>,
     searched: bool,
     /// How far the fastest particle may have moved since the search, m.
     moved: f64,
@@ -34,13 +40,45 @@ impl Candidates {
         self.moved += distance;
     }
 
-    /// The pairs; searched anew if they may have changed.
-    pub fn update<const D: usize>(&mut self, members: &[Member<D>]) -> &[[Place; 2]] {
+    /// Search anew if pairs may have changed.
+    pub fn update<const D: usize>(&mut self, members: &[Member<D>]) {
         // Two that approach each other may both have moved.
         if !self.searched || 2.0 * self.moved > self.skin {
             self.search(members);
         }
+    }
+
+    /// The pairs of bodies without surfaces.
+    pub fn pairs(&self) -> &[[Place; 2]] {
         &self.pairs
+    }
+
+    /// The numbers among [`near`](Candidates::near) of what number `p` of these may touch.
+    pub fn others(&self, p: usize) -> &[u32] {
+        &self.others[self.starts[p] as usize..self.starts[p + 1] as usize]
+    }
+
+    /// Pairs of which a body has a surface are kept by particle.
+    fn sort_by_particle<const D: usize>(&mut self, members: &[Member<D>]) {
+        let has: Vec<bool> =
+            members.iter().map(|m| m.part().is_some_and(ParticleBody::has_surface)).collect();
+        let of_surface = |pair: &[Place; 2]| pair.iter().any(|p| has[p.body as usize]);
+        let pairs: Vec<[Place; 2]> = self.pairs.iter().copied().filter(of_surface).collect();
+        self.pairs.retain(|pair| !of_surface(pair));
+        self.near = pairs.iter().flatten().copied().collect();
+        self.near.sort_unstable();
+        self.near.dedup();
+        let number = |place: &Place| self.near.binary_search(place).unwrap_or(0) as u32;
+        let mut both: Vec<[u32; 2]> = Vec::with_capacity(2 * pairs.len());
+        for pair in &pairs {
+            let [a, b] = [number(&pair[0]), number(&pair[1])];
+            both.extend([[a, b], [b, a]]);
+        }
+        both.sort_unstable();
+        self.starts = vec![0; self.near.len() + 1];
+        both.iter().for_each(|pair| self.starts[pair[0] as usize + 1] += 1);
+        (0..self.near.len()).for_each(|p| self.starts[p + 1] += self.starts[p]);
+        self.others = both.iter().map(|pair| pair[1]).collect();
     }
 
     fn search<const D: usize>(&mut self, members: &[Member<D>]) {
@@ -56,10 +94,12 @@ impl Candidates {
             }
         }
         self.skin = SKIN * radii / count.max(1) as f64;
-        let reach = 2.0 * RANGE * largest + self.skin;
+        let surfaces = members.iter().any(|m| m.part().is_some_and(ParticleBody::has_surface));
+        let factor = if surfaces { SURFACE_RANGE } else { RANGE };
+        let reach = 2.0 * factor * largest + self.skin;
         let Found { positions, radii, owners } = near_others(members, reach);
         // Refused are only ranges that no distance reaches.
-        let range = Reach::Sum { factor: RANGE, tolerance: self.skin };
+        let range = Reach::Sum { factor, tolerance: self.skin };
         let sorted = Points::new(&positions, &radii).and_then(|points| SortedCells::new(&points, range));
         if let Ok(cells) = sorted {
             cells.each_pair(|i, j| {
@@ -73,7 +113,9 @@ impl Candidates {
             let Member::Wall { wall } = member else { continue };
             for (b, part) in members.iter().enumerate().filter_map(|(b, m)| Some((b, m.part()?))) {
                 for (n, p) in particles(part).enumerate() {
-                    if wall.height(&p.position) <= part.beyond(n) + self.skin {
+                    if wall.height(&p.position)
+                        <= part.beyond(n).max(if surfaces { 3.0 * p.radius } else { 0.0 }) + self.skin
+                    {
                         let at = Place { body: b as u32, particle: n as u32 };
                         let wall = Place { body: w as u32, particle: 0 };
                         self.pairs.push(if b < w { [at, wall] } else { [wall, at] });
@@ -82,6 +124,7 @@ impl Candidates {
             }
         }
         self.pairs.sort_unstable();
+        self.sort_by_particle(members);
     }
 }
 

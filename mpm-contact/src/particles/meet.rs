@@ -3,11 +3,13 @@
 use std::collections::HashMap;
 
 use super::body::{ContactParticle, Facing};
-use super::candidates::RANGE;
+use super::candidates::{Candidates, RANGE};
 use super::member::{Member, Place};
+use super::met::{Met, PairOfParticles};
 use super::places::{FacingPair, PairPlaces, Side};
 use super::solve::{Touch, gather, solve};
-use crate::detect::ContactDetector;
+use super::surface::meet_surfaces;
+use crate::detect::{ContactDetector, Criterion};
 use crate::law::{Contact, Pairs};
 use crate::normal::{Memory, Nodal, NormalRule};
 use crate::vector::{difference, dot, wide};
@@ -18,27 +20,6 @@ const BATCH: usize = 64;
 const EQUALLY_NEAR: f64 = 1e-9;
 /// Cosine of the angle between outward normals above which they point the same way.
 const SAME_WAY: f64 = 0.7;
-
-/// Two particles, or a particle and a wall, in contact in the last step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairOfParticles {
-    /// The bodies, by number; the smaller first.
-    pub bodies: [usize; 2],
-    /// Their particles; of a wall 0.
-    pub particles: [usize; 2],
-    /// Half way between them, m.
-    pub position: [f64; 3],
-    /// Unit normal, from the first body to the second.
-    pub normal: [f64; 3],
-    /// Distance of the surfaces along it, m, where the detector measures it; negative if they overlap.
-    pub gap: Option<f64>,
-    /// Impulse on the second body, N s; the first gets its opposite.
-    pub impulse: [f64; 3],
-    /// Work of friction on the slip that is left at the end of the step, J.
-    pub friction: f64,
-    /// Kinetic energy that the impulse took beside that, J: what colliding particles lose.
-    pub taken: f64,
-}
 
 /// The squared distance of two places, m^2.
 fn distance_squared<const D: usize>(a: &[f64; D], b: &[f64; D]) -> f64 {
@@ -210,17 +191,25 @@ fn touching<const D: usize, S: ContactDetector<f64, D>>(
     list
 }
 
-/// What contact did in a step.
-#[derive(Debug, Default)]
-pub(super) struct Met {
-    pub contacts: Vec<PairOfParticles>,
-    /// Impulse of walls on bodies, N s, and its work with their velocities, J.
-    pub impulse: [f64; 3],
-    pub work: f64,
+/// Exchange impulses between members that have their trial velocities: between surfaces where a body has one, else between pairs of
+/// particles.
+pub(super) fn meet<const D: usize, S: ContactDetector<f64, D>>(
+    members: &mut [Member<D>],
+    detector: &S,
+    laws: &Pairs<f64>,
+    spacing: f64,
+    candidates: &Candidates,
+    (time, dt): (f64, f64),
+) -> Met {
+    let mut met = meet_pairs(members, detector, laws, spacing, candidates.pairs(), time, dt);
+    // Detectors that do not measure gaps touch where surfaces do.
+    let threshold = if let Criterion::Gap(gap) = detector.criterion(spacing) { gap } else { 0.0 };
+    meet_surfaces(members, laws, threshold, candidates, (time, dt), &mut met);
+    met
 }
 
-/// Exchange impulses between members that have their trial velocities.
-pub(super) fn meet<const D: usize, S: ContactDetector<f64, D>>(
+/// The same between pairs of particles.
+fn meet_pairs<const D: usize, S: ContactDetector<f64, D>>(
     members: &mut [Member<D>],
     detector: &S,
     laws: &Pairs<f64>,

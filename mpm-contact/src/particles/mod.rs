@@ -1,6 +1,8 @@
-//! Contact between bodies of particles, whatever their methods: particle to particle.
+//! Contact between bodies of particles, whatever their methods.
 //!
-//! Every particle of a surface touches the nearest of the other body that faces it. Detectors, normals and laws are those of this crate:
+//! Bodies that know their surface ([`ParticleBody::has_surface`]) are in contact by the points of that: each with the surface interpolated
+//! between the points of the other body, from both sides (book, "Contact at surfaces"). Of other bodies every particle of a surface touches the
+//! nearest of the other body that faces it. Detectors, normals and laws are those of this crate:
 //! where the material point method has nodes, there are pairs of particles. Impulses of all pairs are found together
 //! ([`crate::relax`]); every one acts on two bodies with opposite signs.
 //!
@@ -10,6 +12,8 @@
 //! | [`ParticleBody`] | what a body answers: `pcmm::Pcmm` is one, and one's own may be |
 //! | [`RigidWall`] | a half space that moves as prescribed |
 //! | [`PairOfParticles`] | two that touched in the last step |
+//! | [`SurfacePoint`] | a point of a surface, with its normal |
+//! | [`press_on_walls`] | keeps a surface in front of walls across axes |
 //!
 //! ```
 //! use mpm_contact::particles::{Bodies, RigidWall};
@@ -24,7 +28,7 @@
 //! # }
 //! ```
 //!
-//! # What a pair is
+//! # Pairs of bodies without a surface of their own
 //! - Particles of two bodies less than one and a half times the sum of their radii apart whose surfaces face each other
 //!   ([`ParticleBody::facing`]), each the nearest of its body to the other. With normals of the surface a flat one is flat: blocks slide
 //!   on each other and on walls without interlocking of circles. Surfaces lie [`ParticleBody::beyond`] the centres.
@@ -33,7 +37,7 @@
 //! - A particle and a wall that it is under, or will be in the step.
 //!
 //! # What holds
-//! Momentum to rounding. Kinetic energy that impulses take, friction apart, in [`impactite_scene::Exchange`]: J . (u + u') / 2 with the
+//! Momentum to rounding, between surfaces angular momentum too. Kinetic energy that impulses take, friction apart, in [`impactite_scene::Exchange`]: J . (u + u') / 2 with the
 //! relative velocities at the start and the end of the step. The same bits for any number of threads; checkpoints hold all.
 //!
 //! # Cost
@@ -50,11 +54,15 @@ mod body;
 mod candidates;
 mod meet;
 mod member;
+mod met;
 mod places;
 mod solve;
+mod surface;
+mod system;
 mod wall;
 
 pub use bodies::Bodies;
-pub use body::{Advice, ContactParticle, Facing, ParticleBody};
-pub use meet::PairOfParticles;
+pub use body::{Advice, ContactParticle, Facing, ParticleBody, SurfacePoint};
+pub use met::PairOfParticles;
+pub use surface::press_on_walls;
 pub use wall::RigidWall;

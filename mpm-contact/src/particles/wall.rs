@@ -7,8 +7,7 @@ use crate::vector::wide;
 
 /// A rigid half space that moves as prescribed and meets bodies by the laws of the scene, friction included.
 ///
-/// [`impactite_scene::Boundary::Wall`] and [`impactite_scene::Boundary::FrictionWall`] are the cheaper walls: across an axis, they hold back the
-/// centres of particles.
+/// [`impactite_scene::Boundary::Wall`] and [`impactite_scene::Boundary::FrictionWall`] are the cheaper walls: across an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigidWall<const D: usize> {
     point: [f64; D],

@@ -1,20 +1,24 @@
 //! Impulses on free rigid bodies, whose nodes all move together.
 //!
 //! Pairs are relaxed as at a node with three bodies and more ([`relax`]). A rigid body's mass is shared among all nodes that touch it,
-//! by the mass they hold; at each it shows the least mass that its share, which may turn, can show. What the
-//! iteration converges to does not depend on the shares: velocities after contact that obey every pair's law.
+//! by the mass that it meets there; at each it shows the least mass that its share, which may turn, can show. What the
+//! iteration converges to does not depend on the shares: velocities after contact that obey every pair's law. Planes that a body
+//! touches are relaxed with the pairs, as bodies of infinite mass. Nodes that are images of others are left out: the body has the
+//! whole impulse of those that they are images of.
 
 use std::collections::BTreeMap;
 
-use mpm_contact::vector::{sum, times};
+use mpm_contact::vector::{difference, sum, times};
 use mpm_contact::{Contact, relax};
 
 use super::node_impulses::LawCall;
-use super::{SharedNodes, Touch};
+use super::{PlaneTouch, SharedNodes, Touch};
 use crate::parallel::Float;
 
 /// Change of the impulses, over the largest, at which they count as found.
-const FOUND: f64 = 1e-10;
+const FOUND: f64 = 1e-13;
+/// Least part of the mean weight that a pair is reckoned with.
+const LEAST_WEIGHT: f64 = 0.1;
 
 /// A pair that touches at a node where a free rigid body is.
 pub(super) struct Coupling<'a, T> {
@@ -67,13 +71,22 @@ pub(super) struct Coupled<'a, T> {
 type Sums<T> = BTreeMap<usize, ([T; 3], [f64; 3])>;
 
 impl<'a, T: Float> Coupled<'a, T> {
-    /// Find the impulses.
-    pub fn solve<const D: usize>(at: &[SharedNodes<'_, T, D>], mut pairs: Vec<Coupling<'a, T>>) -> Self {
-        share(at, &mut pairs);
-        let mut impulses = vec![[[T::of(0.0); 3]; 3]; pairs.len()];
+    /// Find the impulses, and those of planes.
+    pub fn solve<const D: usize>(
+        at: &[SharedNodes<'_, T, D>],
+        mut pairs: Vec<Coupling<'a, T>>,
+        planes: &mut [PlaneTouch<'_, D>],
+    ) -> Self {
+        let seen_by_planes = share(at, &mut pairs, planes);
+        let mut impulses = vec![[[T::of(0.0); 3]; 3]; pairs.len() + planes.len()];
+        let count = pairs.len();
         relax(&mut impulses, FOUND, |all| {
-            let given = gather(at, &pairs, all.iter().map(|[_, ahead, _]| *ahead));
-            for (pair, [_, ahead, next]) in pairs.iter().zip(all) {
+            let given = gather(at, (&pairs, planes), all.iter().map(|[_, ahead, _]| *ahead));
+            let (of_pairs, of_planes) = all.split_at_mut(count);
+            for ((plane, [_, ahead, next]), &seen) in planes.iter().zip(of_planes).zip(&seen_by_planes) {
+                *next = of_plane(plane, seen, ahead, &given);
+            }
+            for (pair, [_, ahead, next]) in pairs.iter().zip(of_pairs) {
                 let Coupling { call: LawCall { law, contact: Contact { velocities, .. } }, seen, .. } = pair;
                 let mut free = *velocities;
                 for side in 0..2 {
@@ -85,7 +98,9 @@ impl<'a, T: Float> Coupled<'a, T> {
             }
         });
         pairs.iter_mut().zip(&impulses).for_each(|(pair, [impulse, ..])| pair.touch.impulse = *impulse);
-        let sums = gather(at, &pairs, impulses.iter().map(|[impulse, ..]| *impulse));
+        let of_planes = planes.iter_mut().zip(&impulses[count..]);
+        of_planes.for_each(|(plane, [impulse, ..])| plane.impulse = impulse.map(T::to_double));
+        let sums = gather(at, (&pairs, planes), impulses.iter().map(|[impulse, ..]| *impulse));
         Coupled { pairs, sums }
     }
 
@@ -135,18 +150,71 @@ impl<'a, T: Float> Coupled<'a, T> {
     }
 }
 
-/// Share masses among the pairs that they are in.
-fn share<T: Float, const D: usize>(at: &[SharedNodes<'_, T, D>], pairs: &mut [Coupling<'_, T>]) {
-    let held = |p: &Coupling<'_, T>, side: usize| p.call.contact.masses[side];
-    let mut sums: BTreeMap<usize, T> = BTreeMap::new();
-    for pair in pairs.iter() {
-        for side in 0..2 {
-            *sums.entry(pair.movers[side]).or_default() += held(pair, side);
-        }
+/// The impulses of planes alone.
+pub(crate) fn solve_planes<T: Float, const D: usize>(planes: &mut [PlaneTouch<'_, D>]) {
+    Coupled::<T>::solve::<D>(&[], Vec::new(), planes);
+}
+
+/// The impulse of a plane on a body that shows the mass `seen`, after the impulses `given`: the body may not be slower along the
+/// normal than [`PlaneTouch::least_velocity`] says, with Coulomb friction.
+fn of_plane<T: Float, const D: usize>(
+    plane: &PlaneTouch<'_, D>,
+    seen: T,
+    ahead: &[T; 3],
+    given: &Sums<T>,
+) -> [T; 3] {
+    let change = given.get(&plane.body).map_or([0.0; 3], |(impulse, moment)| {
+        plane.rigid.response(&impulse.map(T::to_double), moment, &plane.point)
+    });
+    let trial = std::array::from_fn(|d| T::of(plane.trial[d] + change[d]));
+    let free = difference(trial, times(*ahead, T::of(1.0) / seen));
+    let velocities = [plane.least_velocity().map(T::of), free];
+    let masses = [T::of(f64::INFINITY), seen];
+    let contact = Contact::new(plane.normal.map(T::of), masses, velocities, T::of(0.0));
+    let approach = contact.approach();
+    if approach > T::of(0.0) {
+        contact.braking(approach, T::of(plane.friction) * approach)
+    } else {
+        [T::of(0.0); 3]
     }
+}
+
+/// The weight by which the mass of a side of a pair is shared among the pairs that it is in, kg. A rigid body's: the mass of the node that
+/// it meets, so that no pair has a share that is small beside what it stops, and all converge alike.
+fn weight<T: Float>(pair: &Coupling<'_, T>, side: usize) -> T {
+    let [own, other] = [pair.call.contact.masses[side], pair.call.contact.masses[1 - side]];
+    let is_node = pair.movers.map(|mover| mover >= NODES);
+    if is_node[side] || !other.to_double().is_finite() {
+        own
+    } else if is_node[1 - side] {
+        other
+    } else {
+        own.min(other)
+    }
+}
+
+/// Share masses among the pairs and planes that they are in. Returns those that planes see.
+fn share<T: Float, const D: usize>(
+    at: &[SharedNodes<'_, T, D>],
+    pairs: &mut [Coupling<'_, T>],
+    planes: &[PlaneTouch<'_, D>],
+) -> Vec<T> {
+    let mut sums: BTreeMap<usize, (T, f64)> = BTreeMap::new();
+    let of_pairs = pairs.iter().flat_map(|p| [0, 1].map(|side| (p.movers[side], weight(p, side))));
+    for (mover, weight) in of_pairs.chain(planes.iter().map(|p| (p.body, T::of(p.mass)))) {
+        let (all, count) = sums.entry(mover).or_default();
+        (*all, *count) = (*all + weight, *count + 1.0);
+    }
+    // The share of a weight in all of a mover's. A node of next to no mass sees much more than that of a rigid body: its velocity is then
+    // as exact as the body's, and spline slopes of light nodes are not small.
+    let part = |mover: usize, weight: T| {
+        let (all, count) = sums[&mover];
+        let least = if mover < NODES { T::of(LEAST_WEIGHT / count) * all } else { T::of(0.0) };
+        (weight + least) / (all + least * T::of(count))
+    };
     for pair in pairs.iter_mut() {
         for side in 0..2 {
-            let (mass, all) = (held(pair, side), sums[&pair.movers[side]]);
+            let mass = pair.call.contact.masses[side];
             if !mass.to_double().is_finite() {
                 continue;
             }
@@ -155,19 +223,21 @@ fn share<T: Float, const D: usize>(at: &[SharedNodes<'_, T, D>], pairs: &mut [Co
                 Some(rigid) => T::of(rigid.least_mass(&at.position(pair.touch.node as usize))),
                 None => mass,
             };
-            pair.seen[side] = whole * (mass / all);
+            pair.seen[side] = whole * part(pair.movers[side], weight(pair, side));
         }
     }
+    let seen = |p: &PlaneTouch<'_, D>| T::of(p.rigid.least_mass(&p.point)) * part(p.body, T::of(p.mass));
+    planes.iter().map(seen).collect()
 }
 
 /// Sum of the impulses of the pairs on every mover, and of their moments about its centre if it is a rigid body.
 fn gather<T: Float, const D: usize>(
     at: &[SharedNodes<'_, T, D>],
-    pairs: &[Coupling<'_, T>],
-    impulses: impl Iterator<Item = [T; 3]>,
+    (pairs, planes): (&[Coupling<'_, T>], &[PlaneTouch<'_, D>]),
+    mut impulses: impl Iterator<Item = [T; 3]>,
 ) -> Sums<T> {
     let mut sums = Sums::new();
-    for (pair, impulse) in pairs.iter().zip(impulses) {
+    for (pair, impulse) in pairs.iter().zip(impulses.by_ref()) {
         let here = &at[pair.block];
         for (side, sign) in [(0, -1.0), (1, 1.0)] {
             let impulse = times(impulse, T::of(sign));
@@ -179,6 +249,12 @@ fn gather<T: Float, const D: usize>(
                 (0..3).for_each(|d| entry.1[d] += moment[d]);
             }
         }
+    }
+    for (plane, impulse) in planes.iter().zip(impulses) {
+        let entry = sums.entry(plane.body).or_insert(([T::of(0.0); 3], [0.0; 3]));
+        entry.0 = sum(entry.0, impulse);
+        let moment = plane.rigid.moment(&plane.point, &impulse.map(T::to_double));
+        (0..3).for_each(|d| entry.1[d] += moment[d]);
     }
     sums
 }

@@ -10,7 +10,7 @@ use mpm_materials::{Check, ParameterError};
 
 use super::free_rigid::{Coupled, Coupling};
 use super::node_impulses::{LawCall, find_impulses, total};
-use super::{BlockContacts, ContactPhase, Pair, Scratch, SharedNodes, Touch, TouchMemory};
+use super::{BlockContacts, ContactPhase, Pair, PlaneTouch, Scratch, SharedNodes, Touch, TouchMemory};
 
 /// How far bodies may move, in cells, before normals and gaps are looked at anew: well below the errors of either
 /// (book, "Detection and normals"; book, "A pack of balls under a plate"). Not a number that a sum of equal steps meets.
@@ -133,7 +133,12 @@ where
         }
     }
 
-    fn couple(&self, at: &[SharedNodes<'_, T, D>], found: &mut [BlockContacts<T>]) {
+    fn couple(
+        &self,
+        at: &[SharedNodes<'_, T, D>],
+        found: &mut [BlockContacts<T>],
+        planes: &mut [PlaneTouch<'_, D>],
+    ) {
         // What the laws see, apart from what is written.
         let remembered: Vec<TouchMemory> =
             if self.remembers > 0 { found.iter().map(|f| f.memory.clone()).collect() } else { Vec::new() };
@@ -142,7 +147,7 @@ where
             let mut first = 0;
             for touches in found.touches.chunk_by(|a, b| a.node == b.node) {
                 let coupled = couples(at, &found.pairs, touches);
-                for (n, touch) in touches.iter().enumerate().filter(|(_, t)| coupled && t.acts) {
+                for (n, touch) in touches.iter().enumerate().filter(|(_, t)| coupled && t.acts && !t.image) {
                     let memory = remembered.get(block).map_or(&[][..], |m| m.start(first + n));
                     let call = self.law_call(at, &found.pairs, touch, memory);
                     couplings.push(Coupling::new(block, at, *touch, fields(&found.pairs, touch), call));
@@ -150,7 +155,7 @@ where
                 first += touches.len();
             }
         }
-        let solved = Coupled::solve(at, couplings);
+        let solved = Coupled::solve(at, couplings, planes);
         for (block, node, impulses) in solved.nodes() {
             let BlockContacts { pairs, touches, .. } = &mut found[block];
             let first = touches.partition_point(|t| t.node < node);

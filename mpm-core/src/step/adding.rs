@@ -67,9 +67,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             return Err(SceneError::RestOfFree(name.into()));
         }
         let body = RigidBody::<T, D>::new(name, rigid, self.kernels.clone(), *self.grid.lattice(), seeds)?;
-        self.enter(name, Box::new(body))?;
-        self.scene.rigid.push(self.scene.bodies.len() - 1);
-        Ok(())
+        // Nodes beside planes are arranged as those of a rigid body.
+        self.scene.rigid.push(self.scene.bodies.len());
+        let entered = self.enter(name, Box::new(body));
+        if entered.is_err() {
+            self.scene.rigid.pop();
+        } else {
+            self.halve_rigid();
+        }
+        entered
     }
 
     fn check_states(

@@ -116,7 +116,7 @@ impl<T: Float, const D: usize> Background<T, D> {
         self.contact.arrange(&self.fields, scene.bodies.len());
         self.press(&pressed);
         self.arranged = steps;
-        self.arrange_planes(&scene.conditions.boundaries, planes);
+        self.arrange_planes(&scene.conditions.boundaries, &scene.rigid, planes);
         Ok(())
     }
 
@@ -129,8 +129,8 @@ impl<T: Float, const D: usize> Background<T, D> {
     }
 
     /// Find the nodes at planes.
-    pub(super) fn arrange_planes(&mut self, boundaries: &[Boundary<D>], at: AtPlanes) {
-        self.planes.arrange(&*self.storage, &self.fields, boundaries, at.reach, at.shares);
+    pub(super) fn arrange_planes(&mut self, boundaries: &[Boundary<D>], rigid: &[usize], at: AtPlanes) {
+        self.planes.arrange(&*self.storage, (&self.fields, rigid), boundaries, at.reach, at.shares);
     }
 
     /// Do particles reach node blocks where their body has no field, or (asked with `prune`) none any more where

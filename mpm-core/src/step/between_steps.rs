@@ -53,7 +53,7 @@ impl<T: Float, const D: usize> StepOperation<T, D> for NullSpaceFilter {
         if end.steps.is_multiple_of(self.every) {
             let bodies = end.bodies.iter_mut();
             let lost: f64 = bodies.filter_map(|body| Some(body.free_velocities()?.filter(end.team))).sum();
-            end.ledger.work -= lost;
+            end.ledger.damping += lost;
         }
         false
     }
@@ -75,7 +75,7 @@ impl<T: Float, const D: usize> StepOperation<T, D> for KineticDamping {
             for d in 0..3 {
                 end.ledger.load[d] -= taken.momentum[d];
             }
-            end.ledger.work -= taken.kinetic;
+            end.ledger.damping += taken.kinetic;
         }
         *self = KineticDamping { most: 0.0, now: 0.0, stops: self.stops + 1 };
         true

@@ -45,6 +45,8 @@ pub struct Steps<T> {
     pub adapt: bool,
     /// Time at which the forces act that a pass maps, s.
     pub force_time: f64,
+    /// Axes along which bodies are followed as a whole ([`impactite_scene::CentreLead`]).
+    pub axes: [bool; 3],
 }
 
 /// What broke in a body.

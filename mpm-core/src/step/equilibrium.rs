@@ -10,6 +10,8 @@ use impactite_scene::{Condition, Place, StepError};
 #[derive(Clone, Copy, Debug, Default)]
 struct Forces {
     mass: f64,
+    /// Its mass along each axis, images behind planes of symmetry negative: what weights act on, kg.
+    heavy: [f64; 3],
     /// What is left of all.
     left: [f64; 3],
     /// Those from outside.
@@ -123,6 +125,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             for w in p.nodes {
                 let node = nodes.at(w.node);
                 node.mass += p.mass * w.value;
+                (0..D).for_each(|d| node.heavy[d] += w.sign[d] * p.mass * w.value);
                 node.rigid |= p.rigid && w.value != 0.0;
                 for c in 0..D {
                     let pull: f64 = (0..D).map(|d| p.stress[c][d] * w.gradient[d]).sum();
@@ -137,7 +140,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         for (index, node) in &mut nodes.sums {
             let x = lattice.node(index.map(i64::from));
             for d in 0..D {
-                node.outer[d] += node.mass * gravity[d];
+                node.outer[d] += node.heavy[d] * gravity[d];
                 node.left[d] += node.outer[d];
             }
             // Conditions that react are asked for their forces: so soon that nothing moves meanwhile.

@@ -79,7 +79,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     /// Berzins 2017): with the weights N of the n particles of a cell and body on its nodes, velocities become their
     /// projection, by mass, on the range of N, found by singular values. The momentum of every node stays as it is to
     /// rounding, and so does the next step; what changes is the noise that FLIP would carry along, and that its
-    /// particles would move with into other cells. Its energy is booked as work of a load.
+    /// particles would move with into other cells. Its energy is booked as damping.
     ///
     /// **A cell needs more particles than its stencil has nodes** for anything to be taken out, unless they lie in a row:
     /// five for linear shape functions in two dimensions and nine in three, ten and twenty-eight for the quadratic spline. With two

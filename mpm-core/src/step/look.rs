@@ -19,12 +19,21 @@ const ALTERNATES: f64 = 0.35;
 /// Fewer particles that failed alone say nothing.
 const FEW_FAILED: u64 = 8;
 
-/// Sink of energy that no balance has.
-const SINK: &str = "the filter of the transfer or contacts that closed";
+/// Sinks of energy that no balance has.
+const FILTER: &str = "the filter of the transfer";
+const CONTACT: &str = "contacts that closed";
+const BOTH: &str = "the filter of the transfer or contacts that closed";
+const NEITHER: &str = "the motion of particles through cells";
 
 /// Sink of energy that no balance has, and remedies by the transfer in use: those that keep more of the energy, the best first. FLIP with
 /// MUSL keeps most, then AFLIP, then all others.
-fn loss(facts: &Facts) -> Loss {
+fn loss(facts: &Facts, [filters, contact]: [bool; 2]) -> Loss {
+    let by = match (filters, contact) {
+        (true, true) => BOTH,
+        (true, false) => FILTER,
+        (false, true) => CONTACT,
+        (false, false) => NEITHER,
+    };
     let remedy = match (facts.affine, facts.reads_increment) {
         (false, true) if facts.remap => "take smaller cells",
         (true, true) => {
@@ -35,7 +44,7 @@ fn loss(facts: &Facts) -> Loss {
              (`Method::impact`)"
         }
     };
-    Loss { by: SINK, remedy }
+    Loss { by, remedy }
 }
 
 impl<const D: usize, T: Float> Mpm<D, T> {
@@ -101,6 +110,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let totals = self.totals_on_team();
         let mut watcher = std::mem::take(&mut self.looks.watcher);
         let (clock, exchange) = (self.clock, self.exchange());
+        // FLIP takes changes of velocities alone from the nodes; with MUSL and USF no stress update dissipates either.
+        let of_nodes = self.kernels.taken(T::of(clock.last.unwrap_or(0.0)));
+        let filters = of_nodes != T::default() || !self.facts().symplectic();
         let at = Look {
             clock: &clock,
             exchange: &exchange,
@@ -108,7 +120,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             speed: self.stepper.rate.to_double() * self.grid.lattice().spacing(),
             // Kinetic damping closes its balance to half a step.
             energy: self.between_steps.kinetic_damping.is_none(),
-            loss: loss(self.facts()),
+            loss: loss(self.facts(), [filters, exchange.node_contact > 0.0]),
         };
         let broken = || {
             let broken = self.scene.bodies.iter().find(|b| !b.totals().is_finite());

@@ -50,7 +50,9 @@ pub mod rest;
 pub mod rigid;
 mod rigid_body;
 mod rigid_nodes;
+mod rigid_planes;
 mod rigid_push;
+mod rigid_surface;
 mod rows;
 mod scatter;
 mod scene;
@@ -85,5 +87,6 @@ pub use new_particles::{Matter, NewParticle, NewParticles, Occupied, Surrounding
 pub use particle_body::ParticleBody;
 pub use rest::{Balance, Frequency, Rest, Rested};
 pub use rigid::{Rigid, RigidState, Twist};
+pub use rigid_planes::PlaneTouch;
 pub(crate) use rows::RowsMut;
 pub use splitting::{SplitBook, Splitting};

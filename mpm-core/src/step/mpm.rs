@@ -39,7 +39,7 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) kernels: Arc<dyn MethodKernels<T, D>>,
     pub(super) scene: Scene<T, D>,
     pub(super) grid: Background<T, D>,
-    pub(super) stepper: Stepper<T>,
+    pub(super) stepper: Stepper<T, D>,
     pub(super) between_steps: BetweenSteps,
     pub(super) team: Team,
     pub(super) clock: Clock,

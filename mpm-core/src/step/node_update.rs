@@ -6,7 +6,7 @@ use super::walls::{Wall, Walls};
 use crate::grid::Node;
 use crate::parallel::{Arch, Float, Kernel, Quad};
 use impactite_scene::boundary::rub;
-use impactite_scene::{Exchange, Place};
+use impactite_scene::{Exchange, LocalDamping, Place};
 
 /// A node as conditions that react see it: its velocities at the start of the step, if they are known, and at the end, m/s.
 #[derive(Clone, Copy, Debug)]
@@ -26,6 +26,8 @@ pub(super) trait Around {
     fn react(&mut self, trial: &Trial, v: &mut [f64; 3], takes: f64, ledger: &mut Exchange) -> bool;
     /// The directions in which those hold the node in this step.
     fn held(&self) -> [bool; 3];
+    /// The directions in which the weight of the node is among its forces already.
+    fn weighed(&self) -> [bool; 3];
 }
 
 /// None.
@@ -41,12 +43,20 @@ impl Around for Nothing {
     fn held(&self) -> [bool; 3] {
         [false; 3]
     }
+    fn weighed(&self) -> [bool; 3] {
+        [false; 3]
+    }
 }
 
 /// What a stage makes of a node.
 pub(super) trait NodeUpdate<T>: Sync {
     /// Does it find out which nodes press on walls, and which are held?
     const PRESSES: bool = false;
+
+    /// The acceleration of all material that it adds, m/s^2.
+    fn weight(&self) -> Option<[f64; 3]> {
+        None
+    }
 
     /// Change the node as the boundaries around it allow.
     fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange);
@@ -148,7 +158,6 @@ pub(super) struct Integrate<T, const D: usize> {
     pub(super) dt: T,
     pub(super) end: f64,
     pub(super) gravity: Option<[f64; D]>,
-    pub(super) damping: f64,
     pub(super) from_velocity: bool,
     pub(super) takes: T,
     /// Is the force at the nodes known, beside their momentum?
@@ -157,6 +166,14 @@ pub(super) struct Integrate<T, const D: usize> {
 
 impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
     const PRESSES: bool = true;
+
+    fn weight(&self) -> Option<[f64; 3]> {
+        self.gravity.map(|g| {
+            let mut weight = [0.0; 3];
+            weight[..D].copy_from_slice(&g);
+            weight
+        })
+    }
 
     #[inline(always)]
     fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange) {
@@ -170,17 +187,15 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
         let per_first = if self.from_velocity { T::of(1.0) } else { per_mass };
         let (mut old, mut new) = ([T::default(); 3], [T::default(); 3]);
         let mut given = [0.0; 3];
+        let weighed = around.weighed();
         for d in 0..D {
             old[d] = node.first[d + 1] * per_first;
             let mut a = node.second[d + 1] * per_mass;
             if let Some(g) = self.gravity {
-                a += T::of(g[d]);
+                if !weighed[d] {
+                    a += T::of(g[d]);
+                }
                 given[d] = g[d];
-            }
-            if self.damping > 0.0 {
-                let more = self.damped(a, old[d]);
-                a += more;
-                given[d] += more.to_double();
             }
             new[d] = old[d] + a * dt;
             node.first[d + 1] = new[d];
@@ -229,7 +244,7 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
                 node.second[d + 1] = (node.first[d + 1] - old[d]) * per_dt;
             }
         }
-        if self.gravity.is_some() || self.damping > 0.0 {
+        if self.gravity.is_some() {
             // The work of a body force is its impulse times the mean velocity. Where nodes know the sum of momentum and impulse alone,
             // that sum stands for the velocity at the start: summed over the nodes, impulses of stresses cancel.
             let start = if self.forces { old } else { mapped };
@@ -242,8 +257,8 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
     }
 
     fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut Exchange) {
-        let Integrate { cutoff, dt, gravity, damping, from_velocity, .. } = *self;
-        if gravity.is_none() && damping == 0.0 && !from_velocity {
+        let Integrate { cutoff, dt, gravity, from_velocity, .. } = *self;
+        if gravity.is_none() && !from_velocity {
             T::dispatch(IntegrateFree::<T, D> { cutoff, dt, nodes, ledger });
         } else {
             one_by_one(self, nodes, ledger);
@@ -336,11 +351,41 @@ impl<T: Float, const D: usize> Integrate<T, D> {
             node.second[d + 1] = (new[d] - old[d]) * per_dt;
         }
     }
+}
 
-    /// What local damping adds to the acceleration `a` of a node that moves with `v`: alpha |a| against v.
-    fn damped(&self, a: T, v: T) -> T {
-        let against = if v == T::default() { 0.0 } else { -v.to_double().signum() };
-        T::of(against * self.damping * a.to_double().abs())
+/// Local damping of the nodes, after all that acts on them: on what their velocities changed by in the step. Directions that conditions
+/// hold are left alone.
+pub(super) struct Damp<T, const D: usize> {
+    pub(super) cutoff: T,
+    pub(super) dt: T,
+    pub(super) end: f64,
+    pub(super) gravity: [f64; D],
+    pub(super) damping: LocalDamping,
+}
+
+impl<T: Float, const D: usize> NodeUpdate<T> for Damp<T, D> {
+    #[inline(always)]
+    fn update(&self, node: &mut Node<T>, _: &mut Walls, around: &mut impl Around, ledger: &mut Exchange) {
+        if node.first[0] <= self.cutoff {
+            return;
+        }
+        let (mass, dt, held) = (node.first[0].to_double(), self.dt.to_double(), around.held());
+        let (mut start, mut end, mut slowed) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        for d in 0..D {
+            end[d] = node.first[d + 1].to_double();
+            start[d] = (node.first[d + 1] - node.second[d + 1] * self.dt).to_double();
+            slowed[d] = if held[d] { end[d] } else { self.damping.slowed(start[d], end[d]) };
+        }
+        around.constrain(&mut slowed, self.end);
+        for d in (0..D).filter(|&d| slowed[d] != end[d]) {
+            node.first[d + 1] = T::of(slowed[d]);
+            node.second[d + 1] += T::of((slowed[d] - end[d]) / dt);
+            let impulse = mass * (slowed[d] - end[d]);
+            ledger.load[d] += impulse;
+            ledger.damping -= 0.5 * impulse * (start[d] + slowed[d]);
+            // The work of a body force was booked with the velocities before.
+            ledger.work += 0.5 * mass * dt * self.gravity[d] * (slowed[d] - end[d]);
+        }
     }
 }
 
@@ -454,21 +499,10 @@ mod tests {
 
     fn all<T: Float, const D: usize>() {
         let (cutoff, dt) = (mass_cutoff::<T>(), T::of(1e-3));
-        for damping in [0.0, 0.1] {
-            for gravity in [None, Some([9.81; D])] {
-                for from_velocity in [false, true] {
-                    let (end, takes, forces) = (0.0, T::default(), true);
-                    agree::<T, D>(&Integrate {
-                        cutoff,
-                        dt,
-                        end,
-                        gravity,
-                        damping,
-                        from_velocity,
-                        takes,
-                        forces,
-                    });
-                }
+        for gravity in [None, Some([9.81; D])] {
+            for from_velocity in [false, true] {
+                let (end, takes, forces) = (0.0, T::default(), true);
+                agree::<T, D>(&Integrate { cutoff, dt, end, gravity, from_velocity, takes, forces });
             }
         }
         agree::<T, D>(&Remap::<T, D> { cutoff, end: 0.0 });

@@ -5,15 +5,16 @@ use crate::geometry::Lattice;
 use crate::grid::{GridStorage, Node};
 use crate::parallel::{Float, Team};
 use impactite_scene::boundary::{BodyForce, Boundary};
-use impactite_scene::{Condition, Exchange, Place};
+use impactite_scene::{Condition, Exchange, LocalDamping, Place};
 
 use super::block_place::BlockPlace;
 use super::body::GridBody;
 use super::fields::Fields;
 use super::layout::{Layout, NodeSums, Piece};
-use super::node_update::{Around, Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Trial, Velocities};
+use super::node_update::{
+    Around, Damp, Integrate, Leave, MeanVelocities, NodeUpdate, Remap, Trial, Velocities,
+};
 use super::planes::Planes;
-use super::rigid::RigidState;
 use super::rigid_nodes::{self, rigid_of};
 
 use super::walls::{NodeSets, Walls};
@@ -27,6 +28,7 @@ fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
     }
     sum.work += share * o.work;
     sum.friction += share * o.friction;
+    sum.damping += share * o.damping;
 }
 
 /// What is kept of a block of nodes beside the nodes.
@@ -49,8 +51,8 @@ pub struct Conditions<const D: usize> {
     pub boundaries: Vec<Boundary<D>>,
     /// Acceleration of all material.
     pub gravity: Option<BodyForce<D>>,
-    /// Local damping coefficient; zero for none.
-    pub damping: f64,
+    /// Local damping.
+    pub damping: LocalDamping,
 }
 
 /// A node counts as massless below this part of the smallest particle mass: the square of the rounding unit.
@@ -156,8 +158,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                     "mass where the body has no node"
                 );
             }
-            let complete = rigid && carry(bodies, fields, &constraints, block, sums, &mut nodes);
-            if at_once && !complete {
+            if at_once && !(rigid && carry(bodies, fields, &constraints, block, sums, &mut nodes)) {
                 constraints.apply(update, block, &mut nodes, books);
             }
         });
@@ -165,25 +166,29 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             return;
         }
         let all = self.moves(sums);
-        // Of their nodes' velocity, particles of other scenes take nothing; bodies of prescribed motion take nothing at all.
+        // Of their nodes' velocity, particles of other scenes take nothing.
         let elsewhere = |node: u32| {
             let owner = fields.owner(layout.block_of(node as usize)) as usize;
             match bodies.get(owner) {
                 Some(body) if body.client().is_some() => [T::default(), all[1]],
-                Some(body) if body.rigid().is_some_and(RigidState::is_prescribed) => [T::default(); 2],
                 _ => all,
             }
         };
-        let ordinary = bodies.iter().all(|body| body.client().is_none() && body.rigid().is_none());
+        let ordinary = bodies.iter().all(|body| body.client().is_none());
         let moves = |node: u32| if ordinary { all } else { elsewhere(node) };
-        let impulse = {
+        let weight = update.weight();
+        let [impulse, of_first] = {
             let spacing = self.grid.lattice().spacing();
-            self.planes.fold(self.grid.nodes_mut(), sums, &moves, (self.cutoff, spacing))
+            self.planes.fold(self.grid.nodes_mut(), sums, &moves, (self.cutoff, spacing), weight)
         };
         for d in 0..3 {
             self.scene_wide.impulse[d] += impulse[d];
+            // Where nodes know the sum of momentum and impulse alone, the weight works on what the particles mapped (see `Integrate`).
+            if let Some(weight) = weight.filter(|_| !self.of.forces) {
+                self.scene_wide.work -= 0.5 * self.of.dt.to_double() * weight[d] * of_first[d];
+            }
         }
-        self.each_node(update);
+        self.each_node(sums, update);
     }
 
     /// What the records of the nodes give to the particles' momentum: first[i] and second[i] times this. A
@@ -221,11 +226,20 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
     pub fn integrate_momentum(&mut self, dt: T, from_velocity: bool) {
         let (cutoff, end) = (self.cutoff, self.of.time + dt.to_double());
         let gravity = self.conditions.gravity.as_ref().map(|g| g(self.of.time));
-        let damping = self.conditions.damping;
         let sums = if from_velocity { NodeSums::Force } else { NodeSums::All };
         let (takes, forces) = (self.of.takes, self.of.forces);
-        let update = Integrate::<T, D> { cutoff, dt, end, gravity, damping, from_velocity, takes, forces };
+        let update = Integrate::<T, D> { cutoff, dt, end, gravity, from_velocity, takes, forces };
         self.collect_and(sums, &update);
+        self.planes.extrapolate(self.grid.nodes_mut());
+    }
+
+    /// Local damping of what the velocities of nodes changed by in the step, contact and boundaries included ([`LocalDamping`]). Nodes of rigid
+    /// bodies and of bodies of other solvers are left alone: their forces are not those at their nodes.
+    pub fn damp(&mut self, dt: T) {
+        let (cutoff, end) = (self.cutoff, self.of.time + dt.to_double());
+        let gravity = self.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.of.time));
+        let update = Damp::<T, D> { cutoff, dt, end, gravity, damping: self.conditions.damping };
+        self.each_node_of(&update, &|body| body.rigid().is_none() && body.client().is_none());
         self.planes.extrapolate(self.grid.nodes_mut());
     }
 
@@ -318,8 +332,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         }
     }
 
-    /// Change every node as `update` says.
-    fn each_node(&mut self, update: &impl NodeUpdate<T>) {
+    /// Give the nodes of rigid bodies the bodies' velocities, which no plane folds, and change every node as `update` says.
+    fn each_node(&mut self, sums: NodeSums, update: &impl NodeUpdate<T>) {
         let constraints = Self::constraints(
             (self.conditions, self.planes),
             (self.bodies, self.fields),
@@ -329,7 +343,28 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         let (bodies, fields, rigid) = (self.bodies, self.fields, self.rigid);
         let (layout, team) = (fields.layout(), self.team);
         layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
-            if !(rigid && rigid_of(bodies, fields, block).is_some_and(RigidState::is_prescribed)) {
+            if !(rigid && carry(bodies, fields, &constraints, block, sums, &mut nodes)) {
+                constraints.apply(update, block, &mut nodes, books);
+            }
+        });
+    }
+
+    /// Change nodes of bodies for which `counts` holds, and of those that bodies share.
+    fn each_node_of(
+        &mut self,
+        update: &impl NodeUpdate<T>,
+        counts: &(dyn Fn(&dyn GridBody<T, D>) -> bool + Sync),
+    ) {
+        let constraints = Self::constraints(
+            (self.conditions, self.planes),
+            (self.bodies, self.fields),
+            *self.grid.lattice(),
+            self.of,
+        );
+        let (bodies, fields) = (self.bodies, self.fields);
+        let (layout, team) = (fields.layout(), self.team);
+        layout.each(team, self.grid.nodes_mut(), self.books, |block, mut nodes, books| {
+            if bodies.get(fields.owner(block) as usize).is_none_or(|body| counts(&**body)) {
                 constraints.apply(update, block, &mut nodes, books);
             }
         });
@@ -408,7 +443,8 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         }
         // Matter whose stress is not on these nodes is stopped by the wall's impulse alone.
         let body = self.bodies.get(self.fields.owner(block) as usize);
-        let unstressed = body.is_some_and(|b| b.rigid().is_some() || b.client().is_some());
+        let rigid = body.is_some_and(|b| b.rigid().is_some());
+        let unstressed = rigid || body.is_some_and(|b| b.client().is_some());
         // Particles meet walls one by one.
         let one_by_one = match body {
             Some(body) => body.meets_surfaces().is_some(),
@@ -417,7 +453,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         let near = || self.boundaries.iter().filter(reaches).filter(|b| !(one_by_one && b.is_wall()));
         let mut walls = if unstressed { Walls::default() } else { Walls::of(near(), self.time) };
         let apart = one_by_one || !walls.is_empty();
-        let reacts = |b: &&Boundary<D>| b.reacts() && !(apart && b.is_wall());
+        let reacts = |b: &&Boundary<D>| b.reacts() && !(apart && b.is_wall()) && !(rigid && stops_rigid(b));
         let reacting = near().any(|b| reacts(&b));
         let (before, held_before) = ([*pressed, *stuck], *held);
         if U::PRESSES {
@@ -425,6 +461,7 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         }
         let mirrors = self.planes.copied();
         let own = self.planes.own_masses(self.layout.start(block), nodes.items.len());
+        let across = if rigid { [false; 3] } else { self.planes.mirrored_axes() };
         for (i, (n, node)) in nodes.numbered().enumerate() {
             let x = place.node(n);
             walls.look_at(n, &x, &before, tolerance);
@@ -437,7 +474,9 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
                 x,
                 at: self.layout.start(block) + i,
                 apart,
+                rigid,
                 reacting,
+                weighed: if share.is_some() { across } else { [false; 3] },
                 image: if reacting { place.image(n, mirrors) } else { [false; 3] },
                 held: if U::PRESSES { [false; 3] } else { held_now },
             };
@@ -471,6 +510,10 @@ struct AtNode<'a, T: Float, const D: usize> {
     at: usize,
     /// Are walls told apart from the others?
     apart: bool,
+    /// Is it a rigid body's, which planes stop as a whole?
+    rigid: bool,
+    /// The directions in which its weight is among its forces.
+    weighed: [bool; 3],
     /// Does any condition react in this block?
     reacting: bool,
     /// The axes along which the node is the mirror image of one in front of a plane of symmetry.
@@ -485,7 +528,8 @@ impl<T: Float, const D: usize> AtNode<'_, T, D> {
         let (low, high) = (&self.place.low, &self.place.high);
         let (time, reach) = (self.of.time, 2.0 * self.of.lattice.spacing());
         let all = self.of.boundaries.iter().enumerate();
-        all.filter(move |(_, b)| b.reaches(low, high, time, reach) && !(self.apart && b.is_wall()))
+        let elsewhere = |b: &Boundary<D>| (self.apart && b.is_wall()) || (self.rigid && stops_rigid(b));
+        all.filter(move |(_, b)| b.reaches(low, high, time, reach) && !elsewhere(b))
     }
     /// The place of the node, or of the one that it is the image of, and the signs of its vectors there.
     fn place(&self) -> ([f64; D], [f64; D]) {
@@ -561,6 +605,15 @@ impl<T: Float, const D: usize> Around for AtNode<'_, T, D> {
     fn held(&self) -> [bool; 3] {
         self.held
     }
+
+    fn weighed(&self) -> [bool; 3] {
+        self.weighed
+    }
+}
+
+/// Does it stop free rigid bodies as a whole, where their surfaces reach it ([`super::rigid_planes`]), and not their nodes?
+pub(super) fn stops_rigid<const D: usize>(boundary: &Boundary<D>) -> bool {
+    boundary.is_wall() || matches!(boundary, Boundary::Symmetry { .. } | Boundary::Fixed { .. })
 }
 
 /// Directions in which no boundary holds the node, walls that only push and conditions that react aside.

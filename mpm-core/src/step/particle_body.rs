@@ -30,7 +30,7 @@ use impactite_scene::Cause;
 use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::constants::Constant;
 use impactite_scene::error::SceneError;
-use impactite_scene::{Body, PointView, Totals};
+use impactite_scene::{Body, CentreLead, PointView, Totals};
 
 /// A body of particles.
 pub struct ParticleBody<T: Float, const D: usize> {
@@ -91,6 +91,8 @@ pub struct ParticleBody<T: Float, const D: usize> {
     pub(super) wrap: Wrap<D>,
     /// While it rests.
     pub(super) resting: Option<Deactivated<T, D>>,
+    /// Lead of its particles over the path of its centre of mass.
+    pub(super) lead: CentreLead,
 }
 
 pub(super) const NONE: u32 = u32::MAX;
@@ -311,6 +313,11 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 self.mapped_at = dt.force_time;
             }
         }
+        // Before any pass that changes velocities: with MUSL they change before positions do.
+        if self.lead.is_closed() {
+            let totals = Body::totals(self);
+            self.lead.open(totals.mass, totals.momentum);
+        }
         self.have_scratch(team);
         let payload = MigrationPayload::of::<D>(self.kernels.maps(which), self.splitter.is_on()).count();
         self.outboxes.iter_mut().for_each(|outbox| outbox.clear(self.columns.count() + payload));
@@ -329,15 +336,19 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             kernels.sweep(which, Task { material, nodes, around, slot, next, sent, dummy, scratch, common });
         });
         self.hand_outboxes();
-        let mut rate = T::default();
+        let (mut rate, mut moments) = (T::default(), [0.0; 4]);
         for &(_, slot) in &self.index {
             let slot = &self.slots[slot as usize];
             self.splits.cuts += u64::from(slot.report.splits);
             self.splits.kinetic += slot.report.revealed.to_double();
             rate = rate.max(slot.report.rate);
+            (0..4).for_each(|k| moments[k] += slot.report.moments[k].to_double());
             if let Some(trouble) = slot.report.trouble {
                 return Err(self.describe(slot, &trouble));
             }
+        }
+        if does.moves {
+            self.lead.step(moments, dt.this.to_double(), dt.axes);
         }
         if self.loads.act() && does.force {
             if does.moves {
@@ -388,8 +399,13 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         if !self.kernels.does(which).moves || self.facts().total {
             return;
         }
-        let common =
-            &self.common(Steps { this: T::default(), next: T::default(), adapt: false, force_time: 0.0 });
+        let common = &self.common(Steps {
+            this: T::default(),
+            next: T::default(),
+            adapt: false,
+            force_time: 0.0,
+            axes: [false; 3],
+        });
         let (kernels, sent, outboxes) = (&*self.kernels, &self.sent, &self.outboxes);
         let maps = kernels.maps(which);
         let payload = &MigrationPayload::of::<D>(maps, self.splitter.is_on());
@@ -513,7 +529,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             if self.facts().total {
                 cells += numbers[self.columns.frame() + d].to_double();
             }
-            p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells;
+            p.position[d] = self.lattice.origin()[d] + self.lattice.spacing() * cells - self.lead.way()[d];
             p.velocity[d] = numbers[Columns::velocity(D) + d].to_double();
         }
         let state = self.state_of(numbers);
@@ -559,12 +575,14 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
                 if self.facts().total {
                     cells += numbers[self.columns.frame() + d].to_double();
                 }
-                x[d] = self.lattice.origin()[d] + spacing * cells;
+                x[d] = self.lattice.origin()[d] + spacing * cells - self.lead.way()[d];
                 v[d] = numbers[Columns::velocity(D) + d].to_double();
             }
             let mass = self.masses.of(&numbers);
             let energy = self.material.energy_of(self.state_of(&numbers)).unwrap_or_default();
             part.internal += (energy * (mass / self.material.density())).to_double();
+            let heat = self.material.viscous_heat_of(self.state_of(&numbers));
+            part.viscous_heat += (heat * (mass / self.material.density())).to_double();
             let mass = mass.to_double();
             part.particles += 1;
             part.mass += mass;

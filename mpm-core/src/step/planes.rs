@@ -18,6 +18,8 @@ const NOWHERE: u32 = u32::MAX;
 struct Columns {
     plane: Plane,
     columns: Vec<Column>,
+    /// Those of rigid bodies: velocities there are the body's own, and only masses are folded.
+    rigid: Vec<Column>,
 }
 
 /// The planes of a scene with their nodes, found once for an arrangement of the grid.
@@ -49,6 +51,8 @@ struct Beside<T> {
     node: u32,
     /// Is it behind one: a copy?
     behind: bool,
+    /// Is it a rigid body's?
+    rigid: bool,
     /// As it was mapped.
     mapped: Node<T>,
 }
@@ -71,30 +75,38 @@ impl<T> Default for Planes<T> {
 
 impl<T: Float> Planes<T> {
     /// Find the nodes. `wide`: do stencils reach behind a plane that particles touch? `modified`: is what lies
-    /// behind walls and fixed planes extrapolated? `shares`: those of a plane that the nodes in front of, on and behind it have.
+    /// behind walls and fixed planes extrapolated? `shares`: those of a plane that the nodes in front of, on and behind it have. `rigid`:
+    /// the numbers of rigid bodies.
     pub fn arrange<const D: usize>(
         &mut self,
         grid: &dyn GridStorage<T, D>,
-        fields: &Fields<D>,
+        (fields, rigid): (&Fields<D>, &[usize]),
         boundaries: &[Boundary<D>],
         [wide, modified]: [bool; 2],
         shares: [f64; 3],
     ) {
         let lattice = *grid.lattice();
-        let with_columns = |plane| Columns { plane, columns: columns(grid, fields, plane) };
+        let with_columns = |plane| {
+            let is_rigid = |&(_, owner): &(Column, u32)| rigid.contains(&(owner as usize));
+            let (of_rigid, others): (Vec<_>, Vec<_>) =
+                columns(grid, fields, plane).into_iter().partition(is_rigid);
+            let [columns, rigid] =
+                [others, of_rigid].map(|all| all.into_iter().map(|(column, _)| column).collect());
+            Columns { plane, columns, rigid }
+        };
         self.symmetries = boundaries.iter().filter_map(|b| b.mirror(&lattice)).map(with_columns).collect();
         self.mirrors.clear();
         self.mirrors.extend(self.symmetries.iter().map(|s| s.plane));
         self.wide = wide;
         self.beside.clear();
         if wide {
-            let pairs = self
-                .symmetries
-                .iter()
-                .flat_map(|s| &s.columns)
-                .filter(|c| c[0] != NOWHERE && c[2] != NOWHERE);
-            let both = pairs.flat_map(|c| [(c[0], false), (c[2], true)]);
-            self.beside.extend(both.map(|(node, behind)| Beside { node, behind, mapped: Node::default() }));
+            for Columns { columns, rigid, .. } in &self.symmetries {
+                for (columns, rigid) in [(columns, false), (rigid, true)] {
+                    let both = columns.iter().filter(is_pair).flat_map(|c| [(c[0], false), (c[2], true)]);
+                    let mapped = Node::default();
+                    self.beside.extend(both.map(|(node, behind)| Beside { node, behind, rigid, mapped }));
+                }
+            }
             // A node may be in front of one plane and behind another.
             self.beside.sort_unstable_by_key(|b| (b.node, !b.behind));
             self.beside.dedup_by_key(|b| b.node);
@@ -131,8 +143,8 @@ impl<T: Float> Planes<T> {
     fn share_surfaces(&mut self, nodes: &[Node<T>], spacing: f64) {
         let Planes { surfaces, shares, depths, .. } = self;
         depths.clear();
-        for (condition, Columns { columns, .. }) in surfaces.iter() {
-            for column in columns.iter().filter(|c| c[1] != NOWHERE) {
+        for (condition, Columns { columns, rigid, .. }) in surfaces.iter() {
+            for column in columns.iter().chain(rigid).filter(|c| c[1] != NOWHERE) {
                 let on = nodes[column[1] as usize].first[0].to_double();
                 for (&node, &share) in
                     column.iter().zip(&*shares).filter(|(n, s)| **n != NOWHERE && **s > 0.0)
@@ -156,20 +168,42 @@ impl<T: Float> Planes<T> {
         if self.wide { &self.mirrors } else { &[] }
     }
 
+    /// The axes of the planes of symmetry that nodes are mirrored at.
+    pub(super) fn mirrored_axes(&self) -> [bool; 3] {
+        std::array::from_fn(|axis| self.copied().iter().any(|m| m.axis == axis))
+    }
+
     /// Give the nodes at planes what the other half of the body would, or what lies behind edges. Returns the
     /// impulse of the planes of symmetry, N s; `moves`: what first\[i\] and second\[i\] of a node give to the particles'
-    /// momentum.
+    /// momentum. Beside planes of symmetry the `weight`, m/s^2, acts across them as a force on the mass that particles there gave
+    /// themselves, so that on their images it acts as the mirror image. Returned second is what of the impulse is the first records'.
     pub fn fold(
         &mut self,
         nodes: &mut [Node<T>],
         sums: NodeSums,
         moves: &impl Fn(u32) -> [T; 2],
         (cutoff, spacing): (T, f64),
-    ) -> [f64; 3] {
-        let mut impulse = [0.0; 3];
-        for Columns { plane, columns } in &self.symmetries {
+        weight: Option<[f64; 3]>,
+    ) -> [[f64; 3]; 2] {
+        let (mut impulse, mut of_first) = ([0.0; 3], [0.0; 3]);
+        let first = |moves: [T; 2]| [moves[0], T::default()];
+        if let Some(weight) = weight {
+            let across = self.mirrored_axes();
+            for Beside { node, mapped, .. } in self.beside.iter().filter(|b| !b.rigid) {
+                let node = &mut nodes[*node as usize];
+                let own = if sums == NodeSums::All { node.first[0] } else { mapped.first[0] };
+                for axis in (0..3).filter(|a| across[*a]) {
+                    node.second[1 + axis] += own * T::of(weight[axis]);
+                }
+            }
+        }
+        for Columns { plane, columns, .. } in &self.symmetries {
             for on in columns.iter().map(|c| c[1]).filter(|&n| n != NOWHERE) {
-                impulse[plane.axis] += still(&mut nodes[on as usize], plane.axis, sums, moves(on));
+                let node = &mut nodes[on as usize];
+                if sums == NodeSums::All {
+                    of_first[plane.axis] -= (moves(on)[0] * node.first[1 + plane.axis]).to_double();
+                }
+                impulse[plane.axis] += still(node, plane.axis, sums, moves(on));
             }
         }
         for Beside { node, mapped, .. } in &mut self.beside {
@@ -180,18 +214,22 @@ impl<T: Float> Planes<T> {
         }
         // Two planes may be two cells apart and share the nodes between them: first give, then copy.
         for fold in [give_mirrored, copy_mirrored] {
-            for Columns { plane, columns } in self.symmetries.iter().filter(|_| self.wide) {
-                for &[front, _, back] in columns.iter().filter(|c| c[0] != NOWHERE && c[2] != NOWHERE) {
+            for Columns { plane, columns, .. } in self.symmetries.iter().filter(|_| self.wide) {
+                for &[front, _, back] in columns.iter().filter(is_pair) {
                     fold(nodes, front as usize, back as usize, plane.axis, sums);
                 }
             }
         }
+        if self.wide && sums == NodeSums::All {
+            self.fold_masses_of_rigid(nodes);
+        }
         self.close_slices(nodes, sums);
-        for Beside { node, mapped, .. } in &self.beside {
+        for Beside { node, mapped, .. } in self.beside.iter().filter(|b| !b.rigid) {
             let folded = &nodes[*node as usize];
             if folded.first[0] > cutoff {
                 for axis in (0..3).filter(|a| self.mirrors.iter().any(|p| p.axis == *a)) {
                     impulse[axis] += folded_impulse(mapped, folded, axis, moves(*node));
+                    of_first[axis] += folded_impulse(mapped, folded, axis, first(moves(*node)));
                 }
             }
         }
@@ -201,13 +239,28 @@ impl<T: Float> Planes<T> {
         if sums == NodeSums::All && !self.surfaces.is_empty() {
             self.share_surfaces(nodes, spacing);
         }
-        impulse
+        [impulse, of_first]
+    }
+
+    /// Nodes of rigid bodies beside planes of symmetry stand for the body's image, too.
+    fn fold_masses_of_rigid(&self, nodes: &mut [Node<T>]) {
+        for copy in [false, true] {
+            for &[front, _, back] in self.symmetries.iter().flat_map(|s| &s.rigid).filter(is_pair) {
+                let [front, back] = [front, back].map(|n| n as usize);
+                if copy {
+                    nodes[back].first[0] = nodes[front].first[0];
+                } else {
+                    let behind = nodes[back].first[0];
+                    nodes[front].first[0] += behind;
+                }
+            }
+        }
     }
 
     /// Between two symmetry planes one cell apart, what was folded in front of one lies on the other, where
     /// nothing crosses.
     fn close_slices(&self, nodes: &mut [Node<T>], sums: NodeSums) {
-        for Columns { plane, columns } in self.slices.iter().map(|&i| &self.symmetries[i]) {
+        for Columns { plane, columns, .. } in self.slices.iter().map(|&i| &self.symmetries[i]) {
             let across = 1 + plane.axis;
             for n in columns.iter().flat_map(|c| [c[0], c[2]]).filter(|&n| n != NOWHERE) {
                 if sums == NodeSums::All {
@@ -227,25 +280,44 @@ impl<T: Float> Planes<T> {
 
     /// Copy what contact made of the velocities in front of planes of symmetry to the nodes behind. Returns the impulse
     /// of the planes, N s: what the changes since [`Planes::note_velocities`] give to the particles, less what they
-    /// are for the nodes in front. `counts`: is the node one whose body's momentum is counted?
+    /// are for the nodes in front. `counts`: is the node one whose body's momentum is counted? Behind the plane a rigid body has velocities
+    /// of its own, and only the change is mirrored; `per_dt`, 1/s: that of its accelerations, too.
     pub fn copy_velocities(
         &self,
         nodes: &mut [Node<T>],
         cutoff: T,
         counts: &impl Fn(u32) -> bool,
+        per_dt: Option<T>,
     ) -> [f64; 3] {
         let mut impulse = [0.0; 3];
         if !self.wide {
             return impulse;
         }
-        for Columns { plane, columns } in &self.symmetries {
-            for &[front, _, back] in columns.iter().filter(|c| c[0] != NOWHERE && c[2] != NOWHERE) {
+        for Columns { plane, columns, rigid } in &self.symmetries {
+            for &[front, _, back] in rigid.iter().filter(is_pair) {
+                let Some([before, behind]) = self.noted(front).zip(self.noted(back)).map(|(f, b)| [f, b])
+                else {
+                    continue;
+                };
+                let now = nodes[front as usize].first;
+                let change = mirrored(std::array::from_fn(|i| now[i] - before[i]), plane.axis);
+                let node = &mut nodes[back as usize];
+                for d in 1..4 {
+                    let then = behind[d] + change[d];
+                    let more = then - node.first[d];
+                    node.first[d] = then;
+                    if let Some(per_dt) = per_dt {
+                        node.second[d] += more * per_dt;
+                    }
+                }
+            }
+            for &[front, _, back] in columns.iter().filter(is_pair) {
                 let mass = nodes[back as usize].first[0];
                 copy_mirrored(nodes, front as usize, back as usize, plane.axis, NodeSums::All);
                 nodes[back as usize].first[0] = mass;
             }
         }
-        for Beside { node, behind, mapped } in &self.beside {
+        for Beside { node, behind, mapped, .. } in &self.beside {
             let now = &nodes[*node as usize];
             if now.first[0] <= cutoff || !counts(*node) {
                 continue;
@@ -257,6 +329,12 @@ impl<T: Float> Planes<T> {
             }
         }
         impulse
+    }
+
+    /// The velocity that was noted of a node beside planes.
+    fn noted(&self, node: u32) -> Option<[T; 4]> {
+        let found = self.beside.binary_search_by_key(&node, |b| b.node).ok()?;
+        Some(self.beside[found].mapped.second)
     }
 
     /// Give the nodes behind walls and fixed planes what the others extrapolate to.
@@ -281,8 +359,9 @@ impl<T: Float> Planes<T> {
 
     /// Bytes of its memory.
     pub fn bytes(&self) -> usize {
-        let columns = self.symmetries.iter().chain(&self.edges).map(|c| c.columns.capacity()).sum::<usize>();
-        let surfaces = self.surfaces.iter().map(|(_, c)| c.columns.capacity()).sum::<usize>();
+        let of = |c: &Columns| c.columns.capacity() + c.rigid.capacity();
+        let columns = self.symmetries.iter().chain(&self.edges).map(of).sum::<usize>();
+        let surfaces = self.surfaces.iter().map(|(_, c)| of(c)).sum::<usize>();
         (columns + surfaces) * size_of::<Column>()
             + self.depths.capacity() * size_of::<(u32, u32, f64)>()
             + self.beside.capacity() * size_of::<Beside<T>>()
@@ -305,12 +384,17 @@ impl<T: Float> OwnMasses<'_, T> {
     }
 }
 
-/// The columns of nodes through a plane, of each body's field its own.
+/// Has the column nodes on both sides?
+fn is_pair(column: &&Column) -> bool {
+    column[0] != NOWHERE && column[2] != NOWHERE
+}
+
+/// The columns of nodes through a plane, of each body's field its own, with its owner.
 fn columns<T: Float, const D: usize>(
     grid: &dyn GridStorage<T, D>,
     fields: &Fields<D>,
     plane: Plane,
-) -> Vec<Column> {
+) -> Vec<(Column, u32)> {
     let Plane { axis, node, sign } = plane;
     let layers = [node + sign, node, node - sign];
     let block_of = |layer: i32| layer.div_euclid(BLOCK as i32);
@@ -334,11 +418,12 @@ fn columns<T: Float, const D: usize>(
             fields.find(grid, &c, owner)
         });
         for n in (0..block_nodes(D)).filter(|n| (n / stride).is_multiple_of(BLOCK)) {
-            columns.push(std::array::from_fn(|i| {
+            let column = std::array::from_fn(|i| {
                 let within = layers[i].rem_euclid(BLOCK as i32) as usize * stride;
                 let place = blocks[i].and_then(|b| fields.layout().place(b, n + within));
                 place.map_or(NOWHERE, |place| place as u32)
-            }));
+            });
+            columns.push((column, owner));
         }
     }
     columns

@@ -8,16 +8,17 @@
 //!
 //! with mass and inertia of the particles as boxes, and the orientation turned by the spin in the middle of the step
 //! (second order; L is exact). Contact solves all nodes of free bodies together ([`crate::ContactAlgorithm::couple`]), so that
-//! a body meets others with all its mass, and exchanges momentum and angular momentum exactly. Boundaries act on
-//! nodes alone, each with its share of the mass, and so give way at first: a floor for a free body is better
-//! a body of prescribed rest. That is a part of the surroundings, of infinite mass: what it gives to others is booked as
-//! a wall's is, and its own momentum and energy are not counted.
+//! a body meets others with all its mass, and exchanges momentum and angular momentum exactly. Walls, fixed planes and planes
+//! of symmetry are part of that solution: they act on the body's surface ([`super::rigid_planes`]). Other conditions act on
+//! its nodes, each with its share of the mass. A body of prescribed motion is a part of the surroundings, of infinite mass: what
+//! it gives to others is booked as a wall's is, and its own momentum and energy are not counted.
 
 use std::sync::Arc;
 
 use mpm_materials::{Check, ParameterError};
 use nalgebra::{Matrix3, Rotation3, SymmetricEigen, Vector3};
 
+use super::rigid_surface::Surface;
 use crate::geometry::Seeds;
 use impactite_scene::error::SceneError;
 
@@ -154,6 +155,8 @@ pub struct RigidState<const D: usize> {
     pub(super) step: Step,
     /// Spin of an angular momentum.
     pub(super) inverse: Matrix3<f64>,
+    /// Of a free body.
+    pub(super) surface: Option<Arc<Surface>>,
 }
 
 fn wide<const D: usize>(x: &[f64; D]) -> Vector3<f64> {
@@ -200,6 +203,10 @@ impl<const D: usize> RigidState<D> {
             let second = r * r.transpose() + Matrix3::from_diagonal(&own);
             inertia += (Matrix3::identity() * second.trace() - second) * m;
         }
+        let surface = rigid.prescribed.is_none().then(|| {
+            let points = seeds.positions.iter().map(|x| wide(x) - centre).collect();
+            Arc::new(Surface::new(points, half, (D, hoop)))
+        });
         if rigid.prescribed.is_some() {
             centre = rigid.about.as_ref().map_or(centre, wide);
         }
@@ -224,6 +231,7 @@ impl<const D: usize> RigidState<D> {
             force: Vector3::zeros(),
             step: still,
             inverse: Matrix3::zeros(),
+            surface,
         };
         state.inverse = state.inverse_of(&state.rotation);
         let moves = |v: &Vector3<f64>| v.iter().all(|x| x.is_finite());
@@ -399,7 +407,7 @@ impl<const D: usize> RigidState<D> {
     }
 
     /// The matrix that makes the spin from the angular momentum, at this orientation: none about held axes.
-    fn inverse_of(&self, rotation: &Rotation3<f64>) -> Matrix3<f64> {
+    pub(super) fn inverse_of(&self, rotation: &Rotation3<f64>) -> Matrix3<f64> {
         let mut inertia = self.inertia_of(rotation);
         let held: Vec<usize> = (0..3).filter(|d| self.held[d + 3]).collect();
         for &d in &held {

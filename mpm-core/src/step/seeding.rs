@@ -21,6 +21,7 @@ use crate::parallel::Float;
 use crate::particles::{Columns, Masses, split};
 use crate::shape::Domain;
 use crate::shape::domain::MOST_NUMBERS;
+use impactite_scene::CentreLead;
 
 impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// A body of particles of these half sizes, m, without them.
@@ -85,6 +86,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             dummy: dummy.into(),
             wrap: Wrap::default(),
             resting: None,
+            lead: CentreLead::default(),
         }
     }
 

@@ -3,9 +3,9 @@
 use super::mpm::Mpm;
 use super::wrap::Wrap;
 use crate::parallel::{Float, Team};
-use impactite_scene::TimeControl;
 use impactite_scene::boundary::{Boundary, BoundaryError, Side};
 use impactite_scene::error::SceneError;
+use impactite_scene::{LocalDamping, TimeControl};
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Refuse a method that no body can have here.
@@ -52,8 +52,21 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.scene.bodies[client].client_mut().map_or(Ok(()), |client| client.bound(&boundary))?;
         }
         self.scene.conditions.boundaries.push(boundary);
+        self.halve_rigid();
         self.arrange_planes();
         Ok(())
+    }
+
+    /// Constrain free rigid bodies that planes of symmetry cut to motions that keep the symmetry.
+    pub(super) fn halve_rigid(&mut self) {
+        for boundary in &self.scene.conditions.boundaries {
+            let Boundary::Symmetry { axis, at, side } = *boundary else { continue };
+            for &number in &self.scene.rigid {
+                if let Some(state) = self.scene.bodies[number].rigid_mut() {
+                    state.halve(axis, at, side.sign());
+                }
+            }
+        }
     }
 
     /// Where blocks are found beyond periodic planes.
@@ -100,23 +113,21 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.scene.conditions.gravity = Some(std::sync::Arc::new(acceleration));
     }
 
-    /// Damp towards rest: every node's unbalanced force, weight included, is lowered by its part `coefficient` along each
-    /// axis while it speeds the node up, and raised by as much while it slows it down, f <- f - alpha |f| sign(v)
-    /// (Cundall 1987). It leaves balanced forces alone, so that a state at rest is the true one; what it takes is booked as a
-    /// load. 0.05 for slow processes, 0.7 to come to rest soonest. What particles keep of velocity that nodes do not see is
+    /// Damp towards rest: every node's unbalanced force, weight, contact and reactions of boundaries included, is lowered by its part
+    /// `coefficient` along each axis while it speeds the node up, and raised by as much while it slows it down, f <- f - alpha |f| sign(v)
+    /// (Cundall 1987; [`LocalDamping`]). It leaves balanced forces alone, so that a state at rest is the true one. What it takes of momentum
+    /// is booked as a load, of energy as damping. Free rigid bodies are damped by their whole force and moment. 0.05 for slow processes, 0.7 to come to rest soonest. What particles keep of velocity that nodes do not see is
     /// not damped, and FLIP with wide stencils gathers it: take a [`Blend`](crate::Blend) there.
     ///
     /// # Errors
     /// A coefficient outside \[0, 1), or a method that maps momentum and impulse together
     /// ([`Composition::MAPS_TOGETHER`](crate::Composition::MAPS_TOGETHER)), where nodes know no forces.
     pub fn set_local_damping(&mut self, coefficient: f64) -> Result<(), SceneError> {
-        if !(0.0..1.0).contains(&coefficient) {
-            return Err(SceneError::Damping(coefficient));
-        }
-        if self.facts().maps_together && coefficient > 0.0 {
+        let damping = LocalDamping::new(coefficient)?;
+        if self.facts().maps_together && damping.acts() {
             return Err(SceneError::NoForces(self.facts().description.clone()));
         }
-        self.scene.conditions.damping = coefficient;
+        self.scene.conditions.damping = damping;
         Ok(())
     }
 

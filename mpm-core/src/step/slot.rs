@@ -120,6 +120,8 @@ const FIRST_LINES: usize = 8;
 pub struct Report<T> {
     /// Largest (c + |v|) / h, 1/s.
     pub rate: T,
+    /// Mass, kg, and momentum, kg m/s, of the particles, where they moved.
+    pub moments: [T; 4],
     /// Particles that were split.
     pub splits: u32,
     /// Kinetic energy of the motion within them, J.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use impactite_scene::boundary::check_at;
 use impactite_scene::error::{SceneError, StepError, Stopped};
-use impactite_scene::{PointKind, StepLimit, TimeControl};
+use impactite_scene::{CentreLead, PointKind, StepLimit, TimeControl};
 
 use super::background::AtPlanes;
 use super::between_steps::StepEnd;
@@ -14,7 +14,8 @@ use super::layout::Nodes;
 use super::load::Loading;
 use super::mpm::Mpm;
 use super::nodes::{GridStages, StageOf};
-use super::rigid::Wrong;
+use super::rigid::{RigidState, Wrong};
+use super::rigid_planes;
 
 use crate::dim::BLOCK;
 use crate::grid::OutsideGrid;
@@ -99,6 +100,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.move_rigid(dt)?;
             self.meet_walls(dt);
             self.meet_surfaces(dt)?;
+            self.damp(dt);
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::Second, dt)?; // ix: eqs. 16, 17; next iii
@@ -108,6 +110,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.move_rigid(dt)?;
             self.meet_walls(dt);
             self.meet_surfaces(dt)?;
+            self.damp(dt);
             self.watch_motion();
             self.invert_full_mass(dt)?; // FMPM
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
@@ -186,8 +189,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     fn apply_contact(&mut self, phase: ContactPhase, dt: T) {
         let contact = &*self.scene.contact;
         if contact.separates() && (phase == ContactPhase::Trial || contact.corrects_strain()) {
-            let (mut stage, state) = self.grid.stage(&self.scene, &self.team, self.stage_of(dt));
-            stage.apply_contact(contact, phase, state);
+            let of = self.stage_of(dt);
+            let (mut stage, state) = self.grid.stage(&self.scene, &self.team, of);
+            let acts = phase == ContactPhase::Trial;
+            let mut planes = if acts { stage.plane_touches(&self.scene.rigid) } else { Vec::new() };
+            stage.apply_contact(contact, phase, state, &mut planes);
+            if acts {
+                self.stepper.plane_pushes = rigid_planes::pushes(&planes);
+            }
         }
     }
 
@@ -209,6 +218,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         if self.scene.rigid.is_empty() {
             return Ok(());
         }
+        let pushes = std::mem::take(&mut self.stepper.plane_pushes);
+        let (time, step) = (self.clock.time, dt.to_double());
+        let gravity = self.scene.conditions.gravity.as_ref().map_or([0.0; D], |g| g(time));
         for n in 0..self.scene.rigid.len() {
             let number = self.scene.rigid[n];
             let Some(state) = self.scene.bodies[number].rigid().filter(|s| !s.is_prescribed()).cloned()
@@ -216,18 +228,27 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 continue;
             };
             let (impulse, moment) = self.stage(dt).push_on(number, &state);
+            let of_planes = || pushes.iter().filter(|p| p.body == number);
+            let [impulse, moment] = state.pushed_by([impulse, moment], of_planes());
+            let (impulse, moment) = self.damped(&state, (impulse, moment), dt.to_double());
             let Some(state) = self.scene.bodies[number].rigid_mut() else { continue };
-            let held = state.push(impulse, moment, dt.to_double());
+            let held = state.push(impulse, moment, step);
             let held = held.map_err(|wrong| {
                 let body = self.scene.bodies[number].name().into();
                 let Wrong { field, value, allowed } = wrong;
                 self.stopped(Stopped::Scene(SceneError::Rigid { body, field, value, allowed }))
             })?;
-            let Some(state) = self.scene.bodies[number].rigid() else { continue };
+            let Some(state) = self.scene.bodies[number].rigid_mut() else { continue };
+            state.keep_out_of(&self.scene.conditions.boundaries, time, step);
+            of_planes().for_each(|p| p.book(state, &gravity, step, &mut self.grid.scene_wide));
             let velocity = state.velocity();
             for d in 0..3 {
                 self.grid.scene_wide.impulse[d] += held[d];
                 self.grid.scene_wide.work += held[d] * velocity[d];
+            }
+            // The work of a body force was booked with velocities as if nothing held the body.
+            for d in 0..D {
+                self.grid.scene_wide.work += 0.5 * step * gravity[d] * held[d];
             }
         }
         self.stage(dt).move_rigid();
@@ -239,7 +260,44 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.check_rigid_places().map_err(|error| self.stopped(Stopped::Scene(error)))
     }
 
-    /// Refuse rigid bodies that went behind planes of symmetry, which do not stop them.
+    /// Local damping of nodes, where asked for.
+    fn damp(&mut self, dt: T) {
+        if self.scene.conditions.damping.acts() {
+            self.stage(dt).damp(dt);
+        }
+    }
+
+    /// Local damping of a free rigid body: impulse, N s, and moment about its centre, N m s, of the step that are left. What was taken is booked.
+    fn damped(
+        &mut self,
+        state: &RigidState<D>,
+        (mut impulse, mut moment): ([f64; 3], [f64; 3]),
+        dt: f64,
+    ) -> ([f64; 3], [f64; 3]) {
+        let damping = self.scene.conditions.damping;
+        if !damping.acts() {
+            return (impulse, moment);
+        }
+        let (mass, velocity, spin) = (state.mass(), state.velocity(), state.spin());
+        let gravity = self.scene.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.clock.time));
+        for d in 0..3 {
+            let left = mass * (damping.slowed(velocity[d], velocity[d] + impulse[d] / mass) - velocity[d]);
+            let more = left - impulse[d];
+            self.grid.scene_wide.load[d] += more;
+            self.grid.scene_wide.damping -= more * (velocity[d] + 0.5 * left / mass);
+            // The work of a body force was booked with the velocities before.
+            self.grid.scene_wide.work += 0.5 * dt * gravity.get(d).map_or(0.0, |g| g * more);
+            impulse[d] = left;
+            if spin[d] != 0.0 {
+                let turning = -damping.coefficient() * moment[d].abs() * spin[d].signum();
+                self.grid.scene_wide.damping -= turning * spin[d];
+                moment[d] += turning;
+            }
+        }
+        (impulse, moment)
+    }
+
+    /// Refuse rigid bodies that went behind planes of symmetry, which do not stop those of prescribed motion.
     fn check_rigid_places(&self) -> Result<(), SceneError> {
         let planes =
             self.scene.conditions.boundaries.iter().filter(|b| matches!(b, Boundary::Symmetry { .. }));
@@ -324,7 +382,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         // Forces act in the step that follows the map; those of USF in this one.
         let usf = self.facts().before_forces && which == Which::First;
         let force_time = self.clock.time + if usf { 0.0 } else { dt.to_double() };
-        let dt = Steps { this: dt, next: self.stepper.planned, adapt, force_time };
+        let axes = CentreLead::axes(&self.scene.conditions.boundaries, self.facts().hoop);
+        let dt = Steps { this: dt, next: self.stepper.planned, adapt, force_time, axes };
         let nodes = Nodes { all: self.grid.nodes(), layout: self.grid.fields.layout() };
         let team = &self.team;
         self.stepper.passed.resize_with(self.scene.bodies.len(), || Ok(T::default()));
@@ -443,7 +502,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     pub(super) fn arrange_planes(&mut self) {
         let planes = self.at_planes();
-        self.grid.arrange_planes(&self.scene.conditions.boundaries, planes);
+        self.grid.arrange_planes(&self.scene.conditions.boundaries, &self.scene.rigid, planes);
     }
 
     /// How planes see the nodes.

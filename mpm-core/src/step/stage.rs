@@ -94,6 +94,8 @@ pub(super) struct Bin<'a, T: Float, E: Stencil, P> {
 pub(super) struct Found<P> {
     /// Largest speed of signals, m/s.
     pub(super) rate: P,
+    /// Mass, kg, and momentum, kg m/s, of particles that moved.
+    pub(super) moments: [P; 4],
     /// The first particle of the groups at work that cannot go on, by its lane.
     pub(super) broken: Option<(usize, Cause)>,
 }
@@ -101,7 +103,7 @@ pub(super) struct Found<P> {
 impl<P: Lane> Found<P> {
     #[inline(always)]
     pub(super) fn none() -> Self {
-        Found { rate: P::zero(), broken: None }
+        Found { rate: P::zero(), moments: [P::zero(); 4], broken: None }
     }
 }
 
@@ -377,6 +379,13 @@ where
         let domain = self.domain(rows);
         let mut stays = !0;
         stage.staying = alive;
+        if does.moves {
+            found.moments[0] = found.moments[0] + A::Batch::select(alive, *mass, zero);
+            for d in 0..D {
+                let momentum = A::Batch::select(alive, *mass * v[d], zero);
+                found.moments[d + 1] = found.moments[d + 1] + momentum;
+            }
+        }
         if does.moves && !P::TOTAL {
             let half = A::Batch::of(0.5);
             let mut inside = <A::Batch as Lane>::Mask::splat(true);

@@ -4,11 +4,12 @@ use std::time::Duration;
 
 use super::body::BodyTrouble;
 use super::load::Loading;
+use super::rigid_planes::PlanePush;
 use crate::parallel::Float;
 use impactite_scene::TimeControl;
 
 /// The time step, and what the passes over particles came to.
-pub(super) struct Stepper<T> {
+pub(super) struct Stepper<T, const D: usize> {
     pub(super) control: TimeControl,
     /// The last Gershgorin rate, 1/s, and the step it was found at.
     pub(super) gershgorin: Option<(u64, f64)>,
@@ -25,11 +26,13 @@ pub(super) struct Stepper<T> {
     /// What the bodies' last pass came to, and whether their blocks changed after it.
     pub(super) passed: Vec<Result<T, BodyTrouble>>,
     pub(super) changed: Vec<bool>,
+    /// What planes gave to free rigid bodies in this step.
+    pub(super) plane_pushes: Vec<PlanePush<D>>,
     /// Time spent at particles so far.
     pub(super) at_particles: Duration,
 }
 
-impl<T: Float> Stepper<T> {
+impl<T: Float, const D: usize> Stepper<T, D> {
     /// Before the first step.
     pub(super) fn new(control: TimeControl) -> Self {
         Stepper {
@@ -42,6 +45,7 @@ impl<T: Float> Stepper<T> {
             acting: Loading::default(),
             passed: Vec::new(),
             changed: Vec::new(),
+            plane_pushes: Vec::new(),
             at_particles: Duration::ZERO,
         }
     }

@@ -408,6 +408,7 @@ where
         }
         for i in 0..A::Batch::WIDTH {
             report.rate = report.rate.max(found.rate.lane(i));
+            (0..4).for_each(|k| report.moments[k] += found.moments[k].lane(i));
         }
         report.rate /= common.spacing;
     }

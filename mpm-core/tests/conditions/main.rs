@@ -6,6 +6,7 @@ mod incline;
 mod own;
 mod periodic;
 mod same_bits;
+mod weight;
 
 use mpm_core::geometry::{Cuboid, Filling, Lattice, Seeds, fill};
 use mpm_core::{BlockGrid, Boundary, Mpm, Side, TimeControl};

@@ -196,7 +196,8 @@ class Simulation:
     def energy(self) -> dict[str, float]:
         """Energies, J (per radian around an axis, per metre of depth in the plane).
 
-        ``kinetic``, ``internal``, ``total`` (their sum), ``work`` of loads, ``friction``, ``impacts``, ``unexplained``; and ``error``,
+        ``kinetic``, ``internal``, ``total`` (their sum), ``work`` of loads, ``friction``, ``impacts``, ``damping``, ``viscosity``
+        (numerical), ``viscous_heat`` (of laws, part of ``internal``), ``unexplained``; and ``error``,
         what nothing explains over the largest energy so far.
         """
 

@@ -146,7 +146,7 @@ fn energy_that_diffusion_makes_or_takes_is_booked() {
         body.set_time_control(TimeControl::Courant { factor: 0.175, growth: 1.1 }).unwrap();
         let before = body.totals();
         body.run_until(3.0).unwrap();
-        let (after, booked) = (body.totals(), body.exchange().impacts);
+        let (after, booked) = (body.totals(), (body.exchange().impacts + body.exchange().viscosity));
         let energy = |t: &impactite_scene::Totals| t.kinetic + t.internal;
         let error = energy(&after) + booked - energy(&before);
         assert!(booked > 0.1 * energy(&before), "{}: {booked:e}", body.describe());

@@ -65,7 +65,8 @@ fn torn() -> impl impactite_scene::Solver {
 }
 
 solver_conforms! {
-    total_lagrangian: super::bar, SolverTests::until(6.0e-6).energy_within(2e-3).breaking(1.0e-5, super::torn);
+    // While it presses on the wall, particles that this pushes have the kinetic energy of half a step ago.
+    total_lagrangian: super::bar, SolverTests::until(6.0e-6).energy_within(1.5e-2).breaking(1.0e-5, super::torn);
     as_printed: super::printed, SolverTests::until(4.0e-6).energy_within(0.05);
     bodies: super::cubes, SolverTests::until(6.0e-6).energy_within(0.02);
 }

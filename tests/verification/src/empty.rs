@@ -11,7 +11,7 @@ use crate::scheme::{Kernel, Scheme, Velocity, kernels};
 pub type Gas = Fluid<IdealGas<f64>, Inviscid, BulkViscosity<f64>>;
 
 /// State of the gas: volume over reference volume, energy per reference volume (J/m^3).
-pub type GasState = FluidState<f64, f64, Nothing, f64>;
+pub type GasState = FluidState<f64, f64, Nothing, f64, Nothing>;
 
 /// An empty scene of a scheme on an empty lattice, in plane strain; `None` if there is no such scheme.
 pub fn empty_scene(scheme: Scheme, lattice: Lattice<2>) -> Option<Mpm<2>> {

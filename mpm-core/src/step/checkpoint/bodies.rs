@@ -35,6 +35,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             }
         }
         file.reals(self.loading.numbers_mut())?;
+        self.lead.archive(file)?;
         let SplitBook { cuts, kinetic } = &mut self.splits;
         file.word(cuts)?;
         file.real(kinetic)?;
@@ -57,6 +58,7 @@ impl<const D: usize> RigidState<D> {
             held: _,
             mass: _,
             inertia: _,
+            surface: _,
             centre,
             rotation,
             velocity,

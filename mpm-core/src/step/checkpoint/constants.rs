@@ -56,7 +56,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         file.same("contact", &format!("{:?}", self.scene.contact))?;
         let gravity = self.scene.conditions.gravity.as_ref().map(|g| over(times, |t| g(t)));
         file.same("body force at the start and now", &gravity.unwrap_or_default())?;
-        file.same("local damping", &format!("{:?}", self.scene.conditions.damping))?;
+        file.same("local damping", &format!("{:?}", self.scene.conditions.damping.coefficient()))?;
         file.same("number of boundaries", &self.scene.conditions.boundaries.len().to_string())?;
         for (n, boundary) in self.scene.conditions.boundaries.iter().enumerate() {
             file.same(&format!("boundary {n}"), &boundary.constants(times))?;

@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use super::found::{BlockContacts, Scratch};
 use super::shared_nodes::SharedNodes;
+use crate::contact::solve_planes;
 use crate::parallel::Float;
+use crate::step::PlaneTouch;
 
 /// What bodies do to each other at the nodes they share: [`GridContact`](crate::GridContact); [`OneField`] is none.
 #[diagnostic::on_unimplemented(
@@ -33,9 +35,17 @@ pub trait ContactAlgorithm<T: Float, const D: usize>: std::fmt::Debug + Send + S
     /// Bring what is found up to date at the nodes of a block that several bodies share: who touches where, and the
     /// impulses. Must depend on what `at` shows and on what was found before alone.
     fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut BlockContacts<T>, scratch: &mut Scratch<T>);
-    /// Further impulses, those on free rigid bodies, which couple all blocks; called where the scene has any, with
-    /// every block and what [`ContactAlgorithm::impulses`] left of it.
-    fn couple(&self, _at: &[SharedNodes<'_, T, D>], _found: &mut [BlockContacts<T>]) {}
+    /// Further impulses, those on free rigid bodies, which couple all blocks, and those of the planes that such bodies touch; called
+    /// where the scene has any, with every block and what [`ContactAlgorithm::impulses`] left of it. Without more only the
+    /// planes act.
+    fn couple(
+        &self,
+        _at: &[SharedNodes<'_, T, D>],
+        _found: &mut [BlockContacts<T>],
+        planes: &mut [PlaneTouch<'_, D>],
+    ) {
+        solve_planes::<T, D>(planes);
+    }
 }
 
 /// One velocity field for all bodies: they stick where they touch. Costs nothing.
@@ -66,7 +76,12 @@ impl<T: Float, const D: usize> ContactAlgorithm<T, D> for Arc<dyn ContactAlgorit
     fn impulses(&self, at: &SharedNodes<'_, T, D>, found: &mut BlockContacts<T>, scratch: &mut Scratch<T>) {
         (**self).impulses(at, found, scratch);
     }
-    fn couple(&self, at: &[SharedNodes<'_, T, D>], found: &mut [BlockContacts<T>]) {
-        (**self).couple(at, found);
+    fn couple(
+        &self,
+        at: &[SharedNodes<'_, T, D>],
+        found: &mut [BlockContacts<T>],
+        planes: &mut [PlaneTouch<'_, D>],
+    ) {
+        (**self).couple(at, found, planes);
     }
 }

@@ -10,27 +10,33 @@ use super::found::ContactPhase;
 use super::shared_nodes::SharedNodes;
 use super::state::ContactState;
 use crate::parallel::Float;
+use crate::step::PlaneTouch;
 use crate::step::block_place::BlockPlace;
-use crate::step::nodes::GridStages;
+use crate::step::nodes::{GridStages, stops_rigid};
 use crate::step::rigid::RigidState;
 use crate::step::rigid_nodes;
+use impactite_scene::boundary::Boundary;
 
 impl<T: Float, const D: usize> GridStages<'_, T, D> {
     /// Let the bodies act on each other at the nodes they share: contact impulses on the velocities of `phase`, then
-    /// boundaries again where any acted.
+    /// boundaries again where any acted. `planes` are those that free rigid bodies touch.
     pub(in crate::step) fn apply_contact(
         &mut self,
         contact: &dyn ContactAlgorithm<T, D>,
         phase: ContactPhase,
         contact_state: &mut ContactState<T>,
+        planes: &mut [PlaneTouch<'_, D>],
     ) {
         if !contact.separates() {
             return;
         }
         let alone = self.fields.shared().is_empty();
+        if alone && !planes.is_empty() {
+            contact.couple(&[], &mut [], planes);
+        }
         if !alone {
             self.planes.note_velocities(self.grid.nodes());
-            self.find_impulses(contact, phase, contact_state);
+            self.find_impulses(contact, phase, contact_state, planes);
             self.add_impulses(phase, contact_state);
             self.copy_velocities(phase);
         }
@@ -74,7 +80,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             let owner = fields.owner(fields.layout().block_of(node as usize)) as usize;
             !bodies.get(owner).is_some_and(|body| body.rigid().is_some_and(RigidState::is_prescribed))
         };
-        let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &counts);
+        let per_dt = (phase == ContactPhase::Trial).then(|| T::of(1.0) / self.of.dt);
+        let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &counts, per_dt);
         if phase == ContactPhase::Trial {
             (0..3).for_each(|d| self.scene_wide.impulse[d] += impulse[d]);
         }
@@ -85,6 +92,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         contact: &dyn ContactAlgorithm<T, D>,
         phase: ContactPhase,
         contact_state: &mut ContactState<T>,
+        planes: &mut [PlaneTouch<'_, D>],
     ) {
         let lattice = *self.grid.lattice();
         let mirrors = self.planes.mirrors();
@@ -120,7 +128,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         });
         if self.rigid {
             let all: Vec<SharedNodes<'_, T, D>> = (0..fields.shared().len()).map(view).collect();
-            contact.couple(&all, found);
+            contact.couple(&all, found, planes);
         }
     }
 
@@ -157,7 +165,9 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 }
                 return;
             }
-            let one_by_one = bodies[fields.owner(block) as usize].meets_surfaces().is_some();
+            let body = &bodies[fields.owner(block) as usize];
+            let (rigid, one_by_one) = (body.rigid().is_some(), body.meets_surfaces().is_some());
+            let holds = |b: &&Boundary<D>| !(rigid && stops_rigid(b) || one_by_one && b.is_wall());
             for (n, impulse) in found.impulses(field).filter(|i| !place.is_copy(i.0, mirrors)) {
                 let Some(node) = nodes.get(n) else { continue };
                 let mass = node.first[0];
@@ -171,7 +181,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 }
                 let free = v;
                 let x = place.node(n);
-                for b in conditions.boundaries.iter().filter(|b| !(one_by_one && b.is_wall())) {
+                for b in conditions.boundaries.iter().filter(holds) {
                     b.constrain(&x, &mut v, end, tolerance, copies);
                 }
                 for d in 0..D {
@@ -221,6 +231,6 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 }
             }
         });
-        self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &|_| false);
+        self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &|_| false, None);
     }
 }

@@ -100,6 +100,7 @@ pub fn gas_crush() -> Scene {
                 energy,
                 viscous_stress: Nothing,
                 viscous_pressure: 0.0,
+                viscous_heat: Nothing,
             };
             mpm.add_body(Deformable::new("gas", law, &seeds).moving(|x| [-RATE * x[0], 0.0]).in_state(state))
                 .map_err(text)?;

@@ -61,8 +61,13 @@ fn run(asked: Asked, shock: Shock, scheme: Scheme, q: (f64, f64)) -> Result<Meas
     let seeds = block(&lattice, [0; 2], [cells, 1], 2);
     let mut mpm = empty_gas_scene(scheme, lattice).ok_or("no such composition")?;
     let energy = shock.pressure / (shock.gamma - 1.0);
-    let state =
-        |_: [f64; 2]| GasState { volume_ratio: 1.0, energy, viscous_stress: Nothing, viscous_pressure: 0.0 };
+    let state = |_: [f64; 2]| GasState {
+        volume_ratio: 1.0,
+        energy,
+        viscous_stress: Nothing,
+        viscous_pressure: 0.0,
+        viscous_heat: Nothing,
+    };
     mpm.add_body(Deformable::new("gas", law, &seeds).moving(|_| [-1.0, 0.0]).in_state(state))
         .map_err(text)?;
     bound(&mut mpm, vec![Boundary::Symmetry { axis: 0, at: 0.0, side: Side::Above }])?;

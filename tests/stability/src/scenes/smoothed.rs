@@ -131,7 +131,10 @@ pub fn rotation() -> Scene {
                 t.angular_momentum[2] - 4.0 * t.momentum[1] + 4.0 * t.momentum[0]
             };
             let spin = spin(&after) / spin(&before) - 1.0;
-            let energy = (after.kinetic + after.internal + body.exchange().impacts) / before.kinetic - 1.0;
+            let energy =
+                (after.kinetic + after.internal + (body.exchange().impacts + body.exchange().viscosity))
+                    / before.kinetic
+                    - 1.0;
             let worst = (spin.abs() / ALLOWED[0]).max(energy.abs() / ALLOWED[1]);
             let said = format!("angular momentum {spin:+.1e}, energy {energy:+.1e}");
             Ok(Measured::new(worst, body.steps()).since(Some(said)))
@@ -214,7 +217,10 @@ pub fn rebound() -> Scene {
                 return Ok(Measured::new(f64::NAN, bar.steps()).stopped(stop(&error)));
             }
             let after = bar.totals();
-            let gained = (after.kinetic + after.internal + bar.exchange().impacts) / before - 1.0;
+            let gained =
+                (after.kinetic + after.internal + (bar.exchange().impacts + bar.exchange().viscosity))
+                    / before
+                    - 1.0;
             Ok(Measured::new(gained.abs(), bar.steps()))
         }
     }

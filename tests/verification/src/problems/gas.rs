@@ -43,7 +43,7 @@ fn density(s: f64) -> f64 {
 /// One gas: on the right at an eighth of the density and a tenth of the pressure, p = 0.4 e / J.
 fn halves(x: [f64; 2]) -> GasState {
     let (volume_ratio, energy) = if x[0] < 0.5 { (1.0, 2.5) } else { (8.0, 2.0) };
-    FluidState { volume_ratio, energy, viscous_stress: Nothing, viscous_pressure: 0.0 }
+    FluidState { volume_ratio, energy, viscous_stress: Nothing, viscous_pressure: 0.0, viscous_heat: Nothing }
 }
 
 /// What is measured of the tube: the error of the density a metre of it and of its `width`, the mean error of the pressure on the plateau,
