@@ -1,7 +1,6 @@
 //! The background grid of a scene, with all that is kept at its nodes.
 
 use impactite_scene::Exchange;
-use impactite_scene::archive::{Archive, CheckpointError};
 use impactite_scene::boundary::Boundary;
 
 use super::capability::MeetsSurfaces;
@@ -12,7 +11,6 @@ use super::near_particles::{NearNode, NearParticles};
 use super::nodes::{BlockBooks, GridStages, StageOf, mass_cutoff};
 use super::planes::Planes;
 use super::scene::Scene;
-use super::walls::NodeSets;
 use crate::dim::BLOCK;
 use crate::geometry::Lattice;
 use crate::grid::{GridStorage, Node, OutsideGrid};
@@ -111,10 +109,10 @@ impl<T: Float, const D: usize> Background<T, D> {
         planes: AtPlanes,
     ) -> Result<(), OutsideGrid> {
         let separate = scene.contact.separates();
-        let pressed = self.pressed(&scene.conditions.boundaries);
         self.fields.arrange(&mut *self.storage, &mut scene.bodies, separate, self.ahead, team)?;
         self.contact.arrange(&self.fields, scene.bodies.len());
-        self.press(&pressed);
+        self.books.clear();
+        self.books.resize_with(self.fields.len(), Default::default);
         self.arranged = steps;
         self.arrange_planes(&scene.conditions.boundaries, &scene.rigid, planes);
         Ok(())
@@ -125,6 +123,8 @@ impl<T: Float, const D: usize> Background<T, D> {
         let separate = scene.contact.separates();
         self.fields.settle(&mut *self.storage, &mut scene.bodies, separate)?;
         self.contact.arrange(&self.fields, scene.bodies.len());
+        self.books.clear();
+        self.books.resize_with(self.fields.len(), Default::default);
         Ok(())
     }
 
@@ -193,64 +193,5 @@ impl<T: Float, const D: usize> Background<T, D> {
             + self.fields.bytes()
             + self.contact.bytes()
             + self.near.bytes()
-    }
-}
-
-/// Nodes of a block that press on walls, those that stick there, and whose they are.
-#[derive(Clone, Debug)]
-struct PressedAt<const D: usize> {
-    at: [i32; D],
-    owner: u32,
-    nodes: [NodeSets; 2],
-}
-
-impl<T: Float, const D: usize> Background<T, D> {
-    /// Which nodes press on walls, by place: before blocks are arranged anew.
-    fn pressed(&self, boundaries: &[Boundary<D>]) -> Vec<PressedAt<D>> {
-        if !boundaries.iter().any(Boundary::is_wall) {
-            return Vec::new();
-        }
-        let blocks = self.fields.coordinates().iter().zip(&self.books).enumerate();
-        let pressed = blocks.filter(|(_, (_, books))| books.pressed != NodeSets::default());
-        pressed
-            .map(|(block, (at, books))| PressedAt {
-                at: *at,
-                owner: self.fields.owner(block),
-                nodes: [books.pressed, books.stuck],
-            })
-            .collect()
-    }
-
-    /// Note it again, where the blocks are still there.
-    fn press(&mut self, pressed: &[PressedAt<D>]) {
-        self.books.clear();
-        self.books.resize_with(self.fields.len(), Default::default);
-        for PressedAt { at, owner, nodes } in pressed {
-            if let Some(block) = self.fields.find(&*self.storage, at, *owner) {
-                let books = &mut self.books[block];
-                [books.pressed, books.stuck] = *nodes;
-            }
-        }
-    }
-
-    /// In a checkpoint, after the blocks.
-    pub(super) fn exchange_pressed(
-        &mut self,
-        boundaries: &[Boundary<D>],
-        file: &mut Archive,
-    ) -> Result<(), CheckpointError> {
-        let mut pressed = self.pressed(boundaries);
-        let blank = PressedAt { at: [0; D], owner: 0, nodes: [NodeSets::default(); 2] };
-        file.list(&mut pressed, &blank, |file, PressedAt { at, owner, nodes }| {
-            at.iter_mut().try_for_each(|c| file.integer(c))?;
-            let mut word = u64::from(*owner);
-            file.word(&mut word)?;
-            *owner = u32::try_from(word).map_err(|_| file.damaged(format!("{word:#x} is no body")))?;
-            nodes.iter_mut().flat_map(|n| &mut n.0).try_for_each(|set| file.word(set))
-        })?;
-        if file.reads() {
-            self.press(&pressed);
-        }
-        Ok(())
     }
 }

@@ -20,8 +20,6 @@ use impactite_scene::boundary::{Boundary, Side};
 const LAYER: f64 = 1.3;
 /// The largest stiffness times step squared over mass: half of what central differences bear.
 const STIFFEST: f64 = 2.0;
-/// Sweeps over all surfaces in which friction is found.
-const SWEEPS: usize = 20;
 
 /// A wall at the start of a step.
 struct Plane<const D: usize> {
@@ -43,7 +41,9 @@ impl<const D: usize> Plane<D> {
                 drag[axis] = velocity;
                 (axis, at, side, drag, 0.0)
             }
-            Boundary::FrictionWall { axis, at, side, velocity, friction } => (axis, at, side, velocity, friction),
+            Boundary::FrictionWall { axis, at, side, velocity, friction } => {
+                (axis, at, side, velocity, friction)
+            }
             _ => return None,
         };
         let sign = if side == Side::Above { 1.0 } else { -1.0 };
@@ -131,9 +131,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         near.push(&impulses);
         if each == 2 {
-            let rubbed = near.rub(|p| p % 2 == 1, |p| wall.friction * across[p / 2], wall.axis, &wall.velocity, SWEEPS);
+            let rubbed =
+                near.rub(|p| p % 2 == 1, |p| wall.friction * across[p / 2], wall.axis, &wall.velocity);
             self.ledger.friction += rubbed.1;
-            impulses.iter_mut().zip(rubbed.0).filter(|(_, along)| *along != [0.0; D]).for_each(|(j, along)| *j = along);
+            impulses
+                .iter_mut()
+                .zip(rubbed.0)
+                .filter(|(_, along)| *along != [0.0; D])
+                .for_each(|(j, along)| *j = along);
         }
         for impulse in &impulses {
             for d in 0..D {

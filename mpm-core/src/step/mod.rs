@@ -40,8 +40,9 @@ mod migrate;
 mod mpm;
 mod near_particles;
 mod new_particles;
+pub mod node_sets;
 mod node_update;
-pub mod nodes;
+mod nodes;
 pub mod particle_body;
 pub mod planes;
 mod presence;
@@ -70,7 +71,6 @@ pub mod sweep;
 pub mod tile;
 mod total;
 mod view;
-mod walls;
 mod wrap;
 
 pub use body::{GridBody, Presence};

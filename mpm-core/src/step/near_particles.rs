@@ -4,6 +4,10 @@ use std::collections::HashMap;
 
 use super::footprint::NodeWeight;
 
+/// Sweeps of friction at most, and the change of the impulses, over the largest, at which they count as found.
+const SWEEPS: usize = 200;
+const FOUND: f64 = 1e-13;
+
 /// Particles near the surface of a [`SurfaceClient`](super::SurfaceClient) in a step, with what its nodes are to each. By body, and in
 /// each in an order that depends on nothing but the scene.
 #[derive(Clone, Debug)]
@@ -181,17 +185,17 @@ impl<const D: usize> NearParticles<D> {
     }
 
     /// Have particles rub on a plane across `axis` of this velocity, m/s: those that `rubs` names take impulses along it that bring them to rest on it,
-    /// of at most `limit`, N s, found in so many sweeps. Returns the impulses, N s, by particle, and the heat, J.
+    /// of at most `limit`, N s, found one after the other until they change no more. Returns the impulses, N s, by particle, and the heat, J.
     pub(super) fn rub(
         &mut self,
         rubs: impl Fn(usize) -> bool,
         limit: impl Fn(usize) -> f64,
         axis: usize,
         velocity: &[f64; D],
-        sweeps: usize,
     ) -> (Vec<[f64; D]>, f64) {
         let mut impulses = vec![[0.0; D]; self.len()];
-        for _ in 0..sweeps {
+        for _ in 0..SWEEPS {
+            let (mut changed, mut largest) = (0.0f64, 0.0f64);
             for p in (0..self.len()).filter(|p| rubs(*p)) {
                 let (mut slip, mut give) = ([0.0; D], [0.0; D]);
                 for (node, weight) in &self.weights[self.starts[p]..self.starts[p + 1]] {
@@ -211,6 +215,8 @@ impl<const D: usize> NearParticles<D> {
                     wanted[d] *= scale;
                     let more = wanted[d] - impulses[p][d];
                     impulses[p][d] = wanted[d];
+                    changed = changed.max(more.abs());
+                    largest = largest.max(wanted[d].abs());
                     for n in self.starts[p]..self.starts[p + 1] {
                         let (node, weight) = self.weights[n];
                         let node = &mut self.nodes[node as usize];
@@ -219,6 +225,9 @@ impl<const D: usize> NearParticles<D> {
                         node.change[d] += change;
                     }
                 }
+            }
+            if changed <= FOUND * largest {
+                break;
             }
         }
         for (p, impulse) in impulses.iter().enumerate() {

@@ -2,11 +2,9 @@
 
 use mpm_materials::Lane;
 
-use super::walls::{Wall, Walls};
 use crate::grid::Node;
 use crate::parallel::{Arch, Float, Kernel, Quad};
-use impactite_scene::boundary::rub;
-use impactite_scene::{Exchange, LocalDamping, Place};
+use impactite_scene::{Exchange, LocalDamping};
 
 /// A node as conditions that react see it: its velocities at the start of the step, if they are known, and at the end, m/s.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +16,7 @@ pub(super) struct Trial {
     pub(super) only_held: bool,
 }
 
-/// The boundaries as a node meets them, beside the walls.
+/// The boundaries as a node meets them.
 pub(super) trait Around {
     /// Make a velocity obey those that prescribe it, at a time. Does any apply there?
     fn constrain(&self, v: &mut [f64; 3], time: f64) -> bool;
@@ -50,8 +48,8 @@ impl Around for Nothing {
 
 /// What a stage makes of a node.
 pub(super) trait NodeUpdate<T>: Sync {
-    /// Does it find out which nodes press on walls, and which are held?
-    const PRESSES: bool = false;
+    /// Does it find out which nodes conditions hold?
+    const HOLDS: bool = false;
 
     /// The acceleration of all material that it adds, m/s^2.
     fn weight(&self) -> Option<[f64; 3]> {
@@ -59,7 +57,7 @@ pub(super) trait NodeUpdate<T>: Sync {
     }
 
     /// Change the node as the boundaries around it allow.
-    fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange);
+    fn update(&self, node: &mut Node<T>, around: &mut impl Around, ledger: &mut Exchange);
 
     /// The same, bit for bit, of nodes that no boundary reaches.
     fn update_free(&self, nodes: &mut [Node<T>], ledger: &mut Exchange) {
@@ -68,7 +66,7 @@ pub(super) trait NodeUpdate<T>: Sync {
 }
 
 fn one_by_one<T>(update: &(impl NodeUpdate<T> + ?Sized), nodes: &mut [Node<T>], ledger: &mut Exchange) {
-    nodes.iter_mut().for_each(|node| update.update(node, &mut Walls::default(), &mut Nothing, ledger));
+    nodes.iter_mut().for_each(|node| update.update(node, &mut Nothing, ledger));
 }
 
 /// Only the sums.
@@ -76,7 +74,7 @@ pub(super) struct Leave;
 
 impl<T> NodeUpdate<T> for Leave {
     #[inline(always)]
-    fn update(&self, _: &mut Node<T>, _: &mut Walls, _: &mut impl Around, _: &mut Exchange) {}
+    fn update(&self, _: &mut Node<T>, _: &mut impl Around, _: &mut Exchange) {}
 }
 
 /// Momentum over mass.
@@ -86,7 +84,7 @@ pub(super) struct MeanVelocities<T, const D: usize> {
 
 impl<T: Float, const D: usize> NodeUpdate<T> for MeanVelocities<T, D> {
     #[inline(always)]
-    fn update(&self, node: &mut Node<T>, _: &mut Walls, _: &mut impl Around, _: &mut Exchange) {
+    fn update(&self, node: &mut Node<T>, _: &mut impl Around, _: &mut Exchange) {
         let mass = node.first[0];
         let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
         (0..D).for_each(|d| node.first[d + 1] *= per_mass);
@@ -101,14 +99,13 @@ pub(super) struct Velocities<T, const D: usize> {
 }
 
 impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
-    const PRESSES: bool = true;
+    const HOLDS: bool = true;
 
     #[inline(always)]
-    fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange) {
+    fn update(&self, node: &mut Node<T>, around: &mut impl Around, ledger: &mut Exchange) {
         let mass = node.first[0];
         if mass <= self.cutoff {
             drop_momentum::<T, D>(node, ledger, T::default());
-            walls.iter_mut().for_each(Wall::let_go);
             return;
         }
         let per_mass = T::of(1.0) / mass;
@@ -116,26 +113,6 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Velocities<T, D> {
         for d in 0..D {
             node.first[d + 1] *= per_mass;
             v[d] = node.first[d + 1].to_double();
-        }
-        for wall in walls.iter_mut() {
-            let d = wall.axis;
-            wall.pressed |= wall.closes(v[d]);
-            if wall.pressed {
-                let impulse = (self.takes * mass).to_double() * (wall.velocity - v[d]);
-                ledger.impulse[d] += impulse;
-                ledger.work += impulse * wall.velocity;
-                node.first[d + 1] = T::of(wall.velocity);
-                v[d] = node.first[d + 1].to_double();
-            }
-            // A node that stuck sticks until its forces are known.
-            wall.sticks &= wall.pressed;
-            for d in wall.along::<D>().filter(|_| wall.sticks) {
-                let impulse = (self.takes * mass).to_double() * (wall.drag[d] - v[d]);
-                ledger.impulse[d] += impulse;
-                ledger.work += impulse * wall.drag[d];
-                node.first[d + 1] = T::of(wall.drag[d]);
-                v[d] = node.first[d + 1].to_double();
-            }
         }
         let trial = Trial { mass: mass.to_double(), start: None, dt: self.dt.to_double(), only_held: true };
         if around.react(&trial, &mut v, self.takes.to_double(), ledger) {
@@ -159,13 +136,12 @@ pub(super) struct Integrate<T, const D: usize> {
     pub(super) end: f64,
     pub(super) gravity: Option<[f64; D]>,
     pub(super) from_velocity: bool,
-    pub(super) takes: T,
     /// Is the force at the nodes known, beside their momentum?
     pub(super) forces: bool,
 }
 
 impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
-    const PRESSES: bool = true;
+    const HOLDS: bool = true;
 
     fn weight(&self) -> Option<[f64; 3]> {
         self.gravity.map(|g| {
@@ -176,11 +152,10 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
     }
 
     #[inline(always)]
-    fn update(&self, node: &mut Node<T>, walls: &mut Walls, around: &mut impl Around, ledger: &mut Exchange) {
+    fn update(&self, node: &mut Node<T>, around: &mut impl Around, ledger: &mut Exchange) {
         let (mass, dt) = (node.first[0], self.dt);
         if mass <= self.cutoff {
             drop_momentum::<T, D>(node, ledger, dt);
-            walls.iter_mut().for_each(Wall::let_go);
             return;
         }
         let per_mass = T::of(1.0) / mass;
@@ -200,29 +175,6 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
             new[d] = old[d] + a * dt;
             node.first[d + 1] = new[d];
             node.second[d + 1] = a;
-        }
-        let mapped = old;
-        for wall in walls.iter_mut() {
-            let d = wall.axis;
-            let acceleration = node.second[d + 1].to_double();
-            let stays = self.forces && wall.pressed && wall.is_pushed(acceleration);
-            wall.pressed = stays || wall.closes(new[d].to_double());
-            if wall.pressed {
-                let velocity = T::of(wall.velocity);
-                let impulse = (mass * (self.takes * (velocity - old[d]) - (new[d] - old[d]))).to_double();
-                wall.pushes(impulse);
-                ledger.impulse[d] += impulse;
-                ledger.work += impulse * wall.velocity;
-                (old[d], new[d]) = (velocity, velocity);
-                (node.first[d + 1], node.second[d + 1]) = (velocity, T::default());
-            }
-        }
-        for wall in walls.iter_mut() {
-            if wall.rubs() {
-                self.rub(wall, node, &mut old, &mut new, ledger);
-            } else {
-                wall.sticks = false;
-            }
         }
         let mut v = new.map(T::to_double);
         let start = self.forces.then(|| old.map(T::to_double));
@@ -247,11 +199,10 @@ impl<T: Float, const D: usize> NodeUpdate<T> for Integrate<T, D> {
         if self.gravity.is_some() {
             // The work of a body force is its impulse times the mean velocity. Where nodes know the sum of momentum and impulse alone,
             // that sum stands for the velocity at the start: summed over the nodes, impulses of stresses cancel.
-            let start = if self.forces { old } else { mapped };
             for d in 0..D {
                 let impulse = (mass * dt).to_double() * given[d];
                 ledger.load[d] += impulse;
-                ledger.work += impulse * 0.5 * (start[d].to_double() + v[d]);
+                ledger.work += impulse * 0.5 * (old[d].to_double() + v[d]);
             }
         }
     }
@@ -296,63 +247,6 @@ impl<T: Float, const D: usize> Kernel<T> for IntegrateFree<'_, T, D> {
     }
 }
 
-impl<T: Float, const D: usize> Integrate<T, D> {
-    /// Friction of a rough wall on a node that presses on it, whose velocities along it were `old` and would be `new`, m/s.
-    #[inline(never)]
-    fn rub(
-        &self,
-        wall: &mut Wall,
-        node: &mut Node<T>,
-        old: &mut [T; 3],
-        new: &mut [T; 3],
-        ledger: &mut Exchange,
-    ) {
-        let (mass, limit) = (node.first[0], wall.limit());
-        let drag = wall.drag.map(T::of);
-        if wall.sticks {
-            let mut impulse = [0.0; 3];
-            for d in wall.along::<D>() {
-                let holds = mass * (self.takes * (drag[d] - old[d]) - (new[d] - old[d]));
-                impulse[d] = holds.to_double();
-            }
-            wall.sticks = impulse.iter().map(|j| j * j).sum::<f64>().sqrt() <= limit;
-            if wall.sticks {
-                for d in wall.along::<D>() {
-                    ledger.impulse[d] += impulse[d];
-                    ledger.work += impulse[d] * wall.drag[d];
-                    (old[d], new[d]) = (drag[d], drag[d]);
-                    (node.first[d + 1], node.second[d + 1]) = (drag[d], T::default());
-                }
-                return;
-            }
-        }
-        let of = |v: &[T; 3]| std::array::from_fn::<f64, D, _>(|d| v[d].to_double());
-        let place = Place {
-            position: [0.0; D],
-            mass: mass.to_double(),
-            depth: 0.0,
-            tolerance: 0.0,
-            start: self.forces.then(|| of(old)),
-            trial: of(new),
-            time: self.end - self.dt.to_double(),
-            dt: self.dt.to_double(),
-        };
-        let velocity = std::array::from_fn(|d| wall.drag[d]);
-        let reaction = rub(&place, wall.axis, velocity, limit);
-        wall.sticks = wall.along::<D>().all(|d| reaction.held[d]);
-        ledger.friction += reaction.heat;
-        let per_dt = T::of(1.0) / self.dt;
-        let after = place.after(&reaction.impulse);
-        for d in wall.along::<D>() {
-            ledger.impulse[d] += reaction.impulse[d];
-            ledger.work += reaction.impulse[d] * wall.drag[d];
-            new[d] = if wall.sticks { drag[d] } else { T::of(after[d]) };
-            node.first[d + 1] = new[d];
-            node.second[d + 1] = (new[d] - old[d]) * per_dt;
-        }
-    }
-}
-
 /// Local damping of the nodes, after all that acts on them: on what their velocities changed by in the step. Directions that conditions
 /// hold are left alone.
 pub(super) struct Damp<T, const D: usize> {
@@ -365,7 +259,7 @@ pub(super) struct Damp<T, const D: usize> {
 
 impl<T: Float, const D: usize> NodeUpdate<T> for Damp<T, D> {
     #[inline(always)]
-    fn update(&self, node: &mut Node<T>, _: &mut Walls, around: &mut impl Around, ledger: &mut Exchange) {
+    fn update(&self, node: &mut Node<T>, around: &mut impl Around, ledger: &mut Exchange) {
         if node.first[0] <= self.cutoff {
             return;
         }
@@ -396,27 +290,13 @@ pub(super) struct Remap<T, const D: usize> {
 
 impl<T: Float, const D: usize> NodeUpdate<T> for Remap<T, D> {
     #[inline(always)]
-    fn update(
-        &self,
-        node: &mut Node<T>,
-        walls: &mut Walls,
-        around: &mut impl Around,
-        _ledger: &mut Exchange,
-    ) {
+    fn update(&self, node: &mut Node<T>, around: &mut impl Around, _ledger: &mut Exchange) {
         let mass = node.first[0];
         let per_mass = if mass > self.cutoff { T::of(1.0) / mass } else { T::default() };
         let mut v = [0.0; 3];
         for d in 0..D {
             node.second[d + 1] *= per_mass;
             v[d] = node.second[d + 1].to_double();
-        }
-        for wall in walls.iter().filter(|wall| wall.pressed) {
-            node.second[wall.axis + 1] = T::of(wall.velocity);
-            v[wall.axis] = node.second[wall.axis + 1].to_double();
-            for d in wall.along::<D>().filter(|_| wall.sticks) {
-                node.second[d + 1] = T::of(wall.drag[d]);
-                v[d] = node.second[d + 1].to_double();
-            }
         }
         // What a condition holds moves as it made it move.
         let held = around.held();
@@ -489,7 +369,7 @@ mod tests {
         }
         let mut fast = plain.clone();
         let [mut of_plain, mut of_fast] = [Exchange::default(); 2];
-        plain.iter_mut().for_each(|n| update.update(n, &mut Walls::default(), &mut Nothing, &mut of_plain));
+        plain.iter_mut().for_each(|n| update.update(n, &mut Nothing, &mut of_plain));
         update.update_free(&mut fast, &mut of_fast);
         for (n, (plain, fast)) in plain.iter().zip(&fast).enumerate() {
             assert_eq!((plain.first, plain.second), (fast.first, fast.second), "node {n}");
@@ -501,8 +381,8 @@ mod tests {
         let (cutoff, dt) = (mass_cutoff::<T>(), T::of(1e-3));
         for gravity in [None, Some([9.81; D])] {
             for from_velocity in [false, true] {
-                let (end, takes, forces) = (0.0, T::default(), true);
-                agree::<T, D>(&Integrate { cutoff, dt, end, gravity, from_velocity, takes, forces });
+                let (end, forces) = (0.0, true);
+                agree::<T, D>(&Integrate { cutoff, dt, end, gravity, from_velocity, forces });
             }
         }
         agree::<T, D>(&Remap::<T, D> { cutoff, end: 0.0 });

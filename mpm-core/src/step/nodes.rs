@@ -17,7 +17,7 @@ use super::node_update::{
 use super::planes::Planes;
 use super::rigid_nodes::{self, rigid_of};
 
-use super::walls::{NodeSets, Walls};
+use super::node_sets::NodeSets;
 
 /// Add a part of what became of a node.
 fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
@@ -36,10 +36,6 @@ fn add_share(sum: &mut Exchange, share: f64, o: &Exchange) {
 pub struct BlockBooks {
     /// What its stages took or gave in a step.
     pub ledger: Exchange,
-    /// Those that press on walls, by the axis of the wall; from step to step.
-    pub pressed: NodeSets,
-    /// Those of them that stick there.
-    pub stuck: NodeSets,
     /// Those that conditions hold in this step that react, by direction.
     pub held: NodeSets,
 }
@@ -227,8 +223,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         let (cutoff, end) = (self.cutoff, self.of.time + dt.to_double());
         let gravity = self.conditions.gravity.as_ref().map(|g| g(self.of.time));
         let sums = if from_velocity { NodeSums::Force } else { NodeSums::All };
-        let (takes, forces) = (self.of.takes, self.of.forces);
-        let update = Integrate::<T, D> { cutoff, dt, end, gravity, from_velocity, takes, forces };
+        let forces = self.of.forces;
+        let update = Integrate::<T, D> { cutoff, dt, end, gravity, from_velocity, forces };
         self.collect_and(sums, &update);
         self.planes.extrapolate(self.grid.nodes_mut());
     }
@@ -284,9 +280,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                 let share = own.share(i, node).unwrap_or(whole);
                 for d in 0..D {
                     let next = term[d] - node.second[d + 1] / mass;
-                    let BlockBooks { pressed, stuck, held, .. } = &*books;
-                    let held = pressed.has(d, n) || stuck.has_beside(d, n) || held.has(d, n);
-                    let free = free[d] && !held;
+                    let free = free[d] && !books.held.has(d, n);
                     term[d] = if free { next } else { T::default() };
                     if !free {
                         books.ledger.impulse[d] -= share * (mass * next).to_double();
@@ -429,42 +423,33 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         nodes: &mut Piece<'_, Node<T>>,
         books: &mut BlockBooks,
     ) {
-        let BlockBooks { ledger, pressed, stuck, held } = books;
+        let BlockBooks { ledger, held } = books;
         let spacing = self.lattice.spacing();
-        let (reach, tolerance) = (2.0 * spacing, 1e-6 * spacing);
+        let reach = 2.0 * spacing;
         let place = BlockPlace::new(&self.lattice, &self.blocks[block]);
         let reaches = |b: &&Boundary<D>| b.reaches(&place.low, &place.high, self.time, reach);
         if !self.boundaries.iter().any(|b| reaches(&b)) {
-            if U::PRESSES {
-                (*pressed, *stuck, *held) = Default::default();
+            if U::HOLDS {
+                *held = NodeSets::default();
             }
             update.update_free(nodes.items, ledger);
             return;
         }
-        // Matter whose stress is not on these nodes is stopped by the wall's impulse alone.
         let body = self.bodies.get(self.fields.owner(block) as usize);
         let rigid = body.is_some_and(|b| b.rigid().is_some());
-        let unstressed = rigid || body.is_some_and(|b| b.client().is_some());
-        // Particles meet walls one by one.
-        let one_by_one = match body {
-            Some(body) => body.meets_surfaces().is_some(),
-            None => self.bodies.iter().all(|b| b.meets_surfaces().is_some()),
-        };
-        let near = || self.boundaries.iter().filter(reaches).filter(|b| !(one_by_one && b.is_wall()));
-        let mut walls = if unstressed { Walls::default() } else { Walls::of(near(), self.time) };
-        let apart = one_by_one || !walls.is_empty();
+        // Particles meet walls one by one; matter whose stress is not on these nodes is stopped by the wall's impulse on them.
+        let apart = body.is_none_or(|b| b.meets_surfaces().is_some());
         let reacts = |b: &&Boundary<D>| b.reacts() && !(apart && b.is_wall()) && !(rigid && stops_rigid(b));
-        let reacting = near().any(|b| reacts(&b));
-        let (before, held_before) = ([*pressed, *stuck], *held);
-        if U::PRESSES {
-            (*pressed, *stuck, *held) = Default::default();
+        let reacting = self.boundaries.iter().filter(reaches).any(|b| reacts(&b));
+        let held_before = *held;
+        if U::HOLDS {
+            *held = NodeSets::default();
         }
         let mirrors = self.planes.copied();
         let own = self.planes.own_masses(self.layout.start(block), nodes.items.len());
         let across = if rigid { [false; 3] } else { self.planes.mirrored_axes() };
         for (i, (n, node)) in nodes.numbered().enumerate() {
             let x = place.node(n);
-            walls.look_at(n, &x, &before, tolerance);
             let share = own.share(i, node);
             let copy = share.is_none() && place.is_copy(n, mirrors);
             let held_now = std::array::from_fn(|d| held_before.has(d, n));
@@ -478,22 +463,18 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
                 reacting,
                 weighed: if share.is_some() { across } else { [false; 3] },
                 image: if reacting { place.image(n, mirrors) } else { [false; 3] },
-                held: if U::PRESSES { [false; 3] } else { held_now },
+                held: if U::HOLDS { [false; 3] } else { held_now },
             };
             if let Some(share) = share {
                 let mut all = Exchange::default();
-                update.update(node, &mut walls, &mut around, &mut all);
+                update.update(node, &mut around, &mut all);
                 add_share(ledger, share, &all);
             } else if copy {
-                update.update(node, &mut walls, &mut around, &mut Exchange::default());
+                update.update(node, &mut around, &mut Exchange::default());
             } else {
-                update.update(node, &mut walls, &mut around, ledger);
+                update.update(node, &mut around, ledger);
             }
-            if U::PRESSES {
-                for wall in walls.iter().filter(|wall| wall.pressed) {
-                    pressed.set(wall.axis, n, true);
-                    stuck.set(wall.axis, n, wall.sticks);
-                }
+            if U::HOLDS {
                 (0..D).filter(|d| around.held[*d]).for_each(|d| held.set(d, n, true));
             }
         }
@@ -508,7 +489,7 @@ struct AtNode<'a, T: Float, const D: usize> {
     x: [f64; D],
     /// Its place among all.
     at: usize,
-    /// Are walls told apart from the others?
+    /// Do particles meet walls, and not these nodes?
     apart: bool,
     /// Is it a rigid body's, which planes stop as a whole?
     rigid: bool,

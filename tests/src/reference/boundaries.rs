@@ -10,50 +10,6 @@ pub(super) fn sign(side: Side) -> f64 {
     }
 }
 
-/// A wall as a node on it or behind it meets it.
-pub(super) struct Wall<const D: usize> {
-    pub(super) axis: usize,
-    /// +1 if it pushes up the axis, else -1.
-    pub(super) sign: f64,
-    /// Of which a smooth one has no part along itself.
-    pub(super) velocity: [f64; D],
-    /// Coefficient of friction.
-    pub(super) friction: f64,
-}
-
-impl<const D: usize> Wall<D> {
-    /// The directions along it.
-    pub(super) fn along(&self) -> impl Iterator<Item = usize> + use<D> {
-        let axis = self.axis;
-        (0..D).filter(move |d| *d != axis)
-    }
-}
-
-/// The walls that the node at `x` is on or behind at `time`.
-pub(super) fn walls<const D: usize>(
-    boundaries: &[Boundary<D>],
-    lattice: &Lattice<D>,
-    x: &[f64; D],
-    time: f64,
-) -> Vec<Wall<D>> {
-    let behind = |boundary: &Boundary<D>| match *boundary {
-        Boundary::Wall { axis, at, side, velocity } => {
-            let distance = sign(side) * (x[axis] - (at + velocity * time));
-            let mut across = [0.0; D];
-            across[axis] = velocity;
-            let wall = Wall { axis, sign: sign(side), velocity: across, friction: 0.0 };
-            (distance <= 1e-6 * lattice.spacing()).then_some(wall)
-        }
-        Boundary::FrictionWall { axis, at, side, velocity, friction } => {
-            let distance = sign(side) * (x[axis] - (at + velocity[axis] * time));
-            let wall = Wall { axis, sign: sign(side), velocity, friction };
-            (distance <= 1e-6 * lattice.spacing()).then_some(wall)
-        }
-        _ => None,
-    };
-    boundaries.iter().filter_map(behind).collect()
-}
-
 /// Make a nodal velocity obey the boundaries at `time`, in their order, walls aside.
 pub(super) fn constrain<const D: usize>(
     boundaries: &[Boundary<D>],

@@ -10,11 +10,12 @@
 
 mod boundaries;
 mod matrices;
+mod walls;
 mod weights;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-use boundaries::{Wall, constrain, held, walls};
+use boundaries::{constrain, held};
 use matrices::{inverse, times, transpose};
 use mpm_core::dim::Stencil;
 use mpm_core::geometry::{Lattice, Seeds};
@@ -74,6 +75,8 @@ pub trait Law {
     fn stress(&self, state: &[f64]) -> [f64; 6];
     /// Volume over reference volume.
     fn volume_ratio(&self, state: &[f64]) -> f64;
+    /// Speed of the fastest wave, m/s.
+    fn wave_speed(&self, state: &[f64]) -> f64;
 }
 
 impl<C: Constitutive<f64>> Law for C {
@@ -94,6 +97,9 @@ impl<C: Constitutive<f64>> Law for C {
     }
     fn volume_ratio(&self, state: &[f64]) -> f64 {
         Constitutive::volume_ratio(self, &unflatten(state).expect("length of the state"))
+    }
+    fn wave_speed(&self, state: &[f64]) -> f64 {
+        Constitutive::wave_speed(self, &unflatten::<f64, C::State<f64>>(state).expect("length of the state"))
     }
 }
 
@@ -194,12 +200,6 @@ pub struct Reference<const D: usize, S> {
     /// Time, s.
     pub time: f64,
     nodes: BTreeMap<Index<D>, Node<D>>,
-    /// Nodes that press on a wall, and the wall's axis: on a node on a wall forces and momentum across it balance, as on a plane
-    /// of symmetry, from when its trial velocity goes into the wall until its acceleration is away from it.
-    pressed: BTreeSet<(Index<D>, usize)>,
-    /// Those of them that stick to it: on such a node forces and momentum along the wall balance, too, as on a fixed plane, from when
-    /// friction can stop its slip until it cannot hold it.
-    stuck: BTreeSet<(Index<D>, usize)>,
     /// Heat of friction on walls so far, J.
     pub heat: f64,
     /// Impulse of walls so far, N s.
@@ -228,8 +228,6 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             mean_dilatation: false,
             time: 0.0,
             nodes: BTreeMap::new(),
-            pressed: BTreeSet::new(),
-            stuck: BTreeSet::new(),
             heat: 0.0,
             wall_impulse: [0.0; D],
             images: Vec::new(),
@@ -281,6 +279,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.update_stress(dt, |node| node.velocity);
                 self.forces();
                 self.integrate_momentum(dt);
+                self.meet_walls(dt);
                 self.sharpen_velocity(dt);
                 self.particle_velocities(dt);
                 self.move_particles(dt);
@@ -290,6 +289,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.forces();
                 self.nodal_velocity();
                 self.integrate_momentum(dt);
+                self.meet_walls(dt);
                 self.sharpen_velocity(dt);
                 self.particle_velocities(dt);
                 self.move_particles(dt);
@@ -300,6 +300,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.forces();
                 self.nodal_velocity();
                 self.integrate_momentum(dt);
+                self.meet_walls(dt);
                 self.particle_velocities(dt);
                 self.move_particles(dt);
                 self.map_momentum_again(dt);
@@ -391,26 +392,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     fn nodal_velocity(&mut self) {
         let (light, at_start) = (self.lightest(), self.order == Order::Usf);
         let (boundaries, lattice, time) = (&self.boundaries, &self.lattice, self.time);
-        let before = self.pressed.clone();
-        if at_start {
-            self.pressed.clear();
-        }
         for (index, node) in &mut self.nodes {
             node.velocity = [0.0; D];
             if node.mass > light {
                 node.velocity = node.momentum.map(|p| p / node.mass);
                 if at_start {
-                    for wall in walls(boundaries, lattice, &lattice.node(*index), time) {
-                        let (key, velocity) = ((*index, wall.axis), wall.velocity[wall.axis]);
-                        let closes = wall.sign * (node.velocity[wall.axis] - velocity) < 0.0;
-                        if closes || before.contains(&key) {
-                            self.pressed.insert(key);
-                            node.velocity[wall.axis] = velocity;
-                            for d in wall.along().filter(|_| self.stuck.contains(&key)) {
-                                node.velocity[d] = wall.velocity[d];
-                            }
-                        }
-                    }
                     constrain(boundaries, lattice, &lattice.node(*index), &mut node.velocity, time);
                 }
             }
@@ -421,70 +407,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     fn integrate_momentum(&mut self, dt: f64) {
         let light = self.lightest();
         let (boundaries, lattice, end) = (&self.boundaries, &self.lattice, self.time + dt);
-        // With USL and a rule that reads velocities alone, momentum and impulse are one.
-        let before = std::mem::take(&mut self.pressed);
-        let knows_force =
-            self.order != Order::Usl || matches!(self.rule, Rule::Flip | Rule::Aflip(_) | Rule::Blend(_));
-        let stuck = std::mem::take(&mut self.stuck);
-        // How much of the nodes' velocity the particles take.
-        let takes = match self.rule {
-            Rule::Flip => 0.0,
-            Rule::Aflip(share) => share,
-            Rule::Blend(tau) => (dt / tau).min(1.0),
-            Rule::Pic | Rule::Apic | Rule::Mls | Rule::Fmpm(_) => 1.0,
-        };
         for (index, node) in &mut self.nodes {
-            let mut old = node.velocity;
+            let old = node.velocity;
             if node.mass > light {
                 for d in 0..D {
                     node.velocity[d] = old[d] + dt * (node.force[d] / node.mass + self.gravity[d]);
-                }
-                let here = walls(boundaries, lattice, &lattice.node(*index), self.time);
-                let mut pushes = vec![None; here.len()];
-                // What the particles get of an impulse that gives the node this velocity for the whole step.
-                let holds = |node: &Node<D>, old: &[f64; D], d: usize, velocity: f64| {
-                    node.mass * (takes * (velocity - old[d]) - (node.velocity[d] - old[d]))
-                };
-                for (wall, push) in here.iter().zip(&mut pushes) {
-                    let (axis, velocity) = (wall.axis, wall.velocity[wall.axis]);
-                    let force = wall.sign * (node.force[axis] / node.mass + self.gravity[axis]);
-                    let stays = knows_force && force < 0.0 && before.contains(&(*index, axis));
-                    if stays || wall.sign * (node.velocity[axis] - velocity) < 0.0 {
-                        self.pressed.insert((*index, axis));
-                        let impulse = holds(node, &old, axis, velocity);
-                        self.wall_impulse[axis] += impulse;
-                        *push = Some((impulse * wall.sign).max(0.0));
-                        (old[axis], node.velocity[axis]) = (velocity, velocity);
-                    }
-                }
-                for (wall, push) in here.iter().zip(&pushes) {
-                    let Some(push) = push.filter(|_| wall.friction > 0.0) else { continue };
-                    let key = (*index, wall.axis);
-                    let limit = wall.friction * push;
-                    let size = |v: &[f64; D]| wall.along().map(|d| v[d] * v[d]).sum::<f64>().sqrt();
-                    let hold: [f64; D] = std::array::from_fn(|d| holds(node, &old, d, wall.velocity[d]));
-                    let slip: [f64; D] = std::array::from_fn(|d| node.velocity[d] - wall.velocity[d]);
-                    let mut impulse = hold;
-                    if stuck.contains(&key) && size(&hold) <= limit {
-                        self.stuck.insert(key);
-                        wall.along().for_each(|d| {
-                            (old[d], node.velocity[d]) = (wall.velocity[d], wall.velocity[d]);
-                        });
-                    } else if node.mass * size(&slip) <= limit {
-                        self.stuck.insert(key);
-                        impulse = slip.map(|s| -node.mass * s);
-                        wall.along().for_each(|d| node.velocity[d] = wall.velocity[d]);
-                    } else {
-                        impulse = slip.map(|s| -limit * s / size(&slip));
-                        let mut heat = 0.0;
-                        for d in wall.along() {
-                            node.velocity[d] += impulse[d] / node.mass;
-                            let start = if knows_force { old[d] } else { node.velocity[d] };
-                            heat -= impulse[d] * (0.5 * (start + node.velocity[d]) - wall.velocity[d]);
-                        }
-                        self.heat += heat.max(0.0);
-                    }
-                    wall.along().for_each(|d| self.wall_impulse[d] += impulse[d]);
                 }
                 constrain(boundaries, lattice, &lattice.node(*index), &mut node.velocity, end);
             }
@@ -520,10 +447,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 let x = self.lattice.node(*index);
                 let d = term.entry(*index).or_insert([0.0; D]);
                 for c in 0..D {
-                    let sticks = (0..D).any(|axis| axis != c && self.stuck.contains(&(*index, axis)));
-                    let held = held(&self.boundaries, &self.lattice, &x, c, self.time + dt)
-                        || self.pressed.contains(&(*index, c))
-                        || sticks;
+                    let held = held(&self.boundaries, &self.lattice, &x, c, self.time + dt);
                     d[c] = if held { 0.0 } else { d[c] - smooth[index][c] / node.mass };
                     node.velocity[c] += d[c];
                 }
@@ -622,15 +546,6 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             node.remapped = [0.0; D];
             if node.mass > light {
                 node.remapped = momentum[index].map(|p| p / node.mass);
-                for wall in walls(boundaries, lattice, &lattice.node(*index), self.time) {
-                    let (key, Wall { axis, velocity, .. }) = ((*index, wall.axis), &wall);
-                    if self.pressed.contains(&key) {
-                        node.remapped[*axis] = velocity[*axis];
-                    }
-                    for d in wall.along().filter(|_| self.stuck.contains(&key)) {
-                        node.remapped[d] = velocity[d];
-                    }
-                }
                 constrain(boundaries, lattice, &lattice.node(*index), &mut node.remapped, end);
             }
         }

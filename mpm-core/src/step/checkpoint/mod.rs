@@ -95,7 +95,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             settled.map_err(|outside| CheckpointError::NoRoom(outside.to_string()))?;
             self.arrange_planes();
         }
-        self.grid.exchange_pressed(&self.scene.conditions.boundaries, file)?;
         self.grid.contact.exchange(file, &self.grid.fields, self.scene.contact.remembers())
     }
 

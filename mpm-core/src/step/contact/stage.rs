@@ -195,10 +195,6 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
                         continue;
                     }
                     node.second[d + 1] += change[d] * per_dt;
-                    // What is drawn off a wall by another body presses no longer.
-                    if T::of(v[d]) != before[d] {
-                        books.pressed.set(d, n, false);
-                    }
                     if v[d] != free[d] {
                         let impulse = mass.to_double() * (v[d] - free[d]);
                         books.ledger.impulse[d] += impulse;
