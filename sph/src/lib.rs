@@ -4,6 +4,7 @@
 //! [`Sph`] is a [`Solver`](impactite_scene::Solver), and a body of [`mpm_contact::particles::Bodies`].
 
 mod contact;
+mod faces;
 mod form;
 mod images;
 mod kernel;

@@ -18,6 +18,7 @@ use mpm_materials::material::{Deformation, Response};
 use mpm_materials::point::{flatten, unflatten};
 use mpm_materials::{Constitutive, IntoMaterial, Material, State};
 
+use crate::faces::Surface;
 use crate::form::{Correction as _, Form};
 use crate::images::{Images, Mirror, MirrorKind};
 use crate::kernel::Kernel as _;
@@ -27,7 +28,6 @@ use crate::method::Composition;
 use crate::records::{Has, Records};
 use crate::stabilisation::Stabilisation;
 use crate::sums::{BATCH, Batch, GROUP, Row};
-use crate::surface::Surface;
 
 /// The default safety factor of the time step.
 const COURANT: f64 = 0.7;

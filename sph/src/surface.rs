@@ -8,6 +8,7 @@
 use mpm_contact::particles::SurfacePoint;
 use mpm_contact::vector::wide;
 
+use crate::faces::{Faces, Found};
 use crate::form::{Correction as _, Form as _};
 use crate::matrix::{determinant, identity, inverse};
 use crate::method::Composition;
@@ -30,50 +31,6 @@ const ALIKE: f64 = 0.65;
 const ROUGH: f64 = 0.25;
 /// Cosine of the angle between normals above which two faces are one: those of a ball of five spacings are.
 const SAME: f64 = 0.5;
-
-/// The normals of a boundary particle.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Faces<const D: usize> {
-    count: usize,
-    normals: [[f64; 3]; 3],
-}
-
-/// What was found of a particle, in the round in which that holds.
-#[derive(Clone, Copy, Debug, Default)]
-struct Found<X> {
-    round: u32,
-    what: X,
-}
-
-/// What was found of the surface.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Surface<const D: usize> {
-    round: u32,
-    open: Vec<Found<Option<[f64; 3]>>>,
-    flat: Vec<Found<Option<[f64; 3]>>>,
-    faces: Vec<Found<Faces<D>>>,
-}
-
-impl<const D: usize> Surface<D> {
-    /// Particles are others' neighbours now.
-    pub fn forget(&mut self) {
-        self.round += 1;
-    }
-
-    fn begin(&mut self, particles: usize) {
-        if self.open.len() != particles {
-            self.open = vec![Found::default(); particles];
-            self.flat = vec![Found::default(); particles];
-            self.faces = vec![Found::default(); particles];
-            self.round = 1;
-        }
-    }
-
-    pub fn bytes(&self) -> usize {
-        self.open.capacity() * size_of::<Found<Option<[f64; 3]>>>() * 2
-            + self.faces.capacity() * size_of::<Found<Faces<D>>>()
-    }
-}
 
 fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]

@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use super::footprint::NodeWeight;
 
 /// Sweeps of friction at most, and the change of the impulses, over the largest, at which they count as found.
-const SWEEPS: usize = 200;
-const FOUND: f64 = 1e-13;
+const SWEEPS: usize = 20;
+const FOUND: f64 = 1e-6;
 
 /// Particles near the surface of a [`SurfaceClient`](super::SurfaceClient) in a step, with what its nodes are to each. By body, and in
 /// each in an order that depends on nothing but the scene.
@@ -194,9 +194,12 @@ impl<const D: usize> NearParticles<D> {
         velocity: &[f64; D],
     ) -> (Vec<[f64; D]>, f64) {
         let mut impulses = vec![[0.0; D]; self.len()];
+        // By their numbers, so that what is found does not depend on where they are kept.
+        let mut order: Vec<usize> = (0..self.len()).filter(|p| rubs(*p)).collect();
+        order.sort_unstable_by_key(|&p| (self.bodies[p], self.numbers[p]));
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for p in (0..self.len()).filter(|p| rubs(*p)) {
+            for &p in &order {
                 let (mut slip, mut give) = ([0.0; D], [0.0; D]);
                 for (node, weight) in &self.weights[self.starts[p]..self.starts[p + 1]] {
                     let node = &self.nodes[*node as usize];

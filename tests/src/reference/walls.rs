@@ -39,9 +39,9 @@ fn force(stiffness: f64, stiffest: f64, depth: f64, thickness: f64) -> f64 {
     if depth >= thickness || tangent > stiffest { stiffest * depth } else { tangent * depth }
 }
 
-/// Sweeps of friction at most, and the change of a slip, over the largest, at which it is found.
-const SWEEPS: usize = 1000;
-const FOUND: f64 = 1e-14;
+/// Sweeps of friction at most, and the change of the impulses, over the largest, at which they count as found.
+const SWEEPS: usize = 20;
+const FOUND: f64 = 1e-6;
 
 impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     /// Push the nodes of particles that are in walls, and rub on rough ones.
@@ -130,37 +130,43 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         (0..D).for_each(|d| self.wall_impulse[d] += impulse[d]);
     }
 
-    /// Coulomb friction of particles (each with the lever of its surface, m, and the largest impulse, N s), one after the other until slips
-    /// change no more.
+    /// Coulomb friction of particles (each with the lever of its surface, m, and the largest impulse, N s), one after the other by
+    /// their numbers, as often as the fast step.
     fn rub(&mut self, wall: &Wall<D>, rubbed: &[(usize, f64, f64)], dt: f64) {
         let light = self.lightest();
-        let mut impulses = vec![[0.0; D]; rubbed.len()];
-        let slip_of = |this: &Self, n: usize, lever: f64| {
-            // By node: its weight, that with those of images, its mass.
-            let mut weights: BTreeMap<Index<D>, ([f64; D], [f64; D], f64)> = BTreeMap::new();
-            let mut slip = wall.velocity.map(|v| -v);
-            for (w, sign) in this.at(n, lever, wall.axis) {
-                let Some(node) = this.nodes.get(&w.node).filter(|node| node.mass > light) else { continue };
-                let sum = weights.entry(w.node).or_insert(([0.0; D], [0.0; D], node.mass));
+        // By node of a surface: its weight, that with those of images, its mass.
+        type Row<const D: usize> = BTreeMap<Index<D>, ([f64; D], [f64; D], f64)>;
+        let mut rows: Vec<Row<D>> = Vec::new();
+        for &(n, lever, _) in rubbed {
+            let mut row = Row::new();
+            for (w, sign) in self.at(n, lever, wall.axis) {
+                let Some(node) = self.nodes.get(&w.node).filter(|node| node.mass > light) else { continue };
+                let sum = row.entry(w.node).or_insert(([0.0; D], [0.0; D], node.mass));
                 let own = if sign == [1.0; D] { w.value } else { 0.0 };
                 for d in 0..D {
-                    slip[d] += own * node.velocity[d];
                     sum.0[d] += own;
                     sum.1[d] += sign[d] * w.value;
                 }
             }
-            let per_mass: [f64; D] = std::array::from_fn(|d| {
-                weights.values().map(|(own, all, mass)| own[d] * all[d] / mass).sum()
-            });
-            (slip, per_mass)
+            rows.push(row);
+        }
+        let slip_of = |this: &Self, row: &Row<D>| {
+            let mut slip = wall.velocity.map(|v| -v);
+            for (index, (own, _, _)) in row {
+                (0..D).for_each(|d| slip[d] += own[d] * this.nodes[index].velocity[d]);
+            }
+            slip
         };
+        let mut impulses = vec![[0.0; D]; rubbed.len()];
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for (&(n, lever, limit), impulse) in rubbed.iter().zip(&mut impulses) {
-                let (slip, per_mass) = slip_of(self, n, lever);
-                let along = (0..D).filter(|d| *d != wall.axis && per_mass[*d] > 0.0);
+            for ((&(n, lever, limit), row), impulse) in rubbed.iter().zip(&rows).zip(&mut impulses) {
+                let slip = slip_of(self, row);
                 let mut wanted = *impulse;
-                along.for_each(|d| wanted[d] -= slip[d] / per_mass[d]);
+                for d in (0..D).filter(|d| *d != wall.axis) {
+                    let per_mass: f64 = row.values().map(|(own, all, mass)| own[d] * all[d] / mass).sum();
+                    wanted[d] -= if per_mass > 0.0 { slip[d] / per_mass } else { 0.0 };
+                }
                 let size = wanted.iter().map(|j| j * j).sum::<f64>().sqrt();
                 let scale = if size > limit { limit / size } else { 1.0 };
                 let more: [f64; D] = std::array::from_fn(|d| scale * wanted[d] - impulse[d]);
@@ -175,8 +181,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 break;
             }
         }
-        for (&(n, lever, _), impulse) in rubbed.iter().zip(&impulses) {
-            let (slip, _) = slip_of(self, n, lever);
+        for (row, impulse) in rows.iter().zip(&impulses) {
+            let slip = slip_of(self, row);
             self.heat -= (0..D).map(|d| impulse[d] * slip[d]).sum::<f64>();
         }
     }
