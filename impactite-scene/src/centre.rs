@@ -1,10 +1,10 @@
-//! Lead of positions over the path of a body's centre of mass, of methods that move points with the velocities at the ends of steps.
+//! Lead of positions of bodies that fall, of methods that move points with the velocities at the ends of steps.
 //!
-//! A step moves particles with the velocity at its end (symplectic Euler), which keeps the energy of waves and vibrations bounded. Under a constant
-//! acceleration a the centre is then ahead of its path x0 + v0 t + a t^2 / 2 by the sum of a dt^2 / 2, which is a t dt / 2 with steps of
-//! one size. The path of the centre by the trapezoidal rule, x <- x + dt (v + v') / 2 with the velocities v at the start and v' at the end of the
-//! step, is exact there with steps of any size. Views of points are moved back by the difference; the points themselves are not, so
-//! that nothing changes in a run.
+//! A step moves particles with the velocity at its end (symplectic Euler): leap-frog integration whose velocities belong to the middle of
+//! steps, of second order. But its first step applies a body force a that acts from the start for a whole step and not for half of
+//! one. So a body that falls is ahead of x0 + v0 t + a t^2 / 2 by the sum of a dt^2 / 2, which is a t dt / 2 with steps of one size. Views of
+//! points are moved back by that, in as much as the velocity of the centre has changed by the body force: of a body that was stopped
+//! nothing is left of it. The points themselves are not moved, so that nothing changes in a run.
 
 use crate::archive::{Archive, CheckpointError};
 use crate::boundary::Boundary;
@@ -12,13 +12,15 @@ use crate::boundary::Boundary;
 /// Masses of one body that differ by less are the same but for rounding.
 const SAME_MASS: f64 = 1e-9;
 
-/// Lead of the points of a body over the path of its centre of mass by the trapezoidal rule, m.
+/// Lead of the points of a body that falls, m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CentreLead {
     /// Mass, kg, and momentum, kg m/s, of the points at the end of the last step; none before the first.
     last: Option<[f64; 4]>,
-    /// Sum of dt (v' - v) / 2, m.
+    /// Sum of dt (v' - v) / 2 with the velocities v at the start and v' at the end of steps, m.
     way: [f64; 3],
+    /// Sum of a dt^2 / 2, m.
+    fall: [f64; 3],
 }
 
 impl CentreLead {
@@ -34,36 +36,45 @@ impl CentreLead {
         self.last.is_none()
     }
 
-    /// Mass, kg, and momentum, kg m/s, at the end of a step of `dt` seconds, and the axes along which they are followed ([`CentreLead::axes`]). A
-    /// step in which mass came or went changes nothing.
-    pub fn step(&mut self, now: [f64; 4], dt: f64, axes: [bool; 3]) {
+    /// Mass, kg, and momentum, kg m/s, at the end of a step of `dt` seconds, and the body force at the start of the run, m/s^2, along the axes
+    /// that have centres ([`CentreLead::along`]). A step in which mass came or went changes nothing.
+    pub fn step(&mut self, now: [f64; 4], dt: f64, force: [f64; 3]) {
         if let Some(last) = self.last.replace(now)
             && now[0] > 0.0
             && (now[0] - last[0]).abs() <= SAME_MASS * now[0]
         {
-            for d in (0..3).filter(|&d| axes[d]) {
+            for d in (0..3).filter(|&d| force[d] != 0.0) {
+                self.fall[d] += 0.5 * dt * dt * force[d];
                 self.way[d] += 0.5 * dt * (now[d + 1] - last[d + 1]) / now[0];
             }
         }
     }
 
-    /// Axes along which a scene with these boundaries has the centres of its bodies: not across planes of symmetry, nor along the radius of
-    /// axisymmetric scenes, since the part of a body that is there has no centre of its own.
+    /// Of a body force, m/s^2, what is along axes in which a scene with these boundaries has the centres of its bodies: not across planes of
+    /// symmetry, nor along the radius of axisymmetric scenes, since the part of a body that is there has no centre of its own.
     #[must_use]
-    pub fn axes<const D: usize>(boundaries: &[Boundary<D>], axisymmetric: bool) -> [bool; 3] {
-        let mut axes = [!axisymmetric, true, true];
+    pub fn along<const D: usize>(
+        force: &[f64; D],
+        boundaries: &[Boundary<D>],
+        axisymmetric: bool,
+    ) -> [f64; 3] {
+        let mut along = [0.0; 3];
+        along[..D].copy_from_slice(force);
+        if axisymmetric {
+            along[0] = 0.0;
+        }
         for boundary in boundaries {
             if let Boundary::Symmetry { axis, .. } = *boundary {
-                axes[axis] = false;
+                along[axis] = 0.0;
             }
         }
-        axes
+        along
     }
 
     /// The lead, m: what positions have to be moved back by.
     #[must_use]
-    pub fn way(&self) -> &[f64; 3] {
-        &self.way
+    pub fn way(&self) -> [f64; 3] {
+        std::array::from_fn(|d| self.way[d].clamp(self.fall[d].min(0.0), self.fall[d].max(0.0)))
     }
 
     /// To a file, or from one.
@@ -72,7 +83,8 @@ impl CentreLead {
     /// The file.
     pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
         file.option(&mut self.last, |file, last| file.reals(last))?;
-        file.reals(&mut self.way)
+        file.reals(&mut self.way)?;
+        file.reals(&mut self.fall)
     }
 }
 
@@ -92,14 +104,18 @@ mod tests {
             v += dt * a;
             x += dt * v;
             t += dt;
-            lead.step([mass, 0.0, mass * v, mass * v], dt, [true, true, false]);
+            lead.step([mass, 0.0, mass * v, mass * v], dt, [0.0, a, 0.0]);
         }
         let exact = start * t + 0.5 * a * t * t;
         assert!((x - exact).abs() > 1e-2 && (x - lead.way()[1] - exact).abs() < 1e-13);
         assert_eq!((lead.way()[0], lead.way()[2]), (0.0, 0.0));
+        // A body that is stopped by something else has none.
+        let mut stopped = lead;
+        stopped.step([mass, 0.0, mass * start, 0.0], 0.5, [0.0, a, 0.0]);
+        assert_eq!(stopped.way()[1], 0.0);
         // Mass that came has a velocity of its own.
         let before = lead;
-        lead.step([2.0 * mass, 0.0, 0.0, 0.0], 1.0, [true; 3]);
+        lead.step([2.0 * mass, 0.0, 0.0, 0.0], 1.0, [a; 3]);
         assert_eq!(lead.way(), before.way());
     }
 }

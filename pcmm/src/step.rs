@@ -121,8 +121,8 @@ impl<const D: usize, M: Composition<D>> Pcmm<D, M> {
                 return Err(self.broken(PointKind::Particle, particle, position, Cause::Velocity));
             }
         }
-        let axes = CentreLead::axes(&self.boundaries, M::Embedding::HOOP);
-        self.lead.step(moments, dt, axes);
+        let force = self.body_force.as_ref().map_or([0.0; D], |force| force(0.0));
+        self.lead.step(moments, dt, CentreLead::along(&force, &self.boundaries, M::Embedding::HOOP));
         Ok(())
     }
 

@@ -169,6 +169,26 @@ fn centres<const D: usize, S>(reference: &Reference<D, S>, bodies: usize) -> Vec
     sums.into_iter().map(|(momentum, mass)| momentum.map(|p| p / mass)).collect()
 }
 
+/// What views of bodies whose centres started with these velocities, m/s, are moved back by, m: half a step of the velocity that a body has by
+/// the body force, along axes that have centres of bodies.
+fn leads<const D: usize, S>(
+    reference: &Reference<D, S>,
+    scene: &Scene<D>,
+    start: &[[f64; D]],
+) -> Vec<[f64; D]> {
+    let of = |(now, start): (&[f64; D], &[f64; D])| {
+        std::array::from_fn(|d| {
+            let across = |b: &Boundary<D>| matches!(b, Boundary::Symmetry { axis, .. } if *axis == d);
+            if scene.boundaries.iter().any(across) || (d == 0 && reference.space == Space::Axisymmetric) {
+                return 0.0;
+            }
+            let fall = scene.gravity[d] * reference.time;
+            0.5 * scene.dt * (now[d] - start[d]).clamp(fall.min(0.0), fall.max(0.0))
+        })
+    };
+    centres(reference, start.len()).iter().zip(start).map(of).collect()
+}
+
 /// Run both for the scene's steps and return the difference at the end.
 pub fn run_both<const D: usize, S>(
     mpm: &mut Mpm<D>,
@@ -178,30 +198,25 @@ pub fn run_both<const D: usize, S>(
 where
     S: ShapeFunction<f64, D>,
 {
-    // What views of bodies are moved back by: the lead of their particles over the path of their centres by the trapezoidal rule.
-    let mut leads = vec![[0.0; D]; scene.bodies.len()];
-    let across = |axis: usize| {
-        scene.boundaries.iter().any(|b| matches!(b, Boundary::Symmetry { axis: a, .. } if *a == axis))
-    };
-    let followed: [bool; D] =
-        std::array::from_fn(|d| !across(d) && !(d == 0 && reference.space == Space::Axisymmetric));
+    let start = centres(reference, scene.bodies.len());
     for _ in 0..scene.steps {
-        let before = centres(reference, scene.bodies.len());
         mpm.step().unwrap_or_else(|e| panic!("{}: {e}", scene.name));
         reference.step(scene.dt);
-        let after = centres(reference, scene.bodies.len());
-        for ((lead, before), after) in leads.iter_mut().zip(before).zip(after) {
-            (0..D).filter(|d| followed[*d]).for_each(|d| lead[d] += 0.5 * scene.dt * (after[d] - before[d]));
-        }
         if std::env::var_os("EACH_STEP").is_some() {
             let stresses: Vec<[f64; 6]> =
                 reference.points.iter().map(|p| reference.laws[p.body].stress(&p.state)).collect();
-            let now =
-                difference(&particles(mpm), &reference.points, &stresses, &leads, scene.lattice.spacing());
+            let now = difference(
+                &particles(mpm),
+                &reference.points,
+                &stresses,
+                &leads(reference, scene, &start),
+                scene.lattice.spacing(),
+            );
             println!("{} step {}: {now:?}", scene.name, mpm.steps());
         }
     }
     let stresses: Vec<[f64; 6]> =
         reference.points.iter().map(|p| reference.laws[p.body].stress(&p.state)).collect();
+    let leads = leads(reference, scene, &start);
     difference(&particles(mpm), &reference.points, &stresses, &leads, scene.lattice.spacing())
 }

@@ -45,8 +45,8 @@ pub struct Steps<T> {
     pub adapt: bool,
     /// Time at which the forces act that a pass maps, s.
     pub force_time: f64,
-    /// Axes along which bodies are followed as a whole ([`impactite_scene::CentreLead`]).
-    pub axes: [bool; 3],
+    /// Body force at the start of the run, m/s^2, along axes that have centres of bodies ([`impactite_scene::CentreLead`]).
+    pub force: [f64; 3],
 }
 
 /// What broke in a body.

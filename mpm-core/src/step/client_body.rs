@@ -182,7 +182,7 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
         if !self.on_grid() {
             return Ok(());
         }
-        let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0, axes: [false; 3] };
+        let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0, force: [0.0; 3] };
         if !self.within {
             let velocities = &self.velocities;
             self.proxy.show_velocities(&mut |number, v| *v = velocities[number]);
@@ -201,7 +201,7 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
     fn advance(&mut self, nodes: Nodes<'_, T>, dt: T, team: &Team) -> Result<T, Stopped> {
         let (mut share, mut changed) = (T::default(), false);
         if self.within && self.on_grid() {
-            let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0, axes: [false; 3] };
+            let steps = Steps { this: dt, next: dt, adapt: false, force_time: 0.0, force: [0.0; 3] };
             self.proxy.carried(nodes, steps, &mut self.carried, team);
             self.client.carry(&self.carried);
             share = self.method.taken(dt);
@@ -226,7 +226,7 @@ impl<T: Float, const D: usize> ClientSteps<T, D> for ClientBody<T, D> {
         self.client.place(&mut self.points);
         self.proxy.place_at(&self.points, team);
         let steps =
-            Steps { this: T::default(), next: T::default(), adapt: true, force_time: 0.0, axes: [false; 3] };
+            Steps { this: T::default(), next: T::default(), adapt: true, force_time: 0.0, force: [0.0; 3] };
         let followed = self.proxy.sweep(Which::Follow, nodes, steps, team).map_err(|t| self.trouble(t))?;
         self.rate = followed.max(T::of(self.client.rate()));
         Ok(self.rate)

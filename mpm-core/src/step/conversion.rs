@@ -170,7 +170,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let adapt = matches!(self.stepper.control, TimeControl::Courant { .. });
         let next = self.stepper.planned;
         let force_time = self.clock.time + next.to_double();
-        let steps = Steps { this: T::default(), next, adapt, force_time, axes: [false; 3] };
+        let steps = Steps { this: T::default(), next, adapt, force_time, force: [0.0; 3] };
         let map = self.stepper.mapped.then_some(steps);
         let team = self.team.clone();
         let Some(body) = self.scene.bodies[into].receiver() else { return Ok(changed) };

@@ -84,7 +84,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
     /// A pass that finds no nodes, and so reads zeros.
     fn pass_at_rest(&mut self, which: Which, dt: T, team: &Team) -> Result<T, BodyTrouble> {
         let layout = Layout::default();
-        let steps = Steps { this: dt, next: dt, adapt: true, force_time: 0.0, axes: [false; 3] };
+        let steps = Steps { this: dt, next: dt, adapt: true, force_time: 0.0, force: [0.0; 3] };
         self.pass(which, Nodes { all: &[], layout: &layout }, steps, team)
     }
 

@@ -348,7 +348,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             }
         }
         if does.moves {
-            self.lead.step(moments, dt.this.to_double(), dt.axes);
+            self.lead.step(moments, dt.this.to_double(), dt.force);
         }
         if self.loads.act() && does.force {
             if does.moves {

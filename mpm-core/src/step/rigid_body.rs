@@ -186,7 +186,9 @@ impl<T: Float, const D: usize> GridBody<T, D> for RigidBody<T, D> {
         dt: Steps<T>,
         team: &Team,
     ) -> Result<T, BodyTrouble> {
-        self.particles.pass(which, nodes, dt, team)
+        // Prescribed motion has no lead.
+        let force = if self.state.is_prescribed() { [0.0; 3] } else { dt.force };
+        self.particles.pass(which, nodes, Steps { force, ..dt }, team)
     }
     fn loading(&self) -> Loading {
         self.particles.loading()

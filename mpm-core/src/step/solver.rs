@@ -13,7 +13,7 @@ use super::contact::ContactPhase;
 use super::layout::Nodes;
 use super::load::Loading;
 use super::mpm::Mpm;
-use super::nodes::{GridStages, StageOf};
+use super::nodes::{Conditions, GridStages, StageOf};
 use super::rigid::{RigidState, Wrong};
 use super::rigid_planes;
 
@@ -382,8 +382,10 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         // Forces act in the step that follows the map; those of USF in this one.
         let usf = self.facts().before_forces && which == Which::First;
         let force_time = self.clock.time + if usf { 0.0 } else { dt.to_double() };
-        let axes = CentreLead::axes(&self.scene.conditions.boundaries, self.facts().hoop);
-        let dt = Steps { this: dt, next: self.stepper.planned, adapt, force_time, axes };
+        let Conditions { gravity, boundaries, .. } = &self.scene.conditions;
+        let force = gravity.as_ref().map_or([0.0; D], |force| force(0.0));
+        let force = CentreLead::along(&force, boundaries, self.facts().hoop);
+        let dt = Steps { this: dt, next: self.stepper.planned, adapt, force_time, force };
         let nodes = Nodes { all: self.grid.nodes(), layout: self.grid.fields.layout() };
         let team = &self.team;
         self.stepper.passed.resize_with(self.scene.bodies.len(), || Ok(T::default()));

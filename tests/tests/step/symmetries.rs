@@ -469,8 +469,7 @@ fn a_stone_falls() {
     }
     for (p, x) in particles(&mpm)[0].iter().zip(&seeds.positions) {
         assert!((p.velocity[1] + 1.0).abs() < 1e-12 && (p.velocity[0] - 0.1).abs() < 1e-12);
-        // Symplectic Euler: t^2 / 2 becomes t (t + dt) / 2.
-        assert!((p.position[1] - (x[1] - 0.5 * 0.51)).abs() < 1e-12);
+        assert!((p.position[1] - (x[1] - 0.5 * 0.5)).abs() < 1e-12);
         assert!(p.stress.iter().all(|s| s.abs() < 1e-13 * YOUNG), "{:?}", p.stress);
     }
 }
