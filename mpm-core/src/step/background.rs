@@ -1,5 +1,7 @@
 //! The background grid of a scene, with all that is kept at its nodes.
 
+use std::cell::Cell;
+
 use impactite_scene::Exchange;
 use impactite_scene::boundary::Boundary;
 
@@ -165,10 +167,17 @@ impl<T: Float, const D: usize> Background<T, D> {
         body: u32,
         (cutoff, known, dt): (T, bool, T),
     ) -> impl Fn(&[i32; D]) -> Option<NearNode<D>> + '_ {
+        // Nodes beside each other are mostly of one block.
+        let last = Cell::new(None);
         move |at: &[i32; D]| {
             let block = at.map(|c| c.div_euclid(BLOCK as i32));
             let within = (0..D).rev().fold(0, |n, d| n * BLOCK + at[d].rem_euclid(BLOCK as i32) as usize);
-            let found = self.fields.find(&*self.storage, &block, body)?;
+            let found = match last.get() {
+                Some((known, found)) if known == block => found,
+                _ => self.fields.find(&*self.storage, &block, body),
+            };
+            last.set(Some((block, found)));
+            let found = found?;
             let place = self.fields.layout().place(found, within)?;
             let node = self.nodes().get(place).filter(|node| node.first[0] > cutoff)?;
             Some(NearNode {

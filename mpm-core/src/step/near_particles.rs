@@ -1,9 +1,9 @@
 //! Particles near a surface that is not on the grid, as the nodes will move them.
 
-use std::collections::HashMap;
-
 use super::footprint::NodeWeight;
 
+/// No place.
+const NOWHERE: u32 = u32::MAX;
 /// Sweeps of friction at most, and the change of the impulses, over the largest, at which they count as found.
 const SWEEPS: usize = 20;
 const FOUND: f64 = 1e-6;
@@ -24,7 +24,8 @@ pub struct NearParticles<const D: usize> {
     pub(super) nodes: Vec<NearNode<D>>,
     /// Impulse of planes of symmetry, N s: their images are pushed the other way.
     pub(super) planes: [f64; D],
-    places: HashMap<u32, u32>,
+    /// Of the nodes of the grid, up to the last one here: their places here, or [`NOWHERE`].
+    places: Vec<u32>,
     folded: Vec<NodeWeight<D>>,
     /// The nodes of the last particle, by index on the lattice, with their places here if they have mass; and its body.
     stencil: Vec<([i32; D], Option<u32>)>,
@@ -77,7 +78,7 @@ impl<const D: usize> Default for NearParticles<D> {
             weights: Vec::new(),
             nodes: Vec::new(),
             planes: [0.0; D],
-            places: HashMap::new(),
+            places: Vec::new(),
             folded: Vec::new(),
             stencil: Vec::new(),
             stencil_of: u32::MAX,
@@ -260,8 +261,9 @@ impl<const D: usize> NearParticles<D> {
         self.starts.clear();
         self.starts.push(0);
         self.weights.clear();
-        self.nodes.clear();
-        self.places.clear();
+        for node in self.nodes.drain(..) {
+            self.places[node.place as usize] = NOWHERE;
+        }
         self.planes = [0.0; D];
         self.stencil.clear();
     }
@@ -285,12 +287,16 @@ impl<const D: usize> NearParticles<D> {
             self.stencil.clear();
             self.twice = false;
             for w in &folded {
-                let (nodes, count) = (&mut self.nodes, self.places.len() as u32);
                 let place = node_at(&w.node).map(|node| {
-                    *self.places.entry(node.place).or_insert_with(|| {
-                        nodes.push(node);
-                        count
-                    })
+                    let at = node.place as usize;
+                    if self.places.len() <= at {
+                        self.places.resize(at + 1, NOWHERE);
+                    }
+                    if self.places[at] == NOWHERE {
+                        self.places[at] = self.nodes.len() as u32;
+                        self.nodes.push(node);
+                    }
+                    self.places[at]
                 });
                 self.twice |= place.is_some() && self.stencil.iter().any(|(_, known)| *known == place);
                 self.stencil.push((w.node, place));
@@ -321,6 +327,6 @@ impl<const D: usize> NearParticles<D> {
         self.positions.capacity() * size_of::<([[f64; D]; 2], f64, usize, usize, u32)>()
             + self.weights.capacity() * size_of::<(u32, [f64; D])>()
             + self.nodes.capacity() * size_of::<NearNode<D>>()
-            + self.places.capacity() * 2 * size_of::<u32>()
+            + self.places.capacity() * size_of::<u32>()
     }
 }

@@ -404,7 +404,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             next: T::default(),
             adapt: false,
             force_time: 0.0,
-            axes: [false; 3],
+            force: [0.0; 3],
         });
         let (kernels, sent, outboxes) = (&*self.kernels, &self.sent, &self.outboxes);
         let maps = kernels.maps(which);

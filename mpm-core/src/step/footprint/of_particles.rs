@@ -71,21 +71,24 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let xi = block.get(at, Columns::position() + d);
             let [values, slopes] = shape.weights(xi, domain[d]);
             let inertia = shape.inertia(xi, domain[d]);
-            let before = std::mem::take(list);
-            for w in &before {
+            // From the last on, so that each makes room for those that it becomes.
+            let before = list.len();
+            list.resize(before * n, list[0]);
+            for from in (0..before).rev() {
+                let w = list[from];
                 for a in 0..n {
                     let offset = offset_of(n, a);
                     let (value, mut slope) = (values[a].to_double(), slopes[a].to_double());
                     if facts.least_squares {
                         slope = value * (offset - xi.to_double()) / inertia.to_double();
                     }
-                    let mut next = *w;
+                    let next = &mut list[from * n + a];
+                    *next = w;
                     next.node[d] = (f64::from(coordinates[d]) + centre + offset).round() as i32;
                     next.value *= value;
                     for e in 0..D {
                         next.gradient[e] *= if e == d { slope * per_spacing } else { value };
                     }
-                    list.push(next);
                 }
             }
         }
