@@ -9,6 +9,7 @@ use super::capability::MeetsSurfaces;
 use super::contact::ContactState;
 use super::fields::Fields;
 use super::footprint::{Folds, NodeWeight};
+use super::meet_walls::AtWall;
 use super::near_particles::{NearNode, NearParticles};
 use super::nodes::{BlockBooks, GridStages, StageOf, mass_cutoff};
 use super::planes::Planes;
@@ -35,6 +36,8 @@ pub(super) struct Background<T: Float, const D: usize> {
     pub(super) terms: Vec<[T; 3]>,
     /// Particles near a surface of another discretisation.
     pub(super) near: NearParticles<D>,
+    /// Walls, in the order of the conditions.
+    pub(super) walls: Vec<AtWall<D>>,
     /// The step after which blocks were arranged last, and whether with a look ahead.
     pub(super) arranged: u64,
     pub(super) ahead: bool,
@@ -61,6 +64,7 @@ impl<T: Float, const D: usize> Background<T, D> {
             planes: Planes::default(),
             terms: Vec::new(),
             near: NearParticles::default(),
+            walls: Vec::new(),
             arranged: 0,
             ahead: false,
         }
@@ -202,5 +206,6 @@ impl<T: Float, const D: usize> Background<T, D> {
             + self.fields.bytes()
             + self.contact.bytes()
             + self.near.bytes()
+            + self.walls.iter().map(AtWall::bytes).sum::<usize>()
     }
 }

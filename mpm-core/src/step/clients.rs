@@ -149,7 +149,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             }
         }
         let mut stage = self.stage(dt);
-        stage.copy_velocities(ContactPhase::Trial);
+        stage.copy_velocities(ContactPhase::Trial, 1.0);
         stage.extrapolate();
     }
 

@@ -5,8 +5,8 @@ use super::footprint::NodeWeight;
 /// No place.
 const NOWHERE: u32 = u32::MAX;
 /// Sweeps of friction at most, and the change of the impulses, over the largest, at which they count as found.
-const SWEEPS: usize = 20;
-const FOUND: f64 = 1e-6;
+pub(super) const SWEEPS: usize = 20;
+pub(super) const FOUND: f64 = 1e-6;
 
 /// Particles near the surface of a [`SurfaceClient`](super::SurfaceClient) in a step, with what its nodes are to each. By body, and in
 /// each in an order that depends on nothing but the scene.
@@ -45,10 +45,6 @@ pub struct NearParticle<const D: usize> {
     pub velocity: [f64; D],
     /// Half the edge of a cube (square in the plane) as large as its domain, m.
     pub half_size: f64,
-    /// Mass, kg; kg/m in the plane, kg/rad about an axis.
-    pub mass: f64,
-    /// Speed of its fastest wave, m/s.
-    pub wave_speed: f64,
 }
 
 /// A node of particles near a surface.
@@ -64,6 +60,13 @@ pub(super) struct NearNode<const D: usize> {
     /// Its velocity at the end of the step, m/s, and how much of it came from the surface.
     pub(super) velocity: [f64; D],
     pub(super) change: [f64; D],
+}
+
+impl<const D: usize> NearNode<D> {
+    /// Its acceleration along an axis, m/s^2, if the velocity at the start of the step is known.
+    pub(super) fn acceleration(&self, axis: usize, step: f64) -> f64 {
+        self.start.map_or(0.0, |start| (self.velocity[axis] - start[axis]) / step)
+    }
 }
 
 impl<const D: usize> Default for NearParticles<D> {
@@ -133,7 +136,7 @@ impl<const D: usize> NearParticles<D> {
         }));
     }
 
-    fn weights(&self, particle: usize) -> &[(u32, [f64; D])] {
+    pub(super) fn weights(&self, particle: usize) -> &[(u32, [f64; D])] {
         &self.weights[self.starts[particle]..self.starts[particle + 1]]
     }
 
@@ -185,22 +188,19 @@ impl<const D: usize> NearParticles<D> {
         }
     }
 
-    /// Have particles rub on a plane across `axis` of this velocity, m/s: those that `rubs` names take impulses along it that bring them to rest on it,
+    /// Have particles, in this order, rub on a plane across `axis` of this velocity, m/s: they take impulses along it that bring them to rest on it,
     /// of at most `limit`, N s, found one after the other until they change no more. Returns the impulses, N s, by particle, and the heat, J.
     pub(super) fn rub(
         &mut self,
-        rubs: impl Fn(usize) -> bool,
+        order: &[usize],
         limit: impl Fn(usize) -> f64,
         axis: usize,
         velocity: &[f64; D],
     ) -> (Vec<[f64; D]>, f64) {
         let mut impulses = vec![[0.0; D]; self.len()];
-        // By their numbers, so that what is found does not depend on where they are kept.
-        let mut order: Vec<usize> = (0..self.len()).filter(|p| rubs(*p)).collect();
-        order.sort_unstable_by_key(|&p| (self.bodies[p], self.numbers[p]));
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for &p in &order {
+            for &p in order {
                 let (mut slip, mut give) = ([0.0; D], [0.0; D]);
                 for (node, weight) in &self.weights[self.starts[p]..self.starts[p + 1]] {
                     let node = &self.nodes[*node as usize];

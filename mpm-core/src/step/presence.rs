@@ -277,16 +277,9 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                     if !reaches(&low, &high) {
                         continue;
                     }
-                    if numbers.is_empty() {
-                        slot.block.read(at, &mut numbers);
-                    }
                     self.node_weights(&slot.block, bin, at, &mut weights);
                     let number = slot.block.number(at);
-                    let mass = self.masses.of(&numbers).to_double();
-                    let said = self.material.describe_point(self.state_of(&numbers));
-                    let wave_speed = said.map_or(0.0, |said| said.wave_speed.to_double());
-                    let particle = NearParticle { number, position, velocity, half_size, mass, wave_speed };
-                    visit(&particle, &weights);
+                    visit(&NearParticle { number, position, velocity, half_size }, &weights);
                 }
             }
         }

@@ -92,6 +92,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let (before_forces, remap) = (self.facts().before_forces, self.facts().remap);
         if before_forces {
             self.stage(dt).velocities(); // iii: eqs. 2, 3; boundaries
+            self.hold_at_walls(dt, true);
             self.apply_contact(ContactPhase::Momentum, dt); // iv: eqs. 6, 7, if the contact algorithm wants it
             self.particle_pass(Which::First, dt)?; // v (USF), vi: eqs. 18, 19, 9
             self.undo_contact_correction(dt);
@@ -116,6 +117,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.particle_pass(Which::First, dt)?; // ix; USL: xi and the next iii, vi
             if remap {
                 self.stage(dt).remap_velocities(dt); // x: eq. 3 again
+                self.hold_remapped_at_walls(dt);
                 self.apply_contact(ContactPhase::Remapped, dt); // x, if the contact algorithm wants it
                 self.particle_pass(Which::Second, dt)?; // xi: eqs. 18, 19; next iii, vi
             }
@@ -374,6 +376,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             self.stage(dt).refine_velocities(&mut terms);
         }
         self.grid.terms = terms;
+        self.hold_at_walls(dt, false);
         Ok(())
     }
 

@@ -13,7 +13,7 @@ mod matrices;
 mod walls;
 mod weights;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use boundaries::{constrain, held};
 use matrices::{inverse, times, transpose};
@@ -200,6 +200,10 @@ pub struct Reference<const D: usize, S> {
     /// Time, s.
     pub time: f64,
     nodes: BTreeMap<Index<D>, Node<D>>,
+    /// Walls and particles whose surfaces press on them, by number.
+    pressed: BTreeSet<(usize, usize)>,
+    /// Surfaces at every wall in this step.
+    touches: Vec<Vec<walls::Touch<D>>>,
     /// Heat of friction on walls so far, J.
     pub heat: f64,
     /// Impulse of walls so far, N s.
@@ -228,6 +232,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             mean_dilatation: false,
             time: 0.0,
             nodes: BTreeMap::new(),
+            pressed: BTreeSet::new(),
+            touches: Vec::new(),
             heat: 0.0,
             wall_impulse: [0.0; D],
             images: Vec::new(),
@@ -276,6 +282,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         match self.order {
             Order::Usf => {
                 self.nodal_velocity();
+                self.hold_mapped(dt);
                 self.update_stress(dt, |node| node.velocity);
                 self.forces();
                 self.integrate_momentum(dt);
@@ -453,6 +460,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 }
             }
         }
+        if order > 1 {
+            self.hold_again(|node| &mut node.velocity, true, dt);
+        }
     }
 
     /// (17), and its filtered kin; the affine matrix.
@@ -549,6 +559,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 constrain(boundaries, lattice, &lattice.node(*index), &mut node.remapped, end);
             }
         }
+        self.hold_again(|node| &mut node.remapped, false, dt);
     }
 
     /// (18), (19), and the constitutive law.

@@ -95,6 +95,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             settled.map_err(|outside| CheckpointError::NoRoom(outside.to_string()))?;
             self.arrange_planes();
         }
+        self.have_walls();
+        self.grid.walls.iter_mut().try_for_each(|wall| wall.archive(file))?;
         self.grid.contact.exchange(file, &self.grid.fields, self.scene.contact.remembers())
     }
 

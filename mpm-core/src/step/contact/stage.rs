@@ -38,7 +38,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
             self.planes.note_velocities(self.grid.nodes());
             self.find_impulses(contact, phase, contact_state, planes);
             self.add_impulses(phase, contact_state);
-            self.copy_velocities(phase);
+            self.copy_velocities(phase, 1.0);
         }
         if phase == ContactPhase::Trial {
             let [friction, taken] = contact_state.book(self.of.dt.to_double());
@@ -73,8 +73,8 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         contact_state.follow(|block| fields.owner(block), self.of.dt.to_double());
     }
 
-    /// Bring the velocities behind planes of symmetry after those in front.
-    pub(in crate::step) fn copy_velocities(&mut self, phase: ContactPhase) {
+    /// Bring the velocities behind planes of symmetry after those in front, of whose change particles take this much.
+    pub(in crate::step) fn copy_velocities(&mut self, phase: ContactPhase, takes: f64) {
         let (bodies, fields) = (self.bodies, self.fields);
         let counts = |node: u32| {
             let owner = fields.owner(fields.layout().block_of(node as usize)) as usize;
@@ -83,7 +83,7 @@ impl<T: Float, const D: usize> GridStages<'_, T, D> {
         let per_dt = (phase == ContactPhase::Trial).then(|| T::of(1.0) / self.of.dt);
         let impulse = self.planes.copy_velocities(self.grid.nodes_mut(), self.cutoff, &counts, per_dt);
         if phase == ContactPhase::Trial {
-            (0..3).for_each(|d| self.scene_wide.impulse[d] += impulse[d]);
+            (0..3).for_each(|d| self.scene_wide.impulse[d] += takes * impulse[d]);
         }
     }
 
