@@ -34,6 +34,11 @@ const PRUNE_AHEAD: u64 = 128;
 const OFTEN: u64 = 16;
 const FEW: usize = 32;
 
+/// Steps in which rigid bodies cross a cell, where there are no others.
+const STEPS_A_CELL: f64 = 20.0;
+/// A step over the time that is left, of rigid bodies at rest that nothing accelerates yet.
+const LEAST_PART: f64 = 1e-3;
+
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Make one step, and return its size in seconds.
     ///
@@ -444,7 +449,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let (step, sharp) = known.unwrap_or_else(|| (self.clock.steps, self.gershgorin_rate()));
             (self.stepper.gershgorin, rate) = (Some((step, sharp)), sharp);
         }
-        let longest = self.steps_of_clients().map(|(_, step)| step).fold(f64::INFINITY, f64::min);
+        let mut longest = self.steps_of_clients().map(|(_, step)| step).fold(f64::INFINITY, f64::min);
+        if self.scene.rigid.len() == self.scene.bodies.len() {
+            rate = self.rigid_rate(rate);
+            // Of bodies that are still at rest it is not known how fast they will be.
+            longest = longest.min(if rate > 0.0 { longest } else { LEAST_PART * left });
+        }
         let dt = self.stepper.control.next(rate, self.clock.last).min(longest);
         if !(dt > 0.0 && dt.is_finite()) {
             return Err(self.stopped(Stopped::NoTimeStep(dt)));
@@ -454,6 +464,14 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         // As `Clock::step_within`: no last step of nothing, which clients with surfaces would mend depths in.
         Ok(T::of(if dt >= left * (1.0 - 1e-9) { left } else { dt.min(0.5 * left) }))
+    }
+
+    /// What stands for the rate of waves where no body has any, 1/s, from that at which bodies cross cells: a cell is crossed, by what moves or
+    /// starts to fall, in some tens of steps.
+    fn rigid_rate(&self, crossing: f64) -> f64 {
+        let gravity = self.scene.conditions.gravity.as_ref().map_or([0.0; D], |g| g(self.clock.time));
+        let weight = gravity.iter().map(|g| g * g).sum::<f64>().sqrt();
+        STEPS_A_CELL * (crossing + (weight / self.grid.lattice().spacing()).sqrt())
     }
 
     /// The bodies that make steps of their own, and the longest that each can make in one of the scene, s.
