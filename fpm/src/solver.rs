@@ -304,6 +304,16 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
             let across = move |_| std::array::from_fn(|d| (d == axis).then_some(0.0));
             return self.hold_faces(|f| on(f) && f.normal[axis].abs() > 0.999, Arc::new(across)).map(|_| ());
         }
+        if let Boundary::Fixed { axis, at, side } = boundary {
+            let behind = |x: &[f64; D]| (x[axis] - at) * side.sign() <= 0.0;
+            let on = |f: &OuterFace<D>| {
+                (f.centroid[axis] - at).abs() <= 1e-6 * f.area.powf(1.0 / (D as f64 - 1.0))
+                    && f.normal[axis].abs() > 0.999
+            };
+            if !self.reference.iter().any(behind) && self.surface.iter().any(on) {
+                return self.hold_faces(on, Arc::new(|_| [Some(0.0); D])).map(|_| ());
+            }
+        }
         self.boundaries.push(boundary);
         Ok(())
     }

@@ -43,6 +43,24 @@ impl<const D: usize> Boundary<D> {
         }
     }
 
+    /// A fixed plane at a face of a body of particles holds those whose surface it is, at `points` (m) with half sizes (m) as their surfaces are away:
+    /// where it has none on or behind it, it is moved to the centres of those that touch it. Other conditions stay as they are.
+    #[must_use]
+    pub fn on_face(self, points: impl Iterator<Item = ([f64; D], f64)>) -> Self {
+        let Boundary::Fixed { axis, at, side } = self else { return self };
+        let mut moved = 0.0f64;
+        for (x, half) in points {
+            let height = (x[axis] - at) * side.sign();
+            if height <= 1e-6 * half {
+                return self;
+            }
+            if height <= (1.0 + 1e-6) * half {
+                moved = moved.max(height);
+            }
+        }
+        Boundary::Fixed { axis, at: at + side.sign() * moved, side }
+    }
+
     /// Make the velocity of a point obey in the step from `time` by `dt`, s, and book what that gives to it.
     #[inline]
     pub fn hold(&self, p: &mut MovingPoint<D>, (time, dt): (f64, f64), given: &mut Exchange) {

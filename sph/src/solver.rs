@@ -327,6 +327,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             }
             return Ok(());
         }
+        let points = self.positions.iter().zip(&self.spacing).map(|(x, s)| (*x, 0.5 * self.surface * s));
+        let boundary = boundary.on_face(points);
         self.boundaries.push(boundary);
         Ok(())
     }

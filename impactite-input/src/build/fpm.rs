@@ -6,12 +6,12 @@ use impactite::fpm::{
     AnyCriterion, Cells, Cohesive, Domain, Flux, Fpm as Body, Incomplete, MaximumTension, Method,
     MixedTensionShear, NoCracks, Notch, Penalty, Space, Symmetric, relaxed, scattered,
 };
-use impactite::geometry::{Cuboid, Lattice, Polygon, fill};
+use impactite::geometry::{Cuboid, Lattice, Polygon};
 use impactite::scene::{Embedding, Solver};
 
 use super::common::World;
 use super::wrong::{At, Made, of_body, wrong};
-use super::{mesh, particles, placement, shape};
+use super::{mesh, particles, placement, seeds, shape};
 use crate::model::body::Body as Spec;
 use crate::model::method::{Cracks, Flux as FluxWord, Fpm, PENALTY, Points};
 use crate::model::shape::Shape;
@@ -144,8 +144,8 @@ where
             }
             Points::Lattice => {
                 let lattice = Lattice::new([0.0; D], spacing).at("method.fpm.spacing")?;
-                let shape = world.shape(key, spec)?;
-                fill(&*shape, &lattice, 1, &world.filling()).at(format!("{key}.shape"))?.positions
+                let cells = seeds::Cells { lattice: &lattice, parts: 1, key: "method.fpm.spacing" };
+                seeds::seeds(world, key, spec, &cells)?.positions
             }
         };
         for (key, notch) in &notches {

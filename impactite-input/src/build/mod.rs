@@ -11,6 +11,7 @@ mod mpm;
 mod output;
 mod particles;
 mod placement;
+mod seeds;
 pub(crate) mod shape;
 pub(crate) mod size;
 pub(crate) mod wrong;

@@ -7,7 +7,7 @@ use impactite::contact::{
 };
 use impactite::coupling::Elements;
 use impactite::fem::Fem;
-use impactite::geometry::{Lattice, fill};
+use impactite::geometry::Lattice;
 use impactite::mpm::{
     BlockGrid, ContactAlgorithm, DenseGrid, FieldForce, GridContact, Merging, Mpm as Scene, OneField, Rigid,
     Splitting, Traction, Twist,
@@ -17,6 +17,7 @@ use impactite::scene::Solver;
 use super::common::World;
 use super::kernels::Setting;
 use super::material::{Acting, Start};
+use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, known, of_body, wrong};
 use super::{mesh, placement, shape};
 use crate::model::body::{Body, MeetBy, Traction as Load};
@@ -75,7 +76,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
             continue;
         }
         let shape = world.shape(&key, body)?;
-        let seeds = fill(&*shape, &lattice, parts, &world.filling()).at(format!("{key}.shape"))?;
+        let seeds = seeds(world, &key, body, &Cells { lattice: &lattice, parts, key: "method.mpm.cell" })?;
         match &body.rigid {
             Some(_) => {
                 let rigid = rigid(world, &key, body)?;

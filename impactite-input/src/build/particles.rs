@@ -2,7 +2,7 @@
 
 use impactite::contact::SurfaceDistance;
 use impactite::contact::particles::{Bodies, ParticleBody};
-use impactite::geometry::{Lattice, fill};
+use impactite::geometry::Lattice;
 use impactite::pcmm::{LocalDelaunay, Masses, Method as PcmmMethod, Packing, Pcmm as PcmmBody};
 use impactite::scene::Solver;
 use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
@@ -10,9 +10,11 @@ use impactite::sph::{Layout, Method as SphMethod, Sph as SphBody};
 use super::common::World;
 use super::kernels::Setting;
 use super::placement;
+use super::seeds::{Cells, corners, seeds};
 use super::wrong::{At, Made, of_body, wrong};
 use crate::model::contact::Detector;
 use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCE};
+use crate::model::shape::Shape as Spec;
 
 /// Bodies one by one, and then one of them, or a scene of all.
 ///
@@ -58,7 +60,8 @@ pub(super) fn sph<E: Setting<D>, const D: usize>(
             scene(world, |name| {
                 let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
                 let shape = world.shape(&key, spec)?;
-                let seeds = fill(&*shape, &lattice, 1, &world.filling()).at(format!("{key}.shape"))?;
+                let cells = Cells { lattice: &lattice, parts: 1, key: "method.sph.spacing" };
+                let seeds = seeds(world, &key, spec, &cells)?;
                 let velocity = world.velocity(&key, spec, &shape.bounds())?;
                 let law = world.law(&key, spec)?.material;
                 let body = SphBody::new($method, law, &Layout::of_seeds(&seeds), move |x| velocity(x));
@@ -99,8 +102,11 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     scene(world, |name| {
         let (key, spec) = (format!("bodies.{name}"), &world.scene.expanded[name]);
         let shape = world.shape(&key, spec)?;
-        let packing =
-            Packing::on_nodes(&*shape, &lattice).map_err(|e| of_body(&format!("{key}.shape"), e))?;
+        let own = spec.shape.as_ref().and_then(|s| nodes_of_box(s, &lattice));
+        let packing = match own {
+            Some(packing) => packing,
+            None => Packing::on_nodes(&*shape, &lattice).map_err(|e| of_body(&format!("{key}.shape"), e))?,
+        };
         let velocity = world.velocity(&key, spec, &shape.bounds())?;
         let law = world.law(&key, spec)?.material;
         let delaunay = LocalDelaunay::new(tolerance * spacing, stretch).at("method.pcmm")?;
@@ -121,4 +127,30 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
         body.set_watch(world.watch());
         Ok(body)
     })
+}
+
+/// Particles of a box along the axes, on its faces and as many between as fit best, where these are not on nodes of the lattice.
+fn nodes_of_box<const D: usize>(spec: &Spec, lattice: &Lattice<D>) -> Option<Packing<D>> {
+    let [low, high] = corners::<D>(spec)?;
+    let sites = |x: f64, d: usize| (x - lattice.origin()[d]) / lattice.spacing();
+    let on = |x: f64, d: usize| (sites(x, d) - sites(x, d).round()).abs() <= 1e-6;
+    let counts: [f64; D] = std::array::from_fn(|d| ((high[d] - low[d]) / lattice.spacing()).round());
+    let aligned = (0..D).all(|d| on(low[d], d) && on(high[d], d));
+    if aligned || counts.iter().any(|n| !(1.0..1e9).contains(n)) || counts.iter().product::<f64>() > 1e8 {
+        return None;
+    }
+    let edges: [f64; D] = std::array::from_fn(|d| (high[d] - low[d]) / counts[d]);
+    let rows = counts.map(|n| n as usize + 1);
+    let mut positions = Vec::new();
+    for site in 0..rows.iter().product() {
+        let (mut x, mut rest) = ([0.0; D], site);
+        for d in (0..D).rev() {
+            x[d] = low[d] + (rest % rows[d]) as f64 * edges[d];
+            rest /= rows[d];
+        }
+        positions.push(x);
+    }
+    let radius = 0.5 * edges.iter().fold(f64::INFINITY, |least, edge| least.min(*edge));
+    let radii = vec![radius; positions.len()];
+    Some(Packing { positions, radii, volumes: Vec::new(), surface: 0.0 })
 }

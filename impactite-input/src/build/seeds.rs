@@ -1,0 +1,195 @@
+//! Points in the shapes of bodies.
+
+use std::collections::HashMap;
+
+use impactite::geometry::{Lattice, Seeds, Shape, fill};
+
+use super::common::World;
+use super::wrong::{At, Made, Wrong};
+use crate::model::body::Body;
+use crate::model::fixed;
+use crate::model::shape::Shape as Spec;
+
+/// Faces of boxes this near to sites of a lattice, in spacings, lie there.
+const ALIGNED: f64 = 1e-6;
+/// Places at which a shape is looked at for parts without a point.
+const LOOKS: usize = 20_000;
+/// Part of the volume of a shape that may be without points: tips and edges.
+const BARE: f64 = 0.02;
+/// Largest number of points along an axis of a box.
+const MOST: f64 = 1e9;
+
+/// Cells of a method: their lattice, the points along an edge of each, and the key of their size.
+pub(super) struct Cells<'a, const D: usize> {
+    pub lattice: &'a Lattice<D>,
+    pub parts: usize,
+    pub key: &'a str,
+}
+
+impl<const D: usize> Cells<'_, D> {
+    /// Distance of points, m.
+    fn edge(&self) -> f64 {
+        self.lattice.spacing() / self.parts as f64
+    }
+}
+
+/// Points of the shape of a body. Boxes along the axes are divided into as many points as fit best, so that their faces are where the file puts
+/// them; points of other shapes are on the lattice, those beside a face half an edge below it.
+pub(super) fn seeds<const D: usize>(
+    world: &World<'_, D>,
+    key: &str,
+    body: &Body,
+    cells: &Cells<'_, D>,
+) -> Made<Seeds<D>> {
+    let (key, shape) = (format!("{key}.shape"), world.shape(key, body)?);
+    if let Some([low, high]) = body.shape.as_ref().and_then(corners) {
+        let within = |x: f64, d: usize| {
+            let sites = (x - cells.lattice.origin()[d]) / cells.edge();
+            (sites - sites.round()).abs() <= ALIGNED
+        };
+        let counts: [f64; D] = std::array::from_fn(|d| ((high[d] - low[d]) / cells.edge()).round());
+        let aligned = (0..D).all(|d| within(low[d], d) && within(high[d], d));
+        if !aligned && counts.iter().all(|n| (1.0..MOST).contains(n)) && counts.iter().product::<f64>() < MOST
+        {
+            return Ok(divided(&low, &high, &counts.map(|n| n as usize), world.revolved()));
+        }
+    }
+    let seeds = fill(&*shape, cells.lattice, cells.parts, &world.filling()).at(&key)?;
+    if body.shape.as_ref().is_some_and(may_be_thin) {
+        thin(&key, &*shape, &seeds, cells)?;
+    }
+    Ok(seeds)
+}
+
+/// The corners of a box along the axes.
+pub(super) fn corners<const D: usize>(spec: &Spec) -> Option<[[f64; D]; 2]> {
+    match spec {
+        Spec::Box(spec) => {
+            let (from, to): ([f64; D], [f64; D]) = (fixed(&spec.from).ok()?, fixed(&spec.to).ok()?);
+            let low = std::array::from_fn(|d| from[d].min(to[d]));
+            Some([low, std::array::from_fn(|d| from[d].max(to[d]))])
+        }
+        Spec::Moved(moved) if moved.turn.is_none() => {
+            let by: [f64; D] = moved.by.as_ref().map_or(Some([0.0; D]), |by| fixed(by).ok())?;
+            let corners = corners::<D>(&moved.shape)?;
+            Some(corners.map(|x| std::array::from_fn(|d| x[d] + by[d])))
+        }
+        _ => None,
+    }
+}
+
+/// A box of so many points along its axes.
+fn divided<const D: usize>(low: &[f64; D], high: &[f64; D], counts: &[usize; D], revolved: bool) -> Seeds<D> {
+    let edges: [f64; D] = std::array::from_fn(|d| (high[d] - low[d]) / counts[d] as f64);
+    let (mut positions, mut volumes) = (Vec::new(), Vec::new());
+    for site in 0..counts.iter().product() {
+        let (mut x, mut rest) = ([0.0; D], site);
+        for d in (0..D).rev() {
+            x[d] = low[d] + ((rest % counts[d]) as f64 + 0.5) * edges[d];
+            rest /= counts[d];
+        }
+        let volume: f64 = edges.iter().product();
+        volumes.push(if revolved { x[0] * volume } else { volume });
+        positions.push(x);
+    }
+    Seeds::placed(positions, volumes, edges.map(|edge| 0.5 * edge))
+}
+
+/// Shapes that may have parts between points.
+fn may_be_thin(spec: &Spec) -> bool {
+    match spec {
+        Spec::Moved(moved) => may_be_thin(&moved.shape),
+        Spec::Box(_) | Spec::Ball(_) | Spec::Cylinder(_) | Spec::Frustum(_) | Spec::OgiveRod(_) => false,
+        _ => true,
+    }
+}
+
+/// Refuse a shape a part of which holds no point.
+fn thin<const D: usize>(key: &str, shape: &dyn Shape<D>, seeds: &Seeds<D>, cells: &Cells<'_, D>) -> Made<()> {
+    let (edge, bounds) = (cells.edge(), shape.bounds());
+    let site = |x: &[f64; D]| -> [i64; D] { x.map(|c| (c / edge).floor() as i64) };
+    let mut at: HashMap<[i64; D], Vec<u32>> = HashMap::new();
+    for (n, x) in seeds.positions.iter().enumerate() {
+        at.entry(site(x)).or_default().push(n as u32);
+    }
+    let covered = |x: &[f64; D]| {
+        let middle = site(x);
+        (0..3usize.pow(D as u32)).any(|n| {
+            let beside = std::array::from_fn(|d| middle[d] + (n / 3usize.pow(d as u32) % 3) as i64 - 1);
+            at.get(&beside).is_some_and(|list| {
+                let near = |p: &u32| {
+                    let y = &seeds.positions[*p as usize];
+                    (0..D).all(|d| (x[d] - y[d]).abs() <= 1.05 * edge)
+                };
+                list.iter().any(near)
+            })
+        })
+    };
+    let (mut inside, mut bare, mut deepest) = (0usize, 0usize, (0.0, [0.0; D]));
+    for n in 0..LOOKS {
+        let x: [f64; D] = std::array::from_fn(|d| {
+            bounds.min[d] + (bounds.max[d] - bounds.min[d]) * halton(n + 1, [2, 3, 5][d.min(2)])
+        });
+        let depth = -shape.signed_distance(x);
+        if depth <= 0.0 {
+            continue;
+        }
+        inside += 1;
+        if !covered(&x) {
+            bare += 1;
+            if depth > deepest.0 {
+                deepest = (depth, x);
+            }
+        }
+    }
+    if bare as f64 <= BARE * inside as f64 {
+        return Ok(());
+    }
+    let (depth, place) = deepest;
+    Err(Wrong {
+        key: key.into(),
+        message: format!(
+            "{:.0} % of its volume hold no point: at {place:?} it is about {:.3e} m thick, and points are {edge:.3e} m apart",
+            100.0 * bare as f64 / inside as f64,
+            2.0 * depth
+        ),
+        help: Some(format!(
+            "take `{}` of {:.2e} m or less, or a thicker shape",
+            cells.key,
+            2.0 * depth * cells.parts as f64
+        )),
+    })
+}
+
+/// The n-th number of the sequence of Halton in this base, within 0 and 1.
+fn halton(n: usize, base: usize) -> f64 {
+    let (mut rest, mut part, mut sum) = (n, 1.0, 0.0);
+    while rest > 0 {
+        part /= base as f64;
+        sum += part * (rest % base) as f64;
+        rest /= base;
+    }
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_are_divided_where_they_are() {
+        let seeds = divided(&[5.03, 0.07], &[6.03, 0.57], &[10, 5], false);
+        let mean = |d: usize| seeds.positions.iter().map(|x| x[d]).sum::<f64>() / seeds.len() as f64;
+        assert!((mean(0) - 5.53).abs() < 1e-14 && (mean(1) - 0.32).abs() < 1e-14);
+        assert!((seeds.volumes.iter().sum::<f64>() - 0.5).abs() < 1e-14);
+        // About an axis, per radian.
+        let tube = divided(&[1.0, 0.0], &[3.0, 1.0], &[7, 2], true);
+        assert!((tube.volumes.iter().sum::<f64>() - 4.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn numbers_of_halton_fill_the_unit_interval() {
+        let mean = (1..=1000).map(|n| halton(n, 3)).sum::<f64>() / 1000.0;
+        assert!((mean - 0.5).abs() < 0.01 && halton(1, 2) == 0.5 && halton(5, 3) == 2.0 / 3.0 + 1.0 / 9.0);
+    }
+}
