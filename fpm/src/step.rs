@@ -150,7 +150,7 @@ impl<const D: usize, M: Composition<D>> Fpm<D, M> {
                         prescribed |= PRESCRIBED << d;
                     }
                 }
-                batch.held[n] = batch.held[n] & 7 * TOUCHED | prescribed;
+                batch.held[n] = batch.held[n] & (7 * TOUCHED) | prescribed;
                 for d in 0..D {
                     if point.velocity[d] != v[d] {
                         batch.held[n] |= HELD << d;

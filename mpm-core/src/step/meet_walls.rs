@@ -1,6 +1,6 @@
 //! Walls that only push, as the surfaces of bodies meet them.
 //!
-//! A particle is a ball whose radius r is half its edge: so far below the surface of a body its outermost particles lie. Where the surface of a
+//! Half its size r along the normal: so far below the surface of a body its outermost particles lie. Where the surface of a
 //! particle, at x - r n, reaches a wall of normal n, it presses on it from the step in which it would go into the wall to that in which the
 //! nodes' acceleration draws it off. While it presses, the surface moves as the wall does:
 //!
@@ -19,7 +19,7 @@
 use super::contact::ContactPhase;
 use super::footprint::{Folds, NodeWeight};
 use super::mpm::Mpm;
-use super::near_particles::{FOUND, NearParticles, SWEEPS};
+use super::near_particles::{FOUND, NearNode, NearParticles, SWEEPS};
 use super::nodes::mass_cutoff;
 use crate::parallel::Float;
 use impactite_scene::archive::{Archive, CheckpointError};
@@ -68,9 +68,19 @@ pub(super) struct AtWall<const D: usize> {
     /// Particles whose surfaces may reach it, with weights at their surfaces.
     near: NearParticles<D>,
     surfaces: Vec<Surface>,
+    /// Inverse masses that nodes show to surfaces, 1/kg; none of those that a condition holds along the axis of the wall.
+    shown: Vec<f64>,
     /// The particles by their numbers, so that what is found does not depend on where they are kept.
     order: Vec<usize>,
 }
+
+/// Least mass that a node shows to surfaces, over the largest there. Nodes of next to no mass would give way to a surface all alone, at
+/// velocities that strain what is beside them.
+const LIGHTEST: f64 = 0.1;
+/// Gap, over half the size of a particle, up to which a surface that pressed still presses: matter that expands is larger than its particle.
+const PARTS: f64 = 0.25;
+/// A surface within this many cells of a wall touches it: a gap that was closed within a step is closed to rounding.
+const TOUCHES: f64 = 1e-6;
 
 /// The surface of a particle at a wall.
 #[derive(Clone, Copy, Debug)]
@@ -83,9 +93,18 @@ struct Surface {
     presses: bool,
     /// Inverse of the mass that its nodes show there, 1/kg.
     give: f64,
-    /// Impulse of the wall's force, N s, over the step, and of the constraint on velocities, N s.
+    /// Impulses of the wall's force over the step and of the constraint on velocities, N s, by the masses that nodes show.
     force: f64,
     stop: f64,
+    /// How much of these get nodes that move.
+    passes: [f64; 2],
+}
+
+impl Surface {
+    /// The impulse that nodes get that move, N s, of which particles take the second part so much.
+    fn given(&self, takes: f64) -> f64 {
+        self.passes[0] * self.force + takes * self.passes[1] * self.stop
+    }
 }
 
 /// Components along an axis of what is said of nodes.
@@ -102,8 +121,8 @@ impl<const D: usize> AtWall<D> {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             for &p in &self.order {
                 let (surface, weights) = (&mut self.surfaces[p], self.near.weights(p));
-                let excess =
-                    wall.sign * (along(weights, axis, velocities) - drag) + surface.gap.max(0.0) / step;
+                let gap = if surface.presses { 0.0 } else { surface.gap.max(0.0) };
+                let excess = wall.sign * (along(weights, axis, velocities) - drag) + gap / step;
                 let wanted = surface.stop - excess / surface.give;
                 let wanted = if surface.presses { wanted } else { wanted.max(0.0) };
                 let more = wanted - surface.stop;
@@ -111,7 +130,7 @@ impl<const D: usize> AtWall<D> {
                 (changed, largest) = (changed.max(more.abs()), largest.max(wanted.abs()));
                 for (node, weight) in weights.iter().filter(|_| more != 0.0) {
                     let node = *node as usize;
-                    velocities[node] += wall.sign * weight[axis] * more / self.near.nodes[node].mass;
+                    velocities[node] += wall.sign * weight[axis] * more * self.shown[node];
                 }
             }
             if changed <= FOUND * largest {
@@ -120,12 +139,12 @@ impl<const D: usize> AtWall<D> {
         }
     }
 
-    /// Balance accelerations of nodes at surfaces that press, and find which do.
+    /// Balance accelerations of nodes (forces over the masses that they show) at surfaces that press, and find which do.
     fn bear(&mut self, wall: &Plane<D>, velocities: &[f64], accelerations: &mut [f64], step: f64) {
         let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
         for (p, surface) in self.surfaces.iter_mut().enumerate() {
             let closing = wall.sign * (along(self.near.weights(p), axis, velocities) - drag) < 0.0;
-            surface.presses = surface.gap <= 0.0 && (surface.pressed || closing);
+            surface.presses = surface.pressed || surface.gap <= 0.0 && closing;
         }
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
@@ -141,8 +160,7 @@ impl<const D: usize> AtWall<D> {
                 (changed, largest) = (changed.max(more.abs()), largest.max(wanted.abs()));
                 for (node, weight) in weights.iter().filter(|_| more != 0.0) {
                     let node = *node as usize;
-                    accelerations[node] +=
-                        wall.sign * weight[axis] * more / (step * self.near.nodes[node].mass);
+                    accelerations[node] += wall.sign * weight[axis] * more * self.shown[node] / step;
                 }
             }
             if changed <= FOUND * largest {
@@ -164,6 +182,7 @@ impl<const D: usize> AtWall<D> {
         self.near.bytes()
             + self.pressing.capacity() * size_of::<(u32, usize)>()
             + self.surfaces.capacity() * size_of::<Surface>()
+            + self.shown.capacity() * size_of::<f64>()
             + self.order.capacity() * size_of::<usize>()
     }
 
@@ -189,14 +208,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.at_walls(|this, at, wall| {
             if mapped {
                 this.gather_at(at, wall, dt, true);
-                at.surfaces.iter_mut().for_each(|s| s.presses = s.pressed && s.gap <= 0.0);
+                at.surfaces.iter_mut().for_each(|s| s.presses = s.pressed);
             }
             this.hold_at(at, wall, dt, false);
             // Particles take this much of what nodes move with.
             at.surfaces.iter_mut().for_each(|surface| surface.force = 0.0);
             this.book_walls(at, wall, this.kernels.taken(dt).to_double());
-            let planes = std::mem::replace(&mut at.near.planes, [0.0; D]);
-            (0..D).for_each(|d| this.ledger.impulse[d] += planes[d]);
         });
     }
 
@@ -231,10 +248,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
         let known = !mapped && !self.kernels.facts().maps_together;
         let step = dt.to_double();
-        let AtWall { pressing, near, surfaces, order } = at;
+        let AtWall { pressing, near, surfaces, shown, order } = at;
         near.clear();
         surfaces.clear();
-        let margin = 0.1 * self.grid.lattice().spacing();
+        let (margin, touches) =
+            (0.1 * self.grid.lattice().spacing(), TOUCHES * self.grid.lattice().spacing());
         let reaches =
             |low: &[f64; D], high: &[f64; D]| wall.distance(if wall.sign > 0.0 { low } else { high }) < 0.0;
         let mut shifted = Vec::new();
@@ -242,13 +260,23 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             let Some(particles) = particles.meets_surfaces() else { continue };
             let node_at = self.grid.near_node(body as u32, (cutoff, known, dt));
             particles.visit_near(step, &reaches, &mut |particle, weights| {
-                let radius = particle.half_size;
+                let radius = particle.reach[wall.axis];
                 let gap = wall.distance(&particle.position) - radius;
-                if gap > margin + step * particle.velocity[wall.axis].abs() {
+                let gap = if gap <= touches { gap.min(0.0) } else { gap };
+                let pressed =
+                    gap <= PARTS * radius && pressing.binary_search(&(body as u32, particle.number)).is_ok();
+                if gap >= margin + step * (-wall.sign * particle.velocity[wall.axis]).max(0.0) && !pressed {
                     return;
                 }
-                let pressed = pressing.binary_search(&(body as u32, particle.number)).is_ok();
-                surfaces.push(Surface { gap, pressed, presses: false, give: 0.0, force: 0.0, stop: 0.0 });
+                surfaces.push(Surface {
+                    gap,
+                    pressed,
+                    presses: false,
+                    give: 0.0,
+                    force: 0.0,
+                    stop: 0.0,
+                    passes: [0.0; 2],
+                });
                 let lever = -wall.sign * radius;
                 shifted.clear();
                 shifted.extend(
@@ -259,10 +287,27 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 near.add(body as u32, particle, &mut |list| folds.fold(&shifted, list), &node_at);
             });
         }
+        let least = LIGHTEST * near.nodes.iter().fold(0.0, |most: f64, node| most.max(node.mass));
+        let end = self.clock.time + step;
+        let tolerance = 1e-6 * self.grid.lattice().spacing();
+        let copies = if self.facts().wide() { 1.5 * self.grid.lattice().spacing() } else { 0.0 };
+        let held = |x: &[f64; D]| {
+            let mut v = [1.0; 3];
+            let others = self.scene.conditions.boundaries.iter().filter(|b| !b.is_wall());
+            others.for_each(|b| b.constrain(x, &mut v, end, tolerance, copies));
+            v[wall.axis] != 1.0
+        };
+        shown.clear();
+        shown.extend(
+            near.nodes.iter().map(|node| if held(&node.position) { 0.0 } else { 1.0 / node.mass.max(least) }),
+        );
         for (p, surface) in surfaces.iter_mut().enumerate() {
-            let weights = near.weights(p).iter();
-            surface.give =
-                weights.map(|(node, w)| w[wall.axis].powi(2) / near.nodes[*node as usize].mass).sum();
+            for (node, w) in near.weights(p) {
+                let (shown, w) = (shown[*node as usize], w[wall.axis]);
+                surface.give += w * w * shown;
+                surface.passes[0] += if shown > 0.0 { w } else { 0.0 };
+                surface.passes[1] += w * near.nodes[*node as usize].mass * shown;
+            }
         }
         order.clear();
         order.extend((0..near.len()).filter(|p| surfaces[*p].give > 0.0));
@@ -281,13 +326,16 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let takes = self.kernels.taken(dt).to_double();
         let mut velocities: Vec<f64> = at.near.nodes.iter().map(|node| node.velocity[axis]).collect();
         if known {
-            let before: Vec<f64> = at.near.nodes.iter().map(|node| node.acceleration(axis, step)).collect();
+            let shows =
+                |(node, shown): (&NearNode<D>, &f64)| node.acceleration(axis, step) * node.mass * shown;
+            let before: Vec<f64> = at.near.nodes.iter().zip(&at.shown).map(shows).collect();
             let mut accelerations = before.clone();
             at.bear(wall, &velocities, &mut accelerations, step);
-            for ((v, node), (now, before)) in
-                velocities.iter_mut().zip(&mut at.near.nodes).zip(accelerations.iter().zip(&before))
+            let changes = accelerations.iter().zip(&before).map(|(now, before)| now - before);
+            for (((v, node), change), shown) in
+                velocities.iter_mut().zip(&mut at.near.nodes).zip(changes).zip(&at.shown)
             {
-                *v += (now - before) * step;
+                *v += if change == 0.0 { 0.0 } else { change * step / (node.mass * shown) };
                 node.change[axis] = *v - node.velocity[axis];
                 node.velocity[axis] = *v;
             }
@@ -296,14 +344,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.book_walls(at, wall, takes);
         // The work of a body force was booked with the velocities before.
         let gravity = self.scene.conditions.gravity.as_ref().map_or(0.0, |g| g(self.clock.time)[axis]);
-        let moved: f64 = at.surfaces.iter().map(|surface| 0.5 * surface.force + surface.stop).sum();
+        let moved = |s: &Surface| 0.5 * s.passes[0] * s.force + s.passes[1] * s.stop;
+        let moved: f64 = at.surfaces.iter().map(moved).sum();
         self.ledger.work += step * gravity * wall.sign * moved;
         if !known {
             at.surfaces.iter_mut().for_each(|surface| surface.presses = surface.stop > 0.0);
         }
         if wall.friction > 0.0 {
             let surfaces = &at.surfaces;
-            let limit = |p: usize| wall.friction * (surfaces[p].force + takes * surfaces[p].stop).max(0.0);
+            let limit = |p: usize| wall.friction * surfaces[p].given(takes).max(0.0);
             let (impulses, heat) = at.near.rub(&at.order, limit, axis, &wall.velocity);
             self.ledger.friction += heat;
             for impulse in &impulses {
@@ -319,13 +368,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
     }
 
     /// Book what a wall gave.
-    fn book_walls(&mut self, at: &mut AtWall<D>, wall: &Plane<D>, takes: f64) {
+    fn book_walls(&mut self, at: &AtWall<D>, wall: &Plane<D>, takes: f64) {
         let axis = wall.axis;
-        for (p, surface) in at.surfaces.iter().enumerate() {
-            let impulse = wall.sign * (surface.force + takes * surface.stop);
-            let given: f64 = at.near.weights(p).iter().map(|(_, weight)| weight[axis]).sum();
+        for surface in &at.surfaces {
+            let impulse = wall.sign * surface.given(takes);
             self.ledger.impulse[axis] += impulse;
-            at.near.planes[axis] += (given - 1.0) * impulse;
             self.ledger.work += impulse * wall.velocity[axis];
         }
     }

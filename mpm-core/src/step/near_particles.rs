@@ -45,6 +45,8 @@ pub struct NearParticle<const D: usize> {
     pub velocity: [f64; D],
     /// Half the edge of a cube (square in the plane) as large as its domain, m.
     pub half_size: f64,
+    /// Half the size of its domain along each axis, m.
+    pub reach: [f64; D],
 }
 
 /// A node of particles near a surface.

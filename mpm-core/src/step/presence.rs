@@ -241,7 +241,9 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
         };
         let size_of = |numbers: &[T]| {
             let edges = self.half_edges(numbers);
-            (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64)
+            let size = (0..D).map(|d| length(edges[d])).product::<f64>().powf(1.0 / D as f64);
+            let reach: [f64; D] = std::array::from_fn(|d| edges[..D].iter().map(|edge| edge[d].abs()).sum());
+            (size, reach)
         };
         // Domains that do not change are all alike.
         let carried = self.facts().total || self.facts().domain.carried();
@@ -266,20 +268,20 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                     let velocity: [f64; D] =
                         std::array::from_fn(|d| slot.block.get(at, Columns::velocity(D) + d).to_double());
                     numbers.clear();
-                    let half_size = of_all.unwrap_or_else(|| {
+                    let (half_size, reach) = of_all.unwrap_or_else(|| {
                         slot.block.read(at, &mut numbers);
                         size_of(&numbers)
                     });
                     // What its nodes' accelerations add to its motion is within the margin.
-                    let beside = half_size + BESIDE * h;
-                    let low = std::array::from_fn(|d| position[d] + (dt * velocity[d]).min(0.0) - beside);
-                    let high = std::array::from_fn(|d| position[d] + (dt * velocity[d]).max(0.0) + beside);
+                    let beside = |d: usize| half_size.max(reach[d]) + BESIDE * h;
+                    let low = std::array::from_fn(|d| position[d] + (dt * velocity[d]).min(0.0) - beside(d));
+                    let high = std::array::from_fn(|d| position[d] + (dt * velocity[d]).max(0.0) + beside(d));
                     if !reaches(&low, &high) {
                         continue;
                     }
                     self.node_weights(&slot.block, bin, at, &mut weights);
                     let number = slot.block.number(at);
-                    visit(&NearParticle { number, position, velocity, half_size }, &weights);
+                    visit(&NearParticle { number, position, velocity, half_size, reach }, &weights);
                 }
             }
         }

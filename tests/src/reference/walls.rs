@@ -1,11 +1,11 @@
-//! Walls that only push, as the surfaces of particles meet them: each is a ball whose radius is half its edge. Surfaces that press move as the
+//! Walls that only push, as the surfaces of particles meet them: half a domain from their positions. Surfaces that press move as the
 //! wall does, and the force of the wall balances the acceleration of the nodes there.
 
 use std::collections::BTreeMap;
 
 use mpm_core::{Boundary, ShapeFunction, Side};
 
-use super::boundaries::constrain;
+use super::boundaries::{constrain, held};
 use super::weights::side;
 use super::{Index, Node, Order, Point, Reference, Rule};
 
@@ -40,13 +40,14 @@ fn wall<const D: usize>(boundary: &Boundary<D>, number: usize, time: f64) -> Opt
 const SWEEPS: usize = 20;
 const FOUND: f64 = 1e-6;
 
-/// By node of a surface: its weight, that with those of images by direction, its mass.
-type Row<const D: usize> = BTreeMap<Index<D>, (f64, [f64; D], f64)>;
+/// By node of a surface: its weight, that with those of images by direction, its mass, and the inverse of the mass that it shows across the wall.
+type Row<const D: usize> = BTreeMap<Index<D>, (f64, [f64; D], f64, f64)>;
 
 /// The surface of a particle at a wall.
 pub(super) struct Touch<const D: usize> {
     point: usize,
     gap: f64,
+    pressed: bool,
     presses: bool,
     row: Row<D>,
     /// Impulses of the force of the wall and of the constraint on velocities, N s.
@@ -55,13 +56,25 @@ pub(super) struct Touch<const D: usize> {
 }
 
 impl<const D: usize> Touch<D> {
-    /// Inverse of the mass that the nodes show along an axis.
+    /// Inverse of the mass of the nodes along an axis.
     fn give(&self, axis: usize) -> f64 {
-        self.row.values().map(|(own, all, mass)| own * all[axis] / mass).sum()
+        self.row.values().map(|(own, all, mass, _)| own * all[axis] / mass).sum()
+    }
+    /// Inverse of the mass that they show across the wall.
+    fn shown(&self, axis: usize) -> f64 {
+        self.row.values().map(|(own, all, _, shown)| own * all[axis] * shown).sum()
+    }
+    /// The impulse that moving nodes get, N s, of which particles take the second part so much.
+    fn given(&self, takes: f64) -> f64 {
+        let of = |(own, _, mass, shown): &(f64, [f64; D], f64, f64)| {
+            let passes = if *shown > 0.0 { self.force } else { 0.0 };
+            own * (passes + takes * self.stop * mass * shown)
+        };
+        self.row.values().map(of).sum()
     }
     /// At the surface, what is said of nodes.
     fn of(&self, value: impl Fn(&Index<D>) -> f64) -> f64 {
-        self.row.iter().map(|(index, (own, _, _))| own * value(index)).sum()
+        self.row.iter().map(|(index, (own, ..))| own * value(index)).sum()
     }
 }
 
@@ -81,13 +94,13 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         let takes = self.takes(dt);
         self.touches.clear();
         for plane in self.planes() {
-            let mut touches = self.touching(&plane);
+            let mut touches = self.touching(&plane, dt);
             if knows_force {
                 self.bear(&plane, &mut touches, dt);
             }
             self.hold(&plane, &mut touches, |node| &mut node.velocity, dt);
             for touch in &mut touches {
-                let impulse = plane.sign * (touch.force + takes * touch.stop);
+                let impulse = plane.sign * touch.given(takes);
                 self.wall_impulse[plane.axis] += impulse;
                 touch.presses = if knows_force { touch.force > 0.0 } else { touch.stop > 0.0 };
             }
@@ -116,12 +129,12 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     pub(super) fn hold_mapped(&mut self, dt: f64) {
         let takes = self.takes(dt);
         for plane in self.planes() {
-            let mut touches = self.touching(&plane);
+            let mut touches = self.touching(&plane, dt);
             for touch in &mut touches {
-                touch.presses = touch.gap <= 0.0 && self.pressed.contains(&(plane.number, touch.point));
+                touch.presses = touch.pressed;
             }
             self.hold(&plane, &mut touches, |node| &mut node.velocity, dt);
-            self.wall_impulse[plane.axis] += touches.iter().map(|t| plane.sign * takes * t.stop).sum::<f64>();
+            self.wall_impulse[plane.axis] += touches.iter().map(|t| plane.sign * t.given(takes)).sum::<f64>();
         }
     }
 
@@ -131,7 +144,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         for (plane, touches) in self.planes().into_iter().zip(&mut all) {
             self.hold(&plane, touches, record, dt);
             if given {
-                self.wall_impulse[plane.axis] += touches.iter().map(|t| plane.sign * t.stop).sum::<f64>();
+                touches.iter_mut().for_each(|touch| touch.force = 0.0);
+                self.wall_impulse[plane.axis] +=
+                    touches.iter().map(|t| plane.sign * t.given(1.0)).sum::<f64>();
             }
         }
         self.touches = all;
@@ -147,15 +162,18 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         }
     }
 
-    /// The surfaces within half a cell of a wall.
-    fn touching(&self, wall: &Wall<D>) -> Vec<Touch<D>> {
+    /// The surfaces that may touch a wall in a step.
+    fn touching(&self, wall: &Wall<D>, dt: f64) -> Vec<Touch<D>> {
         let (light, mut list) = (self.lightest(), Vec::new());
         for (n, point) in self.points.iter().enumerate() {
-            let radius = self.half_size(point);
-            let gap = wall.sign * (point.x[wall.axis] - wall.at) - radius;
-            if gap > 0.5 * self.lattice.spacing() {
+            let radius = self.reach(point, wall.axis);
+            let (gap, h) = (wall.sign * (point.x[wall.axis] - wall.at) - radius, self.lattice.spacing());
+            // Those that may come to touch it in this step; to rounding they do.
+            let pressed = self.has_pressed(wall, n, gap, radius);
+            if gap >= 0.1 * h + dt * (-wall.sign * point.v[wall.axis]).max(0.0) && !pressed {
                 continue;
             }
+            let gap = if gap <= 1e-6 * h { gap.min(0.0) } else { gap };
             let mut row = Row::new();
             for image in &self.images[n] {
                 for w in &image.weights {
@@ -164,33 +182,44 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                     };
                     let lever = -wall.sign * radius * image.sign[wall.axis];
                     let value = w.value + lever * w.gradient[wall.axis];
-                    let sum = row.entry(w.node).or_insert((0.0, [0.0; D], node.mass));
+                    let sum = row.entry(w.node).or_insert((0.0, [0.0; D], node.mass, 0.0));
                     sum.0 += if image.sign == [1.0; D] { value } else { 0.0 };
                     (0..D).for_each(|d| sum.1[d] += image.sign[d] * value);
                 }
             }
-            list.push(Touch { point: n, gap, presses: false, row, force: 0.0, stop: 0.0 });
+            list.push(Touch { point: n, gap, pressed, presses: false, row, force: 0.0, stop: 0.0 });
         }
-        list.retain(|touch| touch.give(wall.axis) > 0.0);
+        // Masses that nodes show to surfaces: none of those that a condition holds, and not next to nothing.
+        let most =
+            list.iter().flat_map(|t: &Touch<D>| t.row.values()).fold(0.0f64, |most, at| most.max(at.2));
+        for touch in &mut list {
+            for (index, at) in &mut touch.row {
+                let x = self.lattice.node(*index);
+                let free = !held(&self.boundaries, &self.lattice, &x, wall.axis, self.time + dt);
+                at.3 = if free { 1.0 / at.2.max(0.1 * most) } else { 0.0 };
+            }
+        }
+        list.retain(|touch| touch.shown(wall.axis) > 0.0);
         list
     }
 
-    /// Half the edge of a cube as large as a particle's domain, m.
-    fn half_size(&self, point: &Point<D>) -> f64 {
+    /// Did the surface of a particle press in the step before, and is it not too far away?
+    fn has_pressed(&self, wall: &Wall<D>, point: usize, gap: f64, radius: f64) -> bool {
+        gap <= 0.25 * radius && self.pressed.contains(&(wall.number, point))
+    }
+
+    /// Half the size of a particle's domain along an axis, m.
+    fn reach(&self, point: &Point<D>, axis: usize) -> f64 {
         let h = self.lattice.spacing();
-        let half: [f64; D] = if !S::DOMAIN.convects() {
-            point.half
-        } else {
-            // Half the mean edge along an axis.
-            std::array::from_fn(|d| {
-                let mut edge = [0.0; D];
-                for (c, corner) in point.corners.iter().enumerate() {
-                    (0..D).for_each(|e| edge[e] += side(c, d) * corner[e] / f64::from(1 << D));
-                }
-                edge.iter().map(|x| x * x).sum::<f64>().sqrt()
-            })
-        };
-        h * half.iter().product::<f64>().powf(1.0 / D as f64)
+        if !S::DOMAIN.convects() {
+            return h * point.half[axis];
+        }
+        // Half its mean edges along the axis.
+        let edges = (0..D).map(|d| {
+            let of = |(c, corner): (usize, &[f64; D])| side(c, d) * corner[axis] / f64::from(1 << D);
+            point.corners.iter().enumerate().map(of).sum::<f64>().abs()
+        });
+        h * edges.sum::<f64>()
     }
 
     /// Balance accelerations of nodes where surfaces press: those that did before, and those that go into the wall.
@@ -201,17 +230,19 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         for touch in &mut *touches {
             let speed = touch.of(|index| self.nodes[index].velocity[axis]);
             let closes = wall.sign * (speed - drag) < 0.0;
-            touch.presses =
-                touch.gap <= 0.0 && (closes || self.pressed.contains(&(wall.number, touch.point)));
+            touch.presses = touch.gap <= 0.0 && closes || touch.pressed;
         }
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             for touch in touches.iter_mut().filter(|touch| touch.presses) {
-                let excess = wall.sign * dt * touch.of(|index| self.nodes[index].acceleration[axis]);
-                let more = (touch.force - excess / touch.give(axis)).max(0.0) - touch.force;
+                let mut excess = 0.0;
+                for (index, (own, _, mass, shown)) in &touch.row {
+                    excess += wall.sign * dt * own * self.nodes[index].acceleration[axis] * mass * shown;
+                }
+                let more = (touch.force - excess / touch.shown(axis)).max(0.0) - touch.force;
                 touch.force += more;
-                for (index, (_, all, mass)) in &touch.row {
-                    if let Some(node) = self.nodes.get_mut(index) {
+                for (index, (_, all, mass, shown)) in &touch.row {
+                    if let Some(node) = self.nodes.get_mut(index).filter(|_| *shown > 0.0) {
                         node.acceleration[axis] += wall.sign * all[axis] * more / (dt * mass);
                     }
                 }
@@ -237,16 +268,17 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             for touch in &mut *touches {
                 let mut speed = 0.0;
-                for (index, (own, _, _)) in &touch.row {
+                for (index, (own, ..)) in &touch.row {
                     speed += self.nodes.get_mut(index).map_or(0.0, |node| own * record(node)[axis]);
                 }
-                let excess = wall.sign * (speed - drag) + touch.gap.max(0.0) / dt;
-                let wanted = touch.stop - excess / touch.give(axis);
+                let gap = if touch.presses { 0.0 } else { touch.gap.max(0.0) };
+                let excess = wall.sign * (speed - drag) + gap / dt;
+                let wanted = touch.stop - excess / touch.shown(axis);
                 let more = if touch.presses { wanted } else { wanted.max(0.0) } - touch.stop;
                 touch.stop += more;
-                for (index, (_, all, mass)) in &touch.row {
+                for (index, (_, all, _, shown)) in &touch.row {
                     if let Some(node) = self.nodes.get_mut(index) {
-                        record(node)[axis] += wall.sign * all[axis] * more / mass;
+                        record(node)[axis] += wall.sign * all[axis] * more * shown;
                     }
                 }
                 (changed, largest) = (changed.max(more.abs()), largest.max(touch.stop.abs()));
@@ -267,7 +299,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         for _ in 0..SWEEPS {
             let (mut changed, mut largest) = (0.0f64, 0.0f64);
             for (touch, impulse) in touches.iter().zip(&mut impulses) {
-                let limit = wall.friction * (touch.force + takes * touch.stop).max(0.0);
+                let limit = wall.friction * touch.given(takes).max(0.0);
                 let mut wanted = *impulse;
                 for &d in &along {
                     let give = touch.give(d);
@@ -278,7 +310,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 for &d in &along {
                     let more = scale * wanted[d] - impulse[d];
                     impulse[d] += more;
-                    for (index, (_, all, mass)) in &touch.row {
+                    for (index, (_, all, mass, _)) in &touch.row {
                         if let Some(node) = self.nodes.get_mut(index) {
                             node.velocity[d] += all[d] * more / mass;
                             node.acceleration[d] += all[d] * more / (mass * dt);

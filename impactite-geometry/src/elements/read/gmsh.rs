@@ -74,8 +74,7 @@ enum Version {
 
 pub(super) fn read(bytes: &[u8]) -> Result<Builder, ReadError> {
     let mut cursor = Cursor::new(bytes);
-    let mut file = File::default();
-    file.version = Some(header(&mut cursor)?);
+    let mut file = File { version: Some(header(&mut cursor)?), ..File::default() };
     while !cursor.is_done() {
         file.section(&mut cursor)?;
     }
