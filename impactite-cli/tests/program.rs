@@ -28,7 +28,7 @@ velocity = { mean_velocity = { body = "disc", axis = "y" } }
 
 [[checks]]
 measure = "height"
-reference = "11.5 mm"
+reference = "9.52 mm"
 tolerance = 0.02
 source = "this program: a check to be printed, not a test of physics"
 "#;
