@@ -5,11 +5,11 @@ use std::cell::Cell;
 use impactite_scene::Exchange;
 use impactite_scene::boundary::Boundary;
 
+use super::at_wall::AtWall;
 use super::capability::MeetsSurfaces;
 use super::contact::ContactState;
 use super::fields::Fields;
 use super::footprint::{Folds, NodeWeight};
-use super::meet_walls::AtWall;
 use super::near_particles::{NearNode, NearParticles};
 use super::nodes::{BlockBooks, GridStages, StageOf, mass_cutoff};
 use super::planes::Planes;

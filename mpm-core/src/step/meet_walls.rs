@@ -16,186 +16,21 @@
 //! Friction acts at the surface, too: the impulse along the wall is what brings it to rest on the wall, at most the coefficient of friction times
 //! the impulse across.
 
+use super::at_wall::{AtWall, Plane, Surface};
 use super::contact::ContactPhase;
 use super::footprint::{Folds, NodeWeight};
 use super::mpm::Mpm;
-use super::near_particles::{FOUND, NearNode, NearParticles, SWEEPS};
+use super::near_particles::{FOUND, NearNode};
 use super::nodes::mass_cutoff;
 use crate::parallel::Float;
-use impactite_scene::archive::{Archive, CheckpointError};
-use impactite_scene::boundary::{Boundary, Side};
 
-/// A wall at the start of a step.
-#[derive(Clone, Copy, Debug)]
-struct Plane<const D: usize> {
-    axis: usize,
-    /// +1 if it pushes up the axis, else -1.
-    sign: f64,
-    /// Place, m.
-    at: f64,
-    /// Velocity, m/s; of a smooth wall across it alone.
-    velocity: [f64; D],
-    friction: f64,
-}
-
-impl<const D: usize> Plane<D> {
-    fn of(boundary: &Boundary<D>, time: f64) -> Option<Self> {
-        let (axis, at, side, velocity, friction) = match *boundary {
-            Boundary::Wall { axis, at, side, velocity } => {
-                let mut drag = [0.0; D];
-                drag[axis] = velocity;
-                (axis, at, side, drag, 0.0)
-            }
-            Boundary::FrictionWall { axis, at, side, velocity, friction } => {
-                (axis, at, side, velocity, friction)
-            }
-            _ => return None,
-        };
-        let sign = if side == Side::Above { 1.0 } else { -1.0 };
-        Some(Plane { axis, sign, at: at + velocity[axis] * time, velocity, friction })
-    }
-    /// Distance of a place in front of it, m.
-    fn distance(&self, x: &[f64; D]) -> f64 {
-        (x[self.axis] - self.at) * self.sign
-    }
-}
-
-/// What is known of a wall from step to step, and the particles at it in this one.
-#[derive(Clone, Debug, Default)]
-pub(super) struct AtWall<const D: usize> {
-    /// Body and number of the particles whose surfaces press on it, in order.
-    pressing: Vec<(u32, usize)>,
-    /// Particles whose surfaces may reach it, with weights at their surfaces.
-    near: NearParticles<D>,
-    surfaces: Vec<Surface>,
-    /// Inverse masses that nodes show to surfaces, 1/kg; none of those that a condition holds along the axis of the wall.
-    shown: Vec<f64>,
-    /// The particles by their numbers, so that what is found does not depend on where they are kept.
-    order: Vec<usize>,
-}
-
-/// Least mass that a node shows to surfaces, over the largest there. Nodes of next to no mass would give way to a surface all alone, at
-/// velocities that strain what is beside them.
-const LIGHTEST: f64 = 0.1;
+/// Least mass that a node shows to surfaces, over the largest of the particles there. Nodes of next to no mass would give way to a surface all
+/// alone, at velocities that strain what is beside them.
+const LIGHTEST: f64 = 0.4;
 /// Gap, over half the size of a particle, up to which a surface that pressed still presses: matter that expands is larger than its particle.
 const PARTS: f64 = 0.25;
 /// A surface within this many cells of a wall touches it: a gap that was closed within a step is closed to rounding.
 const TOUCHES: f64 = 1e-6;
-
-/// The surface of a particle at a wall.
-#[derive(Clone, Copy, Debug)]
-struct Surface {
-    /// Distance in front of the wall at the start of the step, m.
-    gap: f64,
-    /// Did it press in the step before?
-    pressed: bool,
-    /// Does it press in this one?
-    presses: bool,
-    /// Inverse of the mass that its nodes show there, 1/kg.
-    give: f64,
-    /// Impulses of the wall's force over the step and of the constraint on velocities, N s, by the masses that nodes show.
-    force: f64,
-    stop: f64,
-    /// How much of these get nodes that move.
-    passes: [f64; 2],
-}
-
-impl Surface {
-    /// The impulse that nodes get that move, N s, of which particles take the second part so much.
-    fn given(&self, takes: f64) -> f64 {
-        self.passes[0] * self.force + takes * self.passes[1] * self.stop
-    }
-}
-
-/// Components along an axis of what is said of nodes.
-fn along<const D: usize>(weights: &[(u32, [f64; D])], axis: usize, of: &[f64]) -> f64 {
-    weights.iter().map(|(node, weight)| weight[axis] * of[*node as usize]).sum()
-}
-
-impl<const D: usize> AtWall<D> {
-    /// Change velocities of nodes across a wall until surfaces that press move as it does, and others do not go into it within the step.
-    fn hold(&mut self, wall: &Plane<D>, velocities: &mut [f64], step: f64) {
-        let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
-        self.surfaces.iter_mut().for_each(|surface| surface.stop = 0.0);
-        for _ in 0..SWEEPS {
-            let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for &p in &self.order {
-                let (surface, weights) = (&mut self.surfaces[p], self.near.weights(p));
-                let gap = if surface.presses { 0.0 } else { surface.gap.max(0.0) };
-                let excess = wall.sign * (along(weights, axis, velocities) - drag) + gap / step;
-                let wanted = surface.stop - excess / surface.give;
-                let wanted = if surface.presses { wanted } else { wanted.max(0.0) };
-                let more = wanted - surface.stop;
-                surface.stop = wanted;
-                (changed, largest) = (changed.max(more.abs()), largest.max(wanted.abs()));
-                for (node, weight) in weights.iter().filter(|_| more != 0.0) {
-                    let node = *node as usize;
-                    velocities[node] += wall.sign * weight[axis] * more * self.shown[node];
-                }
-            }
-            if changed <= FOUND * largest {
-                break;
-            }
-        }
-    }
-
-    /// Balance accelerations of nodes (forces over the masses that they show) at surfaces that press, and find which do.
-    fn bear(&mut self, wall: &Plane<D>, velocities: &[f64], accelerations: &mut [f64], step: f64) {
-        let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
-        for (p, surface) in self.surfaces.iter_mut().enumerate() {
-            let closing = wall.sign * (along(self.near.weights(p), axis, velocities) - drag) < 0.0;
-            surface.presses = surface.pressed || surface.gap <= 0.0 && closing;
-        }
-        for _ in 0..SWEEPS {
-            let (mut changed, mut largest) = (0.0f64, 0.0f64);
-            for &p in &self.order {
-                let (surface, weights) = (&mut self.surfaces[p], self.near.weights(p));
-                if !surface.presses {
-                    continue;
-                }
-                let excess = wall.sign * along(weights, axis, accelerations) * step;
-                let wanted = (surface.force - excess / surface.give).max(0.0);
-                let more = wanted - surface.force;
-                surface.force = wanted;
-                (changed, largest) = (changed.max(more.abs()), largest.max(wanted.abs()));
-                for (node, weight) in weights.iter().filter(|_| more != 0.0) {
-                    let node = *node as usize;
-                    accelerations[node] += wall.sign * weight[axis] * more * self.shown[node] / step;
-                }
-            }
-            if changed <= FOUND * largest {
-                break;
-            }
-        }
-        self.surfaces.iter_mut().for_each(|surface| surface.presses &= surface.force > 0.0);
-    }
-
-    fn note(&mut self) {
-        self.pressing.clear();
-        let (bodies, numbers) = (self.near.bodies(), self.near.numbers());
-        let pressing = self.order.iter().filter(|p| self.surfaces[**p].presses);
-        self.pressing.extend(pressing.map(|&p| (bodies[p], numbers[p])));
-    }
-
-    /// Bytes of its memory.
-    pub(super) fn bytes(&self) -> usize {
-        self.near.bytes()
-            + self.pressing.capacity() * size_of::<(u32, usize)>()
-            + self.surfaces.capacity() * size_of::<Surface>()
-            + self.shown.capacity() * size_of::<f64>()
-            + self.order.capacity() * size_of::<usize>()
-    }
-
-    /// What is known from step to step, to a file or from one.
-    pub(super) fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
-        file.list(&mut self.pressing, &(0, 0), |file, (body, number)| {
-            let mut word = u64::from(*body);
-            file.word(&mut word)?;
-            *body = u32::try_from(word).map_err(|_| file.damaged(format!("{word:#x} is no body")))?;
-            file.count(number)
-        })
-    }
-}
 
 impl<const D: usize, T: Float> Mpm<D, T> {
     /// Have surfaces meet the walls at the end of the momentum update.
@@ -255,7 +90,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             (0.1 * self.grid.lattice().spacing(), TOUCHES * self.grid.lattice().spacing());
         let reaches =
             |low: &[f64; D], high: &[f64; D]| wall.distance(if wall.sign > 0.0 { low } else { high }) < 0.0;
-        let mut shifted = Vec::new();
+        let (mut shifted, mut heaviest) = (Vec::new(), 0.0f64);
         for (body, particles) in self.scene.bodies.iter().enumerate() {
             let Some(particles) = particles.meets_surfaces() else { continue };
             let node_at = self.grid.near_node(body as u32, (cutoff, known, dt));
@@ -277,6 +112,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     stop: 0.0,
                     passes: [0.0; 2],
                 });
+                heaviest = heaviest.max(particle.mass);
                 let lever = -wall.sign * radius;
                 shifted.clear();
                 shifted.extend(
@@ -287,7 +123,6 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 near.add(body as u32, particle, &mut |list| folds.fold(&shifted, list), &node_at);
             });
         }
-        let least = LIGHTEST * near.nodes.iter().fold(0.0, |most: f64, node| most.max(node.mass));
         let end = self.clock.time + step;
         let tolerance = 1e-6 * self.grid.lattice().spacing();
         let copies = if self.facts().wide() { 1.5 * self.grid.lattice().spacing() } else { 0.0 };
@@ -299,7 +134,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         };
         shown.clear();
         shown.extend(
-            near.nodes.iter().map(|node| if held(&node.position) { 0.0 } else { 1.0 / node.mass.max(least) }),
+            near.nodes.iter().map(|node| {
+                if held(&node.position) { 0.0 } else { 1.0 / node.mass.max(LIGHTEST * heaviest) }
+            }),
         );
         for (p, surface) in surfaces.iter_mut().enumerate() {
             for (node, w) in near.weights(p) {
@@ -348,7 +185,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let moved: f64 = at.surfaces.iter().map(moved).sum();
         self.ledger.work += step * gravity * wall.sign * moved;
         if !known {
-            at.surfaces.iter_mut().for_each(|surface| surface.presses = surface.stop > 0.0);
+            let least = FOUND * at.surfaces.iter().fold(0.0, |most: f64, surface| most.max(surface.stop));
+            at.surfaces.iter_mut().for_each(|surface| surface.presses = surface.stop > least);
         }
         if wall.friction > 0.0 {
             let surfaces = &at.surfaces;

@@ -2,6 +2,7 @@
 
 mod add_tiles;
 mod adding;
+mod at_wall;
 mod background;
 mod between_steps;
 mod block_place;

@@ -47,6 +47,8 @@ pub struct NearParticle<const D: usize> {
     pub half_size: f64,
     /// Half the size of its domain along each axis, m.
     pub reach: [f64; D],
+    /// Mass, kg; kg/m in the plane, kg/rad about an axis.
+    pub mass: f64,
 }
 
 /// A node of particles near a surface.

@@ -281,7 +281,11 @@ impl<T: Float, const D: usize> MeetsSurfaces<D> for ParticleBody<T, D> {
                     }
                     self.node_weights(&slot.block, bin, at, &mut weights);
                     let number = slot.block.number(at);
-                    visit(&NearParticle { number, position, velocity, half_size, reach }, &weights);
+                    if numbers.is_empty() {
+                        slot.block.read(at, &mut numbers);
+                    }
+                    let mass = self.masses.of(&numbers).to_double();
+                    visit(&NearParticle { number, position, velocity, half_size, reach, mass }, &weights);
                 }
             }
         }

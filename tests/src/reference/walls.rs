@@ -99,10 +99,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 self.bear(&plane, &mut touches, dt);
             }
             self.hold(&plane, &mut touches, |node| &mut node.velocity, dt);
+            let least = FOUND * touches.iter().fold(0.0f64, |most, touch| most.max(touch.stop));
             for touch in &mut touches {
                 let impulse = plane.sign * touch.given(takes);
                 self.wall_impulse[plane.axis] += impulse;
-                touch.presses = if knows_force { touch.force > 0.0 } else { touch.stop > 0.0 };
+                touch.presses = if knows_force { touch.presses } else { touch.stop > least };
             }
             if plane.friction > 0.0 {
                 self.rub(&plane, &touches, takes, dt);
@@ -189,14 +190,19 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
             list.push(Touch { point: n, gap, pressed, presses: false, row, force: 0.0, stop: 0.0 });
         }
-        // Masses that nodes show to surfaces: none of those that a condition holds, and not next to nothing.
-        let most =
-            list.iter().flat_map(|t: &Touch<D>| t.row.values()).fold(0.0f64, |most, at| most.max(at.2));
+        // Nodes that a condition holds do not move, and none shows next to no mass.
+        let heaviest = list.iter().fold(0.0f64, |most, touch| most.max(self.points[touch.point].mass));
         for touch in &mut list {
             for (index, at) in &mut touch.row {
                 let x = self.lattice.node(*index);
                 let free = !held(&self.boundaries, &self.lattice, &x, wall.axis, self.time + dt);
-                at.3 = if free { 1.0 / at.2.max(0.1 * most) } else { 0.0 };
+                // On a plane of symmetry it has the mass of images, too.
+                let on = |b: &&Boundary<D>| {
+                    let h = self.lattice.spacing();
+                    matches!(**b, Boundary::Symmetry { axis, at, .. } if (x[axis] - at).abs() <= 1e-6 * h)
+                };
+                let images = 2f64.powi(self.boundaries.iter().filter(on).count() as i32);
+                at.3 = if free { 1.0 / at.2.max(0.4 * heaviest * images) } else { 0.0 };
             }
         }
         list.retain(|touch| touch.shown(wall.axis) > 0.0);
@@ -252,8 +258,9 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                 break;
             }
         }
+        let least = FOUND * touches.iter().fold(0.0f64, |most, touch| most.max(touch.force));
         for touch in touches {
-            touch.presses &= touch.force > 0.0;
+            touch.presses &= touch.force > least;
         }
         for (index, node) in &mut self.nodes {
             node.velocity[axis] += dt * (node.acceleration[axis] - before[index]);
