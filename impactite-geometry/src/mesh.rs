@@ -117,7 +117,8 @@ impl TriangleMesh {
     }
 
     /// Reads a Wavefront OBJ file: all its groups together, polygons split into triangles. Coordinates are
-    /// multiplied by `unit` (m): 1e-3 for a file in mm.
+    /// multiplied by `unit` (m): 1e-3 for a file in mm. Materials, normals, textures and colours of vertices are no part of a shape; lines may be
+    /// continued by a backslash and end in any way.
     ///
     /// # Errors
     /// [`GeometryError::File`] if it cannot be read; else as [`TriangleMesh::new`].
@@ -128,7 +129,7 @@ impl TriangleMesh {
         let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
         let refuse = |reason: String| GeometryError::File { path: path.display().to_string(), reason };
         let bytes = crate::file::read(path, crate::file::Kind::Obj).map_err(refuse)?;
-        // Materials are colours.
+        let bytes = vertices_and_faces(&bytes);
         let (models, _) = tobj::load_obj_buf(&mut &bytes[..], &options, |_| Ok(Default::default()))
             .map_err(|e| refuse(e.to_string()))?;
         let (mut vertices, mut triangles) = (Vec::new(), Vec::new());
@@ -166,6 +167,42 @@ impl TriangleMesh {
         });
         out.sort_unstable_by(f64::total_cmp);
     }
+}
+
+/// The lines of an OBJ file that say places of vertices and corners of faces, and of them that alone.
+#[cfg(feature = "mesh")]
+fn vertices_and_faces(bytes: &[u8]) -> Vec<u8> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let mut lines = vec![Vec::new()];
+    for line in text.split(|b| *b == b'\n' || *b == b'\r') {
+        let line = line.trim_ascii_end();
+        let goes_on = line.ends_with(b"\\");
+        if let Some(last) = lines.last_mut() {
+            last.extend_from_slice(line.strip_suffix(b"\\").unwrap_or(line));
+            last.push(b' ');
+        }
+        if !goes_on {
+            lines.push(Vec::new());
+        }
+    }
+    let mut kept = Vec::new();
+    for line in lines {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        let numbers: Vec<&[u8]> = match words.next() {
+            // A fourth number is a weight; colours come after.
+            Some(b"v") => words.take(3).collect(),
+            // Of place / texture / normal.
+            Some(b"f") => words.filter_map(|corner| corner.split(|b| *b == b'/').next()).collect(),
+            _ => continue,
+        };
+        kept.push(line.trim_ascii_start()[0]);
+        for number in numbers {
+            kept.push(b' ');
+            kept.extend_from_slice(number);
+        }
+        kept.push(b'\n');
+    }
+    kept
 }
 
 impl Shape<3> for TriangleMesh {

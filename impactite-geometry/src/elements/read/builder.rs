@@ -16,6 +16,8 @@ pub(super) struct Builder {
     sets: BTreeMap<String, Vec<u32>>,
 }
 
+/// Coordinates of a flat mesh that are rounding, over the largest.
+const FLAT: f64 = 1e-9;
 /// The most nodes of a file.
 const MOST: usize = u32::MAX as usize - 1;
 
@@ -72,10 +74,12 @@ impl Builder {
             return Err(ReadError::Whole { what, allowed: "one at least" });
         }
         let mut nodes = Vec::with_capacity(self.positions.len());
+        let within = self.positions.iter().flat_map(|x| &x[..D]);
+        let size = within.fold(0.0, |size: f64, c| size.max(c.abs()));
         for (tag, x) in self.tags.iter().zip(&self.positions) {
-            if let Some(extra) = x.iter().skip(D).find(|c| **c != 0.0) {
+            if let Some(extra) = x.iter().skip(D).find(|c| c.abs() > FLAT * size) {
                 let what = format!("node {tag} at {x:?} has a coordinate {extra} beyond the {D} of the mesh");
-                return Err(ReadError::Whole { what, allowed: "0" });
+                return Err(ReadError::Whole { what, allowed: "0, to rounding" });
             }
             nodes.push(std::array::from_fn(|d| x[d] * unit));
         }

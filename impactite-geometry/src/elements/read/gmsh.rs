@@ -1,4 +1,4 @@
-//! Gmsh files of version 4.1. After the manual, <https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format>.
+//! Gmsh files of versions 2 to 4. After the manual, <https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format>.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -19,6 +19,7 @@ struct Group {
 
 #[derive(Default)]
 struct File {
+    version: Option<Version>,
     names: HashMap<Entity, String>,
     /// Physical groups of entities.
     physical: BTreeMap<Entity, Vec<i32>>,
@@ -27,40 +28,53 @@ struct File {
     groups: Option<Vec<Group>>,
 }
 
-/// What the elements of a type are, by the type's number.
-fn kind(number: i32) -> Result<Option<ElementKind>, String> {
-    Ok(Some(match number {
-        1 => ElementKind::Bar2,
-        2 => ElementKind::Triangle3,
-        3 => ElementKind::Quad4,
-        4 => ElementKind::Tetra4,
-        5 => ElementKind::Hexa8,
-        15 => return Ok(None),
+/// What the elements of a type are, by the type's number, and how many nodes they have, corners first. Those of second order are taken as what
+/// their corners make.
+fn kind(number: i32) -> Result<(Option<ElementKind>, usize), String> {
+    let (kind, nodes) = match number {
+        1 => (ElementKind::Bar2, 2),
+        2 => (ElementKind::Triangle3, 3),
+        3 => (ElementKind::Quad4, 4),
+        4 => (ElementKind::Tetra4, 4),
+        5 => (ElementKind::Hexa8, 8),
+        8 => (ElementKind::Bar2, 3),
+        9 => (ElementKind::Triangle3, 6),
+        10 => (ElementKind::Quad4, 9),
+        11 => (ElementKind::Tetra4, 10),
+        12 => (ElementKind::Hexa8, 27),
+        15 => return Ok((None, 1)),
+        16 => (ElementKind::Quad4, 8),
+        17 => (ElementKind::Hexa8, 20),
         other => {
             let name = match other {
                 6 => "prism of 6 nodes",
                 7 => "pyramid of 5 nodes",
-                8 => "line of second order",
-                9 => "triangle of second order",
-                10 | 16 => "quadrilateral of second order",
-                11 => "tetrahedron of second order",
-                12 | 17 => "brick of second order",
                 13 | 18 => "prism of second order",
                 14 | 19 => "pyramid of second order",
                 _ => return Err(format!("{other}")),
             };
             return Err(format!("{other}, {name}"));
         }
-    }))
+    };
+    Ok((Some(kind), nodes))
 }
 
-const KINDS: &str =
-    "1 (line), 2 (triangle), 3 (quadrilateral), 4 (tetrahedron), 5 (brick) or 15 (point), of first order";
+const KINDS: &str = "lines, triangles, quadrilaterals, tetrahedra and bricks of first or second order, and points (1 to 5, 8 to 12, 15 to 17)";
+
+/// How the sections are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Version {
+    /// 2.0 to 2.2: nodes and elements one by one, with the tags of their groups.
+    Two,
+    /// 4.0: blocks of entities, a node's tag beside its coordinates.
+    Four,
+    /// 4.1: blocks of entities, tags first.
+    FourOne,
+}
 
 pub(super) fn read(bytes: &[u8]) -> Result<Builder, ReadError> {
     let mut cursor = Cursor::new(bytes);
-    let mut file = File::default();
-    header(&mut cursor)?;
+    let mut file = File { version: Some(header(&mut cursor)?), ..File::default() };
     while !cursor.is_done() {
         file.section(&mut cursor)?;
     }
@@ -68,12 +82,18 @@ pub(super) fn read(bytes: &[u8]) -> Result<Builder, ReadError> {
 }
 
 /// The section `$MeshFormat`, which tells how the others are written.
-fn header(cursor: &mut Cursor) -> Result<(), ReadError> {
+fn header(cursor: &mut Cursor) -> Result<Version, ReadError> {
     expect(cursor, "$MeshFormat")?;
     let (at, version) = cursor.word("the version")?;
-    if version != b"4.1" {
-        return Err(cursor.refuse(at, "version", shown(version), "4.1 (Gmsh: Mesh.MshFileVersion = 4.1)"));
-    }
+    let version = match version {
+        b"2" | b"2.0" | b"2.1" | b"2.2" => Version::Two,
+        b"4" | b"4.0" => Version::Four,
+        b"4.1" => Version::FourOne,
+        _ => {
+            let allowed = "2.0 to 2.2, 4.0 or 4.1 (Gmsh: Mesh.MshFileVersion = 4.1)";
+            return Err(cursor.refuse(at, "version", shown(version), allowed));
+        }
+    };
     let (at, coding) = cursor.word("the file type")?;
     let binary = match coding {
         b"0" => false,
@@ -96,7 +116,8 @@ fn header(cursor: &mut Cursor) -> Result<(), ReadError> {
         }
         cursor.encoding = Encoding::Binary { big_endian: one != 1, long };
     }
-    expect(cursor, "$EndMeshFormat")
+    expect(cursor, "$EndMeshFormat")?;
+    Ok(version)
 }
 
 /// Goes past a word that must be there.
@@ -116,13 +137,25 @@ impl File {
             b"$Entities" => self.entities(cursor),
             b"$Nodes" if self.builder.is_some() => again(cursor),
             b"$Nodes" => {
-                self.builder = Some(nodes(cursor)?);
+                self.builder = Some(match self.version {
+                    Some(Version::Two) => plain_nodes(cursor)?,
+                    version => nodes(cursor, version == Some(Version::Four))?,
+                });
                 Ok(())
             }
             b"$Elements" if self.groups.is_some() => again(cursor),
             b"$Elements" => match &self.builder {
                 Some(builder) => {
-                    self.groups = Some(elements(cursor, builder)?);
+                    if self.version == Some(Version::Two) {
+                        let groups = plain_elements(cursor, builder)?;
+                        // Their entities are their groups.
+                        self.physical.extend(
+                            groups.iter().filter(|g| g.entity.1 != 0).map(|g| (g.entity, vec![g.entity.1])),
+                        );
+                        self.groups = Some(groups);
+                    } else {
+                        self.groups = Some(elements(cursor, builder, self.version == Some(Version::Four))?);
+                    }
                     Ok(())
                 }
                 None => Err(cursor.refuse(at, "section", shown(word), "$Nodes before it")),
@@ -169,7 +202,8 @@ impl File {
         for (dimension, count) in (0..).zip(counts) {
             for _ in 0..count {
                 let tag = cursor.int("the tag of an entity")?;
-                for _ in 0..if dimension == 0 { 3 } else { 6 } {
+                let numbers = if dimension == 0 && self.version == Some(Version::FourOne) { 3 } else { 6 };
+                for _ in 0..numbers {
                     cursor.double("a bound of an entity")?;
                 }
                 let mut groups = Vec::new();
@@ -225,39 +259,134 @@ fn check_total(cursor: &Cursor, at: usize, key: &str, said: u64, found: u64) -> 
     }
 }
 
-fn nodes(cursor: &mut Cursor) -> Result<Builder, ReadError> {
+/// Nodes one by one, of version 2.
+fn plain_nodes(cursor: &mut Cursor) -> Result<Builder, ReadError> {
+    let mut builder = Builder::default();
+    for _ in 0..plain_count(cursor, "the number of nodes")? {
+        cursor.skip_text_blanks();
+        let at = cursor.at();
+        let tag = cursor.int("the tag of a node")?;
+        let mut x = [0.0; 3];
+        for c in &mut x {
+            *c = cursor.double("a coordinate of a node")?;
+        }
+        if tag < 1 || !builder.add_node(tag as u64, x) {
+            return Err(cursor.refuse(at, "tag of a node", tag, "1 or more, each tag once"));
+        }
+    }
+    expect(cursor, "$EndNodes")?;
+    Ok(builder)
+}
+
+/// A count of version 2, which is a line of text in binary files, too.
+fn plain_count(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
+    let encoding = std::mem::replace(&mut cursor.encoding, Encoding::Text);
+    let count = cursor.size(key)?;
+    if encoding != Encoding::Text {
+        cursor.line();
+    }
+    cursor.encoding = encoding;
+    Ok(count)
+}
+
+/// Elements one by one, of version 2, by physical group.
+fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, ReadError> {
+    let count = plain_count(cursor, "the number of elements")?;
+    let text = cursor.encoding == Encoding::Text;
+    let (mut groups, mut found): (Vec<Group>, u64) = (Vec::new(), 0);
+    while found < count {
+        if text {
+            cursor.int("the number of an element")?;
+        }
+        cursor.skip_text_blanks();
+        let at = cursor.at();
+        let number = cursor.int("the type of an element")?;
+        let (kind, nodes) =
+            kind(number).map_err(|name| cursor.refuse(at, "type of an element", name, KINDS))?;
+        // In binary files several of a type follow, each with its number.
+        let following = if text { 1 } else { cursor.int("the number of elements of a type")? };
+        cursor.skip_text_blanks();
+        let at = cursor.at();
+        let tags = cursor.int("the number of tags of an element")?;
+        if following < 1 || tags < 0 || found + following as u64 > count {
+            return Err(cursor.refuse(at, "number of elements or tags", tags, "as many as the section has"));
+        }
+        for _ in 0..following {
+            if !text {
+                cursor.int("the number of an element")?;
+            }
+            let mut physical = 0;
+            for n in 0..tags {
+                let tag = cursor.int("a tag of an element")?;
+                physical = if n == 0 { tag.saturating_abs() } else { physical };
+            }
+            let entity = (kind.map_or(0, |k| k.dimensions() as i32), physical);
+            if groups.last().is_none_or(|g| (g.entity, g.kind) != (entity, kind)) {
+                groups.push(Group { entity, kind, nodes: Vec::new() });
+            }
+            let mut corners = Vec::new();
+            for _ in 0..nodes {
+                cursor.skip_text_blanks();
+                let at = cursor.at();
+                let tag = cursor.int("a node of an element")?;
+                let node = u64::try_from(tag).ok().and_then(|tag| builder.node(tag));
+                corners.push(node.ok_or_else(|| {
+                    cursor.refuse(at, "node of an element", tag, "the tag of a node of the section $Nodes")
+                })?);
+            }
+            corners.truncate(kind.map_or(1, ElementKind::nodes));
+            if let Some(group) = groups.last_mut() {
+                group.nodes.extend(corners);
+            }
+            found += 1;
+        }
+    }
+    expect(cursor, "$EndElements")?;
+    Ok(groups)
+}
+
+fn nodes(cursor: &mut Cursor, beside: bool) -> Result<Builder, ReadError> {
     let mut builder = Builder::default();
     cursor.skip_text_blanks();
     let start = cursor.at();
     let blocks = cursor.size("the number of blocks of nodes")?;
     let total = cursor.size("the number of nodes")?;
-    cursor.size("the smallest tag of a node")?;
-    cursor.size("the largest tag of a node")?;
+    if !beside {
+        cursor.size("the smallest tag of a node")?;
+        cursor.size("the largest tag of a node")?;
+    }
     for _ in 0..blocks {
         cursor.skip_text_blanks();
         let at = cursor.at();
-        let dimension = cursor.int("the dimension of an entity")?;
+        let (dimension, _) = entity(cursor, beside)?;
         if !(0..=3).contains(&dimension) {
             return Err(cursor.refuse(at, "dimension of an entity", dimension, "0 to 3"));
         }
-        cursor.int("the tag of an entity")?;
         let at = cursor.at();
         let parametric = cursor.int("whether nodes have parameters")?;
         if !(0..=1).contains(&parametric) {
             return Err(cursor.refuse(at, "whether nodes have parameters", parametric, "0 or 1"));
         }
         let count = cursor.size("the number of nodes of a block")?;
-        let mut tags = Vec::new();
-        for _ in 0..count {
+        let tag_of = |cursor: &mut Cursor| {
             cursor.skip_text_blanks();
             let at = cursor.at();
-            let tag = cursor.size("the tag of a node")?;
+            let tag = if beside {
+                cursor.int("the tag of a node")?.max(0) as u64
+            } else {
+                cursor.size("the tag of a node")?
+            };
             if tag == 0 {
                 return Err(cursor.refuse(at, "tag of a node", tag, "1 or more"));
             }
-            tags.push((at, tag));
+            Ok((at, tag))
+        };
+        let mut tags = Vec::new();
+        for _ in 0..if beside { 0 } else { count } {
+            tags.push(tag_of(cursor)?);
         }
-        for (at, tag) in tags {
+        for n in 0..count {
+            let (at, tag) = if beside { tag_of(cursor)? } else { tags[n as usize] };
             let mut x = [0.0; 3];
             for c in &mut x {
                 *c = cursor.double("a coordinate of a node")?;
@@ -280,37 +409,53 @@ fn nodes(cursor: &mut Cursor) -> Result<Builder, ReadError> {
     Ok(builder)
 }
 
-fn elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, ReadError> {
+/// Dimension and tag of an entity; `reversed` in version 4.0.
+fn entity(cursor: &mut Cursor, reversed: bool) -> Result<Entity, ReadError> {
+    let [first, second] = ["the dimension of an entity", "the tag of an entity"];
+    let one = cursor.int(if reversed { second } else { first })?;
+    let two = cursor.int(if reversed { first } else { second })?;
+    Ok(if reversed { (two, one) } else { (one, two) })
+}
+
+fn elements(cursor: &mut Cursor, builder: &Builder, reversed: bool) -> Result<Vec<Group>, ReadError> {
     let mut groups = Vec::new();
     cursor.skip_text_blanks();
     let start = cursor.at();
     let blocks = cursor.size("the number of blocks of elements")?;
     let total = cursor.size("the number of elements")?;
-    cursor.size("the smallest tag of an element")?;
-    cursor.size("the largest tag of an element")?;
+    if !reversed {
+        cursor.size("the smallest tag of an element")?;
+        cursor.size("the largest tag of an element")?;
+    }
     let mut found = 0u64;
     for _ in 0..blocks {
-        let entity = (cursor.int("the dimension of an entity")?, cursor.int("the tag of an entity")?);
+        let entity = entity(cursor, reversed)?;
         cursor.skip_text_blanks();
         let at = cursor.at();
         let number = cursor.int("the type of elements")?;
-        let kind = kind(number).map_err(|name| cursor.refuse(at, "type of elements", name, KINDS))?;
+        let (kind, own) = kind(number).map_err(|name| cursor.refuse(at, "type of elements", name, KINDS))?;
         if kind.map_or(0, |k| k.dimensions() as i32) != entity.0 {
             let allowed = format!("one of {} dimensions, as its entity", entity.0);
             return Err(cursor.refuse(at, "type of elements", number, allowed));
         }
         let count = cursor.size("the number of elements of a block")?;
         let mut nodes = Vec::new();
+        // Tags are `int` in version 4.0.
+        let tag_of = |cursor: &mut Cursor, key: &str| {
+            if reversed { Ok(cursor.int(key)?.max(0) as u64) } else { cursor.size(key) }
+        };
         for _ in 0..count {
-            cursor.size("the tag of an element")?;
-            for _ in 0..kind.map_or(1, ElementKind::nodes) {
+            tag_of(cursor, "the tag of an element")?;
+            for n in 0..own {
                 cursor.skip_text_blanks();
                 let at = cursor.at();
-                let tag = cursor.size("a node of an element")?;
-                let node = builder.node(tag);
-                nodes.push(node.ok_or_else(|| {
+                let tag = tag_of(cursor, "a node of an element")?;
+                let node = builder.node(tag).ok_or_else(|| {
                     cursor.refuse(at, "node of an element", tag, "the tag of a node of the section $Nodes")
-                })?);
+                })?;
+                if n < kind.map_or(1, ElementKind::nodes) {
+                    nodes.push(node);
+                }
             }
         }
         found += count;

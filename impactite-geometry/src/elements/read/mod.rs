@@ -33,15 +33,16 @@ impl<const D: usize> ElementMesh<D> {
         Ok(self)
     }
 
-    /// Reads a Gmsh file of version 4.1, ASCII or binary. Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm.
+    /// Reads a Gmsh file of version 2.0 to 2.2, 4.0 or 4.1, ASCII or binary. Coordinates are multiplied by `unit` (m): 1e-3 for a file in mm.
     ///
     /// - The elements of the highest dimension there is become blocks, one for each kind and physical group (the first one of their entity),
     ///   whose name they take; without a name `physical 7`, without a group none.
     /// - Every physical group, of points, curves and surfaces too, becomes a set of its nodes.
     /// - Elements that are inverted at every corner are numbered the other way round (a surface that faces down); nodes without an
     ///   element are dropped.
-    /// - Bars, triangles, quadrilaterals, tetrahedra and bricks of first order are allowed; all others are refused by name.
-    /// - In fewer than three dimensions the remaining coordinates must be zero.
+    /// - Bars, triangles, quadrilaterals, tetrahedra and bricks are allowed, those of second order as what their corners make; prisms and
+    ///   pyramids are refused by name.
+    /// - In fewer than three dimensions the remaining coordinates must be zero to rounding.
     /// - Of the sections, `$PhysicalNames`, `$Entities`, `$Nodes` and `$Elements` are read, `$PartitionedEntities` is refused, others are
     ///   skipped (as data of post-processing).
     ///
