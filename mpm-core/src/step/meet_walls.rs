@@ -21,12 +21,13 @@ use super::contact::ContactPhase;
 use super::footprint::{Folds, NodeWeight};
 use super::mpm::Mpm;
 use super::near_particles::{FOUND, NearNode};
-use super::nodes::mass_cutoff;
 use crate::parallel::Float;
 
 /// Least mass that a node shows to surfaces, over the largest of the particles there. Nodes of next to no mass would give way to a surface all
 /// alone, at velocities that strain what is beside them.
 const LIGHTEST: f64 = 0.4;
+/// Mass of nodes that surfaces do not see, over that of the lightest particle: their velocities are rounding.
+const NO_MASS: f64 = 1e-12;
 /// Gap, over half the size of a particle, up to which a surface that pressed still presses: matter that expands is larger than its particle.
 const PARTS: f64 = 0.25;
 /// A surface within this many cells of a wall touches it: a gap that was closed within a step is closed to rounding.
@@ -78,7 +79,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Gather the particles whose surfaces may reach a wall in this step.
     fn gather_at(&self, at: &mut AtWall<D>, wall: &Plane<D>, dt: T, mapped: bool) {
-        let cutoff = self.scene.lightest() * mass_cutoff::<T>();
+        let cutoff = self.scene.lightest() * T::of(NO_MASS);
         let modified = self.kernels.facts().boundary_modified;
         let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
         let known = !mapped && !self.kernels.facts().maps_together;
@@ -179,9 +180,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         at.hold(wall, &mut velocities, step);
         self.book_walls(at, wall, takes);
-        // The work of a body force was booked with the velocities before.
+        // The work of a body force was booked with the mean of the velocities at the start and at the end; where momentum and impulse are
+        // known together, the first is that of both, and stays.
+        let held = if known { 1.0 } else { 0.5 };
         let gravity = self.scene.conditions.gravity.as_ref().map_or(0.0, |g| g(self.clock.time)[axis]);
-        let moved = |s: &Surface| 0.5 * s.passes[0] * s.force + s.passes[1] * s.stop;
+        let moved = |s: &Surface| 0.5 * s.passes[0] * s.force + held * s.passes[1] * s.stop;
         let moved: f64 = at.surfaces.iter().map(moved).sum();
         self.ledger.work += step * gravity * wall.sign * moved;
         if !known {
