@@ -173,34 +173,37 @@ impl TriangleMesh {
 #[cfg(feature = "mesh")]
 fn vertices_and_faces(bytes: &[u8]) -> Vec<u8> {
     let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let mut lines = vec![Vec::new()];
-    for line in text.split(|b| *b == b'\n' || *b == b'\r') {
-        let line = line.trim_ascii_end();
-        let goes_on = line.ends_with(b"\\");
-        if let Some(last) = lines.last_mut() {
-            last.extend_from_slice(line.strip_suffix(b"\\").unwrap_or(line));
-            last.push(b' ');
+    let (mut kept, mut line, mut at) = (Vec::new(), Vec::new(), 0);
+    while at < text.len() {
+        // Lines end by a line feed, a carriage return, or both.
+        let rest = &text[at..];
+        let length = rest.iter().position(|b| matches!(b, b'\n' | b'\r')).unwrap_or(rest.len());
+        at += length + if rest[length..].starts_with(b"\r\n") { 2 } else { 1 };
+        let part = rest[..length].trim_ascii_end();
+        line.extend_from_slice(part.strip_suffix(b"\\").unwrap_or(part));
+        line.push(b' ');
+        if part.ends_with(b"\\") && at < text.len() {
+            continue;
         }
-        if !goes_on {
-            lines.push(Vec::new());
+        let said = line.split(|b| *b == b'#').next().unwrap_or_default();
+        let mut words = said.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
+        match words.next() {
+            Some(b"v") => {
+                kept.push(b'v');
+                // A fourth number is a weight; colours come after.
+                words.take(3).for_each(|word| kept.extend([b" ", word].concat()));
+                kept.push(b'\n');
+            }
+            Some(b"f") => {
+                kept.push(b'f');
+                // Place / texture / normal.
+                let places = words.filter_map(|corner| corner.split(|b| *b == b'/').next());
+                places.for_each(|place| kept.extend([b" ", place].concat()));
+                kept.push(b'\n');
+            }
+            _ => {}
         }
-    }
-    let mut kept = Vec::new();
-    for line in lines {
-        let mut words = line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
-        let numbers: Vec<&[u8]> = match words.next() {
-            // A fourth number is a weight; colours come after.
-            Some(b"v") => words.take(3).collect(),
-            // Of place / texture / normal.
-            Some(b"f") => words.filter_map(|corner| corner.split(|b| *b == b'/').next()).collect(),
-            _ => continue,
-        };
-        kept.push(line.trim_ascii_start()[0]);
-        for number in numbers {
-            kept.push(b' ');
-            kept.extend_from_slice(number);
-        }
-        kept.push(b'\n');
+        line.clear();
     }
     kept
 }

@@ -206,6 +206,44 @@ fn versions_of_gmsh_are_read_alike() {
         .replace("9 5 5 5 0", "9 5 5 5 5 5 5 0");
     let four = gmsh(&format!("{head}{nodes}{elements}")).unwrap();
     assert_eq!(four, newest);
+    // The same in bytes: `s` is a size_t, `i` an int, `d` a double.
+    let (start, entities) = head.split_at(head.find("$Entities\n").unwrap());
+    let mut bytes = start.replace("4 0 8\n", "4 1 8\n@\n").into_bytes();
+    let at = bytes.iter().position(|b| *b == b'@').unwrap();
+    bytes.splice(at..=at, 1i32.to_le_bytes());
+    let nodes_of = |count: usize| format!("iiis{}", "iddd".repeat(count));
+    for (section, kinds) in [
+        (entities, "ssss idddddds iddddddsis iddddddsisi".to_string()),
+        (nodes, format!("ss{}{}{}", nodes_of(4), nodes_of(8), nodes_of(1))),
+        (elements, format!("ss iiis iiiii iiis {}", "i".repeat(18))),
+    ] {
+        let (name, rest) = section.split_once('\n').unwrap();
+        let (numbers, end) = rest.split_at(rest.find("$End").unwrap());
+        bytes.extend(format!("{name}\n").bytes());
+        let kinds = kinds.replace(' ', "");
+        assert_eq!(numbers.split_whitespace().count(), kinds.len(), "{name}");
+        for (kind, word) in kinds.chars().zip(numbers.split_whitespace()) {
+            match kind {
+                's' => bytes.extend(word.parse::<u64>().unwrap().to_le_bytes()),
+                'i' => bytes.extend(word.parse::<i32>().unwrap().to_le_bytes()),
+                _ => bytes.extend(word.parse::<f64>().unwrap().to_le_bytes()),
+            }
+        }
+        bytes.extend(format!("\n{end}").bytes());
+    }
+    assert_eq!(ElementMesh::<3>::from_gmsh("4.msh", &bytes, 1.0).unwrap(), newest);
+}
+
+/// Version 2 repeats an element for every physical group that it is in: it is one element of the first, and its nodes are in all.
+#[test]
+fn elements_of_several_groups_are_read_once() {
+    let file = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 1 \"all\"\n2 2 \"left\"\n$EndPhysicalNames\n\
+                $Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 1 1 0\n$EndNodes\n\
+                $Elements\n3\n1 2 2 1 1 1 2 3\n2 2 2 2 1 1 2 3\n3 2 2 1 1 2 4 3\n$EndElements\n";
+    let mesh = ElementMesh::<2>::from_gmsh("groups.msh", file.as_bytes(), 1.0).unwrap();
+    assert_eq!(mesh.measure(Metric::Cartesian).unwrap(), 1.0);
+    assert_eq!((mesh.blocks.len(), mesh.blocks[0].name.as_str()), (1, "all"));
+    assert_eq!((mesh.node_sets["all"].len(), mesh.node_sets["left"].len()), (4, 3));
 }
 
 /// Elements of second order are what their corners make.
@@ -240,6 +278,9 @@ fn obj_files_are_read_as_programs_write_them() {
         ("byte order mark", format!("\u{feff}{plain}")),
         ("carriage returns alone", plain.replace('\n', "\r")),
         ("continued lines", plain.replace("f 1 3 2", "f 1 3 \\\n 2")),
+        ("continued lines of Windows", plain.replace("f 1 3 2", "f 1 3 \\\n 2").replace('\n', "\r\n")),
+        ("a last line without an end", plain.trim_end().to_string()),
+        ("comments", plain.replace("v 1 0 0", "v 1 0 0 # 2").replace("f 1 2 4", "f 1 2 4 # 3")),
         ("materials without name", format!("mtllib\nusemtl\n{plain}usemtl \n")),
         ("colours", plain.replace("v 1 0 0", "v 1 0 0 0.5 0.5 0.5 1")),
         ("textures and normals that are not there", plain.replace("f 1 2 4", "f 1/7/9 2//9 4/7")),
@@ -516,9 +557,10 @@ proptest! {
 
     #[test]
     fn mutilated_files_never_panic(changes in proptest::collection::vec(any::<(u16, u8, u8)>(), 1..6)) {
-        let files = [GMSH.as_bytes().to_vec(), binary(false, true), binary(true, false)];
-        for file in &files {
-            if let Ok(mesh) = ElementMesh::<3>::from_gmsh("m.msh", &mutilate(file, &changes), 1.0) {
+        let newest = [GMSH.as_bytes().to_vec(), binary(false, true), binary(true, false)];
+        let files = newest.into_iter().chain([version_two(false), version_two(true)]);
+        for file in files {
+            if let Ok(mesh) = ElementMesh::<3>::from_gmsh("m.msh", &mutilate(&file, &changes), 1.0) {
                 prop_assert!(mesh.check().is_ok());
             }
         }

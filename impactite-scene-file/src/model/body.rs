@@ -233,7 +233,7 @@ pub enum Mesh {
     Edge(Quantity<Length>),
     /// Straight bars.
     Bars(Bars),
-    /// File of Gmsh, `.msh`.
+    /// File of Gmsh, `.msh`, of versions 2 and 4. Elements of second order are read as what their corners make.
     Gmsh(MeshFile),
     /// Input file of Abaqus, `.inp`.
     #[schemars(extend("examples" = [{"abaqus": {"file": "part.inp", "unit": "1 mm"}}]))]

@@ -1,6 +1,6 @@
 //! Gmsh files of versions 2 to 4. After the manual, <https://gmsh.info/doc/texinfo/gmsh.html#MSH-file-format>.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::builder::Builder;
 use super::cursor::{Cursor, Encoding, ReadError, shown};
@@ -19,7 +19,7 @@ struct Group {
 
 #[derive(Default)]
 struct File {
-    version: Option<Version>,
+    version: Version,
     names: HashMap<Entity, String>,
     /// Physical groups of entities.
     physical: BTreeMap<Entity, Vec<i32>>,
@@ -62,19 +62,20 @@ fn kind(number: i32) -> Result<(Option<ElementKind>, usize), String> {
 const KINDS: &str = "lines, triangles, quadrilaterals, tetrahedra and bricks of first or second order, and points (1 to 5, 8 to 12, 15 to 17)";
 
 /// How the sections are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Version {
     /// 2.0 to 2.2: nodes and elements one by one, with the tags of their groups.
     Two,
     /// 4.0: blocks of entities, a node's tag beside its coordinates.
     Four,
     /// 4.1: blocks of entities, tags first.
+    #[default]
     FourOne,
 }
 
 pub(super) fn read(bytes: &[u8]) -> Result<Builder, ReadError> {
     let mut cursor = Cursor::new(bytes);
-    let mut file = File { version: Some(header(&mut cursor)?), ..File::default() };
+    let mut file = File { version: header(&mut cursor)?, ..File::default() };
     while !cursor.is_done() {
         file.section(&mut cursor)?;
     }
@@ -138,24 +139,24 @@ impl File {
             b"$Nodes" if self.builder.is_some() => again(cursor),
             b"$Nodes" => {
                 self.builder = Some(match self.version {
-                    Some(Version::Two) => plain_nodes(cursor)?,
-                    version => nodes(cursor, version == Some(Version::Four))?,
+                    Version::Two => plain_nodes(cursor)?,
+                    version => nodes(cursor, version)?,
                 });
                 Ok(())
             }
             b"$Elements" if self.groups.is_some() => again(cursor),
             b"$Elements" => match &self.builder {
                 Some(builder) => {
-                    if self.version == Some(Version::Two) {
-                        let groups = plain_elements(cursor, builder)?;
-                        // Their entities are their groups.
-                        self.physical.extend(
-                            groups.iter().filter(|g| g.entity.1 != 0).map(|g| (g.entity, vec![g.entity.1])),
-                        );
-                        self.groups = Some(groups);
-                    } else {
-                        self.groups = Some(elements(cursor, builder, self.version == Some(Version::Four))?);
+                    let groups = match self.version {
+                        Version::Two => plain_elements(cursor, builder)?,
+                        version => elements(cursor, builder, version)?,
+                    };
+                    if self.version == Version::Two {
+                        // Their entities are their physical groups.
+                        let physical = groups.iter().map(|g| g.entity).filter(|entity| entity.1 != 0);
+                        self.physical.extend(physical.map(|entity| (entity, vec![entity.1])));
                     }
+                    self.groups = Some(groups);
                     Ok(())
                 }
                 None => Err(cursor.refuse(at, "section", shown(word), "$Nodes before it")),
@@ -202,7 +203,7 @@ impl File {
         for (dimension, count) in (0..).zip(counts) {
             for _ in 0..count {
                 let tag = cursor.int("the tag of an entity")?;
-                let numbers = if dimension == 0 && self.version == Some(Version::FourOne) { 3 } else { 6 };
+                let numbers = if dimension == 0 && self.version == Version::FourOne { 3 } else { 6 };
                 for _ in 0..numbers {
                     cursor.double("a bound of an entity")?;
                 }
@@ -289,11 +290,13 @@ fn plain_count(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
     Ok(count)
 }
 
-/// Elements one by one, of version 2, by physical group.
+/// Elements one by one, of version 2, by physical group. One that is in several groups stands there once for each: it is an element of the
+/// first, and of the others its nodes are.
 fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, ReadError> {
     let count = plain_count(cursor, "the number of elements")?;
     let text = cursor.encoding == Encoding::Text;
     let (mut groups, mut found): (Vec<Group>, u64) = (Vec::new(), 0);
+    let mut known = HashSet::new();
     while found < count {
         if text {
             cursor.int("the number of an element")?;
@@ -301,7 +304,7 @@ fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, 
         cursor.skip_text_blanks();
         let at = cursor.at();
         let number = cursor.int("the type of an element")?;
-        let (kind, nodes) =
+        let (kind, own) =
             kind(number).map_err(|name| cursor.refuse(at, "type of an element", name, KINDS))?;
         // In binary files several of a type follow, each with its number.
         let following = if text { 1 } else { cursor.int("the number of elements of a type")? };
@@ -321,22 +324,11 @@ fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, 
                 physical = if n == 0 { tag.saturating_abs() } else { physical };
             }
             let entity = (kind.map_or(0, |k| k.dimensions() as i32), physical);
-            if groups.last().is_none_or(|g| (g.entity, g.kind) != (entity, kind)) {
-                groups.push(Group { entity, kind, nodes: Vec::new() });
-            }
-            let mut corners = Vec::new();
-            for _ in 0..nodes {
-                cursor.skip_text_blanks();
-                let at = cursor.at();
-                let tag = cursor.int("a node of an element")?;
-                let node = u64::try_from(tag).ok().and_then(|tag| builder.node(tag));
-                corners.push(node.ok_or_else(|| {
-                    cursor.refuse(at, "node of an element", tag, "the tag of a node of the section $Nodes")
-                })?);
-            }
-            corners.truncate(kind.map_or(1, ElementKind::nodes));
-            if let Some(group) = groups.last_mut() {
-                group.nodes.extend(corners);
+            let corners = corners(cursor, builder, (kind, own), int_tag)?;
+            let kind = kind.filter(|_| known.insert((number, corners.clone())));
+            match groups.last_mut().filter(|g| (g.entity, g.kind) == (entity, kind)) {
+                Some(group) => group.nodes.extend(corners),
+                None => groups.push(Group { entity, kind, nodes: corners }),
             }
             found += 1;
         }
@@ -345,7 +337,41 @@ fn plain_elements(cursor: &mut Cursor, builder: &Builder) -> Result<Vec<Group>, 
     Ok(groups)
 }
 
-fn nodes(cursor: &mut Cursor, beside: bool) -> Result<Builder, ReadError> {
+/// A tag that is an `int`: of versions 2 and 4.0.
+fn int_tag(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
+    // No tag is negative: 0 is none of a node.
+    Ok(cursor.int(key)?.max(0) as u64)
+}
+
+/// A tag that is a `size_t`: of version 4.1.
+fn size_tag(cursor: &mut Cursor, key: &str) -> Result<u64, ReadError> {
+    cursor.size(key)
+}
+
+/// The corners of an element of which the file has so many nodes.
+fn corners(
+    cursor: &mut Cursor,
+    builder: &Builder,
+    (kind, own): (Option<ElementKind>, usize),
+    tag_of: fn(&mut Cursor, &str) -> Result<u64, ReadError>,
+) -> Result<Vec<u32>, ReadError> {
+    let mut corners = Vec::with_capacity(own);
+    for _ in 0..own {
+        cursor.skip_text_blanks();
+        let at = cursor.at();
+        let tag = tag_of(cursor, "a node of an element")?;
+        corners.push(builder.node(tag).ok_or_else(|| {
+            cursor.refuse(at, "node of an element", tag, "the tag of a node of the section $Nodes")
+        })?);
+    }
+    corners.truncate(kind.map_or(1, ElementKind::nodes));
+    Ok(corners)
+}
+
+/// Nodes in blocks, of version 4.
+fn nodes(cursor: &mut Cursor, version: Version) -> Result<Builder, ReadError> {
+    let beside = version == Version::Four;
+    let read_tag = if beside { int_tag } else { size_tag };
     let mut builder = Builder::default();
     cursor.skip_text_blanks();
     let start = cursor.at();
@@ -358,7 +384,7 @@ fn nodes(cursor: &mut Cursor, beside: bool) -> Result<Builder, ReadError> {
     for _ in 0..blocks {
         cursor.skip_text_blanks();
         let at = cursor.at();
-        let (dimension, _) = entity(cursor, beside)?;
+        let (dimension, _) = entity(cursor, version)?;
         if !(0..=3).contains(&dimension) {
             return Err(cursor.refuse(at, "dimension of an entity", dimension, "0 to 3"));
         }
@@ -371,11 +397,7 @@ fn nodes(cursor: &mut Cursor, beside: bool) -> Result<Builder, ReadError> {
         let tag_of = |cursor: &mut Cursor| {
             cursor.skip_text_blanks();
             let at = cursor.at();
-            let tag = if beside {
-                cursor.int("the tag of a node")?.max(0) as u64
-            } else {
-                cursor.size("the tag of a node")?
-            };
+            let tag = read_tag(cursor, "the tag of a node")?;
             if tag == 0 {
                 return Err(cursor.refuse(at, "tag of a node", tag, "1 or more"));
             }
@@ -409,27 +431,31 @@ fn nodes(cursor: &mut Cursor, beside: bool) -> Result<Builder, ReadError> {
     Ok(builder)
 }
 
-/// Dimension and tag of an entity; `reversed` in version 4.0.
-fn entity(cursor: &mut Cursor, reversed: bool) -> Result<Entity, ReadError> {
-    let [first, second] = ["the dimension of an entity", "the tag of an entity"];
-    let one = cursor.int(if reversed { second } else { first })?;
-    let two = cursor.int(if reversed { first } else { second })?;
-    Ok(if reversed { (two, one) } else { (one, two) })
+/// Dimension and tag of an entity, the other way round in version 4.0.
+fn entity(cursor: &mut Cursor, version: Version) -> Result<Entity, ReadError> {
+    let (dimension, tag) = ("the dimension of an entity", "the tag of an entity");
+    if version == Version::Four {
+        let tag = cursor.int(tag)?;
+        return Ok((cursor.int(dimension)?, tag));
+    }
+    Ok((cursor.int(dimension)?, cursor.int(tag)?))
 }
 
-fn elements(cursor: &mut Cursor, builder: &Builder, reversed: bool) -> Result<Vec<Group>, ReadError> {
+/// Elements in blocks, of version 4.
+fn elements(cursor: &mut Cursor, builder: &Builder, version: Version) -> Result<Vec<Group>, ReadError> {
+    let tag_of = if version == Version::Four { int_tag } else { size_tag };
     let mut groups = Vec::new();
     cursor.skip_text_blanks();
     let start = cursor.at();
     let blocks = cursor.size("the number of blocks of elements")?;
     let total = cursor.size("the number of elements")?;
-    if !reversed {
+    if version == Version::FourOne {
         cursor.size("the smallest tag of an element")?;
         cursor.size("the largest tag of an element")?;
     }
     let mut found = 0u64;
     for _ in 0..blocks {
-        let entity = entity(cursor, reversed)?;
+        let entity = entity(cursor, version)?;
         cursor.skip_text_blanks();
         let at = cursor.at();
         let number = cursor.int("the type of elements")?;
@@ -440,23 +466,9 @@ fn elements(cursor: &mut Cursor, builder: &Builder, reversed: bool) -> Result<Ve
         }
         let count = cursor.size("the number of elements of a block")?;
         let mut nodes = Vec::new();
-        // Tags are `int` in version 4.0.
-        let tag_of = |cursor: &mut Cursor, key: &str| {
-            if reversed { Ok(cursor.int(key)?.max(0) as u64) } else { cursor.size(key) }
-        };
         for _ in 0..count {
             tag_of(cursor, "the tag of an element")?;
-            for n in 0..own {
-                cursor.skip_text_blanks();
-                let at = cursor.at();
-                let tag = tag_of(cursor, "a node of an element")?;
-                let node = builder.node(tag).ok_or_else(|| {
-                    cursor.refuse(at, "node of an element", tag, "the tag of a node of the section $Nodes")
-                })?;
-                if n < kind.map_or(1, ElementKind::nodes) {
-                    nodes.push(node);
-                }
-            }
+            nodes.extend(corners(cursor, builder, (kind, own), tag_of)?);
         }
         found += count;
         groups.push(Group { entity, kind, nodes });
