@@ -51,6 +51,8 @@ pub(super) struct AtWall<const D: usize> {
     pub(super) shown: Vec<f64>,
     /// The particles by their numbers, so that what is found does not depend on where they are kept.
     pub(super) order: Vec<usize>,
+    /// Places of nodes of next to no mass among all of the grid, which move as the wall does.
+    pub(super) light: Vec<u32>,
 }
 
 /// The surface of a particle at a wall.
@@ -143,10 +145,18 @@ impl<const D: usize> AtWall<D> {
         self.surfaces.iter_mut().for_each(|surface| surface.presses &= surface.force > least);
     }
 
+    /// Smaller impulses of the constraint on velocities are not found, N s.
+    pub(super) fn least_stop(&self) -> f64 {
+        FOUND * self.surfaces.iter().fold(0.0, |most: f64, surface| most.max(surface.stop))
+    }
+
+    /// Note which surfaces press, and which came to the wall in this step: they press from the next one on.
     pub(super) fn note(&mut self) {
         self.pressing.clear();
         let (bodies, numbers) = (self.near.bodies(), self.near.numbers());
-        let pressing = self.order.iter().filter(|p| self.surfaces[**p].presses);
+        let least = self.least_stop();
+        let presses = |surface: &Surface| surface.presses || surface.stop > least;
+        let pressing = self.order.iter().filter(|p| presses(&self.surfaces[**p]));
         self.pressing.extend(pressing.map(|&p| (bodies[p], numbers[p])));
     }
 
@@ -157,6 +167,7 @@ impl<const D: usize> AtWall<D> {
             + self.surfaces.capacity() * size_of::<Surface>()
             + self.shown.capacity() * size_of::<f64>()
             + self.order.capacity() * size_of::<usize>()
+            + self.light.capacity() * size_of::<u32>()
     }
 
     /// What is known from step to step, to a file or from one.

@@ -21,11 +21,13 @@ use super::contact::ContactPhase;
 use super::footprint::{Folds, NodeWeight};
 use super::mpm::Mpm;
 use super::near_particles::{FOUND, NearNode};
+use super::nodes::mass_cutoff;
 use crate::parallel::Float;
+use std::cell::RefCell;
 
 /// Least mass that a node shows to surfaces, over the largest of the particles there. Nodes of next to no mass would give way to a surface all
 /// alone, at velocities that strain what is beside them.
-const LIGHTEST: f64 = 0.4;
+const LIGHTEST: f64 = 1.0;
 /// Mass of nodes that surfaces do not see, over that of the lightest particle: their velocities are rounding.
 const NO_MASS: f64 = 1e-12;
 /// Gap, over half the size of a particle, up to which a surface that pressed still presses: matter that expands is larger than its particle.
@@ -79,14 +81,19 @@ impl<const D: usize, T: Float> Mpm<D, T> {
 
     /// Gather the particles whose surfaces may reach a wall in this step.
     fn gather_at(&self, at: &mut AtWall<D>, wall: &Plane<D>, dt: T, mapped: bool) {
-        let cutoff = self.scene.lightest() * T::of(NO_MASS);
+        let (cutoff, no_mass) = (
+            self.scene.lightest() * mass_cutoff::<T>(),
+            (self.scene.lightest() * T::of(NO_MASS)).to_double(),
+        );
         let modified = self.kernels.facts().boundary_modified;
         let folds = Folds::of(&self.scene.conditions.boundaries, self.grid.lattice(), modified);
         let known = !mapped && !self.kernels.facts().maps_together;
         let step = dt.to_double();
-        let AtWall { pressing, near, surfaces, shown, order } = at;
+        let AtWall { pressing, near, surfaces, shown, order, light } = at;
         near.clear();
         surfaces.clear();
+        let rounding = RefCell::new(std::mem::take(light));
+        rounding.borrow_mut().clear();
         let (margin, touches) =
             (0.1 * self.grid.lattice().spacing(), TOUCHES * self.grid.lattice().spacing());
         let reaches =
@@ -94,7 +101,15 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let (mut shifted, mut heaviest) = (Vec::new(), 0.0f64);
         for (body, particles) in self.scene.bodies.iter().enumerate() {
             let Some(particles) = particles.meets_surfaces() else { continue };
-            let node_at = self.grid.near_node(body as u32, (cutoff, known, dt));
+            let with_mass = self.grid.near_node(body as u32, (cutoff, known, dt));
+            let node_at = |at: &[i32; D]| {
+                let node = with_mass(at)?;
+                if node.mass > no_mass {
+                    return Some(node);
+                }
+                rounding.borrow_mut().push(node.place);
+                None
+            };
             particles.visit_near(step, &reaches, &mut |particle, weights| {
                 let radius = particle.reach[wall.axis];
                 let gap = wall.distance(&particle.position) - radius;
@@ -124,6 +139,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 near.add(body as u32, particle, &mut |list| folds.fold(&shifted, list), &node_at);
             });
         }
+        *light = rounding.into_inner();
         let end = self.clock.time + step;
         let tolerance = 1e-6 * self.grid.lattice().spacing();
         let copies = if self.facts().wide() { 1.5 * self.grid.lattice().spacing() } else { 0.0 };
@@ -134,10 +150,12 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             v[wall.axis] != 1.0
         };
         shown.clear();
+        // Where forces are mapped with momentum, velocities change by the force of the wall, too, which nodes share by their weights alone.
+        let least = if self.kernels.facts().maps_together { 0.0 } else { LIGHTEST };
         shown.extend(
-            near.nodes.iter().map(|node| {
-                if held(&node.position) { 0.0 } else { 1.0 / node.mass.max(LIGHTEST * heaviest) }
-            }),
+            near.nodes
+                .iter()
+                .map(|node| if held(&node.position) { 0.0 } else { 1.0 / node.mass.max(least * heaviest) }),
         );
         for (p, surface) in surfaces.iter_mut().enumerate() {
             for (node, w) in near.weights(p) {
@@ -188,7 +206,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         let moved: f64 = at.surfaces.iter().map(moved).sum();
         self.ledger.work += step * gravity * wall.sign * moved;
         if !known {
-            let least = FOUND * at.surfaces.iter().fold(0.0, |most: f64, surface| most.max(surface.stop));
+            let least = at.least_stop();
             at.surfaces.iter_mut().for_each(|surface| surface.presses = surface.stop > least);
         }
         if wall.friction > 0.0 {
@@ -205,7 +223,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         at.note();
         self.push_nodes(&at.near, dt);
-        self.move_nodes(at, axis, &velocities, dt);
+        self.move_nodes(at, wall, &velocities, dt);
     }
 
     /// Book what a wall gave.
@@ -230,21 +248,24 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }));
         at.hold(wall, &mut velocities, dt.to_double());
         if !remapped {
-            self.move_nodes(at, axis, &velocities, dt);
+            self.move_nodes(at, wall, &velocities, dt);
             return;
         }
         let nodes = self.grid.nodes_mut();
         for (near, v) in at.near.nodes.iter().zip(velocities) {
             nodes[near.place as usize].second[axis + 1] = T::of(v);
         }
+        for &place in &at.light {
+            nodes[place as usize].second[axis + 1] = T::of(wall.velocity[axis]);
+        }
         let mut stage = self.stage(dt);
         stage.copy_velocities(ContactPhase::Remapped, 0.0);
         stage.extrapolate();
     }
 
-    /// Give nodes these velocities along an axis, m/s, as far as conditions allow that hold them, and not as an increment of what particles have.
-    fn move_nodes(&mut self, at: &AtWall<D>, axis: usize, velocities: &[f64], dt: T) {
-        let end = self.clock.time + dt.to_double();
+    /// Give nodes these velocities across a wall, m/s, as far as conditions allow that hold them, and not as an increment of what particles have.
+    fn move_nodes(&mut self, at: &AtWall<D>, wall: &Plane<D>, velocities: &[f64], dt: T) {
+        let (axis, end) = (wall.axis, self.clock.time + dt.to_double());
         let tolerance = 1e-6 * self.grid.lattice().spacing();
         let copies = if self.facts().wide() { 1.5 * self.grid.lattice().spacing() } else { 0.0 };
         let takes = self.kernels.taken(dt).to_double();
@@ -258,6 +279,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                 b.constrain(&near.position, &mut v, end, tolerance, copies);
             }
             node.first[axis + 1] = T::of(v[axis]);
+        }
+        for &place in &at.light {
+            self.grid.nodes_mut()[place as usize].first[axis + 1] = T::of(wall.velocity[axis]);
         }
         let mut stage = self.stage(dt);
         stage.copy_velocities(ContactPhase::Trial, takes);

@@ -51,11 +51,13 @@ pub struct Conditions<const D: usize> {
     pub damping: LocalDamping,
 }
 
-/// A node counts as massless below this part of the smallest particle mass: the square of the rounding unit.
+/// A node counts as massless below this part of the smallest particle mass: the square of some rounding units.
 /// A spline's slope is the root of its weight there, so that a node left out adds no more than rounding to a
-/// velocity gradient. (With 1e-14, rigid flight made stresses of 1e-9 of Young's modulus.)
+/// velocity gradient. (With 1e-14, rigid flight made stresses of 1e-9 of Young's modulus.) Below, slopes of domains that
+/// deform are differences of rounding, which over a mass of rounding make any velocity.
 pub fn mass_cutoff<T: Float>() -> T {
-    T::default_epsilon() * T::default_epsilon()
+    let rounding = T::of(64.0) * T::default_epsilon();
+    rounding * rounding
 }
 
 /// What a stage is of, beside bodies and grid.

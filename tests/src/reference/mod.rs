@@ -203,7 +203,7 @@ pub struct Reference<const D: usize, S> {
     /// Walls and particles whose surfaces press on them, by number.
     pressed: BTreeSet<(usize, usize)>,
     /// Surfaces at every wall in this step.
-    touches: Vec<Vec<walls::Touch<D>>>,
+    touches: Vec<(Vec<walls::Touch<D>>, BTreeSet<Index<D>>)>,
     /// Heat of friction on walls so far, J.
     pub heat: f64,
     /// Impulse of walls so far, N s.
@@ -392,7 +392,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 
     fn lightest(&self) -> f64 {
-        f64::EPSILON.powi(2) * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min)
+        (64.0 * f64::EPSILON).powi(2) * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min)
     }
 
     /// v = p / m. For USF with the boundaries, since the strain is taken from it.

@@ -1,7 +1,7 @@
 //! Walls that only push, as the surfaces of particles meet them: half a domain from their positions. Surfaces that press move as the
 //! wall does, and the force of the wall balances the acceleration of the nodes there.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use mpm_core::{Boundary, ShapeFunction, Side};
 
@@ -89,28 +89,28 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
 
     /// Have surfaces meet walls at the end of the momentum update.
     pub(super) fn meet_walls(&mut self, dt: f64) {
-        let knows_force =
-            self.order != Order::Usl || matches!(self.rule, Rule::Flip | Rule::Aflip(_) | Rule::Blend(_));
+        let knows_force = self.knows_force();
         let takes = self.takes(dt);
         self.touches.clear();
         for plane in self.planes() {
-            let mut touches = self.touching(&plane, dt);
+            let (mut touches, light) = self.touching(&plane, dt);
             if knows_force {
                 self.bear(&plane, &mut touches, dt);
             }
-            self.hold(&plane, &mut touches, |node| &mut node.velocity, dt);
+            self.hold(&plane, &mut touches, &light, |node| &mut node.velocity, dt);
             let least = FOUND * touches.iter().fold(0.0f64, |most, touch| most.max(touch.stop));
             for touch in &mut touches {
                 let impulse = plane.sign * touch.given(takes);
                 self.wall_impulse[plane.axis] += impulse;
-                touch.presses = if knows_force { touch.presses } else { touch.stop > least };
+                touch.pressed = knows_force && touch.presses || touch.stop > least;
+                touch.presses = if knows_force { touch.presses } else { touch.pressed };
             }
             if plane.friction > 0.0 {
                 self.rub(&plane, &touches, takes, dt);
             }
             self.pressed.retain(|(wall, _)| *wall != plane.number);
-            self.pressed.extend(touches.iter().filter(|t| t.presses).map(|t| (plane.number, t.point)));
-            self.touches.push(touches);
+            self.pressed.extend(touches.iter().filter(|t| t.pressed).map(|t| (plane.number, t.point)));
+            self.touches.push((touches, light));
             let end = self.time + dt;
             for (index, node) in &mut self.nodes {
                 let free = node.velocity;
@@ -130,11 +130,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     pub(super) fn hold_mapped(&mut self, dt: f64) {
         let takes = self.takes(dt);
         for plane in self.planes() {
-            let mut touches = self.touching(&plane, dt);
+            let (mut touches, light) = self.touching(&plane, dt);
             for touch in &mut touches {
                 touch.presses = touch.pressed;
             }
-            self.hold(&plane, &mut touches, |node| &mut node.velocity, dt);
+            self.hold(&plane, &mut touches, &light, |node| &mut node.velocity, dt);
             self.wall_impulse[plane.axis] += touches.iter().map(|t| plane.sign * t.given(takes)).sum::<f64>();
         }
     }
@@ -142,8 +142,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     /// Hold a record of velocities at surfaces as [`Self::meet_walls`] found them; are they the particles'?
     pub(super) fn hold_again(&mut self, record: Record<D>, given: bool, dt: f64) {
         let mut all = std::mem::take(&mut self.touches);
-        for (plane, touches) in self.planes().into_iter().zip(&mut all) {
-            self.hold(&plane, touches, record, dt);
+        for (plane, (touches, light)) in self.planes().into_iter().zip(&mut all) {
+            self.hold(&plane, touches, light, record, dt);
             if given {
                 touches.iter_mut().for_each(|touch| touch.force = 0.0);
                 self.wall_impulse[plane.axis] +=
@@ -151,6 +151,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
         }
         self.touches = all;
+    }
+
+    /// Are forces known apart from momentum?
+    fn knows_force(&self) -> bool {
+        self.order != Order::Usl || matches!(self.rule, Rule::Flip | Rule::Aflip(_) | Rule::Blend(_))
     }
 
     /// How much of the nodes' velocity particles take.
@@ -164,10 +169,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 
     /// The surfaces that may touch a wall in a step.
-    fn touching(&self, wall: &Wall<D>, dt: f64) -> Vec<Touch<D>> {
+    /// And nodes of next to no mass that they are near.
+    fn touching(&self, wall: &Wall<D>, dt: f64) -> (Vec<Touch<D>>, BTreeSet<Index<D>>) {
         // Velocities of nodes of next to no mass are rounding.
         let light = 1e-12 * self.points.iter().map(|p| p.mass).fold(f64::INFINITY, f64::min);
-        let mut list = Vec::new();
+        let (mut list, mut lights) = (Vec::new(), BTreeSet::new());
         for (n, point) in self.points.iter().enumerate() {
             let radius = self.reach(point, wall.axis);
             let (gap, h) = (wall.sign * (point.x[wall.axis] - wall.at) - radius, self.lattice.spacing());
@@ -180,9 +186,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             let mut row = Row::new();
             for image in &self.images[n] {
                 for w in &image.weights {
-                    let Some(node) = self.nodes.get(&w.node).filter(|node| node.mass > light) else {
+                    let Some(node) = self.nodes.get(&w.node) else { continue };
+                    if node.mass <= light {
+                        lights.insert(w.node);
                         continue;
-                    };
+                    }
                     let lever = -wall.sign * radius * image.sign[wall.axis];
                     let value = w.value + lever * w.gradient[wall.axis];
                     let sum = row.entry(w.node).or_insert((0.0, [0.0; D], node.mass, 0.0));
@@ -192,7 +200,8 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
             list.push(Touch { point: n, gap, pressed, presses: false, row, force: 0.0, stop: 0.0 });
         }
-        // Nodes that a condition holds do not move, and none shows next to no mass.
+        // Nodes that a condition holds do not move, and none shows next to no mass but where the force of the wall is in what changes.
+        let least = if self.knows_force() { 1.0 } else { 0.0 };
         let heaviest = list.iter().fold(0.0f64, |most, touch| most.max(self.points[touch.point].mass));
         for touch in &mut list {
             for (index, at) in &mut touch.row {
@@ -204,11 +213,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                     matches!(**b, Boundary::Symmetry { axis, at, .. } if (x[axis] - at).abs() <= 1e-6 * h)
                 };
                 let images = 2f64.powi(self.boundaries.iter().filter(on).count() as i32);
-                at.3 = if free { 1.0 / at.2.max(0.4 * heaviest * images) } else { 0.0 };
+                at.3 = if free { 1.0 / at.2.max(least * heaviest * images) } else { 0.0 };
             }
         }
         list.retain(|touch| touch.shown(wall.axis) > 0.0);
-        list
+        (list, lights)
     }
 
     /// Did the surface of a particle press in the step before, and is it not too far away?
@@ -270,7 +279,15 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
     }
 
     /// Change velocities of nodes until surfaces that press move as the wall does, and others do not go into it within the step.
-    fn hold(&mut self, wall: &Wall<D>, touches: &mut [Touch<D>], record: Record<D>, dt: f64) {
+    /// Nodes of next to no mass there move so, too.
+    fn hold(
+        &mut self,
+        wall: &Wall<D>,
+        touches: &mut [Touch<D>],
+        light: &BTreeSet<Index<D>>,
+        record: Record<D>,
+        dt: f64,
+    ) {
         let (axis, drag) = (wall.axis, wall.velocity[wall.axis]);
         touches.iter_mut().for_each(|touch| touch.stop = 0.0);
         for _ in 0..SWEEPS {
@@ -294,6 +311,11 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             }
             if changed <= FOUND * largest {
                 break;
+            }
+        }
+        for index in light.iter().filter(|_| !touches.is_empty()) {
+            if let Some(node) = self.nodes.get_mut(index) {
+                record(node)[axis] = drag;
             }
         }
     }
