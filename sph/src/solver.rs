@@ -222,7 +222,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             solver.mirrors.push(Mirror { axis: 0, at: 0.0, sign: 1.0, kind: MirrorKind::Axis });
         }
         solver.make_batches();
-        solver.begin_anew()?;
+        solver.begin_anew_with(|_| ())?;
         Ok(solver)
     }
 
@@ -357,9 +357,8 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             let allowed = "in front of the plane that mirrors";
             number((x[axis] - at) * sign > 0.0, "position", self.numbers[i] as usize, x[axis], allowed)?;
         }
-        self.mirrors.push(Mirror { axis, at, sign, kind });
         self.lists.forget();
-        self.begin_anew()
+        self.begin_anew_with(|sph| sph.mirrors.push(Mirror { axis, at, sign, kind }))
     }
 
     /// An acceleration of all particles, m/s^2, over time.
@@ -401,7 +400,7 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
             number(broken.is_none(), "state", self.numbers[i] as usize, broken.unwrap_or(0.0), "finite")?;
             batch.write(i % BATCH, &state);
         }
-        self.begin_anew()
+        self.begin_anew_with(|_| ())
     }
 
     /// The particles' positions, m, sorted in space: [`Sph::numbers`] are those of the layout.

@@ -355,8 +355,32 @@ impl<const D: usize, M: Composition<D>> Sph<D, M> {
         self.clock.stopped(Stopped::Scene(SceneError::Search(error)))
     }
 
-    /// Begin with the states and positions as they are, which are the reference.
-    pub(crate) fn begin_anew(&mut self) -> Result<(), SceneError> {
+    /// Bring velocities to the time of the positions, by the forces of now: those that act from here on had no part in the step before.
+    fn synchronise(&mut self) {
+        let lag = std::mem::take(&mut self.lag);
+        let force = self.body_force.as_ref().map_or([0.0; D], |f| f(self.clock.time));
+        for (i, v) in self.records.velocity.iter_mut().take(self.positions.len()).enumerate() {
+            let stabilising = self.batches[i / BATCH].stabilising.get(i % BATCH);
+            for d in (0..D).filter(|d| self.held[i] & HELD << d == 0) {
+                let (a, mass, before) = (self.acceleration[i][d], v[3], v[d]);
+                v[d] += lag * (a + force[d]);
+                let mean = 0.5 * (before + v[d]);
+                self.exchange.load[d] += lag * mass * force[d];
+                self.exchange.work += lag * mass * force[d] * mean;
+                self.exchange.viscosity -= stabilising.map_or(0.0, |a| lag * mass * a[d] * mean);
+                if self.mirrors.iter().any(|m| m.kind != MirrorKind::Axis && m.axis == d) {
+                    self.exchange.impulse[d] += lag * mass * a;
+                }
+            }
+        }
+    }
+
+    /// Begin with the states and positions as they are, which are the reference, after this change.
+    pub(crate) fn begin_anew_with(&mut self, change: impl FnOnce(&mut Self)) -> Result<(), SceneError> {
+        if self.lag > 0.0 {
+            self.synchronise();
+        }
+        change(self);
         let numbers = self.virgin.len();
         let Sph { material, memory, team, batches, .. } = self;
         team.each(batches, |_, batch| {

@@ -25,9 +25,9 @@ use super::nodes::mass_cutoff;
 use crate::parallel::Float;
 use std::cell::RefCell;
 
-/// Least mass that a node shows to surfaces, over the largest of the particles there. Nodes of next to no mass would give way to a surface all
-/// alone, at velocities that strain what is beside them.
-const LIGHTEST: f64 = 1.0;
+/// Least mass that a node shows to surfaces, over that of a cell full of the densest matter there. Nodes of next to no mass would give way to a
+/// surface all alone, at velocities that strain what is beside them.
+const LIGHTEST: f64 = 0.1;
 /// Mass of nodes that surfaces do not see, over that of the lightest particle: their velocities are rounding.
 const NO_MASS: f64 = 1e-12;
 /// Gap, over half the size of a particle, up to which a surface that pressed still presses: matter that expands is larger than its particle.
@@ -98,7 +98,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             (0.1 * self.grid.lattice().spacing(), TOUCHES * self.grid.lattice().spacing());
         let reaches =
             |low: &[f64; D], high: &[f64; D]| wall.distance(if wall.sign > 0.0 { low } else { high }) < 0.0;
-        let (mut shifted, mut heaviest) = (Vec::new(), 0.0f64);
+        let (mut shifted, mut full) = (Vec::new(), 0.0f64);
+        let spacing = self.grid.lattice().spacing();
         for (body, particles) in self.scene.bodies.iter().enumerate() {
             let Some(particles) = particles.meets_surfaces() else { continue };
             let with_mass = self.grid.near_node(body as u32, (cutoff, known, dt));
@@ -128,7 +129,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
                     stop: 0.0,
                     passes: [0.0; 2],
                 });
-                heaviest = heaviest.max(particle.mass);
+                full = full.max(particle.mass * (0.5 * spacing / particle.half_size).powi(D as i32));
                 let lever = -wall.sign * radius;
                 shifted.clear();
                 shifted.extend(
@@ -155,7 +156,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         shown.extend(
             near.nodes
                 .iter()
-                .map(|node| if held(&node.position) { 0.0 } else { 1.0 / node.mass.max(least * heaviest) }),
+                .map(|node| if held(&node.position) { 0.0 } else { 1.0 / node.mass.max(least * full) }),
         );
         for (p, surface) in surfaces.iter_mut().enumerate() {
             for (node, w) in near.weights(p) {

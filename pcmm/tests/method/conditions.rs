@@ -102,7 +102,8 @@ fn a_block_on_an_incline_sticks_or_slides() {
             assert!((settled / exact - 1.0).abs() < 0.01, "{settled} m/s^2, exact {exact}");
             assert!((-along / across / 0.4 - 1.0).abs() < 5e-3, "{along} and {across} N s");
         }
-        assert!(account.missing() < 1e-11 * account.momentum_scale);
+        // To rounding of what the floor gave.
+        assert!(account.missing() < 1e-13 * across, "{} of {across} N s", account.missing());
         assert!(account.energy_error().abs() < 0.02, "{}", account.energy_error());
     }
 }

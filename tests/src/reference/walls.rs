@@ -201,8 +201,18 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
             list.push(Touch { point: n, gap, pressed, presses: false, row, force: 0.0, stop: 0.0 });
         }
         // Nodes that a condition holds do not move, and none shows next to no mass but where the force of the wall is in what changes.
-        let least = if self.knows_force() { 1.0 } else { 0.0 };
-        let heaviest = list.iter().fold(0.0f64, |most, touch| most.max(self.points[touch.point].mass));
+        let least = if self.knows_force() { 0.1 } else { 0.0 };
+        // A cell full of the densest matter.
+        let full = |touch: &Touch<D>| {
+            let point = &self.points[touch.point];
+            point.mass
+                * self
+                    .half_edges(point)
+                    .map(|edge| 0.5 * self.lattice.spacing() / edge)
+                    .iter()
+                    .product::<f64>()
+        };
+        let full = list.iter().fold(0.0f64, |most, touch| most.max(full(touch)));
         for touch in &mut list {
             for (index, at) in &mut touch.row {
                 let x = self.lattice.node(*index);
@@ -213,7 +223,7 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
                     matches!(**b, Boundary::Symmetry { axis, at, .. } if (x[axis] - at).abs() <= 1e-6 * h)
                 };
                 let images = 2f64.powi(self.boundaries.iter().filter(on).count() as i32);
-                at.3 = if free { 1.0 / at.2.max(least * heaviest * images) } else { 0.0 };
+                at.3 = if free { 1.0 / at.2.max(least * full * images) } else { 0.0 };
             }
         }
         list.retain(|touch| touch.shown(wall.axis) > 0.0);
@@ -225,18 +235,27 @@ impl<const D: usize, S: ShapeFunction<f64, D>> Reference<D, S> {
         gap <= 0.25 * radius && self.pressed.contains(&(wall.number, point))
     }
 
+    /// Half the edges of a particle's domain, in cells.
+    fn edges(&self, point: &Point<D>) -> [[f64; D]; D] {
+        std::array::from_fn(|d| {
+            std::array::from_fn(|axis| {
+                if !S::DOMAIN.convects() {
+                    return if d == axis { point.half[axis] } else { 0.0 };
+                }
+                let of = |(c, corner): (usize, &[f64; D])| side(c, d) * corner[axis] / f64::from(1 << D);
+                point.corners.iter().enumerate().map(of).sum()
+            })
+        })
+    }
+
+    /// Their lengths, m.
+    fn half_edges(&self, point: &Point<D>) -> [f64; D] {
+        self.edges(point).map(|edge| self.lattice.spacing() * edge.iter().map(|x| x * x).sum::<f64>().sqrt())
+    }
+
     /// Half the size of a particle's domain along an axis, m.
     fn reach(&self, point: &Point<D>, axis: usize) -> f64 {
-        let h = self.lattice.spacing();
-        if !S::DOMAIN.convects() {
-            return h * point.half[axis];
-        }
-        // Half its mean edges along the axis.
-        let edges = (0..D).map(|d| {
-            let of = |(c, corner): (usize, &[f64; D])| side(c, d) * corner[axis] / f64::from(1 << D);
-            point.corners.iter().enumerate().map(of).sum::<f64>().abs()
-        });
-        h * edges.sum::<f64>()
+        self.lattice.spacing() * self.edges(point).iter().map(|edge| edge[axis].abs()).sum::<f64>()
     }
 
     /// Balance accelerations of nodes where surfaces press: those that did before, and those that go into the wall.
