@@ -20,7 +20,7 @@ use super::at_wall::{AtWall, Plane, Surface};
 use super::contact::ContactPhase;
 use super::footprint::{Folds, NodeWeight};
 use super::mpm::Mpm;
-use super::near_particles::{FOUND, NearNode};
+use super::near_particles::NearNode;
 use super::nodes::mass_cutoff;
 use crate::parallel::Float;
 use std::cell::RefCell;
