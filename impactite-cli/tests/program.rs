@@ -84,7 +84,8 @@ fn a_run_leaves_its_page_its_numbers_and_the_same_bits_for_any_number_of_threads
         let last: serde_json::Value =
             serde_json::from_str(text.lines().last().unwrap()).expect("JSON on the last line");
         assert_eq!((&last["met"], &last["missed"]), (&1.into(), &0.into()));
-        assert!(last["energy_error"].as_f64().unwrap().abs() < 0.05, "{last}");
+        // USL at a wall: 8 % of the energy of a disc of ten cells (book, "Walls and floors").
+        assert!(last["energy_error"].as_f64().unwrap().abs() < 0.1, "{last}");
         for file in
             ["report.html", "run.json", "result.json", "measures.csv", "scene.toml", "paraview/scene.pvd"]
         {

@@ -72,6 +72,10 @@ pub(crate) trait Stepped<const D: usize> {
     fn step(&mut self) -> Result<(), StepError>;
     /// Time, s.
     fn time(&self) -> f64;
+    /// Time that the velocities belong to after steps of `dt`, s.
+    fn velocity_time(&self, dt: f64) -> f64 {
+        self.time() - 0.5 * dt
+    }
     /// The body.
     fn body(&self) -> &dyn Body;
     /// The solver, of material points.
@@ -161,7 +165,7 @@ impl<C, const D: usize> Run<'_, C, D> {
             work.bytes = solver.bytes() as u64;
             look(&Moment {
                 time: solver.time(),
-                velocity_time: solver.time() - 0.5 * scene.dt,
+                velocity_time: solver.velocity_time(scene.dt),
                 starts: &scene.seeds.positions,
                 body: solver.body(),
                 grid: solver.grid(),

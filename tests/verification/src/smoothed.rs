@@ -244,6 +244,10 @@ impl<const D: usize> Stepped<D> for Driven<'_, D> {
     fn time(&self) -> f64 {
         self.march.time
     }
+    /// What is pushed has the velocity of the middle of its last step.
+    fn velocity_time(&self, dt: f64) -> f64 {
+        if self.drive.is_some() { self.march.time - 0.5 * dt } else { self.march.time }
+    }
     fn body(&self) -> &dyn Body {
         &*self.march.body
     }
