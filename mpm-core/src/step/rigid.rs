@@ -9,7 +9,7 @@
 //! with mass and inertia of the particles as boxes, and the orientation turned by the spin in the middle of the step
 //! (second order; L is exact). Contact solves all nodes of free bodies together ([`crate::ContactAlgorithm::couple`]), so that
 //! a body meets others with all its mass, and exchanges momentum and angular momentum exactly. Walls, fixed planes and planes
-//! of symmetry are part of that solution: they act on the body's surface ([`super::rigid_planes`]). Other conditions act on
+//! of symmetry are part of that solution: they act on the body's surface (`rigid_planes`). Other conditions act on
 //! its nodes, each with its share of the mass. A body of prescribed motion is a part of the surroundings, of infinite mass: what
 //! it gives to others is booked as a wall's is, and its own momentum and energy are not counted.
 

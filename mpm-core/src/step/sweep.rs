@@ -3,7 +3,7 @@
 //! The nodes that the block's particles reach are copied once into a tile; each bin reads its stencil from
 //! there, each group of lanes is gathered, updated and scattered while it is in registers and cache, and the
 //! sums go to the block's own output tile. No other block writes it, so that threads never meet; the grid
-//! adds the tiles up in a fixed order ([`super::nodes`]).
+//! adds the tiles up in a fixed order (`nodes`).
 
 use impactite_scene::Cause;
 use std::marker::PhantomData;
