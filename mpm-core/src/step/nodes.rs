@@ -439,13 +439,8 @@ impl<T: Float, const D: usize> Constraints<'_, T, D> {
         }
         let body = self.bodies.get(self.fields.owner(block) as usize);
         let rigid = body.is_some_and(|b| b.rigid().is_some());
-        // Particles meet walls one by one; matter whose stress is not on these nodes is stopped by the wall's impulse on them, and so are
-        // particles that share nodes with it.
-        let on_grid = |body: u32| {
-            self.bodies.get(body as usize).and_then(|b| b.client()).is_some_and(|client| client.on_grid())
-        };
-        let apart = body.is_none_or(|b| b.meets_surfaces().is_some())
-            && !self.fields.givers(block).iter().any(|giver| on_grid(giver.body));
+        // Particles meet walls one by one; matter whose stress is not on these nodes is stopped by the wall's impulse on them.
+        let apart = body.is_none_or(|b| b.meets_surfaces().is_some());
         let reacts = |b: &&Boundary<D>| b.reacts() && !(apart && b.is_wall()) && !(rigid && stops_rigid(b));
         let reacting = self.boundaries.iter().filter(reaches).any(|b| reacts(&b));
         let held_before = *held;
