@@ -23,12 +23,16 @@ const FEW_FAILED: u64 = 8;
 const FILTER: &str = "the filter of the transfer";
 const CONTACT: &str = "contacts that closed";
 const BOTH: &str = "the filter of the transfer or contacts that closed";
+const WALLS: &str = "the filter of the transfer, or the stress update (USL) where bodies press on walls";
+const ALL: &str = "the filter of the transfer, contacts that closed, or the stress update (USL) where bodies press on walls";
 const NEITHER: &str = "the motion of particles through cells";
 
 /// Sink of energy that no balance has, and remedies by the transfer in use: those that keep more of the energy, the best first. FLIP with
 /// MUSL keeps most, then AFLIP, then all others.
-fn loss(facts: &Facts, [filters, contact]: [bool; 2]) -> Loss {
+fn loss(facts: &Facts, [filters, contact, walls]: [bool; 3]) -> Loss {
     let by = match (filters, contact) {
+        (true, true) if walls => ALL,
+        (true, false) if walls => WALLS,
         (true, true) => BOTH,
         (true, false) => FILTER,
         (false, true) => CONTACT,
@@ -113,6 +117,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         // FLIP takes changes of velocities alone from the nodes; with MUSL and USF no stress update dissipates either.
         let of_nodes = self.kernels.taken(T::of(clock.last.unwrap_or(0.0)));
         let filters = of_nodes != T::default() || !self.facts().symplectic();
+        // Nodes behind a wall have little mass: there the last takes most.
+        let walls = !self.facts().symplectic() && !self.grid.walls.is_empty();
         let at = Look {
             clock: &clock,
             exchange: &exchange,
@@ -120,7 +126,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             speed: self.stepper.rate.to_double() * self.grid.lattice().spacing(),
             // Kinetic damping closes its balance to half a step.
             energy: self.between_steps.kinetic_damping.is_none(),
-            loss: loss(self.facts(), [filters, exchange.node_contact > 0.0]),
+            loss: loss(self.facts(), [filters, exchange.node_contact > 0.0, walls]),
         };
         let broken = || {
             let broken = self.scene.bodies.iter().find(|b| !b.totals().is_finite());

@@ -94,12 +94,11 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         surfaces.clear();
         let rounding = RefCell::new(std::mem::take(light));
         rounding.borrow_mut().clear();
-        let (margin, touches) =
-            (0.1 * self.grid.lattice().spacing(), TOUCHES * self.grid.lattice().spacing());
+        let spacing = self.grid.lattice().spacing();
+        let (margin, touches) = (0.1 * spacing, TOUCHES * spacing);
         let reaches =
             |low: &[f64; D], high: &[f64; D]| wall.distance(if wall.sign > 0.0 { low } else { high }) < 0.0;
         let (mut shifted, mut full) = (Vec::new(), 0.0f64);
-        let spacing = self.grid.lattice().spacing();
         for (body, particles) in self.scene.bodies.iter().enumerate() {
             let Some(particles) = particles.meets_surfaces() else { continue };
             let with_mass = self.grid.near_node(body as u32, (cutoff, known, dt));
@@ -142,8 +141,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         }
         *light = rounding.into_inner();
         let end = self.clock.time + step;
-        let tolerance = 1e-6 * self.grid.lattice().spacing();
-        let copies = if self.facts().wide() { 1.5 * self.grid.lattice().spacing() } else { 0.0 };
+        let tolerance = 1e-6 * spacing;
+        let copies = if self.facts().wide() { 1.5 * spacing } else { 0.0 };
         let held = |x: &[f64; D]| {
             let mut v = [1.0; 3];
             let others = self.scene.conditions.boundaries.iter().filter(|b| !b.is_wall());
