@@ -13,6 +13,7 @@ use mpm_materials::material::Material;
 use crate::erosion::{Erosion, Resolved};
 use crate::law::Probe;
 use crate::leaving::Converting;
+use crate::load::SurfaceLoad;
 use crate::pace::Pace;
 use crate::push::Push;
 use crate::set::{Making, Set};
@@ -220,6 +221,7 @@ impl<const D: usize> MeshBody<D> {
             surface,
             revision: 0,
             prescribed: Vec::new(),
+            loads: Vec::new(),
             pushes: Vec::new(),
             from: Vec::new(),
             flow: Vec::new(),
@@ -350,6 +352,7 @@ pub struct ElementBody<const D: usize> {
     pub(crate) surface: Vec<Facet>,
     pub(crate) revision: u64,
     pub(crate) prescribed: Vec<Prescribed>,
+    pub(crate) loads: Vec<SurfaceLoad<D>>,
     /// Impulses of others and of contact in the present step.
     pub(crate) pushes: Vec<Push<D>>,
     /// Positions at the start of a step that is made of several, and mean velocities over it.

@@ -48,6 +48,9 @@ impl<const D: usize> ElementBody<D> {
         }
         let chunks = self.each_node(team, |body, n, node, found| body.kick(n, node, found));
         chunks.iter().for_each(|found| self.exchange.add(&found.given));
+        if !self.loads.is_empty() {
+            self.push_loads(part.clock.time);
+        }
     }
 
     /// Conditions and new positions.
@@ -162,15 +165,15 @@ impl<const D: usize> ElementBody<D> {
     /// # Panics
     /// There is no such node.
     pub fn add_impulse(&mut self, node: usize, impulse: [f64; D]) {
-        self.push(Push { node: node as u32, given: impulse, touch: [0.0; D] });
+        self.push(Push { given: impulse, ..Push::of(node as u32) });
     }
 
     /// The same of contact in the scene, which has books of its own.
     pub(crate) fn touch(&mut self, node: u32, impulse: [f64; D]) {
-        self.push(Push { node, given: [0.0; D], touch: impulse });
+        self.push(Push { touch: impulse, ..Push::of(node) });
     }
 
-    fn push(&mut self, push: Push<D>) {
+    pub(crate) fn push(&mut self, push: Push<D>) {
         let (Node { velocity, mass, .. }, impulse) = (&mut self.nodes[push.node as usize], push.sum());
         for d in 0..D {
             velocity[d] += impulse[d] / *mass;
@@ -391,12 +394,11 @@ impl<const D: usize> Motion<'_, D> {
     #[inline(never)]
     fn constrain(&self, n: usize, node: &mut Node<D>, pushed: Option<&Push<D>>, found: &mut Moved) {
         let (body, kick) = (self.body, self.body.pace.kick);
-        let Push { given, touch, .. } =
-            *pushed.unwrap_or(&Push { node: 0, given: [0.0; D], touch: [0.0; D] });
-        let push = std::array::from_fn(|d| given[d] + touch[d]);
+        let pushes = *pushed.unwrap_or(&Push::of(0));
+        let (Push { given, touch, load, .. }, push) = (pushes, pushes.sum());
         let Moment { start, tried, mut point } = self.moment(n, node, &push);
         self.obey(n, &mut point, &mut found.given);
-        let (is_pushed, is_touched) = (given != [0.0; D], touch != [0.0; D]);
+        let (is_pushed, is_touched) = (given != [0.0; D] || load != [0.0; D], touch != [0.0; D]);
         for d in 0..D {
             let end = point.velocity[d];
             if end != node.velocity[d] || is_pushed {
@@ -411,6 +413,8 @@ impl<const D: usize> Motion<'_, D> {
                 sum.impulse[d] += impulse;
                 sum.work += impulse * mean;
             }
+            found.given.load[d] += load[d];
+            found.given.work += load[d] * mean;
             // The body force was booked with the velocity tried.
             found.given.work += 0.5 * kick * node.mass * body.acceleration[d] * (end - tried[d]);
         }

@@ -8,12 +8,18 @@ pub(crate) struct Push<const D: usize> {
     pub given: [f64; D],
     /// Of contact in the scene.
     pub touch: [f64; D],
+    /// Of loads on the surface.
+    pub load: [f64; D],
 }
 
 impl<const D: usize> Push<D> {
+    /// None on a node.
+    pub fn of(node: u32) -> Self {
+        Push { node, given: [0.0; D], touch: [0.0; D], load: [0.0; D] }
+    }
     /// All of it.
     pub fn sum(&self) -> [f64; D] {
-        std::array::from_fn(|d| self.given[d] + self.touch[d])
+        std::array::from_fn(|d| self.given[d] + self.touch[d] + self.load[d])
     }
 }
 
@@ -26,6 +32,7 @@ pub(crate) fn merge<const D: usize>(pushes: &mut Vec<Push<D>>) {
             for d in 0..D {
                 sum.given[d] += next.given[d];
                 sum.touch[d] += next.touch[d];
+                sum.load[d] += next.load[d];
             }
         }
         same

@@ -203,6 +203,11 @@ impl<const D: usize> Fem<D> {
         Ok(())
     }
 
+    /// Do coordinates (r, z) turn about an axis?
+    pub(crate) fn hoop(&self) -> bool {
+        self.hoop
+    }
+
     /// An acceleration of all nodes, m/s^2, over time.
     pub fn set_body_force(&mut self, acceleration: BodyForce<D>) {
         self.body_force = Some(acceleration);

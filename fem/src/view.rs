@@ -157,6 +157,10 @@ impl<const D: usize> ElementBody<D> {
         file.same(&of("conversion"), if self.converting.is_some() { "some" } else { "none" })?;
         let sets: Vec<_> = self.prescribed.iter().map(|p| (&p.set, p.nodes.len())).collect();
         file.same(&of("sets with a prescribed velocity"), &format!("{sets:?}"))?;
+        for load in &self.loads {
+            let (start, area) = ((load.history)(0.0), load.areas.iter().map(|(_, area)| area).sum::<f64>());
+            file.same(&of("traction"), &format!("{start:?} Pa at the start on {}, {area:?} m^2", load.facets))?;
+        }
         for node in &mut self.nodes {
             file.reals(node.position.iter_mut().chain(&mut node.velocity).chain([&mut node.mass]))?;
             let mut held = u32::from(node.held);

@@ -1,6 +1,8 @@
 //! A run of a scene file in a folder.
 
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -230,7 +232,7 @@ impl Job {
         stop: &AtomicBool,
     ) -> Result<Outcome, CliError> {
         // Quantities that cannot be measured are refused now, and not after an hour.
-        let measures = Measures::new(scene, solver)?;
+        let measures = Rc::new(RefCell::new(Measures::new(&self.source, scene, solver)?));
         let folder = &self.folder;
         let lock = FolderLock::new(folder)?;
         if self.resume {
@@ -279,7 +281,9 @@ impl Job {
 
         let mut heading = Job { source, ..self.clone() };
         let mut preface = |file: &mut Archive| heading.preface(file);
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress];
+        let mut looks = Looks::new(measures.clone())?;
+        // Measures over time first: their history shows what they are then.
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut recorder, &mut progress, &mut looks];
         if let Some(history) = &mut history {
             observers.push(history);
         }
@@ -305,6 +309,9 @@ impl Job {
         }
         let summary = run.summary();
         drop(run);
+        if let (Ok(_), Some(why)) = (&ended, &looks.ended) {
+            tracing::info!("ended at t = {:.6e} s by `until`: {why}", solver.time());
+        }
         if let Err(RunError::Interrupted { time, .. }) = &ended {
             tracing::warn!(
                 "asked to stop at t = {time:.4e} s; `impactite resume {}` goes on",
@@ -313,7 +320,7 @@ impl Job {
         }
 
         let columns = measured::columns(scene);
-        let values = with_energy_error(scene, measures.take(solver)?, error());
+        let values = with_energy_error(scene, measures.borrow().take(solver)?, error());
         let checks = if ended.is_ok() { checks(scene, &columns, &values) } else { Vec::new() };
         let unjudged = columns
             .iter()
@@ -370,7 +377,7 @@ impl Job {
             measures: columns
                 .iter()
                 .zip(&values)
-                .map(|((name, unit), value)| Measured(name.clone(), *value, (*unit).into()))
+                .map(|((name, unit), value)| Measured(name.clone(), *value, unit.clone()))
                 .collect(),
             checks,
             met,
@@ -402,11 +409,43 @@ impl Job {
     }
 }
 
+/// Looks at measures over time after every step, and ends the run where the scene says so.
+struct Looks {
+    pace: Pace,
+    measures: Rc<RefCell<Measures>>,
+    /// Why the run ends.
+    ended: Option<String>,
+}
+
+impl Looks {
+    fn new(measures: Rc<RefCell<Measures>>) -> Result<Self, ObserveError> {
+        Ok(Looks { pace: Pace::steps(1)?, measures, ended: None })
+    }
+}
+
+impl Observer for Looks {
+    fn pace(&mut self) -> &mut Pace {
+        &mut self.pace
+    }
+    fn observe(&mut self, now: &RunView<'_>) -> Result<(), ObserveError> {
+        let said = |e: measured::MeasureError| ObserveError::Other(e.to_string());
+        self.measures.borrow_mut().look(now.solver()).map_err(said)?;
+        self.ended = self.measures.borrow().ended(now.solver()).map_err(said)?;
+        Ok(())
+    }
+    fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        self.measures.borrow_mut().archive(file)
+    }
+    fn ends_run(&self) -> bool {
+        self.ended.is_some()
+    }
+}
+
 type Measuring = Box<dyn FnMut(&RunView<'_>) -> Result<Vec<f64>, ObserveError>>;
 
 fn history(
     scene: &SceneFile,
-    measures: &Measures,
+    measures: &Rc<RefCell<Measures>>,
     folder: &Path,
     pace: Pace,
     error: impl Fn() -> f64 + 'static,
@@ -417,12 +456,12 @@ fn history(
     let names = measured::columns(scene);
     let columns: Vec<Column> = [("time", "s")]
         .into_iter()
-        .chain(names.iter().map(|(name, unit)| (name.as_str(), *unit)))
+        .chain(names.iter().map(|(name, unit)| (name.as_str(), unit.as_str())))
         .map(Column::from)
         .collect();
     let (measures, scene) = (measures.clone(), scene.clone());
     let measuring: Measuring = Box::new(move |now| {
-        let values = measures.take(now.solver()).map_err(|e| ObserveError::Other(e.to_string()))?;
+        let values = measures.borrow().take(now.solver()).map_err(|e| ObserveError::Other(e.to_string()))?;
         let values = with_energy_error(&scene, values, error());
         Ok(std::iter::once(now.time()).chain(values).collect())
     });
@@ -439,7 +478,7 @@ fn with_energy_error(scene: &SceneFile, mut values: Vec<f64>, error: f64) -> Vec
     values
 }
 
-fn checks(scene: &SceneFile, columns: &[(String, &'static str)], values: &[f64]) -> Vec<Check> {
+fn checks(scene: &SceneFile, columns: &[(String, String)], values: &[f64]) -> Vec<Check> {
     let judged = |(n, check): (usize, &impactite_input::model::measure::Check)| {
         let (place, reference) = measured::reference(scene, n)?;
         let (name, unit) = &columns[place];

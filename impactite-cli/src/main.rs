@@ -295,7 +295,7 @@ fn perform(command: Command, signals: &Signals) -> Result<ExitCode, CliError> {
             let source = source(&options)?;
             let scene = source.parse()?;
             let mut solver = source.build(&scene)?;
-            impactite_input::measured::Measures::new(&scene, &*solver)?;
+            impactite_input::measured::Measures::new(&source, &scene, &*solver)?;
             let ahead = source.estimate(&scene, &mut *solver)?;
             print_words(format_args!("{}: {}", scene.title, solver.method()))?;
             // The first steps show what only they refuse, and how long one takes.

@@ -9,6 +9,7 @@ use toml_edit::{Document, DocumentMut, Item, Table, TableLike, Value};
 use crate::error::{Fault, InputError};
 use crate::json;
 use crate::model::SceneFile;
+use crate::model::over_time::TableSpec;
 use crate::quantity::Parameters;
 
 /// A scene as text, in TOML.
@@ -28,7 +29,7 @@ pub struct Source {
 const LARGEST: u64 = 16 << 20;
 
 /// Keys that a run which goes on from a checkpoint may change, since no step depends on them.
-pub const RESUMABLE: &[&str] = &["end", "title", "description", "checks"];
+pub const RESUMABLE: &[&str] = &["end", "until", "title", "description", "checks"];
 
 /// One step down from a table or a list.
 #[derive(Clone, Debug, PartialEq)]
@@ -228,7 +229,7 @@ impl Source {
     /// With its place: what is no TOML; keys that there are not (near misses are suggested), values of other kinds, quantities of other measures.
     pub fn parse(&self) -> Result<SceneFile, InputError> {
         let document = Document::parse(self.text.as_str()).map_err(|e| Box::new(self.syntax(&e)))?;
-        let parameters = self.parameters(&document)?;
+        let parameters = self.with_tables(self.parameters(&document)?, &document)?;
         let read = impactite_scene_file::read(document.clone(), &parameters);
         let mut scene = read.map_err(|error| {
             let path = error.path().to_string();
@@ -263,6 +264,26 @@ impl Source {
             if let Err(why) = defined {
                 return Err(Box::new(self.fault(item.span(), format!("parameters.{name}"), why, None)).into());
             }
+        }
+        Ok(parameters)
+    }
+
+    /// The parameters with the tables of the file.
+    fn with_tables(
+        &self,
+        mut parameters: Parameters,
+        document: &Document<&str>,
+    ) -> Result<Parameters, InputError> {
+        let tables = document.get("tables").and_then(Item::as_table_like);
+        for (name, item) in tables.into_iter().flat_map(|tables| tables.iter()) {
+            let fault = |message: String| {
+                InputError::from(Box::new(self.fault(item.span(), format!("tables.{name}"), message, None)))
+            };
+            // What it is in words is said where the whole scene is read.
+            let Ok(text) = item.clone().into_table().map(|table| table.to_string()) else { continue };
+            let Ok(spec) = parameters.during(|| toml_edit::de::from_str::<TableSpec>(&text)) else { continue };
+            let table = spec.table(&self.folder()).map_err(fault)?;
+            parameters.define_table(name, table).map_err(fault)?;
         }
         Ok(parameters)
     }

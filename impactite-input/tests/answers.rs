@@ -14,14 +14,21 @@ fn set_up(text: &str) -> Result<Ready, String> {
     let source = Source::new("scene.toml", text);
     let scene = source.parse().map_err(|e| e.to_string())?;
     let solver = source.build(&scene).map_err(|e| e.to_string())?;
-    let measures = Measures::new(&scene, &*solver).map_err(|e| e.to_string())?;
+    let measures = Measures::new(&source, &scene, &*solver).map_err(|e| e.to_string())?;
     Ok(Ready { scene, solver, measures })
 }
 
 /// The measures at the end, by name.
 fn end_of(text: &str) -> impl Fn(&str) -> f64 + use<> {
     let mut ready = set_up(text).unwrap_or_else(|e| panic!("{e}"));
-    ready.solver.run_until(ready.scene.end.value).unwrap_or_else(|e| panic!("{e}"));
+    let Ready { scene, solver, measures } = &mut ready;
+    while !solver.reached(scene.end.value) {
+        solver.step_towards(scene.end.value).unwrap_or_else(|e| panic!("{e}"));
+        measures.look(&**solver).unwrap_or_else(|e| panic!("{e}"));
+        if measures.ended(&**solver).unwrap_or_else(|e| panic!("{e}")).is_some() {
+            break;
+        }
+    }
     let values = ready.measures.take(&*ready.solver).unwrap_or_else(|e| panic!("{e}"));
     let names: Vec<String> = ready.scene.measures.keys().cloned().collect();
     move |name| values[names.iter().position(|n| n == name).expect("a measure")]

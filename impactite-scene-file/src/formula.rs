@@ -7,9 +7,11 @@ use exmex::{Express, FlatEx, FloatOpsFactory, MatchLiteral};
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
 use crate::quantity::{Measure, Quantity, bounded, with_parameters};
+use crate::table::Table;
 
 /// A quantity that may depend on place and time: a number, a text with a unit, or a formula in SI units that begins with `=`:
-/// `"= -190 * (1 - z / 0.0254)"`. Variables are `x`, `y`, `z`, around an axis `r` and `z` (m), and `t` (s); the file's parameters are numbers in SI units.
+/// `"= -190 * (1 - z / 0.0254)"`. Variables are `x`, `y`, `z`, around an axis `r` and `z` (m), and `t` (s); the file's parameters are numbers in SI units, and
+/// the names of its tables stand for their values at the time.
 #[derive(Clone, Debug)]
 pub struct Formula<U> {
     what: What,
@@ -58,7 +60,7 @@ impl MatchLiteral for Numbers {
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 enum Variable {
     X,
     Y,
@@ -67,6 +69,8 @@ enum Variable {
     R,
     T,
     Number(f64),
+    /// A table over time.
+    Table(Arc<Table>),
 }
 
 /// Which coordinates there are.
@@ -105,7 +109,7 @@ impl<U: Measure> Formula<U> {
         for (variable, name) in varies.variables.iter().zip(varies.formula.var_names()) {
             let here = match variable {
                 Variable::Number(_) => true,
-                Variable::T => time,
+                Variable::T | Variable::Table(_) => time,
                 Variable::X => place && coordinates != Coordinates::Revolved,
                 Variable::Y => place && coordinates != Coordinates::Revolved,
                 Variable::Z => place && coordinates != Coordinates::Plane,
@@ -141,13 +145,14 @@ impl<U: Measure> Formula<U> {
         let values: Vec<f64> = varies
             .variables
             .iter()
-            .map(|variable| match *variable {
+            .map(|variable| match variable {
                 Variable::X | Variable::R => along(0),
                 Variable::Y => along(1),
                 Variable::Z if revolved => along(1),
                 Variable::Z => along(2),
                 Variable::T => time,
-                Variable::Number(number) => number,
+                Variable::Number(number) => *number,
+                Variable::Table(table) => table.at(time),
             })
             .collect();
         varies.formula.eval(&values).unwrap_or(f64::NAN)
@@ -164,11 +169,14 @@ impl<U: Measure> Formula<U> {
                 "z" => Variable::Z,
                 "r" => Variable::R,
                 "t" => Variable::T,
-                other => Variable::Number(with_parameters(|p| p.numbers().get(other).copied()).ok_or_else(|| {
-                    let known = with_parameters(|p| p.numbers().keys().cloned().collect::<Vec<_>>().join(", "));
-                    let known = if known.is_empty() { "the file has none".into() } else { format!("the file has {known}") };
-                    format!("`{other}` is neither a coordinate (x, y, z, r), nor the time t, nor a parameter ({known})")
-                })?),
+                other => with_parameters(|p| {
+                    let number = p.numbers().get(other).map(|number| Variable::Number(*number));
+                    number.or_else(|| p.tables().get(other).cloned().map(Variable::Table)).ok_or_else(|| {
+                        let names: Vec<&str> = p.numbers().keys().chain(p.tables().keys()).map(String::as_str).collect();
+                        let known = if names.is_empty() { "none".into() } else { names.join(", ") };
+                        format!("`{other}` is neither a coordinate (x, y, z, r), nor the time t, nor a parameter or table (the file has {known})")
+                    })
+                })?,
             })
         });
         let variables = variables.collect::<Result<Vec<_>, String>>()?;

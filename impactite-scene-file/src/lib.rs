@@ -7,6 +7,7 @@ pub mod formula;
 pub mod model;
 pub mod quantity;
 pub mod remedy;
+pub mod table;
 
 pub use model::SceneFile;
 

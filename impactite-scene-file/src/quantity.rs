@@ -9,6 +9,8 @@ use fend_core::{Context, Interrupt};
 use indexmap::IndexMap;
 use serde::de::{Deserialize, Deserializer, Error, Visitor};
 
+use crate::table::Table;
+
 /// What a quantity measures.
 pub trait Measure: Copy + Default + 'static {
     /// What it is called.
@@ -107,11 +109,14 @@ pub struct Parameters {
     numbers: IndexMap<String, f64>,
     /// Their SI units, in the same order; empty of plain numbers.
     units: Vec<&'static str>,
+    /// Values over time, by name.
+    tables: IndexMap<String, Arc<Table>>,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        Parameters { context: Arc::new(Mutex::new(context())), numbers: IndexMap::new(), units: Vec::new() }
+        let context = Arc::new(Mutex::new(context()));
+        Parameters { context, numbers: IndexMap::new(), units: Vec::new(), tables: IndexMap::new() }
     }
 }
 
@@ -139,13 +144,7 @@ impl Parameters {
     /// # Errors
     /// A name that is none or that stands for a unit or a variable of formulas; a text that is no quantity.
     pub fn define(&mut self, name: &str, value: &str) -> Result<(), String> {
-        let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
-        if !letters || !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-            return Err(format!("`{name}` is no name: a letter, then letters, digits and `_`"));
-        }
-        if let Some(why) = taken(name) {
-            return Err(why);
-        }
+        named(name)?;
         let mut context = self.unshared();
         evaluate(&format!("{name} = ({})", checked(value)?), &mut context)?;
         let (_, unit, number) = in_any_unit(name, &mut context)?;
@@ -154,6 +153,34 @@ impl Parameters {
         self.units.resize(self.numbers.len(), unit);
         self.units[place] = unit;
         Ok(())
+    }
+
+    /// Add a table, for formulas.
+    ///
+    /// # Errors
+    /// A name that is none, or that stands for something else.
+    pub fn define_table(&mut self, name: &str, table: Table) -> Result<(), String> {
+        named(name)?;
+        if self.numbers.contains_key(name) {
+            return Err(format!("`{name}` is a parameter, too; call one of them otherwise"));
+        }
+        self.tables.insert(name.into(), Arc::new(table));
+        Ok(())
+    }
+
+    /// Values over time, by name.
+    #[must_use]
+    pub fn tables(&self) -> &IndexMap<String, Arc<Table>> {
+        &self.tables
+    }
+
+    /// A quantity of any known measure, in SI units.
+    ///
+    /// # Errors
+    /// A text that is none.
+    pub fn of_any_measure(&self, text: &str) -> Result<f64, String> {
+        let mut context = self.context.lock().unwrap_or_else(PoisonError::into_inner);
+        in_any_unit(text, &mut context).map(|(_, _, value)| value)
     }
 
     /// The context of these parameters alone.
@@ -337,6 +364,15 @@ const USUAL: &[&str] = &[
 
 /// Words of the language of quantities.
 const WORDS: &[&str] = &["in", "to", "of", "per", "and", "or", "mod", "xor", "not"];
+
+/// Refuse what is no name of a value of the file.
+fn named(name: &str) -> Result<(), String> {
+    let letters = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if !letters || !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        return Err(format!("`{name}` is no name: a letter, then letters, digits and `_`"));
+    }
+    taken(name).map_or(Ok(()), Err)
+}
 
 /// What a name stands for already.
 fn taken(name: &str) -> Option<String> {

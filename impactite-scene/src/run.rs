@@ -237,7 +237,7 @@ impl<'a> Run<'a> {
         self.checkpoints.as_ref().map_or(0, |c| c.written)
     }
 
-    /// Step until `end` (s), which is met exactly, and show the scene to the observers when they are due.
+    /// Step until `end` (s), which is met exactly, or until an observer [ends the run](Observer::ends_run), and show the scene to the observers when they are due.
     ///
     /// No step is shortened for an observer, which sees the first step that ends at or after its due time. All observers see the
     /// first and the last moment of the run, but none sees one step twice, so that a run may be continued with the same observers.
@@ -263,21 +263,28 @@ impl<'a> Run<'a> {
             self.summary = RunSummary::default();
         }
         self.show(end, begins)?;
-        while !self.solver.reached(end) {
+        while !self.solver.reached(end) && !self.ended_by_observers() {
             let (points, known) = (self.solver.moving_points() as f64, self.solver.warnings().len());
             let start = Instant::now();
             self.solver.step_towards(end)?;
             self.summary.wall_seconds += start.elapsed().as_secs_f64();
             self.summary.updates += points;
             self.summary.steps += 1;
-            let reached = self.solver.reached(end);
+            let mut reached = self.solver.reached(end);
             // Before observers see the last moment, which knows then what is rest.
-            let looked = if reached { self.solver.look_at_the_end() } else { Ok(()) };
+            let mut looked = if reached { self.solver.look_at_the_end() } else { Ok(()) };
             self.tell(known);
             self.show(end, reached)?;
+            if !reached && self.ended_by_observers() {
+                let known = self.solver.warnings().len();
+                reached = true;
+                looked = self.solver.look_at_the_end();
+                self.tell(known);
+                self.show(end, reached)?;
+            }
             looked?;
             self.save_if_due()?;
-            if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) && !self.solver.reached(end) {
+            if self.stop.is_some_and(|stop| stop.load(Ordering::Relaxed)) && !reached {
                 self.save()?;
                 let saved = self.checkpoints.as_ref().map(|c| c.path.clone());
                 let (time, steps) = (self.solver.time(), self.solver.steps());
@@ -290,6 +297,10 @@ impl<'a> Run<'a> {
         self.tell(known);
         looked?;
         Ok(self.summary)
+    }
+
+    fn ended_by_observers(&self) -> bool {
+        self.observers.iter().any(|observer| observer.ends_run())
     }
 
     fn tell(&mut self, known: usize) {

@@ -22,8 +22,6 @@ const PIECE: Duration = Duration::from_millis(50);
 pub struct Running {
     /// What it was made from.
     pub scene: Arc<SceneFile>,
-    /// Its measures, by where points are at the start.
-    pub measures: Measures,
     /// How many threads.
     pub threads: usize,
     /// Taken by whoever does not hold the interpreter, which a thread that steps may wait for.
@@ -43,10 +41,19 @@ struct Gathered {
 
 struct State {
     solver: Box<dyn Solver>,
+    /// Its measures, by where points are at the start.
+    measures: Measures,
     /// Counts what changed the scene.
     changes: u64,
     /// Why it is not to be used any more.
     unusable: Option<String>,
+}
+
+impl State {
+    /// Does a measure end the scene?
+    fn by_measure(&self) -> Result<bool, Failed> {
+        Ok(self.measures.ended(&*self.solver)?.is_some())
+    }
 }
 
 /// The state, while a thread uses it.
@@ -81,12 +88,11 @@ impl Running {
         let threads = team.threads();
         let mut solver = source.build(&scene)?;
         solver.set_team(team);
-        let measures = Measures::new(&scene, &*solver)?;
+        let measures = Measures::new(source, &scene, &*solver)?;
         let gathered = solver.bodies().iter().map(|_| None).collect();
-        let state = State { solver, changes: 0, unusable: None };
+        let state = State { solver, measures, changes: 0, unusable: None };
         Ok(Running {
             scene,
-            measures,
             threads,
             state: Mutex::new(state),
             holder: AtomicU32::new(0),
@@ -137,6 +143,15 @@ impl Running {
         Ok(py.detach(|| Ok::<R, Failed>(look(&mut *self.lock()?.solver)))?)
     }
 
+    /// The measures as the scene stands, in SI units.
+    pub fn measured(&self, py: Python<'_>) -> PyResult<Vec<f64>> {
+        let taken = py.detach(|| {
+            let state = self.lock()?;
+            Ok::<_, Failed>(state.measures.take(&*state.solver)?)
+        });
+        Ok(taken?)
+    }
+
     /// The arrays of the body at this place: gathered once a state.
     pub fn fields(&self, py: Python<'_>, place: usize) -> PyResult<Arc<Fields>> {
         let kept = |changes: u64| {
@@ -177,8 +192,18 @@ impl Running {
         }
     }
 
-    /// At most so many steps towards `end`, s; Python is asked every now and then. Returns how many were made.
-    pub fn advance(&self, py: Python<'_>, end: f64, most: u64) -> PyResult<u64> {
+    /// Has the scene come to its end: to the time, or to what a measure says?
+    pub fn ended(&self, py: Python<'_>) -> PyResult<bool> {
+        let ended = py.detach(|| {
+            let state = self.lock()?;
+            Ok::<_, Failed>(state.solver.reached(self.scene.end.value) || state.by_measure()?)
+        });
+        Ok(ended?)
+    }
+
+    /// At most so many steps towards the end of the scene, or towards `time`, s; Python is asked every now and then. Returns how many were made.
+    pub fn advance(&self, py: Python<'_>, time: Option<f64>, most: u64) -> PyResult<u64> {
+        let end = time.unwrap_or(self.scene.end.value);
         self.forget();
         let mut made = 0;
         loop {
@@ -191,15 +216,17 @@ impl Running {
                         "end = {end} s is not allowed; it must be finite and not before the time reached, {time} s"
                     )));
                 }
-                while made < most && !state.solver.reached(end) {
+                while made < most && !state.solver.reached(end) && !(time.is_none() && state.by_measure()?) {
                     if start.elapsed() >= PIECE {
                         return Ok(false);
                     }
                     state.changes += 1;
-                    state.solver.step_towards(end)?;
+                    let State { solver, measures, .. } = &mut *state;
+                    solver.step_towards(end)?;
+                    measures.look(&**solver)?;
                     made += 1;
                 }
-                if state.solver.reached(end) {
+                if state.solver.reached(end) || time.is_none() && state.by_measure()? {
                     state.solver.look_at_the_end()?;
                 }
                 Ok::<bool, Failed>(true)
@@ -215,6 +242,10 @@ impl Running {
     pub fn resume(&self, path: &Path) -> Result<(), Failed> {
         self.forget();
         let mut state = self.lock()?;
+        if state.measures.looks() {
+            let why = "measures over time, forces of conditions and `until` are not in checkpoints of simulations; a run by `impactite.run` goes on with them by `impactite.resume`";
+            return Err(Failed::Value(why.into()));
+        }
         state.changes += 1;
         state.solver.resume(path).map_err(|error| {
             state.unusable = Some(format!("the simulation was left half resumed by `{}`", path.display()));

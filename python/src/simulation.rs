@@ -30,20 +30,18 @@ impl Simulation {
     /// Make `n` steps, or fewer where the scene ends. Returns how many were made: 0 at the end.
     #[pyo3(signature = (n=1))]
     fn step(&self, py: Python<'_>, n: u64) -> PyResult<u64> {
-        let end = self.0.scene.end.value;
         // A scene that was run beyond its end makes no more steps towards it.
-        if self.0.look(py, |solver| solver.reached(end))? { Ok(0) } else { self.0.advance(py, end, n) }
+        if self.0.ended(py)? { Ok(0) } else { self.0.advance(py, None, n) }
     }
 
     /// Step until the time `t`, s, which is met exactly: the last steps are shortened for it. It may be after the end of the scene.
     fn run_until(&self, py: Python<'_>, t: f64) -> PyResult<()> {
-        self.0.advance(py, t, u64::MAX).map(drop)
+        self.0.advance(py, Some(t), u64::MAX).map(drop)
     }
 
     /// Step until the scene ends: the same bits as `impactite.run`.
     fn run(&self, py: Python<'_>) -> PyResult<()> {
-        let end = self.0.scene.end.value;
-        if self.0.look(py, |solver| solver.reached(end))? { Ok(()) } else { self.run_until(py, end) }
+        if self.0.ended(py)? { Ok(()) } else { self.0.advance(py, None, u64::MAX).map(drop) }
     }
 
     /// Simulated time, s.
@@ -64,8 +62,7 @@ impl Simulation {
     /// Has the scene come to its end?
     #[getter]
     fn reached_end(&self, py: Python<'_>) -> PyResult<bool> {
-        let end = self.0.scene.end.value;
-        self.0.look(py, |solver| solver.reached(end))
+        self.0.ended(py)
     }
     /// When the scene ends, s.
     #[getter]
@@ -105,7 +102,7 @@ impl Simulation {
 
     /// The measures of the scene as it stands, in SI units, by name. Of a quarter model they are those of the quarter.
     fn measures<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let values = self.0.look(py, |solver| self.0.measures.take(solver))?.map_err(Failed::from)?;
+        let values = self.0.measured(py)?;
         let all = PyDict::new(py);
         self.0.scene.measures.keys().zip(values).try_for_each(|(name, value)| all.set_item(name, value))?;
         Ok(all)

@@ -12,7 +12,7 @@ use impactite::scene::boundary::{BodyForce, VelocityHistory};
 use super::material::{self, Velocity};
 use super::wrong::{At, Folder, Made, Wrong, known, wrong};
 use super::{describe, shape};
-use crate::model::body::{Body, MeetBy};
+use crate::model::body::{Body, MeetBy, Traction};
 use crate::model::condition::{self, Condition};
 use crate::model::contact::{Law, Pair};
 use crate::model::method::{Method, TimeStep};
@@ -24,6 +24,16 @@ pub(crate) struct World<'a, const D: usize> {
     pub folder: &'a Folder,
     /// Shapes of bodies by key: each file of a surface is read once.
     shapes: RefCell<BTreeMap<String, Arc<dyn Shape<D>>>>,
+}
+
+/// A traction on a part of a surface.
+pub(super) struct Surface<const D: usize> {
+    /// Where the loaded points or faces start.
+    pub region: Arc<dyn Shape<D>>,
+    /// The axis that loaded faces are normal to.
+    pub axis: usize,
+    /// Pa at a time in s.
+    pub history: Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>,
 }
 
 /// What is wrong whatever the method: names, and what does not go together.
@@ -67,7 +77,11 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
         only(body.split_at.is_some(), "split_at", "mpm", mpm)?;
         only(body.elements.is_some(), "elements", "mpm", mpm)?;
         only(!body.lit.is_empty(), "lit", "mpm", mpm)?;
-        only(body.traction.is_some(), "traction", "mpm, fpm", mpm || fpm)?;
+        only(!body.traction.0.is_empty(), "traction", "mpm, fpm and fem", mpm || fpm || fem)?;
+        if !body.traction.0.is_empty() && body.elements.is_some() {
+            let message = "is not of bodies of elements among particles; take `method.fem`, or particles";
+            return wrong(format!("bodies.{name}.traction"), message);
+        }
         only(body.merge_above.is_some(), "merge_above", "mpm", mpm)?;
         only(body.body_force.is_some(), "body_force", "mpm", mpm)?;
         only(!body.notches.is_empty(), "notches", "fpm", fpm)?;
@@ -88,6 +102,7 @@ pub(super) fn check(scene: &SceneFile) -> Made<()> {
     for (name, measure) in &scene.measures {
         describe::check(scene, &format!("measures.{name}"), measure)?;
     }
+    describe::ends(scene)?;
     for (n, check) in scene.checks.iter().enumerate() {
         known(
             &format!("checks[{n}].measure"),
@@ -378,6 +393,19 @@ impl<'a, const D: usize> World<'a, D> {
     /// What the run watches over.
     pub fn watch(&self) -> Watch {
         if self.scene.only_warn { Watch::default().only_warn() } else { Watch::default() }
+    }
+
+    /// A traction on a part of a surface.
+    pub fn load(&self, key: &str, load: &Traction) -> Made<Surface<D>> {
+        let list: [_; D] = formulas(&load.traction).at(format!("{key}.traction"))?;
+        for (n, formula) in list.iter().enumerate() {
+            formula.check(self.space().coordinates(), false, true).at(format!("{key}.traction[{n}]"))?;
+        }
+        Ok(Surface {
+            region: shape::build(&format!("{key}.region"), &load.region, self.folder)?,
+            axis: self.space().axis(load.normal).at(format!("{key}.normal"))?,
+            history: Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t))),
+        })
     }
 
     /// The laws of contact of bodies, in this order of names.

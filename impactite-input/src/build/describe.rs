@@ -2,7 +2,7 @@
 
 use super::wrong::{At, Made, known, wrong};
 use crate::model::body::MeetBy;
-use crate::model::measure::{Measurement, Reference};
+use crate::model::measure::{Measurement, OverTime, Reference, Statistic, Until};
 use crate::model::{SceneFile, Space};
 
 /// The body of a measure, and its axis.
@@ -32,8 +32,31 @@ pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
             scene.space.axis(of.axis).at(format!("{key}.{word}.axis"))?;
             Ok(())
         }
-        M::Kinetic(of) | M::Internal(of) | M::Mass(of) | M::FailedShare(of) => body(&of.body, word(measure)),
-        M::Largest(of) | M::Mean(of) => body(&of.body, word(measure)),
+        M::Kinetic(of) | M::Internal(of) => body(&of.body, word(measure)),
+        M::Mass(of) | M::Volume(of) | M::FailedShare(of) => body(&of.body, word(measure)),
+        M::Largest(of) | M::Smallest(of) | M::Mean(of) => body(&of.body, word(measure)),
+        M::AngularMomentum(of) => {
+            let word = word(measure);
+            body(&of.body, word)?;
+            of.about.as_ref().map_or(Ok(()), |about| {
+                let (there, wanted) = (about.len(), scene.space.dimensions());
+                let message = format!("has {there} components; the scene has {wanted} dimensions");
+                if there == wanted { Ok(()) } else { wrong(format!("{key}.{word}.about"), message) }
+            })?;
+            match (scene.space, of.axis) {
+                (Space::Axisymmetric, _) => wrong(
+                    format!("{key}.{word}"),
+                    "is not of axisymmetric scenes, in which nothing turns about the axis",
+                ),
+                (Space::Full, None) => wrong(format!("{key}.{word}"), "needs an `axis`: x, y or z"),
+                (Space::Full, Some(axis)) => scene.space.axis(axis).at(format!("{key}.{word}.axis")).map(|_| ()),
+                (_, Some(_)) => wrong(
+                    format!("{key}.{word}.axis"),
+                    "is not of scenes in the plane, whose bodies turn about z alone; leave it out",
+                ),
+                (_, None) => Ok(()),
+            }
+        }
         M::PositionAt(of) | M::VelocityAt(of) => {
             let word = word(measure);
             body(&of.body, word)?;
@@ -74,8 +97,58 @@ pub fn check(scene: &SceneFile, key: &str, measure: &Measurement) -> Made<()> {
             scene.space.axis(of.axis).at(format!("{key}.axis"))?;
             Ok(())
         }
-        M::EnergyError(_) => Ok(()),
+        M::ConditionForce(of) | M::ConditionImpulse(of) => {
+            let key = format!("{key}.{}", word(measure));
+            if scene.conditions.is_empty() {
+                return wrong(key, "needs `conditions`; the scene has none");
+            }
+            scene.space.axis(of.axis).at(format!("{key}.axis")).map(|_| ())
+        }
+        M::OverTime(of) => over_time(scene, &format!("{key}.over_time"), of),
+        M::Balance(_) | M::EnergyError(_) => Ok(()),
     }
+}
+
+fn over_time(scene: &SceneFile, key: &str, over: &OverTime) -> Made<()> {
+    let of_key = format!("{key}.of");
+    known(&of_key, "measure", &over.of, scene.measures.keys().map(String::as_str))?;
+    if matches!(scene.measures.get(&over.of), Some(Measurement::OverTime(_))) {
+        return wrong(of_key, format!("`{}` is over time itself; name what that is of", over.of));
+    }
+    let (from, to) = (over.from.map_or(0.0, |q| q.value), over.to.map_or(scene.end.value, |q| q.value));
+    if from < 0.0 || from >= scene.end.value {
+        let end = scene.end.value;
+        return wrong(format!("{key}.from"), format!("{from} s is not allowed; it must be 0 or more and below `end`, {end} s"));
+    }
+    if to <= from {
+        return wrong(format!("{key}.to"), format!("{to} s is not allowed; it must be above `from`, {from} s"));
+    }
+    Ok(())
+}
+
+/// Ends of the run by measures: their names and values.
+pub fn ends(scene: &SceneFile) -> Made<()> {
+    for (key, until) in scene.until.iter().flat_map(|until| until.keyed("until")) {
+        known(&format!("{key}.measure"), "measure", &until.measure, scene.measures.keys().map(String::as_str))?;
+        let values = [("below", &until.below), ("above", &until.above)];
+        let given = values.iter().filter_map(|(word, value)| Some((word, value.as_ref()?)));
+        let mut any = false;
+        for (word, of) in given {
+            any = true;
+            value(scene, until, of).at(format!("{key}.{word}"))?;
+        }
+        if !any {
+            return wrong(key, "needs `below` or `above`");
+        }
+    }
+    Ok(())
+}
+
+/// A value of the measure of an end of the run, in SI units.
+pub fn value(scene: &SceneFile, until: &Until, of: &Reference) -> Result<f64, String> {
+    let measure = scene.measures.get(&until.measure);
+    let measure = measure.ok_or_else(|| format!("no measure has the name `{}`", until.measure))?;
+    number(scene, measure, of)
 }
 
 /// The word of files.
@@ -88,51 +161,84 @@ pub fn word(measure: &Measurement) -> &'static str {
         M::Centre(_) => "centre",
         M::MeanVelocity(_) => "mean_velocity",
         M::Momentum(_) => "momentum",
+        M::AngularMomentum(_) => "angular_momentum",
         M::Kinetic(_) => "kinetic",
         M::Internal(_) => "internal",
         M::Mass(_) => "mass",
+        M::Volume(_) => "volume",
         M::Largest(_) => "largest",
+        M::Smallest(_) => "smallest",
         M::Mean(_) => "mean",
         M::PositionAt(_) => "position_at",
         M::VelocityAt(_) => "velocity_at",
         M::ValueAt(_) => "value_at",
         M::ContactForce(_) => "contact_force",
+        M::ConditionForce(_) => "condition_force",
+        M::ConditionImpulse(_) => "condition_impulse",
         M::FailedShare(_) => "failed_share",
+        M::Balance(_) => "balance",
         M::EnergyError(_) => "energy_error",
+        M::OverTime(_) => "over_time",
     }
 }
 
 /// The SI unit of a measure; "-" of plain numbers.
-pub fn unit(measure: &Measurement) -> &'static str {
+pub fn unit(scene: &SceneFile, measure: &Measurement) -> &'static str {
     use Measurement as M;
     match measure {
         M::Extent(_) | M::Highest(_) | M::Lowest(_) | M::Centre(_) => "m",
         M::PositionAt(_) => "m",
         M::MeanVelocity(_) | M::VelocityAt(_) => "m/s",
-        M::ContactForce(_) => "N",
+        M::ContactForce(_) | M::ConditionForce(_) => "N",
+        M::ConditionImpulse(_) => "N s",
         M::Momentum(_) => "kg m/s",
-        M::Kinetic(_) | M::Internal(_) => "J",
+        M::AngularMomentum(_) => "kg m^2/s",
+        M::Kinetic(_) | M::Internal(_) | M::Balance(_) => "J",
         M::Mass(_) => "kg",
-        M::Largest(of) | M::Mean(of) => field_unit(&of.field),
+        M::Volume(_) => "m^3",
+        M::Largest(of) | M::Smallest(of) | M::Mean(of) => field_unit(&of.field),
         M::ValueAt(of) => field_unit(&of.field),
         M::FailedShare(_) | M::EnergyError(_) => "-",
+        M::OverTime(of) => {
+            let unit = match scene.measures.get(&of.of) {
+                // No measure is over time twice.
+                None | Some(M::OverTime(_)) => "-",
+                Some(measure) => unit(scene, measure),
+            };
+            match of.take {
+                Statistic::TimeOfLargest | Statistic::TimeOfSmallest => "s",
+                Statistic::Integral => times_seconds(unit),
+                Statistic::Largest | Statistic::Smallest | Statistic::Mean => unit,
+            }
+        }
     }
 }
 
-/// The unit of a measure in a space, of which extensive ones are a part: [`unit_of_part`](impactite::scene::embedding::unit_of_part).
-pub fn unit_in(space: Space, unit: &'static str) -> &'static str {
-    match (unit, space) {
-        (_, Space::Full) => unit,
-        ("kg", Space::Axisymmetric) => "kg/rad",
-        ("kg", _) => "kg/m",
-        ("J", Space::Axisymmetric) => "J/rad",
-        ("J", _) => "J/m",
-        ("N", Space::Axisymmetric) => "N/rad",
-        ("N", _) => "N/m",
-        ("kg m/s", Space::Axisymmetric) => "(kg m/s)/rad",
-        ("kg m/s", _) => "(kg m/s)/m",
-        _ => unit,
+/// The unit of the integral over time.
+fn times_seconds(unit: &'static str) -> &'static str {
+    match unit {
+        "m" => "m s",
+        "m/s" => "m",
+        "N" => "N s",
+        "N s" => "N s^2",
+        "kg m/s" => "kg m",
+        "kg m^2/s" => "kg m^2",
+        "J" => "J s",
+        "kg" => "kg s",
+        "m^3" => "m^3 s",
+        "Pa" => "Pa s",
+        "K" => "K s",
+        _ => "s",
     }
+}
+
+/// The unit of a measure in a space, of which extensive ones are a part.
+pub fn unit_in(space: Space, unit: &str) -> String {
+    let extensive = ["kg", "J", "N", "m^3"].iter().any(|of| unit.split(' ').next() == Some(of));
+    if !extensive {
+        return unit.into();
+    }
+    impactite::scene::embedding::unit_of_part(unit, space.dimensions(), space == Space::Axisymmetric)
 }
 
 fn field_unit(field: &str) -> &'static str {
@@ -140,6 +246,8 @@ fn field_unit(field: &str) -> &'static str {
         "pressure" | "von_mises" => "Pa",
         "speed" => "m/s",
         "temperature" => "K",
+        _ if field.starts_with("velocity_") => "m/s",
+        _ if field.starts_with("stress_") => "Pa",
         _ => "-",
     }
 }
@@ -151,12 +259,17 @@ pub fn reference(scene: &SceneFile, check: usize) -> Made<f64> {
     let Some(measure) = scene.measures.get(&of.measure) else {
         return wrong(key, format!("no measure has the name `{}`", of.measure));
     };
-    match &of.reference {
+    number(scene, measure, &of.reference).at(key)
+}
+
+/// A value of a measure, in SI units.
+fn number(scene: &SceneFile, measure: &Measurement, of: &Reference) -> Result<f64, String> {
+    match of {
         Reference::Number(number) if number.is_finite() => Ok(*number),
-        Reference::Number(number) => wrong(key, format!("{number} is not finite")),
+        Reference::Number(number) => Err(format!("{number} is not finite")),
         Reference::Text(text) => {
-            let unit = unit(measure);
-            scene.known.quantity(text, if unit == "-" { "" } else { unit }).at(key)
+            let unit = unit(scene, measure);
+            scene.known.quantity(text, if unit == "-" { "" } else { unit })
         }
     }
 }

@@ -1,9 +1,9 @@
 //! Scenes of finite elements.
 
-use impactite::fem::Fem as Scene;
+use impactite::fem::{Fem as Scene, SurfaceFacet};
 use impactite::scene::Solver;
 
-use super::common::World;
+use super::common::{Surface, World};
 use super::kernels::Setting;
 use super::wrong::{At, Made, known, of_body, wrong};
 use super::{mesh, placement};
@@ -18,7 +18,15 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     let mut fem = Scene::new(embedding);
     let names: Vec<&str> = world.scene.expanded.keys().map(String::as_str).collect();
     for (name, body) in &world.scene.expanded {
-        fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
+        let number = fem.add(mesh::body(world, name, body)?).map_err(|e| of_body(&format!("bodies.{name}"), e))?;
+        for (key, load) in body.traction.keyed(&format!("bodies.{name}.traction")) {
+            let Surface { region, axis, history } = world.load(&key, load)?;
+            let picked = |facet: &SurfaceFacet<D>| {
+                facet.normal[axis].abs() > 0.5 && region.contains(facet.centre)
+            };
+            fem.load(number, &format!("faces across axis {axis} in a region"), picked, history)
+                .at(format!("{key}.region"))?;
+        }
     }
     if world.scene.contact().is_some_and(|c| c.detector != Detector::default()) {
         return wrong("contact.detector", "of elements nodes meet facets: there is nothing to choose");

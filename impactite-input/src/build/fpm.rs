@@ -1,6 +1,5 @@
 //! Scenes of fragile points.
 
-use std::sync::Arc;
 
 use impactite::fpm::{
     AnyCriterion, Cells, Cohesive, Domain, Flux, Fpm as Body, Incomplete, MaximumTension, Method,
@@ -9,13 +8,13 @@ use impactite::fpm::{
 use impactite::geometry::{Cuboid, Lattice, Polygon};
 use impactite::scene::{Embedding, Solver};
 
-use super::common::World;
+use super::common::{Surface, World};
 use super::wrong::{At, Made, of_body, wrong};
-use super::{mesh, particles, placement, seeds, shape};
+use super::{mesh, particles, placement, seeds};
 use crate::model::body::Body as Spec;
 use crate::model::method::{Cracks, Flux as FluxWord, Fpm, PENALTY, Points};
 use crate::model::shape::Shape;
-use crate::model::{fixed, formulas};
+use crate::model::fixed;
 
 /// Longest notch, in spacings of points.
 const LONGEST: f64 = 1e6;
@@ -64,15 +63,8 @@ where
         for (key, boundary) in world.conditions()? {
             body.bound(boundary).at(key)?;
         }
-        if let Some(load) = &spec.traction {
-            let key = format!("{key}.traction");
-            let region = shape::build::<D>(&format!("{key}.region"), &load.region, world.folder)?;
-            let axis = world.space().axis(load.normal).at(format!("{key}.normal"))?;
-            let list: [_; D] = formulas(&load.traction).at(format!("{key}.traction"))?;
-            for (n, formula) in list.iter().enumerate() {
-                formula.check(world.space().coordinates(), false, true).at(format!("{key}.traction[{n}]"))?;
-            }
-            let history = Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t)));
+        for (key, load) in spec.traction.keyed(&format!("{key}.traction")) {
+            let Surface { region, axis, history } = world.load(&key, load)?;
             body.load_faces(|f| f.normal[axis].abs() > 0.5 && region.contains(f.centroid), history)
                 .at(key)?;
         }

@@ -30,7 +30,7 @@ pub(crate) struct Law {
 
 /// What acts on a body of particles alone.
 pub(crate) struct Acting<'a, const D: usize> {
-    pub traction: Option<Traction<D>>,
+    pub tractions: Vec<Traction<D>>,
     pub field: Option<FieldForce<D>>,
     pub splitting: Option<Splitting>,
     pub lit: &'a [Start],
@@ -67,12 +67,12 @@ impl Law {
         velocity: &Velocity<D>,
         acting: Acting<'_, D>,
     ) -> Result<(), String> {
-        let Acting { traction, field, splitting, lit } = acting;
+        let Acting { tractions, field, splitting, lit } = acting;
         let velocity = velocity.clone();
         macro_rules! body {
             ($law:expr) => {{
                 let mut body = Deformable::new(name, $law, seeds).moving(move |x| velocity(x));
-                if let Some(traction) = traction {
+                for traction in tractions {
                     body = body.with_traction(traction);
                 }
                 if let Some(field) = field {
@@ -517,25 +517,35 @@ fn metal(
                     }
                     Some(_) => not_compiled(key),
                 },
-                (Some(rate), Some(heat)) => {
-                    let rate =
-                        Logarithmic::new(rate.c.value, rate.reference.value).at(format!("{at}.rate"))?;
-                    let heat = Adiabatic::new(Heat {
-                        room: heat.room.value,
-                        melt: heat.melt.value,
-                        exponent: heat.m.value,
-                        heat_capacity: heat.capacity.value,
-                        taylor_quinney: heat.taylor_quinney.map_or(TAYLOR_QUINNEY, |q| q.value),
-                    });
-                    let strength = plain.with_rate(rate).with_heat(heat.at(format!("{at}.heat"))?);
+                (rate, heat) => {
+                    // One of them alone: the other one has no effect.
+                    let rate = match rate {
+                        Some(rate) => Logarithmic::new(rate.c.value, rate.reference.value),
+                        None => Logarithmic::new(0.0, 1.0),
+                    };
+                    let heat = match heat {
+                        Some(heat) => Heat {
+                            room: heat.room.value,
+                            melt: heat.melt.value,
+                            exponent: heat.m.value,
+                            heat_capacity: heat.capacity.value,
+                            taylor_quinney: heat.taylor_quinney.map_or(TAYLOR_QUINNEY, |q| q.value),
+                        },
+                        None => COLD,
+                    };
+                    let heat = Adiabatic::new(heat).at(format!("{at}.heat"))?;
+                    let strength = plain.with_rate(rate.at(format!("{at}.rate"))?).with_heat(heat);
                     with_failure(key, Solid::new(strength, shock(k)?), failure, viscosity)
                 }
-                _ => wrong(at, "`rate` and `heat` go together: no law with one of them alone is compiled"),
             }
         }
         _ => not_compiled(key),
     }
 }
+
+/// Heat that neither rises nor softens, of a law with a rate alone.
+const COLD: Heat<f64> =
+    Heat { room: 293.15, melt: 1e4, exponent: 1.0, heat_capacity: 1e3, taylor_quinney: 0.0 };
 
 fn without_library<T>(key: &str) -> Made<T> {
     wrong(

@@ -7,7 +7,7 @@ use impactite::geometry::structured::{
 use impactite::geometry::{Ball, Cuboid, Cylinder, ElementBlock, ElementKind, ElementMesh, Tube};
 
 use super::common::World;
-use super::wrong::{At, Made, wrong};
+use super::wrong::{At, Made, Wrong, wrong};
 use crate::model::body::{Bars, Body, HOURGLASS_STIFFNESS, Integration, Mesh, MeshFile};
 use crate::model::fixed;
 use crate::model::shape::Shape;
@@ -140,7 +140,7 @@ pub(super) fn body<const D: usize>(world: &World<'_, D>, name: &str, body: &Body
     }
     let made = match &body.integration {
         Some(integration) => kinds.iter().try_fold(made, |made, &kind| {
-            Ok(made.with(kind, technology(&format!("{key}.integration"), integration)?))
+            Ok::<_, Wrong>(made.with(kind, technology(&format!("{key}.integration"), integration)?))
         })?,
         None => made,
     };

@@ -14,12 +14,12 @@ use impactite::mpm::{
 };
 use impactite::scene::Solver;
 
-use super::common::World;
+use super::common::{Surface, World};
 use super::kernels::Setting;
 use super::material::{Acting, Start};
 use super::seeds::{Cells, seeds};
 use super::wrong::{At, Made, Wrong, known, of_body, wrong};
-use super::{mesh, placement, shape};
+use super::{mesh, placement};
 use crate::model::body::{Body, MeetBy, Traction as Load};
 use crate::model::contact::{Detector, Law};
 use crate::model::method::{Dense, Grid, Mpm};
@@ -69,52 +69,7 @@ pub(super) fn build<E: Setting<D>, const D: usize>(
     for (key, boundary) in periods {
         mpm.bound(boundary).at(key)?;
     }
-    let parts = options.particles_per_cell as usize;
-    for (name, body) in &order {
-        let key = format!("bodies.{name}");
-        if body.elements.is_some() {
-            continue;
-        }
-        let shape = world.shape(&key, body)?;
-        let seeds = seeds(world, &key, body, &Cells { lattice: &lattice, parts, key: "method.mpm.cell" })?;
-        match &body.rigid {
-            Some(_) => {
-                let rigid = rigid(world, &key, body)?;
-                mpm.add_rigid(name, &rigid, &seeds).at(&key)?;
-            }
-            None => {
-                let law = world.law(&key, body)?;
-                let velocity = world.velocity(&key, body, &shape.bounds())?;
-                let traction = body
-                    .traction
-                    .as_ref()
-                    .map(|t| traction(world, &format!("{key}.traction"), t))
-                    .transpose()?;
-                if let Some(load) = &traction {
-                    loaded(&format!("{key}.traction.region"), load, &seeds.positions)?;
-                }
-                let splitting = splitting(&key, body)?;
-                let field = body_force(world, &key, body)?;
-                if !body.lit.is_empty() && law.explosive.is_none() {
-                    return wrong(format!("{key}.lit"), "its material is no explosive");
-                }
-                let mut lit = Vec::new();
-                for (n, start) in body.lit.iter().enumerate() {
-                    let at: [f64; D] = fixed(&start.at).at(format!("{key}.lit[{n}].at"))?;
-                    let wide =
-                        |x: [f64; D]| -> [f64; 3] { std::array::from_fn(|d| if d < D { x[d] } else { 0.0 }) };
-                    let plane = start
-                        .plane
-                        .as_ref()
-                        .map(|p| fixed::<D, _>(p).at(format!("{key}.lit[{n}].plane")))
-                        .transpose()?;
-                    lit.push(Start { at: wide(at), plane: plane.map(wide), time: start.time.value });
-                }
-                law.add(&mut mpm, name, &seeds, &velocity, Acting { traction, field, splitting, lit: &lit })
-                    .at(&key)?;
-            }
-        }
-    }
+    mpm.add_together(|mpm| add_particles(world, mpm, &order, (&lattice, options)))?;
     for (name, body) in order.iter().filter(|(_, b)| b.elements.is_some()) {
         add_elements(embedding, world, &mut mpm, (name, body), options)?;
     }
@@ -265,17 +220,63 @@ fn add_elements<E: Setting<D>, const D: usize>(
     mpm.add_client(elements.map_err(|e| of_body(&key, e))?).map_err(|e| of_body(&key, e))
 }
 
-fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Made<Traction<D>> {
-    let list: [_; D] = formulas(&load.traction).at(format!("{key}.traction"))?;
-    for (n, formula) in list.iter().enumerate() {
-        formula.check(world.space().coordinates(), false, true).at(format!("{key}.traction[{n}]"))?;
+/// Add the bodies of particles and the rigid ones.
+fn add_particles<const D: usize>(
+    world: &World<'_, D>,
+    mpm: &mut Scene<D>,
+    order: &[(&String, &Body)],
+    (lattice, options): (&Lattice<D>, &Mpm),
+) -> Made<()> {
+    let parts = options.particles_per_cell as usize;
+    for (name, body) in order {
+        let key = format!("bodies.{name}");
+        if body.elements.is_some() {
+            continue;
+        }
+        let shape = world.shape(&key, body)?;
+        let seeds = seeds(world, &key, body, &Cells { lattice, parts, key: "method.mpm.cell" })?;
+        match &body.rigid {
+            Some(_) => {
+                let rigid = rigid(world, &key, body)?;
+                mpm.add_rigid(name, &rigid, &seeds).at(&key)?;
+            }
+            None => {
+                let law = world.law(&key, body)?;
+                let velocity = world.velocity(&key, body, &shape.bounds())?;
+                let mut tractions = Vec::new();
+                for (key, spec) in body.traction.keyed(&format!("{key}.traction")) {
+                    let load = traction(world, &key, spec)?;
+                    loaded(&format!("{key}.region"), &load, &seeds.positions)?;
+                    tractions.push(load);
+                }
+                let splitting = splitting(&key, body)?;
+                let field = body_force(world, &key, body)?;
+                if !body.lit.is_empty() && law.explosive.is_none() {
+                    return wrong(format!("{key}.lit"), "its material is no explosive");
+                }
+                let mut lit = Vec::new();
+                for (n, start) in body.lit.iter().enumerate() {
+                    let at: [f64; D] = fixed(&start.at).at(format!("{key}.lit[{n}].at"))?;
+                    let wide =
+                        |x: [f64; D]| -> [f64; 3] { std::array::from_fn(|d| if d < D { x[d] } else { 0.0 }) };
+                    let plane = start
+                        .plane
+                        .as_ref()
+                        .map(|p| fixed::<D, _>(p).at(format!("{key}.lit[{n}].plane")))
+                        .transpose()?;
+                    lit.push(Start { at: wide(at), plane: plane.map(wide), time: start.time.value });
+                }
+                law.add(mpm, name, &seeds, &velocity, Acting { tractions, field, splitting, lit: &lit })
+                    .at(&key)?;
+            }
+        }
     }
-    Ok(Traction {
-        region: shape::build(&format!("{key}.region"), &load.region, world.folder)?,
-        axis: world.space().axis(load.normal).at(format!("{key}.normal"))?,
-        history: Arc::new(move |t| std::array::from_fn(|d| list[d].at(&[0.0; D], false, t))),
-        revolved: world.revolved(),
-    })
+    Ok(())
+}
+
+fn traction<const D: usize>(world: &World<'_, D>, key: &str, load: &Load) -> Made<Traction<D>> {
+    let Surface { region, axis, history } = world.load(key, load)?;
+    Ok(Traction { region, axis, history, revolved: world.revolved() })
 }
 
 /// Refuse a load whose region holds no particle.

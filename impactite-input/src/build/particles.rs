@@ -13,7 +13,7 @@ use super::placement;
 use super::seeds::{Cells, corners, seeds};
 use super::wrong::{At, Made, of_body, wrong};
 use crate::model::contact::Detector;
-use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCE};
+use crate::model::method::{Pcmm, STRETCH, Sph, SphForm, TOLERANCES};
 use crate::model::shape::Shape as Spec;
 
 /// Bodies one by one, and then one of them, or a scene of all.
@@ -96,7 +96,7 @@ pub(super) fn pcmm<E: Setting<D>, const D: usize>(
     options: &Pcmm,
 ) -> Made<Box<dyn Solver>> {
     let spacing = options.spacing.value;
-    let tolerance = options.tolerance.map_or(TOLERANCE, |q| q.value);
+    let tolerance = options.tolerance.map_or(TOLERANCES[usize::from(D == 3)], |q| q.value);
     let stretch = options.stretch.map_or(STRETCH, |q| q.value);
     let lattice = Lattice::new([0.0; D], spacing).at("method.pcmm.spacing")?;
     scene(world, |name| {

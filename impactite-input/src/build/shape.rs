@@ -72,6 +72,7 @@ pub(crate) fn build<const D: usize>(key: &str, spec: &Spec, folder: &Folder) -> 
         Spec::Intersection(list) => folded(&here, list, folder, |a, b| Arc::new(a.and(b)))?,
         Spec::Difference(list) => folded(&here, list, folder, |a, b| Arc::new(a.minus(b)))?,
         Spec::Moved(s) => moved(&here, s, folder)?,
+        Spec::Body(name) => return wrong(here, format!("no shape is known of the body `{name}`")),
     })
 }
 
@@ -176,5 +177,6 @@ fn word(spec: &Spec) -> &'static str {
         Spec::Intersection(_) => "intersection",
         Spec::Difference(_) => "difference",
         Spec::Moved(_) => "moved",
+        Spec::Body(_) => "body",
     }
 }

@@ -58,3 +58,14 @@ pub struct Folder(pub PathBuf);
 pub(super) fn of_body(key: &str, error: SceneError) -> Wrong {
     Wrong { key: key.into(), message: in_scene_files(&error.to_string()), help: None }
 }
+
+impl From<SceneError> for Wrong {
+    /// At the body that the error names.
+    fn from(error: SceneError) -> Self {
+        let key = match &error {
+            SceneError::Outside(name, _) => format!("bodies.{name}"),
+            _ => "bodies".into(),
+        };
+        of_body(&key, error)
+    }
+}

@@ -108,10 +108,11 @@ fn resolved<'a>(schema: &'a Value, of: &'a Value) -> (&'a Value, &'a str) {
             target["anyOf"].as_array().is_some_and(|list| list.iter().any(|v| v["const"].is_string()));
         return if beside { resolved(schema, target) } else { (target, name) };
     }
-    // `null`, and a word in the place of a table, which the description of its key has.
-    let is_beside = |v: &Value| v["type"] == "null" || v["const"].is_string();
+    // `null`, and a word or a list in the place of a table, which the description of its key has.
+    let is_beside =
+        |one: &Value, v: &Value| v["type"] == "null" || v["const"].is_string() || v["items"] == *one;
     if let Some([one, beside]) = of["anyOf"].as_array().map(Vec::as_slice)
-        && is_beside(beside)
+        && is_beside(one, beside)
     {
         return resolved(schema, one);
     }
@@ -193,6 +194,7 @@ fn sample(path: &str) -> &'static str {
         "materials" => "steel",
         "bodies" => "body",
         "parameters" => "radius",
+        "tables" => "pulse",
         _ => "length",
     }
 }

@@ -6,6 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::parts::parts;
+use super::several::Several;
 use super::shape::Shape;
 use super::{Axis, Vector};
 use crate::formula::Formula;
@@ -67,9 +68,9 @@ pub struct Body {
     /// Integration of elements (`fem`, and elements in `mpm`). If not given, by kind: one point with hourglass stiffness for bricks and quadrilaterals of the plane, mean dilatation for quadrilaterals around an axis, averaged volumes for triangles and tetrahedra.
     #[serde(default)]
     pub integration: Option<Integration>,
-    /// Traction on a part of the surface (`mpm`, `fpm`).
+    /// Traction on a part of the surface (`mpm`, `fpm`): a table, or a list of tables.
     #[serde(default)]
-    pub traction: Option<Traction>,
+    pub traction: Several<Traction>,
     /// Starts of the detonation of an explosive (`mpm`).
     #[serde(default)]
     pub lit: Vec<Lit>,

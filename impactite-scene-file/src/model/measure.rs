@@ -3,8 +3,11 @@
 use schemars::JsonSchema;
 use serde::Deserialize;
 
+use super::contact::Nothing;
+use super::parts::parts;
+use super::shape::Shape;
 use super::{Axis, Vector};
-use crate::quantity::{Length, Plain, Quantity};
+use crate::quantity::{Length, Plain, Quantity, Time};
 
 /// A measured number of the scene. `measures.csv` has it over time.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -22,14 +25,20 @@ pub enum Measurement {
     MeanVelocity(OfBody),
     /// Momentum, kg m/s.
     Momentum(OfBody),
+    /// Angular momentum about a place, kg m^2/s; around an axis that along it.
+    AngularMomentum(AngularMomentum),
     /// Kinetic energy, J.
     Kinetic(Whole),
     /// Internal energy, J.
     Internal(Whole),
     /// Mass, kg.
-    Mass(Whole),
+    Mass(Part),
+    /// Volume, m^3.
+    Volume(Part),
     /// Largest value of a field over the points of a body.
     Largest(Field),
+    /// Smallest value of a field over the points of a body.
+    Smallest(Field),
     /// Mean value of a field, by mass.
     Mean(Field),
     /// Coordinate of the point of a body that was nearest to a place at the start, m; no number once the point is gone.
@@ -40,91 +49,209 @@ pub enum Measurement {
     ValueAt(FieldAtPlace),
     /// Contact force along an axis on the second of two bodies, mean of the last step, N.
     ContactForce(Between),
+    /// Force along an axis of all boundary conditions on the bodies, mean of the last step, N.
+    ConditionForce(Along),
+    /// Impulse along an axis of all boundary conditions on the bodies since the start, N s.
+    ConditionImpulse(Along),
     /// Failed points over all points of the body.
-    FailedShare(Whole),
+    FailedShare(Part),
+    /// Part of the balance of energy of the scene since the start, J.
+    Balance(Entry),
     /// Energy error: change of the total energy that nothing explains, over the largest energy so far. Negative: lost.
-    EnergyError(super::contact::Nothing),
+    EnergyError(Nothing),
+    /// Another measure over time, taken after every step.
+    OverTime(OverTime),
 }
 
-/// Of a body, along an axis.
+impl Measurement {
+    /// The region whose points alone count.
+    #[must_use]
+    pub fn region(&self) -> Option<&Shape> {
+        match self {
+            Measurement::Mass(of) | Measurement::Volume(of) | Measurement::FailedShare(of) => of.region.as_ref(),
+            Measurement::Largest(of) | Measurement::Smallest(of) | Measurement::Mean(of) => of.region.as_ref(),
+            _ => None,
+        }
+    }
+
+    /// The same, to be changed.
+    pub(crate) fn region_mut(&mut self) -> Option<&mut Shape> {
+        match self {
+            Measurement::Mass(of) | Measurement::Volume(of) | Measurement::FailedShare(of) => of.region.as_mut(),
+            Measurement::Largest(of) | Measurement::Smallest(of) | Measurement::Mean(of) => of.region.as_mut(),
+            _ => None,
+        }
+    }
+}
+
+/// A part of the balance of energy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Entry {
+    /// Kinetic energy of all bodies.
+    Kinetic,
+    /// Internal energy of all bodies.
+    Internal,
+    /// Work of boundary conditions, loads and gravity on the bodies.
+    Work,
+    /// Work of friction.
+    Friction,
+    /// Energy that plastic impacts of points took.
+    Impacts,
+    /// Energy that damping took.
+    Damping,
+    /// Energy that numerical viscosity took.
+    Viscosity,
+    /// Heat of the viscosity of laws, which is part of the internal energy.
+    ViscousHeat,
+    /// Change of the total energy that nothing explains.
+    Unexplained,
+}
+
+/// What is made of a measure over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Statistic {
+    /// Largest value.
+    Largest,
+    /// Smallest value.
+    Smallest,
+    /// Mean over time.
+    Mean,
+    /// Integral over time: of a force the impulse, of a velocity the way.
+    Integral,
+    /// Time of the largest value, s.
+    TimeOfLargest,
+    /// Time of the smallest value, s.
+    TimeOfSmallest,
+}
+
+parts! {
+    /// Of a body, along an axis.
+    OfBody {
+        /// Name of the body.
+        #[schemars(example = &"body")]
+        body: String,
+        /// The axis.
+        #[schemars(example = &"y")]
+        axis: Axis,
+    }
+    /// Along an axis.
+    Along {
+        /// The axis.
+        #[schemars(example = &"y")]
+        axis: Axis,
+    }
+    /// Of a body.
+    Whole {
+        /// Name of the body.
+        #[schemars(example = &"body")]
+        body: String,
+    }
+    /// Of a body, or of the part of it that is in a region.
+    Part {
+        /// Name of the body.
+        #[schemars(example = &"body")]
+        body: String,
+        /// Region, fixed in space: points alone that are in it at the time of the measure.
+        #[serde(default)]
+        region: Option<Shape>,
+    }
+    /// The angular momentum of a body.
+    AngularMomentum {
+        /// Name of the body.
+        #[schemars(example = &"body")]
+        body: String,
+        /// Place about which; the centre of mass if not given.
+        #[serde(default)]
+        #[schemars(example = (0, 0))]
+        about: Option<Vector<Length>>,
+        /// The axis, in three dimensions.
+        #[serde(default)]
+        #[schemars(example = &"z")]
+        axis: Option<Axis>,
+    }
+    /// Of the point of a body that was nearest to a place at the start, along an axis.
+    AtPlace {
+        /// Name of the body.
+        #[schemars(example = &"body")]
+        body: String,
+        /// Place at the start.
+        #[schemars(example = (0, "5 mm"))]
+        at: Vector<Length>,
+        /// The axis.
+        #[schemars(example = &"y")]
+        axis: Axis,
+    }
+    /// A field at the point of a body that was nearest to a place at the start.
+    FieldAtPlace {
+        /// Name of the body.
+        #[schemars(example = &"body")]
+        body: String,
+        /// Place at the start.
+        #[schemars(example = (0, "5 mm"))]
+        at: Vector<Length>,
+        /// The field: `pressure`, `von_mises`, `speed`, a component as `velocity_x` and `stress_xy`, or a state variable of the law, as
+        /// `plastic_strain`, `temperature`, `damage`.
+        #[schemars(example = &"von_mises")]
+        field: String,
+    }
+    /// Of two bodies, along an axis.
+    Between {
+        /// Names of the two bodies.
+        #[schemars(example = ("rod", "plate"))]
+        between: [String; 2],
+        /// The axis.
+        #[schemars(example = &"y")]
+        axis: Axis,
+    }
+    /// A field of a body, or of the part of it that is in a region.
+    Field {
+        /// Name of the body.
+        #[schemars(example = &"body")]
+        body: String,
+        /// The field: `pressure`, `von_mises`, `speed`, a component as `velocity_x` and `stress_xy`, or a state variable of the law, as
+        /// `plastic_strain`, `temperature`, `damage`.
+        #[schemars(example = &"von_mises")]
+        field: String,
+        /// Region, fixed in space: points alone that are in it at the time of the measure; no number while there are none.
+        #[serde(default)]
+        region: Option<Shape>,
+    }
+    /// Another measure over time.
+    OverTime {
+        /// Name of the other measure.
+        #[schemars(example = &"force")]
+        of: String,
+        /// What is made of it.
+        take: Statistic,
+        /// Time from which on; the start if not given.
+        #[serde(default)]
+        #[schemars(example = "1 ms")]
+        from: Option<Quantity<Time>>,
+        /// Time until which; the end if not given.
+        #[serde(default)]
+        #[schemars(example = "2 ms")]
+        to: Option<Quantity<Time>>,
+    }
+}
+
+/// End of a run when a measure passes a value.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[non_exhaustive]
 #[serde(deny_unknown_fields)]
-pub struct OfBody {
-    /// Name of the body.
-    #[schemars(example = &"body")]
-    pub body: String,
-    /// The axis.
-    #[schemars(example = &"y")]
-    pub axis: Axis,
-}
-
-/// Of a body.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
-#[serde(deny_unknown_fields)]
-pub struct Whole {
-    /// Name of the body.
-    #[schemars(example = &"body")]
-    pub body: String,
-}
-
-/// Of the point of a body that was nearest to a place at the start, along an axis.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
-#[serde(deny_unknown_fields)]
-pub struct AtPlace {
-    /// Name of the body.
-    #[schemars(example = &"body")]
-    pub body: String,
-    /// Place at the start.
-    #[schemars(example = (0, "5 mm"))]
-    pub at: Vector<Length>,
-    /// The axis.
-    #[schemars(example = &"y")]
-    pub axis: Axis,
-}
-
-/// A field at the point of a body that was nearest to a place at the start.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
-#[serde(deny_unknown_fields)]
-pub struct FieldAtPlace {
-    /// Name of the body.
-    #[schemars(example = &"body")]
-    pub body: String,
-    /// Place at the start.
-    #[schemars(example = (0, "5 mm"))]
-    pub at: Vector<Length>,
-    /// The field: `pressure`, `von_mises`, `speed`, or a state variable of the law, as `plastic_strain`, `temperature`, `damage`.
-    #[schemars(example = &"von_mises")]
-    pub field: String,
-}
-
-/// Of two bodies, along an axis.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
-#[serde(deny_unknown_fields)]
-pub struct Between {
-    /// Names of the two bodies.
-    #[schemars(example = ("rod", "plate"))]
-    pub between: [String; 2],
-    /// The axis.
-    #[schemars(example = &"y")]
-    pub axis: Axis,
-}
-
-/// A field of a body.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[non_exhaustive]
-#[serde(deny_unknown_fields)]
-pub struct Field {
-    /// Name of the body.
-    #[schemars(example = &"body")]
-    pub body: String,
-    /// The field: `pressure`, `von_mises`, `speed`, or a state variable of the law, as `plastic_strain`, `temperature`, `damage`.
-    #[schemars(example = &"von_mises")]
-    pub field: String,
+pub struct Until {
+    /// Name of the measure.
+    #[schemars(example = &"speed")]
+    pub measure: String,
+    /// The run ends after the step at whose end the measure is below this value: a number in SI units, or a text with a unit.
+    #[serde(default)]
+    #[schemars(example = "1 m/s")]
+    pub below: Option<Reference>,
+    /// The run ends after the step at whose end the measure is above this value.
+    #[serde(default)]
+    #[schemars(example = "1 m/s")]
+    pub above: Option<Reference>,
 }
 
 /// A comparison of a measure at the end with a reference. A failed check makes the exit code 1.

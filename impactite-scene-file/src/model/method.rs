@@ -9,8 +9,9 @@ use crate::quantity::{Length, Plain, Pressure, Quantity, SurfaceEnergy, Time};
 
 /// Penalty of the fluxes over Young's modulus if none is given.
 pub const PENALTY: f64 = 5.0;
-/// Tolerance of contact of particles over the spacing if none is given.
-pub const TOLERANCE: f64 = 0.5;
+/// Tolerance of contact of particles over the spacing if none is given, in the plane and in space: diagonals of a lattice touch from 0.42 on,
+/// those of cubes from 0.74 on.
+pub const TOLERANCES: [f64; 2] = [0.5, 0.8];
 /// Tolerances beyond which an element is a crack if none are given.
 pub const STRETCH: f64 = 2.0;
 /// Steps that a body makes as one if none are given.
@@ -138,9 +139,10 @@ parts! {
     Pcmm {
         /// Distance of particles.
         spacing: Quantity<Length>,
-        /// Gap between the radii of particles that still touch, in spacings. At least 0.42 where particles begin on a lattice.
+        /// Gap between the radii of particles that still touch, in spacings; 0.5 in the plane and 0.8 in space if not given. Where particles begin
+        /// on a lattice at least 0.42 in the plane and 0.74 in space.
         #[serde(default)]
-        #[schemars(example = 0.45, extend("default" = TOLERANCE, "exclusiveMinimum" = 0))]
+        #[schemars(example = 0.45, extend("exclusiveMinimum" = 0))]
         tolerance: Option<Quantity<Plain>>,
         /// Gap beyond which an element is a crack, in tolerances: 20 for metal that flows.
         #[serde(default)]

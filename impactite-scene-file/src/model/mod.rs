@@ -7,10 +7,13 @@ pub mod material;
 pub mod measure;
 pub mod method;
 pub mod output;
+pub mod over_time;
 mod parts;
 mod scene;
+mod several;
 pub mod shape;
 mod space;
 
 pub use scene::{Parameter, SceneFile};
+pub use several::Several;
 pub use space::{Axis, Space, Vector, fixed, formulas};

@@ -8,9 +8,11 @@ use super::body::Body;
 use super::condition::Condition;
 use super::contact::{Contact, ContactChoice};
 use super::material::Material;
-use super::measure::{Check, Measurement};
+use super::measure::{Check, Measurement, Until};
 use super::method::{Method, TimeStep};
 use super::output::Output;
+use super::over_time::TableSpec;
+use super::several::Several;
 use super::shape::{MovedShape, Shape};
 use super::space::Space;
 use crate::formula::Formula;
@@ -34,9 +36,15 @@ pub struct SceneFile {
     /// End of the simulated time.
     #[schemars(example = "80 us", extend("exclusiveMinimum" = 0))]
     pub end: Quantity<Time>,
+    /// Ends of the run before `end`: when a measure is below or above a value. One table, or a list of them, of which the first counts.
+    #[serde(default)]
+    pub until: Option<Several<Until>>,
     /// Named values, with which all quantities after them may be written.
     #[serde(default)]
     pub parameters: IndexMap<String, Parameter>,
+    /// Named values over time, which formulas may contain as a variable: `"= 2 * pulse"`.
+    #[serde(default)]
+    pub tables: IndexMap<String, TableSpec>,
     /// Method of the scene, with its options.
     pub method: Method,
     /// Materials, by name.
@@ -138,6 +146,49 @@ impl SceneFile {
             }
         }
         self.expanded = all;
+        self.resolve()
+    }
+
+    /// Put shapes of bodies in the place of their names.
+    fn resolve(&mut self) -> Result<(), (String, String)> {
+        let spec = |body: &Body| body.shape.clone();
+        let mut shapes: IndexMap<String, Option<Shape>> =
+            self.expanded.iter().map(|(name, body)| (name.clone(), spec(body))).collect();
+        for name in self.bodies.keys().filter(|name| !self.expanded.contains_key(*name)) {
+            let copy = |other: &&String| other.strip_prefix(name.as_str()).is_some_and(|n| n.starts_with(' '));
+            let copies = self.expanded.keys().filter(copy).filter_map(|other| shapes.get(other).cloned().flatten());
+            let all = Shape::Union(copies.collect());
+            shapes.insert(name.clone(), Some(all));
+        }
+        let of = |name: &str| match shapes.get(name) {
+            Some(Some(shape)) => Ok(shape.clone()),
+            Some(None) => Err(format!("the body `{name}` has no `shape`")),
+            None => {
+                let names: Vec<&str> = self.bodies.keys().map(String::as_str).collect();
+                Err(format!("no body has the name `{name}`; there are {}", names.join(", ")))
+            }
+        };
+        for (name, body) in &mut self.expanded {
+            let at = |word: &str, why| (format!("bodies.{name}.{word}"), why);
+            if let Some(shape) = &mut body.shape {
+                shape.name_no_body(&of, 0).map_err(|why| at("shape", why))?;
+            }
+            for load in &mut body.traction.0 {
+                load.region.name_no_body(&of, 0).map_err(|why| at("traction.region", why))?;
+            }
+        }
+        for (n, condition) in self.conditions.iter_mut().enumerate() {
+            if let Condition::Prescribed(prescribed) = condition {
+                let at = |why| (format!("conditions[{n}].prescribed.region"), why);
+                prescribed.region.name_no_body(&of, 0).map_err(at)?;
+            }
+        }
+        for (name, measure) in &mut self.measures {
+            if let Some(region) = measure.region_mut() {
+                let at = |why| (format!("measures.{name}"), why);
+                region.name_no_body(&of, 0).map_err(at)?;
+            }
+        }
         Ok(())
     }
 }

@@ -44,6 +44,36 @@ pub enum Shape {
     Difference(Vec<Shape>),
     /// Shape that is turned about a place, then shifted.
     Moved(Box<MovedShape>),
+    /// Shape of another body at the start, by its name; of a body with `repeat` that of all its copies.
+    #[schemars(extend("examples" = [{"difference": [{"box": {"from": [0, 0], "to": ["9 mm", "9 mm"]}}, {"body": "body"}]}]))]
+    Body(String),
+}
+
+impl Shape {
+    /// Put the shapes of bodies in the place of their names.
+    ///
+    /// # Errors
+    /// A body that there is not, that has no shape, or whose shape is that of itself.
+    pub(crate) fn name_no_body(&mut self, of: &dyn Fn(&str) -> Result<Shape, String>, depth: usize) -> Result<(), String> {
+        /// Most bodies whose shapes are those of others in turn.
+        const DEEPEST: usize = 32;
+        match self {
+            Shape::Union(list) | Shape::Intersection(list) | Shape::Difference(list) => {
+                list.iter_mut().try_for_each(|shape| shape.name_no_body(of, depth))
+            }
+            Shape::Moved(moved) => moved.shape.name_no_body(of, depth),
+            Shape::Body(name) if depth == DEEPEST => {
+                Err(format!("the shape of the body `{name}` is that of itself, by way of others"))
+            }
+            Shape::Body(name) => {
+                let mut shape = of(name)?;
+                shape.name_no_body(of, depth + 1)?;
+                *self = shape;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 parts! {

@@ -94,6 +94,11 @@ pub trait Observer {
         let _ = warning;
     }
 
+    /// Does it end the run here, as if this were the end that was asked for? Asked after every step, and before the first one.
+    fn ends_run(&self) -> bool {
+        false
+    }
+
     /// The run is over, whether it reached its end or stopped.
     fn finish(&mut self) {}
 }

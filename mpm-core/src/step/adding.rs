@@ -43,6 +43,68 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.insert(body.prepared())
     }
 
+    /// Add bodies by `add`, and find node blocks for all of them at once. The work is that of the bodies, where adding one by one finds those
+    /// of the bodies before anew with each.
+    ///
+    /// ```
+    /// # use mpm_core::{BlockGrid, Flip, Linear, Method, Mpm, Musl, PlaneStrain, geometry::*};
+    /// # use mpm_materials::{LinearElastic, Moduli};
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// # let lattice = Lattice::new([0.0; 2], 0.25)?;
+    /// # let law = LinearElastic::new(1.0, Moduli::young_poisson(1.0, 0.3)?)?;
+    /// let mut mpm = Mpm::new(Method::new(Linear, Flip, Musl, PlaneStrain), BlockGrid::new(lattice));
+    /// mpm.add_together(|mpm| {
+    ///     (0..100).try_for_each(|n| {
+    ///         let disc = Ball::new([f64::from(n), 0.0], 0.5)?;
+    ///         let seeds = fill(&disc, &lattice, 2, &Filling::new())?;
+    ///         mpm.add(&format!("disc {n}"), law, &seeds, |_| [0.0; 2])?;
+    ///         Ok::<_, Box<dyn std::error::Error>>(())
+    ///     })
+    /// })?;
+    /// # assert_eq!(mpm.bodies().len(), 100);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// What `add` says; a body outside the grid. The scene is then not to be used.
+    pub fn add_together<X, E: From<SceneError>>(
+        &mut self,
+        add: impl FnOnce(&mut Self) -> Result<X, E>,
+    ) -> Result<X, E> {
+        let before = std::mem::replace(&mut self.together, true);
+        let added = add(self);
+        self.together = before;
+        let added = added?;
+        if !before {
+            self.arrange_together()?;
+        }
+        Ok(added)
+    }
+
+    /// Find the node blocks of all bodies, or name the first one that is outside the grid.
+    fn arrange_together(&mut self) -> Result<(), SceneError> {
+        let Err(mut outside) = self.arrange() else { return Ok(()) };
+        let mut bodies = std::mem::take(&mut self.scene.bodies);
+        // The first so many bodies are inside; with so many they are not.
+        let (mut inside, mut not) = (0, bodies.len());
+        while not - inside > 1 {
+            let middle = inside + (not - inside) / 2;
+            let rest = bodies.split_off(middle);
+            self.scene.bodies = bodies;
+            let arranged = self.arrange();
+            bodies = std::mem::take(&mut self.scene.bodies);
+            bodies.extend(rest);
+            match arranged {
+                Ok(()) => inside = middle,
+                Err(error) => (not, outside) = (middle, error),
+            }
+        }
+        self.scene.bodies = bodies;
+        let name = self.scene.bodies.get(inside).map_or(String::new(), |body| body.name().into());
+        Err(SceneError::Outside(name, outside))
+    }
+
     /// Add a rigid body, its particles at `seeds`. It meets others through the contact algorithm, which must keep
     /// bodies apart.
     ///
@@ -187,8 +249,8 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         body.wrap = self.wrap()?;
         if let Some(splitter) = splitter {
             let (domain, mass) = (body.columns.domains(), body.columns.mass());
-            let area = body.loads.rows(body.columns.load()).area;
-            body.splitter = Splitter { domain, mass, area, ..splitter };
+            let areas = body.loads.rows(body.columns.load()).areas;
+            body.splitter = Splitter { domain, mass, areas, ..splitter };
         }
         body.seed(seeds, &*velocity, state.as_deref());
         self.enter(&name, Box::new(body))
@@ -199,6 +261,9 @@ impl<const D: usize, T: Float> Mpm<D, T> {
         self.scene.bodies.push(body);
         self.stepper.mapped = false;
         self.looks.reopen();
+        if self.together {
+            return Ok(());
+        }
         self.arrange().map_err(|outside| {
             self.scene.bodies.pop();
             // As it was, which there is room for.

@@ -66,10 +66,10 @@ impl<'a, const D: usize, L: IntoMaterial<T>, T: Float> Deformable<'a, D, L, T> {
         self.velocity = Box::new(velocity);
         self
     }
-    /// With a surface load.
+    /// With a surface load, in addition to those before.
     #[must_use]
     pub fn with_traction(mut self, traction: Traction<D>) -> Self {
-        self.loads.traction = Some(traction);
+        self.loads.tractions.push(traction);
         self
     }
     /// With a force on all particles.

@@ -43,7 +43,9 @@ pub struct FieldForce<const D: usize> {
 /// What acts on the particles of a body beside their stress. A body without a load carries and does nothing for it.
 #[derive(Clone, Default)]
 pub(super) struct Loads<const D: usize> {
-    pub(super) traction: Option<Traction<D>>,
+    pub(super) tractions: Vec<Traction<D>>,
+    /// As they act in a pass, Pa.
+    pub(super) acting: Vec<[f64; 3]>,
     pub(super) field: Option<FieldForce<D>>,
     /// What particles carry that they are given, step by step.
     pub(super) given: Given,
@@ -64,11 +66,11 @@ pub(super) enum Given {
 impl<const D: usize> Loads<D> {
     /// Is there any?
     pub(super) fn act(&self) -> bool {
-        self.traction.is_some() || self.field.is_some()
+        !self.tractions.is_empty() || self.field.is_some()
     }
     /// Numbers a particle carries for them.
     pub(super) fn numbers(&self) -> usize {
-        usize::from(self.traction.is_some())
+        self.tractions.len()
             + match self.given {
                 Given::Nothing if self.field.is_none() => 0,
                 Given::Nothing | Given::Acceleration => D,
@@ -77,27 +79,27 @@ impl<const D: usize> Loads<D> {
     }
     /// Where it carries them, from the row `first` on.
     pub(super) fn rows(&self, first: usize) -> LoadRows {
-        let area = self.traction.as_ref().map(|_| first);
+        let areas = [first, first + self.tractions.len()];
         let carried = self.field.is_some() || self.given != Given::Nothing;
-        let acceleration = carried.then_some(first + usize::from(area.is_some()));
+        let acceleration = carried.then_some(areas[1]);
         let affine = acceleration.filter(|_| self.given == Given::Affine).map(|row| row + D);
-        LoadRows { area, acceleration, affine }
+        LoadRows { areas, acceleration, affine }
     }
-    /// Traction at a time (s), Pa.
-    pub(super) fn traction(&self, time: f64) -> [f64; 3] {
-        let mut traction = [0.0; 3];
-        if let Some(load) = &self.traction {
+    /// Tractions at a time (s), Pa, in their order.
+    pub(super) fn tractions(&self, time: f64) -> impl Iterator<Item = [f64; 3]> {
+        self.tractions.iter().map(move |load| {
+            let mut traction = [0.0; 3];
             traction[..D].copy_from_slice(&(load.history)(time));
-        }
-        traction
+            traction
+        })
     }
 }
 
 /// Rows of a particle's loads.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LoadRows {
-    /// Loaded area, m^2.
-    pub(super) area: Option<usize>,
+    /// First and end of the areas that each traction loads, m^2.
+    pub(super) areas: [usize; 2],
     /// First of D of the acceleration by a field, m/s^2.
     pub(super) acceleration: Option<usize>,
     /// First of D x D of the velocity gradient that a particle maps its momentum with, m/s a cell.

@@ -24,8 +24,8 @@ pub struct LoadTask<'a, T: Float, const D: usize> {
     pub(super) common: &'a Common<T>,
     /// Where particles carry them.
     pub(super) rows: LoadRows,
-    /// Traction on the loaded areas, Pa.
-    pub(super) traction: [T; 3],
+    /// Tractions on the loaded areas, Pa.
+    pub(super) tractions: &'a [[f64; 3]],
     /// What the pass maps.
     pub(super) maps: Maps,
     /// All nodes of the grid, and the blocks of them around.
@@ -41,10 +41,10 @@ impl<T: Float, const D: usize> LoadTask<'_, T, D> {
     #[inline(always)]
     fn force(&self, block: &Block<T, D>, at: crate::particles::Place) -> Option<[T; 3]> {
         let mut force = [T::default(); 3];
-        if let Some(row) = self.rows.area {
+        for (row, traction) in (self.rows.areas[0]..).zip(self.tractions) {
             let area = block.get(at, row);
             for d in 0..D {
-                force[d] = area * self.traction[d];
+                force[d] += area * T::of(traction[d]);
             }
         }
         if let Some(row) = self.rows.acceleration {

@@ -41,6 +41,8 @@ pub struct Mpm<const D: usize, T: Float = f64> {
     pub(super) grid: Background<T, D>,
     pub(super) stepper: Stepper<T, D>,
     pub(super) between_steps: BetweenSteps,
+    /// Do bodies come together, with node blocks for all at once?
+    pub(super) together: bool,
     pub(super) team: Team,
     pub(super) clock: Clock,
     /// What boundaries and loads gave since the start.
@@ -67,6 +69,7 @@ impl<const D: usize, T: Float> Mpm<D, T> {
             grid: Background::new(grid),
             stepper,
             between_steps: BetweenSteps::default(),
+            together: false,
             team: Team::one(),
             clock: Clock::default(),
             ledger: Exchange::default(),

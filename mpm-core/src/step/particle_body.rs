@@ -66,8 +66,8 @@ pub struct ParticleBody<T: Float, const D: usize> {
     pub(super) lightest: T,
     pub(super) masses: Masses<T>,
     pub(super) loads: Loads<D>,
-    /// Sum of the loaded areas, m^2.
-    pub(super) loaded_area: f64,
+    /// Sum of the areas that each traction loads, m^2.
+    pub(super) loaded_areas: Vec<f64>,
     pub(super) loading: Loading,
     /// The steps of a pass whose loads are to be mapped when its particles are where they belong.
     pub(super) unloaded: Option<(Which, Steps<T>)>,
@@ -136,8 +136,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
 
     /// Give every particle the acceleration of a force field at a time, s, and note the force of all loads then.
     fn accelerate(&mut self, time: f64, team: &Team) {
-        let traction = self.loads.traction(time);
-        self.loading.force = traction.map(|traction| traction * self.loaded_area);
+        self.loading.force = [0.0; 3];
+        for (traction, area) in self.loads.tractions(time).zip(&self.loaded_areas) {
+            (0..3).for_each(|d| self.loading.force[d] += traction[d] * area);
+        }
         let Some(field) = &self.loads.field else { return };
         let (starts, columns, masses) = (&self.starts, &self.columns, self.masses);
         let Some(first) = self.loads.rows(columns.load()).acceleration else { return };
@@ -184,7 +186,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
         let common = &self.common(dt);
         let (kernels, scratch, around) = (&*self.kernels, &self.scratch, &self.nodes_around);
         let rows = self.loads.rows(self.columns.load());
-        let traction = self.loads.traction(time).map(T::of);
+        let mut acting = std::mem::take(&mut self.loads.acting);
+        acting.clear();
+        acting.extend(self.loads.tractions(time));
+        let tractions = &acting[..];
         let reads_increment = kernels.facts().reads_increment;
         self.powers.clear();
         self.powers.resize(self.slots.len(), T::default());
@@ -195,9 +200,10 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             let around = around.get(s * neighbours(D)..).unwrap_or_default();
             let around = &around[..neighbours(D).min(around.len())];
             let nodes = (nodes, around);
-            let loads = LoadTask { slot, common, rows, traction, maps, nodes, reads_increment, tile_in };
+            let loads = LoadTask { slot, common, rows, tractions, maps, nodes, reads_increment, tile_in };
             *power = task(kernels.shape(), loads);
         });
+        self.loads.acting = acting;
         self.index.iter().map(|&(_, slot)| self.powers[slot as usize].to_double()).sum()
     }
 

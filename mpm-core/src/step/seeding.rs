@@ -72,7 +72,7 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             lightest: T::of(f64::MAX),
             masses,
             loads,
-            loaded_area: 0.0,
+            loaded_areas: Vec::new(),
             loading: Loading::default(),
             unloaded: None,
             mapped_at: 0.0,
@@ -124,10 +124,11 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             if let Masses::Each(row) = self.masses {
                 numbers[row] = mass;
             }
-            if let Some(traction) = &self.loads.traction {
+            self.loaded_areas.resize(self.loads.tractions.len(), 0.0);
+            for (t, traction) in self.loads.tractions.iter().enumerate() {
                 let area = traction.area(&x, &seeds.half_size);
-                self.loaded_area += area;
-                numbers[self.columns.load()] = T::of(area);
+                self.loaded_areas[t] += area;
+                numbers[self.columns.load() + t] = T::of(area);
             }
             numbers[self.columns.number()] = T::of(n as f64);
             self.put(&mut index, &x, &mut numbers);

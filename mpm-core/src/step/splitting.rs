@@ -139,8 +139,8 @@ pub struct Splitter<T> {
     pub(super) domain: (usize, usize),
     /// Row of the mass.
     pub(super) mass: usize,
-    /// Row of the loaded area, if there is one.
-    pub(super) area: Option<usize>,
+    /// First and end of the rows of loaded areas.
+    pub(super) areas: [usize; 2],
     /// Is the body one of revolution?
     pub(super) hoop: bool,
 }
@@ -230,8 +230,8 @@ impl<T: Float> Splitter<T> {
         let offset = self.offset(square, &direction);
 
         parent[self.mass] *= T::of(0.5);
-        if let Some(area) = self.area {
-            parent[area] *= T::of(0.5);
+        for area in &mut parent[self.areas[0]..self.areas[1]] {
+            *area *= T::of(0.5);
         }
         // b loses three quarters of its largest principal value: half of the stretch is left.
         let n = direction;

@@ -13,7 +13,7 @@ use crate::step::rigid::RigidState;
 impl<const D: usize> Loads<D> {
     fn constants(&self, at: &[f64; D], times: [f64; 2]) -> String {
         let mut words = Vec::new();
-        if let Some(load) = &self.traction {
+        for load in &self.tractions {
             let (axis, turned) = (load.axis, if load.revolved { ", revolved" } else { "" });
             let history = over(times, |t| (load.history)(t));
             words.push(format!("traction {history} Pa on axis {axis}{turned}, {}", region(&*load.region)));

@@ -129,13 +129,13 @@ impl<T: Float, const D: usize> ParticleBody<T, D> {
             hoop[0] = -stress[2][2] / (self.lattice.origin()[0] + self.lattice.spacing() * cells);
         }
         let (mut velocity, mut load) = ([0.0; 3], [0.0; 3]);
-        let (traction, rows) = (self.loads.traction(time), self.loads.rows(self.columns.load()));
+        let areas = self.loads.rows(self.columns.load()).areas[0]..;
         let number = numbers[self.columns.number()].to_double() as usize;
         for d in 0..D {
             velocity[d] = numbers[Columns::velocity(D) + d].to_double();
-            if let Some(row) = rows.area {
-                load[d] = numbers[row].to_double() * traction[d];
-            }
+        }
+        for (row, traction) in areas.zip(self.loads.tractions(time)) {
+            (0..D).for_each(|d| load[d] += numbers[row].to_double() * traction[d]);
         }
         if let Some(field) = &self.loads.field {
             let acceleration = (field.acceleration)(&self.starts[number % self.starts.len()], time);

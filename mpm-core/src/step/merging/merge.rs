@@ -277,9 +277,9 @@ impl<T: Float, const D: usize> Merger<'_, T, D> {
         let states: Vec<(f64, &[T])> = cluster.iter().map(state).collect();
         let state = self.body.material.merged(&states)?;
         numbers[Columns::state(D)..][..state.len()].copy_from_slice(&state);
-        // Half of the loaded area each; a field is that of the seed whose number they bear.
+        // Half of the loaded areas each; a field is that of the seed whose number they bear.
         let loads = self.body.loads.rows(columns.load());
-        if let Some(area) = loads.area {
+        for area in loads.areas[0]..loads.areas[1] {
             let sum: f64 = cluster.iter().map(|grain| grain.numbers[area].to_double()).sum();
             numbers[area] = T::of(0.5 * sum);
         }

@@ -1,0 +1,156 @@
+//! Tractions on facets of the surface.
+
+use std::sync::Arc;
+
+use impactite_geometry::Facet;
+use impactite_scene::SceneError;
+
+use crate::body::ElementBody;
+use crate::push::Push;
+use crate::solver::Fem;
+use crate::surface::surface_of;
+
+/// A traction over time: Pa at a time in s.
+pub type TractionHistory<const D: usize> = Arc<dyn Fn(f64) -> [f64; D] + Send + Sync>;
+
+/// A dead load: a traction over time on areas as they are at the start.
+#[derive(Clone)]
+pub(crate) struct SurfaceLoad<const D: usize> {
+    /// What facets it is on, in words, for checkpoints.
+    pub facets: String,
+    /// Nodes with their shares of the area, m^2 (per metre of depth or per radian).
+    pub areas: Vec<(u32, f64)>,
+    pub history: TractionHistory<D>,
+}
+
+/// A facet of the surface at the start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceFacet<const D: usize> {
+    /// Mean of its nodes, m.
+    pub centre: [f64; D],
+    /// Normal outwards, of length 1.
+    pub normal: [f64; D],
+    /// Area, m^2 (per metre of depth or per radian).
+    pub area: f64,
+}
+
+impl<const D: usize> Fem<D> {
+    /// Load facets of the surface of a body, as it is at the start, by a traction over time; several loads add up. Returns how many facets
+    /// it is on. `facets` says which they are, for checkpoints to compare.
+    ///
+    /// # Errors
+    /// No facet is picked.
+    ///
+    /// # Panics
+    /// There is no such body.
+    pub fn load(
+        &mut self,
+        body: usize,
+        facets: &str,
+        picked: impl Fn(&SurfaceFacet<D>) -> bool,
+        history: TractionHistory<D>,
+    ) -> Result<usize, SceneError> {
+        let hoop = self.hoop();
+        let body = &mut self.bodies[body];
+        let (mut shares, mut count) = (std::collections::BTreeMap::new(), 0);
+        for facet in surface_of(&body.mesh, &|_| true) {
+            let (view, areas) = view(&body.mesh.nodes, &facet, hoop);
+            if picked(&view) {
+                count += 1;
+                facet.nodes().iter().zip(areas).for_each(|(node, area)| *shares.entry(*node).or_insert(0.0) += area);
+            }
+        }
+        if count == 0 {
+            return Err(SceneError::NotWith {
+                what: format!("a traction on {facets}"),
+                method: format!("the mesh of body `{}`", body.name),
+                why: "no facet of its surface is there",
+            });
+        }
+        body.loads.push(SurfaceLoad { facets: facets.into(), areas: shares.into_iter().collect(), history });
+        Ok(count)
+    }
+}
+
+/// A facet, and the shares of its area that its nodes have: integrals of their shape functions.
+fn view<const D: usize>(nodes: &[[f64; D]], facet: &Facet, hoop: bool) -> (SurfaceFacet<D>, [f64; 4]) {
+    let x: Vec<[f64; D]> = facet.nodes().iter().map(|n| nodes[*n as usize]).collect();
+    let centre = std::array::from_fn(|d| x.iter().map(|x| x[d]).sum::<f64>() / x.len() as f64);
+    let (mut normal, mut shares) = ([0.0; D], [0.0; 4]);
+    if D == 3 {
+        // A quadrilateral is the mean of its two pairs of triangles.
+        let fans: &[[usize; 3]] = match x.len() {
+            3 => &[[0, 1, 2]],
+            _ => &[[0, 1, 2], [0, 2, 3], [0, 1, 3], [1, 2, 3]],
+        };
+        let part = if x.len() == 3 { 1.0 } else { 0.5 };
+        for fan in fans {
+            let [a, b, c] = fan.map(|n| x[n]);
+            let edge = |to: [f64; D], d: usize| to[d] - a[d];
+            let cross: [f64; 3] = std::array::from_fn(|d| {
+                let (i, j) = ((d + 1) % 3, (d + 2) % 3);
+                0.5 * part * (edge(b, i) * edge(c, j) - edge(b, j) * edge(c, i))
+            });
+            let area = cross.iter().map(|n| n * n).sum::<f64>().sqrt();
+            fan.iter().for_each(|n| shares[*n] += area / 3.0);
+            (0..D).for_each(|d| normal[d] += cross[d]);
+        }
+    } else if let [a, b] = x[..] {
+        let along: [f64; D] = std::array::from_fn(|d| b[d] - a[d]);
+        let length = along.iter().map(|e| e * e).sum::<f64>().sqrt();
+        let radius = |near: f64, far: f64| if hoop { (2.0 * near + far) / 3.0 } else { 1.0 };
+        shares[0] = 0.5 * length * radius(a[0], b[0]);
+        shares[1] = 0.5 * length * radius(b[0], a[0]);
+        (normal[0], normal[1]) = (along[1], -along[0]);
+    }
+    let length = normal.iter().map(|n| n * n).sum::<f64>().sqrt().max(f64::MIN_POSITIVE);
+    let facet = SurfaceFacet { centre, normal: normal.map(|n| n / length), area: shares.iter().sum() };
+    (facet, shares)
+}
+
+impl<const D: usize> ElementBody<D> {
+    /// Give the nodes the impulses of the loads at a time, s.
+    pub(crate) fn push_loads(&mut self, time: f64) {
+        let loads = std::mem::take(&mut self.loads);
+        for load in &loads {
+            let traction = (load.history)(time);
+            for &(node, area) in &load.areas {
+                // Nodes without mass are those of elements that became something else.
+                if self.nodes[node as usize].mass > 0.0 {
+                    let load = traction.map(|t| self.pace.kick * area * t);
+                    self.push(Push { load, ..Push::of(node) });
+                }
+            }
+        }
+        self.loads = loads;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use impactite_geometry::structured::box_mesh;
+    use impactite_geometry::Cuboid;
+
+    /// Surfaces of a box: areas and outward normals, and moments of the shares about the axis.
+    #[test]
+    fn facets_of_boxes_have_their_areas_and_normals() {
+        let mesh = box_mesh(&Cuboid::new([0.0; 3], [1.0, 2.0, 3.0]).expect("a box"), [2, 3, 4]).expect("a mesh");
+        let mut sums = [[0.0; 2]; 3];
+        for facet in surface_of(&mesh, &|_| true) {
+            let (view, shares) = view(&mesh.nodes, &facet, false);
+            assert!((shares.iter().sum::<f64>() - view.area).abs() < 1e-12);
+            let d = (0..3).find(|&d| view.normal[d].abs() > 0.99).expect("along an axis");
+            let outside = view.normal[d] > 0.0;
+            assert_eq!(view.centre[d], if outside { [1.0, 2.0, 3.0][d] } else { 0.0 });
+            sums[d][usize::from(outside)] += view.area;
+        }
+        for (sum, area) in sums.iter().zip([6.0, 3.0, 2.0]) {
+            assert!(sum.iter().all(|s| (s - area).abs() < 1e-12), "{sum:?}");
+        }
+        let ring = box_mesh(&Cuboid::new([1.0, 0.0], [3.0, 1.0]).expect("a box"), [2, 1]).expect("a mesh");
+        let top = surface_of(&ring, &|_| true).into_iter().map(|f| view(&ring.nodes, &f, true).0);
+        let area: f64 = top.filter(|f| f.normal[1] > 0.9).map(|f| f.area).sum();
+        assert!((area - 4.0).abs() < 1e-12, "(9 - 1) / 2 per radian: {area}");
+    }
+}

@@ -1,0 +1,263 @@
+//! Measures of a scene as it stands.
+
+mod past;
+mod value;
+
+use std::fmt;
+use std::sync::Arc;
+
+use impactite::scene::{Archive, Body, CheckpointError, Solver};
+
+use crate::build::wrong::Folder;
+use crate::build::{describe, shape};
+use crate::document::Source;
+use crate::model::measure::Measurement;
+use crate::model::shape::Shape;
+use crate::model::{SceneFile, Space};
+use crate::quantity::{Length, Quantity, Time};
+use past::{Past, Sample};
+
+/// A measure that the scene cannot give.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("measures.{name}: {why}")]
+pub struct MeasureError {
+    /// Its name.
+    pub name: String,
+    /// Why.
+    pub why: String,
+}
+
+/// Names and SI units of the measures of a scene, in their order. Masses, momenta, forces and energies are per radian in axisymmetric
+/// scenes, `kg/rad`, and per metre of depth in the plane, `kg/m`.
+#[must_use]
+pub fn columns(scene: &SceneFile) -> Vec<(String, String)> {
+    let unit = |measure| describe::unit_in(scene.space, describe::unit(scene, measure));
+    scene.measures.iter().map(|(name, measure)| (name.clone(), unit(measure))).collect()
+}
+
+/// The measures of a scene that was set up, with what they know of the steps so far.
+#[derive(Clone, Debug)]
+pub struct Measures {
+    space: Space,
+    list: Vec<Taken>,
+    ends: Vec<End>,
+    /// Steps of the scene when it was looked at last.
+    looked: Option<u64>,
+}
+
+/// A measure, and what it is taken with.
+#[derive(Clone, Debug)]
+struct Taken {
+    name: String,
+    what: Measurement,
+    /// The number of the point that it is taken at.
+    point: Option<usize>,
+    /// The region whose points count.
+    region: Option<Region>,
+    past: Past,
+}
+
+/// A region, fixed in space.
+#[derive(Clone)]
+struct Region(Arc<dyn Fn(&[f64; 3]) -> bool + Send + Sync>);
+
+impl Region {
+    fn contains(&self, place: &[f64; 3]) -> bool {
+        (self.0)(place)
+    }
+}
+
+impl fmt::Debug for Region {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "a region")
+    }
+}
+
+/// An end of the run by a measure.
+#[derive(Clone, Debug)]
+struct End {
+    /// Place of the measure in the list.
+    measure: usize,
+    below: Option<f64>,
+    above: Option<f64>,
+    /// Was the measure ever on the other side? From a value that it starts with it does not end the run.
+    armed: [bool; 2],
+}
+
+impl Measures {
+    /// The measures of a scene as it begins, since points are told by where they are then.
+    ///
+    /// # Errors
+    /// A field that the law of a body does not keep; a body without points; a region that is none.
+    pub fn new(source: &Source, scene: &SceneFile, solver: &dyn Solver) -> Result<Self, MeasureError> {
+        let bodies = solver.bodies();
+        let list = scene.measures.iter().map(|(name, what)| {
+            let wrong = |why| MeasureError { name: name.clone(), why };
+            let at = match what {
+                Measurement::PositionAt(at) | Measurement::VelocityAt(at) => Some((&at.body, &at.at)),
+                Measurement::ValueAt(at) => Some((&at.body, &at.at)),
+                _ => None,
+            };
+            let point =
+                at.map(|(body, at)| nearest(find(&bodies, body)?, at, solver.axisymmetric())).transpose();
+            let region = what.region().map(|shape| region(source, scene.space, shape)).transpose();
+            Ok(Taken {
+                name: name.clone(),
+                what: what.clone(),
+                point: point.map_err(wrong)?,
+                region: region.map_err(wrong)?,
+                past: Past::default(),
+            })
+        });
+        let list = list.collect::<Result<Vec<_>, _>>()?;
+        let ends = scene.until.iter().flat_map(|until| &until.0).map(|until| {
+            let value = |of: &Option<_>| of.as_ref().and_then(|of| describe::value(scene, until, of).ok());
+            let measure = scene.measures.get_index_of(&until.measure).unwrap_or_default();
+            End { measure, below: value(&until.below), above: value(&until.above), armed: [false; 2] }
+        });
+        let mut measures = Measures { space: scene.space, list, ends: ends.collect(), looked: None };
+        measures.look(solver)?;
+        measures.take(solver)?;
+        Ok(measures)
+    }
+
+    /// Are they to [look](Self::look) at every step? Where not, looking does nothing.
+    #[must_use]
+    pub fn looks(&self) -> bool {
+        let over_steps = |taken: &Taken| {
+            matches!(taken.what, Measurement::OverTime(_) | Measurement::ConditionForce(_))
+        };
+        !self.ends.is_empty() || self.list.iter().any(over_steps)
+    }
+
+    /// Look at the scene, at its start and after every step: for measures over time, for forces of the last step, and for ends by measures.
+    ///
+    /// # Errors
+    /// A field that the law of a body does not keep.
+    pub fn look(&mut self, solver: &dyn Solver) -> Result<(), MeasureError> {
+        let steps = solver.steps();
+        if !self.looks() || self.looked.replace(steps) == Some(steps) {
+            return Ok(());
+        }
+        let (time, bodies) = (solver.time(), solver.bodies());
+        for taken in &mut self.list {
+            if let Measurement::ConditionForce(of) = &taken.what {
+                let axis = self.space.axis(of.axis).unwrap_or_default();
+                taken.past.enter_rate(Sample { time, value: solver.exchange().impulse[axis] });
+            }
+        }
+        for n in 0..self.list.len() {
+            let Measurement::OverTime(over) = &self.list[n].what else { continue };
+            let Some(other) = self.list.iter().find(|taken| taken.name == over.of) else { continue };
+            let value = self.value(&bodies, solver, other)?;
+            let mean = matches!(other.what, Measurement::ConditionForce(_) | Measurement::ContactForce(_));
+            let time_of = |at: &Option<_>, else_at| at.as_ref().map_or(else_at, |q: &Quantity<Time>| q.value);
+            let window = [time_of(&over.from, 0.0), time_of(&over.to, f64::INFINITY)];
+            self.list[n].past.enter(Sample { time, value }, window, mean);
+        }
+        for n in 0..self.ends.len() {
+            let value = self.value(&bodies, solver, &self.list[self.ends[n].measure])?;
+            let end = &mut self.ends[n];
+            end.armed[0] |= end.below.is_some_and(|below| value >= below);
+            end.armed[1] |= end.above.is_some_and(|above| value <= above);
+        }
+        Ok(())
+    }
+
+    /// Why the run ends as the scene stands: a measure below or above its value, in words; None where it goes on.
+    ///
+    /// # Errors
+    /// A field that the law of a body does not keep.
+    pub fn ended(&self, solver: &dyn Solver) -> Result<Option<String>, MeasureError> {
+        let bodies = solver.bodies();
+        for end in &self.ends {
+            let (taken, [below, above]) = (&self.list[end.measure], end.armed);
+            let value = self.value(&bodies, solver, taken)?;
+            let name = &taken.name;
+            if let Some(limit) = end.below.filter(|limit| below && value < *limit) {
+                return Ok(Some(format!("`{name}` is {value:.6e}, below {limit:.6e}")));
+            }
+            if let Some(limit) = end.above.filter(|limit| above && value > *limit) {
+                return Ok(Some(format!("`{name}` is {value:.6e}, above {limit:.6e}")));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Their values, in SI units. Of a quarter model they are those of the quarter; of a point that is gone not a number.
+    ///
+    /// # Errors
+    /// A field that the law of a body does not keep.
+    pub fn take(&self, solver: &dyn Solver) -> Result<Vec<f64>, MeasureError> {
+        let bodies = solver.bodies();
+        self.list.iter().map(|taken| self.value(&bodies, solver, taken)).collect()
+    }
+
+    fn value(&self, bodies: &[&dyn Body], solver: &dyn Solver, taken: &Taken) -> Result<f64, MeasureError> {
+        value::of(self.space, bodies, solver, taken)
+            .map_err(|why| MeasureError { name: taken.name.clone(), why })
+    }
+
+    /// What they know of the steps so far, to a file or from one.
+    ///
+    /// # Errors
+    /// The file.
+    pub fn archive(&mut self, file: &mut Archive) -> Result<(), CheckpointError> {
+        file.option(&mut self.looked, Archive::word)?;
+        self.list.iter_mut().try_for_each(|taken| taken.past.archive(file))?;
+        self.ends.iter_mut().flat_map(|end| &mut end.armed).try_for_each(|armed| file.flag(armed))
+    }
+}
+
+/// The region of a shape.
+fn region(source: &Source, space: Space, shape: &Shape) -> Result<Region, String> {
+    fn of<const D: usize>(source: &Source, shape: &Shape) -> Result<Region, String> {
+        let built = shape::build::<D>("region", shape, &Folder(source.folder()));
+        let built = built.map_err(|wrong| format!("{}: {}", wrong.key, wrong.message))?;
+        Ok(Region(Arc::new(move |place| {
+            let place: [f64; D] = std::array::from_fn(|d| place[d]);
+            built.contains(place)
+        })))
+    }
+    if space == Space::Full { of::<3>(source, shape) } else { of::<2>(source, shape) }
+}
+
+/// The body of a name.
+fn find<'a>(bodies: &[&'a dyn Body], name: &str) -> Result<&'a dyn Body, String> {
+    // Bodies of elements among particles are together one body of the scene.
+    let named = |b: &&&dyn Body| b.name() == name || b.name().split(" + ").any(|n| n == name);
+    bodies.iter().find(named).copied().ok_or_else(|| format!("the scene has no body `{name}`"))
+}
+
+/// The number of the point that is nearest to a place; of several the one with the smallest number. A place further than two widths of a
+/// point away is refused: it is outside of the body.
+fn nearest(body: &dyn Body, at: &[Quantity<Length>], revolved: bool) -> Result<usize, String> {
+    let mut best = None;
+    body.for_each(&mut |p| {
+        let square: f64 = at.iter().zip(p.position).map(|(a, x)| (a.value - x).powi(2)).sum();
+        if best.is_none_or(|(least, number, _)| square < least || square == least && p.number < number) {
+            // Largest distance of a corner of an element.
+            let far =
+                |c: &[f64; 3]| (0..at.len()).map(|d| (c[d] - p.position[d]).powi(2)).sum::<f64>().sqrt();
+            let half = p.corners.iter().map(far).fold(0.0, f64::max);
+            best = Some((square, p.number, half.max(p.drawn_width(at.len(), revolved))));
+        }
+    });
+    let (square, number, width) = best.ok_or_else(|| format!("the body `{}` has no points", body.name()))?;
+    if square.sqrt() > 2.0 * width {
+        let distance = square.sqrt();
+        return Err(format!(
+            "the place is outside of `{}`: its nearest point is {distance:.3e} m away",
+            body.name()
+        ));
+    }
+    Ok(number)
+}
+
+/// What a check of a scene asks for, in SI units: the place of its measure, and the reference.
+#[must_use]
+pub fn reference(scene: &SceneFile, check: usize) -> Option<(usize, f64)> {
+    let place = scene.measures.get_index_of(&scene.checks.get(check)?.measure)?;
+    Some((place, describe::reference(scene, check).ok()?))
+}
+

@@ -1,0 +1,257 @@
+//! Values of measures at one time.
+
+use impactite::scene::{Account, Body, PointView, Solver};
+
+use super::{Taken, find};
+use crate::model::Space;
+use crate::model::measure::{AngularMomentum, Entry, Measurement};
+
+/// The value of a measure that is of one time.
+pub(super) fn of(
+    space: Space,
+    bodies: &[&dyn Body],
+    solver: &dyn Solver,
+    taken: &Taken,
+) -> Result<f64, String> {
+    use Measurement as M;
+    let (find, measure) = (|name: &str| find(bodies, name), &taken.what);
+    // What a point of a body is asked for; no number once it is gone.
+    let at_point = |body: &str, ask: &dyn Fn(&PointView) -> f64| {
+        let mut value = f64::NAN;
+        find(body)?.for_each(&mut |p| {
+            if Some(p.number) == taken.point {
+                value = ask(p);
+            }
+        });
+        Ok::<f64, String>(value)
+    };
+    let (dimensions, revolved) = (space.dimensions(), space == Space::Axisymmetric);
+    // Points of a body that are in the region of the measure, if it has one.
+    let within = |p: &PointView| taken.region.as_ref().is_none_or(|region| region.contains(&p.position));
+    Ok(match measure {
+        M::Extent(m) => {
+            let axis = space.axis(m.axis)?;
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            find(&m.body)?.for_each(&mut |p| {
+                let half = 0.5 * p.drawn_width(dimensions, revolved);
+                // Elements end at their nodes.
+                let half = if p.corners.is_empty() { half } else { 0.0 };
+                low = low.min(p.position[axis] - half);
+                high = high.max(p.position[axis] + half);
+                for corner in &p.corners {
+                    low = low.min(corner[axis]);
+                    high = high.max(corner[axis]);
+                }
+            });
+            // Matter of a body of revolution does not cross its axis.
+            high - if revolved && axis == 0 { low.max(0.0) } else { low }
+        }
+        M::Highest(m) | M::Lowest(m) => {
+            let axis = space.axis(m.axis)?;
+            let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+            find(&m.body)?.for_each(&mut |p| {
+                low = low.min(p.position[axis]);
+                high = high.max(p.position[axis]);
+            });
+            if matches!(measure, M::Highest(_)) { high } else { low }
+        }
+        M::Centre(m) => {
+            let axis = space.axis(m.axis)?;
+            let (mut mass, mut sum) = (0.0, 0.0);
+            find(&m.body)?.for_each(&mut |p| {
+                mass += p.mass;
+                sum += p.mass * p.position[axis];
+            });
+            sum / mass
+        }
+        M::MeanVelocity(m) => {
+            let totals = find(&m.body)?.totals();
+            totals.momentum_now()[space.axis(m.axis)?] / totals.mass
+        }
+        M::Momentum(m) => find(&m.body)?.totals().momentum_now()[space.axis(m.axis)?],
+        M::Kinetic(m) => find(&m.body)?.totals().kinetic_now(),
+        M::Internal(m) => find(&m.body)?.totals().internal,
+        M::AngularMomentum(m) => angular_momentum(space, find(&m.body)?, m)?,
+        M::Mass(m) if taken.region.is_none() => find(&m.body)?.totals().mass,
+        M::Mass(m) => summed(find(&m.body)?, &|p| if within(p) { p.mass } else { 0.0 }),
+        M::Volume(m) => summed(find(&m.body)?, &|p| if within(p) { p.volume } else { 0.0 }),
+        M::FailedShare(m) => {
+            let (mut failed, mut all) = (0usize, 0usize);
+            find(&m.body)?.for_each(&mut |p| {
+                let counts = within(p);
+                all += usize::from(counts);
+                failed += usize::from(counts && p.failed);
+            });
+            failed as f64 / all.max(1) as f64
+        }
+        M::Largest(m) | M::Smallest(m) => {
+            let sign = if matches!(measure, M::Largest(_)) { 1.0 } else { -1.0 };
+            let mut most = f64::NAN;
+            each(space, find(&m.body)?, &m.field, &mut |p, value| {
+                if within(p) {
+                    most = most.max(sign * value(p));
+                }
+            })?;
+            sign * most
+        }
+        M::Mean(m) => {
+            let (mut mass, mut sum) = (0.0, 0.0);
+            each(space, find(&m.body)?, &m.field, &mut |p, value| {
+                if within(p) {
+                    mass += p.mass;
+                    sum += p.mass * value(p);
+                }
+            })?;
+            sum / mass
+        }
+        M::PositionAt(m) => {
+            let axis = space.axis(m.axis)?;
+            at_point(&m.body, &|p| p.position[axis])?
+        }
+        M::VelocityAt(m) => {
+            let axis = space.axis(m.axis)?;
+            at_point(&m.body, &|p| p.velocity[axis])?
+        }
+        M::ValueAt(m) => {
+            let mut there = f64::NAN;
+            each(space, find(&m.body)?, &m.field, &mut |p, value| {
+                if Some(p.number) == taken.point {
+                    there = value(p);
+                }
+            })?;
+            there
+        }
+        M::ContactForce(m) => {
+            let axis = space.axis(m.axis)?;
+            let number = |name: &String| {
+                let body = find(name)?;
+                Ok::<_, String>(bodies.iter().position(|b| b.name() == body.name()).unwrap_or(usize::MAX))
+            };
+            let (first, second) = (number(&m.between[0])?, number(&m.between[1])?);
+            let contacts = solver.contacts();
+            let pair = contacts.iter().find(|pair| pair.bodies == [first.min(second), first.max(second)]);
+            // Of a pair the force is that on the body of the larger number.
+            let sign = if second > first { 1.0 } else { -1.0 };
+            pair.map_or(0.0, |pair| sign * pair.force[axis])
+        }
+        M::ConditionForce(_) => taken.past.force(),
+        M::ConditionImpulse(m) => solver.exchange().impulse[space.axis(m.axis)?],
+        M::Balance(entry) => balance(&solver.account(), *entry),
+        M::EnergyError(_) => solver.account().energy_error(),
+        M::OverTime(m) => taken.past.value(m),
+    })
+}
+
+/// The sum of a number over the points of a body.
+fn summed(body: &dyn Body, number: &dyn Fn(&PointView) -> f64) -> f64 {
+    let mut sum = 0.0;
+    body.for_each(&mut |p| sum += number(p));
+    sum
+}
+
+/// A part of the balance of energy, J.
+fn balance(account: &Account, entry: Entry) -> f64 {
+    match entry {
+        Entry::Kinetic => account.kinetic + account.staggered,
+        Entry::Internal => account.internal,
+        Entry::Work => account.work,
+        Entry::Friction => account.friction,
+        Entry::Impacts => account.impacts,
+        Entry::Damping => account.damping,
+        Entry::Viscosity => account.viscosity,
+        Entry::ViscousHeat => account.viscous_heat,
+        Entry::Unexplained => account.unexplained,
+    }
+}
+
+/// Angular momentum about a place, L = L_0 - c x p with that about the origin, kg m^2/s.
+fn angular_momentum(space: Space, body: &dyn Body, of: &AngularMomentum) -> Result<f64, String> {
+    let totals = body.totals();
+    let mut centre = [0.0; 3];
+    match &of.about {
+        Some(about) => about.iter().zip(&mut centre).for_each(|(at, c)| *c = at.value),
+        None => body.for_each(&mut |p| {
+            (0..3).for_each(|d| centre[d] += p.mass * p.position[d] / totals.mass);
+        }),
+    }
+    // The balanced momentum, to which that about the origin belongs.
+    let axis = of.axis.map_or(Ok(2), |axis| space.axis(axis))?;
+    let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+    let carried = centre[i] * totals.momentum[j] - centre[j] * totals.momentum[i];
+    Ok(totals.angular_momentum[axis] - carried)
+}
+
+/// A number of a point.
+type OfPoint<'a> = dyn Fn(&PointView) -> f64 + 'a;
+
+/// A component of a vector or tensor of a point.
+#[derive(Clone, Copy)]
+enum Component {
+    Velocity(usize),
+    Stress(usize),
+}
+
+/// The component of a name, as `velocity_x` and `stress_xy`; around an axis of the letters r, z and, for the angle, t.
+fn component(space: Space, field: &str) -> Option<Component> {
+    let letters = if space == Space::Axisymmetric { "rzt" } else { "xyz" };
+    let places = |word: &str| word.chars().map(|c| letters.find(c)).collect::<Option<Vec<usize>>>();
+    let (name, word) = field.rsplit_once('_')?;
+    match (name, &places(word)?[..]) {
+        ("velocity", &[d]) if d < space.dimensions() => Some(Component::Velocity(d)),
+        ("stress", &[i, j]) => Some(Component::Stress(if i == j { i } else { 6 - i - j })),
+        _ => None,
+    }
+}
+
+/// Every point of a body, with what a field is there.
+fn each(
+    space: Space,
+    body: &dyn Body,
+    field: &str,
+    visit: &mut dyn FnMut(&PointView, &OfPoint<'_>),
+) -> Result<(), String> {
+    let names = body.state_names();
+    let (place, component) = (names.iter().position(|n| n == field), component(space, field));
+    if place.is_none() && component.is_none() && !["pressure", "von_mises", "speed"].contains(&field) {
+        let kept = if names.is_empty() { "no state".into() } else { names.join(", ") };
+        let components = match space {
+            Space::Axisymmetric => "velocity_r, stress_rz",
+            _ => "velocity_x, stress_xy",
+        };
+        return Err(format!(
+            "the law of `{}` keeps no `{field}`; there are pressure, von_mises, speed, components as {components}, {kept}",
+            body.name()
+        ));
+    }
+    let value = |p: &PointView| match (component, place, field) {
+        (Some(Component::Velocity(d)), ..) => p.velocity[d],
+        (Some(Component::Stress(n)), ..) => p.stress[n],
+        (None, Some(n), _) => p.state[n],
+        (None, None, "pressure") => p.pressure(),
+        (None, None, "von_mises") => p.von_mises(),
+        (None, None, _) => p.velocity.iter().map(|v| v * v).sum::<f64>().sqrt(),
+    };
+    body.for_each(&mut |p| visit(p, &value));
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_have_the_letters_of_the_space() {
+        let stress = |space, name| match component(space, name) {
+            Some(Component::Stress(n)) => n,
+            _ => usize::MAX,
+        };
+        for (n, name) in ["xx", "yy", "zz", "yz", "xz", "xy"].iter().enumerate() {
+            assert_eq!(stress(Space::Full, &format!("stress_{name}")), n);
+        }
+        for (n, name) in ["rr", "zz", "tt", "zt", "rt", "zr"].iter().enumerate() {
+            assert_eq!(stress(Space::Axisymmetric, &format!("stress_{name}")), n);
+        }
+        assert!(component(Space::PlaneStrain, "velocity_z").is_none(), "no motion across the plane");
+        assert!(component(Space::Full, "velocity_r").is_none() && component(Space::Full, "stress_x").is_none());
+    }
+}
